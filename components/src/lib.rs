@@ -1,0 +1,1 @@
+//! The plant library and the control laws: one file per component

@@ -1,0 +1,1 @@
+//! The master: connect FMUs, step them, record

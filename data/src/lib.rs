@@ -1,0 +1,1 @@
+//! Logs and blueprints: read, write, check, resample

@@ -1,0 +1,1 @@
+//! What a quantity, a component and a chain of components are

@@ -1,0 +1,1 @@
+//! FMI model descriptions and packages: write, read, check, pack, open

@@ -1,0 +1,1 @@
+//! Results as a typed context, a JSON file and one self-contained page

@@ -1,0 +1,2 @@
+//! The tool `piezoloop`.
+fn main() {}
