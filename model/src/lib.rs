@@ -1,1 +1,30 @@
-//! What a quantity, a component and a chain of components are
+//! What a quantity, a component and a chain of components are.
+//!
+//! A [`Component`] is one physical effect or one control law: it *declares* its quantities once
+//! ([`Declaration`]) and steps over slices. A [`System`] is a built chain of components: everything
+//! that never changes is its plan, everything that changes is one [`Context`], so that reset, save
+//! and restore are copies. Building allocates and can fail; stepping does neither.
+//!
+//! Equations are in SI. Variables at the edge carry the unit of the blueprint (`um`, `V`, …); the
+//! value that a user sets is kept as it was given, so that reading it back returns the same bits.
+#![no_std]
+extern crate alloc;
+
+mod component;
+mod context;
+mod effect;
+mod quantity;
+mod system;
+mod unit;
+mod variable;
+
+pub use component::{
+    Component, Conversion, Declaration, Input, MAX_PORTS, Output, Published, Registry, Sizes,
+    Source, Stage, Tick, Violation,
+};
+pub use context::{Context, ContextError};
+pub use effect::{Effect, Group};
+pub use quantity::{Quantity, Shape, Structural, Variability, unit_on_axis};
+pub use system::{AxisSpec, BuildError, Kind, NodeSpec, StepError, System, SystemSpec};
+pub use unit::{BASE_UNITS, Unit, UnitError};
+pub use variable::{Causality, DataType, SetError, Variable, VariableTable};

@@ -1,0 +1,279 @@
+//! A component: one physical effect or one control law.
+
+use core::fmt;
+
+use crate::{Effect, Quantity, Structural};
+
+/// Most input or output ports of one component.
+pub const MAX_PORTS: usize = 8;
+
+/// The list of all component types.
+pub type Registry = &'static [&'static dyn Component];
+
+/// Where on the signal path a component sits; the order is the order of the path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Quantisation, delay, clock.
+    Timing,
+    /// Amplifier.
+    Amplifier,
+    /// Actuator: hysteresis, creep, polarisation, temperature.
+    Actuator,
+    /// Modes, load, backlash, friction, disturbance force.
+    Mechanics,
+    /// Cross-coupling between axes.
+    Coupling,
+    /// Thermal drift, floor.
+    Environment,
+    /// Sensor.
+    Sensor,
+    /// Control law (controllers only).
+    Control,
+}
+
+impl Stage {
+    /// The identifier used in files and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Timing => "timing",
+            Self::Amplifier => "amplifier",
+            Self::Actuator => "actuator",
+            Self::Mechanics => "mechanics",
+            Self::Coupling => "coupling",
+            Self::Environment => "environment",
+            Self::Sensor => "sensor",
+            Self::Control => "control",
+        }
+    }
+}
+
+/// What a component does to the kind of signal on the path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Conversion {
+    /// What goes in comes out: volts stay volts, metres stay metres.
+    None,
+    /// Command (V) in, position (m, rad, 1) out: actuators.
+    CommandToPosition,
+    /// Position in, command out: inverse models.
+    PositionToCommand,
+    /// Takes the path's command signal and external ones, gives a command: control laws. Where the
+    /// path still carries a position, the port reads zero.
+    Control,
+}
+
+/// Where an input port reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The signal path: the output of the component before, or the axis' input.
+    Path,
+    /// An input of the axis by name (`reference`, `measured`).
+    Axis(&'static str),
+    /// An input of the whole system by name (`enable`).
+    System(&'static str),
+}
+
+/// An input port.
+#[derive(Clone, Copy, Debug)]
+pub struct Input {
+    /// Name in the equations.
+    pub name: &'static str,
+    /// Where it reads.
+    pub source: Source,
+    /// Whether the outputs at rest depend on it ([`Component::rest`]).
+    pub at_rest: bool,
+}
+
+/// An output port. The first one is the signal path.
+#[derive(Clone, Copy, Debug)]
+pub struct Output {
+    /// Name in the equations.
+    pub name: &'static str,
+    /// Published as an output `name[i]` of the axis, with this unit and sentence.
+    pub published: Option<Published>,
+}
+
+/// How an output port appears outside.
+#[derive(Clone, Copy, Debug)]
+pub struct Published {
+    /// Unit, with `{command}` and `{position}` for the axis' own.
+    pub unit: &'static str,
+    /// One sentence.
+    pub description: &'static str,
+    /// A truth value, published as Boolean.
+    pub boolean: bool,
+}
+
+impl Input {
+    /// The signal path.
+    pub const PATH: Self = Self { name: "u", source: Source::Path, at_rest: true };
+
+    /// A port that reads an input of the axis, and has no effect on the outputs at rest.
+    #[must_use]
+    pub const fn axis(name: &'static str) -> Self {
+        Self { name, source: Source::Axis(name), at_rest: false }
+    }
+
+    /// A port that reads an input of the whole system, and has no effect on the outputs at rest.
+    #[must_use]
+    pub const fn system(name: &'static str) -> Self {
+        Self { name, source: Source::System(name), at_rest: false }
+    }
+}
+
+impl Output {
+    /// The signal path.
+    pub const PATH: Self = Self { name: "y", published: None };
+
+    /// An output that is also an output of the FMU.
+    #[must_use]
+    pub const fn published(
+        name: &'static str,
+        unit: &'static str,
+        description: &'static str,
+        boolean: bool,
+    ) -> Self {
+        Self { name, published: Some(Published { unit, description, boolean }) }
+    }
+}
+
+/// Everything that is said about a component once; variables, blueprint keys and checks, model
+/// descriptions, fit bounds and docs come from it.
+#[derive(Clone, Copy, Debug)]
+pub struct Declaration {
+    /// The blueprint's `type`, as in `prandtl-ishlinskii`.
+    pub kind: &'static str,
+    /// Instance name where the blueprint gives none, as in `hysteresis`.
+    pub name: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// Its governing equation in plain text.
+    pub equation: &'static str,
+    /// Where the equation comes from.
+    pub reference: &'static str,
+    /// Stage on the signal path.
+    pub stage: Stage,
+    /// What it does to the path's kind of signal.
+    pub conversion: Conversion,
+    /// The effect that it models; such a component can be switched off (`x.enabled`).
+    pub effect: Option<&'static Effect>,
+    /// Input ports.
+    pub inputs: &'static [Input],
+    /// Output ports; the first is the signal path.
+    pub outputs: &'static [Output],
+    /// Structural settings.
+    pub structure: &'static [Structural],
+    /// Parameters, in the order of the slices that [`Component::prepare`] sees.
+    pub parameters: &'static [Quantity],
+}
+
+impl Declaration {
+    /// Whether a blueprint or a start value may switch it off: it models an effect and leaves the
+    /// kind of signal as it is.
+    #[must_use]
+    pub fn can_be_disabled(&self) -> bool {
+        self.effect.is_some() && matches!(self.conversion, Conversion::None)
+    }
+
+    /// The length of parameter number `index` under this structure.
+    #[must_use]
+    pub fn length(&self, index: usize, structure: &[f64]) -> usize {
+        match self.parameters.get(index).map(|q| q.shape) {
+            Some(crate::Shape::Scalar) => 1,
+            Some(crate::Shape::Array(by)) => structure.get(by).map_or(0, |n| *n as usize),
+            None => 0,
+        }
+    }
+
+    /// Number of parameter values under this structure.
+    #[must_use]
+    pub fn parameter_count(&self, structure: &[f64]) -> usize {
+        (0..self.parameters.len()).map(|i| self.length(i, structure)).sum()
+    }
+}
+
+/// Room that an instance needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sizes {
+    /// Numbers computed from the parameters.
+    pub coefficients: usize,
+    /// Numbers that change at every step.
+    pub states: usize,
+}
+
+/// One hit of the internal grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick {
+    /// Number of the hit since the start (the first step's is 1).
+    pub index: u64,
+    /// Time of the hit, start + index · period, in s.
+    pub time: f64,
+    /// Period in s.
+    pub period: f64,
+}
+
+/// A rule that a set of parameters breaks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Violation {
+    /// Name of the quantity.
+    pub quantity: &'static str,
+    /// Index in it, from 0, for an array.
+    pub index: Option<usize>,
+    /// The value, in SI.
+    pub value: f64,
+    /// The rule, and the way out.
+    pub rule: &'static str,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.index {
+            Some(i) => write!(f, "{}[{}]", self.quantity, i + 1)?,
+            None => write!(f, "{}", self.quantity)?,
+        }
+        write!(f, " = {} (SI): {}", self.value, self.rule)
+    }
+}
+
+/// One kind of component. Implementations are stateless unit types; an instance is a set of slices.
+///
+/// Contract of the calls: [`prepare`](Self::prepare) once before anything else and again after a
+/// tunable parameter changed; [`rest`](Self::rest) once at the start; then [`step`](Self::step) at
+/// each hit. No call allocates or panics.
+pub trait Component: Sync {
+    /// What is declared about it.
+    fn declaration(&self) -> &'static Declaration;
+
+    /// Room for an instance with this structure at this period (s).
+    fn sizes(&self, structure: &[f64], period: f64) -> Sizes;
+
+    /// Checks the parameters as a set and computes the coefficients.
+    ///
+    /// `parameters` holds the values in SI, in the order of the declaration, arrays spread out;
+    /// `period` is the internal step in s.
+    ///
+    /// # Errors
+    /// The first [`Violation`] of a rule that spans several values (bounds of single values were
+    /// checked before).
+    fn prepare(
+        &self,
+        structure: &[f64],
+        parameters: &[f64],
+        period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation>;
+
+    /// Sets the state that an instance has when its inputs have been held forever, and the outputs
+    /// that belong to it.
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]);
+
+    /// Advances by one period with the inputs held over it, and writes the outputs at its end.
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    );
+}

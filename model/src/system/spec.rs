@@ -1,0 +1,81 @@
+//! What a system is built from, already checked for its words by the blueprint's reader.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt;
+
+use crate::Component;
+
+/// What a system stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A machine: `command[i]` in, `position[i]` out.
+    Plant,
+    /// A controller: `reference[i]` and `measured[i]` in, `command[i]` out.
+    Controller,
+}
+
+/// One instance of a component.
+#[derive(Clone)]
+pub struct NodeSpec {
+    /// Its type.
+    pub component: &'static dyn Component,
+    /// Its name on the axis.
+    pub name: String,
+    /// Structural settings, in the order of the declaration.
+    pub structure: Vec<f64>,
+    /// Parameters in the units of the declaration (with the axis' own units put in), in its order,
+    /// arrays spread out.
+    pub values: Vec<f64>,
+    /// Whether it acts at the start.
+    pub enabled: bool,
+}
+
+/// One axis: a chain in the order of the signal path.
+#[derive(Clone)]
+pub struct AxisSpec {
+    /// The user's name, for descriptions.
+    pub name: String,
+    /// Unit of the command.
+    pub command_unit: String,
+    /// Unit of the position.
+    pub position_unit: String,
+    /// Least and greatest command, for the FMU's variables (not a saturation).
+    pub command_range: (f64, f64),
+    /// Start values of the inputs: of `command` (plant) or of `reference` and `measured`.
+    pub start: f64,
+    /// Short names of the inputs and outputs in the order of the variables (`u`, `y`).
+    pub aliases: Vec<Option<String>>,
+    /// The components.
+    pub components: Vec<NodeSpec>,
+}
+
+/// A whole plant or controller.
+#[derive(Clone)]
+pub struct SystemSpec {
+    /// Name of the model.
+    pub name: String,
+    /// Plant or controller.
+    pub kind: Kind,
+    /// Internal step in s.
+    pub period: f64,
+    /// The axes.
+    pub axes: Vec<AxisSpec>,
+}
+
+/// Why a system cannot be built.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BuildError {
+    /// Place, as in `axis[1].hysteresis.w[3]`.
+    pub place: String,
+    /// Value, rule and way out.
+    pub message: String,
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.place, self.message)
+    }
+}
+
+impl core::error::Error for BuildError {}

@@ -1,0 +1,234 @@
+//! The variable table of a built system: what an FMU shows of it.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt;
+
+use crate::Unit;
+
+/// Type of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DataType {
+    /// Double precision.
+    Real,
+    /// 32-bit whole number.
+    Integer,
+    /// Truth value, stored as 0 or 1.
+    Boolean,
+}
+
+/// What a variable is to its surroundings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Causality {
+    /// Set by the outside at communication points.
+    Input,
+    /// Computed.
+    Output,
+    /// A parameter that cannot change during a run.
+    FixedParameter,
+    /// A parameter that may change at communication points.
+    TunableParameter,
+}
+
+/// One variable. Its value reference is its index in the table.
+#[derive(Clone, Debug)]
+pub struct Variable {
+    /// Structured name, as in `axis[1].hysteresis.w[3]`; never with a comma.
+    pub name: String,
+    /// Short names under which a blueprint lets the variable be addressed, as in `u`.
+    pub alias: Option<String>,
+    /// One sentence.
+    pub description: String,
+    /// Type.
+    pub data_type: DataType,
+    /// Unit as text; empty for none.
+    pub unit: String,
+    /// The same unit as factor and exponents.
+    pub si: Unit,
+    /// Causality and, for parameters, variability.
+    pub causality: Causality,
+    /// Whether a real input or output changes only at sample instants.
+    pub discrete: bool,
+    /// Start value in `unit`; `None` for outputs.
+    pub start: Option<f64>,
+    /// Least value allowed, −∞ for none.
+    pub min: f64,
+    /// Greatest value allowed, +∞ for none.
+    pub max: f64,
+    /// Whether an identification may fit it.
+    pub fit: bool,
+    /// Outputs: value references that its value at initialisation depends on; `None`: any.
+    pub initial_dependencies: Option<Vec<u32>>,
+}
+
+/// All variables of a system, by value reference.
+#[derive(Clone, Debug, Default)]
+pub struct VariableTable {
+    variables: Vec<Variable>,
+}
+
+/// Why a value was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SetError {
+    /// No variable has this value reference.
+    Unknown {
+        /// The value reference.
+        reference: u32,
+        /// How many variables there are.
+        count: u32,
+    },
+    /// The variable is an output.
+    NotSettable {
+        /// The value reference.
+        reference: u32,
+    },
+    /// NaN or infinite.
+    NotFinite {
+        /// The value reference.
+        reference: u32,
+        /// The value.
+        value: f64,
+    },
+    /// Outside its bounds.
+    OutOfRange {
+        /// The value reference.
+        reference: u32,
+        /// The value.
+        value: f64,
+        /// Least value allowed.
+        min: f64,
+        /// Greatest value allowed.
+        max: f64,
+    },
+}
+
+impl VariableTable {
+    /// The table of these variables; value references are the indices.
+    #[must_use]
+    pub fn new(variables: Vec<Variable>) -> Self {
+        Self { variables }
+    }
+
+    /// All variables, in the order of their value references.
+    #[must_use]
+    pub fn as_slice(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// Number of variables.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.variables.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.variables.is_empty()
+    }
+
+    /// The variable with this value reference.
+    #[must_use]
+    pub fn get(&self, reference: u32) -> Option<&Variable> {
+        self.variables.get(reference as usize)
+    }
+
+    /// The value reference of the variable with this name or alias.
+    #[must_use]
+    pub fn find(&self, name: &str) -> Option<u32> {
+        let by_name = self.variables.iter().position(|v| v.name == name);
+        by_name
+            .or_else(|| self.variables.iter().position(|v| v.alias.as_deref() == Some(name)))
+            .map(|i| i as u32)
+    }
+
+    /// Value references and variables of one causality, in order.
+    pub fn with(&self, causality: Causality) -> impl Iterator<Item = (u32, &Variable)> {
+        self.variables
+            .iter()
+            .enumerate()
+            .filter(move |(_, v)| v.causality == causality)
+            .map(|(i, v)| (i as u32, v))
+    }
+
+    /// A fingerprint of the table: 128-bit FNV-1a over name, reference, type, unit, causality,
+    /// variability and the bits of the start of every variable, as 32 hexadecimal digits. It is the
+    /// FMU's GUID, so that XML and binary cannot disagree unnoticed.
+    #[must_use]
+    pub fn fingerprint(&self) -> String {
+        let mut hash = Fnv::new();
+        for (reference, v) in self.variables.iter().enumerate() {
+            hash.write(v.name.as_bytes());
+            hash.write(&[0]);
+            hash.write(&(reference as u32).to_le_bytes());
+            hash.write(&[v.data_type as u8, v.causality as u8, u8::from(v.discrete)]);
+            hash.write(v.unit.as_bytes());
+            hash.write(&[0]);
+            match v.start {
+                Some(start) => hash.write(&start.to_bits().to_le_bytes()),
+                None => hash.write(&[0xff]),
+            }
+        }
+        let mut text = String::with_capacity(32);
+        let _ = fmt::write(&mut text, format_args!("{:032x}", hash.0));
+        text
+    }
+}
+
+/// FNV-1a, 128 bit.
+struct Fnv(u128);
+
+impl Fnv {
+    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+
+    fn new() -> Self {
+        Self(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u128::from(*byte)).wrapping_mul(Self::PRIME);
+        }
+    }
+}
+
+impl fmt::Display for SetError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Unknown { reference, count } => write!(
+                f,
+                "value reference {reference} is unknown; this model has the references 0 to {}",
+                count.saturating_sub(1)
+            ),
+            Self::NotSettable { reference } => {
+                write!(f, "value reference {reference} is an output and cannot be set")
+            }
+            Self::NotFinite { reference, value } => write!(
+                f,
+                "value reference {reference}: {value} is not a finite number; set a finite one"
+            ),
+            Self::OutOfRange { reference, value, min, max } => write!(
+                f,
+                "value reference {reference}: {value} is outside {min} to {max}; set a value inside"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for SetError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fnv_matches_the_published_vectors() {
+        let hash = |text: &str| {
+            let mut h = Fnv::new();
+            h.write(text.as_bytes());
+            h.0
+        };
+        assert_eq!(hash(""), 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
+        assert_eq!(hash("a"), 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964);
+    }
+}
