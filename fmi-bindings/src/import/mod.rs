@@ -1,0 +1,19 @@
+//! Import: the one place that loads a foreign FMU's shared library and calls it.
+//!
+//! ```text
+//! Binary (dlopen) ── v2::Library (the functions of FMI 2.0) ── v2::Instance (one slave)
+//!                                                              Log (what the FMU said)
+//! ```
+//!
+//! A call that fails becomes an [`Error`] that names the FMU, the call, the status and the last
+//! messages of the FMU. A status of *warning* is a success; its message is in the [`Log`].
+
+mod binary;
+mod error;
+mod log;
+pub mod resource;
+pub mod v2;
+
+pub use binary::Binary;
+pub use error::{CallError, Error, Status};
+pub use log::{Log, Message, OnMessage};
