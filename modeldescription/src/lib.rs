@@ -1,1 +1,19 @@
-//! FMI model descriptions and packages: write, read, check, pack, open
+//! FMI model descriptions and packages: write, read, check, pack, open.
+//!
+//! [`ModelDescription`] holds what an FMU of FMI 2.0 or 3.0 says about itself.
+
+pub mod description;
+mod names;
+pub mod problem;
+mod read;
+pub mod structure;
+mod time;
+pub mod variable;
+mod write;
+pub mod xml;
+
+pub use description::{FmiVersion, ModelDescription};
+pub use problem::{Problem, Severity};
+pub use read::ParseError;
+pub use time::generation_time;
+pub use write::WriteError;
