@@ -4,6 +4,7 @@
 
 pub mod description;
 mod names;
+pub mod package;
 pub mod problem;
 mod read;
 pub mod structure;
@@ -13,6 +14,7 @@ mod write;
 pub mod xml;
 
 pub use description::{FmiVersion, ModelDescription};
+pub use package::{Package, PackageBuilder, PackageError};
 pub use problem::{Problem, Severity};
 pub use read::ParseError;
 pub use time::generation_time;

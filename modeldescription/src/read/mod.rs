@@ -63,12 +63,17 @@ impl ModelDescription {
     /// If the XML is not well-formed or exceeds a limit (see [`XmlLimits`]), is no FMI 2.0 or 3.0
     /// description, or holds values that cannot be understood (all of them are named).
     pub fn parse(bytes: &[u8]) -> Result<Self, ParseError> {
-        let (description, problems) = read(bytes, &XmlLimits::default())?;
-        let unreadable: Vec<Problem> = problems.into_iter().filter(|p| p.unreadable).collect();
-        match unreadable.is_empty() {
-            true => Ok(description),
-            false => Err(ParseError::Unreadable(unreadable)),
-        }
+        usable(bytes, &XmlLimits::default())
+    }
+}
+
+/// Reads a description that can be used, whatever else deviates from the schema.
+pub(crate) fn usable(bytes: &[u8], limits: &XmlLimits) -> Result<ModelDescription, ParseError> {
+    let (description, problems) = read(bytes, limits)?;
+    let unreadable: Vec<Problem> = problems.into_iter().filter(|p| p.unreadable).collect();
+    match unreadable.is_empty() {
+        true => Ok(description),
+        false => Err(ParseError::Unreadable(unreadable)),
     }
 }
 

@@ -267,7 +267,7 @@ pub(super) fn parse_ranged(text: &str, (low, high): (i128, i128)) -> Option<i128
 /// `xs:hexBinary`.
 pub(super) fn parse_hex(text: &str) -> Option<Vec<u8>> {
     let digits = text.trim().as_bytes();
-    if digits.len() % 2 != 0 {
+    if !digits.len().is_multiple_of(2) {
         return None;
     }
     let nibble = |digit: u8| char::from(digit).to_digit(16);

@@ -1,0 +1,212 @@
+//! Packs an FMU.
+
+use std::collections::BTreeMap;
+use std::io::{Cursor, Write};
+use std::path::Path;
+
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, System, ZipWriter};
+
+use super::error::PackageError;
+use super::platform::Platform;
+use crate::description::{FmiVersion, ModelDescription};
+use crate::problem::MODEL_DESCRIPTION;
+
+/// An FMU in the making.
+///
+/// The same content gives the same bytes, whenever and wherever it is packed: entries are sorted,
+/// time stamps are that of the zip format's first day, permissions are fixed.
+#[derive(Debug, Clone)]
+pub struct PackageBuilder {
+    version: FmiVersion,
+    model_identifiers: Vec<String>,
+    description: String,
+    entries: BTreeMap<String, Vec<u8>>,
+}
+
+impl PackageBuilder {
+    /// Starts an FMU with this description.
+    ///
+    /// # Errors
+    /// If the description cannot be written as XML.
+    pub fn new(description: &ModelDescription) -> Result<Self, PackageError> {
+        let mut model_identifiers: Vec<String> = description
+            .interfaces()
+            .map(|(_, interface)| interface.model_identifier.clone())
+            .collect();
+        model_identifiers.dedup();
+        Ok(PackageBuilder {
+            version: description.fmi_version,
+            model_identifiers,
+            description: description.to_xml()?,
+            entries: BTreeMap::new(),
+        })
+    }
+
+    /// Adds the shared library for a platform, named as in FMI 2.0 (`linux64`) or 3.0
+    /// (`x86_64-linux`); it goes to the folder that the FMU's version prescribes, under the name
+    /// that the description's `modelIdentifier` prescribes.
+    ///
+    /// # Errors
+    /// If the platform is unknown or its library is there already.
+    pub fn binary(&mut self, platform: &str, library: Vec<u8>) -> Result<&mut Self, PackageError> {
+        let known = Platform::from_name(platform).ok_or_else(|| PackageError::Name {
+            entry: format!("binaries/{platform}"),
+            reason: format!(
+                "the platform is unknown; known are {}",
+                super::PLATFORMS.map(|p| p.folder(self.version)).join(", ")
+            ),
+        })?;
+        for identifier in self.model_identifiers.clone() {
+            let folder = known.folder(self.version);
+            let path = format!("binaries/{folder}/{identifier}.{}", known.extension);
+            self.entry(path, library.clone())?;
+        }
+        Ok(self)
+    }
+
+    /// Adds a file that the FMU reads when it runs, below `resources/`.
+    ///
+    /// # Errors
+    /// As [`PackageBuilder::entry`].
+    pub fn resource(&mut self, path: &str, content: Vec<u8>) -> Result<&mut Self, PackageError> {
+        self.entry(format!("resources/{path}"), content)
+    }
+
+    /// Adds a file for people, below `documentation/`; they start at `index.html`.
+    ///
+    /// # Errors
+    /// As [`PackageBuilder::entry`].
+    pub fn documentation(
+        &mut self,
+        path: &str,
+        content: Vec<u8>,
+    ) -> Result<&mut Self, PackageError> {
+        self.entry(format!("documentation/{path}"), content)
+    }
+
+    /// Adds a licence, below `licenses/` (2.0) or `documentation/licenses/` (3.0); the entry point
+    /// is `license.txt` or `license.html`.
+    ///
+    /// # Errors
+    /// As [`PackageBuilder::entry`].
+    pub fn license(&mut self, path: &str, content: Vec<u8>) -> Result<&mut Self, PackageError> {
+        match self.version {
+            FmiVersion::V2 => self.entry(format!("licenses/{path}"), content),
+            FmiVersion::V3 => self.entry(format!("documentation/licenses/{path}"), content),
+        }
+    }
+
+    /// Adds a file for tools, below `extra/`; the next folder is the tool's reversed domain.
+    ///
+    /// # Errors
+    /// As [`PackageBuilder::entry`].
+    pub fn extra(&mut self, path: &str, content: Vec<u8>) -> Result<&mut Self, PackageError> {
+        self.entry(format!("extra/{path}"), content)
+    }
+
+    /// Adds any file, at a path with forward slashes.
+    ///
+    /// # Errors
+    /// If the path is not a plain relative path or is there already.
+    pub fn entry(
+        &mut self,
+        path: impl Into<String>,
+        content: Vec<u8>,
+    ) -> Result<&mut Self, PackageError> {
+        let path = path.into();
+        if let Some(reason) = self.refusal(&path) {
+            return Err(PackageError::Name { entry: path, reason });
+        }
+        self.entries.insert(path, content);
+        Ok(self)
+    }
+
+    fn refusal(&self, path: &str) -> Option<String> {
+        let plain = |part: &str| !part.is_empty() && part != "." && part != "..";
+        let below = format!("{path}/");
+        let is_folder = |name: &String| name.starts_with(&below);
+        let is_below_file = |name: &String| path.starts_with(&format!("{name}/"));
+        if path.contains('\\') || path.contains(':') || path.chars().any(char::is_control) {
+            Some("it has a backslash, a colon or a control character".to_owned())
+        } else if !path.split('/').all(plain) {
+            Some("it must be a relative path without empty parts, \".\" and \"..\"".to_owned())
+        } else if path == MODEL_DESCRIPTION || self.entries.contains_key(path) {
+            Some("there is such an entry already".to_owned())
+        } else if self.entries.keys().any(|name| is_folder(name) || is_below_file(name)) {
+            Some("another entry makes it, or a part of it, both a file and a folder".to_owned())
+        } else {
+            None
+        }
+    }
+
+    /// The bytes of the `.fmu`.
+    ///
+    /// # Errors
+    /// If the zip writer fails.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, PackageError> {
+        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+        add(&mut zip, MODEL_DESCRIPTION, self.description.as_bytes())?;
+        // Importers pass NULL for a folder that is not there, and not every FMU survives that.
+        if !self.entries.keys().any(|path| path.starts_with("resources/")) {
+            zip.add_directory("resources/", options(0o755))
+                .map_err(|e| failed("resources/", &e))?;
+        }
+        for (path, content) in &self.entries {
+            add(&mut zip, path, content)?;
+        }
+        let bytes = zip.finish().map_err(|error| failed("end of archive", &error))?;
+        Ok(bytes.into_inner())
+    }
+
+    /// Writes the `.fmu`; the file appears whole or not at all.
+    ///
+    /// # Errors
+    /// If the zip writer fails or the file cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), PackageError> {
+        let path = path.as_ref();
+        let bytes = self.to_bytes()?;
+        write_whole(path, &bytes)
+            .map_err(|source| PackageError::Write { path: path.to_owned(), source })
+    }
+}
+
+fn add(
+    zip: &mut ZipWriter<Cursor<Vec<u8>>>,
+    path: &str,
+    content: &[u8],
+) -> Result<(), PackageError> {
+    let permissions = if path.starts_with("binaries/") { 0o755 } else { 0o644 };
+    zip.start_file(path, options(permissions)).map_err(|error| failed(path, &error))?;
+    zip.write_all(content).map_err(|error| failed(path, &error))
+}
+
+fn options(permissions: u32) -> SimpleFileOptions {
+    SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .compression_level(Some(6))
+        .last_modified_time(DateTime::default())
+        .system(System::Unix)
+        .unix_permissions(permissions)
+}
+
+fn failed(entry: &str, error: &dyn std::error::Error) -> PackageError {
+    PackageError::Pack { entry: entry.to_owned(), message: error.to_string() }
+}
+
+/// Writes beside the target and renames, so that nobody sees half a file.
+fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    // As any new file, not readable by its owner alone as temporary files are.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.prefix(".fmu-").tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
