@@ -1,0 +1,5 @@
+//! The high-voltage amplifier.
+
+mod lag;
+
+pub use lag::AmplifierLag;

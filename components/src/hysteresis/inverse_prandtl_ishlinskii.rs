@@ -1,0 +1,168 @@
+//! The exact inverse of a Prandtl–Ishlinskii model, for feedforward.
+//!
+//! `u = Σ w'_i P_{r'_i}[y − offset]` with r', w' in closed form from the forward model's r and w
+//! ([`invert`](super::play::invert)). Its parameters are the forward model's, so that an identified
+//! model is inverted by copying it.
+//!
+//! * It needs r_1 = 0 and w_1 > 0: only then does every position belong to one command.
+//! * State: one number per play. At rest it is the virgin state moved monotonically to the
+//!   position, which is the image of the forward model's state at rest: a machine and its inverse
+//!   that are both at rest agree from the first step.
+//!
+//! Limits: those of the forward model; the command is not limited.
+//!
+//! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418, eqs. (16)–(18).
+
+use model::{Component, Conversion, Declaration, Input, Output, Sizes, Stage, Tick, Violation};
+
+use super::play::invert;
+use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, plays, split};
+use crate::rules::{WRONG_LENGTH, require_at};
+
+/// The component `inverse-prandtl-ishlinskii`.
+pub struct InversePrandtlIshlinskii;
+
+static DECLARATION: Declaration = Declaration {
+    kind: "inverse-prandtl-ishlinskii",
+    name: "feedforward",
+    summary: "Exact inverse of a Prandtl-Ishlinskii model, given by the forward model's parameters",
+    equation: "u = sum(w'[i]*P[i]); P[i] = max(y - offset - r'[i], min(y - offset + r'[i], P[i])); \
+               w'[1] = 1/w[1]; w'[i] = -w[i]/(sum(w[1..i])*sum(w[1..i-1])); \
+               r'[i] = sum(w[j]*(r[i] - r[j]), j = 1..i)",
+    reference: "K. Kuhnen, European Journal of Control 9 (2003) 407-418",
+    stage: Stage::Control,
+    conversion: Conversion::PositionToCommand,
+    effect: None,
+    inputs: &[Input::PATH],
+    outputs: &[Output::PATH],
+    structure: STRUCTURE,
+    parameters: &[R, W, OFFSET],
+};
+
+impl Component for InversePrandtlIshlinskii {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
+        let plays = DECLARATION.length(0, structure);
+        Sizes { coefficients: 2 * plays + 1, states: plays }
+    }
+
+    fn prepare(
+        &self,
+        _structure: &[f64],
+        parameters: &[f64],
+        _period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        let (r, w, offset) = split(parameters)?;
+        let (Some(&r_1), Some(&w_1)) = (r.first(), w.first()) else { return Err(WRONG_LENGTH) };
+        require_at(
+            r_1 == 0.0,
+            "r",
+            0,
+            r_1,
+            "a model whose first threshold is above 0 has no inverse; identify it with r[1] = 0",
+        )?;
+        require_at(
+            w_1 > 0.0,
+            "w",
+            0,
+            w_1,
+            "a model whose first weight is 0 has no inverse; identify it with w[1] above 0",
+        )?;
+        let Some((inverse_offset, arrays)) = coefficients.split_last_mut() else {
+            return Err(WRONG_LENGTH);
+        };
+        let (inverse_r, inverse_w) = arrays.split_at_mut(arrays.len() / 2);
+        invert(r, w, inverse_r, inverse_w);
+        *inverse_offset = offset;
+        Ok(())
+    }
+
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
+        let (&[y], [u]) = (inputs, outputs) else { return };
+        let (plays, offset) = plays(coefficients);
+        *u = plays.rest(y - offset, state);
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        _tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        let (&[y], [u]) = (inputs, outputs) else { return };
+        let (plays, offset) = plays(coefficients);
+        *u = plays.step(y - offset, state);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec::Vec;
+
+    use super::super::PrandtlIshlinskii;
+    use super::*;
+    use crate::testing::{Instance, Random};
+
+    /// Tables 2 and 3 of the EVC paper, in SI.
+    const Y: [f64; 10] = [0.01354, 0.02790, 0.0, 0.004014, 0.007765, 0.0, 0.0, 0.0, 0.0, 0.0];
+    const Z: [f64; 10] = [0.02523, 0.04579, 0.0, 0.004541, 0.001636, 0.0, 0.0, 0.0, 0.0, 0.0];
+
+    fn parameters(w: &[f64], offset: f64) -> Vec<f64> {
+        let r = (0..w.len()).map(|i| 6.0 * i as f64);
+        r.chain(w.iter().map(|w| w * 1e-6)).chain([offset]).collect()
+    }
+
+    fn both_ways(parameters: &[f64], seed: u64) {
+        let plays = [(parameters.len() / 2) as f64];
+        let mut forward = Instance::new(&PrandtlIshlinskii, &plays, parameters, 1e-4).unwrap();
+        let mut inverse =
+            Instance::new(&InversePrandtlIshlinskii, &plays, parameters, 1e-4).unwrap();
+        let mut random = Random::new(seed);
+        let stroke = forward.rest(&[120.0]) - forward.rest(&[0.0]);
+        for _ in 0..20 {
+            let mut u = random.between(-120.0, 120.0);
+            let y = forward.rest(&[u]);
+            assert!((inverse.rest(&[y]) - u).abs() < 1e-9 * 120.0, "at rest at {u} V");
+            for _ in 0..500 {
+                u = random.between(-120.0, 120.0);
+                let back = inverse.step(&[forward.step(&[u])]);
+                assert!((back - u).abs() < 1e-9 * 120.0, "inverse of forward: {back} for {u}");
+            }
+            let mut y = random.between(-stroke, stroke);
+            forward.rest(&[inverse.rest(&[y])]);
+            for _ in 0..500 {
+                y = random.between(-stroke, stroke);
+                let back = forward.step(&[inverse.step(&[y])]);
+                assert!((back - y).abs() < 1e-9 * stroke, "forward of inverse: {back} for {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn inverse_and_forward_are_the_identity_in_both_orders_and_from_rest() {
+        both_ways(&parameters(&Y, 0.0), 1);
+        both_ways(&parameters(&Z, 2.5e-6), 2);
+        both_ways(&parameters(&[0.05], -1e-6), 3);
+        let mut random = Random::new(4);
+        for seed in 0..20 {
+            both_ways(&parameters(&random.signal(0.001, 0.1, 30), 1e-6), 100 + seed);
+        }
+    }
+
+    #[test]
+    fn refuses_what_cannot_be_inverted() {
+        let refused = |p: &[f64]| {
+            let plays = [(p.len() / 2) as f64];
+            Instance::new(&InversePrandtlIshlinskii, &plays, p, 1e-4).err().map(|v| v.quantity)
+        };
+        assert_eq!(refused(&[1.0, 2.0, 1.0, 1.0, 0.0]), Some("r"));
+        assert_eq!(refused(&[0.0, 2.0, 0.0, 1.0, 0.0]), Some("w"));
+        assert_eq!(refused(&[0.0, 2.0, 1.0, 0.0, 0.0]), None);
+    }
+}

@@ -1,0 +1,170 @@
+//! Prandtl–Ishlinskii hysteresis: a weighted sum of plays.
+//!
+//! `y = offset + Σ w_i P_{r_i}[u]`, `P_r[u] ← max(u − r, min(u + r, P_r))`
+//!
+//! * r_i thresholds in units of the command, 0 ≤ r_1 < r_2 < …; r_1 = 0 gives the part without
+//!   memory, and a model that can be inverted.
+//! * w_i weights in position per command, ≥ 0.
+//! * State: one number per play. At rest it is the one after a monotonic move from the virgin state
+//!   (all plays 0) to the command.
+//!
+//! Limits: symmetric (the rising and the falling branch are congruent), independent of rate,
+//! symmetric about the virgin curve. Loop area of one play under ±a: 4 w r (a − r).
+//!
+//! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418.
+
+use model::{
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
+    Violation,
+};
+
+use super::play::Plays;
+use crate::effects;
+use crate::rules::{WRONG_LENGTH, increasing, require, require_at};
+
+/// The component `prandtl-ishlinskii`.
+pub struct PrandtlIshlinskii;
+
+/// Settings that the model and its inverse share.
+pub(super) const STRUCTURE: &[Structural] =
+    &[Structural::count("plays", "Number of play operators", 1, 4096)];
+pub(super) const R: Quantity =
+    Quantity::new("r", "{command}", "Threshold of each play, increasing from 0").min(0.0).per(0);
+pub(super) const W: Quantity =
+    Quantity::new("w", "{position}/{command}", "Weight of each play").min(0.0).per(0).fitted();
+pub(super) const OFFSET: Quantity =
+    Quantity::new("offset", "{position}", "Position at zero command in the virgin state")
+        .start(0.0)
+        .fitted();
+
+static DECLARATION: Declaration = Declaration {
+    kind: "prandtl-ishlinskii",
+    name: "hysteresis",
+    summary: "Symmetric hysteresis, independent of rate: a weighted sum of play operators",
+    equation: "y = offset + sum(w[i]*P[i]); P[i] = max(u - r[i], min(u + r[i], P[i]))",
+    reference: "K. Kuhnen, European Journal of Control 9 (2003) 407-418",
+    stage: Stage::Actuator,
+    conversion: Conversion::CommandToPosition,
+    effect: Some(&effects::HYSTERESIS),
+    inputs: &[Input::PATH],
+    outputs: &[Output::PATH],
+    structure: STRUCTURE,
+    parameters: &[R, W, OFFSET],
+};
+
+/// Thresholds, weights and offset, checked.
+pub(super) fn split(parameters: &[f64]) -> Result<(&[f64], &[f64], f64), Violation> {
+    let Some((&offset, arrays)) = parameters.split_last() else { return Err(WRONG_LENGTH) };
+    let (r, w) = arrays.split_at(arrays.len() / 2);
+    increasing(
+        "r",
+        r,
+        "thresholds start at 0 or above and are strictly increasing; sort them, and add up the \
+         weights of equal ones",
+    )?;
+    for (index, weight) in w.iter().enumerate() {
+        require_at(*weight >= 0.0, "w", index, *weight, "weights are zero or positive")?;
+    }
+    let sum: f64 = w.iter().sum();
+    require(sum > 0.0, "w", sum, "the sum of the weights is zero: nothing would move; give one")?;
+    Ok((r, w, offset))
+}
+
+/// Coefficients `r | w | offset` as plays and offset.
+#[inline]
+pub(super) fn plays(coefficients: &[f64]) -> (Plays<'_>, f64) {
+    let Some((&offset, arrays)) = coefficients.split_last() else {
+        return (Plays { r: &[], w: &[] }, 0.0);
+    };
+    let (r, w) = arrays.split_at(arrays.len() / 2);
+    (Plays { r, w }, offset)
+}
+
+impl Component for PrandtlIshlinskii {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
+        let plays = DECLARATION.length(0, structure);
+        Sizes { coefficients: 2 * plays + 1, states: plays }
+    }
+
+    fn prepare(
+        &self,
+        _structure: &[f64],
+        parameters: &[f64],
+        _period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        split(parameters)?;
+        if coefficients.len() != parameters.len() {
+            return Err(WRONG_LENGTH);
+        }
+        coefficients.copy_from_slice(parameters);
+        Ok(())
+    }
+
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
+        let (&[u], [y]) = (inputs, outputs) else { return };
+        let (plays, offset) = plays(coefficients);
+        *y = offset + plays.rest(u, state);
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        _tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        let (&[u], [y]) = (inputs, outputs) else { return };
+        let (plays, offset) = plays(coefficients);
+        *y = offset + plays.step(u, state);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Instance, loop_area, triangle};
+
+    fn instance(parameters: &[f64]) -> Result<Instance, Violation> {
+        let plays = (parameters.len() - 1) as f64 / 2.0;
+        Instance::new(&PrandtlIshlinskii, &[plays], parameters, 1e-3)
+    }
+
+    #[test]
+    fn loop_area_is_the_sum_over_the_plays() {
+        let (r, w, a): ([f64; 4], [f64; 4], f64) =
+            ([0.0, 0.25, 0.5, 1.5], [2.0, 1.0, 3.0, 4.0], 1.0);
+        let mut model = instance(&[0.0, 0.25, 0.5, 1.5, 2.0, 1.0, 3.0, 4.0, 5.0]).unwrap();
+        let signal = triangle(-a, a, 64, 2);
+        let output = model.response(0.0, &signal);
+        let area = loop_area(&signal[128..], &output[128..]);
+        let expected: f64 = r.iter().zip(&w).map(|(r, w)| 4.0 * w * r * (a - r).max(0.0)).sum();
+        assert!((area - expected).abs() < 1e-12, "{area} {expected}");
+    }
+
+    #[test]
+    fn at_rest_it_is_on_the_virgin_curve() {
+        let parameters = [0.0, 6.0, 12.0, 0.5, 0.25, 0.125, 3.0];
+        let mut model = instance(&parameters).unwrap();
+        assert_eq!(model.rest(&[10.0]), 3.0 + 0.5 * 10.0 + 0.25 * 4.0);
+        assert_eq!(model.rest(&[-20.0]), 3.0 - 0.5 * 20.0 - 0.25 * 14.0 - 0.125 * 8.0);
+        assert_eq!(model.step(&[-20.0]), model.rest(&[-20.0]));
+    }
+
+    #[test]
+    fn refuses_sets_that_are_no_model_and_names_the_element() {
+        let refused =
+            |parameters: &[f64]| instance(parameters).err().map(|v| (v.quantity, v.index));
+        assert_eq!(refused(&[0.0, 2.0, 1.0, 1.0, 1.0, 1.0, 0.0]), Some(("r", Some(2))));
+        assert_eq!(refused(&[0.0, 0.0, 1.0, 1.0, 0.0]), Some(("r", Some(1))));
+        assert_eq!(refused(&[-1.0, 0.0, 1.0, 1.0, 0.0]), Some(("r", Some(0))));
+        assert_eq!(refused(&[0.0, 1.0, 1.0, -1.0, 0.0]), Some(("w", Some(1))));
+        assert_eq!(refused(&[0.0, 1.0, 0.0, 0.0, 0.0]), Some(("w", None)));
+        assert_eq!(refused(&[0.0, 1.0, 1.0, 1.0, 0.0]), None);
+    }
+}

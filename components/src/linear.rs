@@ -1,0 +1,96 @@
+//! Exact discretisation of first- and second-order linear systems whose input is held over a step.
+
+use core::f64::consts::TAU;
+
+use libm::{cos, exp, expm1, sin, sqrt};
+
+/// The part of the way to its input that a first-order lag of this bandwidth (Hz) goes in one
+/// period (s): `1 − exp(−2π·bandwidth·period)`, without cancellation for slow lags.
+#[must_use]
+pub fn lag_fraction(bandwidth: f64, period: f64) -> f64 {
+    -expm1(-TAU * bandwidth * period)
+}
+
+/// The transition of `e″ + 2ζω e′ + ω² e = 0` over one period, for the state `(e, e′/ω)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition {
+    /// From e to e.
+    pub same: f64,
+    /// From e′/ω to e, and with the opposite sign from e to e′/ω.
+    pub cross: f64,
+    /// From e′/ω to e′/ω.
+    pub rate: f64,
+}
+
+impl Transition {
+    /// The transition for a natural frequency in Hz, a damping ratio ζ > 0 and a period in s.
+    ///
+    /// One formula per side of ζ = 1, both continuous there and free of overflow: for ζ ≥ 1 the two
+    /// real exponentials are formed from their own exponents, and never as cosh · exp.
+    #[must_use]
+    pub fn new(frequency: f64, damping: f64, period: f64) -> Self {
+        let angle = TAU * frequency * period;
+        let (even, odd) = if damping < 1.0 {
+            let root = sqrt((1.0 - damping) * (1.0 + damping));
+            let decay = exp(-damping * angle);
+            (decay * cos(root * angle), decay * sin(root * angle) / root)
+        } else {
+            let root = sqrt((damping - 1.0) * (damping + 1.0));
+            // ζ − √(ζ²−1) without cancellation.
+            let slow = exp(-angle / (damping + root));
+            let fast = exp(-angle * (damping + root));
+            let odd = if root > 0.0 {
+                -slow * expm1(-2.0 * root * angle) / (2.0 * root)
+            } else {
+                slow * angle
+            };
+            (0.5 * (slow + fast), odd)
+        };
+        Self { same: even + damping * odd, cross: odd, rate: even - damping * odd }
+    }
+
+    /// The state `(e, e′/ω)` one period later.
+    #[inline]
+    #[must_use]
+    pub fn apply(&self, e: f64, rate: f64) -> (f64, f64) {
+        (self.same * e + self.cross * rate, self.rate * rate - self.cross * e)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transition_over_two_periods_is_two_transitions() {
+        for damping in [1e-4, 0.02, 0.7, 1.0 - 1e-12, 1.0, 1.0 + 1e-12, 1.5, 50.0] {
+            for cycles in [1e-4, 0.3, 7.3] {
+                let one = Transition::new(cycles, damping, 1.0);
+                let two = Transition::new(cycles, damping, 2.0);
+                for start in [(1.0, 0.0), (0.0, 1.0)] {
+                    let (e, r) = one.apply(start.0, start.1);
+                    let (a, b) = (one.apply(e, r), two.apply(start.0, start.1));
+                    let error = (a.0 - b.0).abs().max((a.1 - b.1).abs());
+                    assert!(error < 1e-13, "zeta {damping}, {cycles} periods: {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn determinant_is_the_decay_of_both_poles() {
+        for damping in [3.63e-4, 0.5, 0.999_999, 1.0, 1.000_001, 3.0] {
+            let t = Transition::new(40.0, damping, 1e-3);
+            let determinant = t.same * t.rate + t.cross * t.cross;
+            let expected = exp(-2.0 * damping * TAU * 40.0 * 1e-3);
+            assert!((determinant / expected - 1.0).abs() < 1e-12, "zeta {damping}");
+        }
+    }
+
+    #[test]
+    fn overdamped_limits_do_not_overflow() {
+        let t = Transition::new(1e6, 1e6, 1.0);
+        assert!(t.same.is_finite() && t.cross.is_finite() && t.rate.is_finite());
+        assert!(t.same.abs() < 1.0);
+    }
+}

@@ -1,0 +1,5 @@
+//! Moving mass, flexures, guides and load.
+
+mod mode;
+
+pub use mode::Mode;

@@ -1,0 +1,179 @@
+//! A second-order mode of the mechanics.
+//!
+//! `x″ + 2ζω x′ + ω² x = ω² · gain · u`, ω = 2π·frequency
+//!
+//! * frequency in Hz: undamped natural frequency, √(k/m)/2π; damping: ζ > 0, also ≥ 1; gain:
+//!   static gain, 1 where the path already is a position.
+//! * State: x and x′/ω. The input is held over a step, so the discretisation is exact at any
+//!   period, also one much longer than the mode's ([`Transition`]). Over a
+//!   step that is long against the mode the output at the step's end is right, and what happens
+//!   within it is not seen.
+//!
+//! Limits: one mode, collocated; linear.
+
+use core::f64::consts::TAU;
+
+use model::{
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+};
+
+use crate::effects;
+use crate::linear::Transition;
+use crate::rules::{WRONG_LENGTH, positive_frequency, require};
+
+/// The component `mode`.
+pub struct Mode;
+
+static DECLARATION: Declaration = Declaration {
+    kind: "mode",
+    name: "mode",
+    summary: "Second-order mode with exact discretisation at any step and any damping",
+    equation: "x'' + 2*damping*w*x' + w^2*x = w^2*gain*u; w = 2*pi*frequency",
+    reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 2",
+    stage: Stage::Mechanics,
+    conversion: Conversion::None,
+    effect: Some(&effects::EXTRA_MODE),
+    inputs: &[Input::PATH],
+    outputs: &[Output::PATH],
+    structure: &[],
+    parameters: &[
+        Quantity::new("frequency", "Hz", "Undamped natural frequency").min(0.0).fitted(),
+        Quantity::new("damping", "1", "Damping ratio; 1 is critical").min(0.0).fitted(),
+        Quantity::new("gain", "1", "Static gain").start(1.0).fitted(),
+    ],
+};
+
+impl Component for Mode {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
+        Sizes { coefficients: 4, states: 2 }
+    }
+
+    fn prepare(
+        &self,
+        _structure: &[f64],
+        parameters: &[f64],
+        period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        let (&[frequency, damping, gain], [same, cross, rate, factor]) = (parameters, coefficients)
+        else {
+            return Err(WRONG_LENGTH);
+        };
+        positive_frequency("frequency", frequency)?;
+        require(
+            damping > 0.0,
+            "damping",
+            damping,
+            "must be above zero: an undamped mode never comes to rest; give 0.001 for a light one",
+        )?;
+        require(
+            (TAU * frequency * period).is_finite(),
+            "frequency",
+            frequency,
+            "is beyond what can be computed; lower it",
+        )?;
+        let t = Transition::new(frequency, damping, period);
+        (*same, *cross, *rate, *factor) = (t.same, t.cross, t.rate, gain);
+        Ok(())
+    }
+
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
+        let (&[.., gain], &[u], [x, v], [y]) = (coefficients, inputs, state, outputs) else {
+            return;
+        };
+        (*x, *v) = (gain * u, 0.0);
+        *y = *x;
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        _tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        let (&[same, cross, rate, gain], &[u], [x, v], [y]) =
+            (coefficients, inputs, state, outputs)
+        else {
+            return;
+        };
+        let target = gain * u;
+        let (e, scaled_rate) = Transition { same, cross, rate }.apply(*x - target, *v);
+        (*x, *v) = (target + e, scaled_rate);
+        *y = *x;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Instance, Random};
+
+    /// Closed form of the unit step response.
+    fn step_response(frequency: f64, damping: f64, time: f64) -> f64 {
+        let w = TAU * frequency;
+        if damping < 1.0 {
+            let d = (1.0 - damping * damping).sqrt();
+            let (s, c) = (w * d * time).sin_cos();
+            1.0 - (-damping * w * time).exp() * (c + damping / d * s)
+        } else if damping == 1.0 {
+            1.0 - (-w * time).exp() * (1.0 + w * time)
+        } else {
+            let d = (damping * damping - 1.0).sqrt();
+            let (fast, slow) = (damping + d, 1.0 / (damping + d));
+            1.0 - (fast * (-slow * w * time).exp() - slow * (-fast * w * time).exp()) / (2.0 * d)
+        }
+    }
+
+    #[test]
+    fn step_response_is_the_closed_form_for_all_dampings_and_step_sizes() {
+        for damping in [3.63e-4, 0.02, 0.5, 0.99, 1.0, 1.01, 2.0, 20.0] {
+            for period in [1e-6, 2e-5, 1e-4, 4e-3, 0.02] {
+                let p = [404.0, damping, 3.0];
+                let mut mode = Instance::new(&Mode, &[], &p, period).unwrap();
+                mode.rest(&[0.0]);
+                for n in 1..400 {
+                    let exact = 3.0 * step_response(404.0, damping, f64::from(n) * period);
+                    let error = mode.step(&[1.0]) - exact;
+                    assert!(error.abs() < 1e-10, "zeta {damping}, T {period}, n {n}: {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn critical_damping_is_no_special_case() {
+        let signal = Random::new(5).signal(-1.0, 1.0, 500);
+        let response = |damping: f64| {
+            let mode = Instance::new(&Mode, &[], &[100.0, damping, 1.0], 1e-4);
+            mode.unwrap().response(0.0, &signal)
+        };
+        let critical = response(1.0);
+        for damping in [1.0 - 1e-9, 1.0 + 1e-9] {
+            for (near, at) in response(damping).iter().zip(&critical) {
+                assert!((near - at).abs() < 1e-8, "zeta {damping}: {near} {at}");
+            }
+        }
+    }
+
+    #[test]
+    fn rest_is_an_equilibrium_to_the_bit() {
+        let mut mode = Instance::new(&Mode, &[], &[482.6, 0.01, 0.9], 2e-5).unwrap();
+        let rest = mode.rest(&[0.3]);
+        assert!((0..10).all(|_| mode.step(&[0.3]).to_bits() == rest.to_bits()));
+    }
+
+    #[test]
+    fn undamped_and_static_modes_are_refused() {
+        let refused = |p: [f64; 3]| Instance::new(&Mode, &[], &p, 1e-4).err().map(|e| e.quantity);
+        assert_eq!(refused([0.0, 0.1, 1.0]), Some("frequency"));
+        assert_eq!(refused([100.0, 0.0, 1.0]), Some("damping"));
+        assert_eq!(refused([1e300, 0.1, 1.0]), None);
+        assert_eq!(refused([f64::MAX, 0.1, 1.0]), Some("frequency"));
+    }
+}

@@ -1,0 +1,56 @@
+//! Checks that components share, and the words of their refusals.
+
+use model::Violation;
+
+/// Slices that do not have the lengths of the declaration; a built system never passes such.
+pub(crate) const WRONG_LENGTH: Violation = Violation {
+    quantity: "parameters",
+    index: None,
+    value: 0.0,
+    rule: "the number of values differs from the declaration; give as many as it declares",
+};
+
+/// Refuses `quantity` with `rule` unless `holds`.
+pub(crate) fn require(
+    holds: bool,
+    quantity: &'static str,
+    value: f64,
+    rule: &'static str,
+) -> Result<(), Violation> {
+    if holds { Ok(()) } else { Err(Violation { quantity, index: None, value, rule }) }
+}
+
+/// Refuses element `index` (from 0) of `quantity` with `rule` unless `holds`.
+pub(crate) fn require_at(
+    holds: bool,
+    quantity: &'static str,
+    index: usize,
+    value: f64,
+    rule: &'static str,
+) -> Result<(), Violation> {
+    if holds { Ok(()) } else { Err(Violation { quantity, index: Some(index), value, rule }) }
+}
+
+/// Refuses a bandwidth or natural frequency that is not above zero.
+pub(crate) fn positive_frequency(quantity: &'static str, value: f64) -> Result<(), Violation> {
+    require(
+        value > 0.0,
+        quantity,
+        value,
+        "must be above zero; to leave the component out, set enabled = false",
+    )
+}
+
+/// Refuses values that are not strictly increasing, and the first where it is below zero.
+pub(crate) fn increasing(
+    quantity: &'static str,
+    values: &[f64],
+    rule: &'static str,
+) -> Result<(), Violation> {
+    let mut last = f64::NEG_INFINITY;
+    for (index, &value) in values.iter().enumerate() {
+        require_at(value >= 0.0 && value > last, quantity, index, value, rule)?;
+        last = value;
+    }
+    Ok(())
+}

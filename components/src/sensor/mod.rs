@@ -1,0 +1,5 @@
+//! The position sensor and its conditioning.
+
+mod lag;
+
+pub use lag::SensorLag;

@@ -1,0 +1,164 @@
+//! Transport delay of any length, a fraction of a step included.
+//!
+//! `y(t) = u(t − delay)`
+//!
+//! * The input is held over each step, so the delayed input over a step is the value before the
+//!   last whole step for a fraction f of it and the value after for the rest. The output is its
+//!   mean over the step, `(1 − f)·u[n−d] + f·u[n−d−1]` with delay = (d + f)·period: the linear
+//!   interpolation between samples, exact for whole steps and exact in the mean for every signal.
+//! * State: a ring of the past inputs, long enough for the structural setting `longest`.
+//! * A delay of 0 passes the input on bit for bit.
+//!
+//! Limits: for a fractional delay the interpolation is a low-pass, in the worst case (f = ½)
+//! |cos(π·frequency·period)|: 1 % at frequency·period = 0.045.
+
+use libm::{ceil, floor, round};
+use model::{
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
+    Violation,
+};
+
+use crate::effects;
+use crate::rules::{WRONG_LENGTH, require};
+
+/// The component `delay`.
+pub struct Delay;
+
+static DECLARATION: Declaration = Declaration {
+    kind: "delay",
+    name: "delay",
+    summary: "Transport delay (computing, bus, converter), also by a fraction of a step",
+    equation: "y(t) = u(t - delay)",
+    reference: "K. J. Astrom, B. Wittenmark, Computer-Controlled Systems, 3rd ed. 1997, ch. 2",
+    stage: Stage::Timing,
+    conversion: Conversion::None,
+    effect: Some(&effects::DELAY),
+    inputs: &[Input::PATH],
+    outputs: &[Output::PATH],
+    structure: &[Structural::real(
+        "longest",
+        "s",
+        "Longest delay that can be set",
+        0.01,
+        0.0,
+        10.0,
+    )],
+    parameters: &[Quantity::new("delay", "s", "Delay").min(0.0).fitted()],
+};
+
+/// Whole steps up to this relative distance count as whole: a delay and a period that were both
+/// rounded to double precision must not leave a fraction of 1e-16 behind.
+const WHOLE: f64 = 1e-9;
+
+impl Component for Delay {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn sizes(&self, structure: &[f64], period: f64) -> Sizes {
+        let longest = structure.first().copied().unwrap_or(0.0);
+        let steps = ceil(longest / period);
+        let steps = if steps.is_finite() { steps as usize } else { 0 };
+        // The present input, the one before the fraction, and one for the rounding of the ratio.
+        Sizes { coefficients: 2, states: steps + 3 }
+    }
+
+    fn prepare(
+        &self,
+        structure: &[f64],
+        parameters: &[f64],
+        period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        let (&[longest], &[delay], [whole, fraction]) = (structure, parameters, coefficients)
+        else {
+            return Err(WRONG_LENGTH);
+        };
+        require(
+            delay <= longest,
+            "delay",
+            delay,
+            "is longer than the structural setting `longest` of the blueprint; raise `longest`",
+        )?;
+        let steps = delay / period;
+        let nearest = round(steps);
+        let near = (steps - nearest).abs() <= WHOLE * nearest.max(1.0);
+        *whole = if near { nearest } else { floor(steps) };
+        *fraction = if near { 0.0 } else { steps - *whole };
+        Ok(())
+    }
+
+    fn rest(&self, _coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
+        let (&[u], [y]) = (inputs, outputs) else { return };
+        state.fill(u);
+        *y = u;
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        let (&[whole, fraction], &[u], [y]) = (coefficients, inputs, outputs) else { return };
+        let room = state.len();
+        let at = (tick.index % room.max(1) as u64) as usize;
+        let Some(cell) = state.get_mut(at) else { return };
+        *cell = u;
+        let past = |steps: usize| (at + room).checked_sub(steps).and_then(|i| state.get(i % room));
+        let whole = whole as usize;
+        let (Some(&newer), Some(&older)) = (past(whole), past(whole + 1)) else { return };
+        *y = if fraction == 0.0 { newer } else { newer + fraction * (older - newer) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Instance, Random};
+
+    fn delayed(delay: f64, period: f64, count: usize) -> (std::vec::Vec<f64>, std::vec::Vec<f64>) {
+        let mut model = Instance::new(&Delay, &[0.01], &[delay], period).unwrap();
+        let signal = Random::new(11).signal(-1.0, 1.0, count);
+        let output = model.response(0.5, &signal);
+        (signal, output)
+    }
+
+    #[test]
+    fn whole_steps_are_exact() {
+        // 3 · 0.1 ms and the like are no exact multiples in binary.
+        for steps in [0usize, 1, 2, 3, 7, 50, 100] {
+            let (signal, output) = delayed(steps as f64 * 1e-4, 1e-4, 400);
+            assert!(output[..steps].iter().all(|y| *y == 0.5));
+            assert_eq!(&output[steps..], &signal[..400 - steps], "{steps} steps");
+        }
+    }
+
+    #[test]
+    fn a_fraction_interpolates_and_keeps_the_mean() {
+        let (signal, output) = delayed(2.25e-4, 1e-4, 300);
+        for n in 3..300 {
+            let expected = 0.75 * signal[n - 2] + 0.25 * signal[n - 3];
+            assert!((output[n] - expected).abs() < 1e-15);
+        }
+        let mut step = Instance::new(&Delay, &[0.01], &[2.25e-4], 1e-4).unwrap();
+        // The integral of a unit step after 10 steps is 10 steps less the delay.
+        let sum: f64 = step.response(0.0, &[1.0; 10]).iter().sum();
+        assert!((sum - (10.0 - 2.25)).abs() < 1e-12, "{sum}");
+    }
+
+    #[test]
+    fn constant_inputs_stay_constant_to_the_bit() {
+        let mut model = Instance::new(&Delay, &[0.01], &[2.3e-4], 1e-4).unwrap();
+        assert!(model.response(0.1, &[0.1; 20]).iter().all(|y| y.to_bits() == 0.1f64.to_bits()));
+    }
+
+    #[test]
+    fn a_delay_beyond_the_longest_is_refused() {
+        let error = Instance::new(&Delay, &[0.01], &[0.0101], 1e-4).err();
+        assert_eq!(error.map(|e| (e.quantity, e.value)), Some(("delay", 0.0101)));
+        assert!(Instance::new(&Delay, &[0.01], &[0.01], 3e-5).is_ok());
+    }
+}

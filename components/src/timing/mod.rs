@@ -1,0 +1,5 @@
+//! Time and converters: delay, clock, quantisation of the command.
+
+mod delay;
+
+pub use delay::Delay;
