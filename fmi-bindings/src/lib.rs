@@ -3,5 +3,6 @@
 //! The only crate with `unsafe` code; each block says why it is sound.
 #![allow(unsafe_code)]
 
+pub mod export;
 pub mod fmi2;
 pub mod import;

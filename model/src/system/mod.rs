@@ -201,10 +201,43 @@ impl System {
     /// # Errors
     /// [`StepError`]: parameters that break a rule, or an output that is not finite.
     pub fn advance(&mut self, time: f64) -> Result<u64, StepError> {
+        self.hits(time, |_, _, _| ())
+    }
+
+    /// As [`advance`](Self::advance), with inputs that move on straight lines: at time `t` the input
+    /// with value reference `i` is `u_i + slopes[i]·(t − from)`, `u_i` being the value that was set
+    /// and the slope in its unit per second. Hit `n` takes the inputs as they are at `t_{n-1}`, as
+    /// if they were set there. Inputs without a slope here are held.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn advance_along(
+        &mut self,
+        time: f64,
+        from: f64,
+        slopes: &[f64],
+    ) -> Result<u64, StepError> {
+        self.hits(time, |plan, cells, begin| {
+            for wire in &plan.inputs {
+                if let Some(slope) = slopes.get(wire.variable) {
+                    let value = cells.values[wire.variable] + slope * (begin - from);
+                    cells.signals(plan.blocks)[wire.signal] = wire.unit.to_si(value);
+                }
+            }
+        })
+    }
+
+    /// Performs the hits up to `time`; `before` is called before each with its begin in s.
+    fn hits(
+        &mut self,
+        time: f64,
+        before: impl Fn(&Plan, &mut Cells<'_>, f64),
+    ) -> Result<u64, StepError> {
         self.prepare()?;
         self.read_inputs();
         let (start, period) = (self.context.start, self.plan.period);
-        let limit = time + 1e-9 * period;
+        // Far from zero, a billionth of a period is less than what adding up times loses.
+        let limit = time + (1e-9 * period).max(4.0 * f64::EPSILON * time.abs());
         let first = self.context.index;
         let mut index = first;
         let (plan, mut cells) = self.split();
@@ -213,6 +246,7 @@ impl System {
             if time > limit || !limit.is_finite() {
                 break;
             }
+            before(plan, &mut cells, start + index as f64 * period);
             index += 1;
             let tick = Tick { index, time, period };
             for node in &plan.nodes {
@@ -356,6 +390,11 @@ struct Cells<'a> {
 }
 
 impl Cells<'_> {
+    /// The signals.
+    fn signals(&mut self, blocks: [usize; 3]) -> &mut [f64] {
+        &mut self.rest[blocks[2] - blocks[0]..]
+    }
+
     /// Steps a node, or puts it at rest where there is no tick.
     #[inline]
     fn run(&mut self, node: &Node, blocks: [usize; 3], tick: Option<Tick>) {

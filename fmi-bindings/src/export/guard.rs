@@ -1,0 +1,179 @@
+//! Around every call: the instance's pointer, the call table, panics, the message of a notice.
+
+use std::any::Any;
+use std::cell::Cell;
+use std::ffi::c_void;
+use std::fmt::Write as _;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::{Instance, Phase, Rule};
+
+/// Result of a call; the numbers are those of the standards' statuses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(super) enum Status {
+    Ok = 0,
+    Warning = 1,
+    Discard = 2,
+    Error = 3,
+}
+
+/// Something to tell about a call: an event, or why it was not simply carried out.
+#[derive(Debug)]
+pub(super) struct Notice {
+    pub(super) status: Status,
+    pub(super) message: String,
+}
+
+/// `Err` also where a call went well and has an event to tell; the status says which.
+pub(super) type Outcome = Result<(), Notice>;
+
+impl Notice {
+    pub(super) fn error(message: impl Into<String>) -> Self {
+        Self { status: Status::Error, message: message.into() }
+    }
+
+    pub(super) fn discard(message: impl Into<String>) -> Self {
+        Self { status: Status::Discard, message: message.into() }
+    }
+
+    pub(super) fn warning(message: impl Into<String>) -> Self {
+        Self { status: Status::Warning, message: message.into() }
+    }
+}
+
+/// Carries out one call on an instance.
+///
+/// A null pointer is an error without a message, because nobody is there to log it. An error
+/// brings the instance into the state Error.
+///
+/// # Safety
+/// `pointer` is null or an instance that an edge handed out and that is not freed, and no other
+/// thread uses it during the call (FMI 2.0.5 §2.1, FMI 3.0 §2.2).
+pub(super) unsafe fn call(
+    pointer: *mut c_void,
+    rule: &Rule,
+    body: impl FnOnce(&mut Instance) -> Outcome,
+) -> Status {
+    let instance = pointer.cast::<Instance>();
+    if instance.is_null() {
+        return Status::Error;
+    }
+    let outcome = catch_unwind(AssertUnwindSafe(|| {
+        // SAFETY: not null, alive and used by this thread only, as the caller promises.
+        let instance = unsafe { &mut *instance };
+        let phase = instance.phase();
+        if rule.allows(phase) { body(instance) } else { Err(Notice::error(rule.refusal(phase))) }
+    }));
+    let notice = match outcome {
+        Ok(Ok(())) => return Status::Ok,
+        Ok(Err(notice)) => notice,
+        Err(payload) => Notice::error(panic_text(payload)),
+    };
+    // SAFETY: as above; the borrow of the body has ended.
+    unsafe { report(instance, rule, &notice) }
+    notice.status
+}
+
+/// Tells the importer, and notes an error.
+///
+/// # Safety
+/// As [`call`], and `instance` is not null.
+#[cold]
+unsafe fn report(instance: *mut Instance, rule: &Rule, notice: &Notice) {
+    // SAFETY: as the caller promises. No exclusive borrow is alive while the importer's logger
+    // runs, so that a logger may look at the instance.
+    unsafe {
+        if notice.status == Status::Error {
+            (*instance).set_phase(Phase::Error);
+        }
+        let message = format!("{}: {}", rule.function, notice.message);
+        (*instance).logger().send(notice.status, &message);
+    }
+}
+
+/// Runs what has no instance yet, or no longer; a panic becomes an error.
+pub(super) fn without_instance<T>(body: impl FnOnce() -> Result<T, Notice>) -> Result<T, Notice> {
+    catch_unwind(AssertUnwindSafe(body))
+        .unwrap_or_else(|payload| Err(Notice::error(panic_text(payload))))
+}
+
+/// Longest text of a panic that is kept.
+const KEPT: usize = 400;
+
+thread_local! {
+    /// Where and why this thread last panicked. It has no destructor, because a thread-local with
+    /// one would keep the library mapped after `dlclose`.
+    static LAST_PANIC: Cell<Kept> = const { Cell::new(Kept { length: 0, bytes: [0; KEPT] }) };
+}
+
+#[derive(Clone, Copy)]
+struct Kept {
+    length: usize,
+    bytes: [u8; KEPT],
+}
+
+impl std::fmt::Write for Kept {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        for byte in text.bytes().take(KEPT - self.length) {
+            self.bytes[self.length] = byte;
+            self.length += 1;
+        }
+        Ok(())
+    }
+}
+
+/// Makes a panic in this library go to the importer's logger and nowhere else: nothing is printed,
+/// and no backtrace is made even where `RUST_BACKTRACE` is set, because each loading of the library
+/// would read its symbols anew and never give the memory back.
+pub fn install_panic_hook() {
+    static ONCE: std::sync::Once = std::sync::Once::new();
+    ONCE.call_once(|| {
+        std::panic::set_hook(Box::new(|info| {
+            let mut kept = Kept { length: 0, bytes: [0; KEPT] };
+            let _ = write!(kept, "{info}");
+            LAST_PANIC.set(kept);
+        }));
+    });
+}
+
+/// The message of a panic: what the hook kept, else what the panic carries.
+#[cold]
+fn panic_text(payload: Box<dyn Any + Send>) -> String {
+    let kept = LAST_PANIC.replace(Kept { length: 0, bytes: [0; KEPT] });
+    let text = match kept.length {
+        0 => match (payload.downcast_ref::<&str>(), payload.downcast_ref::<String>()) {
+            (Some(text), _) => (*text).to_string(),
+            (_, Some(text)) => text.clone(),
+            _ => "no message".to_string(),
+        },
+        length => String::from_utf8_lossy(&kept.bytes[..length]).replace('\n', " "),
+    };
+    // A payload of an unknown type could panic again when it is dropped.
+    std::mem::forget(payload);
+    format!(
+        "internal defect, please report it: {text}; other instances are not affected, and this \
+         one can be reset or freed"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_an_error_that_says_why() {
+        let notice = without_instance::<()>(|| std::panic::panic_any("the reason")).unwrap_err();
+        assert_eq!(notice.status, Status::Error);
+        assert!(notice.message.contains("the reason"), "{}", notice.message);
+    }
+
+    #[test]
+    fn the_kept_text_is_cut_and_never_overflows() {
+        let mut kept = Kept { length: 0, bytes: [0; KEPT] };
+        for _ in 0..100 {
+            let _ = write!(kept, "0123456789");
+        }
+        assert_eq!(kept.length, KEPT);
+    }
+}

@@ -1,0 +1,262 @@
+//! One instance of the FMU, whatever the version of the standard: its life and its time.
+
+mod states;
+mod values;
+
+use std::ffi::{CStr, CString};
+
+use model::{Causality, StepError, System};
+
+use crate::export::guard::{Notice, Outcome, Status};
+use crate::export::log::{Logger, Sink};
+use crate::export::phase::Phase;
+use crate::export::resources::{self, Location};
+use crate::export::saved::SavedState;
+use crate::export::{BLUEPRINT, Factory};
+
+/// A model with its place in the standard's state machine, its time and its importer.
+///
+/// The edges hand out pointers to it; everything else about it is private to the export.
+pub struct Instance {
+    logger: Logger,
+    system: System,
+    fingerprint: String,
+    progress: Progress,
+    /// Slopes of the inputs in the next step, by value reference: inputs come first.
+    slopes: Vec<f64>,
+    /// Saved states that the importer has not freed.
+    states: Vec<*mut SavedState>,
+}
+
+/// Where an instance is.
+#[derive(Clone, Copy)]
+pub(super) struct Progress {
+    pub(super) phase: Phase,
+    /// A value was set before the first step: the outputs do not follow it yet.
+    pub(super) stale: bool,
+    /// An input has a slope in the next step.
+    pub(super) sloped: bool,
+    /// The last communication point in s.
+    pub(super) time: f64,
+    pub(super) experiment: Experiment,
+}
+
+/// What the importer said about the experiment.
+#[derive(Clone, Copy)]
+pub(super) struct Experiment {
+    pub(super) defined: bool,
+    /// In s.
+    pub(super) start: f64,
+    /// In s, ∞ where none is defined.
+    pub(super) stop: f64,
+}
+
+impl Progress {
+    const NEW: Self = Self {
+        phase: Phase::Instantiated,
+        stale: true,
+        sloped: false,
+        time: 0.0,
+        experiment: Experiment { defined: false, start: 0.0, stop: f64::INFINITY },
+    };
+}
+
+/// What an importer gives at instantiation.
+pub(super) struct Request<'a> {
+    pub(super) name: Option<&'a CStr>,
+    pub(super) token: Option<&'a CStr>,
+    /// What the standard calls the token: `GUID`.
+    pub(super) token_name: &'static str,
+    pub(super) location: Location<'a>,
+    pub(super) sink: Sink,
+    pub(super) logging_on: bool,
+}
+
+/// Life.
+impl Instance {
+    /// Reads the resources and builds the model.
+    pub(super) fn new(request: &Request<'_>, factory: Factory) -> Result<Box<Self>, Notice> {
+        let name: CString = match request.name {
+            Some(name) if !name.to_bytes().trim_ascii().is_empty() => name.into(),
+            _ => return Err(Notice::error("the instance name is empty; give each instance one")),
+        };
+        let folder = resources::find(request.location, BLUEPRINT).map_err(Notice::error)?;
+        let system = factory(&folder).map_err(Notice::error)?;
+        let fingerprint = system.variables().fingerprint();
+        let given = request.token.map(CStr::to_bytes);
+        if given != Some(fingerprint.as_bytes()) {
+            let given = given.map_or("null".into(), String::from_utf8_lossy);
+            return Err(Notice::error(format!(
+                "the {} of the model description is \"{given}\", the one of {} is \
+                 \"{fingerprint}\": they belong to different FMUs; pack the FMU again",
+                request.token_name,
+                folder.join(BLUEPRINT).display()
+            )));
+        }
+        let inputs = system.variables().with(Causality::Input).count();
+        let instance = Self {
+            logger: Logger::new(request.sink, name, request.logging_on),
+            fingerprint,
+            progress: Progress::NEW,
+            slopes: vec![0.0; inputs],
+            states: Vec::new(),
+            system,
+        };
+        if instance.logger.wants(Status::Ok) {
+            let (name, count) = (instance.system.name(), instance.system.variables().len());
+            let text = format!("model \"{name}\", {count} variables, from {}", folder.display());
+            instance.logger.send(Status::Ok, &text);
+        }
+        Ok(Box::new(instance))
+    }
+
+    /// The state that it is in.
+    pub(super) fn phase(&self) -> Phase {
+        self.progress.phase
+    }
+
+    pub(super) fn set_phase(&mut self, phase: Phase) {
+        self.progress.phase = phase;
+    }
+
+    pub(super) fn logger(&self) -> &Logger {
+        &self.logger
+    }
+
+    /// A success, with an event to tell where somebody wants to know.
+    fn event(&self, what: &str) -> Outcome {
+        if !self.logger.wants(Status::Ok) {
+            return Ok(());
+        }
+        let message = format!("{what} at {} s", self.progress.time);
+        Err(Notice { status: Status::Ok, message })
+    }
+
+    /// Switches debug logging, for all categories where none is given.
+    pub(super) fn set_debug_logging(&mut self, on: bool, categories: &[&CStr]) -> Outcome {
+        let unknown = self.logger.set_debug_logging(on, categories);
+        if unknown.is_empty() {
+            return Ok(());
+        }
+        let known: Vec<_> = crate::export::LOG_CATEGORIES.iter().map(|(name, _)| *name).collect();
+        Err(Notice::warning(format!(
+            "unknown log categories: {}; the categories are {}",
+            unknown.join(", "),
+            known.join(", ")
+        )))
+    }
+
+    /// Takes over start and stop time.
+    pub(super) fn set_up(&mut self, start: f64, stop: Option<f64>) -> Outcome {
+        let last = stop.unwrap_or(f64::INFINITY);
+        if !start.is_finite() {
+            return Err(Notice::error(format!("start time {start} s; give a finite one")));
+        }
+        if stop.is_some_and(|stop| !stop.is_finite()) || last < start {
+            return Err(Notice::error(format!(
+                "stop time {last} s; give a finite one that is not before the start, {start} s"
+            )));
+        }
+        self.progress.experiment = Experiment { defined: true, start, stop: last };
+        Ok(())
+    }
+
+    /// Enters the initialization mode.
+    pub(super) fn enter_initialization(&mut self) -> Outcome {
+        let experiment = self.progress.experiment;
+        self.progress.phase = Phase::Initialization;
+        self.progress.time = experiment.start;
+        self.progress.stale = true;
+        if experiment.defined {
+            return Ok(());
+        }
+        Err(Notice::warning("no experiment was set up before, so time starts at 0 s"))
+    }
+
+    /// Leaves the initialization mode: the model is at rest under its inputs.
+    pub(super) fn exit_initialization(&mut self) -> Outcome {
+        self.settle()?;
+        self.progress.phase = Phase::Step;
+        self.event("initialised")
+    }
+
+    pub(super) fn terminate(&mut self) -> Outcome {
+        self.progress.phase = Phase::Terminated;
+        self.event("terminated")
+    }
+
+    /// Back to the state right after instantiation.
+    pub(super) fn reset(&mut self) -> Outcome {
+        self.system.reset();
+        self.slopes.fill(0.0);
+        self.progress = Progress::NEW;
+        self.event("reset")
+    }
+
+    /// Computes the outputs that belong to the values set so far, before the first step.
+    fn settle(&mut self) -> Outcome {
+        if !self.progress.stale {
+            return Ok(());
+        }
+        let start = self.progress.experiment.start;
+        self.system.initialise(start).map_err(|error| self.explain(&error))?;
+        self.progress.stale = false;
+        Ok(())
+    }
+
+    #[cold]
+    fn explain(&self, error: &StepError) -> Notice {
+        Notice::error(self.system.explain(error))
+    }
+}
+
+/// How far the importer's time may be from the instance's: what adding up steps in floating point
+/// loses, and nothing that could be a step.
+fn tolerance(time: f64, step: f64) -> f64 {
+    1e-9 * time.abs() + 1e-5 * step
+}
+
+/// Time.
+impl Instance {
+    /// The last communication point in s.
+    pub(super) fn time(&self) -> f64 {
+        self.progress.time
+    }
+
+    /// Advances from the communication point `time` by `step`, both in s.
+    pub(super) fn do_step(&mut self, time: f64, step: f64) -> Outcome {
+        if !(step > 0.0 && step.is_finite()) {
+            return Err(Notice::error(format!(
+                "communication step size {step} s; give a finite one greater than 0"
+            )));
+        }
+        let now = self.progress.time;
+        // Written so that NaN is refused.
+        if !((time - now).abs() <= tolerance(now, step)) {
+            return Err(Notice::error(format!(
+                "communication point {time} s, but the instance is at {now} s; step from there, \
+                 or set the FMU state of that time"
+            )));
+        }
+        let end = time + step;
+        let stop = self.progress.experiment.stop;
+        if end > stop + tolerance(stop, step) {
+            return Err(Notice::error(format!(
+                "the step from {time} s by {step} s ends at {end} s, past the stop time {stop} s; \
+                 step up to it, or set up the experiment without a stop time"
+            )));
+        }
+        let done = if self.progress.sloped {
+            self.system.advance_along(end, time, &self.slopes)
+        } else {
+            self.system.advance(end)
+        };
+        done.map_err(|error| self.explain(&error))?;
+        self.progress.time = end;
+        if self.progress.sloped {
+            self.slopes.fill(0.0);
+            self.progress.sloped = false;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,141 @@
+//! Getting and setting.
+
+use model::{Causality, DataType, Variable};
+
+use super::Instance;
+use crate::export::guard::{Notice, Outcome};
+use crate::export::phase::Phase;
+
+impl Instance {
+    /// Reads values of one type; `write` gets position and value. Nothing is written on failure.
+    pub(in crate::export) fn get(
+        &mut self,
+        wanted: DataType,
+        references: &[u32],
+        mut write: impl FnMut(usize, f64),
+    ) -> Outcome {
+        if self.progress.stale && self.progress.phase == Phase::Initialization {
+            self.settle()?;
+        }
+        for reference in references {
+            self.typed(*reference, wanted)?;
+        }
+        for (at, reference) in references.iter().enumerate() {
+            write(at, self.system.get(*reference).unwrap_or_default());
+        }
+        Ok(())
+    }
+
+    /// Sets values of one type; `read` gives the value at a position. Nothing is set on failure.
+    pub(in crate::export) fn set(
+        &mut self,
+        wanted: DataType,
+        references: &[u32],
+        read: impl Fn(usize) -> f64,
+    ) -> Outcome {
+        for (at, reference) in references.iter().enumerate() {
+            self.check_set(*reference, wanted, read(at))?;
+        }
+        for (at, reference) in references.iter().enumerate() {
+            let value = read(at);
+            self.system
+                .set(*reference, value)
+                .map_err(|error| Notice::error(self.system.explain_set(&error)))?;
+        }
+        if self.progress.phase != Phase::Step {
+            self.progress.stale = true;
+        }
+        Ok(())
+    }
+
+    fn check_set(&self, reference: u32, wanted: DataType, value: f64) -> Outcome {
+        let variable = self.typed(reference, wanted)?;
+        if variable.causality == Causality::FixedParameter && self.phase() == Phase::Step {
+            return Err(refused(
+                variable,
+                reference,
+                &format!(
+                    "{value} comes too late: a fixed parameter is set before the simulation; reset the instance and set it then"
+                ),
+            ));
+        }
+        self.system
+            .check(reference, value)
+            .map_err(|error| Notice::error(self.system.explain_set(&error)))
+    }
+
+    /// Gives inputs a slope, in their unit per second, in the next step. Nothing is set on failure.
+    pub(in crate::export) fn set_slopes(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &[f64],
+    ) -> Outcome {
+        for ((reference, order), value) in references.iter().zip(orders).zip(values) {
+            let variable = self.typed(*reference, DataType::Real)?;
+            let problem = if variable.causality != Causality::Input || variable.discrete {
+                "is no continuous input; only those have derivatives that can be set".to_string()
+            } else if *order != 1 {
+                format!("derivative of order {order}: inputs move on straight lines, give order 1")
+            } else if !value.is_finite() {
+                format!("derivative {value} is not a finite number; set a finite one")
+            } else {
+                continue;
+            };
+            return Err(refused(variable, *reference, &problem));
+        }
+        for (reference, value) in references.iter().zip(values) {
+            self.slopes[*reference as usize] = *value;
+        }
+        self.progress.sloped = true;
+        Ok(())
+    }
+
+    /// The variable with this reference and type.
+    #[inline]
+    fn typed(&self, reference: u32, wanted: DataType) -> Result<&Variable, Notice> {
+        match self.system.variables().get(reference) {
+            Some(variable) if variable.data_type == wanted => Ok(variable),
+            found => Err(self.mismatch(found, reference, wanted)),
+        }
+    }
+
+    #[cold]
+    fn mismatch(&self, found: Option<&Variable>, reference: u32, wanted: DataType) -> Notice {
+        match found {
+            Some(variable) => {
+                let own = variable.data_type;
+                refused(
+                    variable,
+                    reference,
+                    &format!("is of type {own:?}, not {wanted:?}; use the functions of its type"),
+                )
+            }
+            None => self.unknown(reference, &format!("{wanted:?}")),
+        }
+    }
+
+    /// A reference that no variable of this type has.
+    #[cold]
+    pub(in crate::export) fn unknown(&self, reference: u32, type_name: &str) -> Notice {
+        match self.system.variables().get(reference) {
+            Some(variable) => {
+                let own = variable.data_type;
+                refused(
+                    variable,
+                    reference,
+                    &format!("is of type {own:?}, not {type_name}; use the functions of its type"),
+                )
+            }
+            None => Notice::error(format!(
+                "value reference {reference} is unknown; this model has the references 0 to {}",
+                self.system.variables().len().saturating_sub(1)
+            )),
+        }
+    }
+}
+
+#[cold]
+fn refused(variable: &Variable, reference: u32, problem: &str) -> Notice {
+    Notice::error(format!("{} (value reference {reference}): {problem}", variable.name))
+}

@@ -1,0 +1,159 @@
+//! Messages to the importer.
+
+use std::ffi::{CStr, CString, c_void};
+
+use super::LOG_CATEGORIES;
+use super::guard::Status;
+use crate::fmi2::{fmi2CallbackLogger, fmi2Status};
+
+/// The importer's logger, in the dialect of its version of the standard.
+#[derive(Clone, Copy)]
+pub(super) enum Sink {
+    /// The importer gave none.
+    None,
+    /// FMI 2.0: variadic, the message is a format.
+    V2 { callback: fmi2CallbackLogger, environment: *mut c_void },
+}
+
+/// Which categories go out, one bit each, in the order of [`LOG_CATEGORIES`].
+type Mask = u8;
+
+const ALL: Mask = 0b1111;
+/// Messages that explain a status are no debug logging: the standard expects them even where debug
+/// logging is off (FMI 2.0.5 §2.1.3).
+const WHERE_OFF: Mask = 0b1110;
+
+/// Sends messages under the instance's name.
+pub(super) struct Logger {
+    sink: Sink,
+    instance: CString,
+    enabled: Mask,
+}
+
+impl Logger {
+    /// A logger for the instance with this name.
+    pub(super) fn new(sink: Sink, instance: CString, logging_on: bool) -> Self {
+        Self { sink, instance, enabled: if logging_on { ALL } else { WHERE_OFF } }
+    }
+
+    /// Switches debug logging; without categories all are meant. Returns the names that are no
+    /// category of this FMU.
+    pub(super) fn set_debug_logging(&mut self, on: bool, categories: &[&CStr]) -> Vec<String> {
+        self.enabled = match (on, categories.is_empty()) {
+            (false, _) => WHERE_OFF,
+            (true, true) => ALL,
+            (true, false) => 0,
+        };
+        let mut unknown = Vec::new();
+        for category in categories.iter().filter(|_| on) {
+            match LOG_CATEGORIES.iter().position(|(name, _)| name.as_bytes() == category.to_bytes())
+            {
+                Some(index) if LOG_CATEGORIES[index].0 == "logAll" => self.enabled = ALL,
+                Some(index) => self.enabled |= 1 << index,
+                None => unknown.push(category.to_string_lossy().into_owned()),
+            }
+        }
+        unknown
+    }
+
+    /// Whether messages of this status go out; asked before a message is put together.
+    pub(super) fn wants(&self, status: Status) -> bool {
+        !matches!(self.sink, Sink::None) && self.enabled & (1 << status as u8) != 0
+    }
+
+    /// Sends a message in the category of its status.
+    pub(super) fn send(&self, status: Status, message: &str) {
+        if !self.wants(status) {
+            return;
+        }
+        let category = category(status);
+        match self.sink {
+            Sink::None => {}
+            Sink::V2 { callback, environment } => {
+                let text = finished(message, true);
+                let name = self.instance.as_ptr();
+                let status = fmi2Status(status as u32);
+                // SAFETY: the importer's function with the signature of the standard; all texts
+                // end with a zero byte and live until it returns; the format has no directives.
+                unsafe { callback(environment, name, status, category.as_ptr(), text.as_ptr()) };
+            }
+        }
+    }
+}
+
+/// The category of a status: its number is the index in [`LOG_CATEGORIES`].
+fn category(status: Status) -> &'static CStr {
+    match status {
+        Status::Ok => c"logEvents",
+        Status::Warning => c"logStatusWarning",
+        Status::Discard => c"logStatusDiscard",
+        Status::Error => c"logStatusError",
+    }
+}
+
+/// The text as the logger must get it: `#` doubled, because `#12#` means the variable with value
+/// reference 12; where it is a `printf` format, `%` doubled, so that it has no directives whatever
+/// an importer does with it.
+fn finished(message: &str, is_format: bool) -> CString {
+    let mut text = Vec::with_capacity(message.len() + 16);
+    for byte in message.bytes() {
+        match byte {
+            0 => continue,
+            b'#' => text.push(b'#'),
+            b'%' if is_format => text.push(b'%'),
+            _ => {}
+        }
+        text.push(byte);
+    }
+    CString::new(text).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_text_has_no_directives_and_no_references() {
+        assert_eq!(finished("5 %s of #3\0", true).as_c_str(), c"5 %%s of ##3");
+        assert_eq!(finished("5 %s of #3", false).as_c_str(), c"5 %s of ##3");
+    }
+
+    #[test]
+    fn each_status_has_its_category() {
+        for status in [Status::Ok, Status::Warning, Status::Discard, Status::Error] {
+            let name = category(status).to_str().unwrap();
+            assert_eq!(name, LOG_CATEGORIES[status as usize].0);
+        }
+    }
+
+    #[test]
+    fn categories_are_switched_one_by_one() {
+        unsafe extern "C" fn ignore(
+            _: *mut c_void,
+            _: *const std::ffi::c_char,
+            _: fmi2Status,
+            _: *const std::ffi::c_char,
+            _: *const std::ffi::c_char,
+        ) {
+        }
+        type Plain = unsafe extern "C" fn(
+            *mut c_void,
+            *const std::ffi::c_char,
+            fmi2Status,
+            *const std::ffi::c_char,
+            *const std::ffi::c_char,
+        );
+        // SAFETY: never called here.
+        let callback = unsafe { std::mem::transmute::<Plain, fmi2CallbackLogger>(ignore) };
+        let sink = Sink::V2 { callback, environment: std::ptr::null_mut() };
+        let mut logger = Logger::new(sink, c"x".into(), false);
+        assert!(!logger.wants(Status::Ok) && logger.wants(Status::Error));
+        assert!(logger.set_debug_logging(true, &[c"logStatusWarning"]).is_empty());
+        assert!(logger.wants(Status::Warning) && !logger.wants(Status::Error));
+        assert_eq!(logger.set_debug_logging(true, &[c"nonsense"]), ["nonsense"]);
+        logger.set_debug_logging(true, &[c"logAll"]);
+        assert!(logger.wants(Status::Ok) && logger.wants(Status::Error));
+        logger.set_debug_logging(false, &[]);
+        assert!(!logger.wants(Status::Ok) && logger.wants(Status::Discard));
+    }
+}
