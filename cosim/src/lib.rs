@@ -1,1 +1,51 @@
-//! The master: connect FMUs, step them, record
+//! The master: connect FMUs, step them, record.
+//!
+//! ```text
+//! Fmu ── instantiate ──▶ Slave ┐
+//! Fmu ── instantiate ──▶ Slave ┼▶ Diagram ── build (check) ──▶ System ── run(Algorithm) ──▶ Recorder
+//! input table (Signals) ───────┘
+//! ```
+//!
+//! It knows FMUs only, of any vendor. [`simulate_with_inputs`] drives one FMU by a log,
+//! [`Loop`] closes the loop of a controller and a plant; both are short uses of [`Diagram`].
+//!
+//! # Rows
+//! Row k of an input table, and of a record: u_k acts from t_k until t_{k+1} (zero-order hold);
+//! y_k is read at t_k before u_k acts. Time is t_k = start + k·h, multiplied, never accumulated, or
+//! that of a table's rows.
+//!
+//! # How old a value is when it acts
+//! See [`algorithm`] for each kind of connection, [`Loop`] for the closed loop, with the same in
+//! fmpy by hand.
+
+pub mod algorithm;
+mod closed_loop;
+mod diagram;
+mod error;
+mod fmu;
+mod problem;
+pub mod record;
+mod run;
+mod signals;
+mod simulate;
+mod slave;
+mod system;
+mod time;
+mod unit;
+
+pub use algorithm::{Algorithm, GaussSeidel, Jacobi};
+pub use closed_loop::{Coupling, Loop, LoopSettings, Wiring};
+pub use diagram::{Connection, Diagram, Port};
+pub use error::{Error, RunError};
+pub use fmi_bindings::import::v2::{Experiment, StepResult};
+pub use fmi_bindings::import::{Message, OnMessage, Status};
+pub use fmu::{Fmu, InstanceOptions};
+pub use problem::{Problem, Problems};
+pub use record::{CsvRecorder, Memory, Recorder};
+pub use run::Run;
+pub use signals::{Signal, Signals};
+pub use simulate::{Drive, simulate_with_inputs};
+pub use slave::{Fmi2Slave, Selection, Slave, StateId, TypeRun, Value};
+pub use system::{Ending, System};
+pub use time::Points;
+pub use unit::Conversion;

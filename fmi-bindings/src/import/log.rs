@@ -34,7 +34,7 @@ impl fmt::Display for Message {
 }
 
 /// Called with each message at once, possibly from a thread of the FMU.
-pub type OnMessage = Box<dyn Fn(&Message) + Send + Sync>;
+pub type OnMessage = std::sync::Arc<dyn Fn(&Message) + Send + Sync>;
 
 /// The messages of one instance.
 ///

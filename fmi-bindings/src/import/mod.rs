@@ -11,7 +11,6 @@
 mod binary;
 mod error;
 mod log;
-pub mod resource;
 pub mod v2;
 
 pub use binary::Binary;

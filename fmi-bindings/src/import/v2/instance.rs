@@ -1,12 +1,10 @@
 //! One FMI 2.0 co-simulation slave: its life, its steps, its status.
 
 use std::ffi::{CString, c_void};
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::super::error::{CallError, Error, Said, Status};
 use super::super::log::{Log, OnMessage, logger, text_of};
-use super::super::resource;
 use super::library::{Functions, Library};
 use super::state::States;
 use crate::fmi2::*;
@@ -18,9 +16,9 @@ pub struct Instantiation {
     pub name: String,
     /// `guid` of the model description.
     pub guid: String,
-    /// The unpacked `resources` folder. It is named to the FMU even if it does not exist: FMUs are
-    /// known that crash on a null location.
-    pub resources: PathBuf,
+    /// URI of the unpacked `resources` folder (`file:///…`). It is never given as null, even if
+    /// there is no such folder: FMUs are known that crash on that.
+    pub resource_location: String,
     /// Ask the FMU to show windows of its own.
     pub visible: bool,
     /// Ask the FMU for debug messages.
@@ -83,8 +81,8 @@ impl Instance {
     /// [`Error::Instantiate`] with the FMU's messages if it returns null, as it must for a wrong
     /// GUID.
     pub fn new(library: &Arc<Library>, options: Instantiation) -> Result<Self, Error> {
-        let Instantiation { name, guid, resources, visible, logging_on, on_message } = options;
-        let location = resource_location(&resources);
+        let Instantiation { name, guid, resource_location: location, visible, .. } = options;
+        let (logging_on, on_message) = (options.logging_on, options.on_message);
         let log = Arc::new(Log::new(on_message));
         let callbacks = Box::new(callbacks(&log));
         let c_name = c_text(&name, "the instance name", &name)?;
@@ -360,11 +358,6 @@ fn callbacks(log: &Arc<Log>) -> fmi2CallbackFunctions {
         stepFinished: None,
         componentEnvironment: Arc::as_ptr(log).cast_mut().cast(),
     }
-}
-
-fn resource_location(folder: &Path) -> String {
-    let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
-    resource::uri(&absolute)
 }
 
 /// A text for C.

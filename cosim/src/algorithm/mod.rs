@@ -1,0 +1,31 @@
+//! Algorithms: in which order slaves exchange values and step.
+//!
+//! | connection | source acts on the target over \[t_k, t_{k+1}\] with | delay |
+//! |---|---|---|
+//! | any, [`Jacobi`] | its output at t_k | one step |
+//! | [`GaussSeidel`], source before target | its output at t_{k+1} | none |
+//! | [`GaussSeidel`], source after target | its output at t_k | one step |
+//!
+//! *Delay* counts communication steps between the time of the source's value and the end of the
+//! target's step that it acts on. A column of the input table is like a source's output at t_k.
+
+mod gauss_seidel;
+mod jacobi;
+
+pub use gauss_seidel::GaussSeidel;
+pub use jacobi::Jacobi;
+
+use crate::error::Error;
+use crate::system::System;
+
+/// One communication step of a system, made of the moves that [`System`] offers.
+pub trait Algorithm {
+    /// Steps the whole system from `time` over `step` seconds: transfers, advances and reads each
+    /// slave once. Before it the bus holds the values at `time`, after it those at `time + step`.
+    fn step(&self, system: &mut System, time: f64, step: f64) -> Result<(), Error>;
+
+    /// Order in which inputs are set in initialization mode.
+    fn initialization_order(&self, system: &System) -> Vec<usize> {
+        (0..system.len()).collect()
+    }
+}

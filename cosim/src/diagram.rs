@@ -1,0 +1,339 @@
+//! A system as its user draws it: not yet checked.
+
+use modeldescription::description::Unit;
+use modeldescription::variable::{Causality, DataType, Variability, Variable};
+
+use crate::problem::{Problem, Problems};
+use crate::slave::{Settable, Slave, Value, find, settable};
+use crate::system::{Participant, Recorded, System, Wire};
+use crate::unit::Conversion;
+
+/// A variable of a slave.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Port {
+    /// Name of the slave.
+    pub slave: String,
+    /// Name of the variable.
+    pub variable: String,
+}
+
+impl<S: Into<String>, V: Into<String>> From<(S, V)> for Port {
+    fn from((slave, variable): (S, V)) -> Self {
+        Port { slave: slave.into(), variable: variable.into() }
+    }
+}
+
+impl std::fmt::Display for Port {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "`{}` of FMU `{}`", self.variable, self.slave)
+    }
+}
+
+/// An output that feeds an input, with unit conversion where both declare a unit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Connection {
+    /// The output.
+    pub from: Port,
+    /// The input.
+    pub to: Port,
+}
+
+/// A column of the input table that feeds an input or a tunable parameter.
+#[derive(Clone, Debug)]
+struct Feed {
+    column: String,
+    unit: Option<Unit>,
+    to: Port,
+}
+
+/// Slaves, what connects them, what feeds them and what is recorded. [`Diagram::build`] checks it.
+#[derive(Default)]
+pub struct Diagram {
+    slaves: Vec<Box<dyn Slave>>,
+    connections: Vec<Connection>,
+    feeds: Vec<Feed>,
+    starts: Vec<(Port, Value)>,
+    records: Vec<(Port, Option<String>)>,
+}
+
+impl Diagram {
+    /// An empty diagram.
+    pub fn new() -> Self {
+        Diagram::default()
+    }
+
+    /// Adds a slave; its name must be new.
+    pub fn add(&mut self, slave: Box<dyn Slave>) -> &mut Self {
+        self.slaves.push(slave);
+        self
+    }
+
+    /// Lets an output feed an input.
+    pub fn connect(&mut self, from: impl Into<Port>, to: impl Into<Port>) -> &mut Self {
+        self.connections.push(Connection { from: from.into(), to: to.into() });
+        self
+    }
+
+    /// Lets a column of the input table feed an input or a tunable parameter. A column without a
+    /// unit is in the variable's.
+    pub fn feed(
+        &mut self,
+        column: impl Into<String>,
+        unit: Option<Unit>,
+        to: impl Into<Port>,
+    ) -> &mut Self {
+        self.feeds.push(Feed { column: column.into(), unit, to: to.into() });
+        self
+    }
+
+    /// Gives a parameter, or another variable with a start value, a value before each run.
+    pub fn start(&mut self, variable: impl Into<Port>, value: impl Into<Value>) -> &mut Self {
+        self.starts.push((variable.into(), value.into()));
+        self
+    }
+
+    /// Records a variable under its own name, or `slave.variable` where two slaves share it.
+    pub fn record(&mut self, variable: impl Into<Port>) -> &mut Self {
+        self.records.push((variable.into(), None));
+        self
+    }
+
+    /// Records a variable under another name.
+    pub fn record_as(&mut self, variable: impl Into<Port>, name: impl Into<String>) -> &mut Self {
+        self.records.push((variable.into(), Some(name.into())));
+        self
+    }
+
+    /// Checks the diagram and makes it ready to run.
+    ///
+    /// # Errors
+    /// All problems: names that do not exist, variables in the wrong role, inputs with two
+    /// sources, units that do not convert, values that cannot be set.
+    pub fn build(self) -> Result<System, Problems> {
+        let mut builder = Builder::new(self.slaves);
+        builder.feeds(&self.feeds);
+        builder.connections(&self.connections);
+        builder.starts(self.starts);
+        builder.records(&self.records);
+        Problems::none_or(builder.problems, builder.system)
+    }
+}
+
+/// Turns names into places, and collects problems.
+struct Builder {
+    system: System,
+    /// For each participant what feeds its driven variables, for messages.
+    sources: Vec<Vec<String>>,
+    problems: Vec<Problem>,
+}
+
+impl Builder {
+    fn new(slaves: Vec<Box<dyn Slave>>) -> Self {
+        let mut problems = Vec::new();
+        for (i, slave) in slaves.iter().enumerate() {
+            if slaves[..i].iter().any(|other| other.name() == slave.name()) {
+                problems.push(Problem::SameName { name: slave.name().to_owned() });
+            }
+        }
+        let sources = vec![Vec::new(); slaves.len()];
+        let participants = slaves.into_iter().map(Participant::new).collect();
+        Builder { system: System::new(participants), sources, problems }
+    }
+
+    /// The columns come first on the bus, each once even if it feeds several inputs.
+    fn feeds(&mut self, feeds: &[Feed]) {
+        for feed in feeds {
+            let known = self.system.externals.iter().position(|name| *name == feed.column);
+            let from = known.unwrap_or_else(|| self.system.add_external(&feed.column));
+            let outcome = self.feed(feed, from);
+            self.problems.extend(outcome.err());
+        }
+    }
+
+    fn feed(&mut self, feed: &Feed, from: usize) -> Result<(), Problem> {
+        let source = format!("column `{}`", feed.column);
+        let (to, variable) = self.find(&feed.to)?;
+        let version = self.system.participants[to].slave.description().fmi_version;
+        let tunable = variable.causality == Causality::Parameter
+            && variable.variability(version) == Variability::Tunable;
+        if !tunable && variable.causality != Causality::Input {
+            let role = format!("be fed by {source}");
+            return Err(wrong_role(&feed.to, &variable, "an input or a tunable parameter", role));
+        }
+        let unit = self.unit(to, &variable);
+        let conversion = convert(&source, feed.unit.as_ref(), &feed.to, unit.as_ref(), false)?;
+        self.drive(to, &variable, source, Wire { from, conversion })
+    }
+
+    fn connections(&mut self, connections: &[Connection]) {
+        for connection in connections {
+            let outcome = self.connection(connection);
+            self.problems.extend(outcome.err());
+        }
+    }
+
+    fn connection(&mut self, connection: &Connection) -> Result<(), Problem> {
+        let Connection { from, to } = connection;
+        let (source, output) = self.find(from)?;
+        let (target, input) = self.find(to)?;
+        if output.causality != Causality::Output {
+            let role = format!("feed {to}");
+            return Err(wrong_role(from, &output, "an output", role));
+        }
+        if input.causality != Causality::Input {
+            let role = format!("be fed by {from}");
+            return Err(wrong_role(to, &input, "an input", role));
+        }
+        if rank(output.data_type) > rank(input.data_type) {
+            let is = format!("of type {}", output.data_type.name());
+            let role = format!("feed {to}, which is of type {}", input.data_type.name());
+            let (slave, variable) = (from.slave.clone(), from.variable.clone());
+            let must_be = "of a type that fits";
+            return Err(Problem::WrongRole { slave, variable, is, must_be, role });
+        }
+        let (from_unit, to_unit) = (self.unit(source, &output), self.unit(target, &input));
+        let differences = self.is_difference(source, &output) && self.is_difference(target, &input);
+        let name = format!("output {from}");
+        let conversion = convert(&name, from_unit.as_ref(), to, to_unit.as_ref(), differences)?;
+        let place = self.system.connect_output(source, &output)?;
+        self.drive(target, &input, name, Wire { from: place, conversion })
+    }
+
+    /// Makes the variable one that is set before each step.
+    fn drive(
+        &mut self,
+        slave: usize,
+        variable: &Variable,
+        source: String,
+        wire: Wire,
+    ) -> Result<(), Problem> {
+        let participant = &mut self.system.participants[slave];
+        if let Some(place) = participant.driven.position(&variable.name) {
+            return Err(Problem::TwoSources {
+                slave: participant.slave.name().to_owned(),
+                variable: variable.name.clone(),
+                first: self.sources[slave][place].clone(),
+                second: source,
+            });
+        }
+        participant.drive(variable, wire)?;
+        self.sources[slave].push(source);
+        Ok(())
+    }
+
+    fn starts(&mut self, starts: Vec<(Port, Value)>) {
+        for (port, value) in starts {
+            let outcome = self.start(&port, value);
+            self.problems.extend(outcome.err());
+        }
+    }
+
+    fn start(&mut self, port: &Port, value: Value) -> Result<(), Problem> {
+        let (slave, variable) = self.find(port)?;
+        let participant = &mut self.system.participants[slave];
+        let problem = |why: String| Problem::StartValue {
+            slave: port.slave.clone(),
+            variable: port.variable.clone(),
+            value: value.to_string(),
+            why,
+        };
+        if value.fit(variable.data_type).is_none() {
+            return Err(problem(format!("the variable is of type {}", variable.data_type.name())));
+        }
+        let when = settable(&variable, participant.slave.description().fmi_version);
+        let start = (port.variable.clone(), value.clone());
+        match when {
+            Settable::Instantiated => participant.starts_before.push(start),
+            Settable::Initialization => participant.starts_during.push(start),
+            Settable::Never => {
+                return Err(problem(format!(
+                    "the variable is computed by the FMU (causality {}); set inputs, parameters \
+                     or variables with a start value",
+                    variable.causality.name()
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    fn records(&mut self, records: &[(Port, Option<String>)]) {
+        for (port, label) in records {
+            let shared = records
+                .iter()
+                .any(|(other, _)| other.variable == port.variable && other.slave != port.slave);
+            let name = match label {
+                Some(label) => label.clone(),
+                None if shared => format!("{}.{}", port.slave, port.variable),
+                None => port.variable.clone(),
+            };
+            let outcome = self.record(port, name);
+            self.problems.extend(outcome.err());
+        }
+    }
+
+    fn record(&mut self, port: &Port, name: String) -> Result<(), Problem> {
+        let (slave, variable) = self.find(port)?;
+        let unit = self.unit(slave, &variable).map(|unit| unit.name);
+        self.system.record(Recorded { slave, variable: &variable, name, unit })
+    }
+
+    /// Place of a slave and a copy of its variable's declaration.
+    fn find(&self, port: &Port) -> Result<(usize, Variable), Problem> {
+        let slave = self.system.position(&port.slave)?;
+        let description = self.system.participants[slave].slave.description();
+        find(&port.slave, description, &port.variable).map(|variable| (slave, variable.clone()))
+    }
+
+    fn unit(&self, slave: usize, variable: &Variable) -> Option<Unit> {
+        let description = self.system.participants[slave].slave.description();
+        let name = description.properties(variable).unit?;
+        let undefined = || Unit {
+            name: name.clone(),
+            base: None,
+            display_units: Vec::new(),
+            line: Default::default(),
+        };
+        Some(description.unit(&name).cloned().unwrap_or_else(undefined))
+    }
+
+    fn is_difference(&self, slave: usize, variable: &Variable) -> bool {
+        let description = self.system.participants[slave].slave.description();
+        description.properties(variable).relative_quantity.unwrap_or(false)
+    }
+}
+
+fn convert(
+    source: &str,
+    from: Option<&Unit>,
+    target: &Port,
+    to: Option<&Unit>,
+    differences: bool,
+) -> Result<Conversion, Problem> {
+    let name = |unit: Option<&Unit>| unit.map(|unit| unit.name.clone()).unwrap_or_default();
+    Conversion::between(from, to, differences).map_err(|why| Problem::Units {
+        from: source.to_owned(),
+        from_unit: name(from),
+        to: target.to_string(),
+        to_unit: name(to),
+        why,
+    })
+}
+
+fn wrong_role(port: &Port, variable: &Variable, must_be: &'static str, role: String) -> Problem {
+    Problem::WrongRole {
+        slave: port.slave.clone(),
+        variable: port.variable.clone(),
+        is: format!("of causality {}", variable.causality.name()),
+        must_be,
+        role,
+    }
+}
+
+/// Values may go from a narrower type to a wider one: boolean, whole number, real.
+fn rank(data_type: DataType) -> u8 {
+    match data_type {
+        DataType::Boolean => 0,
+        DataType::Float32 | DataType::Float64 => 2,
+        _ => 1,
+    }
+}

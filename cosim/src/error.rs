@@ -1,0 +1,98 @@
+//! What can go wrong in a co-simulation.
+
+use std::fmt;
+
+use fmi_bindings::import;
+
+use crate::problem::Problems;
+
+/// An error of the master.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// An FMU refused a call; the message names the FMU, the call and what the FMU says.
+    #[error(transparent)]
+    Fmu(#[from] import::Error),
+    /// An FMU gave up a step without asking for the end of the run.
+    #[error("FMU `{fmu}`: fmi2DoStep over {step} s returned Discard{}; \
+             try a smaller communication step", reached_text(*reached))]
+    Discarded {
+        /// Name of the FMU.
+        fmu: String,
+        /// The step that was asked for, s.
+        step: f64,
+        /// Time that the FMU reached, s, if it tells.
+        reached: Option<f64>,
+    },
+    /// A value that the variable's type cannot hold.
+    #[error("FMU `{fmu}`: variable `{variable}` is of type {data_type} and cannot take {value}")]
+    Type {
+        /// Name of the FMU.
+        fmu: String,
+        /// Name of the variable.
+        variable: String,
+        /// Its type.
+        data_type: &'static str,
+        /// The value.
+        value: String,
+    },
+    /// The FMU does not offer what is asked for.
+    #[error("FMU `{fmu}` cannot {what}: its model description does not state {attribute}")]
+    NotOffered {
+        /// Name of the FMU.
+        fmu: String,
+        /// What was asked for.
+        what: &'static str,
+        /// The capability flag.
+        attribute: &'static str,
+    },
+    /// The settings do not fit together; all problems at once.
+    #[error(transparent)]
+    Problems(#[from] Problems),
+    /// The package cannot be opened, or has no library for this machine.
+    #[error(transparent)]
+    Open(#[from] modeldescription::PackageError),
+    /// The package has no use here.
+    #[error("{path}: {reason}")]
+    Package {
+        /// The FMU's file or folder.
+        path: std::path::PathBuf,
+        /// What is wrong and the way out.
+        reason: String,
+    },
+    /// The record cannot be written.
+    #[error("the record cannot be written: {0}")]
+    Record(#[from] std::io::Error),
+    /// A run ended early; what was recorded until then is kept.
+    #[error(transparent)]
+    Run(#[from] Box<RunError>),
+}
+
+/// Where in a run an error came up.
+#[derive(Debug)]
+pub struct RunError {
+    /// Number of the record (experiment) of the run, from 0.
+    pub record: usize,
+    /// Communication point at which the failing step began, s.
+    pub time: f64,
+    /// What happened.
+    pub cause: Error,
+}
+
+impl fmt::Display for RunError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.record {
+            0 => write!(f, "at t = {} s: {}", self.time, self.cause),
+            record => write!(f, "in record {record} at t = {} s: {}", self.time, self.cause),
+        }
+    }
+}
+
+impl std::error::Error for RunError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(&self.cause)
+    }
+}
+
+fn reached_text(reached: Option<f64>) -> String {
+    reached.map_or_else(String::new, |time| format!(", having reached t = {time} s"))
+}

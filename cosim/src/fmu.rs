@@ -1,0 +1,105 @@
+//! An opened FMU: its package, its description, its library.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use fmi_bindings::import::OnMessage;
+use fmi_bindings::import::v2::Library;
+use modeldescription::{FmiVersion, ModelDescription, Package};
+
+use crate::error::Error;
+use crate::slave::{Fmi2Slave, Settings, Slave};
+
+/// An FMU that is opened and loaded, ready to be instantiated any number of times.
+///
+/// The unpacked package lives as long as this and all slaves made from it.
+pub struct Fmu {
+    package: Arc<Package>,
+    description: Arc<ModelDescription>,
+    library: Arc<Library>,
+}
+
+/// What an instance is made with.
+#[derive(Clone, Default)]
+pub struct InstanceOptions {
+    /// Ask the FMU to show windows of its own.
+    pub visible: bool,
+    /// Ask the FMU for debug messages.
+    pub logging_on: bool,
+    /// Sees each message of the FMU at once; without it messages are only found in errors.
+    pub on_message: Option<OnMessage>,
+}
+
+impl Fmu {
+    /// Opens a `.fmu` file, or a folder with the content of one, and loads its library.
+    ///
+    /// # Errors
+    /// A package that does not open, offers no FMI 2.0 co-simulation, has no library for this
+    /// machine, or has one that does not load.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let failed = |reason: String| Error::Package { path: path.to_path_buf(), reason };
+        let package = Package::open(path)?;
+        let description = package.description();
+        if description.fmi_version != FmiVersion::V2 {
+            return Err(failed(format!(
+                "the FMU is of FMI {}, and only FMI 2.0 can be run; export it as FMI 2.0",
+                description.fmi_version.text()
+            )));
+        }
+        if description.co_simulation.is_none() {
+            return Err(failed(
+                "the FMU offers no co-simulation, only model exchange; export it for co-simulation"
+                    .to_owned(),
+            ));
+        }
+        let description = Arc::new(description.clone());
+        let library = Arc::new(Library::load(&package.binary()?)?);
+        Ok(Fmu { package: Arc::new(package), description, library })
+    }
+
+    /// The model description.
+    pub fn description(&self) -> &ModelDescription {
+        &self.description
+    }
+
+    /// The unpacked package.
+    pub fn package(&self) -> &Package {
+        &self.package
+    }
+
+    /// Functions that the standard requires and this FMU's library lacks.
+    pub fn missing_functions(&self) -> &[&'static str] {
+        self.library.missing()
+    }
+
+    /// Makes an instance.
+    ///
+    /// # Errors
+    /// What the FMU says when it refuses.
+    pub fn instantiate(
+        &self,
+        name: impl Into<String>,
+        options: &InstanceOptions,
+    ) -> Result<Box<dyn Slave>, Error> {
+        Ok(Box::new(self.instantiate_fmi2(name, options)?))
+    }
+
+    /// Makes an instance, as the FMI 2.0 slave it is.
+    pub fn instantiate_fmi2(
+        &self,
+        name: impl Into<String>,
+        options: &InstanceOptions,
+    ) -> Result<Fmi2Slave, Error> {
+        let InstanceOptions { visible, logging_on, on_message } = options.clone();
+        let settings = Settings {
+            name: name.into(),
+            resource_location: self.package.resources_uri(),
+            visible,
+            logging_on,
+            on_message,
+        };
+        let (library, description) = (Arc::clone(&self.library), Arc::clone(&self.description));
+        Fmi2Slave::new(library, description, Arc::clone(&self.package), settings)
+    }
+}

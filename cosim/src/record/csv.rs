@@ -1,0 +1,141 @@
+//! A record as a CSV file.
+
+use std::io::{self, Write};
+
+use super::{Column, Recorder};
+
+/// Writes rows as they come: UTF-8, comma, decimal point, one header row; memory does not grow.
+///
+/// Numbers are the shortest that read back to the same bits. The header carries the names alone,
+/// as fmpy and others want them, or `name [unit]` after [`CsvRecorder::with_units`]. Several
+/// records need [`CsvRecorder::with_record_column`], which tells them apart.
+pub struct CsvRecorder<W: Write> {
+    out: W,
+    units: bool,
+    record_column: bool,
+    header_written: bool,
+    record: usize,
+}
+
+impl<W: Write> CsvRecorder<W> {
+    /// Writes to `out`, which should be buffered.
+    pub fn new(out: W) -> Self {
+        CsvRecorder { out, units: false, record_column: false, header_written: false, record: 0 }
+    }
+
+    /// Puts units into the header: `position[1] [um]`.
+    pub fn with_units(mut self) -> Self {
+        self.units = true;
+        self
+    }
+
+    /// Writes the number of the record into a column `record` after `time`.
+    pub fn with_record_column(mut self) -> Self {
+        self.record_column = true;
+        self
+    }
+
+    /// The writer, with everything written to it.
+    pub fn into_inner(mut self) -> io::Result<W> {
+        self.out.flush()?;
+        Ok(self.out)
+    }
+
+    fn header(&mut self, columns: &[Column]) -> io::Result<()> {
+        self.out.write_all(if self.units { b"time [s]" } else { b"time" })?;
+        if self.record_column {
+            self.out.write_all(b",record")?;
+        }
+        for column in columns {
+            let text = match &column.unit {
+                Some(unit) if self.units => format!("{} [{unit}]", column.name),
+                _ => column.name.clone(),
+            };
+            write!(self.out, ",{}", quoted(&text))?;
+        }
+        self.out.write_all(b"\n")
+    }
+}
+
+impl<W: Write> Recorder for CsvRecorder<W> {
+    fn begin(&mut self, record: usize, columns: &[Column], _rows: usize) -> io::Result<()> {
+        self.record = record;
+        if !self.header_written {
+            self.header_written = true;
+            self.header(columns)?;
+        }
+        Ok(())
+    }
+
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        number(&mut self.out, time)?;
+        if self.record_column {
+            write!(self.out, ",{}", self.record)?;
+        }
+        for value in values {
+            self.out.write_all(b",")?;
+            number(&mut self.out, *value)?;
+        }
+        self.out.write_all(b"\n")
+    }
+
+    fn end(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// Shortest text that reads back to the same bits, with an exponent where that is shorter.
+fn number(out: &mut impl Write, value: f64) -> io::Result<()> {
+    let magnitude = value.abs();
+    if magnitude == 0.0 || (1e-5..1e16).contains(&magnitude) || !value.is_finite() {
+        write!(out, "{value}")
+    } else {
+        write!(out, "{value:e}")
+    }
+}
+
+/// Quotes a name that holds a comma, a quote or a line break (RFC 4180).
+fn quoted(name: &str) -> String {
+    if name.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", name.replace('"', "\"\""))
+    } else {
+        name.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns() -> Vec<Column> {
+        let column = |name: &str, unit: Option<&str>| Column {
+            name: name.to_owned(),
+            unit: unit.map(str::to_owned),
+        };
+        vec![column("position[1]", Some("um")), column("a,\"b\"", None)]
+    }
+
+    fn written(mut recorder: CsvRecorder<Vec<u8>>) -> String {
+        recorder.begin(0, &columns(), 2).unwrap();
+        recorder.row(0.0, &[0.1 + 0.2, -1e-300]).unwrap();
+        recorder.end().unwrap();
+        recorder.begin(1, &columns(), 1).unwrap();
+        recorder.row(1e-9, &[1.0, f64::NAN]).unwrap();
+        String::from_utf8(recorder.into_inner().unwrap()).unwrap()
+    }
+
+    #[test]
+    fn names_only_by_default() {
+        let text = written(CsvRecorder::new(Vec::new()));
+        let expected =
+            "time,position[1],\"a,\"\"b\"\"\"\n0,0.30000000000000004,-1e-300\n1e-9,1,NaN\n";
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn units_and_record_numbers_on_demand() {
+        let text = written(CsvRecorder::new(Vec::new()).with_units().with_record_column());
+        assert!(text.starts_with("time [s],record,position[1] [um],"), "{text}");
+        assert!(text.ends_with("\n1e-9,1,1,NaN\n"), "{text}");
+    }
+}

@@ -1,0 +1,201 @@
+//! Running a system: initialization, communication steps, record.
+
+use fmi_bindings::import::v2::Experiment;
+
+use crate::algorithm::Algorithm;
+use crate::error::{Error, RunError};
+use crate::problem::{Problem, Problems};
+use crate::record::Recorder;
+use crate::signals::{Held, Signals};
+use crate::system::{Ending, System};
+use crate::time::Points;
+
+/// One record of a run: when, and driven by what.
+#[derive(Clone, Debug)]
+pub struct Run<'a> {
+    /// Number of the record, for recorders and messages.
+    pub record: usize,
+    /// Communication points.
+    pub points: Points<'a>,
+    /// The input table; columns that nothing needs are ignored.
+    pub signals: &'a Signals<'a>,
+    /// Relative tolerance for FMUs with error control.
+    pub tolerance: Option<f64>,
+}
+
+impl System {
+    /// Runs from the first communication point to the last.
+    ///
+    /// In the order in which it happens (for one slave it is what `fmpy.simulate_fmu` does):
+    ///
+    /// 1. A system that ran before is reset.
+    /// 2. Each slave: `fmi2SetupExperiment(start, stop)`, start values, `fmi2EnterInitializationMode`.
+    /// 3. In initialization mode: connected outputs are read; then in the algorithm's order each
+    ///    slave gets its inputs, from the first row of the table and from the outputs, and its
+    ///    connected outputs are read again. Then `fmi2ExitInitializationMode`, and all is read.
+    /// 4. Row k is: outputs at t_k; then inputs as they act over \[t_k, t_{k+1}\], set by the
+    ///    algorithm while it steps. The last row holds the inputs that would act next.
+    /// 5. `fmi2Terminate`.
+    ///
+    /// Returns the [`Ending`] if an FMU asked for the end before the stop time. The last row is
+    /// then at the time that FMU reached; other slaves are at the end of their step.
+    ///
+    /// # Errors
+    /// [`Error::Run`] with the time; the rows until then, that of the failing step included, are
+    /// with the recorder, whose record is ended.
+    pub fn run(
+        &mut self,
+        run: &Run<'_>,
+        algorithm: &dyn Algorithm,
+        recorder: &mut dyn Recorder,
+    ) -> Result<Option<Ending>, Error> {
+        let mut held = self.check(run)?;
+        let step = self.common_step(&run.points)?;
+        recorder.begin(run.record, &self.columns, run.points.steps() + 1)?;
+        let mut stepping = Stepping { system: self, run, algorithm, recorder, time: 0.0 };
+        let outcome = stepping.whole(&mut held, step);
+        let time = stepping.time;
+        recorder.end()?;
+        outcome.map_err(|cause| Box::new(RunError { record: run.record, time, cause }).into())
+    }
+
+    /// Back to the state before the first run.
+    pub fn reset(&mut self) -> Result<(), Error> {
+        self.participants.iter_mut().try_for_each(|participant| participant.slave.reset())?;
+        self.bus.fill(0.0);
+        self.ending = None;
+        self.used = false;
+        Ok(())
+    }
+
+    /// The columns this system needs, or all problems of the table.
+    fn check<'a>(&self, run: &Run<'a>) -> Result<Held<'a>, Problems> {
+        let mut problems = Vec::new();
+        let mut columns: Vec<&'a [f64]> = Vec::new();
+        if !self.externals.is_empty() {
+            problems = run.signals.problems(run.record);
+        }
+        for name in &self.externals {
+            match run.signals.columns.iter().find(|column| column.name == *name) {
+                Some(column) => columns.push(column.values),
+                None => problems.push(self.no_column(name, run.signals)),
+            }
+        }
+        Problems::none_or(problems, Held::new(run.signals.time, columns))
+    }
+
+    fn no_column(&self, name: &str, signals: &Signals<'_>) -> Problem {
+        let there: Vec<&str> = signals.columns.iter().map(|c| c.name.as_str()).collect();
+        let (slave, variable) = self.fed_by(name).unwrap_or_default();
+        Problem::NoSuchColumn { name: name.to_owned(), slave, variable, there: there.join(", ") }
+    }
+
+    /// The one step that all steps must be, if a slave takes equal steps only.
+    fn common_step(&self, points: &Points<'_>) -> Result<Option<f64>, Problems> {
+        let mut problems = Vec::new();
+        let mut common = None;
+        for participant in &self.participants {
+            let co_simulation = participant.slave.description().co_simulation.as_ref();
+            if co_simulation.is_some_and(|cs| cs.can_handle_variable_communication_step_size) {
+                continue;
+            }
+            match points.equal_steps() {
+                Ok(step) => common = Some(step),
+                Err(what) => {
+                    let slave = participant.slave.name().to_owned();
+                    problems.push(Problem::UnequalSteps { slave, what });
+                }
+            }
+        }
+        Problems::none_or(problems, common)
+    }
+}
+
+/// A run under way.
+struct Stepping<'s, 'r> {
+    system: &'s mut System,
+    run: &'s Run<'r>,
+    algorithm: &'s dyn Algorithm,
+    recorder: &'s mut dyn Recorder,
+    /// The communication point it is at, for errors.
+    time: f64,
+}
+
+impl Stepping<'_, '_> {
+    fn whole(&mut self, held: &mut Held<'_>, step: Option<f64>) -> Result<Option<Ending>, Error> {
+        self.time = self.run.points.start();
+        if self.system.used {
+            self.system.reset()?;
+        }
+        self.system.used = true;
+        self.initialize(held)?;
+        let ending = self.steps(held, step)?;
+        self.last_row(held)?;
+        for participant in &mut self.system.participants {
+            participant.slave.terminate()?;
+        }
+        Ok(ending)
+    }
+
+    fn initialize(&mut self, held: &mut Held<'_>) -> Result<(), Error> {
+        let Run { points, tolerance, .. } = self.run;
+        let (start, stop) = (points.start(), Some(points.stop()));
+        let experiment = Experiment { start, stop, tolerance: *tolerance };
+        for participant in &mut self.system.participants {
+            let slave = &mut participant.slave;
+            slave.setup(&experiment)?;
+            participant.starts_before.iter().try_for_each(|(n, v)| slave.set_start(n, v))?;
+            slave.enter_initialization()?;
+            participant.starts_during.iter().try_for_each(|(n, v)| slave.set_start(n, v))?;
+        }
+        self.hold(held, start);
+        (0..self.system.len()).try_for_each(|slave| self.system.read_outputs(slave))?;
+        for slave in self.algorithm.initialization_order(self.system) {
+            self.system.transfer(slave)?;
+            self.system.read_outputs(slave)?;
+        }
+        for participant in &mut self.system.participants {
+            participant.slave.exit_initialization()?;
+        }
+        (0..self.system.len()).try_for_each(|slave| self.system.read(slave))
+    }
+
+    fn steps(&mut self, held: &mut Held<'_>, common: Option<f64>) -> Result<Option<Ending>, Error> {
+        let points = &self.run.points;
+        let mut next = points.start();
+        for n in 0..points.steps() {
+            self.time = next;
+            next = points.at(n + 1);
+            let step = common.unwrap_or(next - self.time);
+            self.hold(held, self.time);
+            self.system.tap_outputs();
+            let outcome = self.algorithm.step(self.system, self.time, step);
+            self.system.tap_inputs();
+            self.recorder.row(self.time, &self.system.row)?;
+            outcome?;
+            if let Some(ending) = self.system.ending.take() {
+                self.time = ending.time;
+                return Ok(Some(ending));
+            }
+        }
+        self.time = next;
+        Ok(None)
+    }
+
+    /// The row at the end: outputs, and inputs as they would act next.
+    fn last_row(&mut self, held: &mut Held<'_>) -> Result<(), Error> {
+        self.hold(held, self.time);
+        self.system.tap_outputs();
+        (0..self.system.len()).for_each(|slave| self.system.gather(slave));
+        self.system.tap_inputs();
+        self.recorder.row(self.time, &self.system.row)?;
+        Ok(())
+    }
+
+    /// Puts the values of the input table that act from `time` on onto the bus.
+    #[inline]
+    fn hold(&mut self, held: &mut Held<'_>, time: f64) {
+        let columns = self.system.externals.len();
+        held.at(time, &mut self.system.bus[..columns]);
+    }
+}

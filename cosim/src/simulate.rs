@@ -1,0 +1,135 @@
+//! One FMU driven by a log.
+
+use modeldescription::variable::Causality;
+
+use crate::algorithm::Jacobi;
+use crate::diagram::{Diagram, Port};
+use crate::error::Error;
+use crate::problem::{Problem, Problems};
+use crate::record::Recorder;
+use crate::run::Run;
+use crate::signals::Signals;
+use crate::slave::{Selection, Slave, Value};
+use crate::system::Ending;
+use crate::time::Points;
+
+/// How a log drives an FMU.
+#[derive(Clone, Debug, Default)]
+pub struct Drive {
+    /// Variables and the columns that feed them, where names differ: `(variable, column)`.
+    pub map: Vec<(String, String)>,
+    /// Parameters and other start values.
+    pub parameters: Vec<(String, Value)>,
+    /// Variables to record; empty: all driven inputs and all numeric outputs.
+    pub record: Vec<String>,
+    /// Relative tolerance for FMUs with error control.
+    pub tolerance: Option<f64>,
+}
+
+/// Drives a slave with the rows of a log, record by record, and records it.
+///
+/// Row k: u_k acts from t_k until t_{k+1} (zero-order hold); outputs are read at t_k before u_k
+/// acts. The communication points are the rows' times. A column feeds the input or tunable
+/// parameter that `map` gives it, else the one of its own name; a column that fits nothing is
+/// ignored, an input that no column feeds keeps its start value. Between records the FMU is reset
+/// and gets its parameters anew.
+///
+/// On a uniform grid the result is that of
+///
+/// ```python
+/// fmpy.simulate_fmu(fmu, start_time=t[0], stop_time=t[-1], output_interval=dt, input=table,
+///                   start_values=parameters, output=outputs)
+/// ```
+///
+/// (fmpy interpolates *continuous* inputs linearly: where its time differs from the row's by
+/// rounding, so does its input, by slope times rounding error.)
+///
+/// Returns for each record the [`Ending`], if the FMU asked for an early end; the next record is
+/// run nevertheless.
+///
+/// # Errors
+/// All problems of names, units and tables before anything is run; then [`Error::Run`], which ends
+/// the whole, with what was recorded kept by the recorder.
+pub fn simulate_with_inputs(
+    slave: Box<dyn Slave>,
+    records: &[Signals<'_>],
+    drive: &Drive,
+    recorder: &mut dyn Recorder,
+) -> Result<Vec<Option<Ending>>, Error> {
+    let columns = records.first().map(|first| first.columns.as_slice()).unwrap_or_default();
+    let mut diagram = Diagram::new();
+    let mut fed = Vec::new();
+    for column in columns {
+        for variable in targets(&*slave, drive, &column.name) {
+            diagram.feed(&column.name, column.unit.clone(), port(&*slave, &variable));
+            fed.push(variable);
+        }
+    }
+    for (variable, value) in &drive.parameters {
+        diagram.start(port(&*slave, variable), value.clone());
+    }
+    for variable in recorded(&*slave, drive, &fed) {
+        diagram.record(port(&*slave, &variable));
+    }
+    check_map(&*slave, records, drive)?;
+    diagram.add(slave);
+    let mut system = diagram.build()?;
+    let tolerance = drive.tolerance;
+    let runs = records.iter().enumerate().map(|(record, signals)| {
+        let points = Points::rows(signals.time)
+            .map_err(|problem| Problem::Table { record, what: problem.to_string() })?;
+        Ok(Run { record, points, signals, tolerance })
+    });
+    let runs = runs.collect::<Result<Vec<_>, Problem>>().map_err(Problems::from)?;
+    runs.iter().map(|run| system.run(run, &Jacobi, recorder)).collect()
+}
+
+fn port(slave: &dyn Slave, variable: &str) -> Port {
+    Port::from((slave.name(), variable))
+}
+
+/// The variables that a column feeds: those the map gives it, else the input of its own name.
+fn targets(slave: &dyn Slave, drive: &Drive, column: &str) -> Vec<String> {
+    let mapped: Vec<String> = drive
+        .map
+        .iter()
+        .filter(|(_, from)| from == column)
+        .map(|(variable, _)| variable.clone())
+        .collect();
+    let is_mapped_elsewhere = drive.map.iter().any(|(variable, _)| variable == column);
+    let own = slave.description().variable(column);
+    let own = own.filter(|variable| variable.causality == Causality::Input);
+    match own {
+        Some(variable) if mapped.is_empty() && !is_mapped_elsewhere => vec![variable.name.clone()],
+        _ => mapped,
+    }
+}
+
+fn recorded(slave: &dyn Slave, drive: &Drive, fed: &[String]) -> Vec<String> {
+    if !drive.record.is_empty() {
+        return drive.record.clone();
+    }
+    let outputs =
+        slave.description().variables.iter().filter(|variable| {
+            variable.causality == Causality::Output && Selection::takes(variable)
+        });
+    fed.iter().cloned().chain(outputs.map(|variable| variable.name.clone())).collect()
+}
+
+/// Every column that the map names must exist.
+fn check_map(slave: &dyn Slave, records: &[Signals<'_>], drive: &Drive) -> Result<(), Problems> {
+    let Some(first) = records.first() else { return Ok(()) };
+    let there: Vec<&str> = first.columns.iter().map(|column| column.name.as_str()).collect();
+    let problems = drive
+        .map
+        .iter()
+        .filter(|(_, column)| !there.contains(&column.as_str()))
+        .map(|(variable, column)| Problem::NoSuchColumn {
+            name: column.clone(),
+            slave: slave.name().to_owned(),
+            variable: variable.clone(),
+            there: there.join(", "),
+        })
+        .collect();
+    Problems::none_or(problems, ())
+}

@@ -1,0 +1,89 @@
+//! What the master knows of a slave, whatever version of FMI it speaks.
+
+mod fmi2;
+mod selection;
+mod value;
+
+pub use fmi2::Fmi2Slave;
+pub(crate) use fmi2::Settings;
+pub(crate) use selection::find;
+pub use selection::{Selection, TypeRun};
+pub use value::Value;
+pub(crate) use value::{Settable, settable};
+
+use fmi_bindings::import::v2::{Experiment, StepResult};
+use modeldescription::ModelDescription;
+
+use crate::error::Error;
+
+/// A handle of a state that a slave has saved; only that slave can use it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct StateId(pub usize);
+
+/// A slave: one instance of an FMU, or anything else that steps.
+///
+/// Order of calls: `setup`, `set_start`…, `enter_initialization`, (`set_start` | `set` | `get`)…,
+/// `exit_initialization`, (`set` | `step` | `get`)…, `terminate`, `get`…, and from anywhere
+/// `reset`, which leads back to the beginning. After an error only `reset` or dropping it.
+pub trait Slave: Send {
+    /// Name of the instance; unique in a system.
+    fn name(&self) -> &str;
+
+    /// What it says about itself.
+    fn description(&self) -> &ModelDescription;
+
+    /// Tells the time span of the run.
+    fn setup(&mut self, experiment: &Experiment) -> Result<(), Error>;
+
+    /// Begins initialization.
+    fn enter_initialization(&mut self) -> Result<(), Error>;
+
+    /// Ends initialization; from here on it can step.
+    fn exit_initialization(&mut self) -> Result<(), Error>;
+
+    /// Gives a variable a value before or during initialization.
+    fn set_start(&mut self, variable: &str, value: &Value) -> Result<(), Error>;
+
+    /// Writes the selected variables; `values` in the order of the selection.
+    fn set(&mut self, selection: &Selection, values: &[f64]) -> Result<(), Error>;
+
+    /// Reads the selected variables; `values` in the order of the selection.
+    fn get(&mut self, selection: &Selection, values: &mut [f64]) -> Result<(), Error>;
+
+    /// Steps from `time` over `step` seconds.
+    fn step(&mut self, time: f64, step: f64) -> Result<StepResult, Error>;
+
+    /// Ends the run.
+    fn terminate(&mut self) -> Result<(), Error>;
+
+    /// Back to the state right after it was made.
+    fn reset(&mut self) -> Result<(), Error>;
+
+    /// Saves the whole state, into `reuse` if given.
+    fn save(&mut self, reuse: Option<StateId>) -> Result<StateId, Error> {
+        let _ = reuse;
+        Err(self.no_state())
+    }
+
+    /// Goes back to a saved state, which stays saved.
+    fn restore(&mut self, state: StateId) -> Result<(), Error> {
+        let _ = state;
+        Err(self.no_state())
+    }
+
+    /// Frees a saved state.
+    fn forget(&mut self, state: StateId) -> Result<(), Error> {
+        let _ = state;
+        Err(self.no_state())
+    }
+
+    /// The error of a slave that cannot save its state.
+    #[doc(hidden)]
+    fn no_state(&self) -> Error {
+        Error::NotOffered {
+            fmu: self.name().to_owned(),
+            what: "save or restore its state",
+            attribute: "canGetAndSetFMUstate",
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! A checked system: slaves, the bus between them, and the moves of which algorithms are made.
+
+use fmi_bindings::import::v2::StepResult;
+use modeldescription::variable::Variable;
+
+use crate::error::Error;
+use crate::problem::Problem;
+use crate::record::Column;
+use crate::slave::{Selection, Slave, Value};
+use crate::unit::Conversion;
+
+/// Slaves that are connected and ready to run. Made by [`Diagram::build`](crate::Diagram::build).
+///
+/// The *bus* holds one value per column of the input table and per connected or recorded variable.
+/// An algorithm moves a slave by three methods, in the order it likes: [`System::transfer`] from
+/// the bus to the slave's inputs, [`System::advance`] in time, [`System::read`] from the slave's
+/// outputs to the bus. None of them allocates.
+pub struct System {
+    pub(crate) participants: Vec<Participant>,
+    pub(crate) bus: Vec<f64>,
+    /// Names of the columns; they are the first values of the bus.
+    pub(crate) externals: Vec<String>,
+    /// For each connected variable of the bus the slave it belongs to.
+    owners: Vec<Option<usize>>,
+    pub(crate) columns: Vec<Column>,
+    taps: Vec<Tap>,
+    pub(crate) row: Vec<f64>,
+    pub(crate) ending: Option<Ending>,
+    /// It has run, and must be reset before it runs again.
+    pub(crate) used: bool,
+}
+
+/// Why a run ended before its stop time without an error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ending {
+    /// The FMU that asked for the end.
+    pub slave: String,
+    /// Time it reached, s.
+    pub time: f64,
+}
+
+/// A slave and its places on the bus.
+pub(crate) struct Participant {
+    pub(crate) slave: Box<dyn Slave>,
+    pub(crate) starts_before: Vec<(String, Value)>,
+    pub(crate) starts_during: Vec<(String, Value)>,
+    pub(crate) driven: Selection,
+    wires: Vec<Wire>,
+    inputs: Vec<f64>,
+    /// Outputs that feed others.
+    outputs: Gather,
+    /// Other variables that are only recorded.
+    observed: Gather,
+}
+
+/// What feeds an input.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wire {
+    /// Place on the bus.
+    pub(crate) from: usize,
+    pub(crate) conversion: Conversion,
+}
+
+/// Variables that are read together, and where their values go on the bus.
+#[derive(Default)]
+struct Gather {
+    selection: Selection,
+    values: Vec<f64>,
+    places: Vec<usize>,
+}
+
+/// Where the value of a recorded variable is found.
+enum Tap {
+    Bus(usize),
+    Input { slave: usize, place: usize },
+}
+
+/// A variable to record.
+pub(crate) struct Recorded<'a> {
+    pub(crate) slave: usize,
+    pub(crate) variable: &'a Variable,
+    pub(crate) name: String,
+    pub(crate) unit: Option<String>,
+}
+
+impl Gather {
+    fn add(&mut self, slave: &str, variable: &Variable, place: usize) -> Result<(), Problem> {
+        self.selection.add(slave, variable)?;
+        self.values.push(0.0);
+        self.places.push(place);
+        Ok(())
+    }
+
+    fn place(&self, variable: &str) -> Option<usize> {
+        self.selection.position(variable).map(|i| self.places[i])
+    }
+
+    #[inline]
+    fn read(&mut self, slave: &mut dyn Slave, bus: &mut [f64]) -> Result<(), Error> {
+        if self.places.is_empty() {
+            return Ok(());
+        }
+        slave.get(&self.selection, &mut self.values)?;
+        for (place, value) in self.places.iter().zip(&self.values) {
+            bus[*place] = *value;
+        }
+        Ok(())
+    }
+}
+
+impl Participant {
+    pub(crate) fn new(slave: Box<dyn Slave>) -> Self {
+        Participant {
+            slave,
+            starts_before: Vec::new(),
+            starts_during: Vec::new(),
+            driven: Selection::default(),
+            wires: Vec::new(),
+            inputs: Vec::new(),
+            outputs: Gather::default(),
+            observed: Gather::default(),
+        }
+    }
+
+    pub(crate) fn drive(&mut self, variable: &Variable, wire: Wire) -> Result<(), Problem> {
+        self.driven.add(self.slave.name(), variable)?;
+        self.wires.push(wire);
+        self.inputs.push(0.0);
+        Ok(())
+    }
+}
+
+impl System {
+    pub(crate) fn new(participants: Vec<Participant>) -> Self {
+        System {
+            participants,
+            bus: Vec::new(),
+            externals: Vec::new(),
+            owners: Vec::new(),
+            columns: Vec::new(),
+            taps: Vec::new(),
+            row: Vec::new(),
+            ending: None,
+            used: false,
+        }
+    }
+
+    /// Columns are added before everything else, so that they are the first values of the bus.
+    pub(crate) fn add_external(&mut self, column: &str) -> usize {
+        self.externals.push(column.to_owned());
+        self.add_place(None)
+    }
+
+    fn add_place(&mut self, owner: Option<usize>) -> usize {
+        self.bus.push(0.0);
+        self.owners.push(owner);
+        self.bus.len() - 1
+    }
+
+    /// Puts an output on the bus; its place.
+    pub(crate) fn connect_output(
+        &mut self,
+        slave: usize,
+        output: &Variable,
+    ) -> Result<usize, Problem> {
+        if let Some(place) = self.participants[slave].outputs.place(&output.name) {
+            return Ok(place);
+        }
+        let place = self.add_place(Some(slave));
+        let participant = &mut self.participants[slave];
+        participant.outputs.add(participant.slave.name(), output, place)?;
+        Ok(place)
+    }
+
+    /// Records a variable: an input as it is set, anything else as it is read.
+    pub(crate) fn record(&mut self, recorded: Recorded<'_>) -> Result<(), Problem> {
+        let Recorded { slave, variable, name, unit } = recorded;
+        if self.columns.iter().any(|column| column.name == name) {
+            return Err(Problem::SameColumn { name });
+        }
+        let participant = &self.participants[slave];
+        let tap = if let Some(place) = participant.driven.position(&variable.name) {
+            Tap::Input { slave, place }
+        } else if let Some(place) = participant.outputs.place(&variable.name) {
+            Tap::Bus(place)
+        } else {
+            let place = self.add_place(None);
+            let participant = &mut self.participants[slave];
+            participant.observed.add(participant.slave.name(), variable, place)?;
+            Tap::Bus(place)
+        };
+        self.taps.push(tap);
+        self.columns.push(Column { name, unit });
+        self.row.push(0.0);
+        Ok(())
+    }
+
+    /// Number of slaves.
+    pub fn len(&self) -> usize {
+        self.participants.len()
+    }
+
+    /// Whether there is no slave.
+    pub fn is_empty(&self) -> bool {
+        self.participants.is_empty()
+    }
+
+    /// Names of the slaves, in the order in which they were added.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.participants.iter().map(|participant| participant.slave.name())
+    }
+
+    /// Place of a slave.
+    pub fn position(&self, name: &str) -> Result<usize, Problem> {
+        self.names().position(|there| there == name).ok_or_else(|| Problem::NoSuchSlave {
+            name: name.to_owned(),
+            there: self.names().collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// The slave at a place.
+    pub fn slave(&mut self, slave: usize) -> Option<&mut (dyn Slave + 'static)> {
+        self.participants.get_mut(slave).map(|participant| &mut *participant.slave)
+    }
+
+    /// The slaves whose outputs feed the slave at a place; one may come several times.
+    pub fn sources_of(&self, slave: usize) -> impl Iterator<Item = usize> {
+        let wires = self.participants.get(slave).map_or(&[][..], |p| &p.wires);
+        wires.iter().filter_map(|wire| self.owners.get(wire.from).copied().flatten())
+    }
+
+    /// The first variable that a column of the input table feeds: slave and name.
+    pub(crate) fn fed_by(&self, column: &str) -> Option<(String, String)> {
+        let place = self.externals.iter().position(|name| name == column)?;
+        self.participants.iter().find_map(|participant| {
+            let input = participant.wires.iter().position(|wire| wire.from == place)?;
+            let variable = participant.driven.names().get(input)?;
+            Some((participant.slave.name().to_owned(), variable.clone()))
+        })
+    }
+
+    /// The columns that a run records.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// Sets the slave's driven inputs to the values on the bus.
+    #[inline]
+    pub fn transfer(&mut self, slave: usize) -> Result<(), Error> {
+        self.gather(slave);
+        let participant = &mut self.participants[slave];
+        if participant.inputs.is_empty() {
+            return Ok(());
+        }
+        participant.slave.set(&participant.driven, &participant.inputs)
+    }
+
+    /// Computes the slave's driven inputs without setting them.
+    #[inline]
+    pub(crate) fn gather(&mut self, slave: usize) {
+        let participant = &mut self.participants[slave];
+        for (input, wire) in participant.inputs.iter_mut().zip(&participant.wires) {
+            *input = wire.conversion.apply(self.bus[wire.from]);
+        }
+    }
+
+    /// Steps the slave from `time` over `step` seconds.
+    ///
+    /// # Errors
+    /// Whatever the slave says, and a step that it discards without asking for the end of the run.
+    /// If it asks for the end, the run ends after this communication step.
+    #[inline]
+    pub fn advance(&mut self, slave: usize, time: f64, step: f64) -> Result<(), Error> {
+        let participant = &mut self.participants[slave];
+        match participant.slave.step(time, step)? {
+            StepResult::Completed => Ok(()),
+            StepResult::Discarded { reached, terminated } => {
+                let slave = participant.slave.name().to_owned();
+                if !terminated {
+                    return Err(Error::Discarded { fmu: slave, step, reached });
+                }
+                self.ending = Some(Ending { slave, time: reached.unwrap_or(time + step) });
+                Ok(())
+            }
+        }
+    }
+
+    /// Reads the slave's connected and recorded variables to the bus.
+    #[inline]
+    pub fn read(&mut self, slave: usize) -> Result<(), Error> {
+        let participant = &mut self.participants[slave];
+        participant.outputs.read(&mut *participant.slave, &mut self.bus)?;
+        participant.observed.read(&mut *participant.slave, &mut self.bus)
+    }
+
+    /// Reads the slave's connected outputs only.
+    pub(crate) fn read_outputs(&mut self, slave: usize) -> Result<(), Error> {
+        let participant = &mut self.participants[slave];
+        participant.outputs.read(&mut *participant.slave, &mut self.bus)
+    }
+
+    /// Notes the recorded outputs of this communication point.
+    #[inline]
+    pub(crate) fn tap_outputs(&mut self) {
+        for (value, tap) in self.row.iter_mut().zip(&self.taps) {
+            if let Tap::Bus(place) = tap {
+                *value = self.bus[*place];
+            }
+        }
+    }
+
+    /// Notes the recorded inputs as they act from this communication point on.
+    #[inline]
+    pub(crate) fn tap_inputs(&mut self) {
+        for (value, tap) in self.row.iter_mut().zip(&self.taps) {
+            if let Tap::Input { slave, place } = tap {
+                *value = self.participants[*slave].inputs[*place];
+            }
+        }
+    }
+}
