@@ -2,6 +2,7 @@
 //!
 //! [`ModelDescription`] holds what an FMU of FMI 2.0 or 3.0 says about itself.
 
+pub mod describe;
 pub mod description;
 mod names;
 pub mod package;
