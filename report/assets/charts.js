@@ -1,0 +1,695 @@
+// The interactive layer: drag to zoom, point to read values, switch curves in the legend.
+// Without it the page shows the same figures as SVG; print always does.
+(function () {
+"use strict";
+
+const MARGIN = 0.05;
+const FEW_POINTS = 60;
+const CHARACTER = 6.8;
+const FONT = '11.5px system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", "DejaVu Sans", sans-serif';
+
+// ---- Colours of the style sheet, read again when light turns to dark.
+
+let colours = {};
+function readColours() {
+  const style = getComputedStyle(document.documentElement);
+  const names = ["ink", "muted", "grid", "grid-minor", "paper", "band"];
+  for (let k = 0; k < 8; k++) names.push("c" + k);
+  for (const name of names) colours[name] = style.getPropertyValue("--" + name).trim();
+}
+
+// ---- Numbers.
+
+const SUPERSCRIPT = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
+
+function powerOfTen(exponent) {
+  return "10" + Array.from(String(exponent), (c) => SUPERSCRIPT[c]).join("");
+}
+
+function minus(text) {
+  return /^-0(\.0*)?$/.test(text) ? text.slice(1) : text.replace("-", "−");
+}
+
+// Five significant digits.
+function readable(x) {
+  if (!Number.isFinite(x)) return "–";
+  if (x === 0) return "0";
+  const exponent = Math.floor(Math.log10(Math.abs(x)));
+  if (exponent >= -3 && exponent < 7) return minus(x.toFixed(Math.max(0, 4 - exponent)));
+  return minus((x / 10 ** exponent).toFixed(3)) + "·" + powerOfTen(exponent);
+}
+
+function withUnit(x, unit) {
+  return unit === "" ? readable(x) : readable(x) + (unit === "°" ? "" : "\u202f") + unit;
+}
+
+// ---- Ticks, as in the SVG.
+
+function roundStep(range, wanted) {
+  const raw = range / Math.max(1, wanted);
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const ratio = raw / power;
+  return power * (ratio < 1.5 ? 1 : ratio < 3.5 ? 2 : ratio < 7.5 ? 5 : 10);
+}
+
+function degreeStep(range, wanted) {
+  if (range < wanted) return roundStep(range, wanted);
+  const steps = [1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720, 1440];
+  return steps.find((step) => range / step <= wanted) || roundStep(range, wanted);
+}
+
+function evenTicks(low, high, step) {
+  const values = [];
+  if (!(step > 0 && Number.isFinite(step))) return values;
+  const first = Math.ceil(low / step - 1e-9);
+  for (let k = 0; k < 60; k++) {
+    const value = (first + k) * step;
+    if (value > high + 1e-9 * step) break;
+    values.push(value);
+  }
+  return values;
+}
+
+function logTicks(low, high, wanted) {
+  const from = Math.log10(low), to = Math.log10(high), decades = to - from;
+  if (decades < 0.7) return evenTicks(low, high, roundStep(high - low, wanted));
+  const multiples = decades < 2 ? [1, 2, 5] : [1];
+  const stride = Math.max(1, Math.ceil(decades / Math.max(1, wanted)));
+  const values = [];
+  for (let k = Math.floor(from); k <= Math.ceil(to); k++) {
+    if (k % stride !== 0) continue;
+    for (const m of multiples) values.push(m * 10 ** k);
+  }
+  return values.filter((x) => x >= low * (1 - 1e-9) && x <= high * (1 + 1e-9));
+}
+
+function minorTicks(axis, low, high) {
+  const decades = Math.log10(high / low);
+  if (axis.mapping !== "log" || decades > 7 || decades < 0.7) return [];
+  const values = [];
+  for (let k = Math.floor(Math.log10(low)); k <= Math.ceil(Math.log10(high)); k++) {
+    for (let m = 2; m < 10; m++) values.push(m * 10 ** k);
+  }
+  return values.filter((x) => x >= low && x <= high);
+}
+
+function ticks(axis, low, high, pixels, spacing, most) {
+  const wanted = Math.min(most, Math.max(2, Math.floor(pixels / spacing)));
+  if (axis.mapping === "log") return logTicks(low, high, wanted);
+  const step = axis.mapping === "degrees" ? degreeStep(high - low, wanted) : roundStep(high - low, wanted);
+  return evenTicks(low, high, step);
+}
+
+// The common power of ten of an axis' labels; it stays when zooming.
+function commonExponent(axis) {
+  if (axis.mapping === "log") return 0;
+  const largest = Math.max(Math.abs(axis.low), Math.abs(axis.high));
+  if (largest === 0 || (largest >= 0.01 && largest < 1e5)) return 0;
+  return Math.floor(Math.log10(largest) / 3) * 3;
+}
+
+function tickLabels(axis, values) {
+  const unit = 10 ** axis.exponent;
+  if (axis.mapping === "log" && (values.length < 2 || values[values.length - 1] / values[0] > 4.9)) {
+    const plain = values.every((x) => x >= 9e-4 && x <= 2e5);
+    return values.map((x) => {
+      const exponent = Math.floor(Math.log10(x) + 1e-9);
+      if (plain) return x.toFixed(Math.max(0, -exponent));
+      const multiple = Math.round(x / 10 ** exponent);
+      return (multiple > 1 ? multiple + "·" : "") + powerOfTen(exponent);
+    });
+  }
+  const step = values.length > 1 ? values[1] - values[0] : axis.high - axis.low;
+  const decimals = Math.min(12, Math.max(0, -Math.floor(Math.log10(step / unit) + 1e-9)));
+  return values.map((x) => minus((x / unit).toFixed(decimals)));
+}
+
+function heading(axis) {
+  const unit = [axis.exponent ? powerOfTen(axis.exponent) : "", axis.unit].filter((part) => part !== "").join(" ");
+  return unit === "" ? axis.label : axis.label === "" ? "[" + unit + "]" : axis.label + " [" + unit + "]";
+}
+
+// ---- Geometry.
+
+function fraction(axis, x, low, high) {
+  return axis.mapping === "log" ? Math.log(x / low) / Math.log(high / low) : (x - low) / (high - low);
+}
+
+// A curve much longer than the plot is wide would not show its dashes.
+function isDense(chart, panel, xs, ys, width, height) {
+  let length = 0, px = NaN, py = NaN;
+  for (let i = 0; i < ys.length; i++) {
+    const x = ys[i] == null ? NaN : fraction(chart.x, xs[i], chart.x.low, chart.x.high) * width;
+    const y = ys[i] == null ? NaN : fraction(panel.y, ys[i], panel.y.low, panel.y.high) * height;
+    const step = Math.hypot(x - px, y - py);
+    if (step > 0) length += step;
+    px = x;
+    py = y;
+  }
+  return length > 8 * width;
+}
+
+function clamp(x, low, high) {
+  return Math.min(high, Math.max(low, x));
+}
+
+function element(tag, className, text) {
+  const node = document.createElement(tag);
+  if (className) node.className = className;
+  if (text !== undefined) node.textContent = text;
+  return node;
+}
+
+// ---- One figure.
+
+class LiveFigure {
+  constructor(figure, chart) {
+    this.figure = figure;
+    this.chart = chart;
+    this.free = chart.kind === "free";
+    this.plots = [];
+    this.left = 34;
+    this.hidden = new Set();
+    this.full = { x: [chart.x.low, chart.x.high], y: [chart.panels[0].y.low, chart.panels[0].y.high] };
+    this.x = this.full.x;
+    this.y = this.full.y;
+    for (const axis of [chart.x].concat(chart.panels.map((panel) => panel.y))) axis.exponent = commonExponent(axis);
+    this.build();
+  }
+
+  build() {
+    const picture = Array.from(this.figure.querySelectorAll(".picture")).find((node) => node.offsetHeight > 0);
+    const available = picture ? picture.offsetHeight : 300;
+    const title = picture ? picture.querySelector("title").textContent + ". " + picture.querySelector("desc").textContent : "";
+    this.live = element("div", "live");
+    this.live.tabIndex = 0;
+    this.live.setAttribute("role", "group");
+    this.live.setAttribute("aria-label", title + " Arrow keys move the read-out, plus and minus zoom, Escape shows all.");
+    const tools = element("div", "tools");
+    this.xRead = element("span", "x-read");
+    this.reset = element("button", "", "Show all");
+    this.reset.type = "button";
+    this.reset.hidden = true;
+    this.reset.addEventListener("click", () => { this.showAll(); this.live.focus(); });
+    tools.append(this.xRead, this.reset);
+    this.announce = element("span", "visually-hidden");
+    this.announce.setAttribute("aria-live", "polite");
+    this.live.append(tools, this.announce);
+    this.figure.querySelector(".plot").append(this.live);
+    this.figure.classList.add("enhanced");
+
+    const weights = this.chart.panels.reduce((sum, panel) => sum + panel.weight, 0);
+    const count = this.chart.panels.length;
+    const room = available - count * 24 - 24 - 20;
+    this.key = "sync-" + this.figure.id;
+    this.boxes = this.chart.panels.map((panel, k) => {
+      this.live.append(element("p", "panel-heading", heading(panel.y)));
+      const box = element("div", "canvas");
+      this.live.append(box);
+      const last = k === count - 1;
+      return { box, last, height: Math.max(50, Math.round((room * panel.weight) / weights)) + (last ? 24 : 4) };
+    });
+    this.live.append(element("p", "x-heading", heading(this.chart.x)));
+    this.width = this.live.clientWidth;
+    this.chart.panels.forEach((panel, k) => this.plots.push(this.plot(panel, this.boxes[k])));
+    this.legend();
+    this.live.addEventListener("keydown", (event) => this.key_down(event));
+    new ResizeObserver(() => this.resize()).observe(this.live);
+  }
+
+  plot(panel, { box, last, height }) {
+    const chart = this.chart;
+    const data = this.data(panel);
+    const plotHeight = height - (last ? 24 : 4);
+    const series = panel.traces.map((trace, k) => {
+      const entry = chart.entries[trace.entry];
+      const [xs, ys] = this.curve(panel, k);
+      const dense = isDense(chart, panel, xs, ys, this.width, plotHeight);
+      const look = {
+        label: entry.name,
+        stroke: () => colours["c" + entry.colour],
+        width: 1.4,
+        dash: dense ? [] : entry.dash,
+        spanGaps: false,
+        points: { show: !this.free && ys.length <= FEW_POINTS, size: 5, stroke: () => colours["c" + entry.colour], fill: () => colours["c" + entry.colour] },
+      };
+      if (this.free) {
+        look.facets = [{ scale: "x", auto: false }, { scale: "y", auto: false }];
+        look.paths = freePath;
+      }
+      return look;
+    });
+    const axes = this.axes(panel, last);
+    const options = {
+      mode: this.free ? 2 : 1,
+      width: this.width,
+      height,
+      padding: [0, 16, last ? 0 : 4, 0],
+      legend: { show: false },
+      focus: { alpha: 1 },
+      scales: this.scales(panel),
+      axes,
+      series: [this.free ? {} : { scale: "x" }].concat(series),
+      cursor: this.cursor(panel),
+      hooks: {
+        drawClear: [(u) => this.drawBelow(u, panel)],
+        draw: [(u) => this.drawAbove(u, panel)],
+        setSelect: [(u) => this.selected(u)],
+        setCursor: [(u) => this.pointed(u)],
+      },
+    };
+    return new uPlot(options, data, box);
+  }
+
+  curve(panel, k) {
+    const trace = panel.traces[k];
+    return [trace.x || this.chart.shared, trace.y];
+  }
+
+  data(panel) {
+    if (this.free) return [null].concat(panel.traces.map((trace) => [trace.x, trace.y]));
+    if (this.chart.shared) return [this.chart.shared].concat(panel.traces.map((trace) => trace.y));
+    return uPlot.join(panel.traces.map((trace) => [trace.x, trace.y]));
+  }
+
+  scales(panel) {
+    const distribution = (axis) => (axis.mapping === "log" ? 3 : 1);
+    const fixed = panel.y.label === "coherence";
+    return {
+      x: { time: false, auto: false, distr: distribution(this.chart.x), range: () => this.x },
+      y: {
+        auto: !this.free,
+        distr: distribution(panel.y),
+        range: (u, low, high) => {
+          if (this.free) return this.y;
+          if (fixed || this.x === this.full.x || low == null || high == null) return [panel.y.low, panel.y.high];
+          if (panel.y.mapping === "log") {
+            const room = high > low ? (high / low) ** MARGIN : 1.2;
+            return [low / room, high * room];
+          }
+          const room = high > low ? (high - low) * MARGIN : Math.abs(high) * 0.1 || 1;
+          return [low - room, high + room];
+        },
+      },
+    };
+  }
+
+  axes(panel, last) {
+    const look = {
+      stroke: () => colours.muted,
+      font: FONT,
+      grid: { stroke: () => colours.grid, width: 1 },
+      ticks: { show: false },
+      border: { show: true, stroke: () => colours.muted, width: 1 },
+      gap: 6,
+    };
+    const across = {
+      scale: "x",
+      size: last ? 24 : 0,
+      splits: (u, index, low, high) => ticks(this.chart.x, low, high, u.over.clientWidth || this.width, 95, 9),
+      values: (u, values) => (last ? tickLabels(this.chart.x, values) : values.map(() => "")),
+    };
+    const up = {
+      scale: "y",
+      side: 3,
+      size: (u, values) => this.axisSize(values),
+      splits: (u, index, low, high) => ticks(panel.y, low, high, u.over.clientHeight || 150, 42, 6),
+      values: (u, values) => tickLabels(panel.y, values),
+    };
+    return [Object.assign({ side: 2 }, look, across), Object.assign({}, look, up)];
+  }
+
+  // All panels share the widest axis, so that their plots stand below one another.
+  axisSize(labels) {
+    const needed = (labels || []).reduce((size, label) => Math.max(size, label.length * CHARACTER + 12), 34);
+    if (needed > this.left) {
+      this.left = needed;
+      queueMicrotask(() => this.plots.forEach((u) => u.redraw(false, true)));
+    }
+    return this.left;
+  }
+
+  cursor(panel) {
+    const drag = { x: true, y: this.free, uni: this.free ? 12 : Infinity, dist: 4, setScale: false };
+    if (this.free) return { drag, x: true, y: true, points: { show: false }, dataIdx: () => null };
+    const nearest = (u, seriesIndex, index) => {
+      // Curves with other x values than the one pointed at: their nearest point.
+      const values = u.data[seriesIndex];
+      if (values[index] !== undefined) return index;
+      for (let d = 1; d < values.length; d++) {
+        if (values[index - d] !== undefined) return index - d;
+        if (values[index + d] !== undefined) return index + d;
+      }
+      return index;
+    };
+    const points = { size: 7, width: 1.5, stroke: () => colours.paper, fill: (u, k) => colours["c" + this.chart.entries[panel.traces[k - 1].entry].colour] };
+    return {
+      drag,
+      y: false,
+      points,
+      dataIdx: (u, k, index) => (k === 0 || index == null ? index : nearest(u, k, index)),
+      sync: { key: this.key, setSeries: false, scales: ["x", null] },
+      bind: { dblclick: () => () => { this.showAll(); return null; } },
+    };
+  }
+
+  // ---- Drawing below and above the curves.
+
+  drawBelow(u, panel) {
+    const { ctx, bbox } = u;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    ctx.fillStyle = colours.band;
+    ctx.globalAlpha = 0.13;
+    for (const band of this.chart.bands) {
+      const from = u.valToPos(Math.max(band.from, u.scales.x.min), "x", true);
+      const to = u.valToPos(Math.min(band.to, u.scales.x.max), "x", true);
+      if (to > from) ctx.fillRect(from, bbox.top, to - from, bbox.height);
+    }
+    ctx.globalAlpha = 1;
+    ctx.strokeStyle = colours["grid-minor"];
+    ctx.lineWidth = uPlot.pxRatio;
+    ctx.beginPath();
+    for (const x of minorTicks(this.chart.x, u.scales.x.min, u.scales.x.max)) {
+      const at = Math.round(u.valToPos(x, "x", true));
+      ctx.moveTo(at, bbox.top);
+      ctx.lineTo(at, bbox.top + bbox.height);
+    }
+    for (const y of minorTicks(panel.y, u.scales.y.min, u.scales.y.max)) {
+      const at = Math.round(u.valToPos(y, "y", true));
+      ctx.moveTo(bbox.left, at);
+      ctx.lineTo(bbox.left + bbox.width, at);
+    }
+    ctx.stroke();
+    ctx.restore();
+  }
+
+  drawAbove(u, panel) {
+    const { ctx, bbox } = u;
+    const ratio = uPlot.pxRatio;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    ctx.lineWidth = ratio;
+    ctx.strokeStyle = colours.muted;
+    ctx.font = FONT.replace("11.5px", 11.5 * ratio + "px");
+    const line = (x0, y0, x1, y1, dash) => {
+      ctx.setLineDash(dash.map((d) => d * ratio));
+      ctx.beginPath();
+      ctx.moveTo(x0, y0);
+      ctx.lineTo(x1, y1);
+      ctx.stroke();
+    };
+    const right = bbox.left + bbox.width;
+    for (const limit of panel.limits) {
+      const y = Math.round(u.valToPos(limit.value, "y", true));
+      line(bbox.left, y, right, y, [5, 3]);
+      this.label(ctx, limit.label, right - 4 * ratio, y - bbox.top < 14 * ratio ? y + 13 * ratio : y - 4 * ratio, "right");
+    }
+    for (const marker of this.chart.markers) {
+      const x = Math.round(u.valToPos(marker.at, "x", true));
+      line(x, bbox.top, x, bbox.top + bbox.height, [1, 3]);
+    }
+    if (u === this.plots[0] || this.plots.length === 0) this.drawLabels(u, ctx, bbox, ratio);
+    ctx.restore();
+  }
+
+  // Labels of bands and markers, each in the first row where it has room.
+  drawLabels(u, ctx, bbox, ratio) {
+    const placed = [];
+    const { min, max } = u.scales.x;
+    const bands = this.chart.bands.filter((band) => band.to > min && band.from < max);
+    const marks = bands.map((band) => ({ at: Math.max(band.from, min), label: band.label }))
+      .concat(this.chart.markers.filter((marker) => marker.at >= min && marker.at <= max));
+    for (const { at, label } of marks) {
+      const x = u.valToPos(at, "x", true);
+      const width = ctx.measureText(label).width + 6 * ratio;
+      const turned = x + width > bbox.left + bbox.width && x - width > bbox.left;
+      const from = turned ? x - width : x;
+      let row = 0;
+      while (row < 5 && placed.some((p) => p.row === row && from < p.to && p.from < from + width)) row++;
+      placed.push({ row, from, to: from + width });
+      this.label(ctx, label, turned ? x - 4 * ratio : x + 4 * ratio, bbox.top + (13 + 14 * row) * ratio, turned ? "right" : "left");
+    }
+  }
+
+  label(ctx, text, x, y, align) {
+    ctx.setLineDash([]);
+    ctx.textAlign = align;
+    ctx.lineJoin = "round";
+    ctx.strokeStyle = colours.paper;
+    ctx.lineWidth = 3 * uPlot.pxRatio;
+    ctx.strokeText(text, x, y);
+    ctx.fillStyle = colours.muted;
+    ctx.fillText(text, x, y);
+    ctx.strokeStyle = colours.muted;
+    ctx.lineWidth = uPlot.pxRatio;
+  }
+
+  // ---- Zoom.
+
+  selected(u) {
+    const { left, top, width, height } = u.select;
+    if (width < 4 && height < 4) return;
+    const x = [u.posToVal(left, "x"), u.posToVal(left + width, "x")];
+    if (this.free) {
+      const y = [u.posToVal(top + height, "y"), u.posToVal(top, "y")];
+      const whole = (a, b) => !(b > a);
+      this.show(whole(...x) || width < 4 ? this.x : x, whole(...y) || height < 4 ? this.y : y);
+    } else if (x[1] > x[0]) {
+      this.show(x, this.y);
+    }
+    u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+  }
+
+  show(x, y) {
+    const inside = (range, full) => [Math.max(range[0], full[0]), Math.min(range[1], full[1])];
+    this.x = inside(x, this.full.x);
+    this.y = this.free ? inside(y, this.full.y) : y;
+    this.apply();
+  }
+
+  showAll() {
+    this.x = this.full.x;
+    this.y = this.full.y;
+    this.left = 34;
+    this.apply();
+  }
+
+  apply() {
+    const zoomed = this.x !== this.full.x || this.y !== this.full.y;
+    this.reset.hidden = !zoomed;
+    for (const u of this.plots) {
+      u.batch(() => {
+        u.setScale("x", { min: this.x[0], max: this.x[1] });
+        if (this.free) u.setScale("y", { min: this.y[0], max: this.y[1] });
+      });
+    }
+  }
+
+  zoomBy(factor) {
+    const scaled = (range, axis) => {
+      const log = axis.mapping === "log";
+      const [low, high] = log ? range.map(Math.log) : range;
+      const middle = (low + high) / 2, half = ((high - low) / 2) * factor;
+      const next = [middle - half, middle + half];
+      return log ? next.map(Math.exp) : next;
+    };
+    const x = scaled(this.x, this.chart.x);
+    if (x[0] <= this.full.x[0] && x[1] >= this.full.x[1]) this.showAll();
+    else this.show(x, this.free ? scaled(this.y, this.chart.panels[0].y) : this.y);
+  }
+
+  // ---- Read-out.
+
+  pointed(u) {
+    if (this.free) this.readNearest(u);
+    else this.readColumn(u);
+  }
+
+  readColumn(u) {
+    const index = u.cursor.idx;
+    if (index == null || u.cursor.left < 0) {
+      if (u === this.plots[0]) this.clearRead();
+      return;
+    }
+    this.xRead.textContent = this.chart.x.label + " " + withUnit(u.data[0][index], this.chart.x.unit);
+    const texts = new Map();
+    this.chart.panels.forEach((panel, p) => {
+      const plot = this.plots[p];
+      if (!plot || plot.cursor.idxs == null) return;
+      panel.traces.forEach((trace, k) => {
+        const at = plot.cursor.idxs[k + 1];
+        const value = at == null ? null : plot.data[k + 1][at];
+        const text = value == null ? "–" : withUnit(value, panel.y.unit);
+        texts.set(trace.entry, texts.has(trace.entry) ? texts.get(trace.entry) + ", " + text : text);
+      });
+    });
+    texts.forEach((text, entry) => { this.reads[entry].textContent = this.hidden.has(entry) ? "" : text; });
+  }
+
+  readNearest(u) {
+    const { left, top } = u.cursor;
+    this.point = this.point || u.over.appendChild(element("div", "nearest"));
+    const found = left < 0 ? null : this.nearest(u, left, top);
+    if (!found || found.distance > 40) {
+      this.point.hidden = true;
+      this.clearRead();
+      return;
+    }
+    this.showPoint(u, found);
+  }
+
+  nearest(u, left, top) {
+    let best = null;
+    this.chart.panels[0].traces.forEach((trace) => {
+      if (this.hidden.has(trace.entry)) return;
+      for (let i = 0; i < trace.x.length; i++) {
+        if (trace.x[i] == null || trace.y[i] == null) continue;
+        const distance = Math.hypot(u.valToPos(trace.x[i], "x") - left, u.valToPos(trace.y[i], "y") - top);
+        if (!best || distance < best.distance) best = { trace, i, distance };
+      }
+    });
+    return best;
+  }
+
+  showPoint(u, { trace, i }) {
+    const panel = this.chart.panels[0];
+    this.clearRead();
+    this.point.hidden = false;
+    this.point.style.left = u.valToPos(trace.x[i], "x") + "px";
+    this.point.style.top = u.valToPos(trace.y[i], "y") + "px";
+    this.point.style.background = colours["c" + this.chart.entries[trace.entry].colour];
+    this.xRead.textContent = withUnit(trace.x[i], this.chart.x.unit) + " | " + withUnit(trace.y[i], panel.y.unit);
+  }
+
+  clearRead() {
+    this.xRead.textContent = "";
+    for (const read of this.reads || []) read.textContent = "";
+  }
+
+  // ---- Legend and keys.
+
+  legend() {
+    this.reads = [];
+    this.figure.querySelectorAll(".legend li").forEach((item) => {
+      const entry = Number(item.dataset.entry);
+      const button = element("button");
+      button.type = "button";
+      button.setAttribute("aria-pressed", "true");
+      button.append(...item.childNodes);
+      const read = element("span", this.free ? "read free" : "read");
+      item.append(button, read);
+      this.reads[entry] = read;
+      button.addEventListener("click", () => {
+        const show = this.hidden.has(entry);
+        if (show) this.hidden.delete(entry);
+        else this.hidden.add(entry);
+        button.setAttribute("aria-pressed", String(show));
+        this.chart.panels.forEach((panel, p) => panel.traces.forEach((trace, k) => {
+          if (trace.entry === entry) this.plots[p].setSeries(k + 1, { show });
+        }));
+      });
+    });
+  }
+
+  key_down(event) {
+    if (event.target !== this.live || event.ctrlKey || event.metaKey || event.altKey) return;
+    const step = event.shiftKey ? 20 : 1;
+    const actions = {
+      ArrowLeft: () => this.moveBy(-step),
+      ArrowRight: () => this.moveBy(step),
+      "+": () => this.zoomBy(0.5),
+      "=": () => this.zoomBy(0.5),
+      "-": () => this.zoomBy(2),
+      Escape: () => this.showAll(),
+      0: () => this.showAll(),
+    };
+    const action = actions[event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+
+  moveBy(step) {
+    const u = this.plots[0];
+    if (this.free) {
+      const trace = this.chart.panels[0].traces.find((candidate) => !this.hidden.has(candidate.entry));
+      if (!trace) return;
+      this.at = clamp((this.at ?? -1) + step, 0, trace.x.length - 1);
+      this.point = this.point || u.over.appendChild(element("div", "nearest"));
+      if (trace.x[this.at] != null && trace.y[this.at] != null) this.showPoint(u, { trace, i: this.at });
+      this.announce.textContent = this.xRead.textContent;
+      return;
+    }
+    const xs = u.data[0];
+    // In pixels of the plot, so that one key press is a step that can be seen.
+    const pixel = Math.max(1, u.over.clientWidth / 200);
+    const left = u.cursor.left >= 0 ? u.cursor.left : 0;
+    const target = clamp(left + step * pixel, 0, u.over.clientWidth - 1);
+    const index = u.valToIdx(u.posToVal(target, "x"));
+    const current = u.cursor.idx ?? 0;
+    const next = index === current ? clamp(current + Math.sign(step), 0, xs.length - 1) : index;
+    const position = index === current ? u.valToPos(xs[next], "x") : target;
+    this.plots.forEach((plot) => plot.setCursor({ left: position, top: 5 }, true, false));
+    this.announce.textContent = this.xRead.textContent + "; " + this.chart.entries
+      .map((entry, k) => entry.name + " " + (this.reads[k].textContent || "hidden")).join("; ");
+  }
+
+  resize() {
+    const width = this.live.clientWidth;
+    if (width === 0 || width === this.width) return;
+    this.width = width;
+    this.plots.forEach((u, k) => u.setSize({ width, height: this.boxes[k].height }));
+  }
+
+  redraw() {
+    this.plots.forEach((u) => u.redraw(false, true));
+  }
+}
+
+// A line through points in their order, for curves whose x does not increase.
+function freePath(u, seriesIndex) {
+  const path = new Path2D();
+  uPlot.orient(u, seriesIndex, (series, xs, ys, scaleX, scaleY, toX, toY, left, top, width, height) => {
+    let open = false;
+    for (let i = 0; i < xs.length; i++) {
+      if (xs[i] == null || ys[i] == null) {
+        open = false;
+        continue;
+      }
+      const x = toX(xs[i], scaleX, width, left), y = toY(ys[i], scaleY, height, top);
+      if (open) path.lineTo(x, y);
+      else path.moveTo(x, y);
+      open = true;
+    }
+  });
+  return { stroke: path, fill: null, clip: null, band: null, gaps: null, flags: 0 };
+}
+
+// ---- Start: each figure when it comes into view.
+
+function start() {
+  readColours();
+  const figures = [];
+  const observer = new IntersectionObserver((entries) => {
+    for (const entry of entries.filter((seen) => seen.isIntersecting)) {
+      observer.unobserve(entry.target);
+      const script = document.querySelector('script[data-chart="' + entry.target.id + '"]');
+      figures.push(new LiveFigure(entry.target, JSON.parse(script.textContent)));
+    }
+  }, { rootMargin: "300px" });
+  for (const script of document.querySelectorAll("script[data-chart]")) {
+    observer.observe(document.getElementById(script.dataset.chart));
+  }
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    readColours();
+    figures.forEach((figure) => figure.redraw());
+  });
+}
+
+if (window.uPlot && window.IntersectionObserver && window.ResizeObserver) start();
+})();

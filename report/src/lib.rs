@@ -11,7 +11,7 @@
 //! notes, never dropped in silence.
 //!
 //! ```
-//! use report::{KeyFigure, Report, Section, TimeSeries, Verdict};
+//! use piezoloop_report::{KeyFigure, Report, Section, TimeSeries, Verdict};
 //!
 //! let time = [0.0, 0.1, 0.2];
 //! let report = Report::new("identify", "Identification", Verdict::pass("The model fits to 0.6 %."))

@@ -116,7 +116,7 @@ pub(super) fn picture(chart: &Chart, layout: Layout, id: &str) -> String {
         }
         let ticks = if chart.equal_scale { &frame.y.ticks(6) } else { ticks };
         let own_x_ticks = if chart.equal_scale { frame.x.ticks(6) } else { x_ticks.clone() };
-        heading(&mut body, &panel.y.heading(ticks.exponent), 4.0, top + 14.0, "start");
+        heading(&mut body, &panel.y.heading(ticks.exponent), 0.0, top + 14.0, "start");
         axes(&mut body, &frame, &own_x_ticks, ticks, k == last);
         plot(&mut body, chart, panel, &frame, layout.max_points);
         marks(&mut body, chart, panel, &frame, k == 0);

@@ -137,7 +137,7 @@ fn widen(low: f64, high: f64, margin: f64) -> (f64, f64) {
     let limit = |x: f64| x.clamp(-f64::MAX, f64::MAX);
     // A range of rounding errors is a constant.
     if high / 2.0 - low / 2.0 <= 1e-12 * low.abs().max(high.abs()) {
-        let room = if low == 0.0 { 1.0 } else { low.abs() * 0.1 };
+        let room = if low == 0.0 { 1.0 } else { (low.abs() * 0.1).max(f64::MIN_POSITIVE) };
         return (limit(low - room), limit(high + room));
     }
     let room = (high / 2.0 - low / 2.0) * 2.0 * margin;

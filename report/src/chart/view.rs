@@ -124,7 +124,7 @@ pub(super) struct Style {
 
 const COLOURS: usize = 8;
 /// Lengths of strokes and gaps of each line style, in pixels; the style sheet holds the same.
-pub(super) const DASHES: [&[u8]; 4] = [&[], &[7, 3], &[2, 3], &[8, 3, 2, 3]];
+pub(super) const DASHES: [&[u8]; 4] = [&[], &[6, 4], &[2, 2], &[8, 3, 2, 3]];
 
 impl Style {
     /// The classes of the style sheet; a dense curve would not show its dashes and is drawn solid.
@@ -138,8 +138,8 @@ impl Style {
 pub(super) fn styles(roles: &[Role]) -> Vec<Style> {
     let own = |role: Role| match role {
         Role::Measured => Some(Style { colour: 0, dash: 0 }),
-        Role::Model => Some(Style { colour: 1, dash: 1 }),
-        Role::Residual => Some(Style { colour: 2, dash: 0 }),
+        Role::Model => Some(Style { colour: 2, dash: 1 }),
+        Role::Residual => Some(Style { colour: 1, dash: 0 }),
         Role::Reference => Some(Style { colour: 3, dash: 2 }),
         Role::Other => None,
     };
@@ -178,8 +178,8 @@ mod tests {
         }
         let mixed = styles(&[Role::Other, Role::Measured, Role::Model, Role::Measured]);
         assert_eq!(mixed[1], Style { colour: 0, dash: 0 });
-        assert_eq!(mixed[2], Style { colour: 1, dash: 1 });
+        assert_eq!(mixed[2], Style { colour: 2, dash: 1 });
         assert_ne!(mixed[3], mixed[1]);
-        assert_eq!(mixed[0].colour, 2);
+        assert_eq!(mixed[0].colour, 1);
     }
 }
