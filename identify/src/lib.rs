@@ -1,1 +1,31 @@
-//! From a measured log to a blueprint
+//! From a measured log to a blueprint, and from a plant to its controller.
+//!
+//! * [`Record`]: what one axis was told and what it did, checked.
+//! * [`identify`]: records → plant, by non-negative least squares for the hysteresis and an
+//!   output-error fit for the linear parts. The [`Identification`] carries the plant's blueprint
+//!   and the evidence: figures in simulation mode on rows that were held out, the straight line they
+//!   compare with, and what the data say about each parameter.
+//! * [`simulate`] and [`compare`]: the fit of any plant to any record.
+//!
+//! Nothing prints; an [`Observer`] is told how far long work is.
+
+mod error;
+mod estimates;
+mod fit;
+mod identification;
+mod identify;
+mod judge;
+mod observer;
+mod plant;
+mod record;
+mod settings;
+#[cfg(test)]
+mod testing;
+
+pub use error::{Error, NotInvertible, Problem, SettingsProblem};
+pub use identification::{Candidate, Estimate, Identification, RULES, RecordFit, Verdict};
+pub use identify::{SIGNIFICANT_FALL, identify};
+pub use judge::{Figures, compare, simulate};
+pub use observer::{Observer, Silent};
+pub use record::{Columns, Record, Rows};
+pub use settings::{Dynamics, Settings, Target};

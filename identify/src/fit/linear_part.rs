@@ -1,0 +1,194 @@
+//! The linear parts: delay, amplifier lag, mode, by an output-error fit.
+//!
+//! The residual of the whole simulated chain is minimised over the few nonlinear parameters; for
+//! each of their values the weights are the best ones (variable projection), so that hysteresis and
+//! dynamics are fitted together and not in turns. A scan over frequencies gives the start, since the
+//! sum of squares has one valley per wrong frequency.
+//!
+//! Source: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413–432 (variable projection).
+
+use crate::error::Error;
+
+use super::levenberg_marquardt::{Unknown, minimise};
+use super::response::{LinearPart, ModeShape};
+use super::weights::{Fitted, Task, independent_samples};
+
+/// Which linear parts a candidate has beside its delay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Structure {
+    pub(crate) lag: bool,
+    pub(crate) mode: bool,
+}
+
+/// Standard deviations of the linear parts' parameters; `None`: not determined.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Deviations {
+    pub(crate) delay: Option<f64>,
+    pub(crate) bandwidth: Option<f64>,
+    pub(crate) frequency: Option<f64>,
+    pub(crate) damping: Option<f64>,
+}
+
+/// Plays of the scan, which needs the rough shape of the hysteresis only.
+const SCAN_PLAYS: usize = 6;
+/// Frequencies of the scan per decade.
+const SCAN_DENSITY: f64 = 16.0;
+/// Damping ratios of the scan: a light mode and a broad one.
+const SCAN_DAMPING: [f64; 2] = [0.03, 0.3];
+/// Highest frequency in parts of the sample rate: above it a mode is seen only through its skirt.
+const HIGHEST: f64 = 0.45;
+/// Fewest periods of the lowest frequency within the rows fitted on.
+const FEWEST_PERIODS: f64 = 4.0;
+/// Bounds of a damping ratio.
+const DAMPING: (f64, f64) = (1e-4, 2.0);
+/// Internal steps per period of a mode where its input changes within a sample.
+const STEPS_PER_CYCLE: f64 = 20.0;
+/// Most internal steps per sample.
+const MOST_SUBSTEPS: f64 = 16.0;
+
+/// Fits the linear parts of `structure` together with the weights, from `static_fit` on.
+///
+/// # Errors
+/// [`Error::NoSolution`] where the search does not converge, and those of [`Task::solve`].
+pub(crate) fn fit(
+    task: &mut Task<'_>,
+    structure: Structure,
+    longest_delay: f64,
+    static_fit: &Fitted,
+    report: &mut dyn FnMut(usize, usize),
+) -> Result<(Fitted, Deviations), Error> {
+    let start = scan(task, structure, static_fit, report)?;
+    task.substeps = substeps(&start, task.period);
+    let coordinates = Coordinates { structure, period: task.period };
+    let unknowns = coordinates.unknowns(&start, longest_delay, &frequencies(task));
+    let residuals = |p: &[f64]| task.solve(coordinates.linear(p)).map(|fitted| fitted.residual);
+    let minimum = minimise(&unknowns, residuals, |iteration| report(iteration, 100))?;
+    let fitted = task.solve(coordinates.linear(&minimum.parameters))?;
+    let degrees = independent_samples(&fitted.residual) - minimum.parameters.len() as f64;
+    let noise = fitted.sum_of_squares / degrees.max(1.0);
+    // Correlated residuals: the variance grows by samples over independent samples.
+    let deviation = |v: Option<f64>| v.map(|v| (v * noise).sqrt());
+    let deviations: Vec<_> = minimum.variance.iter().map(|v| deviation(*v)).collect();
+    Ok((fitted.clone(), coordinates.deviations(&fitted.linear, &deviations)))
+}
+
+/// Internal steps per sample: more than one only where the mode's input changes within a sample.
+fn substeps(linear: &LinearPart, period: f64) -> usize {
+    match (linear.bandwidth, linear.mode) {
+        (Some(_), Some(mode)) => {
+            (STEPS_PER_CYCLE * mode.frequency * period).ceil().clamp(1.0, MOST_SUBSTEPS) as usize
+        }
+        _ => 1,
+    }
+}
+
+/// Lowest and highest frequency that can be seen in the rows fitted on.
+fn frequencies(task: &Task<'_>) -> (f64, f64) {
+    let rows = task.rows.iter().map(|r| r.len()).max().unwrap_or(0).max(2);
+    let lowest = FEWEST_PERIODS / (rows as f64 * task.period);
+    let highest = HIGHEST / task.period;
+    (lowest.min(0.5 * highest), highest)
+}
+
+/// The best start on a grid of frequencies, with a coarse hysteresis.
+fn scan(
+    task: &Task<'_>,
+    structure: Structure,
+    static_fit: &Fitted,
+    report: &mut dyn FnMut(usize, usize),
+) -> Result<LinearPart, Error> {
+    let coarse = coarse(task);
+    let (lowest, highest) = frequencies(task);
+    let count = ((highest / lowest).log10() * SCAN_DENSITY).ceil().max(2.0) as usize;
+    let grid: Vec<f64> = (0..count)
+        .map(|k| lowest * (highest / lowest).powf(k as f64 / (count - 1) as f64))
+        .collect();
+    let candidates = candidates(structure, &grid, static_fit.linear.delay);
+    let mut best: Option<(f64, LinearPart)> = None;
+    for (done, &linear) in candidates.iter().enumerate() {
+        report(done, candidates.len());
+        let sum = coarse.solve(linear)?.sum_of_squares;
+        if best.is_none_or(|(least, _)| sum < least) {
+            best = Some((sum, linear));
+        }
+    }
+    best.map(|(_, linear)| linear).ok_or(Error::no_solution("there is no frequency to start from"))
+}
+
+fn coarse<'a>(task: &Task<'a>) -> Task<'a> {
+    let stride = task.thresholds.len().div_ceil(SCAN_PLAYS).max(1);
+    Task {
+        thresholds: task.thresholds.iter().copied().step_by(stride).collect(),
+        substeps: 1,
+        ..task.clone()
+    }
+}
+
+/// Starts with the delay found for the static model and with none: a lag or a mode explains a part
+/// of that delay.
+fn candidates(structure: Structure, grid: &[f64], delay: f64) -> Vec<LinearPart> {
+    let mut all = Vec::new();
+    for delay in [0.0, delay] {
+        for &frequency in grid {
+            if structure.mode {
+                for damping in SCAN_DAMPING {
+                    let mode = Some(ModeShape { frequency, damping });
+                    let bandwidth = structure.lag.then_some(grid[grid.len() - 1]);
+                    all.push(LinearPart { delay, bandwidth, mode });
+                }
+            } else {
+                all.push(LinearPart { delay, bandwidth: Some(frequency), mode: None });
+            }
+        }
+    }
+    all
+}
+
+/// Between the parameters and the coordinates of the search: delay in samples, the rest as natural
+/// logarithms.
+#[derive(Clone, Copy)]
+struct Coordinates {
+    structure: Structure,
+    period: f64,
+}
+
+impl Coordinates {
+    fn unknowns(&self, at: &LinearPart, longest_delay: f64, range: &(f64, f64)) -> Vec<Unknown> {
+        let (low, high) = (range.0.ln(), range.1.ln());
+        let longest = longest_delay / self.period;
+        let mut unknowns =
+            vec![Unknown { start: at.delay / self.period, lower: 0.0, upper: longest }];
+        if let Some(bandwidth) = at.bandwidth {
+            // A lag may lie far above what is seen of it.
+            unknowns.push(Unknown { start: bandwidth.ln(), lower: low, upper: high + 3.0 });
+        }
+        if let Some(mode) = at.mode {
+            unknowns.push(Unknown { start: mode.frequency.ln(), lower: low, upper: high });
+            let (lower, upper) = (DAMPING.0.ln(), DAMPING.1.ln());
+            unknowns.push(Unknown { start: mode.damping.ln(), lower, upper });
+        }
+        unknowns
+    }
+
+    fn linear(&self, p: &[f64]) -> LinearPart {
+        let mut values = p.iter().copied();
+        let mut next = || values.next().unwrap_or(0.0);
+        let delay = next() * self.period;
+        let bandwidth = self.structure.lag.then(|| next().exp());
+        let mode = self
+            .structure
+            .mode
+            .then(|| ModeShape { frequency: next().exp(), damping: next().exp() });
+        LinearPart { delay, bandwidth, mode }
+    }
+
+    fn deviations(&self, at: &LinearPart, deviations: &[Option<f64>]) -> Deviations {
+        let mut values = deviations.iter().copied();
+        let mut next = |scale: f64| values.next().flatten().map(|d| d * scale);
+        let delay = next(self.period);
+        let bandwidth = at.bandwidth.and_then(&mut next);
+        let frequency = at.mode.and_then(|mode| next(mode.frequency));
+        let damping = at.mode.and_then(|mode| next(mode.damping));
+        Deviations { delay, bandwidth, frequency, damping }
+    }
+}

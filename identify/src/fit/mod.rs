@@ -1,0 +1,8 @@
+//! The fits: weights of the plays, delay, linear parts.
+
+pub(crate) mod delay;
+mod least_squares;
+mod levenberg_marquardt;
+pub(crate) mod linear_part;
+pub(crate) mod response;
+pub(crate) mod weights;

@@ -1,0 +1,15 @@
+//! How long work says how far it is. Nothing here prints.
+
+/// What a method tells while it works. Every call has a default that does nothing.
+pub trait Observer {
+    /// `done` of `total` units of `stage` are done; `total` is the most that there can be.
+    fn progress(&mut self, stage: &'static str, done: usize, total: usize) {
+        let _ = (stage, done, total);
+    }
+}
+
+/// An observer that listens to nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Observer for Silent {}
