@@ -10,7 +10,7 @@ use fmi_bindings::import::{Error as ImportError, OnMessage};
 use modeldescription::variable::DataType;
 use modeldescription::{ModelDescription, Package};
 
-use super::selection::{Selection, TypeRun};
+use super::selection::{Selection, TypeRun, find};
 use super::value::Value;
 use super::{Slave, StateId};
 use crate::error::Error;
@@ -133,8 +133,7 @@ impl Slave for Fmi2Slave {
 
     fn set_start(&mut self, name: &str, value: &Value) -> Result<(), Error> {
         let description = Arc::clone(&self.description);
-        let variable =
-            super::selection::find(&self.settings.name, &description, name).map_err(problem)?;
+        let variable = find(&self.settings.name, &description, name).map_err(problem)?;
         let mismatch = || type_error(&self.settings.name, name, variable.data_type, value);
         let value = value.fit(variable.data_type).ok_or_else(mismatch)?;
         let reference = [variable.value_reference];
@@ -152,6 +151,37 @@ impl Slave for Fmi2Slave {
             Value::Text(text) => instance.set_string(&reference, &[&text])?,
         }
         Ok(())
+    }
+
+    fn value(&mut self, name: &str) -> Result<Value, Error> {
+        let description = Arc::clone(&self.description);
+        let variable = find(&self.settings.name, &description, name).map_err(problem)?;
+        let reference = [variable.value_reference];
+        let instance = self.instance()?;
+        let value = match variable.data_type {
+            DataType::Float64 => {
+                let mut value = [0.0];
+                instance.get_real(&reference, &mut value)?;
+                Value::Real(value[0])
+            }
+            DataType::Boolean => {
+                let mut value = [false];
+                instance.get_boolean(&reference, &mut value)?;
+                Value::Boolean(value[0])
+            }
+            DataType::String => {
+                let mut value = [String::new()];
+                instance.get_string(&reference, &mut value)?;
+                let [text] = value;
+                Value::Text(text)
+            }
+            _ => {
+                let mut value = [0];
+                instance.get_integer(&reference, &mut value)?;
+                Value::Integer(value[0].into())
+            }
+        };
+        Ok(value)
     }
 
     #[inline]

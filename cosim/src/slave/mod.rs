@@ -44,6 +44,9 @@ pub trait Slave: Send {
     /// Gives a variable a value before or during initialization.
     fn set_start(&mut self, variable: &str, value: &Value) -> Result<(), Error>;
 
+    /// Reads one variable of any type, in initialization or later.
+    fn value(&mut self, variable: &str) -> Result<Value, Error>;
+
     /// Writes the selected variables; `values` in the order of the selection.
     fn set(&mut self, selection: &Selection, values: &[f64]) -> Result<(), Error>;
 
