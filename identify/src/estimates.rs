@@ -46,13 +46,14 @@ pub(crate) fn of(
     all
 }
 
-/// Root mean square of the weights' deviations over that of the weights.
+/// Root mean square of the weights' deviations over that of the weights; `None` where the weights
+/// are known one by one too little for a tolerance (neighbouring plays replace each other).
 pub(crate) fn relative_deviation(fitted: &Fitted) -> Option<f64> {
     let noise = noise(fitted, independent_samples(&fitted.residual));
     let spread: f64 = fitted.variance.iter().flatten().map(|v| v * noise).sum();
     let size: f64 = fitted.weights.iter().map(|w| w * w).sum();
     let relative = (spread / size).sqrt();
-    (relative.is_finite() && relative > 0.0).then_some(relative)
+    (relative > 0.0 && relative < UNCERTAIN).then_some(relative)
 }
 
 /// Variance of the residual over what one sample of it is worth.

@@ -38,7 +38,7 @@ pub struct RecordFit {
     pub fitted: Figures,
     /// The plant on the rows held out.
     pub held_out: Figures,
-    /// The best straight line with delay on the rows fitted on.
+    /// The best straight line without delay on the rows fitted on.
     pub baseline_fitted: Figures,
     /// The same on the rows held out.
     pub baseline_held_out: Figures,

@@ -22,7 +22,7 @@ const CLEARLY_NEGATIVE: f64 = -0.3;
 
 /// Identifies a plant from records of one axis.
 ///
-/// 1. A straight line with delay is fitted: the baseline.
+/// 1. A straight line is fitted, the baseline, and a straight line with delay.
 /// 2. Weights of a Prandtl–Ishlinskii model by non-negative least squares, with one offset per
 ///    record and the delay searched jointly.
 /// 3. An amplifier lag, a mode, and both, each with weights and delay in one output-error fit. The
@@ -43,10 +43,15 @@ pub fn identify(
     let plan = settings.plan(records)?;
     check_sign(records, &plan)?;
     let mut session = Session { records, target, plan, observer };
-    let baseline = session.baseline()?;
+    let baseline = session.line()?;
+    let delayed_line = session.delayed_line()?;
     let (static_model, static_fit) = session.static_model()?;
     let mut candidates = vec![
         candidate(&baseline, "the baseline, for comparison"),
+        candidate(
+            &delayed_line,
+            "for comparison: at one frequency and amplitude a delay passes for hysteresis",
+        ),
         candidate(&static_model, "the simplest model with hysteresis"),
     ];
     let mut best = static_model;
@@ -92,14 +97,26 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn baseline(&mut self) -> Result<Tried, Error> {
+    /// The best straight line.
+    fn line(&self) -> Result<Tried, Error> {
+        let task = self.task(vec![0.0]);
+        let fitted = task.solve(LinearPart::default())?;
+        self.with_gain(&task, fitted, Delay::default())
+    }
+
+    /// The best straight line with delay.
+    fn delayed_line(&mut self) -> Result<Tried, Error> {
         let task = self.task(vec![0.0]);
         let longest = self.plan.longest_delay;
         let observer = &mut *self.observer;
-        let mut report = |done, total| observer.progress("straight line", done, total);
+        let mut report = |done, total| observer.progress("straight line with delay", done, total);
         let (delay, fitted) = delay::search(&task, longest, &mut report)?;
+        self.with_gain(&task, fitted, delay)
+    }
+
+    fn with_gain(&self, task: &Task<'_>, fitted: Fitted, delay: Delay) -> Result<Tried, Error> {
         let gain = fitted.weights.first().copied().unwrap_or(0.0);
-        self.tried(&task, Actuator::Linear { gain }, fitted, delay, Deviations::default())
+        self.tried(task, Actuator::Linear { gain }, fitted, delay, Deviations::default())
     }
 
     fn static_model(&mut self) -> Result<(Tried, Fitted), Error> {
@@ -291,7 +308,8 @@ fn name_of(structure: Structure) -> &'static str {
 
 fn describe(actuator: &Actuator<'_>, linear: &LinearPart) -> String {
     match actuator {
-        Actuator::Linear { .. } => "delay, actuator-gain".to_owned(),
+        Actuator::Linear { .. } if linear.delay > 0.0 => "delay, actuator-gain".to_owned(),
+        Actuator::Linear { .. } => "actuator-gain".to_owned(),
         Actuator::Plays { .. } => {
             let structure =
                 Structure { lag: linear.bandwidth.is_some(), mode: linear.mode.is_some() };

@@ -29,7 +29,7 @@ const INTERVALS: usize = 32;
 const NARROWING: usize = 24;
 
 /// A delay and what is known of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Delay {
     /// Estimate in s.
     pub(crate) value: f64,
