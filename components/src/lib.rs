@@ -28,9 +28,13 @@ pub static COMPONENTS: model::Registry = &[
     &amplifier::AmplifierLag,
     &actuator::ActuatorGain,
     &hysteresis::PrandtlIshlinskii,
+    &hysteresis::ModifiedPrandtlIshlinskii,
+    &hysteresis::GeneralisedPlay,
     &mechanics::Mode,
     &sensor::SensorLag,
     &hysteresis::InversePrandtlIshlinskii,
+    &hysteresis::InverseModifiedPrandtlIshlinskii,
+    &hysteresis::InverseGeneralisedPlay,
     &control::FeedforwardGain,
     &control::Pid,
 ];

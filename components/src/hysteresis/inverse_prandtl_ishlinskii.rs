@@ -11,13 +11,13 @@
 //!
 //! Limits: those of the forward model; the command is not limited.
 //!
-//! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418, eqs. (16)–(18).
+//! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418.
 
 use model::{Component, Conversion, Declaration, Input, Output, Sizes, Stage, Tick, Violation};
 
 use super::play::invert;
-use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, plays, split};
-use crate::rules::{WRONG_LENGTH, require_at};
+use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_invertible, check_plays, plays};
+use crate::rules::WRONG_LENGTH;
 
 /// The component `inverse-prandtl-ishlinskii`.
 pub struct InversePrandtlIshlinskii;
@@ -56,27 +56,14 @@ impl Component for InversePrandtlIshlinskii {
         _period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (r, w, offset) = split(parameters)?;
-        let (Some(&r_1), Some(&w_1)) = (r.first(), w.first()) else { return Err(WRONG_LENGTH) };
-        require_at(
-            r_1 == 0.0,
-            "r",
-            0,
-            r_1,
-            "a model whose first threshold is above 0 has no inverse; identify it with r[1] = 0",
-        )?;
-        require_at(
-            w_1 > 0.0,
-            "w",
-            0,
-            w_1,
-            "a model whose first weight is 0 has no inverse; identify it with w[1] above 0",
-        )?;
+        let (forward, offset) = plays(parameters);
+        check_plays(forward)?;
+        check_invertible(forward)?;
         let Some((inverse_offset, arrays)) = coefficients.split_last_mut() else {
             return Err(WRONG_LENGTH);
         };
         let (inverse_r, inverse_w) = arrays.split_at_mut(arrays.len() / 2);
-        invert(r, w, inverse_r, inverse_w);
+        invert(forward.r, forward.w, inverse_r, inverse_w);
         *inverse_offset = offset;
         Ok(())
     }

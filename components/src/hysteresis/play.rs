@@ -68,7 +68,7 @@ impl Plays<'_> {
 /// with the forward weights in all three. It needs r_1 = 0 and w_1 > 0. All slices are of one
 /// length. Virgin states correspond to each other.
 ///
-/// Source: Kuhnen 2003, eqs. (16)–(18).
+/// Source: Kuhnen 2003.
 pub fn invert(r: &[f64], w: &[f64], inverse_r: &mut [f64], inverse_w: &mut [f64]) {
     let mut sum = 0.0;
     let mut threshold = 0.0;

@@ -26,8 +26,9 @@ use crate::rules::{WRONG_LENGTH, increasing, require, require_at};
 pub struct PrandtlIshlinskii;
 
 /// Settings that the model and its inverse share.
-pub(super) const STRUCTURE: &[Structural] =
-    &[Structural::count("plays", "Number of play operators", 1, 4096)];
+pub(super) const PLAYS: Structural =
+    Structural::count("plays", "Number of play operators", 1, 4096);
+pub(super) const STRUCTURE: &[Structural] = &[PLAYS];
 pub(super) const R: Quantity =
     Quantity::new("r", "{command}", "Threshold of each play, increasing from 0").min(0.0).per(0);
 pub(super) const W: Quantity =
@@ -52,25 +53,33 @@ static DECLARATION: Declaration = Declaration {
     parameters: &[R, W, OFFSET],
 };
 
-/// Thresholds, weights and offset, checked.
-pub(super) fn split(parameters: &[f64]) -> Result<(&[f64], &[f64], f64), Violation> {
-    let Some((&offset, arrays)) = parameters.split_last() else { return Err(WRONG_LENGTH) };
-    let (r, w) = arrays.split_at(arrays.len() / 2);
+/// Checks thresholds and weights.
+pub(super) fn check_plays(plays: Plays<'_>) -> Result<(), Violation> {
     increasing(
         "r",
-        r,
+        plays.r,
         "thresholds start at 0 or above and are strictly increasing; sort them, and add up the \
          weights of equal ones",
     )?;
-    for (index, weight) in w.iter().enumerate() {
+    for (index, weight) in plays.w.iter().enumerate() {
         require_at(*weight >= 0.0, "w", index, *weight, "weights are zero or positive")?;
     }
-    let sum: f64 = w.iter().sum();
-    require(sum > 0.0, "w", sum, "the sum of the weights is zero: nothing would move; give one")?;
-    Ok((r, w, offset))
+    let sum: f64 = plays.w.iter().sum();
+    require(sum > 0.0, "w", sum, "the sum of the weights is zero: nothing would move; give one")
 }
 
-/// Coefficients `r | w | offset` as plays and offset.
+/// Checks that every position belongs to one command.
+pub(super) fn check_invertible(plays: Plays<'_>) -> Result<(), Violation> {
+    let (Some(&r), Some(&w)) = (plays.r.first(), plays.w.first()) else {
+        return Err(WRONG_LENGTH);
+    };
+    let rule = "a model whose first threshold is above 0 has no inverse; identify it with r[1] = 0";
+    require_at(r == 0.0, "r", 0, r, rule)?;
+    let rule = "a model whose first weight is 0 has no inverse; identify it with w[1] above 0";
+    require_at(w > 0.0, "w", 0, w, rule)
+}
+
+/// `r | w | offset`, the layout of parameters and coefficients, as plays and offset.
 #[inline]
 pub(super) fn plays(coefficients: &[f64]) -> (Plays<'_>, f64) {
     let Some((&offset, arrays)) = coefficients.split_last() else {
@@ -97,7 +106,7 @@ impl Component for PrandtlIshlinskii {
         _period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        split(parameters)?;
+        check_plays(plays(parameters).0)?;
         if coefficients.len() != parameters.len() {
             return Err(WRONG_LENGTH);
         }
