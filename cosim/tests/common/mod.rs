@@ -1,5 +1,5 @@
 //! Test FMUs: C sources of `tests/fmus`, compiled by the system's C compiler and packed.
-#![allow(dead_code, unreachable_pub)]
+#![allow(dead_code, unreachable_pub, unused_macros)]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -38,6 +38,7 @@ typedef struct {
     char name[64];
     char label[64];
     char history[256]; /* one letter per call, for tests of the order of calls */
+    size_t noted;
     double reached;
 } Slave;
 
@@ -54,11 +55,7 @@ static void say(Slave *slave, Status status, const char *text) {
 }
 
 static void note(Slave *slave, char letter) {
-    size_t length = strlen(slave->history);
-    if (length + 1 < sizeof slave->history) {
-        slave->history[length] = letter;
-        slave->history[length + 1] = 0;
-    }
+    if (slave->noted + 1 < sizeof slave->history) slave->history[slave->noted++] = letter;
 }
 
 static Status fail(Slave *slave, const char *text) {
@@ -166,7 +163,8 @@ EXPORT Status fmi2Terminate(void *c) {
 EXPORT Status fmi2Reset(void *c) {
     Slave *slave = c;
     slave->state = slave->start;
-    slave->history[0] = 0;
+    memset(slave->history, 0, sizeof slave->history);
+    slave->noted = 0;
     note(slave, 'R');
     return OK;
 }
@@ -277,4 +275,13 @@ EXPORT Status fmi2GetBooleanStatus(void *c, int kind, int *value) {
     *value = slave->state.booleans[1];
     return OK;
 }
+
+/* Not offered, but fmpy wants every function of the standard to be there. */
+EXPORT Status fmi2GetDirectionalDerivative(void *c) { return fail(c, "not offered"); }
+EXPORT Status fmi2SetRealInputDerivatives(void *c) { return fail(c, "not offered"); }
+EXPORT Status fmi2GetRealOutputDerivatives(void *c) { return fail(c, "not offered"); }
+EXPORT Status fmi2CancelStep(void *c) { return fail(c, "no step is pending"); }
+EXPORT Status fmi2GetStatus(void *c) { (void)c; return DISCARD; }
+EXPORT Status fmi2GetIntegerStatus(void *c) { (void)c; return DISCARD; }
+EXPORT Status fmi2GetStringStatus(void *c) { (void)c; return DISCARD; }
 #endif

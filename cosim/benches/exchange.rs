@@ -1,0 +1,152 @@
+//! Cost of an exchange: two C FMUs in a closed loop, by the bare C functions and by the master.
+//!
+//! `cargo bench -p piezoloop-cosim`
+#![allow(clippy::print_stdout)]
+// The bare C functions are called here as any C program would.
+#![allow(unsafe_code)]
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use std::ffi::CString;
+use std::hint::black_box;
+use std::time::Instant;
+
+use common::instance;
+use fmi_bindings::fmi2::*;
+use piezoloop_cosim::{
+    Coupling, Loop, LoopSettings, Memory, Points, Recorder, Run, Signals, Wiring,
+};
+
+const STEPS: usize = 1_000_000;
+const H: f64 = 1e-3;
+const REPEATS: usize = 7;
+
+/// The functions of one FMU, without anything around them.
+struct Bare {
+    component: fmi2Component,
+    set: fmi2SetRealTYPE,
+    step: fmi2DoStepTYPE,
+    get: fmi2GetRealTYPE,
+    _library: libloading::Library,
+}
+
+impl Bare {
+    fn new(path: &std::path::Path, guid: &str) -> Self {
+        let callbacks = Box::leak(Box::new(fmi2CallbackFunctions {
+            logger: None,
+            allocateMemory: None,
+            freeMemory: None,
+            stepFinished: None,
+            componentEnvironment: std::ptr::null_mut(),
+        }));
+        let guid = CString::new(guid).expect("no zero byte");
+        // SAFETY: the library is our own test FMU; types are those of the standard.
+        unsafe {
+            let library = libloading::Library::new(path).expect("it loads");
+            let instantiate =
+                *library.get::<fmi2InstantiateTYPE>("fmi2Instantiate").expect("a function");
+            let component = instantiate(
+                c"bare".as_ptr(),
+                fmi2CoSimulation,
+                guid.as_ptr(),
+                c"file:///".as_ptr(),
+                callbacks,
+                0,
+                0,
+            );
+            let phase = |name: &str| {
+                let call = *library.get::<fmi2TerminateTYPE>(name).expect("a function");
+                assert_eq!(call(component), fmi2OK);
+            };
+            phase("fmi2EnterInitializationMode");
+            phase("fmi2ExitInitializationMode");
+            Bare {
+                component,
+                set: *library.get("fmi2SetReal").expect("a function"),
+                step: *library.get("fmi2DoStep").expect("a function"),
+                get: *library.get("fmi2GetReal").expect("a function"),
+                _library: library,
+            }
+        }
+    }
+
+    fn exchange(&self, time: f64, inputs: &[(u32, f64)], output: u32) -> f64 {
+        let (mut references, mut values) = ([0_u32; 2], [0.0; 2]);
+        for (i, (reference, value)) in inputs.iter().enumerate() {
+            (references[i], values[i]) = (*reference, *value);
+        }
+        let mut y = 0.0;
+        // SAFETY: the instance is alive, the slices are long enough.
+        unsafe {
+            (self.set)(self.component, references.as_ptr(), inputs.len(), values.as_ptr());
+            (self.step)(self.component, time, H, 1);
+            (self.get)(self.component, &raw const output, 1, &raw mut y);
+        }
+        y
+    }
+}
+
+/// Best time of some repeats, ns per step and FMU.
+fn best(mut run: impl FnMut()) -> f64 {
+    let nanoseconds = (0..REPEATS).map(|_| {
+        let begin = Instant::now();
+        run();
+        begin.elapsed().as_nanos() as f64 / (2 * STEPS) as f64
+    });
+    nanoseconds.fold(f64::INFINITY, f64::min)
+}
+
+fn bare(fmus: &common::Fmus) -> f64 {
+    best(|| {
+        let controller = Bare::new(&fmus.compile("controller"), "controller");
+        let plant = Bare::new(&fmus.compile("integrator"), "integrator");
+        let mut y = 0.0;
+        for k in 0..STEPS {
+            let time = k as f64 * H;
+            let u = controller.exchange(time, &[(0, 1.0), (1, y)], 2);
+            y = plant.exchange(time, &[(0, u)], 1);
+        }
+        black_box(y);
+    })
+}
+
+fn master(
+    fmus: &common::Fmus,
+    coupling: Coupling,
+    recorder: impl Fn() -> Box<dyn Recorder>,
+) -> f64 {
+    let (controller, plant) = (fmus.controller(), fmus.integrator());
+    let (c, p) = (instance(&controller, "controller"), instance(&plant, "plant"));
+    let wiring = Wiring::by_name(&*c, &*p, &["reference[1]"]).expect("a loop");
+    let settings = LoopSettings { wiring, coupling, ..LoopSettings::default() };
+    let mut closed = Loop::new(c, p, &settings).expect("a loop");
+    let signals = Signals::new(&[0.0]).with("reference[1]", &[1.0]);
+    let points = Points::uniform(0.0, STEPS as f64 * H, H).expect("points");
+    let run = Run { record: 0, points, signals: &signals, tolerance: None };
+    best(|| {
+        closed.run(&run, &mut *recorder()).expect("a run");
+    })
+}
+
+fn main() {
+    let Some(fmus) = common::Fmus::new() else {
+        println!("skipped: no C compiler `cc`");
+        return;
+    };
+    let own = bare(&fmus);
+    println!("{:<44} {own:6.1} ns", "bare C functions: set + step + get, per FMU");
+    let report = |name: &str, cost: f64| {
+        println!("{name:<44} {cost:6.1} ns, {:6.1} ns over the FMU's own", cost - own);
+    };
+    report(
+        "controller first, no record",
+        master(&fmus, Coupling::ControllerFirst, || Box::new(())),
+    );
+    report("side by side, no record", master(&fmus, Coupling::SideBySide, || Box::new(())));
+    let memory = || -> Box<dyn Recorder> { Box::new(Memory::new()) };
+    report(
+        "controller first, 3 columns in memory",
+        master(&fmus, Coupling::ControllerFirst, memory),
+    );
+}
