@@ -1,1 +1,34 @@
-//! Logs and blueprints: read, write, check, resample
+//! Logs and blueprints: read, write, check, resample.
+//!
+//! * [`Blueprint`]: the file that says which components a plant or a controller has, and with which
+//!   values. Reading gives the *unchecked* type; [`Blueprint::check`] gives a [`CheckedBlueprint`],
+//!   from which a [`model::System`] is built, or every [`Problem`] there is.
+//! * [`Log`]: measured or simulated time series with units, in records.
+//! * [`NameMap`]: which column of a log belongs to which variable of a model.
+//! * [`Uniform`]: a signal on a uniform grid, and its resampling onto another one.
+//! * [`Fit`]: figures of agreement between two signals.
+//! * [`WholeFile`]: a file that appears whole or not at all.
+
+mod blueprint;
+mod fit;
+mod log;
+mod name_map;
+mod nearest;
+mod problem;
+mod resample;
+mod toml_text;
+mod whole_file;
+
+pub use blueprint::{
+    AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint, Value,
+};
+pub use fit::{Fit, FitError};
+pub use log::{
+    Column, ColumnHeader, ColumnUnit, Log, LogWriter, ReadOptions, Record, SampleTime, UnitPlace,
+    sidecar_of,
+};
+pub use name_map::NameMap;
+pub use nearest::nearest;
+pub use problem::{Problem, Problems};
+pub use resample::{Hold, ResampleError, Uniform};
+pub use whole_file::WholeFile;

@@ -1,0 +1,294 @@
+//! From TOML to a [`Blueprint`].
+//!
+//! Only a text that is no TOML is refused here. A key that is unknown or has a value of the wrong
+//! kind is noted and told by the check, together with everything else.
+
+use std::collections::BTreeMap;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::origin::{Origin, Place};
+use super::{AxisBlueprint, Blueprint, ComponentBlueprint, FORMAT, SignalBlueprint, Value};
+use crate::nearest::did_you_mean;
+use crate::toml_text::{self, Lines, shown};
+use crate::{Problem, Problems};
+use model::Kind;
+
+type Spot<'a, 'i> = &'a Spanned<DeValue<'i>>;
+
+pub(super) fn parse(text: &str, origin: &str) -> Result<Blueprint, Problems> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let document = toml_text::parse(text, origin)?;
+    let origin = Origin { file: origin.into(), ..Origin::default() };
+    let mut reader = Reader { lines: Lines::new(text), origin };
+    let (mut blueprint, format) = reader.blueprint(document.get_ref());
+    if format.is_some_and(|format| format != FORMAT) {
+        // Everything else would be noise: another format has other keys.
+        reader.origin.problems.retain(|(key, _)| key == "piezoloop");
+        return Err(Problems::new(reader.origin.problems.into_iter().map(|(_, p)| p).collect()));
+    }
+    blueprint.origin = reader.origin;
+    Ok(blueprint)
+}
+
+struct Reader {
+    lines: Lines,
+    origin: Origin,
+}
+
+impl Reader {
+    fn note(&mut self, place: &Place, value: &str, rule: impl Into<String>, way_out: &str) {
+        let mut problem =
+            Problem::new(&self.origin.file, rule, way_out).at(&place.shown).value(value);
+        problem.line = self.origin.line(&place.key);
+        self.origin.problems.push((place.key.clone(), problem));
+    }
+
+    /// The items of a table in the order of the file, their lines noted.
+    fn items<'a, 'i>(
+        &mut self,
+        table: &'a DeTable<'i>,
+        place: &Place,
+    ) -> Vec<(&'a str, Spot<'a, 'i>, Place)> {
+        let mut items: Vec<_> = table.iter().collect();
+        items.sort_by_key(|(key, _)| key.span().start);
+        items
+            .into_iter()
+            .map(|(key, value)| {
+                let place = place.child(key.get_ref());
+                let line = self.lines.at(key.span().start);
+                self.origin.lines.insert(place.key.clone(), line);
+                (key.get_ref().as_ref(), value, place)
+            })
+            .collect()
+    }
+
+    fn blueprint(&mut self, table: &DeTable<'_>) -> (Blueprint, Option<f64>) {
+        let mut blueprint = Blueprint::new(Kind::Plant, "", f64::NAN);
+        let mut seen = Vec::new();
+        let mut format = None;
+        for (key, value, place) in self.items(table, &Place::new("")) {
+            seen.push(key);
+            match key {
+                "piezoloop" => format = self.format(value, &place),
+                "kind" => blueprint.kind = self.kind(value, &place),
+                "name" => blueprint.name = self.name(value, &place),
+                "description" => blueprint.description = self.text(value, &place),
+                "source" => blueprint.source = self.text(value, &place),
+                "step" => blueprint.step = self.value(value, &place).unwrap_or(blueprint.step),
+                "axis" => blueprint.axes = self.axes(value, &place),
+                _ => self.unknown(key, &place, &KEYS),
+            }
+        }
+        for (key, rule, way_out) in REQUIRED {
+            if !seen.contains(&key) {
+                self.note(&Place::new(key), "", rule, way_out);
+            }
+        }
+        (blueprint, format)
+    }
+
+    fn unknown(&mut self, key: &str, place: &Place, known: &[&str]) {
+        let near = did_you_mean(key, known.iter().copied());
+        let way_out = format!("{near}known are {}", known.join(", "));
+        self.note(place, "", "is no key of a blueprint here", &way_out);
+    }
+
+    fn format(&mut self, value: Spot<'_, '_>, place: &Place) -> Option<f64> {
+        let Some(Value::Number(number)) = self.value(value, place) else { return None };
+        if number != FORMAT {
+            let rule = format!("is a format that this program does not know; it reads {FORMAT}");
+            self.note(place, &number.to_string(), rule, "use a newer program, or write 1");
+        }
+        Some(number)
+    }
+
+    fn kind(&mut self, value: Spot<'_, '_>, place: &Place) -> Kind {
+        match value.get_ref().as_str() {
+            Some("plant") => return Kind::Plant,
+            Some("controller") => return Kind::Controller,
+            _ => {}
+        }
+        let shown = shown(value.get_ref());
+        self.note(place, &shown, "is no kind of blueprint", "write \"plant\" or \"controller\"");
+        Kind::Plant
+    }
+
+    fn text(&mut self, value: Spot<'_, '_>, place: &Place) -> String {
+        if let Some(text) = value.get_ref().as_str() {
+            return text.to_string();
+        }
+        let shown = shown(value.get_ref());
+        self.note(place, &shown, "must be a text", "put it in quotation marks");
+        String::new()
+    }
+
+    /// A text that must not be empty where it is given.
+    fn name(&mut self, value: Spot<'_, '_>, place: &Place) -> String {
+        let text = self.text(value, place);
+        if text.is_empty() && !self.origin.is_spoilt(&place.key) {
+            self.note(place, "\"\"", "is empty", "give a text or leave the key out");
+        }
+        text
+    }
+
+    fn value(&mut self, value: Spot<'_, '_>, place: &Place) -> Option<Value> {
+        let number = match value.get_ref() {
+            DeValue::String(text) => return Some(Value::Text(text.to_string())),
+            DeValue::Array(items) => return Some(self.list(items, place)),
+            other => toml_text::number(other),
+        };
+        if number.is_none() {
+            let shown = shown(value.get_ref());
+            let way_out = "write a number, or a text with a unit as in \"2.1 kHz\"";
+            self.note(
+                place,
+                &shown,
+                "must be a number, a text with a unit or a list of them",
+                way_out,
+            );
+        }
+        number.map(Value::Number)
+    }
+
+    fn list<'i>(&mut self, items: &[Spanned<DeValue<'i>>], place: &Place) -> Value {
+        let mut values = Vec::with_capacity(items.len());
+        for (item, number) in items.iter().zip(1..) {
+            let place = place.item(number);
+            self.origin.lines.insert(place.key.clone(), self.lines.at(item.span().start));
+            // A spoilt item keeps its seat, so that the length of the list stays right.
+            values.push(self.value(item, &place).unwrap_or(Value::Number(0.0)));
+        }
+        Value::List(values)
+    }
+
+    /// The tables of an array of tables, with their places.
+    fn tables<'a, 'i>(
+        &mut self,
+        value: Spot<'a, 'i>,
+        place: &Place,
+        header: &str,
+    ) -> Vec<(&'a DeTable<'i>, Place)> {
+        let way_out = format!("write the header {header} with two brackets on each side");
+        let Some(items) = value.get_ref().as_array() else {
+            self.note(place, "", "must be a list of sections", &way_out);
+            return Vec::new();
+        };
+        let mut tables = Vec::new();
+        for (item, number) in items.iter().zip(1..) {
+            let place = place.item(number);
+            self.origin.lines.insert(place.key.clone(), self.lines.at(item.span().start));
+            match item.get_ref().as_table() {
+                Some(table) => tables.push((table, place)),
+                None => self.note(&place, &shown(item.get_ref()), "must be a section", &way_out),
+            }
+        }
+        tables
+    }
+
+    fn axes(&mut self, value: Spot<'_, '_>, place: &Place) -> Vec<AxisBlueprint> {
+        let tables = self.tables(value, place, "[[axis]]");
+        tables.into_iter().map(|(table, place)| self.axis(table, &place)).collect()
+    }
+
+    fn axis(&mut self, table: &DeTable<'_>, place: &Place) -> AxisBlueprint {
+        let mut axis = AxisBlueprint::default();
+        for (key, value, place) in self.items(table, place) {
+            match key {
+                "name" => axis.name = self.name(value, &place),
+                "command" => axis.command = self.signal(value, &place),
+                "position" => axis.position = self.signal(value, &place),
+                "reference" => axis.reference = self.signal(value, &place),
+                "measured" => axis.measured = self.signal(value, &place),
+                "component" => {
+                    let tables = self.tables(value, &place, "[[axis.component]]");
+                    axis.components =
+                        tables.into_iter().map(|(t, place)| self.component(t, &place)).collect();
+                }
+                _ => self.unknown(key, &place, &AXIS_KEYS),
+            }
+        }
+        axis
+    }
+
+    fn signal(&mut self, value: Spot<'_, '_>, place: &Place) -> SignalBlueprint {
+        let mut signal = SignalBlueprint::default();
+        let Some(table) = value.get_ref().as_table() else {
+            let way_out = "write for example { name = \"u\", unit = \"V\" }";
+            self.note(place, &shown(value.get_ref()), "must be a table", way_out);
+            return signal;
+        };
+        for (key, value, place) in self.items(table, place) {
+            match key {
+                "name" => signal.name = self.name(value, &place),
+                "unit" => signal.unit = self.name(value, &place),
+                "min" => signal.min = self.value(value, &place),
+                "max" => signal.max = self.value(value, &place),
+                "start" => signal.start = self.value(value, &place),
+                _ => self.unknown(key, &place, &SIGNAL_KEYS),
+            }
+        }
+        signal
+    }
+
+    fn component(&mut self, table: &DeTable<'_>, place: &Place) -> ComponentBlueprint {
+        let mut component = ComponentBlueprint::new("");
+        for (key, value, place) in self.items(table, place) {
+            match key {
+                "type" => component.kind = self.name(value, &place),
+                "name" => component.name = self.name(value, &place),
+                "note" => component.note = self.text(value, &place),
+                "enabled" => component.enabled = self.switch(value, &place),
+                "tolerance" => component.tolerance = self.tolerance(value, &place),
+                _ => {
+                    if let Some(value) = self.value(value, &place) {
+                        component.values.push((key.to_string(), value));
+                    }
+                }
+            }
+        }
+        component
+    }
+
+    fn switch(&mut self, value: Spot<'_, '_>, place: &Place) -> bool {
+        value.get_ref().as_bool().unwrap_or_else(|| {
+            self.note(
+                place,
+                &shown(value.get_ref()),
+                "must be a truth value",
+                "write true or false",
+            );
+            true
+        })
+    }
+
+    fn tolerance(&mut self, value: Spot<'_, '_>, place: &Place) -> BTreeMap<String, f64> {
+        let mut tolerances = BTreeMap::new();
+        let way_out = "write for example { w = 0.05 }, relative, 1 sigma";
+        let Some(table) = value.get_ref().as_table() else {
+            self.note(place, &shown(value.get_ref()), "must be a table", way_out);
+            return tolerances;
+        };
+        for (key, value, place) in self.items(table, place) {
+            match self.value(value, &place) {
+                Some(Value::Number(number)) => {
+                    tolerances.insert(key.to_string(), number);
+                }
+                Some(_) => self.note(&place, &shown(value.get_ref()), "must be a number", way_out),
+                None => {}
+            }
+        }
+        tolerances
+    }
+}
+
+const KEYS: [&str; 7] = ["piezoloop", "kind", "name", "description", "source", "step", "axis"];
+const AXIS_KEYS: [&str; 6] = ["name", "command", "position", "reference", "measured", "component"];
+const SIGNAL_KEYS: [&str; 5] = ["name", "unit", "min", "max", "start"];
+const REQUIRED: [(&str, &str, &str); 4] = [
+    ("piezoloop", "is missing, so the format of the file is unknown", "write piezoloop = 1"),
+    ("kind", "is missing", "write kind = \"plant\" or kind = \"controller\""),
+    ("name", "is missing", "name the model, as in name = \"stage\""),
+    ("step", "is missing", "give the internal step in s, as in step = 20e-6"),
+];

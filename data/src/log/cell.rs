@@ -1,0 +1,72 @@
+//! One cell of a log: a finite number, or what is wrong with it.
+
+/// A rule that a cell breaks, and the way out.
+pub(super) type Broken = (&'static str, &'static str);
+
+/// The number in a cell. Truth values, as fmpy writes them, are 0 and 1.
+pub(super) fn parse(cell: &[u8]) -> Result<f64, Broken> {
+    let cell = cell.trim_ascii();
+    // The standard library's parser takes texts; a cell that is no text is no number either.
+    let number = std::str::from_utf8(cell).ok().and_then(|text| text.parse::<f64>().ok());
+    match number {
+        Some(number) if number.is_finite() => Ok(number),
+        Some(number) if number.is_nan() => Err(GAP),
+        Some(_) => Err(("is not finite", "give a finite number, or leave the row out")),
+        None => other(cell),
+    }
+}
+
+const GAP: Broken = (
+    "is a gap: a model cannot be driven by, or compared with, what was not measured",
+    "leave the row out and begin a new record behind it, or fill it in beforehand",
+);
+
+fn other(cell: &[u8]) -> Result<f64, Broken> {
+    match cell {
+        b"True" | b"true" | b"TRUE" => Ok(1.0),
+        b"False" | b"false" | b"FALSE" => Ok(0.0),
+        b"" => Err(GAP),
+        _ if cell.eq_ignore_ascii_case(b"na") || cell.eq_ignore_ascii_case(b"n/a") => Err(GAP),
+        _ if is_number_with(cell, b',') => Err((
+            "has a decimal comma",
+            "save the file with decimal points and commas between cells",
+        )),
+        _ if is_number_with(cell, b' ') => {
+            Err(("holds several numbers", "give each element of an array its own column"))
+        }
+        _ => Err(("is no number", "give a number with a decimal point, as in 1.5e-3")),
+    }
+}
+
+/// Whether the cell has only characters of numbers and `separator`, which occurs.
+fn is_number_with(cell: &[u8], separator: u8) -> bool {
+    cell.contains(&separator)
+        && cell.iter().all(|c| c.is_ascii_digit() || b"+-.eE".contains(c) || *c == separator)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_numbers_and_truth_values() {
+        assert_eq!(parse(b" 1.5e-3 "), Ok(1.5e-3));
+        assert_eq!(parse(b"-0"), Ok(0.0));
+        assert_eq!(parse(b"True"), Ok(1.0));
+        assert_eq!(parse(b"false"), Ok(0.0));
+    }
+
+    #[test]
+    fn says_what_is_wrong() {
+        let rule = |cell: &[u8]| parse(cell).unwrap_err().0;
+        for gap in ["", "  ", "NaN", "nan", "N/A"] {
+            assert!(rule(gap.as_bytes()).starts_with("is a gap"), "{gap}");
+        }
+        assert_eq!(rule(b"inf"), "is not finite");
+        assert_eq!(rule(b"1e999"), "is not finite");
+        assert_eq!(rule(b"1,5"), "has a decimal comma");
+        assert_eq!(rule(b"1 2"), "holds several numbers");
+        assert_eq!(rule(b"abc"), "is no number");
+        assert_eq!(rule(&[0xff, 0x31]), "is no number");
+    }
+}

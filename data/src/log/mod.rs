@@ -1,0 +1,313 @@
+//! Logs: measured or simulated time series with units, in records.
+//!
+//! Row k of a log: the inputs u_k act from t_k until t_{k+1} (zero-order hold); the outputs y_k are
+//! read at t_k, before u_k acts.
+//!
+//! A file is CSV: UTF-8, commas, decimal points, one header row. `time` in s grows strictly inside
+//! a record; a column `record` (or `realization`) of whole numbers separates records, and time may
+//! start again there. Units come, the first that is found, from the caller's list
+//! ([`ReadOptions::units`]), the header (`y [um]`), a file `<name>.dataset.toml` beside the log, or a
+//! file `dataset.toml` in its folder:
+//!
+//! ```toml
+//! rate = 200                                  # Hz; for logs without a column of time
+//! time = { column = "t", unit = "ms" }        # default: column "time" in s
+//!
+//! [columns]
+//! y = { unit = "um", description = "Position of the stage" }
+//! ```
+
+mod cell;
+mod dataset;
+mod header;
+mod read;
+mod rows;
+mod write;
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+
+use model::{Unit, UnitError};
+
+pub use dataset::sidecar_of;
+pub use rows::SampleTime;
+pub use write::{ColumnHeader, LogWriter, UnitPlace};
+
+use crate::{Problem, Problems, nearest};
+
+/// Measured or simulated time series.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Log {
+    /// File, for messages.
+    origin: String,
+    time: Vec<f64>,
+    columns: Vec<Column>,
+    records: Vec<Record>,
+    /// Whether the records are numbered in the file.
+    is_numbered: bool,
+}
+
+/// One signal of a [`Log`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Name, as in `y` or `position[1]`.
+    pub name: String,
+    /// Unit; `None` where nothing says it: then it is the unit of the variable it belongs to.
+    pub unit: Option<ColumnUnit>,
+    /// One sentence; may be empty.
+    pub description: String,
+    /// One value per row, each finite.
+    pub values: Vec<f64>,
+}
+
+/// A unit as text and as factor and exponents.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnUnit {
+    /// As it was given, as in `um`.
+    pub text: String,
+    /// The same, to compute with.
+    pub unit: Unit,
+}
+
+/// Rows that were recorded in one go.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Record {
+    /// Its number in the column `record`; 0 where there is none.
+    pub id: i64,
+    /// Its rows, from 0.
+    pub rows: Range<usize>,
+}
+
+/// What a caller says about a file that is read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Sample rate in Hz, for logs without a column of time or with a column of row numbers.
+    pub rate: Option<f64>,
+    /// Units by column, as texts; they go before those of the file.
+    pub units: BTreeMap<String, String>,
+}
+
+impl ReadOptions {
+    /// Takes a unit as a command line gives it, `y=um`.
+    ///
+    /// # Errors
+    /// The text has no `=`, a side is empty, or the unit is none.
+    pub fn add_unit(&mut self, assignment: &str) -> Result<(), Problems> {
+        let problem = |rule: String| {
+            let way_out = "write COLUMN=UNIT, as in y=um";
+            Problems::from(Problem::new("--unit", rule, way_out).value(assignment))
+        };
+        let (column, unit) = assignment
+            .split_once('=')
+            .map(|(column, unit)| (column.trim(), unit.trim()))
+            .filter(|(column, unit)| !column.is_empty() && !unit.is_empty())
+            .ok_or_else(|| problem("is no assignment of a unit to a column".into()))?;
+        Unit::parse(unit).map_err(|error| problem(error.to_string()))?;
+        self.units.insert(column.into(), unit.into());
+        Ok(())
+    }
+}
+
+impl ColumnUnit {
+    /// Reads a unit.
+    ///
+    /// # Errors
+    /// The text is no unit.
+    pub fn parse(text: &str) -> Result<Self, UnitError> {
+        Ok(Self { text: text.into(), unit: Unit::parse(text)? })
+    }
+}
+
+impl Log {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// Every [`Problem`] of the file, up to 20, and how many more there are.
+    pub fn read(path: &Path, options: &ReadOptions) -> Result<Self, Problems> {
+        read::file(path, options)
+    }
+
+    /// Reads a text, with nothing beside it; `origin` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn parse(bytes: &[u8], origin: &str, options: &ReadOptions) -> Result<Self, Problems> {
+        read::text(bytes, origin, options)
+    }
+
+    /// A log of one record with these times in s and no columns yet; `origin` is what messages call
+    /// it.
+    ///
+    /// # Errors
+    /// The times do not grow strictly or are not finite; the first place.
+    pub fn new(origin: &str, time: Vec<f64>) -> Result<Self, Problems> {
+        let rows = 0..time.len();
+        Self::of_records(origin, time, vec![Record { id: 0, rows }], false)
+    }
+
+    /// The same with several records, each with its number and its length.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); or the lengths do not add up, or a number is used twice.
+    pub fn with_records(
+        origin: &str,
+        time: Vec<f64>,
+        records: &[(i64, usize)],
+    ) -> Result<Self, Problems> {
+        let mut start = 0usize;
+        let ranges = records.iter().map(|(id, length)| {
+            let rows = start..start.saturating_add(*length);
+            start = rows.end;
+            Record { id: *id, rows }
+        });
+        let ranges: Vec<Record> = ranges.collect();
+        if start != time.len() {
+            let rule =
+                format!("the records have {start} rows together, the log has {}", time.len());
+            return Err(Problem::new(origin, rule, "give each row one record").into());
+        }
+        for (index, record) in ranges.iter().enumerate() {
+            if ranges[..index].iter().any(|other| other.id == record.id) {
+                let rule = format!("two records have the number {}", record.id);
+                return Err(Problem::new(origin, rule, "number each differently").into());
+            }
+        }
+        Self::of_records(origin, time, ranges, true)
+    }
+
+    fn of_records(
+        origin: &str,
+        time: Vec<f64>,
+        records: Vec<Record>,
+        is_numbered: bool,
+    ) -> Result<Self, Problems> {
+        for rows in records.iter().map(|record| record.rows.clone()) {
+            let mut last = f64::NEG_INFINITY;
+            for (time, row) in time[rows.clone()].iter().zip(rows.start + 1..) {
+                if !(time.is_finite() && *time > last) {
+                    let rule = format!("row {row}: time must be finite and grow strictly");
+                    let way_out = "sort the rows, or begin a new record";
+                    return Err(Problem::new(origin, rule, way_out).at("time").value(time).into());
+                }
+                last = *time;
+            }
+        }
+        Ok(Self { origin: origin.into(), time, columns: Vec::new(), records, is_numbered })
+    }
+
+    /// Adds a column at the end.
+    ///
+    /// # Errors
+    /// Another length than the log, a value that is not finite, a name that exists or that no log
+    /// can hold, or a unit that is none.
+    pub fn add_column(
+        &mut self,
+        name: &str,
+        unit: Option<&str>,
+        values: Vec<f64>,
+    ) -> Result<(), Problems> {
+        let problem = |rule: String, way_out: &str| {
+            Err(Problem::new(&self.origin, rule, way_out).at(name).into())
+        };
+        if let Err((rule, way_out)) = header::check_name(name) {
+            return problem(rule, way_out);
+        }
+        if header::is_reserved(name) || self.column(name).is_some() {
+            return problem("the log has a column of this name".into(), "choose another name");
+        }
+        if values.len() != self.len() {
+            let rule = format!("has {} values, the log has {} rows", values.len(), self.len());
+            return problem(rule, "give one value per row");
+        }
+        if let Some(row) = values.iter().position(|value| !value.is_finite()) {
+            let rule = format!("row {}: {} is not a finite number", row + 1, values[row]);
+            return problem(rule, "leave the row out");
+        }
+        let unit = match unit.map(ColumnUnit::parse).transpose() {
+            Ok(unit) => unit,
+            Err(error) => return problem(format!("unit: {error}"), "write it as in um or V"),
+        };
+        let description = String::new();
+        self.columns.push(Column { name: name.into(), unit, description, values });
+        Ok(())
+    }
+
+    /// File or other origin, for messages.
+    #[must_use]
+    pub fn origin(&self) -> &str {
+        &self.origin
+    }
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+    /// Whether there are no rows.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+    /// Time of each row in s.
+    #[must_use]
+    pub fn time(&self) -> &[f64] {
+        &self.time
+    }
+    /// The signals in the order of the file, without `time` and `record`.
+    #[must_use]
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+    /// The records, in the order of their rows.
+    #[must_use]
+    pub fn records(&self) -> &[Record] {
+        &self.records
+    }
+    /// The signal of this name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|column| column.name == name)
+    }
+
+    /// The signal of this name, or what is there instead.
+    ///
+    /// # Errors
+    /// There is none; the message lists those that there are.
+    pub fn require(&self, name: &str) -> Result<&Column, Problems> {
+        self.column(name).ok_or_else(|| {
+            let names: Vec<&str> = self.columns.iter().map(|c| c.name.as_str()).collect();
+            let near = nearest(name, names.iter().copied())
+                .map_or_else(String::new, |near| format!("did you mean \"{near}\"? "));
+            let way_out = format!("{near}the columns are {}", names.join(", "));
+            Problem::new(&self.origin, "is no column of this log", way_out).at(name).into()
+        })
+    }
+
+    /// The values of a signal in the unit `target`; a signal without a unit is taken to be in
+    /// `target` already.
+    ///
+    /// # Errors
+    /// There is no such signal, `target` is no unit, or the signal's unit does not convert to it.
+    pub fn convert(&self, name: &str, target: &str) -> Result<Vec<f64>, Problems> {
+        let column = self.require(name)?;
+        let Some(own) = &column.unit else { return Ok(column.values.clone()) };
+        let problem = |rule: String, way_out: String| {
+            Problems::from(Problem::new(&self.origin, rule, way_out).at(name))
+        };
+        let unit = Unit::parse(target)
+            .map_err(|error| problem(format!("\"{target}\": {error}"), String::new()))?;
+        let values = column.values.iter().map(|value| own.unit.convert(*value, &unit));
+        values.collect::<Option<Vec<f64>>>().ok_or_else(|| {
+            let rule = format!("is in {}, which does not convert to {target}", own.text);
+            problem(rule, format!("choose another column, or say its unit: --unit {name}=…"))
+        })
+    }
+
+    /// Writes the file `path` and its companion with the units, each whole or not at all.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, path: &Path, units: UnitPlace) -> Result<(), Problems> {
+        write::log(self, path, units)
+    }
+}

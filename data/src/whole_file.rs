@@ -1,0 +1,142 @@
+//! A file that appears whole or not at all.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Writes to a temporary file in the same folder; [`commit`](Self::commit) gives it its name.
+/// Dropped before that, nothing remains and an older file stays as it was.
+///
+/// A target that exists and is no regular file (a pipe, `/dev/stdout`) is written to directly.
+#[derive(Debug)]
+pub struct WholeFile {
+    target: PathBuf,
+    /// The temporary file; `None` once committed, or for a pipe.
+    temporary: Option<PathBuf>,
+    writer: Option<BufWriter<File>>,
+}
+
+/// Numbers the temporary files of this process.
+static COUNTER: AtomicU64 = AtomicU64::new(0);
+
+impl WholeFile {
+    /// Starts to write the file `target`.
+    ///
+    /// # Errors
+    /// The folder is absent or not writable, or `target` is a folder.
+    pub fn create(target: &Path) -> io::Result<Self> {
+        // A symbolic link stays one: its file is replaced.
+        let target = fs::canonicalize(target).unwrap_or_else(|_| target.to_path_buf());
+        match fs::metadata(&target) {
+            Ok(found) if found.is_dir() => {
+                return Err(io::Error::new(
+                    io::ErrorKind::IsADirectory,
+                    "is a folder; give the name of a file in it",
+                ));
+            }
+            Ok(found) if !found.is_file() => {
+                let file = OpenOptions::new().write(true).open(&target)?;
+                return Ok(Self { target, temporary: None, writer: Some(BufWriter::new(file)) });
+            }
+            _ => {}
+        }
+        let name = target.file_name().ok_or_else(|| {
+            io::Error::new(io::ErrorKind::InvalidInput, "has no file name; give one")
+        })?;
+        let number = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let name = format!(".{}.{}-{number}.tmp", name.to_string_lossy(), std::process::id());
+        let temporary = target.with_file_name(name);
+        let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
+        let writer = Some(BufWriter::with_capacity(1 << 16, file));
+        Ok(Self { target, temporary: Some(temporary), writer })
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// The disk is full, or the file cannot be renamed; nothing remains then.
+    pub fn commit(mut self) -> io::Result<()> {
+        if let Some(mut writer) = self.writer.take() {
+            writer.flush()?;
+        }
+        if let Some(temporary) = &self.temporary {
+            fs::rename(temporary, &self.target)?;
+            self.temporary = None;
+        }
+        Ok(())
+    }
+
+    /// Writes `bytes` as the whole file `target`.
+    ///
+    /// # Errors
+    /// As [`create`](Self::create) and [`commit`](Self::commit).
+    pub fn write_all_of(target: &Path, bytes: &[u8]) -> io::Result<()> {
+        let mut file = Self::create(target)?;
+        file.write_all(bytes)?;
+        file.commit()
+    }
+}
+
+impl Write for WholeFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.writer {
+            Some(writer) => writer.write(bytes),
+            None => Err(io::ErrorKind::BrokenPipe.into()),
+        }
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.as_mut().map_or(Ok(()), Write::flush)
+    }
+}
+
+impl Drop for WholeFile {
+    fn drop(&mut self) {
+        drop(self.writer.take());
+        if let Some(temporary) = self.temporary.take() {
+            // Nothing can be done about a failure here, and the target is untouched.
+            let _ = fs::remove_file(temporary);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn appears_only_when_committed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.csv");
+        let mut file = WholeFile::create(&path).unwrap();
+        file.write_all(b"new").unwrap();
+        assert!(!path.exists());
+        file.commit().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["run.csv"]);
+    }
+
+    #[test]
+    fn a_dropped_file_leaves_the_old_one_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.csv");
+        fs::write(&path, "old").unwrap();
+        let mut file = WholeFile::create(&path).unwrap();
+        file.write_all(b"half").unwrap();
+        drop(file);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["run.csv"]);
+    }
+
+    #[test]
+    fn refuses_folders_and_absent_folders() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(WholeFile::create(folder.path()).is_err());
+        assert!(WholeFile::create(&folder.path().join("no/run.csv")).is_err());
+    }
+}
