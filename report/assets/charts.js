@@ -55,7 +55,7 @@ function roundStep(range, wanted) {
 function degreeStep(range, wanted) {
   if (range < wanted) return roundStep(range, wanted);
   const steps = [1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720, 1440];
-  return steps.find((step) => range / step <= wanted) || roundStep(range, wanted);
+  return steps.find((step) => range / step <= wanted + 1) || roundStep(range, wanted);
 }
 
 function evenTicks(low, high, step) {
@@ -187,11 +187,14 @@ class LiveFigure {
     this.live.setAttribute("aria-label", title + " Arrow keys move the read-out, plus and minus zoom, Escape shows all.");
     const tools = element("div", "tools");
     this.xRead = element("span", "x-read");
+    this.hint = element("span", "hint");
+    this.hint.hidden = true;
+    if (this.chart.stretch > 1) this.hint.textContent = "drawn: least and largest of every " + this.chart.stretch + " samples";
     this.reset = element("button", "", "Show all");
     this.reset.type = "button";
     this.reset.hidden = true;
     this.reset.addEventListener("click", () => { this.showAll(); this.live.focus(); });
-    tools.append(this.xRead, this.reset);
+    tools.append(this.hint, this.xRead, this.reset);
     this.announce = element("span", "visually-hidden");
     this.announce.setAttribute("aria-live", "polite");
     this.live.append(tools, this.announce);
@@ -200,14 +203,14 @@ class LiveFigure {
 
     const weights = this.chart.panels.reduce((sum, panel) => sum + panel.weight, 0);
     const count = this.chart.panels.length;
-    const room = available - count * 24 - 24 - 20;
+    const room = available - count * 26 - 30 - 20;
     this.key = "sync-" + this.figure.id;
     this.boxes = this.chart.panels.map((panel, k) => {
       this.live.append(element("p", "panel-heading", heading(panel.y)));
       const box = element("div", "canvas");
       this.live.append(box);
       const last = k === count - 1;
-      return { box, last, height: Math.max(50, Math.round((room * panel.weight) / weights)) + (last ? 24 : 4) };
+      return { box, last, height: Math.max(50, Math.round((room * panel.weight) / weights)) + (last ? 30 : 10) };
     });
     this.live.append(element("p", "x-heading", heading(this.chart.x)));
     this.width = this.live.clientWidth;
@@ -220,7 +223,7 @@ class LiveFigure {
   plot(panel, { box, last, height }) {
     const chart = this.chart;
     const data = this.data(panel);
-    const plotHeight = height - (last ? 24 : 4);
+    const plotHeight = height - (last ? 30 : 10);
     const series = panel.traces.map((trace, k) => {
       const entry = chart.entries[trace.entry];
       const [xs, ys] = this.curve(panel, k);
@@ -244,7 +247,7 @@ class LiveFigure {
       mode: this.free ? 2 : 1,
       width: this.width,
       height,
-      padding: [0, 16, last ? 0 : 4, 0],
+      padding: [6, 16, last ? 0 : 4, 0],
       legend: { show: false },
       focus: { alpha: 1 },
       scales: this.scales(panel),
@@ -276,12 +279,12 @@ class LiveFigure {
     const distribution = (axis) => (axis.mapping === "log" ? 3 : 1);
     const fixed = panel.y.label === "coherence";
     return {
-      x: { time: false, auto: false, distr: distribution(this.chart.x), range: () => this.x },
+      x: { time: false, auto: false, distr: distribution(this.chart.x), range: () => this.shown(0) },
       y: {
         auto: !this.free,
         distr: distribution(panel.y),
         range: (u, low, high) => {
-          if (this.free) return this.y;
+          if (this.free) return this.shown(1);
           if (fixed || this.x === this.full.x || low == null || high == null) return [panel.y.low, panel.y.high];
           if (panel.y.mapping === "log") {
             const room = high > low ? (high / low) ** MARGIN : 1.2;
@@ -292,6 +295,17 @@ class LiveFigure {
         },
       },
     };
+  }
+
+  // The range shown along an axis (0 across, 1 up); with equal scales one of them is widened.
+  shown(axis) {
+    const ranges = [this.x, this.y];
+    if (!this.chart.equal) return ranges[axis];
+    const pixels = [this.width - this.left - 16, this.boxes[0].height - 30];
+    const perPixel = ranges.map(([low, high], k) => (high - low) / pixels[k]);
+    const most = Math.max(...perPixel);
+    const middle = (ranges[axis][0] + ranges[axis][1]) / 2, half = (most * pixels[axis]) / 2;
+    return [middle - half, middle + half];
   }
 
   axes(panel, last) {
@@ -313,7 +327,7 @@ class LiveFigure {
       scale: "y",
       side: 3,
       size: (u, values) => this.axisSize(values),
-      splits: (u, index, low, high) => ticks(panel.y, low, high, u.over.clientHeight || 150, 42, 6),
+      splits: (u, index, low, high) => ticks(panel.y, low, high, u.over.clientHeight || 150, 38, 7),
       values: (u, values) => tickLabels(panel.y, values),
     };
     return [Object.assign({ side: 2 }, look, across), Object.assign({}, look, up)];
@@ -454,6 +468,11 @@ class LiveFigure {
   selected(u) {
     const { left, top, width, height } = u.select;
     if (width < 4 && height < 4) return;
+    u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    // The panels hear of one gesture one after the other; the first one's range counts.
+    if (this.zooming) return;
+    this.zooming = true;
+    setTimeout(() => { this.zooming = false; }, 0);
     const x = [u.posToVal(left, "x"), u.posToVal(left + width, "x")];
     if (this.free) {
       const y = [u.posToVal(top + height, "y"), u.posToVal(top, "y")];
@@ -462,7 +481,6 @@ class LiveFigure {
     } else if (x[1] > x[0]) {
       this.show(x, this.y);
     }
-    u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
   }
 
   show(x, y) {
@@ -482,6 +500,7 @@ class LiveFigure {
   apply() {
     const zoomed = this.x !== this.full.x || this.y !== this.full.y;
     this.reset.hidden = !zoomed;
+    this.hint.hidden = !zoomed;
     for (const u of this.plots) {
       u.batch(() => {
         u.setScale("x", { min: this.x[0], max: this.x[1] });
@@ -535,7 +554,7 @@ class LiveFigure {
     const { left, top } = u.cursor;
     this.point = this.point || u.over.appendChild(element("div", "nearest"));
     const found = left < 0 ? null : this.nearest(u, left, top);
-    if (!found || found.distance > 40) {
+    if (!found) {
       this.point.hidden = true;
       this.clearRead();
       return;
@@ -581,8 +600,9 @@ class LiveFigure {
       button.type = "button";
       button.setAttribute("aria-pressed", "true");
       button.append(...item.childNodes);
-      const read = element("span", this.free ? "read free" : "read");
-      item.append(button, read);
+      const read = element("span", "read");
+      item.append(button);
+      if (!this.free) item.append(read);
       this.reads[entry] = read;
       button.addEventListener("click", () => {
         const show = this.hidden.has(entry);

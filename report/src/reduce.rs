@@ -291,3 +291,100 @@ fn round_to(x: f64, decimals: i32) -> f64 {
         _ => x.round(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn finite_ends(values: &[f64]) -> (f64, f64) {
+        let finite = || values.iter().copied().filter(|x| x.is_finite());
+        (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max))
+    }
+
+    proptest! {
+        #[test]
+        fn extremes_survive_over_time(
+            values in prop::collection::vec(
+                prop_oneof![9 => -1e6..1e6, 1 => Just(f64::NAN), 1 => Just(f64::INFINITY)],
+                1..3000,
+            ),
+            max_points in 2_usize..200,
+        ) {
+            let kept = extremes(&values, max_points);
+            let drawn: Vec<f64> = kept.iter().map(|&i| values[i]).collect();
+            prop_assert!(kept.len() <= max_points.max(2));
+            prop_assert!(kept.windows(2).all(|pair| pair[0] < pair[1]));
+            prop_assert_eq!(finite_ends(&drawn), finite_ends(&values));
+            if let Some(buckets) = Buckets::new(values.len(), max_points) {
+                prop_assert_eq!(finite_ends(&buckets.extremes(&values)), finite_ends(&values));
+                prop_assert_eq!(buckets.times(&values).len(), buckets.extremes(&values).len());
+            }
+        }
+
+        #[test]
+        fn loops_keep_ends_and_extremes(
+            points in prop::collection::vec((-1e3..1e3, -1e3..1e3), 20..800),
+            max_points in 8_usize..200,
+        ) {
+            let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+            let kept = shape(&x, &y, max_points);
+            prop_assert!(kept.len() <= max_points);
+            prop_assert_eq!(kept.first(), Some(&0));
+            prop_assert_eq!(kept.last(), Some(&(x.len() - 1)));
+            for values in [&x, &y] {
+                let drawn: Vec<f64> = kept.iter().map(|&i| values[i]).collect();
+                prop_assert_eq!(finite_ends(&drawn), finite_ends(values));
+            }
+        }
+    }
+
+    #[test]
+    fn a_thinned_loop_lies_on_the_loop() {
+        let n = 100_000;
+        let angle = |i: usize| i as f64 / n as f64 * std::f64::consts::TAU;
+        let x: Vec<f64> = (0..n).map(|i| angle(i).cos()).collect();
+        let y: Vec<f64> = (0..n).map(|i| (angle(i) - 0.3).sin()).collect();
+        let kept = shape(&x, &y, 400);
+        assert_eq!(kept.len(), 400);
+        // The sagitta of 400 chords of an ellipse of half axes up to 1.2.
+        for pair in kept.windows(2) {
+            let middle = (pair[0] + pair[1]) / 2;
+            let chord = |v: &[f64]| (v[pair[0]] + v[pair[1]]) / 2.0;
+            let off = (chord(&x) - x[middle]).hypot(chord(&y) - y[middle]);
+            assert!(off < 2e-4, "{off} at {middle}");
+        }
+    }
+
+    #[test]
+    fn a_gap_in_a_loop_stays_a_gap() {
+        let mut x: Vec<f64> = (0..1000).map(f64::from).collect();
+        x[300..400].fill(f64::NAN);
+        let y: Vec<f64> = (0..1000).map(|i| f64::from(i % 7)).collect();
+        let kept = shape(&x, &y, 100);
+        assert_eq!(kept.iter().filter(|&&i| x[i].is_nan()).count(), 1);
+    }
+
+    #[test]
+    fn a_narrow_peak_survives_on_a_logarithmic_axis() {
+        let f: Vec<f64> = (1..100_000).map(f64::from).collect();
+        let mut y = vec![1.0; f.len()];
+        y[77_777] = 50.0;
+        y[5] = 0.1;
+        let kept = log_extremes(&f, &[&y], 500);
+        assert!(kept.len() <= 502, "{}", kept.len());
+        assert!(kept.contains(&77_777) && kept.contains(&5));
+        assert!(kept.contains(&0) && kept.contains(&(f.len() - 1)));
+    }
+
+    #[test]
+    fn short_numbers_keep_a_millionth_of_the_range() {
+        let values = [1000.123_456_789, 1001.987_654_321, f64::NAN];
+        let rounded = short(&values);
+        assert_eq!(&rounded[..2], &[1000.123457, 1001.987654]);
+        assert!(rounded[2].is_nan());
+        assert_eq!(short(&[3e300, -3e300]), [3e300, -3e300]);
+        assert_eq!(short(&[1.0 / 3.0; 2]), [1.0 / 3.0; 2]);
+    }
+}

@@ -81,7 +81,7 @@ pub(super) fn picture(chart: &Chart, layout: Layout, id: &str) -> String {
         .iter()
         .map(|panel| {
             let height = panel.weight * layout.plot_height;
-            panel.y.scale.ticks(((height / 42.0) as usize).clamp(2, 6))
+            panel.y.scale.ticks(((height / 38.0) as usize).clamp(2, 7))
         })
         .collect();
     let left = y_ticks

@@ -10,6 +10,8 @@ use crate::figure::{Band, Limit, Marker};
 struct Payload<'a> {
     kind: &'static str,
     equal: bool,
+    /// How many samples a drawn pair of points stands for.
+    stretch: usize,
     x: AxisData<'a>,
     /// Horizontal values of all curves, where they share them.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -71,6 +73,7 @@ pub(super) fn json(chart: &Chart) -> Option<String> {
     let payload = Payload {
         kind,
         equal: chart.equal_scale,
+        stretch: chart.stretch,
         x: axis(&chart.x),
         shared,
         panels: chart.panels.iter().map(|p| panel(p, shared.is_some())).collect(),

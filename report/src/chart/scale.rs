@@ -172,7 +172,7 @@ fn round_step(half: f64, wanted: usize) -> f64 {
 fn degree_step(range: f64, wanted: usize) -> f64 {
     const STEPS: [f64; 12] =
         [1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0, 720.0, 1440.0];
-    let enough = |step: &f64| range / step <= wanted.max(1) as f64;
+    let enough = |step: &f64| range / step <= wanted as f64 + 1.0;
     if range < wanted as f64 {
         return round_step(range / 2.0, wanted);
     }

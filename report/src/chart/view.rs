@@ -16,6 +16,8 @@ pub(super) struct Chart<'a> {
     pub(super) kind: Kind,
     /// Half a page wide.
     pub(super) compact: bool,
+    /// How many samples a drawn pair of points stands for.
+    pub(super) stretch: usize,
     /// One length per unit on both axes.
     pub(super) equal_scale: bool,
     /// The horizontal axis.

@@ -68,7 +68,7 @@ impl Bode {
     /// as magnitude squared.
     ///
     /// Lines without a positive, finite frequency and magnitude are left out, and a note says how
-    /// many.
+    /// many; a line at 0 Hz goes without saying.
     #[must_use]
     pub fn response(
         mut self,
@@ -88,7 +88,8 @@ impl Bode {
         let mut order: Vec<usize> =
             (0..lines).filter(|&i| on_log(frequency[i]) && on_log(magnitude[i])).collect();
         order.sort_by(|&a, &b| frequency[a].total_cmp(&frequency[b]));
-        note_left_out(&mut self.notes, &name, lines - order.len(), lines);
+        let constant = frequency.iter().take(lines).filter(|f| **f == 0.0).count();
+        note_left_out(&mut self.notes, &name, order.len(), lines - constant);
         let f = pick(frequency, &order);
         let magnitude = pick(magnitude, &order);
         let phase = pick(phase, &order);

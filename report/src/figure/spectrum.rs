@@ -70,8 +70,8 @@ impl Spectrum {
 
     /// Adds a curve over its own frequencies, in Hz.
     ///
-    /// Lines that have no place on the axes (0 Hz, values that are not finite or, on a logarithmic
-    /// axis, not positive) are left out, and a note says how many.
+    /// Lines that have no place on the axes (values that are not finite or, on a logarithmic axis,
+    /// not positive) are left out, and a note says how many; a line at 0 Hz goes without saying.
     #[must_use]
     pub fn trace(
         mut self,
@@ -87,7 +87,8 @@ impl Spectrum {
         let pairs = frequency.iter().copied().zip(values.iter().copied());
         let mut points: Vec<(f64, f64)> = pairs.filter(|&(f, y)| drawable(f, y)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        note_left_out(&mut self.notes, &name, lines - points.len(), lines);
+        let constant = frequency.iter().take(lines).filter(|f| **f == 0.0).count();
+        note_left_out(&mut self.notes, &name, points.len(), lines - constant);
         let (f, y): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
         let kept = reduce::log_extremes(&f, &[&y], CURVE_POINTS);
         self.traces.push(SpectrumTrace {
@@ -136,15 +137,16 @@ pub(super) fn on_log(x: f64) -> bool {
     x.is_finite() && x > 0.0
 }
 
-/// Says how many lines are left out, if any.
-pub(super) fn note_left_out(notes: &mut Vec<String>, name: &str, missing: usize, of: usize) {
+/// Says how many of the lines are left out, if any.
+pub(super) fn note_left_out(notes: &mut Vec<String>, name: &str, drawn: usize, of: usize) {
     if of == 0 {
         notes.push(format!("“{name}” holds no lines; there is nothing to draw."));
-    } else if missing == of {
+    } else if drawn == 0 {
         notes.push(format!("“{name}”: none of its {of} lines can be drawn on these axes."));
-    } else if missing > 0 {
+    } else if drawn < of {
         notes.push(format!(
-            "“{name}”: {missing} of {of} lines are not drawn (zero, negative or not finite on a logarithmic axis)."
+            "“{name}”: {} of {of} lines are not drawn (zero, negative or not finite on a logarithmic axis).",
+            of - drawn
         ));
     }
 }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     Axis, Band, Limit, Marker, Role, TIME_POINTS, note_lengths, note_not_finite, push_finite,
 };
+use crate::number::{format_number, format_unit};
 use crate::reduce::{self, Buckets};
 use crate::summary::Summary;
 
@@ -167,6 +168,13 @@ impl TimeSeries {
         let values = values.get(..self.samples).unwrap_or(values);
         let summary = Summary::of(values);
         note_not_finite(&mut self.notes, &name, summary.not_finite, summary.samples);
+        if let (Some(min), Some(0.0)) = (summary.min, summary.range())
+            && summary.samples > 1
+        {
+            let value = format_number(min, 6);
+            let unit = format_unit(unit);
+            self.notes.push(format!("“{name}” is constant: {value} {unit}").trim_end().to_owned());
+        }
         let values = match self.buckets() {
             Some(buckets) => reduce::short(&buckets.extremes(values)),
             None => reduce::short(values),
@@ -225,7 +233,10 @@ impl TimeSeries {
 
     /// How many samples one drawn pair of points stands for; 1 if all are drawn.
     pub(crate) fn samples_per_point(&self) -> usize {
-        (2 * self.samples).checked_div(self.time.len()).unwrap_or(1).max(1)
+        match self.buckets() {
+            Some(_) => (2 * self.samples).div_ceil(self.time.len().max(1)),
+            None => 1,
+        }
     }
 }
 
