@@ -1,1 +1,27 @@
-//! The plant FMU's binary
+//! The binary of the plant FMU: the standard's functions, and nothing else that a host could see.
+//!
+//! It is the same for every plant; the blueprint in the FMU's resources chooses the chain.
+
+use std::path::Path;
+
+use data::Blueprint;
+use fmi_bindings::export;
+use model::{Kind, System};
+
+fmi_bindings::export_fmi2!(crate::plant);
+
+/// Builds the plant that the blueprint in these resources describes.
+fn plant(resources: &Path) -> Result<System, String> {
+    let file = resources.join(export::BLUEPRINT);
+    let blueprint = Blueprint::read(&file).map_err(|problems| problems.to_string())?;
+    if blueprint.kind != Kind::Plant {
+        return Err(format!(
+            "{}: kind = \"controller\", but this is the binary of a plant; pack the FMU again, which \
+             takes the binary that belongs to the blueprint",
+            file.display()
+        ));
+    }
+    let checked =
+        blueprint.check(components::COMPONENTS).map_err(|problems| problems.to_string())?;
+    Ok(checked.build())
+}

@@ -1,0 +1,69 @@
+//! After initialisation, set, step, get, save and restore allocate nothing.
+#![allow(unsafe_code)]
+
+mod support;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use piezoloop_fmi_bindings::export::v2;
+use piezoloop_fmi_bindings::fmi2::*;
+use support::{Fmu, plant};
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.set(COUNT.get() + 1);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        COUNT.set(COUNT.get() + 1);
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        COUNT.set(COUNT.get() + 1);
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn a_million_calls_allocate_nothing() {
+    let fmu = Fmu::ready(plant);
+    let (input, position) = (fmu.reference("command[1]"), fmu.reference("position[1]"));
+    let (gain, moving) = (fmu.reference("axis[1].lag.gain"), fmu.reference("moving[1]"));
+    let mut state = fmu.save();
+    let (mut time, mut value, mut flag) = (0.0, 0.0, 0);
+    let before = COUNT.get();
+    for k in 0..100_000 {
+        let command = f64::from(k % 50);
+        let statuses = unsafe {
+            [
+                v2::fmi2SetReal(fmu.c, &input, 1, &command),
+                v2::fmi2SetReal(fmu.c, &gain, 1, &(1.0 + command / 100.0)),
+                v2::fmi2SetRealInputDerivatives(fmu.c, &input, 1, &1, &0.5),
+                v2::fmi2GetFMUstate(fmu.c, &mut state),
+                v2::fmi2DoStep(fmu.c, time, 1e-3, fmi2False),
+                v2::fmi2SetFMUstate(fmu.c, state),
+                v2::fmi2DoStep(fmu.c, time, 1e-3, fmi2True),
+                v2::fmi2GetReal(fmu.c, &position, 1, &mut value),
+                v2::fmi2GetBoolean(fmu.c, &moving, 1, &mut flag),
+                v2::fmi2GetRealStatus(fmu.c, fmi2LastSuccessfulTime, &mut time),
+            ]
+        };
+        assert_eq!(statuses, [fmi2OK; 10]);
+    }
+    assert_eq!(COUNT.get() - before, 0);
+    // The counter counts: an error has a message.
+    assert_eq!(fmu.step(-1.0, 1e-3), fmi2Error);
+    assert!(COUNT.get() > before);
+}
