@@ -18,7 +18,8 @@ use crate::value::{KeyFigure, Outcome, Target, Value};
 const TEMPLATE: &str = include_str!("../assets/page.html");
 const STYLE: &str = include_str!("../assets/page.css");
 const CHART_STYLE: &str = include_str!("../assets/chart.css");
-const SCRIPT: &str = include_str!("../assets/charts.js");
+const AXES_SCRIPT: &str = include_str!("../assets/axes.js");
+const LIVE_SCRIPT: &str = include_str!("../assets/live.js");
 const UPLOT: &str = include_str!("../assets/uPlot.iife.min.js");
 const UPLOT_LICENCE: &str = include_str!("../assets/uPlot.LICENSE");
 const UPLOT_STYLE: &str = include_str!("../assets/uPlot.min.css");
@@ -38,11 +39,7 @@ pub(crate) fn render(report: &Report) -> Result<String, ReportError> {
         report.sections.iter().map(|section| section_view(section, &mut numbers)).collect();
     let interactive = numbers.figures > 0;
     let styles = [CHART_STYLE, STYLE, if interactive { UPLOT_STYLE } else { "" }].concat();
-    let scripts: Vec<String> = if interactive {
-        vec![format!("/*\n{UPLOT_LICENCE}*/\n{UPLOT}"), SCRIPT.to_owned()]
-    } else {
-        Vec::new()
-    };
+    let scripts = if interactive { scripts() } else { Vec::new() };
     let view = PageView {
         title: &report.title,
         command: &report.command,
@@ -60,6 +57,14 @@ pub(crate) fn render(report: &Report) -> Result<String, ReportError> {
     };
     let page = environment.get_template("page.html")?.render(Serde(&view))?;
     Ok(page)
+}
+
+/// The chart library with its licence, and the interactive layer.
+fn scripts() -> Vec<String> {
+    vec![
+        format!("/*\n{UPLOT_LICENCE}*/\n{UPLOT}"),
+        format!("(function () {{\n\"use strict\";\n{AXES_SCRIPT}\n{LIVE_SCRIPT}}})();\n"),
+    ]
 }
 
 /// A policy under which the page can load nothing and run nothing but its own scripts.

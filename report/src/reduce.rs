@@ -380,9 +380,9 @@ mod tests {
 
     #[test]
     fn short_numbers_keep_a_millionth_of_the_range() {
-        let values = [1000.123_456_789, 1001.987_654_321, f64::NAN];
+        let values = [1_000.123_456_789, 1_001.987_654_321, f64::NAN];
         let rounded = short(&values);
-        assert_eq!(&rounded[..2], &[1000.123457, 1001.987654]);
+        assert_eq!(&rounded[..2], &[1_000.123_457, 1_001.987_654]);
         assert!(rounded[2].is_nan());
         assert_eq!(short(&[3e300, -3e300]), [3e300, -3e300]);
         assert_eq!(short(&[1.0 / 3.0; 2]), [1.0 / 3.0; 2]);

@@ -250,6 +250,7 @@ proptest! {
 }
 
 #[test]
+#[allow(clippy::print_stdout)] // The figure is to be read in the test's output.
 fn ten_signals_of_200_000_samples_stay_below_a_megabyte() {
     let n = 200_000;
     let time: Vec<f64> = (0..n).map(|i| f64::from(i) * 5e-5).collect();

@@ -90,16 +90,20 @@ fn bin_edges(sorted: &[f64]) -> Vec<f64> {
         return Vec::new();
     };
     let span = high - low;
-    if span <= 0.0 || !span.is_finite() {
+    if span < f64::MIN_POSITIVE || !span.is_finite() {
         // All values are equal (or span more than a double can hold): one bin around them.
-        let half = if low == 0.0 { 0.5 } else { (low.abs() / 2.0).max(high.abs() / 2.0) };
-        return vec![low - half, high + half];
+        let half = if low.abs() < f64::MIN_POSITIVE {
+            0.5
+        } else {
+            (low.abs() / 2.0).max(high.abs() / 2.0)
+        };
+        return [low - half, high + half].map(|edge| edge.clamp(-f64::MAX, f64::MAX)).to_vec();
     }
     let quantile = |q: f64| sorted[((sorted.len() - 1) as f64 * q).round() as usize];
     let width = 2.0 * (quantile(0.75) - quantile(0.25)) / (sorted.len() as f64).cbrt();
     let wanted = if width > 0.0 { (span / width).ceil() } else { MAX_BINS as f64 };
     let bins = (wanted.clamp(1.0, MAX_BINS as f64) as usize).max(1);
-    (0..=bins).map(|k| low + span * k as f64 / bins as f64).collect()
+    (0..=bins).map(|k| low + span * (k as f64 / bins as f64)).collect()
 }
 
 fn count(edges: &[f64], values: &[f64]) -> Vec<usize> {
