@@ -231,8 +231,9 @@ impl Instance {
             )));
         }
         let now = self.progress.time;
-        // Written so that NaN is refused.
-        if !((time - now).abs() <= tolerance(now, step)) {
+        // The range holds neither NaN nor infinity.
+        let near = now - tolerance(now, step)..=now + tolerance(now, step);
+        if !near.contains(&time) {
             return Err(Notice::error(format!(
                 "communication point {time} s, but the instance is at {now} s; step from there, \
                  or set the FMU state of that time"

@@ -8,7 +8,12 @@
 //! is not freed, no two threads use one instance at once, arrays have the stated lengths, texts end
 //! with a zero byte, and an FMU state is null or one of this library that is not freed. Null
 //! pointers are answered with an error wherever something is needed.
-#![allow(non_snake_case, non_upper_case_globals, clippy::missing_safety_doc, clippy::too_many_arguments)]
+#![allow(
+    non_snake_case,
+    non_upper_case_globals,
+    clippy::missing_safety_doc,
+    clippy::too_many_arguments
+)]
 
 mod symbols;
 mod table;
@@ -129,8 +134,11 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
     if instance.is_null() {
         return;
     }
-    // SAFETY: it came from `fmi2Instantiate`, and the caller never uses it again.
-    let _ = guard::without_instance(|| Ok(drop(unsafe { Box::from_raw(instance) })));
+    let _ = guard::without_instance(|| {
+        // SAFETY: it came from `fmi2Instantiate`, and the caller never uses it again.
+        drop(unsafe { Box::from_raw(instance) });
+        Ok(())
+    });
 }
 
 // Enter and exit initialization mode, terminate and reset
