@@ -5,4 +5,5 @@
 
 pub mod export;
 pub mod fmi2;
+pub mod fmi3;
 pub mod import;
