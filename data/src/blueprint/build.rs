@@ -3,6 +3,7 @@
 use model::{BuildError, System, Unit, unit_on_axis};
 
 use super::check::{Checker, Draft, MOST_CELLS};
+use super::measure;
 use super::origin::Place;
 
 /// The system that the draft says, where it says one; problems are reported.
@@ -77,7 +78,7 @@ fn check_sets(checker: &mut Checker<'_>, draft: &Draft) {
                     .find(|quantity| quantity.name == violation.quantity)
                     .map_or_else(|| "1".to_string(), |quantity| on_axis(quantity.unit));
                 let factor = Unit::parse(&unit).unwrap_or(Unit::ONE);
-                let shown = format!("{} {unit}", factor.from_si(violation.value));
+                let shown = measure::shown(factor.from_si(violation.value), &unit);
                 let (rule, way_out) = halves(violation.rule);
                 checker.report(&place, &shown, rule, way_out);
             }

@@ -18,7 +18,9 @@ pub(super) fn check(
     let mut checker = Checker { blueprint, registry, problems: Vec::new(), keys: BTreeSet::new() };
     for (key, problem) in &blueprint.origin.problems {
         checker.keys.insert(key.clone());
-        checker.problems.push(problem.clone());
+        let mut problem = problem.clone();
+        problem.place = shown_place(blueprint, registry, key);
+        checker.problems.push(problem);
     }
     let draft = frame::draft(&mut checker);
     let system = build::system(&mut checker, &draft);
@@ -30,6 +32,24 @@ pub(super) fn check(
         }),
         _ => Err(Problems::new(checker.problems)),
     }
+}
+
+/// A key path with the component's name, which reading alone does not know where it is the default.
+fn shown_place(blueprint: &Blueprint, registry: Registry, key: &str) -> String {
+    for (axis, a) in blueprint.axes.iter().zip(1..) {
+        for (given, c) in axis.components.iter().zip(1..) {
+            let Some(rest) = key.strip_prefix(&format!("axis[{a}].component[{c}].")) else {
+                continue;
+            };
+            let declared = registry.iter().map(|component| component.declaration());
+            let default = declared.filter(|d| d.kind == given.kind).map(|d| d.name).next();
+            let name = Some(given.name.as_str()).filter(|name| !name.is_empty()).or(default);
+            if let Some(name) = name {
+                return format!("axis[{a}].{name}.{rest}");
+            }
+        }
+    }
+    key.to_string()
 }
 
 /// What is known of a blueprint while it is checked. Values that are wrong are replaced by harmless
@@ -135,13 +155,13 @@ impl Checker<'_> {
         unit: &str,
     ) -> bool {
         let (rule, way_out) = if value < min {
-            (format!("must be at least {min} {unit}"), "give a greater value")
+            (format!("must be at least {}", measure::shown(min, unit)), "give a greater value")
         } else if value > max {
-            (format!("must be at most {max} {unit}"), "give a smaller value")
+            (format!("must be at most {}", measure::shown(max, unit)), "give a smaller value")
         } else {
             return true;
         };
-        self.report(place, &format!("{value} {unit}"), rule, way_out);
+        self.report(place, &measure::shown(value, unit), rule, way_out);
         false
     }
 }

@@ -134,7 +134,6 @@ fn unit(checker: &mut Checker<'_>, place: &Place, signal: &SignalBlueprint) -> S
         checker.report(&key, "", "is missing: the values of this axis have a unit", way_out);
         return "1".into();
     }
-    // Names of variables and units stand in comma-separated files.
     if let Err(error) = Unit::parse(&signal.unit) {
         let way_out = "write it as in um, V, urad or mm/m";
         checker.report(&key, &format!("{:?}", signal.unit), error.to_string(), way_out);

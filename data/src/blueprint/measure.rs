@@ -21,10 +21,38 @@ pub(super) fn in_unit(text: &str, target: &Unit, target_text: &str) -> Result<f6
     }
     let unit = Unit::parse(unit_text)
         .map_err(|error| (format!("unit \"{unit_text}\": {error}"), expected(target_text)))?;
+    if let Some(power) = power_of_ten(&unit, target) {
+        return Ok(shifted(number, power));
+    }
     unit.convert(number, target).ok_or_else(|| {
         let rule = format!("the unit {unit_text} does not measure the same as {target_text}");
         (rule, expected(target_text))
     })
+}
+
+/// The power of ten that converts one unit to another, where it is one.
+fn power_of_ten(unit: &Unit, target: &Unit) -> Option<i32> {
+    if !unit.is_compatible(target) || unit.offset != 0.0 || target.offset != 0.0 {
+        return None;
+    }
+    let ratio = unit.factor / target.factor;
+    let power = ratio.log10().round();
+    let is_power = power.abs() < 300.0 && (ratio / 10f64.powf(power) - 1.0).abs() < 1e-12;
+    is_power.then_some(power as i32)
+}
+
+/// `number · 10^power`, rounded once as a decimal number is, so that "20 us" is 20e-6.
+fn shifted(number: f64, power: i32) -> f64 {
+    let text = format!("{number:e}");
+    let parts = text.split_once('e').and_then(|(digits, e)| Some((digits, e.parse::<i32>().ok()?)));
+    parts
+        .and_then(|(digits, exponent)| format!("{digits}e{}", exponent + power).parse().ok())
+        .unwrap_or(number)
+}
+
+/// A value with its unit, as messages show it.
+pub(super) fn shown(value: f64, unit: &str) -> String {
+    if unit == "1" { value.to_string() } else { format!("{value} {unit}") }
 }
 
 fn expected(target_text: &str) -> String {
@@ -59,6 +87,12 @@ mod tests {
         assert_eq!(read(" 1e3 mV ", "V"), Ok(1.0));
         assert_eq!(read("5 %", "1"), Ok(0.05));
         assert_eq!(read("0.3 um/V", "um/V"), Ok(0.3));
+        assert_eq!(read("20 us", "s"), Ok(20e-6));
+        assert_eq!(read("0.1 us", "s"), Ok(1e-7));
+        assert_eq!(read("1.7 mm", "um"), Ok(1700.0));
+        assert_eq!(read("-3 min", "s"), Ok(-180.0));
+        assert_eq!(read("20 degC", "K"), Ok(293.15));
+        assert!(read("inf us", "s").unwrap().is_infinite());
     }
 
     #[test]
