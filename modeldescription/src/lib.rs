@@ -2,6 +2,7 @@
 //!
 //! [`ModelDescription`] holds what an FMU of FMI 2.0 or 3.0 says about itself.
 
+mod check;
 pub mod describe;
 pub mod description;
 mod names;
@@ -14,6 +15,7 @@ pub mod variable;
 mod write;
 pub mod xml;
 
+pub use check::{check, check_description, check_model, required_functions};
 pub use description::{FmiVersion, ModelDescription};
 pub use package::{Package, PackageBuilder, PackageError};
 pub use problem::{Problem, Severity};

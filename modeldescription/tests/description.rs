@@ -20,7 +20,8 @@ fn reads_back_what_it_wrote() {
 
 #[test]
 fn floats_keep_every_bit() {
-    let values = [0.1, 1.0 / 3.0, 5e-324, f64::MAX, -0.0, 1e21, 123456789.123456789, f64::INFINITY];
+    let values =
+        [0.1, 1.0 / 3.0, 5e-324, f64::MAX, -0.0, 1e21, 123_456_789.123_456_79, f64::INFINITY];
     for value in values {
         let mut description = stage(FmiVersion::V2);
         description.variables[0].start = Some(Start::Float(vec![value]));

@@ -3,7 +3,7 @@
 //! Nothing here writes: an archive is opened, its entries are listed, and every entry that must not
 //! be unpacked is told with the reason.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -92,16 +92,20 @@ impl Archive {
             let defect = EntryDefect::TooMany { entries: zip.len(), limit: limits.entries };
             return Err(PackageError::entry(path, "", defect));
         }
+        let start = zip.central_directory_start();
+        let headers = central_directory(path, start, limits).map_err(cannot_read)?;
         if zip.has_duplicate_names() {
-            let name = first_duplicate(path, zip.central_directory_start()).map_err(cannot_read)?;
+            let name = first_duplicate(&headers).unwrap_or_default();
             defects.push((name, EntryDefect::Duplicate));
         }
         if zip.has_overlapping_entries().map_err(not_a_zip)? {
             defects.push((String::new(), EntryDefect::Overlap));
         }
+        let versions: HashMap<&[u8], u16> =
+            headers.iter().map(|header| (header.name.as_slice(), header.version_needed)).collect();
         let mut entries = Vec::with_capacity(zip.len());
         for index in 0..zip.len() {
-            entries.push(entry(&zip, index, limits).map_err(not_a_zip)?);
+            entries.push(entry(&zip, index, &versions, limits).map_err(not_a_zip)?);
         }
         defects.extend(bomb(&entries, packed, limits));
         defects.extend(same_path_twice(&entries));
@@ -145,6 +149,7 @@ impl Archive {
 fn entry(
     zip: &ZipArchive<BufReader<File>>,
     index: usize,
+    versions: &HashMap<&[u8], u16>,
     limits: &Limits,
 ) -> zip::result::ZipResult<Entry> {
     let data = zip.by_index_data(index)?;
@@ -164,7 +169,7 @@ fn entry(
             .or_else(|| special_file(data.unix_mode()))
             .or_else(|| data.encrypted().then_some(EntryDefect::Encrypted))
             .or_else(|| unsupported(compression)),
-        version_needed: data.version_needed(),
+        version_needed: versions.get(data.name_raw()).copied().unwrap_or_default(),
         has_backslash: name.contains('\\'),
         streamed_but_stored: compression == CompressionMethod::Stored
             && data.flags().is_using_data_descriptor(),
@@ -252,30 +257,43 @@ fn same_path_twice(entries: &[Entry]) -> Vec<(String, EntryDefect)> {
     defects
 }
 
-/// The first name that stands twice in the central directory (APPNOTE 4.3.12).
-fn first_duplicate(path: &Path, start: u64) -> std::io::Result<String> {
-    const HEADER: usize = 46;
+/// What a header of the central directory says that the zip reader does not tell.
+struct Header {
+    name: Vec<u8>,
+    version_needed: u16,
+}
+
+/// The headers of the central directory, which starts at this offset (APPNOTE 4.3.12).
+fn central_directory(path: &Path, start: u64, limits: &Limits) -> std::io::Result<Vec<Header>> {
+    const LENGTH: usize = 46;
     let mut file = BufReader::new(File::open(path)?);
     file.seek(SeekFrom::Start(start))?;
-    let mut seen = HashSet::new();
-    loop {
-        let mut header = [0_u8; HEADER];
-        file.read_exact(&mut header)?;
-        if !header.starts_with(b"PK\x01\x02") {
-            return Ok(String::new());
+    let mut headers = Vec::new();
+    let mut fixed = [0_u8; LENGTH];
+    while headers.len() <= limits.entries && file.read_exact(&mut fixed).is_ok() {
+        if !fixed.starts_with(b"PK\x01\x02") {
+            break;
         }
-        let length = |at: usize| {
-            let low = header.get(at).copied().unwrap_or_default();
-            let high = header.get(at + 1).copied().unwrap_or_default();
+        let number = |at: usize| {
+            let low = fixed.get(at).copied().unwrap_or_default();
+            let high = fixed.get(at + 1).copied().unwrap_or_default();
             u16::from_le_bytes([low, high])
         };
-        let mut name = vec![0_u8; length(28).into()];
+        // The upper byte is the system the archive was made on.
+        let version_needed = number(6) & 0xff;
+        let mut name = vec![0_u8; number(28).into()];
         file.read_exact(&mut name)?;
-        file.seek_relative(i64::from(length(30)) + i64::from(length(32)))?;
-        if !seen.insert(name.clone()) {
-            return Ok(String::from_utf8_lossy(&name).into_owned());
-        }
+        file.seek_relative(i64::from(number(30)) + i64::from(number(32)))?;
+        headers.push(Header { name, version_needed });
     }
+    Ok(headers)
+}
+
+/// The first name that stands twice in the central directory.
+fn first_duplicate(headers: &[Header]) -> Option<String> {
+    let mut seen = HashSet::new();
+    let again = headers.iter().find(|header| !seen.insert(header.name.as_slice()))?;
+    Some(String::from_utf8_lossy(&again.name).into_owned())
 }
 
 #[cfg(test)]

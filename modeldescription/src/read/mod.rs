@@ -188,9 +188,10 @@ const ROOT_CHILDREN_3: [&str; 10] = [
 fn read_root(context: &mut Context, root: &Element) -> ModelDescription {
     let at = Attributes { element: root, topic: Topic::Root };
     expect_root(context, at);
+    // A missing token does not keep an FMU from being used; the checker reports it.
     let token = match context.version {
-        FmiVersion::V2 => context.required_text(at, "guid"),
-        FmiVersion::V3 => context.required_text(at, "instantiationToken"),
+        FmiVersion::V2 => context.text(at, "guid").unwrap_or_default(),
+        FmiVersion::V3 => context.text(at, "instantiationToken").unwrap_or_default(),
     };
     let name = context.required_text(at, "modelName");
     let mut description = ModelDescription::new(context.version, name, token);

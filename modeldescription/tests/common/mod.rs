@@ -1,5 +1,6 @@
 //! Descriptions that the tests share: one valid FMU of each version that uses most of the standard.
-#![allow(dead_code)]
+// Each test file uses a part; a skipped test says so.
+#![allow(dead_code, clippy::print_stdout)]
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -209,4 +210,24 @@ pub(crate) fn fmpy_problems(python: &std::path::Path, file: &std::path::Path) ->
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "fmpy failed: {stderr}");
     String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// A shared library of this computer that exports these functions (which do nothing).
+pub(crate) fn library(functions: &[&str]) -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let source: String = functions
+        .iter()
+        .map(|name| format!("#[unsafe(no_mangle)] pub extern \"C\" fn {name}() {{}}\n"))
+        .collect();
+    let (file, library) = (folder.path().join("lib.rs"), folder.path().join("library"));
+    std::fs::write(&file, format!("#![allow(non_snake_case)]\n{source}")).unwrap();
+    let compiler = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = Command::new(compiler)
+        .args(["--edition", "2024", "--crate-type", "cdylib", "-C", "strip=symbols", "-o"])
+        .arg(&library)
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    std::fs::read(library).unwrap()
 }

@@ -1,0 +1,347 @@
+//! The archive or folder of an FMU: entries, folders, binaries, sources.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::{binary, functions, read_and_check};
+use crate::description::{FmiVersion, ModelDescription};
+use crate::package::{Archive, EntryDefect, Limits, PackageError, Platform};
+use crate::problem::{MODEL_DESCRIPTION, Problem, Topic};
+
+/// Binaries beyond this size are not looked into.
+const LARGEST_BINARY: u64 = 1 << 30;
+
+pub(super) fn check(path: &Path, limits: &Limits) -> Result<Vec<Problem>, PackageError> {
+    let mut problems = Vec::new();
+    let mut content = match path.is_dir() {
+        true => Content::of_folder(path)?,
+        false => match Archive::open(path, limits) {
+            Ok(archive) => Content::of_archive(archive),
+            Err(error @ PackageError::Read { .. }) => return Err(error),
+            Err(error) => return Ok(vec![not_an_archive(path, &error)]),
+        },
+    };
+    let (description, in_xml) = describe(&mut content, limits);
+    let version = description.as_ref().map_or(FmiVersion::V2, |d| d.fmi_version);
+    if !path.is_dir() && path.extension().is_none_or(|extension| extension != "fmu") {
+        let found = "the file does not end in .fmu".to_owned();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let problem = Problem::in_entry(version, Topic::Distribution, &name, found);
+        problems.push(problem.rule("the extension must be .fmu").way_out("rename the file"));
+    }
+    if let Source::Archive(archive) = &content.source {
+        entries(&mut problems, version, archive);
+    }
+    folders(&mut problems, version, &content.files);
+    problems.extend(in_xml);
+    if let Some(description) = &description {
+        implementations(&mut problems, description, &mut content);
+    }
+    Ok(problems)
+}
+
+/// The files of an FMU, wherever they are.
+struct Content {
+    source: Source,
+    /// Paths with forward slashes and sizes.
+    files: BTreeMap<String, u64>,
+}
+
+enum Source {
+    Archive(Box<Archive>),
+    Folder(PathBuf),
+}
+
+impl Content {
+    fn of_archive(archive: Archive) -> Self {
+        let sound = archive.entries.iter().filter(|e| !e.is_folder && !e.components.is_empty());
+        let files = sound.map(|entry| (entry.path(), entry.size)).collect();
+        Content { source: Source::Archive(Box::new(archive)), files }
+    }
+
+    fn of_folder(folder: &Path) -> Result<Self, PackageError> {
+        let mut files = BTreeMap::new();
+        collect(folder, "", &mut files)
+            .map_err(|source| PackageError::Read { path: folder.to_owned(), source })?;
+        Ok(Content { source: Source::Folder(folder.to_owned()), files })
+    }
+
+    /// The bytes of a file; None if there is none, or a message.
+    fn read(&mut self, path: &str, limit: u64) -> Option<Result<Vec<u8>, String>> {
+        let size = *self.files.get(path)?;
+        if size > limit {
+            return Some(Err(format!("it has {size} bytes; at most {limit} are read")));
+        }
+        match &mut self.source {
+            Source::Folder(folder) => {
+                Some(fs::read(folder.join(path)).map_err(|error| error.to_string()))
+            }
+            Source::Archive(archive) => {
+                // The central directory is what was listed, so the entry is there.
+                let read = archive.read(path)?;
+                Some(read.map_err(|error| match error {
+                    PackageError::Entry { defect, .. } => defect.to_string(),
+                    other => other.to_string(),
+                }))
+            }
+        }
+    }
+}
+
+/// All files below a folder; links are not followed.
+fn collect(folder: &Path, prefix: &str, files: &mut BTreeMap<String, u64>) -> std::io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+        let file_type = entry.file_type()?;
+        if file_type.is_dir() {
+            collect(&entry.path(), &format!("{name}/"), files)?;
+        } else if file_type.is_file() {
+            files.insert(name, entry.metadata()?.len());
+        }
+    }
+    Ok(())
+}
+
+fn not_an_archive(path: &Path, error: &PackageError) -> Problem {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let found = match error {
+        PackageError::NotAnArchive { message, .. } => {
+            format!("the file is no readable zip archive: {message}")
+        }
+        PackageError::Entry { defect, .. } => defect.to_string(),
+        other => other.to_string(),
+    };
+    Problem::in_entry(FmiVersion::V2, Topic::Distribution, &name, found)
+        .rule("an FMU is a zip archive")
+        .way_out("pack or fetch it again; nothing further was checked")
+}
+
+fn describe(content: &mut Content, limits: &Limits) -> (Option<ModelDescription>, Vec<Problem>) {
+    let problem = |found: String| {
+        Problem::in_entry(FmiVersion::V2, Topic::Distribution, MODEL_DESCRIPTION, found)
+            .rule("modelDescription.xml must be at the root of the archive")
+    };
+    match content.read(MODEL_DESCRIPTION, limits.xml.bytes as u64) {
+        Some(Ok(xml)) => read_and_check(&xml, &limits.xml),
+        Some(Err(message)) => {
+            let found = format!("it cannot be read: {message}");
+            (None, vec![problem(found).way_out("pack the FMU again")])
+        }
+        None => {
+            let below = |path: &&String| path.ends_with(&format!("/{MODEL_DESCRIPTION}"));
+            let way_out = match content.files.keys().find(below) {
+                Some(path) => format!("it is at {path}: zip the content, not the folder"),
+                None => "add it".to_owned(),
+            };
+            (None, vec![problem("there is no such file".to_owned()).way_out(way_out)])
+        }
+    }
+}
+
+/// What the standard says about single entries of the archive.
+fn entries(problems: &mut Vec<Problem>, version: FmiVersion, archive: &Archive) {
+    let mut report = |entry: &str, found: String, rule: &str, way_out: &str| {
+        let shown: String = entry.chars().take(120).flat_map(char::escape_debug).collect();
+        let problem = Problem::in_entry(version, Topic::Distribution, &shown, found);
+        problems.push(problem.rule(rule).way_out(way_out));
+    };
+    for (entry, defect) in archive.all_defects() {
+        let (rule, way_out) = rule_of(defect);
+        report(entry, defect.to_string(), rule, way_out);
+    }
+    for entry in &archive.entries {
+        if entry.has_backslash {
+            let found = "the name has a backslash".to_owned();
+            let rule = "folders are separated by forward slashes only";
+            report(&entry.name, found, rule, "pack with a tool that writes forward slashes");
+        }
+        // What needs another decompressor needs another version, too, and is reported already.
+        if entry.version_needed > 20 && entry.defect.is_none() {
+            let (major, minor) = (entry.version_needed / 10, entry.version_needed % 10);
+            let found = format!("version {major}.{minor} of the zip format is needed");
+            let rule = "version needed to extract must not be higher than 2.0";
+            report(&entry.name, found, rule, "pack without zip64 and other extensions");
+        }
+        if entry.streamed_but_stored {
+            let found = "it is stored with its size after the data".to_owned();
+            let rule = "only deflated files may have general purpose bit 3 set";
+            report(&entry.name, found, rule, "deflate it, or pack to a seekable file");
+        }
+    }
+}
+
+/// The rule that a defect breaks, and the way out.
+fn rule_of(defect: &EntryDefect) -> (&'static str, &'static str) {
+    match defect {
+        EntryDefect::Traversal
+        | EntryDefect::Absolute
+        | EntryDefect::DriveLetter
+        | EntryDefect::ControlCharacter { .. }
+        | EntryDefect::NoName
+        | EntryDefect::NameTooLong { .. } => {
+            ("names are relative paths inside the FMU", "pack with relative paths")
+        }
+        EntryDefect::SymbolicLink | EntryDefect::SpecialFile => {
+            ("an FMU consists of files and folders", "pack the file itself")
+        }
+        EntryDefect::Encrypted => ("encryption must not be used", "pack without a password"),
+        EntryDefect::Compression { .. } => {
+            ("the compression method is store or deflate", "pack with deflate")
+        }
+        EntryDefect::Duplicate | EntryDefect::FileAndFolder => {
+            ("each path is there once", "remove one")
+        }
+        EntryDefect::Overlap
+        | EntryDefect::TooMany { .. }
+        | EntryDefect::Bomb { .. }
+        | EntryDefect::Broken { .. } => {
+            ("importers protect themselves against such archives", "pack the FMU again")
+        }
+    }
+}
+
+/// What the standard says about the folders.
+fn folders(problems: &mut Vec<Problem>, version: FmiVersion, files: &BTreeMap<String, u64>) {
+    let has = |path: &str| files.contains_key(path);
+    let has_folder = |folder: &str| files.keys().any(|path| path.starts_with(folder));
+    let mut warn = |file: &str, found: &str, rule: &str, way_out: &str| {
+        let problem = Problem::in_entry(version, Topic::Distribution, file, found.to_owned());
+        problems.push(problem.rule(rule).way_out(way_out).warning());
+    };
+    let licenses = match version {
+        FmiVersion::V2 => "licenses/",
+        FmiVersion::V3 => "documentation/licenses/",
+    };
+    let entry_points = ["license.txt", "license.html", "license.spdx"];
+    if has_folder(licenses) && !entry_points.iter().any(|name| has(&format!("{licenses}{name}"))) {
+        let rule = "the entry point is license.txt, license.html or license.spdx";
+        warn(licenses, "the folder has no entry point", rule, "add one of them");
+    }
+    let documents = files.keys().filter(|path| path.starts_with("documentation/"));
+    let only_licenses = documents.clone().all(|path| path.starts_with(licenses));
+    if documents.count() > 0 && !only_licenses && !has("documentation/index.html") {
+        let rule = "the entry point of the documentation is index.html";
+        warn("documentation/", "the folder has no index.html", rule, "add it");
+    }
+    let mut lower = BTreeMap::new();
+    for path in files.keys() {
+        if let Some(other) = lower.insert(path.to_lowercase(), path) {
+            let found = format!("\"{other}\" differs in upper and lower case only");
+            let rule = "on Windows and macOS one overwrites the other";
+            warn(path, &found, rule, "rename one");
+        }
+    }
+}
+
+/// Binaries and sources: at least one, complete.
+fn implementations(
+    problems: &mut Vec<Problem>,
+    description: &ModelDescription,
+    content: &mut Content,
+) {
+    let version = description.fmi_version;
+    let platforms: BTreeSet<String> = content
+        .files
+        .keys()
+        .filter_map(|path| path.strip_prefix("binaries/")?.split_once('/'))
+        .map(|(platform, _)| platform.to_owned())
+        .collect();
+    if platforms.is_empty() && !has_sources(description, content) {
+        let found = "the FMU has neither binaries nor sources".to_owned();
+        let problem = Problem::in_entry(version, Topic::Distribution, "binaries/", found);
+        let way_out = match version {
+            FmiVersion::V2 => "add binaries/linux64/<modelIdentifier>.so or the like",
+            FmiVersion::V3 => "add binaries/x86_64-linux/<modelIdentifier>.so or the like",
+        };
+        problems.push(problem.rule("at least one implementation is required").way_out(way_out));
+    }
+    sources(problems, description, content);
+    for name in platforms {
+        platform(problems, description, content, &name);
+    }
+}
+
+fn has_sources(description: &ModelDescription, content: &Content) -> bool {
+    match description.fmi_version {
+        FmiVersion::V2 => description.interfaces().any(|(_, i)| !i.source_files.is_empty()),
+        FmiVersion::V3 => content.files.contains_key("sources/buildDescription.xml"),
+    }
+}
+
+fn sources(problems: &mut Vec<Problem>, description: &ModelDescription, content: &Content) {
+    let version = description.fmi_version;
+    let mut report = |file: &str, found: &str, rule: &str, way_out: &str| {
+        let problem = Problem::in_entry(version, Topic::Distribution, file, found.to_owned());
+        problems.push(problem.rule(rule).way_out(way_out));
+    };
+    let named: BTreeSet<String> = description
+        .interfaces()
+        .flat_map(|(_, interface)| &interface.source_files)
+        .map(|file| format!("sources/{file}"))
+        .collect();
+    for file in named.iter().filter(|file| !content.files.contains_key(*file)) {
+        let rule = "every <File> of <SourceFiles> must be below sources/";
+        report(file, "there is no such file", rule, "add it or remove it from the list");
+    }
+    let has_folder = content.files.keys().any(|path| path.starts_with("sources/"));
+    let build = "sources/buildDescription.xml";
+    if version == FmiVersion::V3 && has_folder && !content.files.contains_key(build) {
+        let rule = "a folder sources must tell how to build them";
+        report(build, "there is no such file", rule, "add it");
+    }
+}
+
+/// The library of one platform: there, under the right name, for that platform, complete.
+fn platform(
+    problems: &mut Vec<Problem>,
+    description: &ModelDescription,
+    content: &mut Content,
+    name: &str,
+) {
+    let version = description.fmi_version;
+    // Vendors may introduce further platforms; nothing is known about those.
+    let Some(platform) = Platform::from_name(name) else { return };
+    let proper = platform.folder(version);
+    if proper != name {
+        let folder = format!("binaries/{name}/");
+        let found = "the folder is named as in the other version of the standard".to_owned();
+        let problem = Problem::in_entry(version, Topic::Binaries, &folder, found)
+            .rule(format!("in FMI {} it is called {proper}", version.text()))
+            .way_out("rename the folder");
+        problems.push(problem);
+    }
+    let identifiers: BTreeSet<&str> =
+        description.interfaces().map(|(_, i)| i.model_identifier.as_str()).collect();
+    let required = functions::required_functions(description);
+    for identifier in identifiers {
+        let path = format!("binaries/{name}/{identifier}.{}", platform.extension);
+        let in_entry = |found| Problem::in_entry(version, Topic::Binaries, &path, found);
+        match content.read(&path, LARGEST_BINARY) {
+            None => {
+                let present = others(content, name);
+                let rule = "the library must have the name of the modelIdentifier";
+                let found = format!("there is no such file; the folder has {present}");
+                problems.push(in_entry(found).rule(rule).way_out("rename or add the library"));
+            }
+            Some(Err(message)) => {
+                let found = format!("it cannot be read: {message}");
+                let rule = "the library must be loadable";
+                problems.push(in_entry(found).rule(rule).way_out("pack the FMU again"));
+            }
+            Some(Ok(bytes)) => {
+                for (found, rule, way_out) in binary::faults(&bytes, platform, &required) {
+                    problems.push(in_entry(found).rule(rule).way_out(way_out));
+                }
+            }
+        }
+    }
+}
+
+/// The files of a platform's folder.
+fn others(content: &Content, platform: &str) -> String {
+    let folder = format!("binaries/{platform}/");
+    let names = content.files.keys().filter_map(|path| path.strip_prefix(&folder));
+    names.take(10).collect::<Vec<_>>().join(", ")
+}
