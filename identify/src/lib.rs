@@ -6,9 +6,12 @@
 //!   and the evidence: figures in simulation mode on rows that were held out, the straight line they
 //!   compare with, and what the data say about each parameter.
 //! * [`simulate`] and [`compare`]: the fit of any plant to any record.
+//! * [`invert`]: plant → controller, the exact inverse as feedforward and a PID loop with stated
+//!   margins; [`simulate_loop`] runs the two.
 //!
 //! Nothing prints; an [`Observer`] is told how far long work is.
 
+mod control;
 mod error;
 mod estimates;
 mod fit;
@@ -22,6 +25,7 @@ mod settings;
 #[cfg(test)]
 mod testing;
 
+pub use control::{ControlSettings, Inversion, LoopFigures, LoopRun, invert, simulate_loop};
 pub use error::{Error, NotInvertible, Problem, SettingsProblem};
 pub use identification::{Candidate, Estimate, Identification, RULES, RecordFit, Verdict};
 pub use identify::{SIGNIFICANT_FALL, identify};

@@ -1,0 +1,291 @@
+//! A controller from a plant: the exact inverse of its hysteresis as feedforward, and a PID loop.
+
+use components::COMPONENTS;
+use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint};
+use model::{AxisSpec, Kind, SystemSpec};
+use serde::Serialize;
+
+use crate::error::{Error, NotInvertible, SettingsProblem};
+
+use super::linearised::{Actuation, actuation, impulse_response, lags, linear_axis, modes};
+use super::loop_shape::{Limits, Response, Shape, Shaped, shape};
+
+/// Relative shifts of the modes' frequencies for which the loop keeps its margins.
+const SHIFTS: [f64; 3] = [1.0, 0.9, 1.1];
+
+/// Frequencies of the zeros of a PID that damps a mode, relative to the mode's.
+const ZERO_FREQUENCIES: [f64; 7] = [0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8];
+/// Damping ratios of these zeros.
+const ZERO_DAMPINGS: [f64; 5] = [0.5, 0.7, 1.0, 1.5, 2.5];
+
+/// Choices about a controller.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ControlSettings {
+    /// Name of the controller; `None`: the plant's with `_controller` behind it.
+    pub name: Option<String>,
+    /// Sample time in s; `None`: the plant's internal step.
+    pub period: Option<f64>,
+    /// Largest sensitivity |1/(1 + L)| that the loop may have, above 1. It implies a gain margin of
+    /// M/(M−1) and a phase margin of 2·asin(1/2M): 3 and 39° for the default of 1.5.
+    pub sensitivity: f64,
+    /// Most that white sensor noise may be amplified on its way to the command, with the command
+    /// expressed as the position that it stands for: standard deviation over standard deviation.
+    pub noise: f64,
+}
+
+impl Default for ControlSettings {
+    fn default() -> Self {
+        Self { name: None, period: None, sensitivity: 1.5, noise: 100.0 }
+    }
+}
+
+/// A controller and what is known of its loops.
+#[derive(Clone, Debug, Serialize)]
+pub struct Inversion {
+    /// The controller, ready to be written.
+    #[serde(skip)]
+    pub controller: CheckedBlueprint,
+    /// The loop of each axis.
+    pub axes: Vec<LoopFigures>,
+}
+
+/// The loop of one axis, on the plant linearised at its steepest slope, with one period for
+/// computing. Margins and sensitivity are the worst over the plant as given and with the modes'
+/// frequencies 10 % lower and higher, and hold for every smaller slope of the hysteresis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LoopFigures {
+    /// Name of the axis.
+    pub axis: String,
+    /// What the feedback does.
+    pub shape: String,
+    /// Steepest slope in position per command.
+    pub slope: f64,
+    /// Proportional gain in command per position.
+    pub kp: f64,
+    /// Integral gain in command per position and second.
+    pub ki: f64,
+    /// Derivative gain in command-seconds per position.
+    pub kd: f64,
+    /// Lowest frequency at which the loop gain is 1, in Hz.
+    pub bandwidth: f64,
+    /// By how much the loop gain may grow before the loop becomes unstable.
+    pub gain_margin: f64,
+    /// In degrees.
+    pub phase_margin: f64,
+    /// Greatest |1/(1 + L)|.
+    pub sensitivity: f64,
+    /// Standard deviation of the command per standard deviation of white sensor noise, without the
+    /// loop's answer.
+    pub noise_gain: f64,
+    /// Least and greatest position that the command's bounds always allow, also after the opposite
+    /// bound was visited.
+    pub reach: (f64, f64),
+}
+
+/// Makes the controller of a plant: for each axis `inverse-prandtl-ishlinskii` (or, for a linear
+/// actuator, `feedforward-gain`) and `pid` with the limits of the command. The feedback is, of several
+/// shapes (integral; integral with a proportional part against the lags; PID that inverts or damps
+/// the lowest mode), the one with the largest integral gain whose sensitivity and noise stay below
+/// their limits.
+///
+/// # Errors
+/// [`Error::Settings`]; [`Error::NotInvertible`] with every reason on every axis; [`Error::Model`]
+/// where the controller's names do not fit.
+pub fn invert(plant: &CheckedBlueprint, settings: &ControlSettings) -> Result<Inversion, Error> {
+    let spec = plant.spec();
+    let period = settings.period.unwrap_or(spec.period);
+    check(settings, period)?;
+    if spec.kind != Kind::Plant {
+        return Err(Error::NotInvertible(vec![NotInvertible {
+            place: spec.name.clone(),
+            reason: "is a controller; give the blueprint of a plant".to_owned(),
+        }]));
+    }
+    let mut reasons = Vec::new();
+    let mut axes = Vec::new();
+    let mut figures = Vec::new();
+    for (axis, blueprint) in spec.axes.iter().zip(&plant.blueprint().axes) {
+        match axis_loop(axis, spec, period, settings) {
+            Ok((actuation, shaped)) => {
+                let found = loop_figures(axis, &actuation, &shaped, period);
+                axes.push(controller_axis(axis, blueprint, &actuation, &found));
+                figures.push(found);
+            }
+            Err(found) => reasons.extend(
+                found
+                    .into_iter()
+                    .map(|reason| NotInvertible { place: format!("axis {}", axis.name), reason }),
+            ),
+        }
+    }
+    if !reasons.is_empty() {
+        return Err(Error::NotInvertible(reasons));
+    }
+    let name = settings.name.clone().unwrap_or_else(|| format!("{}_controller", spec.name));
+    let mut controller = Blueprint::new(Kind::Controller, &name, period);
+    controller.axes = axes;
+    controller.description = format!("Inverse feedforward and PID for {}", spec.name);
+    controller.source = format!("inverted from {}", plant.blueprint().source);
+    let controller = controller
+        .check(COMPONENTS)
+        .map_err(|problems| Error::Model { name, message: problems.to_string() })?;
+    Ok(Inversion { controller, axes: figures })
+}
+
+fn check(settings: &ControlSettings, period: f64) -> Result<(), Error> {
+    let mut problems = Vec::new();
+    if !(period.is_finite() && period > 0.0) {
+        let rule = "the controller's sample time is a positive time in s";
+        problems.push(SettingsProblem { setting: "period", value: period, rule });
+    }
+    if !(settings.sensitivity > 1.0 && settings.sensitivity <= 10.0) {
+        let rule = "lies above 1 and up to 10; 1.2 is cautious, 1.5 usual, 2 brisk";
+        let value = settings.sensitivity;
+        problems.push(SettingsProblem { setting: "sensitivity", value, rule });
+    }
+    if !(settings.noise > 0.0) {
+        let rule = "is above 0; 100 is usual, 10 suits a coarse sensor";
+        problems.push(SettingsProblem { setting: "noise", value: settings.noise, rule });
+    }
+    if problems.is_empty() { Ok(()) } else { Err(Error::Settings(problems)) }
+}
+
+fn axis_loop(
+    axis: &AxisSpec,
+    spec: &SystemSpec,
+    period: f64,
+    settings: &ControlSettings,
+) -> Result<(Actuation, Shaped), Vec<String>> {
+    let actuation = actuation(axis)?;
+    let (low, high) = axis.command_range;
+    if !(low.is_finite() && high.is_finite() && low < high) {
+        return Err(vec![format!(
+            "the command's bounds are {low} to {high}, and a controller needs limits; give min and \
+             max of the command"
+        )]);
+    }
+    let modes = modes(axis);
+    let shifts = if modes.is_empty() { &SHIFTS[..1] } else { &SHIFTS[..] };
+    let mut variants = Vec::new();
+    for shift in shifts {
+        let linear = linear_axis(axis, *shift);
+        let impulse =
+            impulse_response(linear, spec.period, period).map_err(|reason| vec![reason])?;
+        let shifted: Vec<f64> = modes.iter().map(|(frequency, _)| frequency * shift).collect();
+        variants.push(Response::new(&impulse, period, &shifted));
+    }
+    let slope = actuation.slope();
+    let limits = Limits { sensitivity: settings.sensitivity, noise: settings.noise };
+    let loops = shapes(axis).into_iter().filter_map(|s| shape(&variants, s, slope, limits));
+    let best = loops.max_by(|a, b| a.ki.abs().total_cmp(&b.ki.abs()));
+    let best = best.ok_or_else(|| {
+        vec![
+            "no feedback gain keeps the margins; allow a larger sensitivity or a shorter period"
+                .to_owned(),
+        ]
+    })?;
+    Ok((actuation, best))
+}
+
+/// The shapes that suit the axis.
+fn shapes(axis: &AxisSpec) -> Vec<Shape> {
+    let omega = |frequency: f64| core::f64::consts::TAU * frequency;
+    let (modes, lags) = (modes(axis), lags(axis));
+    let lag: f64 = lags.iter().sum::<f64>()
+        + modes.iter().map(|(f, zeta)| 2.0 * zeta / omega(*f)).sum::<f64>();
+    let mut shapes = vec![Shape { name: "integral", a: 0.0, b: 0.0 }];
+    if lag > 0.0 {
+        shapes.push(Shape { name: "integral, with the lags cancelled", a: lag, b: 0.0 });
+    }
+    let lowest = modes.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((frequency, damping)) = lowest {
+        let omega = omega(*frequency);
+        shapes.push(Shape {
+            name: "PID that inverts the lowest mode",
+            a: 2.0 * damping / omega,
+            b: 1.0 / (omega * omega),
+        });
+        for (relative, damping) in ZERO_FREQUENCIES.into_iter().flat_map(with_dampings) {
+            let omega = relative * omega;
+            shapes.push(Shape {
+                name: "PID that damps the lowest mode",
+                a: 2.0 * damping / omega,
+                b: 1.0 / (omega * omega),
+            });
+        }
+    }
+    shapes
+}
+
+fn with_dampings(frequency: f64) -> impl Iterator<Item = (f64, f64)> {
+    ZERO_DAMPINGS.into_iter().map(move |damping| (frequency, damping))
+}
+
+fn loop_figures(
+    axis: &AxisSpec,
+    actuation: &Actuation,
+    shaped: &Shaped,
+    period: f64,
+) -> LoopFigures {
+    let Shaped { shape, ki, .. } = *shaped;
+    let (kp, kd) = (ki * shape.a, ki * shape.b);
+    let ends = actuation.reach(axis.command_range);
+    LoopFigures {
+        axis: axis.name.clone(),
+        shape: shape.name.to_owned(),
+        slope: actuation.slope(),
+        kp,
+        ki,
+        kd,
+        bandwidth: shaped.bandwidth,
+        gain_margin: shaped.gain_margin,
+        phase_margin: shaped.phase_margin.to_degrees(),
+        sensitivity: shaped.sensitivity,
+        noise_gain: ki.abs() * shape.noise(period),
+        reach: (ends.0.min(ends.1), ends.0.max(ends.1)),
+    }
+}
+
+fn controller_axis(
+    axis: &AxisSpec,
+    plant: &AxisBlueprint,
+    actuation: &Actuation,
+    figures: &LoopFigures,
+) -> AxisBlueprint {
+    let (low, high) = axis.command_range;
+    let feedforward = if actuation.linear {
+        ComponentBlueprint::new("feedforward-gain")
+            .value("gain", 1.0 / actuation.slope())
+            .value("offset", actuation.offset)
+    } else {
+        ComponentBlueprint::new("inverse-prandtl-ishlinskii")
+            .value("r", &actuation.r)
+            .value("w", &actuation.w)
+            .value("offset", actuation.offset)
+    };
+    let note = format!(
+        "{}: loop gain 1 at {:.4} Hz, gain margin {:.1}, phase margin {:.0} deg, maximum sensitivity \
+         {:.2}",
+        figures.shape,
+        figures.bandwidth,
+        figures.gain_margin,
+        figures.phase_margin,
+        figures.sensitivity
+    );
+    let pid = ComponentBlueprint::new("pid")
+        .value("kp", figures.kp)
+        .value("ki", figures.ki)
+        .value("kd", figures.kd)
+        .value("output_min", low)
+        .value("output_max", high)
+        .note(&note);
+    let mut controller = AxisBlueprint::new(&axis.name, &axis.command_unit, &axis.position_unit);
+    controller.command = controller.command.named(&plant.command.name).between(low, high);
+    let position = &plant.position.name;
+    controller.reference = SignalBlueprint::default().start(actuation.at_rest(axis.start));
+    if !position.is_empty() {
+        controller.reference = controller.reference.named(&format!("{position}_reference"));
+        controller.measured = SignalBlueprint::default().named(position);
+    }
+    controller.component(feedforward).component(pid)
+}

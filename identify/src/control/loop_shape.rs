@@ -1,0 +1,241 @@
+//! Gains of a PID controller from the frequency response of the sampled plant.
+//!
+//! The open loop is L = C(z) · z⁻¹ · G(z), with G the plant's exact response under the controller's
+//! hold at its steepest slope, one period for computing (and for masters that exchange signals once
+//! per period), and
+//!
+//! ```text
+//! C(z) = ki·T/(1 − z⁻¹) · …   of the shape   ki·(1 + a s + b s²)/s
+//! ```
+//!
+//! Shapes that are tried: a = b = 0 (integral); a = Σ lag time constants + Σ 2ζ/ω (a proportional part
+//! that cancels the lags); for the lowest mode a = 2ζ/ω, b = 1/ω² (its inverse); and zeros below the
+//! mode, whose derivative part damps it whatever its exact frequency. For each, ki is
+//! raised from zero to the largest value with
+//!
+//! ```text
+//! max |1/(1 + L)| ≤ M    for every ki below it, and with the modes' frequencies as given and 10 % off
+//! slope · ki · √(c² + d²) ≤ noise limit,   c = a + T + b/T,   d = b/T
+//! ```
+//!
+//! the second being the direct way of white sensor noise to the command, as a position.
+//!
+//! From a stable plant at ki = 0 on, the loop cannot become unstable without |1/(1 + L)| passing
+//! through infinity, so every such loop is stable; and since a smaller slope of the hysteresis acts
+//! as a smaller ki, the bound holds for every slope from zero to the steepest. It implies a
+//! gain margin of at least M/(M−1) and a phase margin of at least 2·asin(1/2M). The shape with the
+//! largest ki is taken: slow disturbances, creep and the hysteresis that the feedforward leaves are
+//! attenuated by it.
+//!
+//! Source: K. J. Åström, T. Hägglund, Advanced PID Control, ISA 2006, ch. 7 (largest integral gain
+//! under a constraint on the sensitivity).
+
+use core::f64::consts::{PI, TAU};
+
+use nalgebra::Complex;
+
+/// Frequencies per decade, from the lowest to half the sample rate.
+const DENSITY: usize = 150;
+/// Decades below half the sample rate.
+const DECADES: usize = 5;
+/// Additional frequencies around each mode.
+const AROUND_MODE: usize = 200;
+/// Width of the part around a mode, relative to its frequency.
+const MODE_WIDTH: f64 = 0.25;
+/// Factors between the gains that are tried: coarsely up to the limit, then finely below it.
+const GAIN_FACTORS: [f64; 2] = [1.1, 1.005];
+/// Most gains that are tried: from the least by a factor of 10⁸.
+const GAIN_STEPS: usize = 194;
+
+/// Shape of the controller: ki·(1 + a s + b s²)/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shape {
+    /// What it does, for reports.
+    pub(crate) name: &'static str,
+    /// In s.
+    pub(crate) a: f64,
+    /// In s².
+    pub(crate) b: f64,
+}
+
+impl Shape {
+    /// Standard deviation of the command per ki and per standard deviation of white sensor noise,
+    /// without the loop's answer; the integral's sum of past noise is left out.
+    pub(crate) fn noise(&self, period: f64) -> f64 {
+        let derivative = self.b / period;
+        (self.a + period + derivative).hypot(derivative)
+    }
+}
+
+/// What a loop must keep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Limits {
+    /// Greatest |1/(1 + L)|.
+    pub(crate) sensitivity: f64,
+    /// Greatest amplification of white sensor noise to the command, as a position.
+    pub(crate) noise: f64,
+}
+
+/// What is known of a shaped loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shaped {
+    pub(crate) shape: Shape,
+    pub(crate) ki: f64,
+    /// Greatest |1/(1 + L)| over all variants.
+    pub(crate) sensitivity: f64,
+    /// Least gain margin over all variants.
+    pub(crate) gain_margin: f64,
+    /// Least phase margin over all variants, in rad.
+    pub(crate) phase_margin: f64,
+    /// Lowest frequency at which |L| = 1 for the plant as given, in Hz.
+    pub(crate) bandwidth: f64,
+}
+
+/// The frequency response of a plant at some frequencies.
+#[derive(Clone, Debug)]
+pub(crate) struct Response {
+    /// Angular frequencies in rad per sample.
+    angles: Vec<f64>,
+    /// Plant with one period of delay.
+    values: Vec<Complex<f64>>,
+    period: f64,
+}
+
+impl Response {
+    /// The response of the plant with this impulse response h_1, h_2, …; `modes` are frequencies (Hz)
+    /// around which it is looked at more closely.
+    pub(crate) fn new(impulse: &[f64], period: f64, modes: &[f64]) -> Self {
+        let mut angles: Vec<f64> = (0..=DENSITY * DECADES)
+            .map(|k| PI * 10f64.powf(-(k as f64) / DENSITY as f64))
+            .collect();
+        for mode in modes {
+            let centre = TAU * mode * period;
+            let offset = |k: usize| 2.0 * k as f64 / AROUND_MODE as f64 - 1.0;
+            // Denser towards the mode.
+            let near = (0..=AROUND_MODE).map(|k| centre * (1.0 + MODE_WIDTH * offset(k).powi(3)));
+            angles.extend(near.filter(|angle| *angle < PI));
+        }
+        angles.sort_by(f64::total_cmp);
+        let values = angles.iter().map(|&angle| transfer(impulse, angle)).collect();
+        Self { angles, values, period }
+    }
+
+    /// The open loop at each frequency for a gain ki of 1.
+    fn loop_of(&self, shape: Shape) -> Vec<Complex<f64>> {
+        let t = self.period;
+        let pairs = self.angles.iter().zip(&self.values);
+        pairs
+            .map(|(angle, plant)| {
+                let difference = Complex::new(1.0, 0.0) - Complex::from_polar(1.0, -angle);
+                let controller =
+                    Complex::new(t, 0.0) / difference + shape.a + difference * (shape.b / t);
+                controller * plant
+            })
+            .collect()
+    }
+}
+
+/// z⁻¹ · Σ h_k z⁻ᵏ at z = exp(i·angle), by Horner's rule.
+fn transfer(impulse: &[f64], angle: f64) -> Complex<f64> {
+    let back = Complex::from_polar(1.0, -angle);
+    let sum = impulse.iter().rev().fold(Complex::new(0.0, 0.0), |sum, h| (sum + h) * back);
+    sum * back
+}
+
+/// The largest gain of `shape` that keeps the limits for all variants of the plant; the first is the
+/// plant as given. `None` where no gain does.
+pub(crate) fn shape(
+    variants: &[Response],
+    shape: Shape,
+    slope: f64,
+    limits: Limits,
+) -> Option<Shaped> {
+    let loops: Vec<Vec<Complex<f64>>> = variants.iter().map(|v| v.loop_of(shape)).collect();
+    let period = variants.first()?.period;
+    let allowed = |ki: f64| {
+        let noise = (slope * ki).abs() * shape.noise(period);
+        let worst = loops.iter().map(|l| sensitivity(l, ki)).fold(0.0, f64::max);
+        (worst <= limits.sensitivity && noise <= limits.noise).then_some(worst)
+    };
+    // An integral gain of 1/(slope · period) reaches the reference in one sample.
+    let least = 1e-6 / (slope * period);
+    let mut best = allowed(least).map(|worst| (least, worst));
+    for factor in GAIN_FACTORS {
+        for _ in 0..GAIN_STEPS {
+            let Some(next) = best.map(|(ki, _)| ki * factor) else { break };
+            let Some(worst) = allowed(next) else { break };
+            best = Some((next, worst));
+        }
+    }
+    let (ki, sensitivity) = best?;
+    let margins = loops.iter().map(|l| margins(l, ki));
+    let (gain_margin, phase_margin) = margins
+        .fold((f64::INFINITY, PI), |least, found| (least.0.min(found.0), least.1.min(found.1)));
+    let nominal = loops.first()?;
+    let crossing = nominal.iter().position(|l| ki.abs() * l.norm() <= 1.0)?;
+    let bandwidth = variants.first()?.angles.get(crossing)? / (TAU * period);
+    Some(Shaped { shape, ki, sensitivity, gain_margin, phase_margin, bandwidth })
+}
+
+fn sensitivity(open: &[Complex<f64>], ki: f64) -> f64 {
+    // A response that is not finite counts as infinitely sensitive.
+    let least = open
+        .iter()
+        .map(|l| (1.0 + l * ki).norm_sqr())
+        .fold(f64::INFINITY, |least, d| if d >= least { least } else { d });
+    if least > 0.0 { 1.0 / least.sqrt() } else { f64::INFINITY }
+}
+
+/// Gain margin and phase margin (rad) of the loop ki·open, from the crossings of its polar curve.
+fn margins(open: &[Complex<f64>], ki: f64) -> (f64, f64) {
+    let (mut gain, mut phase) = (f64::INFINITY, PI);
+    for pair in open.windows(2) {
+        let (now, next) = (pair[0] * ki, pair[1] * ki);
+        if now.im * next.im <= 0.0 && now.re < 0.0 && next.re < 0.0 {
+            gain = gain.min(1.0 / now.norm().max(next.norm()));
+        }
+        if (now.norm() - 1.0) * (next.norm() - 1.0) <= 0.0 {
+            phase = phase.min((PI - now.arg().abs()).min(PI - next.arg().abs()));
+        }
+    }
+    (gain, phase)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const INTEGRAL: Shape = Shape { name: "integral", a: 0.0, b: 0.0 };
+    const LIMITS: Limits = Limits { sensitivity: 1.5, noise: 100.0 };
+
+    #[test]
+    fn an_integral_loop_around_one_sample_of_delay_meets_its_sensitivity_exactly() {
+        // L = k z⁻²/(1 − z⁻¹), k = ki·T·g: the limit of stability is k = 1.
+        let plant = Response::new(&[2.0], 0.01, &[]);
+        let found = shape(&[plant], INTEGRAL, 2.0, LIMITS).expect("shaped");
+        let k = found.ki * 0.01 * 2.0;
+        assert!(found.sensitivity <= 1.5 && found.sensitivity > 1.49, "{found:?}");
+        assert!((found.gain_margin * k - 1.0).abs() < 0.02, "{found:?}, k {k}");
+        assert!(found.gain_margin >= 3.0, "{found:?}");
+        assert!(found.phase_margin >= 2.0 * (1.0 / 3.0_f64).asin(), "{found:?}");
+        // |L| = 1 where 2 sin(angle/2) = k.
+        let exact = 2.0 * (0.5 * k).asin() / (TAU * 0.01);
+        assert!((found.bandwidth / exact - 1.0).abs() < 0.03, "{found:?}, {exact} Hz");
+    }
+
+    #[test]
+    fn the_noise_limit_holds() {
+        let plant = Response::new(&[2.0], 0.01, &[]);
+        let limits = Limits { noise: 0.01, ..LIMITS };
+        let found = shape(&[plant], INTEGRAL, 2.0, limits).expect("shaped");
+        let noise = 2.0 * found.ki * INTEGRAL.noise(0.01);
+        assert!(noise <= 0.01 && noise > 0.0099, "{noise}");
+    }
+
+    #[test]
+    fn a_negative_gain_of_the_plant_gives_a_negative_gain_of_the_controller() {
+        let plant = Response::new(&[-2.0], 0.01, &[]);
+        let found = shape(&[plant], INTEGRAL, -2.0, LIMITS).expect("shaped");
+        assert!(found.ki < 0.0);
+    }
+}
