@@ -1,16 +1,36 @@
 //! Hysteresis of the piezoceramic: memory between command and elongation.
 
 pub mod dead_zone;
+pub mod numeric_inverse;
 pub mod play;
 
+mod bouc_wen;
+mod bouc_wen_inverse;
+mod dahl;
+mod duhem;
+mod dynamic_prandtl_ishlinskii;
 mod generalised_play;
+mod grpi;
 mod inverse_prandtl_ishlinskii;
 mod modified_prandtl_ishlinskii;
+mod mpi;
 mod prandtl_ishlinskii;
+mod rate;
+mod rate_dependent_play;
 
+pub use bouc_wen::BoucWen;
+pub use bouc_wen_inverse::INVERSE_BOUC_WEN;
+pub use dahl::Dahl;
+pub use duhem::Duhem;
+pub use dynamic_prandtl_ishlinskii::{
+    DynamicPrandtlIshlinskii, INVERSE as INVERSE_DYNAMIC_PRANDTL_ISHLINSKII,
+};
 pub use generalised_play::{GeneralisedPlay, InverseGeneralisedPlay};
+pub use grpi::{Grpi, INVERSE as INVERSE_GRPI};
 pub use inverse_prandtl_ishlinskii::InversePrandtlIshlinskii;
 pub use modified_prandtl_ishlinskii::{
     InverseModifiedPrandtlIshlinskii, ModifiedPrandtlIshlinskii,
 };
+pub use mpi::{INVERSE as INVERSE_MPI, Mpi};
 pub use prandtl_ishlinskii::PrandtlIshlinskii;
+pub use rate_dependent_play::{INVERSE as INVERSE_RATE_DEPENDENT_PLAY, RateDependentPlay};

@@ -1,0 +1,151 @@
+//! Duhem hysteresis of Coleman and Hodgdon, with a straight centre line, solved exactly.
+//!
+//! ```text
+//! y′ = decay·|u′|·(offset + slope·u − y) + initial·u′
+//! ```
+//!
+//! * slope in position per command: of the centre line; initial: slope right after a reversal,
+//!   below `slope` for a loop that lags; decay in 1/command: how fast the branch joins the major
+//!   loop, which lies (slope − initial)/decay below and above the centre line.
+//! * The command moves monotonically over a step, so that the equation is linear over the command
+//!   and its solution exact: e = y − offset − slope·u tends to ∓(slope − initial)/decay.
+//! * State: e, and the last command. At rest: the virgin state (e = 0 at command 0) moved
+//!   monotonically to the command.
+//!
+//! Limits: independent of rate; no return-point memory: minor loops drift towards the centre line.
+//!
+//! Source: B. D. Coleman, M. L. Hodgdon, International Journal of Engineering Science 24 (1986)
+//! 897–919.
+
+use libm::{exp, fabs};
+use model::{
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+};
+
+use crate::effects;
+use crate::rules::{WRONG_LENGTH, require};
+
+/// The component `duhem`.
+pub struct Duhem;
+
+static DECLARATION: Declaration = Declaration {
+    kind: "duhem",
+    name: "hysteresis",
+    summary: "Duhem hysteresis (Coleman-Hodgdon) with a straight centre line, exact over each step",
+    equation: "y' = decay*|u'|*(offset + slope*u - y) + initial*u'",
+    reference: "B. D. Coleman, M. L. Hodgdon, Int. J. Eng. Sci. 24 (1986) 897-919",
+    stage: Stage::Actuator,
+    conversion: Conversion::CommandToPosition,
+    effect: Some(&effects::HYSTERESIS),
+    inputs: &[Input::PATH],
+    outputs: &[Output::PATH],
+    structure: &[],
+    parameters: &[
+        Quantity::new("slope", "{position}/{command}", "Slope of the centre line").fitted(),
+        Quantity::new("initial", "{position}/{command}", "Slope right after a reversal").fitted(),
+        Quantity::new("decay", "1/{command}", "How fast a branch joins the major loop")
+            .min(0.0)
+            .fitted(),
+        Quantity::new("offset", "{position}", "Position at zero command in the virgin state")
+            .start(0.0)
+            .fitted(),
+    ],
+};
+
+/// Deviation from the centre line after the command moved monotonically by `change`; it tends to
+/// `−half` when rising and to `half` when falling.
+pub(super) fn advance(e: f64, change: f64, decay: f64, half: f64) -> f64 {
+    let target = if change > 0.0 { -half } else { half };
+    target + (e - target) * exp(-decay * fabs(change))
+}
+
+impl Component for Duhem {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
+        Sizes { coefficients: 4, states: 2 }
+    }
+
+    fn prepare(
+        &self,
+        _structure: &[f64],
+        parameters: &[f64],
+        _period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        let (&[slope, initial, decay, offset], [k, half, rate, zero]) = (parameters, coefficients)
+        else {
+            return Err(WRONG_LENGTH);
+        };
+        require(decay > 0.0, "decay", decay, "must be above zero; use actuator-gain for no loop")?;
+        (*k, *half, *rate, *zero) = (slope, (slope - initial) / decay, decay, offset);
+        Ok(())
+    }
+
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
+        let (&[k, half, rate, zero], &[u], [e, last], [y]) = (coefficients, inputs, state, outputs)
+        else {
+            return;
+        };
+        (*e, *last) = (advance(0.0, u, rate, half), u);
+        *y = zero + k * u + *e;
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        _tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        let (&[k, half, rate, zero], &[u], [e, last], [y]) = (coefficients, inputs, state, outputs)
+        else {
+            return;
+        };
+        if u != *last {
+            (*e, *last) = (advance(*e, u - *last, rate, half), u);
+        }
+        *y = zero + k * u + *e;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Instance, Random, triangle};
+
+    const P: [f64; 4] = [0.06, 0.04, 0.05, 0.3];
+
+    #[test]
+    fn follows_the_differential_equation() {
+        let mut model = Instance::new(&Duhem, &[], &P, 1e-3).unwrap();
+        let (mut y, mut last) = (model.rest(&[0.0]), 0.0);
+        for u in Random::new(3).signal(-60.0, 120.0, 100) {
+            let d = (u - last) / 20_000.0;
+            for k in 0..20_000 {
+                // Midpoint rule.
+                let f = |u: f64, y: f64| P[2] * d.signum() * (P[3] + P[0] * u - y) + P[1];
+                let at = last + d * f64::from(k);
+                let middle = y + 0.5 * d * f(at, y);
+                y += d * f(at + 0.5 * d, middle);
+            }
+            last = u;
+            let found = model.step(&[u]);
+            assert!((found - y).abs() < 1e-6, "{found} {y}");
+            y = found;
+        }
+    }
+
+    #[test]
+    fn the_major_loop_lies_half_its_height_off_the_centre_line() {
+        let mut model = Instance::new(&Duhem, &[], &P, 1e-3).unwrap();
+        let half = (P[0] - P[1]) / P[2];
+        let signal = triangle(-500.0, 500.0, 100, 2);
+        let output = model.response(0.0, &signal);
+        assert!((output[250] - (P[3] + P[0] * signal[250] - half)).abs() < 1e-5);
+        assert!((output[350] - (P[3] + P[0] * signal[350] + half)).abs() < 1e-5);
+    }
+}
