@@ -46,7 +46,7 @@ function roundStep(range, wanted) {
   const raw = range / Math.max(1, wanted);
   const power = 10 ** Math.floor(Math.log10(raw));
   const ratio = raw / power;
-  return power * (ratio < 1.5 ? 1 : ratio < 3.5 ? 2 : ratio < 7.5 ? 5 : 10);
+  return power * (ratio < 1.001 ? 1 : ratio < 2.001 ? 2 : ratio < 5.001 ? 5 : 10);
 }
 
 function degreeStep(range, wanted) {
@@ -97,14 +97,7 @@ function ticks(axis, low, high, pixels, spacing, most) {
   return evenTicks(low, high, step);
 }
 
-// The common power of ten of an axis' labels; it stays when zooming.
-function commonExponent(axis) {
-  if (axis.mapping === "log") return 0;
-  const largest = Math.max(Math.abs(axis.low), Math.abs(axis.high));
-  if (largest === 0 || (largest >= 0.01 && largest < 1e5)) return 0;
-  return Math.floor(Math.log10(largest) / 3) * 3;
-}
-
+// Labels without the axis' offset and power of ten, which stand in its heading.
 function tickLabels(axis, values) {
   const unit = 10 ** axis.exponent;
   if (axis.mapping === "log" && (values.length < 2 || values[values.length - 1] / values[0] > 4.9)) {
@@ -118,12 +111,7 @@ function tickLabels(axis, values) {
   }
   const step = values.length > 1 ? values[1] - values[0] : axis.high - axis.low;
   const decimals = Math.min(12, Math.max(0, -Math.floor(Math.log10(step / unit) + 1e-9)));
-  return values.map((x) => minus((x / unit).toFixed(decimals)));
-}
-
-function heading(axis) {
-  const unit = [axis.exponent ? powerOfTen(axis.exponent) : "", axis.unit].filter((part) => part !== "").join(" ");
-  return unit === "" ? axis.label : axis.label === "" ? "[" + unit + "]" : axis.label + " [" + unit + "]";
+  return values.map((x) => minus(((x - axis.offset) / unit).toFixed(decimals)));
 }
 
 // ---- Geometry.

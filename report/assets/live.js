@@ -14,7 +14,6 @@ class LiveFigure {
     this.full = { x: [chart.x.low, chart.x.high], y: [chart.panels[0].y.low, chart.panels[0].y.high] };
     this.x = this.full.x;
     this.y = this.full.y;
-    for (const axis of [chart.x].concat(chart.panels.map((panel) => panel.y))) axis.exponent = commonExponent(axis);
     this.build();
   }
 
@@ -47,13 +46,13 @@ class LiveFigure {
     const room = available - count * 26 - 30 - 20;
     this.key = "sync-" + this.figure.id;
     this.boxes = this.chart.panels.map((panel, k) => {
-      this.live.append(element("p", "panel-heading", heading(panel.y)));
+      this.live.append(element("p", "panel-heading", panel.y.heading));
       const box = element("div", "canvas");
       this.live.append(box);
       const last = k === count - 1;
       return { box, last, height: Math.max(50, Math.round((room * panel.weight) / weights)) + (last ? 30 : 10) };
     });
-    this.live.append(element("p", "x-heading", heading(this.chart.x)));
+    this.live.append(element("p", "x-heading", this.chart.x.heading));
     this.width = this.live.clientWidth;
     this.chart.panels.forEach((panel, k) => this.plots.push(this.plot(panel, this.boxes[k])));
     this.legend();
@@ -80,6 +79,7 @@ class LiveFigure {
       if (this.free) {
         look.facets = [{ scale: "x", auto: false }, { scale: "y", auto: false }];
         look.paths = freePath;
+        look.cap = "round";
       }
       return look;
     });
@@ -157,18 +157,20 @@ class LiveFigure {
       ticks: { show: false },
       border: { show: true, stroke: () => colours.muted, width: 1 },
       gap: 6,
+      // Without it a logarithmic axis would drop the labels between decades.
+      filter: (u, values) => values,
     };
     const across = {
       scale: "x",
       size: last ? 24 : 0,
-      splits: (u, index, low, high) => ticks(this.chart.x, low, high, u.over.clientWidth || this.width, 95, 9),
+      splits: (u, index, low, high) => ticks(this.chart.x, low, high, u.over.clientWidth || this.width, 80, 10),
       values: (u, values) => (last ? tickLabels(this.chart.x, values) : values.map(() => "")),
     };
     const up = {
       scale: "y",
       side: 3,
       size: (u, values) => this.axisSize(values),
-      splits: (u, index, low, high) => ticks(panel.y, low, high, u.over.clientHeight || 150, 38, 7),
+      splits: (u, index, low, high) => ticks(panel.y, low, high, u.over.clientHeight || 150, 32, 7),
       values: (u, values) => tickLabels(panel.y, values),
     };
     return [Object.assign({ side: 2 }, look, across), Object.assign({}, look, up)];
@@ -523,8 +525,9 @@ function freePath(u, seriesIndex) {
         continue;
       }
       const x = toX(xs[i], scaleX, width, left), y = toY(ys[i], scaleY, height, top);
-      if (open) path.lineTo(x, y);
-      else path.moveTo(x, y);
+      if (!open) path.moveTo(x, y);
+      // A point between gaps becomes a dot: a line of no length with round ends.
+      path.lineTo(x, y);
       open = true;
     }
   });

@@ -2,7 +2,7 @@
 
 use super::scale::{Scale, Ticks};
 use super::svg::{escape, path, px};
-use super::view::{BarsView, Chart, Entry, Kind, PanelView, TraceView};
+use super::view::{BarsView, Chart, Kind, PanelView, TraceView};
 use crate::number::{format_integer, format_number};
 use crate::reduce;
 
@@ -72,80 +72,94 @@ impl Frame {
     fn down(&self, y: f64) -> f64 {
         (1.0 - self.y.fraction(y)) * self.height
     }
+
+    fn x_ticks(&self) -> Ticks {
+        self.x.ticks(((self.width / 80.0) as usize).clamp(2, 10))
+    }
+
+    fn y_ticks(&self) -> Ticks {
+        self.y.ticks(((self.height / 32.0) as usize).clamp(2, 7))
+    }
 }
 
 /// The chart as an `svg` element; `id` makes the identifiers inside unique on the page.
 pub(super) fn picture(chart: &Chart, layout: Layout, id: &str) -> String {
-    let y_ticks: Vec<Ticks> = chart
+    let mut body = String::new();
+    let top = match layout.legend {
+        Some(_) => title_and_legend(&mut body, chart, layout.width),
+        None => 0.0,
+    };
+    let frames = frames(chart, &layout, top);
+    for (k, (panel, frame)) in chart.panels.iter().zip(&frames).enumerate() {
+        heading(&mut body, &panel.y.heading(&frame.y), 0.0, frame.top - 10.0, "start");
+        axes(&mut body, frame, k + 1 == frames.len());
+        plot(&mut body, chart, panel, frame, layout.max_points);
+        marks(&mut body, chart, panel, frame, k == 0);
+    }
+    let Some(frame) = frames.last() else {
+        no_data(&mut body, layout.width / 2.0, top + 40.0);
+        return envelope(chart, &layout, top + 60.0, id, &body);
+    };
+    let bottom = frame.top + frame.height + TICK_LABELS;
+    let right = frame.left + frame.width;
+    heading(&mut body, &chart.x.heading(&frame.x), right, bottom + 12.0, "end");
+    envelope(chart, &layout, bottom + X_HEADING, id, &body)
+}
+
+/// Where the panels' plots lie: one below the other, with a common left edge.
+fn frames(chart: &Chart, layout: &Layout, top: f64) -> Vec<Frame> {
+    let mut heading_top = top;
+    let mut frames: Vec<Frame> = chart
         .panels
         .iter()
         .map(|panel| {
-            let height = panel.weight * layout.plot_height;
-            panel.y.scale.ticks(((height / 38.0) as usize).clamp(2, 7))
+            let (x, y) = (chart.x.scale, panel.y.scale);
+            let height = (panel.weight * layout.plot_height).round();
+            let top = heading_top + HEADING;
+            heading_top = top + height + 6.0;
+            Frame { left: 0.0, top, width: layout.width, height, x, y }
         })
         .collect();
-    let left = y_ticks
-        .iter()
-        .flat_map(|ticks| &ticks.major)
+    let labels = frames.iter().flat_map(|frame| frame.y_ticks().major);
+    let left = labels
         .map(|tick| tick.label.chars().count() as f64 * CHARACTER + 14.0)
         .fold(34.0, f64::max)
         .min(120.0);
-    let plot_width = layout.width - left - 16.0;
-    let x_ticks = chart.x.scale.ticks(((plot_width / 95.0) as usize).clamp(2, 9));
-    let mut top = if layout.legend.is_some() { 26.0 } else { 0.0 };
-    let mut body = String::new();
-    if layout.legend.is_some() {
-        body.push_str(&format!(
-            "<text class=\"title\" x=\"4\" y=\"16\">{}</text>",
-            escape(chart.title)
-        ));
-        top = legend(&mut body, &chart.entries, layout.width, top);
-    }
-    let last = chart.panels.len().saturating_sub(1);
-    for (k, (panel, ticks)) in chart.panels.iter().zip(&y_ticks).enumerate() {
-        let mut frame = Frame {
-            left,
-            top: top + HEADING,
-            width: plot_width,
-            height: (panel.weight * layout.plot_height).round(),
-            x: chart.x.scale,
-            y: panel.y.scale,
-        };
+    for frame in &mut frames {
+        frame.left = left;
+        frame.width = layout.width - left - 16.0;
         if chart.equal_scale {
-            equalise(&mut frame);
+            equalise(frame);
         }
-        let ticks = if chart.equal_scale { &frame.y.ticks(6) } else { ticks };
-        let own_x_ticks = if chart.equal_scale { frame.x.ticks(6) } else { x_ticks.clone() };
-        heading(&mut body, &panel.y.heading(ticks.exponent), 0.0, top + 14.0, "start");
-        axes(&mut body, &frame, &own_x_ticks, ticks, k == last);
-        plot(&mut body, chart, panel, &frame, layout.max_points);
-        marks(&mut body, chart, panel, &frame, k == 0);
-        top = frame.top + frame.height + if k == last { TICK_LABELS } else { 6.0 };
     }
-    if chart.panels.is_empty() {
-        body.push_str(&format!(
-            "<text class=\"empty\" x=\"{}\" y=\"40\" text-anchor=\"middle\">no data</text>",
-            px(layout.width / 2.0)
-        ));
-        top += 60.0;
-    } else {
-        let text = chart.x.heading(x_ticks.exponent);
-        heading(&mut body, &text, left + plot_width, top + 12.0, "end");
-        top += X_HEADING;
-    }
-    envelope(chart, &layout, top, id, &body)
+    frames
 }
 
+fn no_data(body: &mut String, x: f64, y: f64) {
+    body.push_str(&format!(
+        "<text class=\"empty\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">no data</text>",
+        px(x),
+        px(y)
+    ));
+}
+
+/// The `svg` element around the drawing; a picture of its own has a margin and its style inside.
 fn envelope(chart: &Chart, layout: &Layout, height: f64, id: &str, body: &str) -> String {
+    let margin = if layout.legend.is_some() { 14.0 } else { 0.0 };
+    let (width, height) = (layout.width + 2.0 * margin, (height + 2.0 * margin).ceil());
     let style = layout.legend.map_or_else(String::new, |style| {
-        format!("<style>{style}</style><rect class=\"paper\" width=\"100%\" height=\"100%\"/>")
+        format!(
+            "<style>{style}</style><rect class=\"paper\" x=\"-{m}\" y=\"-{m}\" width=\"100%\" height=\"100%\"/>",
+            m = px(margin)
+        )
     });
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart-picture\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" role=\"img\" aria-labelledby=\"{id}-title {id}-desc\"><title id=\"{id}-title\">{}</title><desc id=\"{id}-desc\">{}</desc>{style}{body}</svg>",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart-picture\" viewBox=\"{m} {m} {w} {h}\" width=\"{w}\" height=\"{h}\" role=\"img\" aria-labelledby=\"{id}-title {id}-desc\"><title id=\"{id}-title\">{}</title><desc id=\"{id}-desc\">{}</desc>{style}{body}</svg>",
         escape(chart.title),
         escape(&chart.description),
-        w = px(layout.width),
-        h = px(height.ceil()),
+        m = px(-margin),
+        w = px(width),
+        h = px(height),
     )
 }
 
@@ -176,13 +190,15 @@ fn heading(body: &mut String, text: &str, x: f64, y: f64, anchor: &str) {
     ));
 }
 
-/// The legend, wrapped to the width; returns where it ends.
-fn legend(body: &mut String, entries: &[Entry], width: f64, top: f64) -> f64 {
-    let (mut x, mut y) = (4.0, top + 12.0);
-    for entry in entries {
+/// Title and legend, wrapped to the width; returns where they end.
+fn title_and_legend(body: &mut String, chart: &Chart, width: f64) -> f64 {
+    let title = escape(chart.title);
+    body.push_str(&format!("<text class=\"title\" x=\"0\" y=\"14\">{title}</text>"));
+    let (mut x, mut y) = (0.0, 36.0);
+    for entry in &chart.entries {
         let needs = 40.0 + entry.name.chars().count() as f64 * CHARACTER;
-        if x + needs > width && x > 4.0 {
-            (x, y) = (4.0, y + 18.0);
+        if x + needs > width && x > 0.0 {
+            (x, y) = (0.0, y + 18.0);
         }
         body.push_str(&format!(
             "<path class=\"trace {}\" d=\"M{} {}h26\"/><text class=\"tick\" x=\"{}\" y=\"{}\">{}</text>",
@@ -199,7 +215,8 @@ fn legend(body: &mut String, entries: &[Entry], width: f64, top: f64) -> f64 {
 }
 
 /// Grid, axis lines, labels of the ticks.
-fn axes(body: &mut String, frame: &Frame, x: &Ticks, y: &Ticks, with_x_labels: bool) {
+fn axes(body: &mut String, frame: &Frame, with_x_labels: bool) {
+    let (x, y) = (frame.x_ticks(), frame.y_ticks());
     let mut grid = (String::new(), String::new());
     let vertical = |at: f64| {
         format!("M{} {}v{}", px(frame.left + frame.across(at)), px(frame.top), px(frame.height))
@@ -272,11 +289,7 @@ fn plot(body: &mut String, chart: &Chart, panel: &PanelView, frame: &Frame, max_
     let finite = |trace: &TraceView| trace.y.iter().any(|y| y.is_finite());
     let counted = |bars: &BarsView| bars.counts.iter().any(|n| *n > 0);
     if !panel.traces.iter().any(finite) && !panel.bars.iter().any(counted) {
-        body.push_str(&format!(
-            "<text class=\"empty\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">no data</text>",
-            px(frame.left + frame.width / 2.0),
-            px(frame.top + frame.height / 2.0)
-        ));
+        no_data(body, frame.left + frame.width / 2.0, frame.top + frame.height / 2.0);
     }
 }
 

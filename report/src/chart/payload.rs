@@ -26,7 +26,10 @@ struct Payload<'a> {
 struct AxisData<'a> {
     label: &'a str,
     unit: &'a str,
+    heading: String,
     mapping: &'static str,
+    offset: f64,
+    exponent: i32,
     low: f64,
     high: f64,
 }
@@ -100,7 +103,16 @@ fn axis(view: &AxisView) -> AxisData<'_> {
         Mapping::Degrees => "degrees",
         Mapping::Log => "log",
     };
-    AxisData { label: &view.label, unit: &view.unit, mapping, low, high }
+    AxisData {
+        label: &view.label,
+        unit: &view.unit,
+        heading: view.heading(&view.scale),
+        mapping,
+        offset: view.scale.offset(),
+        exponent: view.scale.exponent(),
+        low,
+        high,
+    }
 }
 
 fn panel<'a>(view: &'a PanelView, shared: bool) -> PanelData<'a> {

@@ -38,8 +38,6 @@ pub(crate) struct Ticks {
     pub(crate) major: Vec<Tick>,
     /// Further grid lines of logarithmic axes.
     pub(crate) minor: Vec<f64>,
-    /// The power of ten by which the labels are to be multiplied.
-    pub(crate) exponent: i32,
 }
 
 impl Scale {
@@ -69,7 +67,31 @@ impl Scale {
         }
     }
 
-    /// About `wanted` ticks at round values.
+    /// What the labels leave out of every value, for a short stretch far from zero; mostly 0.
+    pub(crate) fn offset(&self) -> f64 {
+        let range = self.high - self.low;
+        let largest = self.low.abs().max(self.high.abs());
+        if self.mapping != Mapping::Linear || !range.is_finite() || largest < 1e4 * range {
+            return 0.0;
+        }
+        let step = 10_f64.powf(range.log10().ceil());
+        let offset = (self.low / step).floor() * step;
+        if offset.is_finite() { offset } else { 0.0 }
+    }
+
+    /// The power of ten, a multiple of three, by which the labels are to be multiplied: 0 where
+    /// plain decimals are short enough.
+    pub(crate) fn exponent(&self) -> i32 {
+        let offset = self.offset();
+        let largest = (self.low - offset).abs().max((self.high - offset).abs());
+        if self.mapping == Mapping::Log || (0.01..1e5).contains(&largest) || largest == 0.0 {
+            return 0;
+        }
+        // Powers are kept where 10^exponent is a normal double.
+        ((largest.log10() / 3.0).floor() as i32 * 3).clamp(-300, 300)
+    }
+
+    /// At most about `wanted` ticks at round values.
     pub(crate) fn ticks(&self, wanted: usize) -> Ticks {
         match self.mapping {
             Mapping::Log => self.log_ticks(wanted),
@@ -87,15 +109,14 @@ impl Scale {
             .take_while(|x| *x <= self.high + 1e-9 * step)
             .filter(|x| x.is_finite())
             .collect();
-        let largest = values.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-        let exponent = common_exponent(largest);
-        let unit = 10_f64.powi(exponent);
+        let unit = 10_f64.powi(self.exponent());
+        let offset = self.offset();
         let decimals = decimals_of(step / unit);
         let major = values
             .iter()
-            .map(|&value| Tick { value, label: format_decimals(value / unit, decimals) })
+            .map(|&value| Tick { value, label: format_decimals((value - offset) / unit, decimals) })
             .collect();
-        Ticks { major, minor: Vec::new(), exponent }
+        Ticks { major, minor: Vec::new() }
     }
 
     fn log_ticks(&self, wanted: usize) -> Ticks {
@@ -124,7 +145,7 @@ impl Scale {
                 .filter(|x| inside(*x))
                 .collect()
         };
-        Ticks { major, minor, exponent: 0 }
+        Ticks { major, minor }
     }
 
     /// Less than a decade: the ticks of a linear axis.
@@ -156,14 +177,14 @@ fn widen_log(low: f64, high: f64, margin: f64) -> (f64, f64) {
     (low / room, high * room)
 }
 
-/// A step of 1, 2 or 5 times a power of ten that gives about `wanted` steps in twice `half`.
+/// A step of 1, 2 or 5 times a power of ten that gives at most `wanted` steps in twice `half`.
 fn round_step(half: f64, wanted: usize) -> f64 {
     let raw = half / (wanted.max(1) as f64) * 2.0;
     let power = 10_f64.powf(raw.log10().floor());
     let step = match raw / power {
-        r if r < 1.5 => power,
-        r if r < 3.5 => 2.0 * power,
-        r if r < 7.5 => 5.0 * power,
+        r if r < 1.001 => power,
+        r if r < 2.001 => 2.0 * power,
+        r if r < 5.001 => 5.0 * power,
         _ => 10.0 * power,
     };
     if step.is_finite() && step > 0.0 { step } else { half.max(f64::MIN_POSITIVE) }
@@ -177,16 +198,6 @@ fn degree_step(range: f64, wanted: usize) -> f64 {
         return round_step(range / 2.0, wanted);
     }
     STEPS.into_iter().find(enough).unwrap_or_else(|| round_step(range / 2.0, wanted))
-}
-
-/// A power of ten, a multiple of three, for values that plain decimals do not suit.
-fn common_exponent(largest: f64) -> i32 {
-    if largest == 0.0 || (0.01..1e5).contains(&largest) {
-        0
-    } else {
-        // Powers are kept where 10^exponent is a normal double.
-        ((largest.log10() / 3.0).floor() as i32 * 3).clamp(-300, 300)
-    }
 }
 
 fn decimals_of(step: f64) -> usize {
@@ -214,10 +225,17 @@ mod tests {
     #[test]
     fn linear_ticks_are_round() {
         let scale = Scale { mapping: Mapping::Linear, low: -0.05, high: 1.05 };
-        assert_eq!(labels(scale, 5), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels(scale, 6), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         let small = Scale { mapping: Mapping::Linear, low: 0.0, high: 3e-6 };
-        assert_eq!(small.ticks(3).exponent, -6);
+        assert_eq!(small.exponent(), -6);
         assert_eq!(labels(small, 3), ["0", "1", "2", "3"]);
+    }
+
+    #[test]
+    fn a_short_stretch_far_from_zero_has_an_offset() {
+        let scale = Scale { mapping: Mapping::Linear, low: 1.7e9, high: 1.7e9 + 30.0 };
+        assert_eq!(scale.offset(), 1.7e9);
+        assert_eq!(labels(scale, 3), ["0", "10", "20", "30"]);
     }
 
     #[test]

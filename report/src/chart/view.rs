@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::scale::Scale;
 use crate::figure::{Band, Limit, Marker, Role};
-use crate::number::{format_unit, power_of_ten};
+use crate::number::{format_number, format_unit, power_of_ten};
 
 /// A chart.
 pub(super) struct Chart<'a> {
@@ -60,15 +60,24 @@ impl AxisView {
         Self { label: label.to_owned(), unit: format_unit(unit), scale }
     }
 
-    /// The axis' heading: `position [µm]`, with the ticks' power of ten if there is one.
-    pub(super) fn heading(&self, exponent: i32) -> String {
+    /// The axis' heading: `position [µm]`, with the offset and power of ten of the labels on
+    /// `scale`, if there are.
+    pub(super) fn heading(&self, scale: &Scale) -> String {
+        let offset = scale.offset();
+        let label = if offset == 0.0 {
+            self.label.clone()
+        } else {
+            let sign = if offset > 0.0 { '−' } else { '+' };
+            format!("{} {sign} {}", self.label, format_number(offset.abs(), 15))
+        };
+        let exponent = scale.exponent();
         let power = if exponent == 0 { String::new() } else { power_of_ten(exponent) };
         let unit = [power.as_str(), self.unit.as_str()];
         let unit: Vec<&str> = unit.into_iter().filter(|part| !part.is_empty()).collect();
-        match (self.label.is_empty(), unit.is_empty()) {
-            (_, true) => self.label.clone(),
+        match (label.is_empty(), unit.is_empty()) {
+            (_, true) => label,
             (true, false) => format!("[{}]", unit.join(" ")),
-            (false, false) => format!("{} [{}]", self.label, unit.join(" ")),
+            (false, false) => format!("{label} [{}]", unit.join(" ")),
         }
     }
 }
