@@ -144,6 +144,7 @@ position = { unit = "um" }
         "plant.toml:22: axis[1].lag.tolerance.speed: is no parameter of lag; parameters are bandwidth",
         "plant.toml:25: axis[2].name = \"Y\": is the name of another axis; ",
         "plant.toml:24: axis[2].command.unit: is missing",
+        "plant.toml:24: axis[2]: the chain ends with the wrong signal: ",
     ];
     let found = problems(text);
     for wanted in expected {
@@ -302,6 +303,8 @@ fn the_order_of_signals_is_told_at_the_component() {
     assert_eq!(found.len(), 1, "{found:#?}");
     // A wrong value elsewhere does not hide the order.
     let both = second.replacen("\"2.1 kHz\"", "-1", 1);
+    assert_eq!(problems(&both).len(), 2);
+    let both = second.replacen("\"20 us\"", "0", 1);
     assert_eq!(problems(&both).len(), 2);
 }
 

@@ -8,11 +8,12 @@ use super::origin::Place;
 
 /// The system that the draft says, where it says one; problems are reported.
 pub(super) fn system(checker: &mut Checker<'_>, draft: &Draft) -> Option<System> {
-    let usable = ["kind", "step"].iter().all(|key| !checker.is_spoilt(key));
-    if !usable || !fits(checker, draft) {
+    if checker.is_spoilt("kind") || !fits(checker, draft) {
         return None;
     }
-    check_sets(checker, draft);
+    if !checker.is_spoilt("step") {
+        check_sets(checker, draft);
+    }
     match System::new(&draft.spec) {
         Ok(system) => Some(system),
         Err(errors) => {
@@ -34,6 +35,9 @@ fn fits(checker: &mut Checker<'_>, draft: &Draft) -> bool {
             let sizes = node.component.sizes(&node.structure, period);
             let own = sizes.coefficients.saturating_add(sizes.states);
             sum = sum.saturating_add(own).saturating_add(node.values.len());
+            if sum > MOST_CELLS && checker.is_spoilt("step") {
+                return false;
+            }
             if sum > MOST_CELLS {
                 let rule = format!(
                     "needs {own} numbers of memory at a step of {period} s; a model may have {MOST_CELLS}"
@@ -50,6 +54,9 @@ fn fits(checker: &mut Checker<'_>, draft: &Draft) -> bool {
 /// Checks the rules that span several values of a component.
 fn check_sets(checker: &mut Checker<'_>, draft: &Draft) {
     for (axis, places) in draft.spec.axes.iter().zip(&draft.axes) {
+        if [&axis.command_unit, &axis.position_unit].iter().any(|unit| Unit::parse(unit).is_err()) {
+            continue;
+        }
         for (node, (place, is_clean)) in axis.components.iter().zip(&places.components) {
             if !is_clean {
                 continue;

@@ -11,6 +11,9 @@ use super::{AxisBlueprint, SignalBlueprint, component};
 /// Short names that a log or a model uses otherwise.
 const TAKEN: [&str; 4] = ["time", "record", "realization", "enable"];
 
+/// Stands for a unit that is missing or wrong.
+const NO_UNIT: &str = "?";
+
 pub(super) fn draft(checker: &mut Checker<'_>) -> Draft {
     let blueprint = checker.blueprint;
     is_name(checker, &Place::new("name"), &blueprint.name);
@@ -123,21 +126,22 @@ fn axis_frame(
     (spec, DraftAxis::default())
 }
 
-/// The unit of a signal, or `1` where it is missing or wrong.
+/// The unit of a signal, or a text that is none where it is missing or wrong: nothing is said then about
+/// values with units on this axis.
 fn unit(checker: &mut Checker<'_>, place: &Place, signal: &SignalBlueprint) -> String {
     let key = place.child("unit");
     if checker.is_spoilt(&place.key) || checker.is_spoilt(&key.key) {
-        return "1".into();
+        return NO_UNIT.into();
     }
     if signal.unit.is_empty() {
         let way_out = "write for example unit = \"um\"; \"1\" where it has none";
         checker.report(&key, "", "is missing: the values of this axis have a unit", way_out);
-        return "1".into();
+        return NO_UNIT.into();
     }
     if let Err(error) = Unit::parse(&signal.unit) {
         let way_out = "write it as in um, V, urad or mm/m";
         checker.report(&key, &format!("{:?}", signal.unit), error.to_string(), way_out);
-        return "1".into();
+        return NO_UNIT.into();
     }
     signal.unit.clone()
 }
