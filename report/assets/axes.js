@@ -91,7 +91,7 @@ function minorTicks(axis, low, high) {
 }
 
 function ticks(axis, low, high, pixels, spacing, most) {
-  const wanted = Math.min(most, Math.max(2, Math.floor(pixels / spacing)));
+  const wanted = Math.min(most, Math.max(3, Math.floor(pixels / spacing)));
   if (axis.mapping === "log") return logTicks(low, high, wanted);
   const step = axis.mapping === "degrees" ? degreeStep(high - low, wanted) : roundStep(high - low, wanted);
   return evenTicks(low, high, step);

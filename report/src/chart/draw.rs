@@ -74,11 +74,11 @@ impl Frame {
     }
 
     fn x_ticks(&self) -> Ticks {
-        self.x.ticks(((self.width / 80.0) as usize).clamp(2, 10))
+        self.x.ticks(((self.width / 80.0) as usize).clamp(3, 10))
     }
 
     fn y_ticks(&self) -> Ticks {
-        self.y.ticks(((self.height / 32.0) as usize).clamp(2, 7))
+        self.y.ticks(((self.height / 32.0) as usize).clamp(3, 7))
     }
 }
 
