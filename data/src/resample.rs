@@ -55,8 +55,8 @@ impl Uniform<'_> {
     ///
     /// The signal is known from its first sample to its last one, and with [`Hold::Zero`] for one
     /// sample time more. An instant within 1e-9 sample times of a sample is that sample, so that
-    /// rounding neither delays a held value nor changes one bit on the same grid. There is no filter: resampling to a longer
-    /// sample time folds whatever is faster.
+    /// rounding neither delays a held value nor changes one bit on the same grid. There is no
+    /// filter: resampling to a longer sample time folds whatever is faster.
     ///
     /// # Errors
     /// [`ResampleError`].

@@ -79,6 +79,13 @@ fn a_log_is_written_row_by_row_and_appears_whole() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_pipe_gets_the_log_and_nothing_beside_it() {
+    log().write(Path::new("/dev/null"), UnitPlace::Sidecar).unwrap();
+    assert!(!Path::new("/dev/null.dataset.toml").exists());
+}
+
 #[test]
 fn names_that_no_reader_takes_are_refused_before_anything_is_written() {
     let folder = tempfile::tempdir().unwrap();

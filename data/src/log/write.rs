@@ -69,7 +69,9 @@ impl LogWriter {
         let mut file = WholeFile::create(path).map_err(|error| unwritable(path, &error))?;
         let head = header_line(columns, is_numbered, units);
         file.write_all(head.as_bytes()).map_err(|error| unwritable(path, &error))?;
-        let sidecar = if units == UnitPlace::Sidecar {
+        // A pipe has nothing beside it.
+        let is_pipe = std::fs::metadata(path).is_ok_and(|found| !found.is_file());
+        let sidecar = if units == UnitPlace::Sidecar && !is_pipe {
             let path = dataset::sidecar_of(path);
             let begun = WholeFile::create(&path).and_then(|mut sidecar| {
                 sidecar.write_all(sidecar_text(columns).as_bytes())?;
