@@ -47,7 +47,7 @@ fn a_location_without_resources_is_refused_with_all_places_that_were_tried() {
         assert_eq!((said.len(), said[0].status), (1, fmi2Error));
         let text = &said[0].format;
         assert!(text.starts_with("fmi2Instantiate: no blueprint.toml"), "{text}");
-        assert!(text.contains(part) && text.contains("as a file URI"), "{text}");
+        assert!(text.contains(part) && text.contains("give the folder `resources`"), "{text}");
     }
 }
 

@@ -9,6 +9,7 @@ use fmi_bindings::export;
 use model::{Kind, System};
 
 fmi_bindings::export_fmi2!(crate::controller);
+fmi_bindings::export_fmi3!(crate::controller);
 
 /// Builds the controller that the blueprint in these resources describes.
 fn controller(resources: &Path) -> Result<System, String> {

@@ -9,6 +9,7 @@ use fmi_bindings::export;
 use model::{Kind, System};
 
 fmi_bindings::export_fmi2!(crate::plant);
+fmi_bindings::export_fmi3!(crate::plant);
 
 /// Builds the plant that the blueprint in these resources describes.
 fn plant(resources: &Path) -> Result<System, String> {

@@ -92,6 +92,23 @@ unsafe fn report(instance: *mut Instance, rule: &Rule, notice: &Notice) {
     }
 }
 
+/// Frees an instance; null is ignored.
+///
+/// # Safety
+/// `pointer` is null or an instance that an edge handed out; it is never used again.
+pub(super) unsafe fn free(pointer: *mut c_void) {
+    if pointer.is_null() {
+        return;
+    }
+    let freed = without_instance(|| {
+        // SAFETY: it came from `Box::into_raw`, as the caller promises.
+        drop(unsafe { Box::from_raw(pointer.cast::<Instance>()) });
+        Ok(())
+    });
+    // Nobody is left who could be told.
+    drop(freed);
+}
+
 /// Runs what has no instance yet, or no longer; a panic becomes an error.
 pub(super) fn without_instance<T>(body: impl FnOnce() -> Result<T, Notice>) -> Result<T, Notice> {
     catch_unwind(AssertUnwindSafe(body))

@@ -5,6 +5,7 @@ use std::ffi::{CStr, CString, c_void};
 use super::LOG_CATEGORIES;
 use super::guard::Status;
 use crate::fmi2::{fmi2CallbackLogger, fmi2Status};
+use crate::fmi3::{fmi3LogMessageCallback, fmi3Status};
 
 /// The importer's logger, in the dialect of its version of the standard.
 #[derive(Clone, Copy)]
@@ -13,15 +14,24 @@ pub(super) enum Sink {
     None,
     /// FMI 2.0: variadic, the message is a format.
     V2 { callback: fmi2CallbackLogger, environment: *mut c_void },
+    /// FMI 3.0: the message is a text.
+    V3 { callback: fmi3LogMessageCallback, environment: *mut c_void },
+}
+
+impl Sink {
+    /// What goes out while logging is off. FMI 2.0 §2.1.3 expects the messages that explain a
+    /// status even then, for they are no debug logging; FMI 3.0 §2.3.1 forbids all.
+    fn where_off(&self) -> Mask {
+        if matches!(self, Self::V3 { .. }) { 0 } else { EXPLANATIONS }
+    }
 }
 
 /// Which categories go out, one bit each, in the order of [`LOG_CATEGORIES`].
 type Mask = u8;
 
 const ALL: Mask = 0b1111;
-/// Messages that explain a status are no debug logging: the standard expects them even where debug
-/// logging is off (FMI 2.0.5 §2.1.3).
-const WHERE_OFF: Mask = 0b1110;
+/// All but `logEvents`.
+const EXPLANATIONS: Mask = 0b1110;
 
 /// Sends messages under the instance's name.
 pub(super) struct Logger {
@@ -33,14 +43,14 @@ pub(super) struct Logger {
 impl Logger {
     /// A logger for the instance with this name.
     pub(super) fn new(sink: Sink, instance: CString, logging_on: bool) -> Self {
-        Self { sink, instance, enabled: if logging_on { ALL } else { WHERE_OFF } }
+        Self { sink, instance, enabled: if logging_on { ALL } else { sink.where_off() } }
     }
 
     /// Switches debug logging; without categories all are meant. Returns the names that are no
     /// category of this FMU.
     pub(super) fn set_debug_logging(&mut self, on: bool, categories: &[&CStr]) -> Vec<String> {
         self.enabled = match (on, categories.is_empty()) {
-            (false, _) => WHERE_OFF,
+            (false, _) => self.sink.where_off(),
             (true, true) => ALL,
             (true, false) => 0,
         };
@@ -76,6 +86,12 @@ impl Logger {
                 // SAFETY: the importer's function with the signature of the standard; all texts
                 // end with a zero byte and live until it returns; the format has no directives.
                 unsafe { callback(environment, name, status, category.as_ptr(), text.as_ptr()) };
+            }
+            Sink::V3 { callback, environment } => {
+                let text = finished(message, false);
+                let status = fmi3Status(status as u32);
+                // SAFETY: as above.
+                unsafe { callback(environment, status, category.as_ptr(), text.as_ptr()) };
             }
         }
     }

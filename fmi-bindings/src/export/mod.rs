@@ -19,7 +19,9 @@ mod log;
 mod phase;
 mod resources;
 mod saved;
+mod state_calls;
 pub mod v2;
+pub mod v3;
 
 use std::path::Path;
 

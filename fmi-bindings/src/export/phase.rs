@@ -99,13 +99,23 @@ impl Rule {
         let names: Vec<_> =
             Phase::ALL.iter().filter(|p| self.allows(**p)).map(ToString::to_string).collect();
         let allowed = if names.is_empty() {
-            "a co-simulation slave never allows it".to_string()
+            "this FMU does not offer it".to_string()
         } else {
             format!("it is allowed in {}", names.join(", "))
         };
         format!("not allowed in the state {phase}: {allowed}; {}", phase.way_out())
     }
 }
+
+/// Writes a call table: a constant per row, and all rows in the order of the header.
+macro_rules! table {
+    ($($name:ident $function:ident $marks:literal)*) => {
+        $(pub(super) const $name: Rule = Rule::new(stringify!($function), $marks);)*
+        /// All rows, in the order of the header; functions that need no instance are left out.
+        pub const TABLE: &[Rule] = &[$($name),*];
+    };
+}
+pub(super) use table;
 
 #[cfg(test)]
 mod tests {

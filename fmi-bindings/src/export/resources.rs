@@ -12,6 +12,8 @@ pub(super) enum Location<'a> {
     None,
     /// A URI (FMI 2.0).
     Uri(&'a [u8]),
+    /// A path (FMI 3.0), or the URI that early versions of that standard asked for.
+    Path(&'a [u8]),
 }
 
 /// The folder that holds the file `marker`: the first of those that the importer may have meant,
@@ -32,7 +34,7 @@ pub(super) fn find(location: Location<'_>, marker: &str) -> Result<PathBuf, Stri
     let tried: Vec<_> = folders.iter().map(|f| f.display().to_string()).collect();
     Err(format!(
         "no {marker} in the FMU's resources; looked in: {}{remark}. Unpack the whole FMU and give \
-         the folder `resources` in it as a file URI",
+         the folder `resources` in it",
         if tried.is_empty() { "no folder".to_string() } else { tried.join(", ") },
     ))
 }
@@ -40,8 +42,10 @@ pub(super) fn find(location: Location<'_>, marker: &str) -> Result<PathBuf, Stri
 /// The folders that the importer may have meant, the likeliest first.
 fn given(location: Location<'_>) -> Result<Vec<PathBuf>, String> {
     match location {
-        Location::None | Location::Uri(b"") => Ok(Vec::new()),
+        Location::None | Location::Uri(b"") | Location::Path(b"") => Ok(Vec::new()),
         Location::Uri(uri) => folders_of_uri(uri),
+        Location::Path(path) if is_file_uri(path) => folders_of_uri(path),
+        Location::Path(path) => Ok(vec![native(path)]),
     }
 }
 
@@ -49,8 +53,8 @@ fn given(location: Location<'_>) -> Result<Vec<PathBuf>, String> {
 /// and the `file:////p` of several importers. A plain absolute path is understood too. Some
 /// importers do not percent-encode, so that the path as it stands comes second.
 fn folders_of_uri(uri: &[u8]) -> Result<Vec<PathBuf>, String> {
-    let path = match uri.get(..5) {
-        Some(scheme) if scheme.eq_ignore_ascii_case(b"file:") => without_authority(&uri[5..])?,
+    let path = match uri {
+        _ if is_file_uri(uri) => without_authority(&uri[5..])?,
         _ if is_plain_path(uri) => uri,
         _ => {
             return Err(format!(
@@ -65,6 +69,10 @@ fn folders_of_uri(uri: &[u8]) -> Result<Vec<PathBuf>, String> {
         folders.push(native(path));
     }
     Ok(folders)
+}
+
+fn is_file_uri(text: &[u8]) -> bool {
+    text.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case(b"file:"))
 }
 
 fn is_plain_path(text: &[u8]) -> bool {
@@ -199,6 +207,13 @@ mod tests {
             assert_eq!(first(uri), "/tmp/dir é/resources", "{uri}");
         }
         assert_eq!(first("file:///tmp/resources/"), "/tmp/resources/");
+    }
+
+    #[test]
+    fn a_path_is_taken_as_it_stands() {
+        let first = |path: &[u8]| given(Location::Path(path)).unwrap().remove(0);
+        assert_eq!(first("/tmp/a%20é/resources/".as_bytes()), Path::new("/tmp/a%20é/resources"));
+        assert_eq!(first(b"file:///tmp/a%20b"), Path::new("/tmp/a b"));
     }
 
     #[test]

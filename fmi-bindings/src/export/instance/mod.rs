@@ -24,6 +24,8 @@ pub struct Instance {
     progress: Progress,
     /// Slopes of the inputs in the next step, by value reference: inputs come first.
     slopes: Vec<f64>,
+    /// Value reference of the independent variable, where the version has one.
+    time_reference: Option<u32>,
     /// Saved states that the importer has not freed.
     states: Vec<*mut SavedState>,
 }
@@ -67,6 +69,8 @@ pub(super) struct Request<'a> {
     pub(super) token: Option<&'a CStr>,
     /// What the standard calls the token: `GUID`.
     pub(super) token_name: &'static str,
+    /// Whether time is a variable, with the reference behind the last one of the model.
+    pub(super) time_is_variable: bool,
     pub(super) location: Location<'a>,
     pub(super) sink: Sink,
     pub(super) logging_on: bool,
@@ -96,6 +100,7 @@ impl Instance {
         let inputs = system.variables().with(Causality::Input).count();
         let instance = Self {
             logger: Logger::new(request.sink, name, request.logging_on),
+            time_reference: request.time_is_variable.then_some(system.variables().len() as u32),
             fingerprint,
             progress: Progress::NEW,
             slopes: vec![0.0; inputs],

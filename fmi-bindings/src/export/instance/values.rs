@@ -18,10 +18,15 @@ impl Instance {
             self.settle()?;
         }
         for reference in references {
-            self.typed(*reference, wanted)?;
+            match self.system.variables().get(*reference) {
+                Some(variable) if variable.data_type == wanted => {}
+                None if wanted == DataType::Real && self.time_reference == Some(*reference) => {}
+                found => return Err(self.mismatch(found, *reference, wanted)),
+            }
         }
         for (at, reference) in references.iter().enumerate() {
-            write(at, self.system.get(*reference).unwrap_or_default());
+            let value = self.system.get(*reference);
+            write(at, value.unwrap_or(self.progress.time));
         }
         Ok(())
     }
@@ -33,11 +38,18 @@ impl Instance {
         references: &[u32],
         read: impl Fn(usize) -> f64,
     ) -> Outcome {
-        for (at, reference) in references.iter().enumerate() {
-            self.check_set(*reference, wanted, read(at))?;
+        // A single value is checked when it is set.
+        if references.len() > 1 {
+            for (at, reference) in references.iter().enumerate() {
+                self.settable(*reference, wanted, read(at))?;
+                self.system
+                    .check(*reference, read(at))
+                    .map_err(|error| Notice::error(self.system.explain_set(&error)))?;
+            }
         }
         for (at, reference) in references.iter().enumerate() {
             let value = read(at);
+            self.settable(*reference, wanted, value)?;
             self.system
                 .set(*reference, value)
                 .map_err(|error| Notice::error(self.system.explain_set(&error)))?;
@@ -48,20 +60,18 @@ impl Instance {
         Ok(())
     }
 
-    fn check_set(&self, reference: u32, wanted: DataType, value: f64) -> Outcome {
+    /// Whether the variable has this type and may be set now; its value is not looked at.
+    #[inline]
+    fn settable(&self, reference: u32, wanted: DataType, value: f64) -> Outcome {
         let variable = self.typed(reference, wanted)?;
-        if variable.causality == Causality::FixedParameter && self.phase() == Phase::Step {
-            return Err(refused(
-                variable,
-                reference,
-                &format!(
-                    "{value} comes too late: a fixed parameter is set before the simulation; reset the instance and set it then"
-                ),
-            ));
+        if variable.causality != Causality::FixedParameter || self.phase() != Phase::Step {
+            return Ok(());
         }
-        self.system
-            .check(reference, value)
-            .map_err(|error| Notice::error(self.system.explain_set(&error)))
+        let problem = format!(
+            "{value} comes too late: a fixed parameter is set before the simulation; reset the \
+             instance and set it then"
+        );
+        Err(refused(variable, reference, &problem))
     }
 
     /// Gives inputs a slope, in their unit per second, in the next step. Nothing is set on failure.
@@ -127,6 +137,10 @@ impl Instance {
                     &format!("is of type {own:?}, not {type_name}; use the functions of its type"),
                 )
             }
+            None if self.time_reference == Some(reference) => Notice::error(format!(
+                "time (value reference {reference}): the independent variable is of type Float64 \
+                 and is only read; the communication points set it"
+            )),
             None => Notice::error(format!(
                 "value reference {reference} is unknown; this model has the references 0 to {}",
                 self.system.variables().len().saturating_sub(1)

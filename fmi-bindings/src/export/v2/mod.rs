@@ -27,8 +27,7 @@ use super::guard::{self, Notice, Outcome};
 use super::instance::Request;
 use super::log::{Logger, Sink};
 use super::resources::Location;
-use super::saved::SavedState;
-use super::{Factory, Instance, Rule};
+use super::{Factory, Instance, Rule, state_calls};
 use crate::fmi2::*;
 pub use table::TABLE;
 use table::*;
@@ -111,6 +110,7 @@ pub unsafe fn fmi2Instantiate(
             name,
             token,
             token_name: "GUID",
+            time_is_variable: false,
             location: uri.map_or(Location::None, |uri| Location::Uri(uri.to_bytes())),
             sink,
             logging_on: loggingOn != fmi2False,
@@ -130,15 +130,8 @@ pub unsafe fn fmi2Instantiate(
 
 /// Frees an instance and the states it saved.
 pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
-    let instance = c.cast::<Instance>();
-    if instance.is_null() {
-        return;
-    }
-    let _ = guard::without_instance(|| {
-        // SAFETY: it came from `fmi2Instantiate`, and the caller never uses it again.
-        drop(unsafe { Box::from_raw(instance) });
-        Ok(())
-    });
+    // SAFETY: the contract of all functions here.
+    unsafe { guard::free(c) }
 }
 
 // Enter and exit initialization mode, terminate and reset
@@ -327,22 +320,16 @@ pub unsafe extern "C" fn fmi2GetFMUstate(
     c: fmi2Component,
     FMUstate: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    let body = |instance: &mut Instance| {
-        // SAFETY: the caller's pointer and the state behind it.
-        unsafe {
-            let place = FMUstate.as_mut().ok_or_else(|| null("FMUstate"))?;
-            *place = instance.save(place.cast())?.cast();
-        }
-        Ok(())
-    };
+    // SAFETY: the caller's state and pointers.
+    let body = |instance: &mut Instance| unsafe { state_calls::get(instance, FMUstate) };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, &GET_FMU_STATE, body) }
 }
 
 /// Goes back to a saved state, which stays saved.
 pub unsafe extern "C" fn fmi2SetFMUstate(c: fmi2Component, FMUstate: fmi2FMUstate) -> fmi2Status {
-    // SAFETY: the caller's state.
-    let body = |instance: &mut Instance| instance.restore(unsafe { saved(FMUstate)? });
+    // SAFETY: the caller's state and pointers.
+    let body = |instance: &mut Instance| unsafe { state_calls::set(instance, FMUstate) };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, &SET_FMU_STATE, body) }
 }
@@ -352,19 +339,8 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(
     c: fmi2Component,
     FMUstate: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    let body = |instance: &mut Instance| {
-        // SAFETY: the caller's pointer and the state behind it.
-        unsafe {
-            match FMUstate.as_mut() {
-                Some(place) if !place.is_null() => {
-                    instance.free(place.cast())?;
-                    *place = std::ptr::null_mut();
-                }
-                _ => {}
-            }
-        }
-        Ok(())
-    };
+    // SAFETY: the caller's state and pointers.
+    let body = |instance: &mut Instance| unsafe { state_calls::free(instance, FMUstate) };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, &FREE_FMU_STATE, body) }
 }
@@ -375,14 +351,9 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
     FMUstate: fmi2FMUstate,
     size: *mut usize,
 ) -> fmi2Status {
-    let body = |instance: &mut Instance| {
-        // SAFETY: the caller's state and its room for one number.
-        unsafe {
-            let room = Room::new(size, 1, "size")?;
-            room.write(0, instance.serialized_size(saved(FMUstate)?));
-        }
-        Ok(())
-    };
+    // SAFETY: the caller's state and pointers.
+    let body =
+        |instance: &mut Instance| unsafe { state_calls::serialized_size(instance, FMUstate, size) };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, &SERIALIZED_FMU_STATE_SIZE, body) }
 }
@@ -394,14 +365,9 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     serializedState: *mut fmi2Byte,
     size: usize,
 ) -> fmi2Status {
-    let body = |instance: &mut Instance| {
-        // SAFETY: the caller's state and its room for `size` bytes, in which the state fits.
-        unsafe {
-            let bytes = instance.serialize(saved(FMUstate)?, size)?;
-            let room = Room::new(serializedState.cast::<u8>(), size, "serializedState")?;
-            bytes.iter().enumerate().for_each(|(at, byte)| room.write(at, *byte));
-        }
-        Ok(())
+    // SAFETY: the caller's state and pointers.
+    let body = |instance: &mut Instance| unsafe {
+        state_calls::serialize(instance, FMUstate, serializedState.cast(), size)
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, &SERIALIZE_FMU_STATE, body) }
@@ -414,31 +380,12 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     size: usize,
     FMUstate: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    let body = |instance: &mut Instance| {
-        // SAFETY: the caller's bytes, its pointer and the state behind it.
-        unsafe {
-            let bytes = array(serializedState.cast::<u8>(), size, "serializedState")?;
-            let place = FMUstate.as_mut().ok_or_else(|| null("FMUstate"))?;
-            *place = instance.deserialize(bytes, place.cast())?.cast();
-        }
-        Ok(())
+    // SAFETY: the caller's state and pointers.
+    let body = |instance: &mut Instance| unsafe {
+        state_calls::deserialize(instance, serializedState.cast(), size, FMUstate)
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, &DESERIALIZE_FMU_STATE, body) }
-}
-
-/// The saved state of the importer.
-///
-/// # Safety
-/// As all functions here.
-unsafe fn saved<'a>(state: fmi2FMUstate) -> Result<&'a SavedState, Notice> {
-    // SAFETY: null or a state that is not freed.
-    unsafe { state.cast::<SavedState>().as_ref() }
-        .ok_or_else(|| Notice::error("FMUstate is null; save a state with fmi2GetFMUstate first"))
-}
-
-fn null(what: &str) -> Notice {
-    Notice::error(format!("{what} is a null pointer; give the address of a variable"))
 }
 
 // Getting partial derivatives

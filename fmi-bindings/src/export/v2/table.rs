@@ -3,15 +3,7 @@
 
 use crate::export::Rule;
 
-macro_rules! table {
-    ($($name:ident $function:ident $marks:literal)*) => {
-        $(pub(super) const $name: Rule = Rule::new(stringify!($function), $marks);)*
-        /// All rows, in the order of the header; functions that need no instance are left out.
-        pub const TABLE: &[Rule] = &[$($name),*];
-    };
-}
-
-table! {
+crate::export::phase::table! {
     //  instantiated, initializationMode, stepComplete, terminated, error: I M S T E
     SET_DEBUG_LOGGING             fmi2SetDebugLogging               "x x x x x"
     FREE_INSTANCE                 fmi2FreeInstance                  "x x x x x"

@@ -1,0 +1,66 @@
+//! The functions for co-simulation.
+//!
+//! # Safety
+//! As [`v3`](super).
+
+use super::*;
+
+/// Refused: event mode is not offered, so the step mode is entered with the end of initialization.
+pub unsafe extern "C" fn fmi3EnterStepMode(instance: fmi3Instance) -> fmi3Status {
+    // SAFETY: the contract of all functions here.
+    unsafe { never(instance, &ENTER_STEP_MODE) }
+}
+
+/// Not offered: `maxOutputDerivativeOrder` is 0.
+pub unsafe extern "C" fn fmi3GetOutputDerivatives(
+    instance: fmi3Instance,
+    _valueReferences: *const fmi3ValueReference,
+    nValueReferences: usize,
+    _orders: *const fmi3Int32,
+    _values: *mut fmi3Float64,
+    _nValues: usize,
+) -> fmi3Status {
+    let body = |_: &mut Instance| match nValueReferences {
+        0 => Ok(()),
+        _ => Err(Notice::error(
+            "derivatives of outputs are not offered (maxOutputDerivativeOrder = 0); take \
+             differences of the outputs at communication points",
+        )),
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(instance, &GET_OUTPUT_DERIVATIVES, body) }
+}
+
+/// Computes one communication step, always to its end: there are no events, and neither the end of
+/// the simulation nor an early return is ever asked for.
+pub unsafe extern "C" fn fmi3DoStep(
+    instance: fmi3Instance,
+    currentCommunicationPoint: fmi3Float64,
+    communicationStepSize: fmi3Float64,
+    _noSetFMUStatePriorToCurrentPoint: fmi3Boolean,
+    eventHandlingNeeded: *mut fmi3Boolean,
+    terminateSimulation: *mut fmi3Boolean,
+    earlyReturn: *mut fmi3Boolean,
+    lastSuccessfulTime: *mut fmi3Float64,
+) -> fmi3Status {
+    let body = |instance: &mut Instance| {
+        // SAFETY: the caller's room for one value each.
+        let (answers, last) = unsafe {
+            let answers = [
+                Room::new(eventHandlingNeeded, 1, "eventHandlingNeeded")?,
+                Room::new(terminateSimulation, 1, "terminateSimulation")?,
+                Room::new(earlyReturn, 1, "earlyReturn")?,
+            ];
+            (answers, Room::new(lastSuccessfulTime, 1, "lastSuccessfulTime")?)
+        };
+        let done = instance.do_step(currentCommunicationPoint, communicationStepSize);
+        // SAFETY: as above; they tell the truth after a failure, too.
+        unsafe {
+            answers.iter().for_each(|answer| answer.write(0, fmi3False));
+            last.write(0, instance.time());
+        }
+        done
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(instance, &DO_STEP, body) }
+}
