@@ -45,6 +45,9 @@ pub enum Error {
         /// What the model says.
         message: String,
     },
+    /// A log lacks a column, or a unit does not fit.
+    #[error("{0}")]
+    Log(data::Problems),
     /// A plant has no inverse or no stable loop; every reason that was found.
     #[error("{}", list(.0))]
     NotInvertible(Vec<NotInvertible>),

@@ -21,8 +21,8 @@ pub(crate) fn of(
     deviations: Deviations,
     independent: f64,
 ) -> Vec<Estimate> {
-    let mut all = Vec::new();
-    all.push(estimate("delay.delay", delay.value, "s", Some(delay.deviation), delay.value <= 0.0));
+    let at_bound = delay.value <= 0.0 || delay.value >= plan.longest_delay;
+    let mut all = vec![estimate("delay.delay", delay.value, "s", Some(delay.deviation), at_bound)];
     if let Some(bandwidth) = fitted.linear.bandwidth {
         let deviation = deviations.bandwidth;
         all.push(estimate("amplifier.bandwidth", bandwidth, "Hz", deviation, deviation.is_none()));
@@ -69,6 +69,7 @@ fn estimate(
     deviation: Option<f64>,
     at_bound: bool,
 ) -> Estimate {
+    let deviation = deviation.filter(|d| d.is_finite());
     let verdict = match deviation {
         _ if at_bound => Verdict::AtBound,
         Some(deviation) if deviation < UNCERTAIN * value.abs() => Verdict::Determined,

@@ -137,9 +137,11 @@ impl<'a> Session<'a> {
         candidates: &mut Vec<Candidate>,
     ) -> Result<(), Error> {
         let without = best.held_out_rmse;
+        let mut with_mode = static_fit.linear;
         for (lag, mode) in [(true, false), (false, true), (true, true)] {
             let structure = Structure { lag, mode };
-            let tried = match self.linear_part(structure, static_fit) {
+            let known = if lag && mode { with_mode } else { static_fit.linear };
+            let tried = match self.linear_part(structure, &known) {
                 Ok(tried) => tried,
                 // A structure that the data do not support is no reason to return nothing.
                 Err(error @ Error::NoSolution { .. }) => {
@@ -153,6 +155,9 @@ impl<'a> Session<'a> {
                 }
                 Err(error) => return Err(error),
             };
+            if mode {
+                with_mode = tried.fitted.linear;
+            }
             let fall = 1.0 - tried.held_out_rmse / best.held_out_rmse;
             let needed = 100.0 * SIGNIFICANT_FALL;
             let against =
@@ -169,14 +174,14 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    fn linear_part(&mut self, structure: Structure, start: &Fitted) -> Result<Tried, Error> {
+    fn linear_part(&mut self, structure: Structure, known: &LinearPart) -> Result<Tried, Error> {
         let mut task = self.task(self.plan.thresholds.clone());
         let longest = self.plan.longest_delay;
         let observer = &mut *self.observer;
         let stage = name_of(structure);
         let mut report = |done, total| observer.progress(stage, done, total);
         let (fitted, deviations) =
-            linear_part::fit(&mut task, structure, longest, start, &mut report)?;
+            linear_part::fit(&mut task, structure, longest, known, &mut report)?;
         let deviation = deviations.delay.unwrap_or(f64::INFINITY);
         let delay = Delay { value: fitted.linear.delay, deviation };
         self.with_plays(&task, fitted, delay, deviations)

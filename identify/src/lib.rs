@@ -1,6 +1,6 @@
 //! From a measured log to a blueprint, and from a plant to its controller.
 //!
-//! * [`Record`]: what one axis was told and what it did, checked.
+//! * [`Record`]: what one axis was told and what it did, checked; [`records_of`] takes them from a log.
 //! * [`identify`]: records → plant, by non-negative least squares for the hysteresis and an
 //!   output-error fit for the linear parts. The [`Identification`] carries the plant's blueprint
 //!   and the evidence: figures in simulation mode on rows that were held out, the straight line they
@@ -31,5 +31,5 @@ pub use identification::{Candidate, Estimate, Identification, RULES, RecordFit, 
 pub use identify::{SIGNIFICANT_FALL, identify};
 pub use judge::{Figures, compare, simulate};
 pub use observer::{Observer, Silent};
-pub use record::{Columns, Record, Rows};
+pub use record::{Columns, Record, Rows, records_of};
 pub use settings::{Dynamics, Settings, Target};

@@ -1,5 +1,6 @@
 //! One record: what one axis was told and what it did, sampled uniformly.
 
+use data::{Log, Problems};
 use serde::Serialize;
 
 use crate::error::{Error, Problem};
@@ -191,6 +192,47 @@ impl Rows {
     }
 }
 
+/// Every record of a log: the columns `input` and `output` in the units of an axis. A column without
+/// a unit is taken to be in the axis' unit.
+///
+/// # Errors
+/// [`Error::Log`] with a missing column or a unit that does not convert, both columns at once;
+/// [`Error::Unsuitable`] with every problem of every record.
+pub fn records_of(
+    log: &Log,
+    (input, command_unit): (&str, &str),
+    (output, position_unit): (&str, &str),
+) -> Result<Vec<Record>, Error> {
+    let columns = [log.convert(input, command_unit), log.convert(output, position_unit)];
+    let [Ok(inputs), Ok(outputs)] = columns else {
+        let wrong = columns.into_iter().filter_map(Result::err).flatten().collect();
+        return Err(Error::Log(Problems::new(wrong)));
+    };
+    let mut records = Vec::new();
+    let mut problems = Vec::new();
+    for part in log.records() {
+        let rows = part.rows.clone();
+        let name = if log.records().len() > 1 {
+            format!("{}, record {} (from row {})", log.origin(), part.id, rows.start + 1)
+        } else {
+            log.origin().to_owned()
+        };
+        let found = Record::new(Columns {
+            name: &name,
+            time: &log.time()[rows.clone()],
+            input_name: input,
+            input: &inputs[rows.clone()],
+            output_name: output,
+            output: &outputs[rows],
+        });
+        match found {
+            Ok(record) => records.push(record),
+            Err(found) => problems.extend(found),
+        }
+    }
+    if problems.is_empty() { Ok(records) } else { Err(Error::Unsuitable(problems)) }
+}
+
 /// Records that belong together: one axis, one sample time.
 ///
 /// # Errors
@@ -308,6 +350,23 @@ mod tests {
         assert!(matches!(short[0], Problem::TooShort { found: 19, .. }));
         let uneven = Record::new(columns(&time, &values[1..], &values)).expect_err("uneven");
         assert!(matches!(uneven[0], Problem::Lengths { input: 18, .. }));
+    }
+
+    #[test]
+    fn records_of_a_log_are_in_the_units_of_the_axis() {
+        let rows: String = (0..60)
+            .map(|k| format!("{},{},{},{}\n", k / 30, f64::from(k % 30) * 0.1, k, 2 * k))
+            .collect();
+        let text = format!("record,time,u [mV],y [nm]\n{rows}");
+        let log = Log::parse(text.as_bytes(), "a.csv", &data::ReadOptions::default());
+        let log = log.unwrap_or_else(|e| panic!("{e}"));
+        let records = records_of(&log, ("u", "V"), ("y", "um")).expect("good");
+        assert_eq!(records.len(), 2);
+        assert_eq!(records[1].name(), "a.csv, record 1 (from row 31)");
+        assert!((records[1].input()[0] - 0.03).abs() < 1e-15);
+        assert!((records[1].output()[0] - 0.06).abs() < 1e-15);
+        let wrong = records_of(&log, ("v", "V"), ("y", "K")).expect_err("both wrong").to_string();
+        assert!(wrong.contains("is no column") && wrong.contains("does not convert"), "{wrong}");
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Controllers made from plants, run in closed loop with them.
 
+#![allow(clippy::print_stdout, reason = "figures and seeds are shown with --nocapture")]
+
 mod common;
 
 use core::f64::consts::TAU;

@@ -1,5 +1,7 @@
 //! A measured piezo stack: 1 Hz sine, judged on its second half and on another record.
 
+#![allow(clippy::print_stdout, reason = "figures and seeds are shown with --nocapture")]
+
 mod common;
 
 use piezoloop_identify::{Rows, Settings, Silent, compare, identify, simulate};

@@ -1,5 +1,7 @@
 //! Truths that are known: simulated, disturbed by noise, identified.
 
+#![allow(clippy::print_stdout, reason = "figures and seeds are shown with --nocapture")]
+
 mod common;
 
 use common::{Random, target};
@@ -105,6 +107,25 @@ fn value(found: &Identification, name: &str) -> (f64, f64) {
     (estimate.value, estimate.deviation.unwrap_or(f64::NAN))
 }
 
+fn print(seed: u64, found: &Identification) {
+    println!("seed {seed}");
+    for c in &found.candidates {
+        println!(
+            "  {} {}: {:?} um, {}",
+            if c.accepted { "*" } else { " " },
+            c.structure,
+            c.held_out_rmse,
+            c.reason
+        );
+    }
+    for p in &found.parameters {
+        println!(
+            "    {} = {:.6e} {} +- {:?} ({:?})",
+            p.name, p.value, p.unit, p.deviation, p.verdict
+        );
+    }
+}
+
 fn with_thresholds() -> Settings {
     Settings { thresholds: Some(R.to_vec()), ..Settings::default() }
 }
@@ -115,7 +136,7 @@ fn weights_offset_and_delay_are_recovered_under_noise() {
         let truth = truth(1e-3, Some(2.6e-3), [None, None]);
         let record = log(&truth, 1e-3, &slow(6000, 1.0, 1e-3), 0.01, seed);
         let found = identified(record, &with_thresholds());
-        println!("seed {seed}: {:#?}", found.parameters);
+        print(seed, &found);
         for (w, truth) in weights(&found).iter().zip(W) {
             assert!((w - truth).abs() < 5e-4, "seed {seed}: {w} for {truth} um/V");
         }
@@ -156,7 +177,7 @@ fn a_mode_is_found_with_its_frequency_damping_and_the_weights() {
         let record = log(&truth, 5e-5, &multisine(16_000, 5e-5, seed), 0.003, seed);
         let settings = Settings { drop: 0.05, ..with_thresholds() };
         let found = identified(record, &settings);
-        println!("seed {seed}: {:#?} {:#?}", found.candidates, found.parameters);
+        print(seed, &found);
         let (frequency, _) = value(&found, "mode.frequency");
         assert!((frequency / 482.6 - 1.0).abs() < 1e-3, "seed {seed}: {frequency} Hz");
         let (zeta, _) = value(&found, "mode.damping");
@@ -174,7 +195,7 @@ fn an_amplifier_lag_is_found_with_its_bandwidth() {
     let truth = truth(5e-5, None, [lag(270.0), None]);
     let record = log(&truth, 5e-5, &multisine(16_000, 5e-5, 31), 0.003, 31);
     let found = identified(record, &Settings { drop: 0.05, ..with_thresholds() });
-    println!("seed 31: {:#?} {:#?}", found.candidates, found.parameters);
+    print(31, &found);
     let (bandwidth, _) = value(&found, "amplifier.bandwidth");
     assert!((bandwidth / 270.0 - 1.0).abs() < 0.01, "{bandwidth} Hz");
     assert!(found.candidates.iter().any(|c| c.accepted && !c.structure.contains("mode")));
@@ -195,4 +216,55 @@ fn plays_beyond_the_range_of_the_record_are_named_as_not_excited() {
         .collect();
     assert_eq!(silent.first(), Some(&"hysteresis.w[5]"), "24 V is beyond a half range of 20 V");
     assert_eq!(silent.len(), 6);
+}
+
+#[test]
+fn lag_and_mode_are_found_together_and_the_plant_does_what_the_fit_says() {
+    let truth = truth(5e-5, Some(6e-5), [lag(900.0), mode(482.6, 0.05)]);
+    let record = log(&truth, 5e-5, &multisine(16_000, 5e-5, 51), 0.001, 51);
+    let found = identified(record, &Settings { drop: 0.02, ..with_thresholds() });
+    print(51, &found);
+    let (bandwidth, _) = value(&found, "amplifier.bandwidth");
+    assert!((bandwidth / 900.0 - 1.0).abs() < 0.01, "{bandwidth} Hz");
+    let (frequency, _) = value(&found, "mode.frequency");
+    assert!((frequency / 482.6 - 1.0).abs() < 1e-3, "{frequency} Hz");
+    let (delay, _) = value(&found, "delay.delay");
+    assert!((delay - 6e-5).abs() < 2e-6, "{delay} s");
+    // The offset of the plant is that of the rows fitted on: to rounding nothing is left of it.
+    let fit = &found.records[0];
+    assert!(fit.fitted.offset.abs() < 1e-9 * fit.fitted.range, "{:?}", fit.fitted);
+    assert!((fit.held_out.rmse / 0.001 - 1.0).abs() < 0.1, "{:?}", fit.held_out);
+}
+
+fn refused(input: &[f64], output: &[f64], settings: &Settings) -> String {
+    let time: Vec<f64> = (0..input.len()).map(|k| k as f64 * 1e-3).collect();
+    let record = Record::new(Columns {
+        name: "bad.csv",
+        time: &time,
+        input_name: "u",
+        input,
+        output_name: "y",
+        output,
+    });
+    let record = record.unwrap_or_else(|e| panic!("{e:?}"));
+    let found = identify(&[record], &target("found"), settings, &mut Silent);
+    found.map(|_| ()).expect_err("refused").to_string()
+}
+
+#[test]
+fn logs_that_cannot_be_identified_from_are_refused_with_the_way_out() {
+    let wave: Vec<f64> = (0..1000).map(|k| (0.05 * f64::from(k)).sin()).collect();
+    let settings = Settings::default();
+    let text = refused(&[1.5; 1000], &wave, &settings);
+    assert!(text.contains("\"u\" is 1.5") && text.contains("drive the axis"), "{text}");
+    let falling: Vec<f64> = wave.iter().map(|u| -2.0 * u).collect();
+    let text = refused(&wave, &falling, &settings);
+    assert!(text.contains("change the sign"), "{text}");
+    let text = refused(&wave[..200], &wave[..200], &settings);
+    assert!(text.contains("100 samples to fit on, but 150 are needed"), "{text}");
+    let late = Settings { drop: 5.0, hold_out: 1.0, plays: 0, ..Settings::default() };
+    let text = refused(&wave, &wave, &late);
+    assert!(text.contains("plays = 0") && text.contains("hold_out = 1"), "{text}");
+    let text = refused(&wave, &wave, &Settings { drop: 5.0, ..Settings::default() });
+    assert!(text.contains("0 samples to fit on") && text.contains("drop less"), "{text}");
 }

@@ -143,7 +143,7 @@ fn check(settings: &ControlSettings, period: f64) -> Result<(), Error> {
         let value = settings.sensitivity;
         problems.push(SettingsProblem { setting: "sensitivity", value, rule });
     }
-    if !(settings.noise > 0.0) {
+    if settings.noise.is_nan() || settings.noise <= 0.0 {
         let rule = "is above 0; 100 is usual, 10 suits a coarse sensor";
         problems.push(SettingsProblem { setting: "noise", value: settings.noise, rule });
     }

@@ -33,7 +33,7 @@ const DIFFERENCE: f64 = 1e-6;
 /// Most iterations; a problem of a few parameters needs 10 to 30.
 const ITERATIONS: usize = 100;
 /// Relative fall of the sum of squares below which the search has converged.
-const TOLERANCE: f64 = 1e-10;
+const TOLERANCE: f64 = 1e-8;
 /// Damping beyond which no step helps any more.
 const DAMPING_LIMIT: f64 = 1e12;
 

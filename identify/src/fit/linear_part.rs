@@ -7,6 +7,8 @@
 //!
 //! Source: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413–432 (variable projection).
 
+use core::f64::consts::TAU;
+
 use crate::error::Error;
 
 use super::levenberg_marquardt::{Unknown, minimise};
@@ -46,7 +48,8 @@ const STEPS_PER_CYCLE: f64 = 20.0;
 /// Most internal steps per sample.
 const MOST_SUBSTEPS: f64 = 16.0;
 
-/// Fits the linear parts of `structure` together with the weights, from `static_fit` on.
+/// Fits the linear parts of `structure` together with the weights, from `known` on: the linear parts
+/// of a simpler structure.
 ///
 /// # Errors
 /// [`Error::NoSolution`] where the search does not converge, and those of [`Task::solve`].
@@ -54,10 +57,10 @@ pub(crate) fn fit(
     task: &mut Task<'_>,
     structure: Structure,
     longest_delay: f64,
-    static_fit: &Fitted,
+    known: &LinearPart,
     report: &mut dyn FnMut(usize, usize),
 ) -> Result<(Fitted, Deviations), Error> {
-    let start = scan(task, structure, static_fit, report)?;
+    let start = scan(task, structure, known, report)?;
     task.substeps = substeps(&start, task.period);
     let coordinates = Coordinates { structure, period: task.period };
     let unknowns = coordinates.unknowns(&start, longest_delay, &frequencies(task));
@@ -94,7 +97,7 @@ fn frequencies(task: &Task<'_>) -> (f64, f64) {
 fn scan(
     task: &Task<'_>,
     structure: Structure,
-    static_fit: &Fitted,
+    known: &LinearPart,
     report: &mut dyn FnMut(usize, usize),
 ) -> Result<LinearPart, Error> {
     let coarse = coarse(task);
@@ -103,7 +106,7 @@ fn scan(
     let grid: Vec<f64> = (0..count)
         .map(|k| lowest * (highest / lowest).powf(k as f64 / (count - 1) as f64))
         .collect();
-    let candidates = candidates(structure, &grid, static_fit.linear.delay);
+    let candidates = candidates(structure, &grid, known);
     let mut best: Option<(f64, LinearPart)> = None;
     for (done, &linear) in candidates.iter().enumerate() {
         report(done, candidates.len());
@@ -124,20 +127,22 @@ fn coarse<'a>(task: &Task<'a>) -> Task<'a> {
     }
 }
 
-/// Starts with the delay found for the static model and with none: a lag or a mode explains a part
-/// of that delay.
-fn candidates(structure: Structure, grid: &[f64], delay: f64) -> Vec<LinearPart> {
+/// Points of the scan: a lag or a mode in addition to what is known. Either explains a part of the
+/// delay, so that part or all of it is taken off.
+fn candidates(structure: Structure, grid: &[f64], known: &LinearPart) -> Vec<LinearPart> {
     let mut all = Vec::new();
-    for delay in [0.0, delay] {
-        for &frequency in grid {
-            if structure.mode {
-                for damping in SCAN_DAMPING {
-                    let mode = Some(ModeShape { frequency, damping });
-                    let bandwidth = structure.lag.then_some(grid[grid.len() - 1]);
-                    all.push(LinearPart { delay, bandwidth, mode });
-                }
-            } else {
-                all.push(LinearPart { delay, bandwidth: Some(frequency), mode: None });
+    for &frequency in grid {
+        if structure.lag && (known.mode.is_some() || !structure.mode) {
+            let bandwidth = Some(frequency);
+            let delay = (known.delay - 1.0 / (TAU * frequency)).max(0.0);
+            all.push(LinearPart { bandwidth, delay, ..*known });
+            all.push(LinearPart { bandwidth, ..*known });
+        } else {
+            for damping in SCAN_DAMPING {
+                let mode = Some(ModeShape { frequency, damping });
+                let bandwidth = structure.lag.then_some(grid[grid.len() - 1]);
+                all.push(LinearPart { delay: known.delay, bandwidth, mode });
+                all.push(LinearPart { delay: 0.0, bandwidth, mode });
             }
         }
     }
