@@ -27,7 +27,7 @@ pub struct Identification {
 pub const RULES: &str = "simulation mode: the plant is built from its blueprint, starts at rest \
     under the record's first command and never sees the measured position; each figure's own \
     constant offset is fitted to its rows and stated; no drift is removed; rows held out take no \
-    part in any fit of parameters";
+    part in any fit of parameters, and only decide whether a lag or a mode is kept";
 
 /// Agreement with one record.
 #[derive(Clone, Debug, Serialize)]

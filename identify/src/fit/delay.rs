@@ -13,6 +13,9 @@
 //! residuals ([`independent_samples`]). Where the log determines the delay, L is a narrow peak and
 //! the mean is the minimum; where it does not, the estimate lies in the middle of what the log
 //! allows, and its standard deviation says how little that is.
+//!
+//! Limits: a misfit that repeats with every period of the input is no independent residual, and n
+//! counts it as one per correlation time; the true uncertainty is then larger than the one stated.
 
 use crate::error::Error;
 
