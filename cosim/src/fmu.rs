@@ -4,11 +4,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use fmi_bindings::import::OnMessage;
-use fmi_bindings::import::v2::Library;
+use fmi_bindings::import::{v2, v3};
 use modeldescription::{FmiVersion, ModelDescription, Package};
 
 use crate::error::Error;
-use crate::slave::{Fmi2Slave, Settings, Slave};
+use crate::slave::{Fmi2Slave, Fmi3Slave, Settings, Slave};
 
 /// An FMU that is opened and loaded, ready to be instantiated any number of times.
 ///
@@ -16,7 +16,13 @@ use crate::slave::{Fmi2Slave, Settings, Slave};
 pub struct Fmu {
     package: Arc<Package>,
     description: Arc<ModelDescription>,
-    library: Arc<Library>,
+    library: Library,
+}
+
+/// The loaded library, by version of the standard.
+enum Library {
+    V2(Arc<v2::Library>),
+    V3(Arc<v3::Library>),
 }
 
 /// What an instance is made with.
@@ -34,19 +40,13 @@ impl Fmu {
     /// Opens a `.fmu` file, or a folder with the content of one, and loads its library.
     ///
     /// # Errors
-    /// A package that does not open, offers no FMI 2.0 co-simulation, has no library for this
+    /// A package that does not open, offers no co-simulation, has no library for this
     /// machine, or has one that does not load.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let failed = |reason: String| Error::Package { path: path.to_path_buf(), reason };
         let package = Package::open(path)?;
         let description = package.description();
-        if description.fmi_version != FmiVersion::V2 {
-            return Err(failed(format!(
-                "the FMU is of FMI {}, and only FMI 2.0 can be run; export it as FMI 2.0",
-                description.fmi_version.text()
-            )));
-        }
         if description.co_simulation.is_none() {
             return Err(failed(
                 "the FMU offers no co-simulation, only model exchange; export it for co-simulation"
@@ -54,7 +54,11 @@ impl Fmu {
             ));
         }
         let description = Arc::new(description.clone());
-        let library = Arc::new(Library::load(&package.binary()?)?);
+        let binary = package.binary()?;
+        let library = match description.fmi_version {
+            FmiVersion::V2 => Library::V2(Arc::new(v2::Library::load(&binary)?)),
+            FmiVersion::V3 => Library::V3(Arc::new(v3::Library::load(&binary)?)),
+        };
         Ok(Fmu { package: Arc::new(package), description, library })
     }
 
@@ -70,7 +74,10 @@ impl Fmu {
 
     /// Functions that the standard requires and this FMU's library lacks.
     pub fn missing_functions(&self) -> &[&'static str] {
-        self.library.missing()
+        match &self.library {
+            Library::V2(library) => library.missing(),
+            Library::V3(library) => library.missing(),
+        }
     }
 
     /// Makes an instance.
@@ -82,24 +89,16 @@ impl Fmu {
         name: impl Into<String>,
         options: &InstanceOptions,
     ) -> Result<Box<dyn Slave>, Error> {
-        Ok(Box::new(self.instantiate_fmi2(name, options)?))
-    }
-
-    /// Makes an instance, as the FMI 2.0 slave it is.
-    pub fn instantiate_fmi2(
-        &self,
-        name: impl Into<String>,
-        options: &InstanceOptions,
-    ) -> Result<Fmi2Slave, Error> {
         let InstanceOptions { visible, logging_on, on_message } = options.clone();
-        let settings = Settings {
-            name: name.into(),
-            resource_location: self.package.resources_uri(),
-            visible,
-            logging_on,
-            on_message,
-        };
-        let (library, description) = (Arc::clone(&self.library), Arc::clone(&self.description));
-        Fmi2Slave::new(library, description, Arc::clone(&self.package), settings)
+        let settings = Settings { name: name.into(), visible, logging_on, on_message };
+        let (package, description) = (Arc::clone(&self.package), Arc::clone(&self.description));
+        Ok(match &self.library {
+            Library::V2(library) => {
+                Box::new(Fmi2Slave::new(Arc::clone(library), description, package, settings)?)
+            }
+            Library::V3(library) => {
+                Box::new(Fmi3Slave::new(Arc::clone(library), description, package, settings)?)
+            }
+        })
     }
 }

@@ -1,6 +1,6 @@
 //! Running a system: initialization, communication steps, record.
 
-use fmi_bindings::import::v2::Experiment;
+use fmi_bindings::import::Experiment;
 
 use crate::algorithm::Algorithm;
 use crate::error::{Error, RunError};

@@ -1,6 +1,6 @@
 //! A checked system: slaves, the bus between them, and the moves of which algorithms are made.
 
-use fmi_bindings::import::v2::StepResult;
+use fmi_bindings::import::StepResult;
 use modeldescription::variable::Variable;
 
 use crate::error::Error;

@@ -4,7 +4,7 @@
 mod common;
 
 use common::instance;
-use piezoloop_cosim::{Experiment, Fmu, InstanceOptions, Selection, Slave, Value};
+use piezoloop_cosim::{Experiment, Fmu, Selection, Slave, Value};
 
 /// The integrator's command and position.
 fn ports(slave: &dyn Slave) -> (Selection, Selection) {
@@ -78,20 +78,17 @@ fn a_saved_state_is_the_whole_state() {
 fn a_serialised_state_goes_to_another_instance() {
     let fmus = fmus_or_skip!();
     let fmu = fmus.integrator();
-    let (mut a, mut b) = (
-        fmu.instantiate_fmi2("a", &InstanceOptions::default()).unwrap(),
-        fmu.instantiate_fmi2("b", &InstanceOptions::default()).unwrap(),
-    );
+    let (mut a, mut b) = (instance(&fmu, "a"), instance(&fmu, "b"));
     a.set_start("position[1]", &Value::Real(42.0)).unwrap();
-    let (ia, ib) = (a.instance().unwrap(), b.instance().unwrap());
-    let saved = ia.save_state().unwrap();
-    let bytes = ia.serialize_state(&saved).unwrap();
+    let saved = a.save(None).unwrap();
+    let bytes = a.serialize(saved).unwrap();
     // A state of one instance is not one of the other.
-    assert!(ib.restore_state(&saved).is_err());
-    let loaded = ib.deserialize_state(&bytes).unwrap();
-    ib.restore_state(&loaded).unwrap();
+    assert!(b.restore(saved).is_err());
+    let loaded = b.deserialize(&bytes).unwrap();
+    b.restore(loaded).unwrap();
     assert_eq!(b.value("position[1]").unwrap(), Value::Real(42.0));
-    assert!(b.instance().unwrap().deserialize_state(&bytes[1..]).is_err());
+    let error = b.deserialize(&bytes[1..]).unwrap_err().to_string();
+    assert!(error.contains("these bytes are no state of mine"), "{error}");
 }
 
 #[test]

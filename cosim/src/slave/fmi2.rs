@@ -1,16 +1,16 @@
 //! A slave of FMI 2.0.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
-use fmi_bindings::import::v2::{
-    Experiment, Instance, Instantiation, Library, SavedState, StepResult,
-};
-use fmi_bindings::import::{Error as ImportError, OnMessage};
+use fmi_bindings::import::v2::{Instance, Instantiation, Library};
+use fmi_bindings::import::{Error as ImportError, Experiment, StepResult};
 use modeldescription::variable::DataType;
 use modeldescription::{ModelDescription, Package};
 
 use super::selection::{Selection, TypeRun, find};
+use super::support::{
+    Settings, States, instance_of, offers_bytes, offers_state, problem, same_length, type_error,
+};
 use super::value::Value;
 use super::{Slave, StateId};
 use crate::error::Error;
@@ -19,26 +19,15 @@ use crate::error::Error;
 const CHUNK: usize = 32;
 
 /// One instance of an FMI 2.0 co-simulation FMU.
-pub struct Fmi2Slave {
+pub(crate) struct Fmi2Slave {
     /// None only while it is being made anew.
     instance: Option<Instance>,
     library: Arc<Library>,
     description: Arc<ModelDescription>,
     settings: Settings,
-    states: HashMap<StateId, SavedState>,
-    next_state: usize,
-    /// Keeps the unpacked folder, which the FMU reads from.
-    _package: Arc<Package>,
-}
-
-/// What an instance is made with, to make it again.
-#[derive(Clone, Default)]
-pub(crate) struct Settings {
-    pub(crate) name: String,
-    pub(crate) resource_location: String,
-    pub(crate) visible: bool,
-    pub(crate) logging_on: bool,
-    pub(crate) on_message: Option<OnMessage>,
+    states: States,
+    /// Also keeps the unpacked folder, which the FMU reads from.
+    package: Arc<Package>,
 }
 
 impl Fmi2Slave {
@@ -48,65 +37,34 @@ impl Fmi2Slave {
         package: Arc<Package>,
         settings: Settings,
     ) -> Result<Self, Error> {
-        Ok(Fmi2Slave {
-            instance: Some(instantiate(&library, &description, &settings)?),
+        let mut slave = Fmi2Slave {
+            instance: None,
             library,
             description,
             settings,
-            states: HashMap::new(),
-            next_state: 0,
-            _package: package,
-        })
+            states: States::default(),
+            package,
+        };
+        slave.make_anew()?;
+        Ok(slave)
     }
 
-    /// The instance, for calls that the master does not make.
-    ///
-    /// # Errors
-    /// There is none: an attempt to make it anew failed.
     #[inline]
-    pub fn instance(&mut self) -> Result<&mut Instance, Error> {
-        match &mut self.instance {
-            Some(instance) => Ok(instance),
-            None => Err(ImportError::Dead { fmu: self.settings.name.clone(), call: "this" }.into()),
-        }
+    fn instance(&mut self) -> Result<&mut Instance, Error> {
+        instance_of(&mut self.instance, &self.settings.name)
     }
 
     /// Frees the instance, then makes a new one: never two at a time, which some FMUs forbid.
     fn make_anew(&mut self) -> Result<(), Error> {
         self.states.clear();
         self.instance = None;
-        self.instance = Some(instantiate(&self.library, &self.description, &self.settings)?);
+        let Settings { name, visible, logging_on, on_message } = self.settings.clone();
+        let guid = self.description.instantiation_token.clone();
+        let resource_location = self.package.resources_uri();
+        let options =
+            Instantiation { name, guid, resource_location, visible, logging_on, on_message };
+        self.instance = Some(Instance::new(&self.library, options)?);
         Ok(())
-    }
-
-    fn saved(&mut self, state: StateId) -> Result<(&mut Instance, &SavedState), Error> {
-        let unknown = || ImportError::UnknownState { fmu: self.settings.name.clone() };
-        match (&mut self.instance, self.states.get(&state)) {
-            (Some(instance), Some(saved)) => Ok((instance, saved)),
-            _ => Err(unknown().into()),
-        }
-    }
-
-    #[inline]
-    fn same_length(
-        &self,
-        call: &'static str,
-        selection: &Selection,
-        values: usize,
-    ) -> Result<(), Error> {
-        if selection.len() == values {
-            return Ok(());
-        }
-        let (fmu, references) = (self.settings.name.clone(), selection.len());
-        Err(ImportError::Length { fmu, call, references, values }.into())
-    }
-
-    fn offers_state(&self) -> Result<(), Error> {
-        let common = self.description.co_simulation.as_ref().map(|cs| &cs.common);
-        if common.is_some_and(|common| common.can_get_and_set_fmu_state) {
-            return Ok(());
-        }
-        Err(self.no_state())
     }
 }
 
@@ -186,7 +144,7 @@ impl Slave for Fmi2Slave {
 
     #[inline]
     fn set(&mut self, selection: &Selection, values: &[f64]) -> Result<(), Error> {
-        self.same_length("set", selection, values.len())?;
+        same_length(&self.settings.name, "set", selection, values.len())?;
         let instance = self.instance()?;
         for run in selection.runs() {
             let references = &selection.references()[run.range.clone()];
@@ -202,7 +160,7 @@ impl Slave for Fmi2Slave {
 
     #[inline]
     fn get(&mut self, selection: &Selection, values: &mut [f64]) -> Result<(), Error> {
-        self.same_length("get", selection, values.len())?;
+        same_length(&self.settings.name, "get", selection, values.len())?;
         let instance = self.instance()?;
         for run in selection.runs() {
             let references = &selection.references()[run.range.clone()];
@@ -239,42 +197,38 @@ impl Slave for Fmi2Slave {
     }
 
     fn save(&mut self, reuse: Option<StateId>) -> Result<StateId, Error> {
-        self.offers_state()?;
+        offers_state(self)?;
         if let Some(state) = reuse {
-            let (instance, saved) = self.saved(state)?;
-            instance.save_state_into(saved)?;
+            let saved = self.states.get(&self.settings.name, state)?;
+            instance_of(&mut self.instance, &self.settings.name)?.save_state_into(saved)?;
             return Ok(state);
         }
         let saved = self.instance()?.save_state()?;
-        let state = StateId(self.next_state);
-        self.next_state += 1;
-        self.states.insert(state, saved);
-        Ok(state)
+        Ok(self.states.insert(saved))
     }
 
     fn restore(&mut self, state: StateId) -> Result<(), Error> {
-        self.offers_state()?;
-        let (instance, saved) = self.saved(state)?;
-        Ok(instance.restore_state(saved)?)
+        offers_state(self)?;
+        let saved = self.states.get(&self.settings.name, state)?;
+        Ok(instance_of(&mut self.instance, &self.settings.name)?.restore_state(saved)?)
     }
 
     fn forget(&mut self, state: StateId) -> Result<(), Error> {
-        let Some(saved) = self.states.remove(&state) else {
-            return Err(ImportError::UnknownState { fmu: self.settings.name.clone() }.into());
-        };
+        let saved = self.states.remove(&self.settings.name, state)?;
         Ok(self.instance()?.free_state(saved)?)
     }
-}
 
-fn instantiate(
-    library: &Arc<Library>,
-    description: &ModelDescription,
-    settings: &Settings,
-) -> Result<Instance, Error> {
-    let Settings { name, resource_location, visible, logging_on, on_message } = settings.clone();
-    let guid = description.instantiation_token.clone();
-    let options = Instantiation { name, guid, resource_location, visible, logging_on, on_message };
-    Ok(Instance::new(library, options)?)
+    fn serialize(&mut self, state: StateId) -> Result<Vec<u8>, Error> {
+        offers_bytes(self)?;
+        let saved = self.states.get(&self.settings.name, state)?;
+        Ok(instance_of(&mut self.instance, &self.settings.name)?.serialize_state(saved)?)
+    }
+
+    fn deserialize(&mut self, bytes: &[u8]) -> Result<StateId, Error> {
+        offers_bytes(self)?;
+        let saved = self.instance()?.deserialize_state(bytes)?;
+        Ok(self.states.insert(saved))
+    }
 }
 
 /// Writes integers, enumerations or booleans.
@@ -331,17 +285,4 @@ fn get_whole(
         }
     }
     Ok(())
-}
-
-fn type_error(fmu: &str, variable: &str, data_type: DataType, value: &Value) -> Error {
-    Error::Type {
-        fmu: fmu.to_owned(),
-        variable: variable.to_owned(),
-        data_type: data_type.name(),
-        value: value.to_string(),
-    }
-}
-
-fn problem(problem: crate::problem::Problem) -> Error {
-    Error::Problems(problem.into())
 }

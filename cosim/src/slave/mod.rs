@@ -1,17 +1,20 @@
 //! What the master knows of a slave, whatever version of FMI it speaks.
 
 mod fmi2;
+mod fmi3;
 mod selection;
+mod support;
 mod value;
 
-pub use fmi2::Fmi2Slave;
-pub(crate) use fmi2::Settings;
+pub(crate) use fmi2::Fmi2Slave;
+pub(crate) use fmi3::Fmi3Slave;
 pub(crate) use selection::find;
 pub use selection::{Selection, TypeRun};
+pub(crate) use support::Settings;
 pub use value::Value;
 pub(crate) use value::{Settable, settable};
 
-use fmi_bindings::import::v2::{Experiment, StepResult};
+use fmi_bindings::import::{Experiment, StepResult};
 use modeldescription::ModelDescription;
 
 use crate::error::Error;
@@ -78,6 +81,28 @@ pub trait Slave: Send {
     fn forget(&mut self, state: StateId) -> Result<(), Error> {
         let _ = state;
         Err(self.no_state())
+    }
+
+    /// A saved state as bytes, for another process.
+    fn serialize(&mut self, state: StateId) -> Result<Vec<u8>, Error> {
+        let _ = state;
+        Err(self.no_bytes())
+    }
+
+    /// A saved state from bytes; it becomes the current one by `restore`.
+    fn deserialize(&mut self, bytes: &[u8]) -> Result<StateId, Error> {
+        let _ = bytes;
+        Err(self.no_bytes())
+    }
+
+    /// The error of a slave that cannot turn its state into bytes.
+    #[doc(hidden)]
+    fn no_bytes(&self) -> Error {
+        Error::NotOffered {
+            fmu: self.name().to_owned(),
+            what: "turn its state into bytes",
+            attribute: "canSerializeFMUstate",
+        }
     }
 
     /// The error of a slave that cannot save its state.

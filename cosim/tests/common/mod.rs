@@ -43,7 +43,8 @@ impl Fmus {
     /// Compiles a source of `tests/fmus` and packs it with a description.
     pub fn pack(&self, source: &str, description: &ModelDescription) -> PathBuf {
         let library = std::fs::read(self.compile(source)).expect("the library");
-        let platform = Platform::host().expect("a known platform").folder(FmiVersion::V2);
+        let version = description.fmi_version;
+        let platform = Platform::host().expect("a known platform").folder(version);
         let mut builder = PackageBuilder::new(description).expect("a valid description");
         builder.binary(platform, library).expect("one binary");
         let fmu = self.path(&format!("{source} é.fmu"));
@@ -107,6 +108,7 @@ fn described(identifier: &str, variables: Vec<Variable>) -> ModelDescription {
     let mut co_simulation = CoSimulation::new(identifier);
     co_simulation.can_handle_variable_communication_step_size = true;
     co_simulation.common.can_get_and_set_fmu_state = identifier != "bare";
+    co_simulation.common.can_serialize_fmu_state = identifier != "bare";
     description.co_simulation = Some(co_simulation);
     description.log_categories = vec![LogCategory {
         name: "logStatus".to_owned(),
@@ -177,6 +179,44 @@ pub fn controller() -> ModelDescription {
             k,
         ],
     )
+}
+
+/// `integrator3.c`: `position' = k · command`, of FMI 3.0, with a variable of every type.
+pub fn integrator3() -> ModelDescription {
+    use Causality::{Input, Output, Parameter};
+    let mut k = real("k", 3, Parameter, None);
+    k.start = Some(Start::Float(vec![1.0]));
+    let number = |name: &str, reference: u32, data_type: DataType| {
+        let mut variable = variable(name, reference, data_type, Input);
+        if data_type.integer_range(FmiVersion::V3).is_some() {
+            variable.start = Some(Start::Integer(vec![0]));
+        }
+        variable
+    };
+    let mut description = described(
+        "integrator3",
+        vec![
+            real("command[1]", 1, Input, Some("V")),
+            real("position[1]", 2, Output, Some("um")),
+            k,
+            variable("label", 4, DataType::String, Parameter),
+            number("f32", 10, DataType::Float32),
+            number("i8", 11, DataType::Int8),
+            number("u8", 12, DataType::UInt8),
+            number("i16", 13, DataType::Int16),
+            number("u16", 14, DataType::UInt16),
+            number("i32", 15, DataType::Int32),
+            number("u32", 16, DataType::UInt32),
+            number("i64", 17, DataType::Int64),
+            number("u64", 18, DataType::UInt64),
+            number("boolean", 19, DataType::Boolean),
+        ],
+    );
+    description.fmi_version = FmiVersion::V3;
+    let outputs = vec![Unknown::new(2)];
+    description.structure.initial_unknowns.clone_from(&outputs);
+    description.structure.outputs = outputs;
+    description
 }
 
 /// `bare.c`: `y = 2 · u`.

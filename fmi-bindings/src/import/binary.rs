@@ -43,6 +43,46 @@ impl Binary {
     }
 }
 
+/// Looks functions up and notes those that are missing.
+pub(super) struct Finder<'a> {
+    binary: &'a Binary,
+    needed: Vec<&'static str>,
+    other: Vec<&'static str>,
+}
+
+impl<'a> Finder<'a> {
+    pub(super) fn new(binary: &'a Binary) -> Self {
+        Finder { binary, needed: Vec::new(), other: Vec::new() }
+    }
+
+    /// The missing functions: those that are needed, and the others.
+    pub(super) fn missing(self) -> (Vec<&'static str>, Vec<&'static str>) {
+        (self.needed, self.other)
+    }
+
+    /// # Safety
+    /// As for [`Binary::function`].
+    pub(super) unsafe fn needed<F: Copy>(&mut self, name: &'static str) -> Option<F> {
+        // SAFETY: promised by the caller.
+        let function = unsafe { self.binary.function(name) };
+        if function.is_none() {
+            self.needed.push(name);
+        }
+        function
+    }
+
+    /// # Safety
+    /// As for [`Binary::function`].
+    pub(super) unsafe fn other<F: Copy>(&mut self, name: &'static str) -> Option<F> {
+        // SAFETY: promised by the caller.
+        let function = unsafe { self.binary.function(name) };
+        if function.is_none() {
+            self.other.push(name);
+        }
+        function
+    }
+}
+
 #[cfg(unix)]
 fn open(path: &Path) -> Result<libloading::Library, libloading::Error> {
     use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};

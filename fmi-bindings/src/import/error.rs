@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::log::Message;
 use crate::fmi2::fmi2Status;
+use crate::fmi3::fmi3Status;
 
 /// Result of a call to an FMU, of FMI 2.0 and 3.0 alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +36,16 @@ impl From<fmi2Status> for Status {
             4 => Status::Fatal,
             5 => Status::Pending,
             other => Status::Unknown(other),
+        }
+    }
+}
+
+/// The numbers of FMI 3.0 are those of 2.0, without *Pending*.
+impl From<fmi3Status> for Status {
+    fn from(status: fmi3Status) -> Self {
+        match Status::from(fmi2Status(status.0)) {
+            Status::Pending => Status::Unknown(status.0),
+            known => known,
         }
     }
 }

@@ -1,12 +1,13 @@
 //! What an FMU says: the logger callback and the messages it collected.
 
 use std::collections::VecDeque;
-use std::ffi::{CStr, c_char};
 use std::fmt;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::error::Status;
+use super::text::text_of;
 use crate::fmi2::{fmi2CallbackLogger, fmi2ComponentEnvironment, fmi2Status, fmi2String};
+use crate::fmi3::{fmi3InstanceEnvironment, fmi3Status, fmi3String};
 
 /// Messages kept per instance; older ones are dropped, so that a talkative FMU costs no memory.
 const KEPT: usize = 256;
@@ -101,6 +102,22 @@ unsafe extern "C" fn receive(
     let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| log.push(message)));
 }
 
+/// Receives the messages of an FMI 3.0 instance.
+pub(crate) unsafe extern "C" fn receive_v3(
+    environment: fmi3InstanceEnvironment,
+    status: fmi3Status,
+    category: fmi3String,
+    message: fmi3String,
+) {
+    // SAFETY: as in `receive`.
+    let Some(log) = (unsafe { environment.cast::<Log>().as_ref() }) else { return };
+    // SAFETY: the standard promises null or zero-terminated texts, valid during this call.
+    let (category, text) = unsafe { (text_of(category), text_of(message)) };
+    let message = Message { status: status.into(), category, text };
+    // A panic of the user's closure must not unwind into the FMU's C code.
+    let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| log.push(message)));
+}
+
 /// The logger to hand to FMI 2.0 instances.
 pub(crate) fn logger() -> fmi2CallbackLogger {
     type Named = unsafe extern "C" fn(
@@ -113,16 +130,4 @@ pub(crate) fn logger() -> fmi2CallbackLogger {
     let named: Named = receive;
     // SAFETY: both are C function pointers; see `receive` for the calling convention.
     unsafe { std::mem::transmute::<Named, fmi2CallbackLogger>(named) }
-}
-
-/// Text of a C string; null is empty.
-///
-/// # Safety
-/// `text` is null or points to a zero-terminated string.
-pub(crate) unsafe fn text_of(text: *const c_char) -> String {
-    if text.is_null() {
-        return String::new();
-    }
-    // SAFETY: promised by the caller.
-    unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! Binary (dlopen) ── v2::Library (the functions of FMI 2.0) ── v2::Instance (one slave)
+//!                 └─ v3::Library (the functions of FMI 3.0) ── v3::Instance
 //!                                                              Log (what the FMU said)
 //! ```
 //!
@@ -11,8 +12,14 @@
 mod binary;
 mod error;
 mod log;
+mod state;
+mod step;
+mod text;
 pub mod v2;
+pub mod v3;
 
 pub use binary::Binary;
 pub use error::{CallError, Error, Status};
 pub use log::{Log, Message, OnMessage};
+pub use state::SavedState;
+pub use step::{Experiment, StepResult};

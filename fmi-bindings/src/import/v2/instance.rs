@@ -1,12 +1,14 @@
 //! One FMI 2.0 co-simulation slave: its life, its steps, its status.
 
-use std::ffi::{CString, c_void};
+use std::ffi::c_void;
 use std::sync::Arc;
 
 use super::super::error::{CallError, Error, Said, Status};
-use super::super::log::{Log, OnMessage, logger, text_of};
+use super::super::log::{Log, OnMessage, logger};
+use super::super::state::States;
+use super::super::step::{Experiment, StepResult};
+use super::super::text::{c_text, text_of};
 use super::library::{Functions, Library};
-use super::state::States;
 use crate::fmi2::*;
 
 /// What an instance is made with.
@@ -25,31 +27,6 @@ pub struct Instantiation {
     pub logging_on: bool,
     /// Sees each message at once.
     pub on_message: Option<OnMessage>,
-}
-
-/// Time span and accuracy of a run (`fmi2SetupExperiment`).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Experiment {
-    /// Start, s.
-    pub start: f64,
-    /// End, s, if it is fixed; the FMU may refuse steps beyond it.
-    pub stop: Option<f64>,
-    /// Relative tolerance for an FMU with error control.
-    pub tolerance: Option<f64>,
-}
-
-/// How a step ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StepResult {
-    /// The FMU is at the end of the step.
-    Completed,
-    /// The FMU stopped before.
-    Discarded {
-        /// Time it reached, s, if it tells.
-        reached: Option<f64>,
-        /// It wants to end the simulation.
-        terminated: bool,
-    },
 }
 
 /// One FMI 2.0 co-simulation instance. Dropping it frees it.
@@ -358,13 +335,4 @@ fn callbacks(log: &Arc<Log>) -> fmi2CallbackFunctions {
         stepFinished: None,
         componentEnvironment: Arc::as_ptr(log).cast_mut().cast(),
     }
-}
-
-/// A text for C.
-pub(super) fn c_text(fmu: &str, what: &'static str, text: &str) -> Result<CString, Error> {
-    CString::new(text).map_err(|_| Error::ZeroByte {
-        fmu: fmu.to_owned(),
-        what,
-        text: text.escape_debug().to_string(),
-    })
 }

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::super::binary::Binary;
+use super::super::binary::{Binary, Finder};
 use super::super::error::Error;
-use super::super::log::text_of;
+use super::super::text::text_of;
 use crate::fmi2::*;
 
 /// The FMI 2.0 functions of one FMU's library.
@@ -65,10 +65,10 @@ impl Library {
     pub fn load(path: &Path) -> Result<Self, Error> {
         let binary = Binary::load(path)?;
         check_version(&binary)?;
-        let mut find = Finder { binary: &binary, needed: Vec::new(), other: Vec::new() };
+        let mut find = Finder::new(&binary);
         // SAFETY: each name goes with its own type from the standard's headers.
         let functions = unsafe { Functions::find(&mut find) };
-        let Finder { needed, other, .. } = find;
+        let (needed, other) = find.missing();
         match functions {
             Some(functions) => Ok(Library { functions, missing: other, binary }),
             None => Err(Error::MissingFunctions {
@@ -107,37 +107,6 @@ fn check_version(binary: &Binary) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-/// Looks functions up and notes those that are missing.
-struct Finder<'a> {
-    binary: &'a Binary,
-    needed: Vec<&'static str>,
-    other: Vec<&'static str>,
-}
-
-impl Finder<'_> {
-    /// # Safety
-    /// As for [`Binary::function`].
-    unsafe fn needed<F: Copy>(&mut self, name: &'static str) -> Option<F> {
-        // SAFETY: promised by the caller.
-        let function = unsafe { self.binary.function(name) };
-        if function.is_none() {
-            self.needed.push(name);
-        }
-        function
-    }
-
-    /// # Safety
-    /// As for [`Binary::function`].
-    unsafe fn other<F: Copy>(&mut self, name: &'static str) -> Option<F> {
-        // SAFETY: promised by the caller.
-        let function = unsafe { self.binary.function(name) };
-        if function.is_none() {
-            self.other.push(name);
-        }
-        function
-    }
 }
 
 impl Functions {

@@ -5,6 +5,5 @@ mod library;
 mod state;
 mod values;
 
-pub use instance::{Experiment, Instance, Instantiation, StepResult};
+pub use instance::{Instance, Instantiation};
 pub use library::Library;
-pub use state::SavedState;

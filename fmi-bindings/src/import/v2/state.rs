@@ -1,50 +1,9 @@
 //! Saved states of an FMI 2.0 instance.
-//!
-//! The FMU owns the memory of a saved state and needs its instance to free it, so the instance
-//! keeps the pointers and hands out handles; what is not freed by hand is freed with it.
-
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::super::error::Error;
+use super::super::state::SavedState;
 use super::instance::Instance;
 use crate::fmi2::*;
-
-/// A handle of a state that an instance has saved. Only that instance can use it.
-#[derive(Debug, PartialEq, Eq)]
-pub struct SavedState {
-    owner: u64,
-    slot: usize,
-}
-
-/// The saved states of one instance; a freed slot is `None` and is used again.
-pub(super) struct States {
-    owner: u64,
-    slots: Vec<Option<fmi2FMUstate>>,
-}
-
-impl Default for States {
-    fn default() -> Self {
-        static NEXT: AtomicU64 = AtomicU64::new(0);
-        States { owner: NEXT.fetch_add(1, Ordering::Relaxed), slots: Vec::new() }
-    }
-}
-
-impl States {
-    /// Pointer of a handle, unless it is freed or foreign.
-    fn get(&self, state: &SavedState) -> Option<fmi2FMUstate> {
-        self.slots.get(state.slot).copied().flatten().filter(|_| state.owner == self.owner)
-    }
-
-    fn insert(&mut self, pointer: fmi2FMUstate) -> SavedState {
-        let free = self.slots.iter().position(Option::is_none);
-        let slot = free.unwrap_or_else(|| {
-            self.slots.push(None);
-            self.slots.len() - 1
-        });
-        self.slots[slot] = Some(pointer);
-        SavedState { owner: self.owner, slot }
-    }
-}
 
 impl Instance {
     /// Saves the whole state (`fmi2GetFMUstate`).
@@ -58,8 +17,7 @@ impl Instance {
     pub fn save_state_into(&mut self, state: &SavedState) -> Result<(), Error> {
         let old = self.pointer(state)?;
         let new = self.get_fmu_state(old)?;
-        // The FMU may have moved it.
-        self.states.slots[state.slot] = Some(new);
+        self.states.replace(state, new);
         Ok(())
     }
 
@@ -80,7 +38,7 @@ impl Instance {
         let free = self.optional(self.functions().free_fmu_state, CALL)?;
         let mut pointer = self.pointer(&state)?;
         let component = self.alive(CALL)?;
-        self.states.slots[state.slot] = None;
+        self.states.remove(&state);
         // SAFETY: the state was saved by this instance, and its handle is gone after this.
         let status = unsafe { free(component, &raw mut pointer) };
         self.check(CALL, status)
@@ -129,13 +87,13 @@ impl Instance {
     }
 
     fn pointer(&self, state: &SavedState) -> Result<fmi2FMUstate, Error> {
-        self.states.get(state).ok_or_else(|| Error::UnknownState { fmu: self.name.clone() })
+        self.states.get(&self.name, state)
     }
 
     /// Frees what nobody freed; the instance is about to go.
     pub(super) fn free_all_states(&mut self) {
         let Some(free) = self.functions().free_fmu_state else { return };
-        for mut pointer in std::mem::take(&mut self.states.slots).into_iter().flatten() {
+        for mut pointer in self.states.take_all() {
             // SAFETY: saved by this instance, never used again.
             unsafe { free(self.component, &raw mut pointer) };
         }

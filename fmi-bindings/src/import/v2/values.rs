@@ -6,8 +6,8 @@
 use std::ptr;
 
 use super::super::error::Error;
-use super::super::log::text_of;
-use super::instance::{Instance, c_text};
+use super::super::text::{c_text, text_of};
+use super::instance::Instance;
 use crate::fmi2::*;
 
 /// Booleans are C ints at the edge; so many are converted on the stack at once.

@@ -1,0 +1,110 @@
+//! What slaves of FMI 2.0 and 3.0 have in common.
+
+use std::collections::HashMap;
+
+use fmi_bindings::import::{Error as ImportError, OnMessage, SavedState};
+use modeldescription::variable::DataType;
+
+use super::selection::Selection;
+use super::value::Value;
+use super::{Slave, StateId};
+use crate::error::Error;
+
+/// What an instance is made with, to make it again.
+#[derive(Clone, Default)]
+pub(crate) struct Settings {
+    pub(crate) name: String,
+    pub(crate) visible: bool,
+    pub(crate) logging_on: bool,
+    pub(crate) on_message: Option<OnMessage>,
+}
+
+/// Saved states by their numbers.
+#[derive(Default)]
+pub(super) struct States {
+    saved: HashMap<StateId, SavedState>,
+    next: usize,
+}
+
+impl States {
+    pub(super) fn is_empty(&self) -> bool {
+        self.saved.is_empty()
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.saved.clear();
+    }
+
+    pub(super) fn insert(&mut self, saved: SavedState) -> StateId {
+        let state = StateId(self.next);
+        self.next += 1;
+        self.saved.insert(state, saved);
+        state
+    }
+
+    pub(super) fn get(&self, fmu: &str, state: StateId) -> Result<&SavedState, Error> {
+        self.saved.get(&state).ok_or_else(|| unknown_state(fmu))
+    }
+
+    pub(super) fn remove(&mut self, fmu: &str, state: StateId) -> Result<SavedState, Error> {
+        self.saved.remove(&state).ok_or_else(|| unknown_state(fmu))
+    }
+}
+
+fn unknown_state(fmu: &str) -> Error {
+    ImportError::UnknownState { fmu: fmu.to_owned() }.into()
+}
+
+/// The instance, if there is one.
+#[inline]
+pub(super) fn instance_of<'a, I>(
+    instance: &'a mut Option<I>,
+    fmu: &str,
+) -> Result<&'a mut I, Error> {
+    instance.as_mut().ok_or_else(|| {
+        ImportError::Dead { fmu: fmu.to_owned(), call: "a function of a lost instance" }.into()
+    })
+}
+
+pub(super) fn offers_state(slave: &dyn Slave) -> Result<(), Error> {
+    let common = slave.description().co_simulation.as_ref().map(|cs| &cs.common);
+    if common.is_some_and(|common| common.can_get_and_set_fmu_state) {
+        return Ok(());
+    }
+    Err(slave.no_state())
+}
+
+pub(super) fn offers_bytes(slave: &dyn Slave) -> Result<(), Error> {
+    let common = slave.description().co_simulation.as_ref().map(|cs| &cs.common);
+    if common.is_some_and(|common| common.can_serialize_fmu_state) {
+        return Ok(());
+    }
+    Err(slave.no_bytes())
+}
+
+#[inline]
+pub(super) fn same_length(
+    fmu: &str,
+    call: &'static str,
+    selection: &Selection,
+    values: usize,
+) -> Result<(), Error> {
+    if selection.len() == values {
+        return Ok(());
+    }
+    let (fmu, references) = (fmu.to_owned(), selection.len());
+    Err(ImportError::Length { fmu, call, references, values }.into())
+}
+
+pub(super) fn type_error(fmu: &str, variable: &str, data_type: DataType, value: &Value) -> Error {
+    Error::Type {
+        fmu: fmu.to_owned(),
+        variable: variable.to_owned(),
+        data_type: data_type.name(),
+        value: value.to_string(),
+    }
+}
+
+pub(super) fn problem(problem: crate::problem::Problem) -> Error {
+    Error::Problems(problem.into())
+}

@@ -1,0 +1,162 @@
+//! FMUs of FMI 3.0: the same master, the same answers, also beside FMUs of FMI 2.0.
+#![allow(clippy::print_stdout)]
+
+mod common;
+
+use common::instance;
+use piezoloop_cosim::{
+    Coupling, Drive, Experiment, Fmu, Loop, LoopSettings, Memory, Points, Run, Signals, Value,
+    Wiring, simulate_with_inputs,
+};
+
+fn integrator3(fmus: &common::Fmus) -> Fmu {
+    Fmu::open(fmus.pack("integrator3", &common::integrator3())).expect("it opens")
+}
+
+#[test]
+fn a_driven_fmu_of_fmi_3_gives_the_values_of_fmi_2() {
+    let fmus = fmus_or_skip!();
+    let time: Vec<f64> = (0..100).map(|k| 5.0 + f64::from(k) * 0.01).collect();
+    let u: Vec<f64> = time.iter().map(|t| (7.0 * t).cos()).collect();
+    // Two records: this FMU has no fmi3Reset and is made anew.
+    let signals = || Signals::new(&time).with("command[1]", &u);
+    let drive = Drive {
+        parameters: vec![("k".to_owned(), Value::Real(2.0))],
+        record: vec!["command[1]".to_owned(), "position[1]".to_owned()],
+        ..Drive::default()
+    };
+    let run = |fmu: &Fmu| {
+        let mut memory = Memory::new();
+        let records = [signals(), signals()];
+        simulate_with_inputs(instance(fmu, "p"), &records, &drive, &mut memory).unwrap();
+        memory
+    };
+    let fmu = integrator3(&fmus);
+    assert_eq!(
+        fmu.missing_functions(),
+        [
+            "fmi3SetDebugLogging",
+            "fmi3Reset",
+            "fmi3GetDirectionalDerivative",
+            "fmi3GetOutputDerivatives"
+        ]
+    );
+    assert_eq!(run(&fmu).records(), [0..100, 100..200]);
+    let (three, two) = (run(&fmu), run(&fmus.integrator()));
+    for (a, b) in
+        three.values("position[1]").unwrap().iter().zip(two.values("position[1]").unwrap())
+    {
+        // The one adds k·u·(t + h − t), the other k·u·h.
+        assert!((a - b).abs() < 1e-14, "{a} {b}");
+    }
+}
+
+#[test]
+fn both_versions_close_a_loop() {
+    let fmus = fmus_or_skip!();
+    let (c, p) =
+        (instance(&fmus.controller(), "controller"), instance(&integrator3(&fmus), "plant"));
+    let wiring = Wiring::by_name(&*c, &*p, &["reference[1]"]).unwrap();
+    let parameters = vec![("controller".to_owned(), "k".to_owned(), 2.0.into())];
+    let coupling = Coupling::ControllerFirst;
+    let settings = LoopSettings { wiring, coupling, parameters, ..LoopSettings::default() };
+    let mut closed = Loop::new(c, p, &settings).unwrap();
+    let signals = Signals::new(&[0.0]).with("reference[1]", &[1.0]);
+    let points = Points::uniform(0.0, 5.0, 0.125).unwrap();
+    let mut memory = Memory::new();
+    closed
+        .run(&Run { record: 0, points, signals: &signals, tolerance: None }, &mut memory)
+        .unwrap();
+    for (k, y) in memory.values("position[1]").unwrap().iter().enumerate() {
+        assert!((y - (1.0 - 0.75_f64.powi(k as i32))).abs() < 1e-14, "y_{k} = {y}");
+    }
+}
+
+#[test]
+fn values_of_every_type_by_name() {
+    let fmus = fmus_or_skip!();
+    let mut slave = instance(&integrator3(&fmus), "p");
+    for (name, value) in [
+        ("k", Value::Real(2.5)),
+        ("f32", Value::Real(0.5)),
+        ("i8", Value::Integer(-128)),
+        ("u8", Value::Integer(255)),
+        ("i16", Value::Integer(-32768)),
+        ("u16", Value::Integer(65535)),
+        ("i32", Value::Integer(i64::from(i32::MIN))),
+        ("u32", Value::Integer(i64::from(u32::MAX))),
+        ("i64", Value::Integer(-(1 << 53))),
+        ("u64", Value::Integer(1 << 53)),
+        ("boolean", Value::Boolean(true)),
+        ("label", Value::from("Tür 50 %")),
+    ] {
+        slave.set_start(name, &value).unwrap();
+        assert_eq!(slave.value(name).unwrap(), value, "{name}");
+    }
+    for (name, value) in [("i8", 128), ("u8", -1), ("u16", 65536), ("u64", -1), ("boolean", 2)] {
+        let error = slave.set_start(name, &Value::Integer(value)).unwrap_err().to_string();
+        assert!(error.contains(&format!("cannot take {value}")), "{error}");
+    }
+}
+
+#[test]
+fn states_are_saved_and_go_to_other_instances() {
+    let fmus = fmus_or_skip!();
+    let fmu = integrator3(&fmus);
+    let (mut a, mut b) = (instance(&fmu, "a"), instance(&fmu, "b"));
+    a.setup(&Experiment::default()).unwrap();
+    a.enter_initialization().unwrap();
+    a.set_start("command[1]", &Value::Real(3.0)).unwrap();
+    a.exit_initialization().unwrap();
+    a.step(0.0, 1.0).unwrap();
+    let saved = a.save(None).unwrap();
+    a.step(1.0, 1.0).unwrap();
+    assert_eq!(a.value("position[1]").unwrap(), Value::Real(6.0));
+    a.restore(saved).unwrap();
+    assert_eq!(a.value("position[1]").unwrap(), Value::Real(3.0));
+    let bytes = a.serialize(saved).unwrap();
+    let loaded = b.deserialize(&bytes).unwrap();
+    b.restore(loaded).unwrap();
+    assert_eq!(b.value("position[1]").unwrap(), Value::Real(3.0));
+    let error = b.deserialize(&bytes[1..]).unwrap_err().to_string();
+    assert!(
+        error.contains(
+            "fmi3DeserializeFMUState returned Error; the FMU says:\n  \
+                            [Error, logStatus] these bytes are no state of mine"
+        ),
+        "{error}"
+    );
+    a.forget(saved).unwrap();
+    assert!(a.restore(saved).is_err());
+}
+
+#[test]
+fn an_fmu_may_end_the_run_within_a_step() {
+    let fmus = fmus_or_skip!();
+    let signals = Signals::new(&[0.0, 1.0, 2.0, 3.0])
+        .with("command[1]", &[1.0; 4])
+        .with("i32", &[0.0, 99.0, 0.0, 0.0]);
+    let mut memory = Memory::new();
+    let slave = instance(&integrator3(&fmus), "p");
+    let endings = simulate_with_inputs(slave, &[signals], &Drive::default(), &mut memory).unwrap();
+    assert_eq!(endings[0].as_ref().map(|ending| ending.time), Some(1.5));
+    assert_eq!(memory.time(), [0.0, 1.0, 1.5]);
+    assert_eq!(memory.values("position[1]").unwrap(), [0.0, 1.0, 1.5]);
+}
+
+#[test]
+fn a_wrong_token_is_refused_with_the_words_of_the_fmu() {
+    let fmus = fmus_or_skip!();
+    let mut description = common::integrator3();
+    description.instantiation_token = "another".to_owned();
+    let fmu = Fmu::open(fmus.pack("integrator3", &description)).unwrap();
+    let error = match fmu.instantiate("p", &Default::default()) {
+        Ok(_) => panic!("the token is wrong"),
+        Err(error) => error.to_string(),
+    };
+    assert!(
+        error.starts_with("FMU `p`: fmi3InstantiateCoSimulation returned no instance"),
+        "{error}"
+    );
+    assert!(error.contains("this token is not mine: 100%"), "{error}");
+}

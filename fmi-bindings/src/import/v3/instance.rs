@@ -1,0 +1,261 @@
+//! One FMI 3.0 co-simulation slave: its life and its steps.
+
+use std::path::PathBuf;
+use std::ptr;
+use std::sync::Arc;
+
+use super::super::error::{CallError, Error, Said};
+use super::super::log::{Log, OnMessage, receive_v3};
+use super::super::state::States;
+use super::super::step::{Experiment, StepResult};
+use super::super::text::c_text;
+use super::library::{Functions, Library};
+use crate::fmi3::*;
+
+/// What an instance is made with.
+#[derive(Default)]
+pub struct Instantiation {
+    /// Name of the instance, used in messages; must not be empty.
+    pub name: String,
+    /// `instantiationToken` of the model description.
+    pub token: String,
+    /// The unpacked `resources` folder, absolute. It is never given as null, even if there is no
+    /// such folder: FMUs are known that crash on that.
+    pub resources: PathBuf,
+    /// Ask the FMU to show windows of its own.
+    pub visible: bool,
+    /// Ask the FMU for debug messages.
+    pub logging_on: bool,
+    /// Sees each message at once.
+    pub on_message: Option<OnMessage>,
+}
+
+/// One FMI 3.0 co-simulation instance. Dropping it frees it.
+///
+/// It may be moved between threads; calls are exclusive, as the standard demands.
+pub struct Instance {
+    pub(super) pointer: fmi3Instance,
+    pub(super) library: Arc<Library>,
+    pub(super) name: String,
+    pub(super) states: States,
+    log: Arc<Log>,
+}
+
+// SAFETY: the standard lets an instance be called from any thread, one at a time; `&mut self` on
+// every call excludes two at a time. The environment points to `Log`, which is `Sync`.
+unsafe impl Send for Instance {}
+
+impl Instance {
+    /// Makes an instance (`fmi3InstantiateCoSimulation`), without event mode, early return and
+    /// intermediate update.
+    ///
+    /// # Errors
+    /// [`Error::Instantiate`] with the FMU's messages if it returns null, as it must for a wrong
+    /// token.
+    pub fn new(library: &Arc<Library>, options: Instantiation) -> Result<Self, Error> {
+        let Instantiation { name, token, resources, visible, logging_on, on_message } = options;
+        // The standard wants a path that ends with a separator.
+        let path = format!("{}{}", resources.display(), std::path::MAIN_SEPARATOR);
+        let log = Arc::new(Log::new(on_message));
+        let c_name = c_text(&name, "the instance name", &name)?;
+        let c_token = c_text(&name, "the instantiation token", &token)?;
+        let c_path = c_text(&name, "the resource path", &path)?;
+        // SAFETY: the texts live during the call, the log as long as the instance.
+        let pointer = unsafe {
+            (library.functions.instantiate_co_simulation)(
+                c_name.as_ptr(),
+                c_token.as_ptr(),
+                c_path.as_ptr(),
+                visible,
+                logging_on,
+                false,
+                false,
+                ptr::null(),
+                0,
+                Arc::as_ptr(&log).cast_mut().cast(),
+                Some(receive_v3),
+                None,
+            )
+        };
+        if pointer.is_null() {
+            return Err(Error::Instantiate {
+                fmu: name,
+                function: "fmi3InstantiateCoSimulation",
+                guid: token,
+                resources: path,
+                said: Said(log.latest()),
+            });
+        }
+        let library = Arc::clone(library);
+        Ok(Instance { pointer, library, name, states: States::default(), log })
+    }
+
+    /// Name of the instance.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What the FMU said.
+    pub fn log(&self) -> &Log {
+        &self.log
+    }
+
+    /// Switches messages of the given categories on or off; no categories: all
+    /// (`fmi3SetDebugLogging`).
+    pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Result<(), Error> {
+        const CALL: &str = "fmi3SetDebugLogging";
+        let set = self.optional(self.functions().set_debug_logging, CALL)?;
+        let texts = categories
+            .iter()
+            .map(|category| c_text(&self.name, "a log category", category))
+            .collect::<Result<Vec<_>, _>>()?;
+        let pointers: Vec<fmi3String> = texts.iter().map(|text| text.as_ptr()).collect();
+        let instance = self.alive(CALL)?;
+        // SAFETY: the instance is alive; the texts outlive the call.
+        let status = unsafe { set(instance, on, pointers.len(), pointers.as_ptr()) };
+        self.check(CALL, status)
+    }
+
+    /// `fmi3EnterInitializationMode`, with the time span of the run.
+    pub fn enter_initialization_mode(&mut self, experiment: &Experiment) -> Result<(), Error> {
+        const CALL: &str = "fmi3EnterInitializationMode";
+        let instance = self.alive(CALL)?;
+        let Experiment { start, stop, tolerance } = *experiment;
+        // SAFETY: the instance is alive.
+        let status = unsafe {
+            (self.functions().enter_initialization_mode)(
+                instance,
+                tolerance.is_some(),
+                tolerance.unwrap_or(0.0),
+                start,
+                stop.is_some(),
+                stop.unwrap_or(0.0),
+            )
+        };
+        self.check(CALL, status)
+    }
+
+    /// `fmi3ExitInitializationMode`
+    pub fn exit_initialization_mode(&mut self) -> Result<(), Error> {
+        self.plain("fmi3ExitInitializationMode", self.functions().exit_initialization_mode)
+    }
+
+    /// Ends the run (`fmi3Terminate`); values can still be read.
+    pub fn terminate(&mut self) -> Result<(), Error> {
+        const CALL: &str = "fmi3Terminate";
+        let terminate = self.optional(self.functions().terminate, CALL)?;
+        self.plain(CALL, terminate)
+    }
+
+    /// Back to the state right after instantiation (`fmi3Reset`). States saved before stay.
+    pub fn reset(&mut self) -> Result<(), Error> {
+        const CALL: &str = "fmi3Reset";
+        let reset = self.optional(self.functions().reset, CALL)?;
+        self.plain(CALL, reset)
+    }
+
+    /// Steps from `time` over `step` seconds (`fmi3DoStep`).
+    ///
+    /// `keep_earlier_state`: false promises not to restore a state saved before `time`.
+    ///
+    /// # Errors
+    /// Statuses *Error* and *Fatal*. An FMU that returns early though it was not allowed to is
+    /// reported as [`StepResult::Discarded`] with the time it reached.
+    #[inline]
+    pub fn do_step(
+        &mut self,
+        time: f64,
+        step: f64,
+        keep_earlier_state: bool,
+    ) -> Result<StepResult, Error> {
+        const CALL: &str = "fmi3DoStep";
+        let instance = self.alive(CALL)?;
+        // Read as bytes: a foreign FMU may write other values than 0 and 1.
+        let mut flags = [0_u8; 3];
+        let mut reached = time + step;
+        let [event, terminate, early] = flags.each_mut().map(|flag| ptr::from_mut(flag).cast());
+        // SAFETY: the instance is alive; each result has a place of the size of C's `bool`.
+        let status = unsafe {
+            (self.functions().do_step)(
+                instance,
+                time,
+                step,
+                !keep_earlier_state,
+                event,
+                terminate,
+                early,
+                &raw mut reached,
+            )
+        };
+        let [_, terminated, early] = flags.map(|flag| flag != 0);
+        if status == fmi3Discard {
+            return Ok(StepResult::Discarded { reached: None, terminated });
+        }
+        self.check(CALL, status)?;
+        if terminated || early {
+            return Ok(StepResult::Discarded { reached: Some(reached), terminated });
+        }
+        Ok(StepResult::Completed)
+    }
+
+    #[inline]
+    pub(super) fn functions(&self) -> &Functions {
+        &self.library.functions
+    }
+
+    /// The pointer, unless an earlier call was fatal.
+    #[inline]
+    pub(super) fn alive(&self, call: &'static str) -> Result<fmi3Instance, Error> {
+        if self.pointer.is_null() {
+            return Err(Error::Dead { fmu: self.name.clone(), call });
+        }
+        Ok(self.pointer)
+    }
+
+    /// A function that not every library has.
+    pub(super) fn optional<F>(&self, found: Option<F>, name: &'static str) -> Result<F, Error> {
+        found.ok_or_else(|| Error::MissingFunction { fmu: self.name.clone(), function: name })
+    }
+
+    /// A call that takes the instance only.
+    fn plain(
+        &mut self,
+        call: &'static str,
+        function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,
+    ) -> Result<(), Error> {
+        let instance = self.alive(call)?;
+        // SAFETY: the instance is alive.
+        let status = unsafe { function(instance) };
+        self.check(call, status)
+    }
+
+    /// OK and Warning pass.
+    #[inline]
+    pub(super) fn check(&mut self, call: &'static str, status: fmi3Status) -> Result<(), Error> {
+        if status == fmi3OK || status == fmi3Warning {
+            return Ok(());
+        }
+        Err(self.failed(call, status))
+    }
+
+    #[cold]
+    fn failed(&mut self, call: &'static str, status: fmi3Status) -> Error {
+        if status == fmi3Fatal {
+            // No function may be called any more, not even to free the instance.
+            self.pointer = ptr::null_mut();
+        }
+        let messages = self.log.latest();
+        Box::new(CallError { fmu: self.name.clone(), call, status: status.into(), messages }).into()
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        if self.pointer.is_null() {
+            return;
+        }
+        self.free_all_states();
+        // SAFETY: the instance is alive and is not used again.
+        unsafe { (self.functions().free_instance)(self.pointer) };
+    }
+}
