@@ -30,6 +30,7 @@ pub static COMPONENTS: model::Registry = &[
     &hysteresis::PrandtlIshlinskii,
     &hysteresis::ModifiedPrandtlIshlinskii,
     &hysteresis::GeneralisedPlay,
+    &hysteresis::Preisach,
     &hysteresis::BoucWen,
     &hysteresis::Duhem,
     &hysteresis::Dahl,

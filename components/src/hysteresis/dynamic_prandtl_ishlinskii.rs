@@ -18,8 +18,8 @@
 //! changes unless alpha_1 = alpha_2, alpha_3 = alpha_4, beta_1 = beta_4 and beta_2 = beta_3. Nothing
 //! keeps w_i + φ positive.
 //!
-//! Source: Compound control of trajectory errors in a non-resonant elliptical vibration cutting
-//! device, Micromachines 14 (2023), eqs. (3) and (4).
+//! Source: C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated
+//! Elliptical Vibration Cutting Device, eqs. (3) and (4).
 
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
@@ -63,7 +63,8 @@ static DECLARATION: Declaration = Declaration {
     summary: "Prandtl-Ishlinskii hysteresis whose weights follow the command's rate in segments",
     equation: "y = offset + sum((w[i] + phi)*P[i]); phi = alpha[s]*u' + beta[s]*u''; segment s by \
                the signs of u' and u''",
-    reference: "elliptical vibration cutting, Micromachines 14 (2023), eqs. (3)-(4)",
+    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated \
+                Elliptical Vibration Cutting Device, eqs. (3)-(4)",
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
@@ -78,7 +79,8 @@ static INVERSE_DECLARATION: Declaration = Declaration {
     name: "feedforward",
     summary: "Inverse of a dynamic Prandtl-Ishlinskii model, solved at each step",
     equation: "forward(u) = y, with u' = y'/(mean slope of the largest loop) and u'' alike",
-    reference: "elliptical vibration cutting, Micromachines 14 (2023), eqs. (14)-(17)",
+    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated \
+                Elliptical Vibration Cutting Device, eqs. (14)-(17)",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
     effect: None,

@@ -12,8 +12,8 @@
 //!
 //! Limits: where h_l − r_i > h_r + r_i the play follows h_l − r_i.
 //!
-//! Source: the model compared with in Compound control of trajectory errors in a non-resonant
-//! elliptical vibration cutting device, Micromachines 14 (2023), eq. (13).
+//! Source: C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated
+//! Elliptical Vibration Cutting Device, eq. (13).
 
 use libm::fabs;
 use model::{
@@ -50,7 +50,8 @@ static DECLARATION: Declaration = Declaration {
     summary: "Generalised rate-dependent Prandtl-Ishlinskii hysteresis",
     equation: "y = offset + sum(w[i]*P[i]); P[i] = max(hl - r[i], min(hr + r[i], P[i])); \
                hl = a1*u + a2*|u'|; hr = b1*u + b2*|u'|",
-    reference: "elliptical vibration cutting, Micromachines 14 (2023), eq. (13)",
+    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated \
+                Elliptical Vibration Cutting Device, eq. (13)",
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
@@ -65,7 +66,8 @@ static INVERSE_DECLARATION: Declaration = Declaration {
     name: "feedforward",
     summary: "Inverse of a grpi model, solved at each step",
     equation: "forward(u) = y, with u' = y'/(mean slope of the largest loop)",
-    reference: "elliptical vibration cutting, Micromachines 14 (2023), eq. (13)",
+    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated \
+                Elliptical Vibration Cutting Device, eq. (13)",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
     effect: None,

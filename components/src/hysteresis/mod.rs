@@ -15,6 +15,7 @@ mod inverse_prandtl_ishlinskii;
 mod modified_prandtl_ishlinskii;
 mod mpi;
 mod prandtl_ishlinskii;
+mod preisach;
 mod rate;
 mod rate_dependent_play;
 
@@ -33,4 +34,5 @@ pub use modified_prandtl_ishlinskii::{
 };
 pub use mpi::{INVERSE as INVERSE_MPI, Mpi};
 pub use prandtl_ishlinskii::PrandtlIshlinskii;
+pub use preisach::Preisach;
 pub use rate_dependent_play::{INVERSE as INVERSE_RATE_DEPENDENT_PLAY, RateDependentPlay};

@@ -12,8 +12,9 @@
 //! Limits: the paper only cites its rate-modified play; the threshold that grows with the rate
 //! (Al Janaideh) stands in for it. The cubic is symmetric about command 0.
 //!
-//! Source: Gaussian process with high-dimensional input for piezo-actuated stages, appendix A
-//! (the polynomial and the number of parameters); M. Al Janaideh, P. Krejčí 2013 (the play).
+//! Source: Hysteresis Modeling and Compensation of Piezoelectric Actuators Using Gaussian Process
+//! with High-Dimensional Input, appendix A (the polynomial and the number of parameters); M. Al
+//! Janaideh, P. Krejčí, IEEE/ASME Transactions on Mechatronics 18 (2013) 1498–1507 (the play).
 
 use libm::{fabs, fmax};
 use model::{
