@@ -1,5 +1,6 @@
 //! A system as its user draws it: not yet checked.
 
+use modeldescription::FmiVersion;
 use modeldescription::description::Unit;
 use modeldescription::variable::{Causality, DataType, Variability, Variable};
 
@@ -154,9 +155,7 @@ impl Builder {
         let source = format!("column `{}`", feed.column);
         let (to, variable) = self.find(&feed.to)?;
         let version = self.system.participants[to].slave.description().fmi_version;
-        let tunable = variable.causality == Causality::Parameter
-            && variable.variability(version) == Variability::Tunable;
-        if !tunable && variable.causality != Causality::Input {
+        if !can_be_fed(&variable, version) {
             let role = format!("be fed by {source}");
             return Err(wrong_role(&feed.to, &variable, "an input or a tunable parameter", role));
         }
@@ -299,6 +298,15 @@ impl Builder {
     fn is_difference(&self, slave: usize, variable: &Variable) -> bool {
         let description = self.system.participants[slave].slave.description();
         description.properties(variable).relative_quantity.unwrap_or(false)
+    }
+}
+
+/// Whether a column may feed the variable: an input, or a tunable parameter.
+pub(crate) fn can_be_fed(variable: &Variable, version: FmiVersion) -> bool {
+    match variable.causality {
+        Causality::Input => true,
+        Causality::Parameter => variable.variability(version) == Variability::Tunable,
+        _ => false,
     }
 }
 

@@ -41,7 +41,7 @@ pub use fmi_bindings::import::{Experiment, StepResult};
 pub use fmi_bindings::import::{Message, OnMessage, Status};
 pub use fmu::{Fmu, InstanceOptions};
 pub use problem::{Problem, Problems};
-pub use record::{CsvRecorder, Memory, Recorder};
+pub use record::{CsvFile, CsvRecorder, Memory, Recorder};
 pub use run::Run;
 pub use signals::{Signal, Signals};
 pub use simulate::{Drive, simulate_with_inputs};

@@ -55,7 +55,9 @@ impl System {
         let mut stepping = Stepping { system: self, run, algorithm, recorder, time: 0.0 };
         let outcome = stepping.whole(&mut held, step);
         let time = stepping.time;
-        recorder.end()?;
+        // What the FMU says is more than what the recorder says.
+        let ended = recorder.end().map_err(Error::from);
+        let outcome = outcome.and_then(|ending| ended.map(|()| ending));
         outcome.map_err(|cause| Box::new(RunError { record: run.record, time, cause }).into())
     }
 

@@ -3,7 +3,7 @@
 use modeldescription::variable::Causality;
 
 use crate::algorithm::Jacobi;
-use crate::diagram::{Diagram, Port};
+use crate::diagram::{Diagram, Port, can_be_fed};
 use crate::error::Error;
 use crate::problem::{Problem, Problems};
 use crate::record::Recorder;
@@ -88,7 +88,7 @@ fn port(slave: &dyn Slave, variable: &str) -> Port {
     Port::from((slave.name(), variable))
 }
 
-/// The variables that a column feeds: those the map gives it, else the input of its own name.
+/// The variables that a column feeds: those the map gives it, else the one of its own name.
 fn targets(slave: &dyn Slave, drive: &Drive, column: &str) -> Vec<String> {
     let mapped: Vec<String> = drive
         .map
@@ -97,8 +97,9 @@ fn targets(slave: &dyn Slave, drive: &Drive, column: &str) -> Vec<String> {
         .map(|(variable, _)| variable.clone())
         .collect();
     let is_mapped_elsewhere = drive.map.iter().any(|(variable, _)| variable == column);
-    let own = slave.description().variable(column);
-    let own = own.filter(|variable| variable.causality == Causality::Input);
+    let description = slave.description();
+    let own = description.variable(column);
+    let own = own.filter(|variable| can_be_fed(variable, description.fmi_version));
     match own {
         Some(variable) if mapped.is_empty() && !is_mapped_elsewhere => vec![variable.name.clone()],
         _ => mapped,

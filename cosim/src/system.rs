@@ -14,7 +14,8 @@ use crate::unit::Conversion;
 /// The *bus* holds one value per column of the input table and per connected or recorded variable.
 /// An algorithm moves a slave by three methods, in the order it likes: [`System::transfer`] from
 /// the bus to the slave's inputs, [`System::advance`] in time, [`System::read`] from the slave's
-/// outputs to the bus. None of them allocates.
+/// outputs to the bus. None of them allocates. A place that no slave has is a mistake in the
+/// algorithm, and they panic on it.
 pub struct System {
     pub(crate) participants: Vec<Participant>,
     pub(crate) bus: Vec<f64>,

@@ -141,14 +141,19 @@ fn integers_booleans_and_tunable_parameters_are_fed() {
     let fmus = fmus_or_skip!();
     let time = [0.0, 1.0, 2.0, 3.0];
     let (ones, enabled, k) = ([1.0; 4], [1.0, 0.0, 1.0, 1.0], [1.0, 1.0, 7.0, 7.0]);
-    let signals =
-        Signals::new(&time).with("command[1]", &ones).with("enabled", &enabled).with("gain", &k);
-    let drive = Drive { map: vec![("k".to_owned(), "gain".to_owned())], ..Drive::default() };
-    let mut memory = Memory::new();
-    simulate_with_inputs(instance(&fmus.integrator(), "plant"), &[signals], &drive, &mut memory)
-        .unwrap();
-    assert_eq!(memory.values("position[1]").unwrap(), [0.0, 1.0, 1.0, 8.0]);
-    assert_eq!(memory.values("enabled").unwrap(), enabled);
+    // A tunable parameter is fed by the column of its name, as fmpy does, or by the map's.
+    for (column, map) in [("k", vec![]), ("gain", vec![("k".to_owned(), "gain".to_owned())])] {
+        let signals = Signals::new(&time)
+            .with("command[1]", &ones)
+            .with("enabled", &enabled)
+            .with(column, &k);
+        let drive = Drive { map, ..Drive::default() };
+        let mut memory = Memory::new();
+        let slave = instance(&fmus.integrator(), "plant");
+        simulate_with_inputs(slave, &[signals], &drive, &mut memory).unwrap();
+        assert_eq!(memory.values("position[1]").unwrap(), [0.0, 1.0, 1.0, 8.0]);
+        assert_eq!(memory.values("enabled").unwrap(), enabled);
+    }
 }
 
 #[test]

@@ -1,6 +1,9 @@
 //! A record as a CSV file.
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
 
 use super::{Column, Recorder};
 
@@ -84,6 +87,72 @@ impl<W: Write> Recorder for CsvRecorder<W> {
     }
 }
 
+/// A CSV file that appears whole: rows go to a temporary file beside it, which takes its name by
+/// [`CsvFile::finish`]. Call that after a failed run too, to keep the record so far; dropped
+/// without it, nothing stays behind.
+pub struct CsvFile {
+    rows: CsvRecorder<BufWriter<NamedTempFile>>,
+    path: PathBuf,
+}
+
+impl CsvFile {
+    /// Begins the file that will be at `path`.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let rows = CsvRecorder::new(BufWriter::new(NamedTempFile::new_in(folder)?));
+        Ok(CsvFile { rows, path: path.to_path_buf() })
+    }
+
+    /// See [`CsvRecorder::with_units`].
+    pub fn with_units(mut self) -> Self {
+        self.rows = self.rows.with_units();
+        self
+    }
+
+    /// See [`CsvRecorder::with_record_column`].
+    pub fn with_record_column(mut self) -> Self {
+        self.rows = self.rows.with_record_column();
+        self
+    }
+
+    /// Gives the file its name, in place of a file that has it.
+    pub fn finish(self) -> io::Result<()> {
+        let file = self.rows.into_inner()?.into_inner().map_err(io::IntoInnerError::into_error)?;
+        readable_by_others(file.as_file())?;
+        file.persist(&self.path)?;
+        Ok(())
+    }
+}
+
+/// Temporary files are private; this one becomes a file like others.
+#[cfg(unix)]
+fn readable_by_others(file: &std::fs::File) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.set_permissions(std::fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn readable_by_others(_: &std::fs::File) -> io::Result<()> {
+    Ok(())
+}
+
+impl Recorder for CsvFile {
+    fn begin(&mut self, record: usize, columns: &[Column], rows: usize) -> io::Result<()> {
+        self.rows.begin(record, columns, rows)
+    }
+
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.rows.row(time, values)
+    }
+
+    fn end(&mut self) -> io::Result<()> {
+        self.rows.end()
+    }
+}
+
 /// Shortest text that reads back to the same bits, with an exponent where that is shorter.
 fn number(out: &mut impl Write, value: f64) -> io::Result<()> {
     let magnitude = value.abs();
@@ -137,5 +206,25 @@ mod tests {
         let text = written(CsvRecorder::new(Vec::new()).with_units().with_record_column());
         assert!(text.starts_with("time [s],record,position[1] [um],"), "{text}");
         assert!(text.ends_with("\n1e-9,1,1,NaN\n"), "{text}");
+    }
+
+    #[test]
+    fn a_file_appears_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.csv");
+        let begun = || {
+            let mut file = CsvFile::create(&path).unwrap();
+            file.begin(0, &columns(), 1).unwrap();
+            file.row(0.5, &[1.0, 2.0]).unwrap();
+            file.end().unwrap();
+            file
+        };
+        drop(begun());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        begun().finish().unwrap();
+        begun().finish().unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.ends_with("\n0.5,1,2\n"), "{text}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

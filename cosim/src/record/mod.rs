@@ -6,7 +6,7 @@
 mod csv;
 mod memory;
 
-pub use csv::CsvRecorder;
+pub use csv::{CsvFile, CsvRecorder};
 pub use memory::{Memory, Series};
 
 use std::io;
