@@ -95,6 +95,8 @@ pub struct ModelDescription {
     pub variables: Vec<Variable>,
     /// Outputs, derivatives, initial unknowns and what they depend on.
     pub structure: ModelStructure,
+    /// Where the root element stands.
+    pub line: Line,
 }
 
 impl ModelDescription {
@@ -126,6 +128,7 @@ impl ModelDescription {
             default_experiment: None,
             variables: Vec::new(),
             structure: ModelStructure::default(),
+            line: Line(0),
         }
     }
 

@@ -400,3 +400,37 @@ pub fn allowed_initials(
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The table of 2.2.7 (2.0.5): 15 pairs; 3.0.2 adds the two of structural parameters.
+    #[test]
+    fn pairs_of_causality_and_variability() {
+        let allowed = |causality| {
+            let is_allowed = |v: &&Variability| allowed_initials(causality, **v).is_some();
+            Variability::ALL.iter().filter(is_allowed).map(|v| v.name()).collect::<Vec<_>>()
+        };
+        assert_eq!(allowed(Causality::Parameter), ["fixed", "tunable"]);
+        assert_eq!(allowed(Causality::CalculatedParameter), ["fixed", "tunable"]);
+        assert_eq!(allowed(Causality::Input), ["discrete", "continuous"]);
+        assert_eq!(allowed(Causality::Output), ["constant", "discrete", "continuous"]);
+        let all = ["constant", "fixed", "tunable", "discrete", "continuous"];
+        assert_eq!(allowed(Causality::Local), all);
+        assert_eq!(allowed(Causality::Independent), ["continuous"]);
+        assert_eq!(allowed(Causality::StructuralParameter), ["fixed", "tunable"]);
+        let pairs: usize = Causality::ALL.iter().map(|c| allowed(*c).len()).sum();
+        assert_eq!(pairs, 15 + 2);
+    }
+
+    #[test]
+    fn types_of_version_2() {
+        let elements: Vec<_> =
+            DataType::ALL.iter().filter_map(|t| t.element(FmiVersion::V2)).collect();
+        assert_eq!(elements, ["Real", "Integer", "Boolean", "String", "Enumeration"]);
+        assert_eq!(DataType::from_element(FmiVersion::V2, "Float64"), None);
+        assert_eq!(DataType::from_element(FmiVersion::V3, "Real"), None);
+        assert_eq!(DataType::from_element(FmiVersion::V2, "Real"), Some(DataType::Float64));
+    }
+}

@@ -22,7 +22,7 @@ pub enum XmlError {
     },
     /// The bytes are not UTF-8.
     #[error(
-        "line {line}: byte {offset} is not UTF-8; the standard requires UTF-8, so save the file in that encoding"
+        "byte {offset} is not UTF-8; the standard requires UTF-8, so save the file in that encoding"
     )]
     NotUtf8 {
         /// Line of the byte.
@@ -32,14 +32,14 @@ pub enum XmlError {
     },
     /// There is a document type declaration.
     #[error(
-        "line {line}: a document type declaration (<!DOCTYPE …>) is refused, because entities can expand without bound; remove it"
+        "a document type declaration (<!DOCTYPE …>) is refused, because entities can expand without bound; remove it"
     )]
     DocumentType {
         /// Line of the declaration.
         line: u32,
     },
     /// The text is not well-formed XML.
-    #[error("line {line}: not well-formed XML: {message}")]
+    #[error("not well-formed XML: {message}")]
     NotWellFormed {
         /// Line of the defect.
         line: u32,
@@ -47,7 +47,7 @@ pub enum XmlError {
         message: String,
     },
     /// A limit is exceeded.
-    #[error("line {line}: {what} exceeds the limit of {limit}; no FMU needs that")]
+    #[error("{what} exceeds the limit of {limit}; no FMU needs that")]
     Limit {
         /// Line of the element.
         line: u32,
@@ -56,6 +56,19 @@ pub enum XmlError {
         /// The limit.
         limit: usize,
     },
+}
+
+impl XmlError {
+    /// The line of the defect, counted from 1, where it has one.
+    pub fn line(&self) -> Option<u32> {
+        match self {
+            XmlError::TooLarge { .. } => None,
+            XmlError::NotUtf8 { line, .. }
+            | XmlError::DocumentType { line }
+            | XmlError::NotWellFormed { line, .. }
+            | XmlError::Limit { line, .. } => Some(*line),
+        }
+    }
 }
 
 /// Bounds of what is read.

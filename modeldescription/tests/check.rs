@@ -406,6 +406,9 @@ fn defects_of_the_archive_are_found() {
     // The file type in the upper half of the external attributes: 0o120000 is a symbolic link.
     let found = with_bytes(|bytes| set_in_headers(bytes, ENTRY, (13, 41), 0xa1));
     assert_found("symbolic link", &found, "it is a symbolic link");
+    // A byte of the checksum, in both headers.
+    let found = with_bytes(|bytes| set_in_headers(bytes, ENTRY, (14, 16), 0x55));
+    assert_found("damaged content", &found, "its content is damaged");
     let found = with_bytes(|bytes| bytes.truncate(bytes.len() / 2));
     assert_found("cut off", &found, "no readable zip archive");
     let duplicate = {

@@ -6,10 +6,10 @@ use std::fs;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
-use common::{fmpy_problems, python, stage};
+use common::{fmpy_problems, library, python, stage};
 use modeldescription::description::*;
 use modeldescription::package::{EntryDefect, Limits, Platform, file_uri};
-use modeldescription::{FmiVersion, Package, PackageBuilder, PackageError};
+use modeldescription::{FmiVersion, Package, PackageBuilder, PackageError, required_functions};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -417,4 +417,45 @@ fn a_model_exchange_fmu_has_a_binary_too() {
     let mut fmu = PackageBuilder::new(&description).unwrap();
     fmu.binary(host_folder(FmiVersion::V2), Vec::new()).unwrap().write(&path).unwrap();
     assert!(Package::open(&path).unwrap().binary().is_ok());
+}
+
+/// Whatever the bytes: an answer, never a panic, and nothing outside the temporary folder.
+#[test]
+fn damaged_archives_are_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("damaged.fmu");
+    let description = stage(FmiVersion::V2);
+    let mut fmu = PackageBuilder::new(&description).unwrap();
+    let functions = library(&required_functions(&description));
+    fmu.binary(host_folder(FmiVersion::V2), functions).unwrap();
+    fmu.resource("blueprint.toml", b"plays = 10".to_vec()).unwrap();
+    let whole = fmu.to_bytes().unwrap();
+    let mut random = 0x2545_f491_4f6c_dd1d_u64;
+    let mut next = |below: usize| {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        (random % below as u64) as usize
+    };
+    let (mut opened, mut refused) = (0, 0);
+    for _ in 0..600 {
+        let mut bytes = whole.clone();
+        for _ in 0..=next(4) {
+            // Half of the damage goes to the central directory at the end.
+            let from = if next(2) == 0 { bytes.len() - 400 } else { 0 };
+            let at = from + next(bytes.len() - from);
+            bytes[at] = next(256) as u8;
+        }
+        fs::write(&path, &bytes).unwrap();
+        let checked = modeldescription::check(&path);
+        match Package::open(&path) {
+            Ok(_) => opened += 1,
+            Err(_) => {
+                refused += 1;
+                assert!(!checked.unwrap().is_empty(), "check finds nothing");
+            }
+        }
+        assert_eq!(everything_below(folder.path()), std::slice::from_ref(&path));
+    }
+    assert!(opened > 10 && refused > 100, "{opened} opened, {refused} refused");
 }

@@ -63,7 +63,7 @@ fn missing_functions(library: &object::File<'_>, required: &[&str]) -> Option<Fa
             Ok(export) => {
                 // Functions without a name cannot be found by it.
                 if let NameOrOrdinal::Name(name) = export.name() {
-                    exported.insert(plain(name).to_vec());
+                    exported.insert(plain(library, name).to_vec());
                 }
             }
             Err(error) => return Some(not_listed(&error)),
@@ -85,9 +85,12 @@ fn not_listed(error: &object::Error) -> Fault {
     fault(found, "the library must be intact", "build it again")
 }
 
-/// C names have an underscore in front on macOS.
-fn plain(name: &[u8]) -> &[u8] {
-    name.strip_prefix(b"_").unwrap_or(name)
+/// The name as it stands in C; on macOS an underscore is put in front.
+fn plain<'a>(library: &object::File<'_>, name: &'a [u8]) -> &'a [u8] {
+    match (library.format(), name) {
+        (BinaryFormat::MachO, [b'_', rest @ ..]) => rest,
+        _ => name,
+    }
 }
 
 /// What a library of a platform looks like.

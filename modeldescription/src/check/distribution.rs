@@ -35,8 +35,11 @@ pub(super) fn check(path: &Path, limits: &Limits) -> Result<Vec<Problem>, Packag
     }
     folders(&mut problems, version, &content.files);
     problems.extend(in_xml);
-    if let Some(description) = &description {
-        implementations(&mut problems, description, &mut content);
+    if let Some(description) = description.filter(|_| !content.is_bomb()) {
+        implementations(&mut problems, &description, &mut content);
+    }
+    if !content.is_bomb() {
+        unread_entries(&mut problems, version, &mut content);
     }
     Ok(problems)
 }
@@ -46,6 +49,8 @@ struct Content {
     source: Source,
     /// Paths with forward slashes and sizes.
     files: BTreeMap<String, u64>,
+    /// The files that were read, so that a defect of theirs is reported.
+    read: BTreeSet<String>,
 }
 
 enum Source {
@@ -57,19 +62,29 @@ impl Content {
     fn of_archive(archive: Archive) -> Self {
         let sound = archive.entries.iter().filter(|e| !e.is_folder && !e.components.is_empty());
         let files = sound.map(|entry| (entry.path(), entry.size)).collect();
-        Content { source: Source::Archive(Box::new(archive)), files }
+        Content { source: Source::Archive(Box::new(archive)), files, read: BTreeSet::new() }
     }
 
     fn of_folder(folder: &Path) -> Result<Self, PackageError> {
         let mut files = BTreeMap::new();
         collect(folder, "", &mut files)
             .map_err(|source| PackageError::Read { path: folder.to_owned(), source })?;
-        Ok(Content { source: Source::Folder(folder.to_owned()), files })
+        Ok(Content { source: Source::Folder(folder.to_owned()), files, read: BTreeSet::new() })
+    }
+
+    /// Whether reading large files is what the archive wants us to do.
+    fn is_bomb(&self) -> bool {
+        let bomb = |defect: &EntryDefect| matches!(defect, EntryDefect::Bomb { .. });
+        match &self.source {
+            Source::Archive(archive) => archive.all_defects().any(|(_, defect)| bomb(defect)),
+            Source::Folder(_) => false,
+        }
     }
 
     /// The bytes of a file; None if there is none, or a message.
     fn read(&mut self, path: &str, limit: u64) -> Option<Result<Vec<u8>, String>> {
         let size = *self.files.get(path)?;
+        self.read.insert(path.to_owned());
         if size > limit {
             return Some(Err(format!("it has {size} bytes; at most {limit} are read")));
         }
@@ -193,11 +208,27 @@ fn rule_of(defect: &EntryDefect) -> (&'static str, &'static str) {
         EntryDefect::Duplicate | EntryDefect::FileAndFolder => {
             ("each path is there once", "remove one")
         }
-        EntryDefect::Overlap
-        | EntryDefect::TooMany { .. }
-        | EntryDefect::Bomb { .. }
-        | EntryDefect::Broken { .. } => {
+        EntryDefect::Broken { .. } => ("every entry can be unpacked", "pack the FMU again"),
+        EntryDefect::Overlap | EntryDefect::TooMany { .. } | EntryDefect::Bomb { .. } => {
             ("importers protect themselves against such archives", "pack the FMU again")
+        }
+    }
+}
+
+/// Unpacks what nobody looked into yet, to nowhere: damage shows in the checksum.
+fn unread_entries(problems: &mut Vec<Problem>, version: FmiVersion, content: &mut Content) {
+    let Source::Archive(archive) = &mut content.source else { return };
+    for entry in archive.entries.clone() {
+        let path = entry.path();
+        if entry.is_folder || entry.defect.is_some() || content.read.contains(&path) {
+            continue;
+        }
+        if let Err(PackageError::Entry { defect, .. }) = archive.copy(&entry, &mut std::io::sink())
+        {
+            let (rule, way_out) = rule_of(&defect);
+            let problem =
+                Problem::in_entry(version, Topic::Distribution, &path, defect.to_string());
+            problems.push(problem.rule(rule).way_out(way_out));
         }
     }
 }

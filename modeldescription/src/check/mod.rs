@@ -11,15 +11,18 @@ mod types;
 mod units;
 mod variables;
 
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::path::Path;
 
 pub use functions::required_functions;
 
-use crate::description::{FmiVersion, Line, ModelDescription};
+use crate::description::{FmiVersion, Line, ModelDescription, TypeDefinition, Unit};
 use crate::package::{Limits, PackageError};
-use crate::problem::{MODEL_DESCRIPTION, Problem, Topic};
+use crate::problem::{Problem, Topic};
 use crate::read::{self, ParseError};
-use crate::xml::{XmlError, XmlLimits};
+use crate::variable::{Properties, Variable};
+use crate::xml::XmlLimits;
 
 /// All problems of an FMU: its archive or folder, its model description, its binaries. Nothing is
 /// unpacked and no code of the FMU runs.
@@ -43,7 +46,6 @@ pub(crate) fn read_and_check(
     match read::read(xml, limits) {
         Ok((description, mut problems)) => {
             problems.extend(check_model(&description));
-            // What could not be read is reported as such, not as missing.
             problems.sort_by_key(|problem| problem.line);
             problems.dedup();
             (Some(description), problems)
@@ -54,8 +56,7 @@ pub(crate) fn read_and_check(
 
 /// All problems of a description that was read or made.
 pub fn check_model(description: &ModelDescription) -> Vec<Problem> {
-    let mut checker =
-        Checker { description, version: description.fmi_version, problems: Vec::new() };
+    let mut checker = Checker::new(description);
     root::check(&mut checker);
     units::check(&mut checker);
     types::check(&mut checker);
@@ -71,9 +72,45 @@ struct Checker<'a> {
     description: &'a ModelDescription,
     version: FmiVersion,
     problems: Vec<Problem>,
+    /// By value reference, in 3.0; the first where several have the same.
+    by_reference: HashMap<u32, &'a Variable>,
+    types: HashMap<&'a str, &'a TypeDefinition>,
+    units: HashMap<&'a str, &'a Unit>,
 }
 
-impl Checker<'_> {
+impl<'a> Checker<'a> {
+    fn new(description: &'a ModelDescription) -> Self {
+        Checker {
+            description,
+            version: description.fmi_version,
+            problems: Vec::new(),
+            by_reference: first_by(&description.variables, |variable| variable.value_reference),
+            types: first_by(&description.types, |definition| definition.name.as_str()),
+            units: first_by(&description.units, |unit| unit.name.as_str()),
+        }
+    }
+
+    /// [`ModelDescription::referenced`], quick for large descriptions.
+    fn referenced(&self, reference: u32) -> Option<&'a Variable> {
+        match self.version {
+            FmiVersion::V2 => self.description.referenced(reference),
+            FmiVersion::V3 => self.by_reference.get(&reference).copied(),
+        }
+    }
+
+    /// [`ModelDescription::declared_type`], quick for large descriptions.
+    fn declared_type(&self, variable: &Variable) -> Option<&'a TypeDefinition> {
+        self.types.get(variable.declared_type.as_deref()?).copied()
+    }
+
+    /// [`ModelDescription::properties`], quick for large descriptions.
+    fn properties(&self, variable: &Variable) -> Properties {
+        match self.declared_type(variable) {
+            Some(definition) => variable.properties.or(&definition.properties),
+            None => variable.properties.clone(),
+        }
+    }
+
     /// Reports what the standard forbids.
     fn error(
         &mut self,
@@ -101,48 +138,38 @@ impl Checker<'_> {
     }
 }
 
+/// A file of which nothing is known but that it is no description.
 fn not_readable(error: &ParseError) -> Problem {
-    let (line, topic) = match error {
-        ParseError::Xml(error) => (line_of(error), Topic::Document),
-        ParseError::Root { line, .. } | ParseError::Version { line, .. } => (*line, Topic::Root),
-        ParseError::Unreadable(_) => (0, Topic::Root),
+    let (topic, line, found) = match error {
+        ParseError::Xml(error) => (Topic::Document, error.line(), error.to_string()),
+        ParseError::Root { line, found } => {
+            (Topic::Root, Some(*line), format!("the root element is <{found}>"))
+        }
+        ParseError::Version { line, found } => {
+            (Topic::Root, Some(*line), format!("fmiVersion=\"{found}\""))
+        }
+        ParseError::Unreadable(_) => (Topic::Root, None, error.to_string()),
     };
-    let found = match error {
-        ParseError::Xml(error) => error.to_string(),
-        other => other.to_string().trim_start_matches(MODEL_DESCRIPTION).to_owned(),
-    };
-    let found = found.trim_start_matches(|c: char| c == ':' || c == ' ' || c.is_ascii_digit());
-    Problem::in_xml(FmiVersion::V2, topic, line, found.to_owned())
-        .rule("the file must be a well-formed model description of FMI 2.0 or 3.0")
-        .way_out("nothing further was checked; repair this first")
+    Problem::in_xml(FmiVersion::V2, topic, line.unwrap_or(0), found)
+        .rule("the file must be a well-formed <fmiModelDescription> of FMI 2.0 or 3.0")
+        .way_out("repair this first; nothing further was checked")
 }
 
-fn line_of(error: &XmlError) -> u32 {
-    match error {
-        XmlError::TooLarge { .. } => 0,
-        XmlError::NotUtf8 { line, .. }
-        | XmlError::DocumentType { line }
-        | XmlError::NotWellFormed { line, .. }
-        | XmlError::Limit { line, .. } => *line,
+/// The first item of each key.
+fn first_by<'a, T, K: Hash + Eq>(items: &'a [T], key: impl Fn(&'a T) -> K) -> HashMap<K, &'a T> {
+    let mut first = HashMap::with_capacity(items.len());
+    for item in items {
+        first.entry(key(item)).or_insert(item);
     }
+    first
 }
 
 /// Items whose key appeared before, with the key's first item.
-fn repeated<'a, T, K: std::hash::Hash + Eq>(
-    items: impl IntoIterator<Item = &'a T>,
-    key: impl Fn(&'a T) -> K,
-) -> Vec<(&'a T, &'a T)> {
-    let mut first = std::collections::HashMap::new();
-    let mut repeated = Vec::new();
-    for item in items {
-        match first.entry(key(item)) {
-            std::collections::hash_map::Entry::Vacant(entry) => {
-                entry.insert(item);
-            }
-            std::collections::hash_map::Entry::Occupied(entry) => {
-                repeated.push((item, *entry.get()));
-            }
-        }
-    }
-    repeated
+fn repeated<'a, T, K: Hash + Eq>(items: &'a [T], key: impl Fn(&'a T) -> K) -> Vec<(&'a T, &'a T)> {
+    let first = first_by(items, &key);
+    let again = |item: &'a T| {
+        let first = *first.get(&key(item))?;
+        (!std::ptr::eq(first, item)).then_some((item, first))
+    };
+    items.iter().filter_map(again).collect()
 }

@@ -52,50 +52,74 @@ fn aliases(checker: &mut Checker<'_>) {
 }
 
 fn alias_set(checker: &mut Checker<'_>, set: &[&Variable]) {
-    let description = checker.description;
     let Some((first, others)) = set.split_first() else { return };
-    let is_constant = |v: &Variable| v.variability(FmiVersion::V2) == Variability::Constant;
-    let mut report = |variable: &Variable, what: String, rule: &str, way_out: &str| {
-        let found = format!(
-            "{} shares the value reference {} with \"{}\" (line {}) and {what}",
-            subject(variable),
-            variable.value_reference,
-            first.name,
-            first.line.0
-        );
-        checker.error(Topic::Variables, variable.line, found, rule, way_out);
-    };
     for other in others {
-        let (own, firsts) = (description.properties(other), description.properties(first));
-        if own.unit != firsts.unit {
-            let name = |unit: Option<String>| unit.unwrap_or_else(|| "none".to_owned());
-            let what = format!("has the unit {}, not {}", name(own.unit), name(firsts.unit));
-            report(other, what, "aliases must have the same unit", "correct one unit");
-        }
-        let relative = |relative: Option<bool>| relative.unwrap_or(false);
-        if relative(own.relative_quantity) != relative(firsts.relative_quantity) {
-            let rule = "aliases must have the same relativeQuantity";
-            report(other, "has another relativeQuantity".to_owned(), rule, "correct one");
-        }
-        match (is_constant(first), is_constant(other)) {
-            (true, true) if first.start != other.start => {
-                let rule = "constant aliases must have the same start value";
-                report(other, "has another start value".to_owned(), rule, "correct one");
-            }
-            (a, b) if a != b => {
-                let rule = "either all or none of the aliases must be constant";
-                report(other, "one of the two is constant".to_owned(), rule, "separate them");
-            }
-            _ => {}
+        for (what, rule, way_out) in alias_faults(checker, first, other) {
+            report_alias(checker, first, other, &what, rule, way_out);
         }
     }
-    let settable = set.iter().filter(|v| is_settable(v) && !is_constant(v));
+    let settable = set.iter().filter(|variable| is_settable(variable) && !is_constant(variable));
     for variable in settable.skip(1) {
         let rule =
             "at most one of several aliases may be an input, a parameter or have a start value";
         let way_out = "give it another value reference, or make it local without start value";
-        report(variable, "can be set, too".to_owned(), rule, way_out);
+        report_alias(checker, first, variable, "can be set, too", rule, way_out);
     }
+}
+
+fn report_alias(
+    checker: &mut Checker<'_>,
+    first: &Variable,
+    variable: &Variable,
+    what: &str,
+    rule: &str,
+    way_out: &str,
+) {
+    let found = format!(
+        "{} shares the value reference {} with \"{}\" (line {}) and {what}",
+        subject(variable),
+        variable.value_reference,
+        first.name,
+        first.line.0
+    );
+    checker.error(Topic::Variables, variable.line, found, rule, way_out);
+}
+
+/// What keeps two variables from being aliases: what was found, the rule, the way out.
+fn alias_faults(
+    checker: &Checker<'_>,
+    first: &Variable,
+    other: &Variable,
+) -> Vec<(String, &'static str, &'static str)> {
+    let (own, firsts) = (checker.properties(other), checker.properties(first));
+    let mut faults = Vec::new();
+    if own.unit != firsts.unit {
+        let name = |unit: Option<String>| unit.unwrap_or_else(|| "none".to_owned());
+        let what = format!("has the unit {}, not {}", name(own.unit), name(firsts.unit));
+        faults.push((what, "aliases must have the same unit", "correct one unit"));
+    }
+    let relative = |relative: Option<bool>| relative.unwrap_or(false);
+    if relative(own.relative_quantity) != relative(firsts.relative_quantity) {
+        let what = "has another relativeQuantity".to_owned();
+        faults.push((what, "aliases must have the same relativeQuantity", "correct one"));
+    }
+    match (is_constant(first), is_constant(other)) {
+        (true, true) if first.start != other.start => {
+            let what = "has another start value".to_owned();
+            faults.push((what, "constant aliases must have the same start value", "correct one"));
+        }
+        (a, b) if a != b => {
+            let what = "one of the two is constant".to_owned();
+            let rule = "either all or none of the aliases must be constant";
+            faults.push((what, rule, "separate them"));
+        }
+        _ => {}
+    }
+    faults
+}
+
+fn is_constant(variable: &Variable) -> bool {
+    variable.variability(FmiVersion::V2) == Variability::Constant
 }
 
 /// Whether the importer may set the variable before or during a run.
@@ -110,26 +134,23 @@ fn derivatives(checker: &mut Checker<'_>) {
     let mut states = HashSet::new();
     for variable in &description.variables {
         let Some(reference) = variable.derivative else { continue };
-        let found = format!("{} has derivative=\"{reference}\"", subject(variable));
-        let mut report = |rule: &str| {
-            let way_out = "refer to the variable it is the derivative of, or remove the attribute";
-            checker.error(Topic::Variables, variable.line, found.clone(), rule, way_out);
-        };
-        match description.referenced(reference) {
-            None => report(match description.fmi_version {
-                FmiVersion::V2 => "there is no variable at that position (counted from 1)",
-                FmiVersion::V3 => "there is no variable with that value reference",
-            }),
-            Some(state) if std::ptr::eq(state, variable) => {
-                report("a variable is not its own derivative");
+        let rule = match checker.referenced(reference) {
+            None if checker.version == FmiVersion::V2 => {
+                "there is no variable at that position (counted from 1)"
             }
+            None => "there is no variable with that value reference",
+            Some(state) if std::ptr::eq(state, variable) => "a variable is not its own derivative",
             Some(state) if !state.data_type.is_float() => {
-                report("only floating point variables have derivatives");
+                "only floating point variables have derivatives"
             }
             Some(state) => {
                 states.insert(state.name.as_str());
+                continue;
             }
-        }
+        };
+        let found = format!("{} has derivative=\"{reference}\"", subject(variable));
+        let way_out = "refer to the variable it is the derivative of, or remove the attribute";
+        checker.error(Topic::Variables, variable.line, found, rule, way_out);
     }
     for variable in description.variables.iter().filter(|v| v.reinit.is_some()) {
         if !states.contains(variable.name.as_str()) {
@@ -147,7 +168,7 @@ fn previous_values(checker: &mut Checker<'_>) {
     for variable in &description.variables {
         let Some(reference) = variable.previous else { continue };
         let is_discrete = |v: &Variable| v.variability(FmiVersion::V3) == Variability::Discrete;
-        let fits = description.referenced(reference).is_some_and(|previous| {
+        let fits = checker.referenced(reference).is_some_and(|previous| {
             !std::ptr::eq(previous, variable)
                 && previous.data_type == variable.data_type
                 && is_discrete(previous)

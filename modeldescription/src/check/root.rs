@@ -1,7 +1,7 @@
 //! Root element, interface types, log categories, default experiment.
 
 use super::{Checker, repeated};
-use crate::description::{CoSimulation, DefaultExperiment, FmiVersion, Interface, Line};
+use crate::description::{CoSimulation, DefaultExperiment, FmiVersion, Interface};
 use crate::problem::Topic;
 
 pub(super) fn check(checker: &mut Checker<'_>) {
@@ -15,6 +15,7 @@ pub(super) fn check(checker: &mut Checker<'_>) {
 }
 
 fn token(checker: &mut Checker<'_>) {
+    let line = checker.description.line;
     if checker.description.instantiation_token.is_empty() {
         let name = match checker.version {
             FmiVersion::V2 => "guid",
@@ -22,7 +23,7 @@ fn token(checker: &mut Checker<'_>) {
         };
         checker.error(
             Topic::Root,
-            Line(0),
+            line,
             format!("{name} is missing or empty"),
             "it shows whether description and binary belong together",
             "derive it from the variables",
@@ -31,6 +32,7 @@ fn token(checker: &mut Checker<'_>) {
 }
 
 fn generation_time(checker: &mut Checker<'_>) {
+    let line = checker.description.line;
     let Some(time) = &checker.description.generation_date_and_time else { return };
     let found = format!("generationDateAndTime=\"{time}\"");
     let way_out = "write it as 2009-12-08T14:33:22Z";
@@ -38,13 +40,13 @@ fn generation_time(checker: &mut Checker<'_>) {
         DateTime::AsTheStandardWants => {}
         DateTime::Other => checker.warning(
             Topic::Root,
-            Line(0),
+            line,
             found,
             "the format should be YYYY-MM-DDThh:mm:ssZ, in UTC, without fractions",
             way_out,
         ),
         DateTime::None => {
-            checker.error(Topic::Root, Line(0), found, "it must be an xs:dateTime", way_out);
+            checker.error(Topic::Root, line, found, "it must be an xs:dateTime", way_out);
         }
     }
 }
@@ -115,6 +117,7 @@ fn is_offset(text: &str) -> bool {
 
 fn interfaces(checker: &mut Checker<'_>) {
     let description = checker.description;
+    let line = description.line;
     if description.interfaces().next().is_none() {
         let rule = match checker.version {
             FmiVersion::V2 => "ModelExchange or CoSimulation must be present",
@@ -122,7 +125,7 @@ fn interfaces(checker: &mut Checker<'_>) {
         };
         checker.error(
             Topic::Root,
-            Line(0),
+            line,
             "the FMU offers no interface type".to_owned(),
             rule,
             "add the element",

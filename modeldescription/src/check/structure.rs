@@ -11,7 +11,7 @@ use crate::variable::{Causality, Initial, Variability, Variable};
 pub(super) fn check(checker: &mut Checker<'_>) {
     let description = checker.description;
     let structure = &description.structure;
-    let states = states(description);
+    let states = states(checker);
     let names = ListNames::of(checker.version);
     outputs(checker, names.outputs);
     derivatives(checker, names.derivatives);
@@ -60,9 +60,9 @@ impl ListNames {
 }
 
 /// References of the continuous states: what the listed derivatives are derivatives of.
-fn states(description: &ModelDescription) -> HashSet<u32> {
-    let derivatives = description.structure.derivatives.iter();
-    derivatives.filter_map(|u| description.referenced(u.variable)?.derivative).collect()
+fn states(checker: &Checker<'_>) -> HashSet<u32> {
+    let derivatives = checker.description.structure.derivatives.iter();
+    derivatives.filter_map(|u| checker.referenced(u.variable)?.derivative).collect()
 }
 
 /// The variables of a description with the references by which the structure means them.
@@ -81,7 +81,7 @@ fn named(checker: &Checker<'_>, reference: u32) -> String {
         FmiVersion::V2 => "index",
         FmiVersion::V3 => "valueReference",
     };
-    match checker.description.referenced(reference) {
+    match checker.referenced(reference) {
         Some(variable) => format!("\"{}\" ({kind} {reference})", variable.name),
         None => format!("{kind} {reference}"),
     }
@@ -91,7 +91,7 @@ fn existing_and_unique(checker: &mut Checker<'_>, list: &str, unknowns: &[Unknow
     let mut seen = HashSet::new();
     for unknown in unknowns {
         let name = named(checker, unknown.variable);
-        if checker.description.referenced(unknown.variable).is_none() {
+        if checker.referenced(unknown.variable).is_none() {
             let found = format!("{list} has {name}");
             let rule = match checker.version {
                 FmiVersion::V2 => "the index is the position of a variable, counted from 1",
@@ -117,7 +117,7 @@ fn outputs(checker: &mut Checker<'_>, list: &str) {
         }
     }
     for unknown in &description.structure.outputs {
-        let Some(variable) = description.referenced(unknown.variable) else { continue };
+        let Some(variable) = checker.referenced(unknown.variable) else { continue };
         if variable.causality != Causality::Output {
             let found = format!(
                 "{list} has {} of causality {}",
@@ -134,7 +134,7 @@ fn outputs(checker: &mut Checker<'_>, list: &str) {
 fn derivatives(checker: &mut Checker<'_>, list: &str) {
     let description = checker.description;
     for unknown in &description.structure.derivatives {
-        let Some(variable) = description.referenced(unknown.variable) else { continue };
+        let Some(variable) = checker.referenced(unknown.variable) else { continue };
         let is_continuous = variable.variability(checker.version) == Variability::Continuous;
         if variable.derivative.is_none() || !variable.data_type.is_float() || !is_continuous {
             let found = format!("{list} has {}", named(checker, unknown.variable));
@@ -148,7 +148,7 @@ fn derivatives(checker: &mut Checker<'_>, list: &str) {
 fn clocked_states(checker: &mut Checker<'_>) {
     let description = checker.description;
     for unknown in &description.structure.clocked_states {
-        let Some(variable) = description.referenced(unknown.variable) else { continue };
+        let Some(variable) = checker.referenced(unknown.variable) else { continue };
         if variable.previous.is_none() || variable.clocks.is_empty() {
             let found = format!("ClockedState has {}", named(checker, unknown.variable));
             let rule = "it must have the attributes previous and clocks";
@@ -160,7 +160,7 @@ fn clocked_states(checker: &mut Checker<'_>) {
 fn event_indicators(checker: &mut Checker<'_>) {
     let description = checker.description;
     for unknown in &description.structure.event_indicators {
-        let Some(variable) = description.referenced(unknown.variable) else { continue };
+        let Some(variable) = checker.referenced(unknown.variable) else { continue };
         let is_continuous = variable.variability(checker.version) == Variability::Continuous;
         if !variable.data_type.is_float() || !is_continuous {
             let found = format!("EventIndicator has {}", named(checker, unknown.variable));
@@ -211,7 +211,7 @@ fn initial_unknowns(checker: &mut Checker<'_>, list: &str, states: &HashSet<u32>
         }
     }
     for unknown in &structure.initial_unknowns {
-        let Some(variable) = description.referenced(unknown.variable) else { continue };
+        let Some(variable) = checker.referenced(unknown.variable) else { continue };
         // Clocked variables are listed as the FMU likes (3.0).
         if !expected.contains(&unknown.variable) && variable.clocks.is_empty() {
             let initial = variable.initial(checker.version).map_or("none", Initial::name);
@@ -285,7 +285,7 @@ fn dependencies(checker: &mut Checker<'_>, list: &List<'_>, unknown: &Unknown) {
     let mut previous = 0;
     for &dependency in dependencies {
         let found = format!("{subject} depends on {}", named(checker, dependency));
-        match checker.description.referenced(dependency) {
+        match checker.referenced(dependency) {
             None => {
                 let rule = "there is no such variable";
                 report(checker, unknown.line, found, rule, "correct the dependencies");
@@ -328,7 +328,7 @@ fn kinds(checker: &mut Checker<'_>, list: &List<'_>, unknown: &Unknown) {
         }
         Some(_) => {}
     }
-    let variable = checker.description.referenced(unknown.variable);
+    let variable = checker.referenced(unknown.variable);
     let is_float = variable.is_none_or(|variable| variable.data_type.is_float());
     for kind in kinds {
         let rule = match kind {

@@ -97,9 +97,8 @@ fn unit(
     subject: &str,
     properties: &Properties,
 ) {
-    let description = checker.description;
     let unit = properties.unit.as_deref();
-    let defined = unit.and_then(|name| description.unit(name));
+    let defined = unit.and_then(|name| checker.units.get(name).copied());
     if let (Some(name), None) = (unit, defined) {
         checker.error(
             topic,
@@ -128,7 +127,7 @@ pub(super) fn display_unit(
         checker.error(topic, line, found, rule, "give the unit or remove the display unit");
         return;
     };
-    let defined = checker.description.unit(unit);
+    let defined = checker.units.get(unit).copied();
     let known = defined.is_some_and(|u| u.display_units.iter().any(|d| d.name == display));
     // FMI 2.0 lets a unit be shown in itself only if it is listed, and most importers insist.
     if defined.is_some() && !known {

@@ -11,7 +11,7 @@ use crate::variable::{
 pub(super) fn check(checker: &mut Checker<'_>) {
     let description = checker.description;
     for variable in &description.variables {
-        let properties = description.properties(variable);
+        let properties = checker.properties(variable);
         role(checker, variable);
         start_presence(checker, variable);
         declared_type(checker, variable);
@@ -154,7 +154,7 @@ fn declared_type(checker: &mut Checker<'_>, variable: &Variable) {
         return;
     };
     let what = format!("has declaredType=\"{name}\"");
-    match description.declared_type(variable) {
+    match checker.declared_type(variable) {
         None => {
             let rule = "the type must be defined in <TypeDefinitions>";
             error(checker, variable, &what, rule, "define it or correct its name");
@@ -221,12 +221,10 @@ fn size(checker: &Checker<'_>, variable: &Variable) -> Option<u64> {
     }
     let of_dimension = |dimension: &Dimension| match dimension {
         Dimension::Size(size) => Some(*size),
-        Dimension::Parameter(reference) => {
-            match &checker.description.referenced(*reference)?.start {
-                Some(Start::Integer(values)) => u64::try_from(*values.first()?).ok(),
-                _ => None,
-            }
-        }
+        Dimension::Parameter(reference) => match &checker.referenced(*reference)?.start {
+            Some(Start::Integer(values)) => u64::try_from(*values.first()?).ok(),
+            _ => None,
+        },
     };
     let count = u64::try_from(variable.start.as_ref()?.len()).ok();
     let product = variable
@@ -238,8 +236,7 @@ fn size(checker: &Checker<'_>, variable: &Variable) -> Option<u64> {
 
 /// The start value of an enumeration must be one of the items.
 fn item(checker: &mut Checker<'_>, variable: &Variable, start: &Start) {
-    let description = checker.description;
-    let (Some(definition), Start::Integer(values)) = (description.declared_type(variable), start)
+    let (Some(definition), Start::Integer(values)) = (checker.declared_type(variable), start)
     else {
         return;
     };
@@ -268,7 +265,6 @@ fn attributes_of_some(checker: &mut Checker<'_>, variable: &Variable) {
 }
 
 fn dimensions(checker: &mut Checker<'_>, variable: &Variable) {
-    let description = checker.description;
     if variable.causality == Causality::StructuralParameter && !variable.dimensions.is_empty() {
         let rule = "a structural parameter is a scalar";
         error(checker, variable, "has dimensions", rule, "remove them");
@@ -283,7 +279,7 @@ fn dimensions(checker: &mut Checker<'_>, variable: &Variable) {
             Dimension::Size(_) => continue,
             Dimension::Parameter(reference) => *reference,
         };
-        let size = description.referenced(reference);
+        let size = checker.referenced(reference);
         let is_size = size.is_some_and(|size| {
             let start = match &size.start {
                 Some(Start::Integer(values)) => values.first().copied().unwrap_or(0),
@@ -319,7 +315,7 @@ fn clock(checker: &mut Checker<'_>, variable: &Variable, properties: &Properties
         }
     }
     for reference in &variable.clocks {
-        let known = checker.description.referenced(*reference);
+        let known = checker.referenced(*reference);
         if !known.is_some_and(|known| known.data_type == DataType::Clock) {
             let what = format!("has clocks=\"{reference}\"");
             let rule = "it must list value references of clocks";
@@ -346,7 +342,7 @@ fn independent(checker: &mut Checker<'_>) {
         }
         (None, FmiVersion::V3) => checker.error(
             Topic::Variables,
-            description.structure.line,
+            description.line,
             "no variable has causality=\"independent\"".to_owned(),
             "exactly one variable must be independent",
             "add the variable time",

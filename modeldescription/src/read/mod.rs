@@ -20,7 +20,7 @@ use values::{Attributes, Context};
 #[derive(Debug, thiserror::Error)]
 pub enum ParseError {
     /// The XML cannot be read.
-    #[error("modelDescription.xml: {0}")]
+    #[error("modelDescription.xml{}: {}", at(.0), .0)]
     Xml(#[from] XmlError),
     /// The root element is another one.
     #[error(
@@ -45,6 +45,11 @@ pub enum ParseError {
     /// Values that cannot be understood.
     #[error("{}", list(.0))]
     Unreadable(Vec<Problem>),
+}
+
+/// `:12`, or nothing where the error has no line.
+fn at(error: &XmlError) -> String {
+    error.line().map_or_else(String::new, |line| format!(":{line}"))
 }
 
 fn list(problems: &[Problem]) -> String {
@@ -195,6 +200,7 @@ fn read_root(context: &mut Context, root: &Element) -> ModelDescription {
     };
     let name = context.required_text(at, "modelName");
     let mut description = ModelDescription::new(context.version, name, token);
+    description.line = Line(root.line);
     description.description = context.text(at, "description");
     description.author = context.text(at, "author");
     description.version = context.text(at, "version");

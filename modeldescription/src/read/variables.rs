@@ -221,7 +221,14 @@ fn body(context: &mut Context, at: Attributes<'_>, variable: &mut Variable) {
     }
 }
 
+/// The start value. One that cannot be read is reported and kept as text, so that it does not count
+/// as missing, too; the description is then not used.
 fn start(context: &mut Context, at: Attributes<'_>, data_type: DataType) -> Option<Start> {
+    let read = readable_start(context, at, data_type);
+    read.or_else(|| context.text(at, "start").map(|text| Start::Text(vec![text])))
+}
+
+fn readable_start(context: &mut Context, at: Attributes<'_>, data_type: DataType) -> Option<Start> {
     let version = context.version;
     match data_type {
         DataType::Float32 | DataType::Float64 => {
@@ -243,13 +250,12 @@ fn start(context: &mut Context, at: Attributes<'_>, data_type: DataType) -> Opti
             let elements = start_elements(context, at)?;
             let mut bytes = Vec::new();
             for (element, text) in elements {
-                match parse_hex(text) {
-                    Some(value) => bytes.push(value),
-                    None => {
-                        let at = Attributes { element, topic: at.topic };
-                        context.list::<u8>(at, "value", "pairs of hexadecimal digits", |_| None);
-                    }
+                let value = parse_hex(text);
+                if value.is_none() {
+                    let at = Attributes { element, topic: at.topic };
+                    context.list::<u8>(at, "value", "pairs of hexadecimal digits", |_| None);
                 }
+                bytes.push(value.unwrap_or_default());
             }
             Some(Start::Binary(bytes))
         }
