@@ -14,15 +14,15 @@ fmi_bindings::export_fmi3!(crate::controller);
 /// Builds the controller that the blueprint in these resources describes.
 fn controller(resources: &Path) -> Result<System, String> {
     let file = resources.join(export::BLUEPRINT);
-    let blueprint = Blueprint::read(&file).map_err(|problems| problems.to_string())?;
-    if blueprint.kind != Kind::Controller {
+    let checked = Blueprint::read(&file)
+        .and_then(|blueprint| blueprint.check(components::COMPONENTS))
+        .map_err(|problems| problems.to_string())?;
+    if checked.blueprint().kind != Kind::Controller {
         return Err(format!(
-            "{}: kind = \"plant\", but this is the binary of a controller; pack the FMU again, which \
-             takes the binary that belongs to the blueprint",
+            "{}: kind = \"plant\", but this is the binary of a controller; pack the blueprint \
+             again, which takes the binary that belongs to it",
             file.display()
         ));
     }
-    let checked =
-        blueprint.check(components::COMPONENTS).map_err(|problems| problems.to_string())?;
     Ok(checked.build())
 }

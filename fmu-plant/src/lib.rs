@@ -14,15 +14,15 @@ fmi_bindings::export_fmi3!(crate::plant);
 /// Builds the plant that the blueprint in these resources describes.
 fn plant(resources: &Path) -> Result<System, String> {
     let file = resources.join(export::BLUEPRINT);
-    let blueprint = Blueprint::read(&file).map_err(|problems| problems.to_string())?;
-    if blueprint.kind != Kind::Plant {
+    let checked = Blueprint::read(&file)
+        .and_then(|blueprint| blueprint.check(components::COMPONENTS))
+        .map_err(|problems| problems.to_string())?;
+    if checked.blueprint().kind != Kind::Plant {
         return Err(format!(
-            "{}: kind = \"controller\", but this is the binary of a plant; pack the FMU again, which \
-             takes the binary that belongs to the blueprint",
+            "{}: kind = \"controller\", but this is the binary of a plant; pack the blueprint \
+             again, which takes the binary that belongs to it",
             file.display()
         ));
     }
-    let checked =
-        blueprint.check(components::COMPONENTS).map_err(|problems| problems.to_string())?;
     Ok(checked.build())
 }
