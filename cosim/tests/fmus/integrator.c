@@ -23,6 +23,15 @@ static Status model_step(Slave *slave, double step) {
     case 3: say(slave, WARNING, "this is odd"); break;
     case 4: return PENDING;
     case 5: return 17;
+    case 6:
+        slave->callbacks.logger(slave->callbacks.environment, slave->name, WARNING, "logStatus",
+                                "%s: %d of %5.2f at %g s, %lu%%, %c %x %e %s", slave->name, -3,
+                                2.5, s->time, 123456789012ul, 'c', 255, 1e-3, "end");
+        break;
+    case 7:
+        slave->callbacks.logger(slave->callbacks.environment, slave->name, WARNING, NULL,
+                                "100% too large, by %s and more");
+        break;
     }
     if (s->time + step > s->reals[4] + 1e-9) {
         s->booleans[1] = 1;

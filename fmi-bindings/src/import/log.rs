@@ -1,6 +1,7 @@
 //! What an FMU says: the logger callback and the messages it collected.
 
 use std::collections::VecDeque;
+use std::ffi::{c_char, c_void};
 use std::fmt;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -81,10 +82,44 @@ impl Log {
 /// Receives the messages of an FMI 2.0 instance.
 ///
 /// The standard's logger is variadic and its message a `printf` format. A variadic function cannot
-/// be *defined* in Rust, so this one takes the five named arguments only: in the C calling
-/// conventions of Linux, macOS and Windows on x86-64, and of Linux on AArch64, named arguments of
-/// a variadic function travel as those of any other, and the caller removes the rest. The price:
-/// a format's `%s` is shown as it stands, its value is not.
+/// be *defined* in stable Rust. On Linux this one takes a fixed number of arguments instead: in the
+/// C calling conventions of x86-64 and AArch64 there, variadic integers and pointers travel as the
+/// 6th and further words, variadic floating point values in the floating point registers, just as
+/// those of a function that names them. Arguments that the caller did not give hold anything; what
+/// is done with them cannot fail (see [`super::format`]).
+#[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[rustfmt::skip]
+unsafe extern "C" fn receive(
+    environment: fmi2ComponentEnvironment,
+    _instance_name: fmi2String,
+    status: fmi2Status,
+    category: fmi2String,
+    message: fmi2String,
+    w0: usize, w1: usize, w2: usize, w3: usize, w4: usize, w5: usize, w6: usize, w7: usize,
+    w8: usize,
+    d0: f64, d1: f64, d2: f64, d3: f64, d4: f64, d5: f64, d6: f64, d7: f64,
+) {
+    use super::format::{Arguments, formatted};
+    if message.is_null() {
+        return;
+    }
+    let words = [w0, w1, w2, w3, w4, w5, w6, w7, w8];
+    let doubles = [d0, d1, d2, d3, d4, d5, d6, d7];
+    // SAFETY: the standard promises zero-terminated texts, valid during this call; the environment
+    // is null or the `Log` given at instantiation, which outlives the instance.
+    unsafe {
+        let text = std::ffi::CStr::from_ptr(message);
+        deliver(environment, status.into(), category, || {
+            formatted(text, &Arguments { words, doubles })
+        });
+    }
+}
+
+/// Receives the messages of an FMI 2.0 instance.
+///
+/// Only the five named arguments are taken, which travel as those of any other function; a
+/// format's `%s` is shown as it stands, its value is not.
+#[cfg(not(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64"))))]
 unsafe extern "C" fn receive(
     environment: fmi2ComponentEnvironment,
     _instance_name: fmi2String,
@@ -92,42 +127,47 @@ unsafe extern "C" fn receive(
     category: fmi2String,
     message: fmi2String,
 ) {
-    // SAFETY: the environment is null or the `Log` given at instantiation, which outlives the
-    // instance; only shared access is made of it.
-    let Some(log) = (unsafe { environment.cast::<Log>().as_ref() }) else { return };
-    // SAFETY: the standard promises null or zero-terminated texts, valid during this call.
-    let (category, text) = unsafe { (text_of(category), text_of(message)) };
-    let message = Message { status: status.into(), category, text: text.replace("%%", "%") };
-    // A panic of the user's closure must not unwind into the FMU's C code.
-    let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| log.push(message)));
+    // SAFETY: the standard promises null or zero-terminated texts, valid during this call; the
+    // environment is null or the `Log` given at instantiation, which outlives the instance.
+    unsafe {
+        deliver(environment, status.into(), category, || text_of(message).replace("%%", "%"));
+    }
 }
 
-/// Receives the messages of an FMI 3.0 instance.
+/// Receives the messages of an FMI 3.0 instance, whose text is no format.
 pub(crate) unsafe extern "C" fn receive_v3(
     environment: fmi3InstanceEnvironment,
     status: fmi3Status,
     category: fmi3String,
     message: fmi3String,
 ) {
-    // SAFETY: as in `receive`.
+    // SAFETY: as for FMI 2.0.
+    unsafe { deliver(environment, status.into(), category, || text_of(message)) };
+}
+
+/// Puts a message into its log.
+///
+/// # Safety
+/// `environment` is null or a `Log`; `category` is null or a zero-terminated text.
+unsafe fn deliver(
+    environment: *mut c_void,
+    status: Status,
+    category: *const c_char,
+    text: impl FnOnce() -> String,
+) {
+    // SAFETY: promised by the caller; only shared access is made of the log.
     let Some(log) = (unsafe { environment.cast::<Log>().as_ref() }) else { return };
-    // SAFETY: the standard promises null or zero-terminated texts, valid during this call.
-    let (category, text) = unsafe { (text_of(category), text_of(message)) };
-    let message = Message { status: status.into(), category, text };
+    // SAFETY: promised by the caller.
+    let category = unsafe { text_of(category) };
     // A panic of the user's closure must not unwind into the FMU's C code.
-    let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| log.push(message)));
+    let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        log.push(Message { status, category, text: text() });
+    }));
 }
 
 /// The logger to hand to FMI 2.0 instances.
 pub(crate) fn logger() -> fmi2CallbackLogger {
-    type Named = unsafe extern "C" fn(
-        fmi2ComponentEnvironment,
-        fmi2String,
-        fmi2Status,
-        fmi2String,
-        fmi2String,
-    );
-    let named: Named = receive;
+    let receive = receive as *const ();
     // SAFETY: both are C function pointers; see `receive` for the calling convention.
-    unsafe { std::mem::transmute::<Named, fmi2CallbackLogger>(named) }
+    unsafe { std::mem::transmute::<*const (), fmi2CallbackLogger>(receive) }
 }

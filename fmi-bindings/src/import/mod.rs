@@ -11,6 +11,8 @@
 
 mod binary;
 mod error;
+#[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+mod format;
 mod log;
 mod state;
 mod step;
