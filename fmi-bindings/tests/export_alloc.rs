@@ -6,8 +6,9 @@ mod support;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use piezoloop_fmi_bindings::export::v2;
+use piezoloop_fmi_bindings::export::{v2, v3};
 use piezoloop_fmi_bindings::fmi2::*;
+use piezoloop_fmi_bindings::fmi3::*;
 use support::{Fmu, plant};
 
 struct Counting;
@@ -66,4 +67,47 @@ fn a_million_calls_allocate_nothing() {
     // The counter counts: an error has a message.
     assert_eq!(fmu.step(-1.0, 1e-3), fmi2Error);
     assert!(COUNT.get() > before);
+}
+
+#[test]
+fn so_does_the_other_version() {
+    let token = std::ffi::CString::new(support::components::plant().variables().fingerprint());
+    let path = std::ffi::CString::new(support::resources().to_str().unwrap());
+    let (none, flag) = (std::ptr::null(), false);
+    let fmu = unsafe {
+        let fmu = v3::fmi3InstantiateCoSimulation(
+            plant,
+            c"it".as_ptr(),
+            token.unwrap().as_ptr(),
+            path.unwrap().as_ptr(),
+            flag,
+            flag,
+            flag,
+            flag,
+            none,
+            0,
+            std::ptr::null_mut(),
+            None,
+            None,
+        );
+        assert_eq!(v3::fmi3EnterInitializationMode(fmu, flag, 0.0, 0.0, flag, 0.0), fmi3OK);
+        assert_eq!(v3::fmi3ExitInitializationMode(fmu), fmi3OK);
+        fmu
+    };
+    let (mut a, mut b, mut c, mut time, mut value) = (false, false, false, 0.0, 0.0);
+    let before = COUNT.get();
+    for k in 0..100_000 {
+        let command = f64::from(k % 50);
+        let now = time;
+        let statuses = unsafe {
+            [
+                v3::fmi3SetFloat64(fmu, &0, 1, &command, 1),
+                v3::fmi3DoStep(fmu, now, 1e-3, true, &mut a, &mut b, &mut c, &mut time),
+                v3::fmi3GetFloat64(fmu, &2, 1, &mut value, 1),
+            ]
+        };
+        assert_eq!(statuses, [fmi3OK; 3]);
+    }
+    assert_eq!(COUNT.get() - before, 0);
+    unsafe { v3::fmi3FreeInstance(fmu) };
 }

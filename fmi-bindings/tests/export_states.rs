@@ -212,6 +212,34 @@ fn garbage_is_refused_with_its_reason_and_changes_nothing() {
 }
 
 #[test]
+fn bytes_with_a_good_checksum_and_a_bad_content_are_refused() {
+    let fmu = Fmu::ready(plant);
+    let good = fmu.bytes(fmu.save());
+    let sealed = |mut bytes: Vec<u8>| {
+        let body = bytes.len() - 8;
+        let sum = bytes[..body].iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+            (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
+        });
+        bytes[body..].copy_from_slice(&sum.to_le_bytes());
+        bytes
+    };
+    let mut state = null_mut();
+    assert_eq!(fmu.deserialize(&sealed(good.clone()), &mut state), fmi2OK, "the test's seal");
+    // The state's number, behind magic, version, length and GUID.
+    let mut phase = good.clone();
+    phase[8 + 4 + 8 + 32] = 3;
+    // Eight bytes less, which the length and the checksum agree to.
+    let mut short = good[..good.len() - 8].to_vec();
+    let length = short.len() as u64;
+    short[12..20].copy_from_slice(&length.to_le_bytes());
+    for bytes in [phase, short] {
+        assert_eq!(fmu.deserialize(&sealed(bytes), &mut null_mut()), fmi2Error);
+        assert!(fmu.last().contains("does not fit this model"), "{}", fmu.last());
+        assert_eq!(fmu.reset(), fmi2OK);
+    }
+}
+
+#[test]
 fn too_little_room_is_refused() {
     let fmu = Fmu::ready(plant);
     let state = fmu.save();

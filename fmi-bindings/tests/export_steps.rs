@@ -100,6 +100,16 @@ fn the_step_must_be_positive_and_finite() {
 }
 
 #[test]
+fn times_that_cannot_be_resolved_are_refused_instead_of_never_reached() {
+    let fmu = Fmu::ready(plant);
+    assert_eq!(fmu.step(0.0, 1e300), fmi2Error);
+    assert!(fmu.last().contains("internal step of 0.001 s"), "{}", fmu.last());
+    let fmu = Fmu::new(plant);
+    fmu.start(1e15);
+    assert_eq!(fmu.step(1e15, 1.0), fmi2Error);
+}
+
+#[test]
 fn the_stop_time_is_the_end_but_for_rounding() {
     let fmu = Fmu::new(plant);
     fmu.set_up(0.0, Some(0.3));

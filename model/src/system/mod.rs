@@ -18,7 +18,8 @@ use crate::{
 /// A system: an immutable plan and one [`Context`].
 ///
 /// Time is `t_n = start + n·period` with an integer `n`. [`advance`](Self::advance) performs every
-/// hit with `t_n ≤ time + 1e-9·period`; the outputs are those of the last hit. Hit `n` takes the
+/// hit with `t_n ≤ time + 1e-9·period` (far from zero, where that is less than four units in the last
+/// place of the time, with those instead); the outputs are those of the last hit. Hit `n` takes the
 /// inputs as held over the period that ends at `t_n`.
 #[derive(Clone, Debug)]
 pub struct System {

@@ -252,6 +252,13 @@ impl Instance {
                  step up to it, or set up the experiment without a stop time"
             )));
         }
+        let period = self.system.period();
+        if f64::EPSILON * end.abs() > 0.01 * period {
+            return Err(Notice::error(format!(
+                "the step from {time} s by {step} s ends at {end} s, where double precision no \
+                 longer resolves the internal step of {period} s; simulate nearer to time 0"
+            )));
+        }
         let done = if self.progress.sloped {
             self.system.advance_along(end, time, &self.slopes)
         } else {
