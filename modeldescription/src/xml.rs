@@ -76,6 +76,8 @@ impl XmlError {
 pub struct XmlLimits {
     /// Most bytes of a document.
     pub bytes: usize,
+    /// Most elements of a document.
+    pub elements: usize,
     /// Deepest nesting of elements.
     pub depth: usize,
     /// Most attributes of an element.
@@ -86,7 +88,13 @@ pub struct XmlLimits {
 
 impl Default for XmlLimits {
     fn default() -> Self {
-        XmlLimits { bytes: 128 << 20, depth: 64, attributes: 64, value_bytes: 1 << 20 }
+        XmlLimits {
+            bytes: 128 << 20,
+            elements: 4_000_000,
+            depth: 64,
+            attributes: 64,
+            value_bytes: 1 << 20,
+        }
     }
 }
 
@@ -167,6 +175,8 @@ struct Parser<'a> {
     /// Line of the byte at `counted`.
     line: u32,
     counted: usize,
+    /// Number of elements so far.
+    elements: usize,
     open: Vec<Element>,
     root: Option<Element>,
     encoding: Option<String>,
@@ -181,6 +191,7 @@ impl<'a> Parser<'a> {
             limits,
             line: 1,
             counted: 0,
+            elements: 0,
             open: Vec::new(),
             root: None,
             encoding: None,
@@ -237,7 +248,11 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn element(&self, tag: &BytesStart<'_>) -> Result<Element, XmlError> {
+    fn element(&mut self, tag: &BytesStart<'_>) -> Result<Element, XmlError> {
+        self.elements += 1;
+        if self.elements > self.limits.elements {
+            return Err(self.limit("the number of elements", self.limits.elements));
+        }
         if self.open.len() >= self.limits.depth {
             return Err(self.limit("the nesting of elements", self.limits.depth));
         }
@@ -359,6 +374,10 @@ mod tests {
 
     #[test]
     fn limits_nesting_names_and_size() {
+        let few = XmlLimits { elements: 2, ..XmlLimits::default() };
+        assert!(parse(b"<a><b/></a>", &few).is_ok());
+        let third = parse(b"<a><b/>\n<c/></a>", &few);
+        assert!(matches!(third, Err(XmlError::Limit { line: 2, limit: 2, .. })), "{third:?}");
         let deep = "<a>".repeat(65) + &"</a>".repeat(65);
         assert!(matches!(read(&deep), Err(XmlError::Limit { limit: 64, .. })));
         let long = format!("<a name=\"{}\"/>", "x".repeat(10 << 20));

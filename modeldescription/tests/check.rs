@@ -7,10 +7,9 @@ mod common;
 
 use std::fs;
 use std::io::{Cursor, Write};
-use std::path::Path;
 use std::sync::OnceLock;
 
-use common::{library, python, stage, stage_3};
+use common::{library, stage, stage_3};
 use modeldescription::package::Platform;
 use modeldescription::{
     FmiVersion, ModelDescription, PackageBuilder, Problem, Severity, check, check_description,
@@ -488,34 +487,4 @@ fn several_defects_are_all_found() {
     assert_eq!(found.len(), chosen.len(), "{}", listing(&found));
     let lines: Vec<_> = found.iter().map(|problem| problem.line).collect();
     assert!(lines.is_sorted(), "{lines:?}");
-}
-
-/// The lists of functions are those of the standard's headers, which fmpy brings along.
-#[test]
-fn required_functions_are_those_of_the_headers() {
-    let Some(python) = python() else { return };
-    let script = "import fmpy, pathlib; print(pathlib.Path(fmpy.__file__).parent / 'c-code')";
-    let output = std::process::Command::new(python).args(["-c", script]).output().unwrap();
-    let folder = String::from_utf8(output.stdout).unwrap();
-    for (version, header) in
-        [(FmiVersion::V2, "fmi2FunctionTypes.h"), (FmiVersion::V3, "fmi3FunctionTypes.h")]
-    {
-        let text = fs::read_to_string(Path::new(folder.trim()).join(header)).unwrap();
-        let mut declared: Vec<&str> = text
-            .split(|c: char| !c.is_ascii_alphanumeric())
-            .filter_map(|word| word.strip_suffix("TYPE"))
-            // The header's comments mention functions of FMI 1.0.
-            .filter(|name| name.starts_with("fmi2") || name.starts_with("fmi3"))
-            .collect();
-        let mut description = stage(version);
-        let common = description.co_simulation.as_ref().unwrap().common.clone();
-        description.scheduled_execution = Some(common);
-        description.model_exchange = Some(Default::default());
-        let mut required = required_functions(&description);
-        declared.sort();
-        declared.dedup();
-        required.sort();
-        required.dedup();
-        assert_eq!(required, declared, "{header}");
-    }
 }

@@ -2,11 +2,12 @@
 
 mod common;
 
-use common::{fmpy_problems, python};
+use common::{fmpy_problems, library, python};
 use model::{Causality, DataType, Unit, Variable, VariableTable};
 use modeldescription::describe::{About, DescribeError, describe, time_reference};
 use modeldescription::description::CoSimulation;
-use modeldescription::{FmiVersion, ModelDescription};
+use modeldescription::package::Platform;
+use modeldescription::{FmiVersion, ModelDescription, PackageBuilder, check, required_functions};
 
 fn row(name: &str, causality: Causality, start: Option<f64>) -> Variable {
     Variable {
@@ -101,6 +102,22 @@ fn fmpy_finds_nothing_wrong() {
         let file = folder.path().join("modelDescription.xml");
         std::fs::write(&file, described.to_xml().unwrap()).unwrap();
         assert_eq!(fmpy_problems(&python, folder.path()), "");
+    }
+}
+
+/// Described, packed with a complete library, checked: nothing to complain about.
+#[test]
+fn the_checker_finds_nothing_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plant.fmu");
+    for version in [FmiVersion::V2, FmiVersion::V3] {
+        let described = describe(&VariableTable::new(rows()), &about(version)).unwrap();
+        let mut fmu = PackageBuilder::new(&described).unwrap();
+        let library = library(&required_functions(&described));
+        fmu.binary(Platform::host().unwrap().tuple, library).unwrap();
+        fmu.write(&path).unwrap();
+        let problems = check(&path).unwrap();
+        assert!(problems.is_empty(), "{problems:#?}");
     }
 }
 

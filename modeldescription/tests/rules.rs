@@ -2,8 +2,12 @@
 
 mod common;
 
+use std::path::Path;
+
 use common::{fmpy_problems, python, stage, stage_3};
-use modeldescription::{FmiVersion, ModelDescription, Problem, check_description, check_model};
+use modeldescription::{
+    FmiVersion, ModelDescription, Problem, check_description, check_model, required_functions,
+};
 
 fn listing(problems: &[Problem]) -> String {
     problems.iter().map(|problem| format!("{problem}\n")).collect()
@@ -393,4 +397,34 @@ fn damaged_descriptions_are_answered() {
         }
     }
     assert!(readable > 100, "only {readable} of 8000 could be read: the test damages too much");
+}
+
+/// The lists of functions are those of the standard's headers, which fmpy brings along.
+#[test]
+fn required_functions_are_those_of_the_headers() {
+    let Some(python) = python() else { return };
+    let script = "import fmpy, pathlib; print(pathlib.Path(fmpy.__file__).parent / 'c-code')";
+    let output = std::process::Command::new(python).args(["-c", script]).output().unwrap();
+    let folder = String::from_utf8(output.stdout).unwrap();
+    for (version, header) in
+        [(FmiVersion::V2, "fmi2FunctionTypes.h"), (FmiVersion::V3, "fmi3FunctionTypes.h")]
+    {
+        let text = std::fs::read_to_string(Path::new(folder.trim()).join(header)).unwrap();
+        let mut declared: Vec<&str> = text
+            .split(|c: char| !c.is_ascii_alphanumeric())
+            .filter_map(|word| word.strip_suffix("TYPE"))
+            // The header's comments mention functions of FMI 1.0.
+            .filter(|name| name.starts_with("fmi2") || name.starts_with("fmi3"))
+            .collect();
+        let mut description = stage(version);
+        let common = description.co_simulation.as_ref().unwrap().common.clone();
+        description.scheduled_execution = Some(common);
+        description.model_exchange = Some(Default::default());
+        let mut required = required_functions(&description);
+        declared.sort();
+        declared.dedup();
+        required.sort();
+        required.dedup();
+        assert_eq!(required, declared, "{header}");
+    }
 }
