@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::error::{Error, NotInvertible, SettingsProblem};
 
-use super::linearised::{Actuation, actuation, impulse_response, lags, linear_axis, modes};
+use super::linearised::{Actuation, actuation, delays, impulse_response, lags, linear_axis, modes};
 use super::loop_shape::{Limits, Response, Shape, Shaped, shape};
 
 /// Relative shifts of the modes' frequencies for which the loop keeps its margins.
@@ -82,8 +82,8 @@ pub struct LoopFigures {
     pub reach: (f64, f64),
 }
 
-/// Makes the controller of a plant: for each axis `inverse-prandtl-ishlinskii` (or, for a linear
-/// actuator, `feedforward-gain`) and `pid` with the limits of the command. The feedback is, of several
+/// Makes the controller of a plant: for each axis `reference-lead` where the plant has lags or modes,
+/// `inverse-prandtl-ishlinskii` (or, for a linear actuator, `feedforward-gain`), and `pid` with the limits of the command. The feedback is, of several
 /// shapes (integral; integral with a proportional part against the lags; PID that inverts or damps
 /// the lowest mode), the one with the largest integral gain whose sensitivity and noise stay below
 /// their limits.
@@ -108,7 +108,8 @@ pub fn invert(plant: &CheckedBlueprint, settings: &ControlSettings) -> Result<In
         match axis_loop(axis, spec, period, settings) {
             Ok((actuation, shaped)) => {
                 let found = loop_figures(axis, &actuation, &shaped, period);
-                axes.push(controller_axis(axis, blueprint, &actuation, &found));
+                let lead = lead(axis, period, found.reach);
+                axes.push(controller_axis(axis, blueprint, &actuation, lead, &found));
                 figures.push(found);
             }
             Err(found) => reasons.extend(
@@ -246,10 +247,37 @@ fn loop_figures(
     }
 }
 
+/// What the feedforward adds to the reference for the linear parts of the path, to second order in
+/// the frequency: the product of `1 + τs` for each lag, `e^{ds}` for each delay and for the one
+/// period until the position answers, and `1 + 2ζs/ω + s²/ω²` for each mode. `None` where there are
+/// none but the period.
+fn lead(axis: &AxisSpec, period: f64, reach: (f64, f64)) -> Option<ComponentBlueprint> {
+    let (modes, lags, delays) = (modes(axis), lags(axis), delays(axis));
+    if modes.is_empty() && lags.iter().chain(&delays).all(|time| *time == 0.0) {
+        return None;
+    }
+    let (mut first, mut second) = (period, 0.5 * period * period);
+    let mut times = |a: f64, b: f64| (first, second) = (first + a, second + a * first + b);
+    for lag in lags {
+        times(lag, 0.0);
+    }
+    for delay in delays {
+        times(delay, 0.5 * delay * delay);
+    }
+    for (frequency, damping) in modes {
+        let omega = core::f64::consts::TAU * frequency;
+        times(2.0 * damping / omega, 1.0 / (omega * omega));
+    }
+    let limit = 0.5 * (reach.1 - reach.0);
+    let component = ComponentBlueprint::new("reference-lead");
+    Some(component.value("lag", first).value("inertia", second).value("limit", limit))
+}
+
 fn controller_axis(
     axis: &AxisSpec,
     plant: &AxisBlueprint,
     actuation: &Actuation,
+    lead: Option<ComponentBlueprint>,
     figures: &LoopFigures,
 ) -> AxisBlueprint {
     let (low, high) = axis.command_range;
@@ -286,6 +314,9 @@ fn controller_axis(
     if !position.is_empty() {
         controller.reference = controller.reference.named(&format!("{position}_reference"));
         controller.measured = SignalBlueprint::default().named(position);
+    }
+    if let Some(lead) = lead {
+        controller = controller.component(lead);
     }
     controller.component(feedforward).component(pid)
 }

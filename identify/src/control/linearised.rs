@@ -192,6 +192,13 @@ pub(crate) fn lags(axis: &AxisSpec) -> Vec<f64> {
         .collect()
 }
 
+/// Delays of the axis in s.
+pub(crate) fn delays(axis: &AxisSpec) -> Vec<f64> {
+    let nodes = axis.components.iter().filter(|n| n.enabled);
+    let delays = nodes.filter(|n| n.component.declaration().kind == "delay");
+    delays.filter_map(|n| values(n, "delay").first().copied()).collect()
+}
+
 /// The impulse response h_1, h_2, … of a linear axis from a command held over `period` to the
 /// position at the end of that period and of the following ones.
 ///

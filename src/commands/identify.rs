@@ -1,0 +1,332 @@
+//! `piezoloop identify`: measured log → plant blueprint.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+use data::{AxisBlueprint, Blueprint, CheckedBlueprint, Log, SignalBlueprint};
+use identify::{Columns, Dynamics, Identification, Observer, Record, Settings, Target};
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::inputs::{self, LogOptions};
+use crate::{pages, progress};
+
+/// Identifies a plant from a measured log
+///
+/// Weights of the hysteresis, delay and offset are fitted on the first part of each record; amplifier
+/// lag and mode are added where the data show them. All figures are of the plant that is written,
+/// in simulation mode, on the part of the log that the fit did not see.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop identify --log model_1hz_3v6.csv --input u --output y --model prandtl-ishlinskii --drop 2 -o plant.toml\n  piezoloop identify --log stage.csv --input u_y --output y --input u_z --output z --unit y=um --unit z=um -o stage.toml --report stage.html"
+)]
+pub(crate) struct Identify {
+    /// A measured log, CSV (may be given several times)
+    #[arg(long = "log", value_name = "FILE", required = true)]
+    logs: Vec<PathBuf>,
+    /// Column of the command; once per axis
+    #[arg(long = "input", value_name = "COLUMN", required = true)]
+    inputs: Vec<String>,
+    /// Column of the position; once per axis, in the order of the inputs
+    #[arg(long = "output", value_name = "COLUMN", required = true)]
+    outputs: Vec<String>,
+    /// What is fitted
+    #[arg(long, value_name = "MODEL", default_value = "prandtl-ishlinskii")]
+    model: Model,
+    /// Number of plays
+    #[arg(long, value_name = "N", default_value_t = 30)]
+    plays: usize,
+    /// Run-in in s from the start of each record: simulated, neither fitted nor judged
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    drop: f64,
+    /// Part of each record's time, at its end, that is held out to judge the fit
+    #[arg(long, value_name = "PART", default_value_t = 0.5)]
+    hold_out: f64,
+    /// Fit no amplifier lag and no mode
+    #[arg(long = "static")]
+    is_static: bool,
+    /// Name of the model [default: that of the file to write]
+    #[arg(long)]
+    name: Option<String>,
+    #[command(flatten)]
+    options: LogOptions,
+    /// The blueprint to write
+    #[arg(short = 'o', long = "out", value_name = "FILE", default_value = "plant.toml")]
+    out: PathBuf,
+    /// Write a page with loops, residuals and parameters
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+}
+
+/// What can be fitted.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Model {
+    /// Static Prandtl-Ishlinskii hysteresis, with delay, amplifier lag and mode where they show
+    PrandtlIshlinskii,
+}
+
+/// The result: one identification per axis.
+#[derive(Serialize)]
+pub(crate) struct Identified {
+    pub(crate) blueprint: PathBuf,
+    pub(crate) axes: Vec<AxisResult>,
+    pub(crate) notes: Vec<String>,
+}
+
+/// One axis.
+#[derive(Serialize)]
+pub(crate) struct AxisResult {
+    pub(crate) name: String,
+    #[serde(flatten)]
+    pub(crate) identification: Identification,
+    /// The records it was identified from.
+    #[serde(skip)]
+    pub(crate) records: Vec<Record>,
+    #[serde(skip)]
+    pub(crate) command_unit: String,
+}
+
+impl Identify {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        screen.show(&self.execute(screen)?)
+    }
+
+    /// Identifies, and writes the blueprint and the page.
+    pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Identified> {
+        if self.inputs.len() != self.outputs.len() {
+            bail!(
+                "{} --input and {} --output columns: give one of each per axis, in the same order",
+                self.inputs.len(),
+                self.outputs.len()
+            );
+        }
+        let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
+        inputs::not_over(&self.out, &logs)?;
+        let (plant, result) = self.work(screen)?;
+        plant.blueprint().write(&self.out)?;
+        if let Some(page) = &self.report {
+            let report = pages::identification(&result, &logs)?;
+            report.write_html(page)?;
+        }
+        Ok(result)
+    }
+
+    fn work(&self, screen: &Screen) -> anyhow::Result<(CheckedBlueprint, Identified)> {
+        let logs = self.logs.iter().map(|path| self.options.read(path));
+        let logs = logs.collect::<anyhow::Result<Vec<_>>>()?;
+        let names = self.options.names()?;
+        let mut notes = Vec::new();
+        let mut axes = Vec::new();
+        for (input, output) in self.inputs.iter().zip(&self.outputs) {
+            let input_column = names.column(input).unwrap_or(input);
+            let output_column = names.column(output).unwrap_or(output);
+            let command_unit = unit(&logs, input_column, "V", &mut notes)?;
+            let position_unit = unit(&logs, output_column, "um", &mut notes)?;
+            let records =
+                records(&logs, (input_column, &command_unit), (output_column, &position_unit))?;
+            let target = Target {
+                model: self.model_name(),
+                source: self.source(),
+                axis: axis(input, output, &command_unit, &position_unit),
+            };
+            let identification =
+                identify::identify(&records, &target, &self.settings(), &mut Bar::new(screen))?;
+            axes.push(AxisResult { name: output.clone(), identification, records, command_unit });
+        }
+        let plant = join(&axes)?;
+        Ok((plant, Identified { blueprint: self.out.clone(), axes, notes }))
+    }
+
+    fn settings(&self) -> Settings {
+        let Model::PrandtlIshlinskii = self.model;
+        Settings {
+            plays: self.plays,
+            drop: self.drop,
+            hold_out: self.hold_out,
+            dynamics: if self.is_static { Dynamics::Static } else { Dynamics::Automatic },
+            ..Settings::default()
+        }
+    }
+
+    fn model_name(&self) -> String {
+        let stem = || self.out.file_stem().map(|s| s.to_string_lossy().into_owned());
+        let text = self.name.clone().or_else(stem).unwrap_or_else(|| "plant".to_owned());
+        identifier(&text)
+    }
+
+    fn source(&self) -> String {
+        let file = |p: &PathBuf| p.file_name().map(|f| f.to_string_lossy().into_owned());
+        let files: Vec<_> = self.logs.iter().filter_map(file).collect();
+        format!("identified from {}", files.join(", "))
+    }
+}
+
+/// A name that every tool takes: letters, digits and `_`, a letter first.
+pub(crate) fn identifier(text: &str) -> String {
+    let mut name: String =
+        text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        name.insert_str(0, "model_");
+    }
+    name
+}
+
+/// The unit of a column: the log's own, else the usual one, which is noted.
+fn unit(
+    logs: &[Log],
+    column: &str,
+    usual: &str,
+    notes: &mut Vec<String>,
+) -> anyhow::Result<String> {
+    let mut found: Option<String> = None;
+    for log in logs {
+        let Some(unit) = &log.require(column)?.unit else { continue };
+        found.get_or_insert_with(|| unit.text.clone());
+    }
+    Ok(found.unwrap_or_else(|| {
+        notes.push(format!(
+            "column {column} has no unit, taken as {usual}; say another with --unit {column}=UNIT"
+        ));
+        usual.to_owned()
+    }))
+}
+
+fn axis(input: &str, output: &str, command_unit: &str, position_unit: &str) -> AxisBlueprint {
+    AxisBlueprint {
+        command: SignalBlueprint::of_unit(command_unit).named(&identifier(input)),
+        position: SignalBlueprint::of_unit(position_unit).named(&identifier(output)),
+        ..AxisBlueprint::new(&identifier(output), command_unit, position_unit)
+    }
+}
+
+/// The records of all logs for one axis.
+fn records(
+    logs: &[Log],
+    (input, command_unit): (&str, &str),
+    (output, position_unit): (&str, &str),
+) -> anyhow::Result<Vec<Record>> {
+    let mut all = Vec::new();
+    for log in logs {
+        let commands = log.convert(input, command_unit)?;
+        let positions = log.convert(output, position_unit)?;
+        for record in log.records() {
+            let file = Path::new(log.origin()).file_name();
+            let file = file.map_or_else(|| log.origin().into(), |f| f.to_string_lossy());
+            let name = match log.records().len() {
+                1 => file.into_owned(),
+                _ => format!("{file}, record {}", record.id),
+            };
+            let columns = Columns {
+                name: &name,
+                time: &log.time()[record.rows.clone()],
+                input_name: input,
+                input: &commands[record.rows.clone()],
+                output_name: output,
+                output: &positions[record.rows.clone()],
+            };
+            all.push(Record::new(columns).map_err(identify::Error::Unsuitable)?);
+        }
+    }
+    Ok(all)
+}
+
+/// One blueprint with the axes of all.
+fn join(axes: &[AxisResult]) -> anyhow::Result<CheckedBlueprint> {
+    let first = axes.first().context("there is no axis; give --input and --output")?;
+    let mut whole: Blueprint = first.identification.plant.blueprint().clone();
+    for axis in &axes[1..] {
+        let other = axis.identification.plant.blueprint();
+        if other.step != whole.step {
+            bail!(
+                "axis {} was identified with the step {}, axis {} with {}: one plant has one step; \
+                 identify them from logs of one sample rate",
+                first.name,
+                step(first),
+                axis.name,
+                step(axis)
+            );
+        }
+        whole.axes.extend(other.axes.iter().cloned());
+    }
+    Ok(whole.check(components::COMPONENTS)?)
+}
+
+/// Internal step of an axis' plant, as text.
+fn step(axis: &AxisResult) -> String {
+    format!("{} s", axis.identification.plant.spec().period)
+}
+
+/// Shows the stages of an identification on a terminal.
+struct Bar(indicatif::ProgressBar);
+
+impl Bar {
+    fn new(screen: &Screen) -> Self {
+        Self(progress::bar(screen, "identify", 1))
+    }
+}
+
+impl Observer for Bar {
+    fn progress(&mut self, stage: &'static str, done: usize, total: usize) {
+        self.0.set_message(stage);
+        self.0.set_length(total as u64);
+        self.0.set_position(done as u64);
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
+impl Answer for Identified {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        for note in &self.notes {
+            writeln!(out, "note: {note}")?;
+        }
+        for axis in &self.axes {
+            let id = &axis.identification;
+            writeln!(out, "axis {}", axis.name)?;
+            writeln!(out, "  {:40} {:>14}  verdict", "structure tried", "held-out rmse")?;
+            for candidate in &id.candidates {
+                let rmse = candidate
+                    .held_out_rmse
+                    .map_or_else(|| "failed".to_owned(), |e| format!("{e:.5} {}", id.unit));
+                let mark = if candidate.accepted { "taken: " } else { "" };
+                writeln!(
+                    out,
+                    "  {:40} {rmse:>14}  {mark}{}",
+                    candidate.structure, candidate.reason
+                )?;
+            }
+            for record in &id.records {
+                let (held, line) = (&record.held_out, &record.baseline_held_out);
+                writeln!(
+                    out,
+                    "  {}: held out {:.3} % of range (rmse {:.5} {u}, max {:.5} {u}, offset {:.4} {u}); a straight line leaves {:.3} %",
+                    record.record,
+                    100.0 * held.nrmse,
+                    held.rmse,
+                    held.max,
+                    held.offset,
+                    100.0 * line.nrmse,
+                    u = id.unit
+                )?;
+            }
+            let open: Vec<_> = id.undetermined().map(|p| p.name.as_str()).collect();
+            if !open.is_empty() {
+                let some = open[..open.len().min(6)].join(", ");
+                let dots = if open.len() > 6 { ", …" } else { "" };
+                writeln!(
+                    out,
+                    "  {} of {} parameters are not determined one by one: {some}{dots} (--json lists all)",
+                    open.len(),
+                    id.parameters.len()
+                )?;
+            }
+        }
+        writeln!(out, "{}: written", self.blueprint.display())
+    }
+}

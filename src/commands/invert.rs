@@ -1,0 +1,102 @@
+//! `piezoloop invert`: plant blueprint → controller blueprint.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::Args;
+use identify::{ControlSettings, LoopFigures};
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::inputs;
+
+/// Makes the controller of a plant: inverse feedforward and PID
+///
+/// The feedforward is the exact inverse of the plant's hysteresis. The PID gains are the largest that
+/// keep the sensitivity of the linearised loop below its limit.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop invert plant.toml -o controller.toml\n  piezoloop invert evc --period 2e-5 -o controller.toml"
+)]
+pub(crate) struct Invert {
+    /// The plant's blueprint, or the name of a rig
+    plant: PathBuf,
+    /// Sample time of the controller in s [default: the plant's internal step]
+    #[arg(long, value_name = "S")]
+    period: Option<f64>,
+    /// Largest sensitivity |1/(1+L)| that the loop may have
+    #[arg(long, value_name = "M", default_value_t = ControlSettings::default().sensitivity)]
+    sensitivity: f64,
+    /// Most that sensor noise may be amplified on its way to the command, seen as position
+    #[arg(long, value_name = "RATIO", default_value_t = ControlSettings::default().noise)]
+    noise: f64,
+    /// Leave the feedforward out
+    #[arg(long)]
+    feedback_only: bool,
+    /// Name of the controller [default: the plant's with _controller behind it]
+    #[arg(long)]
+    name: Option<String>,
+    /// The blueprint to write
+    #[arg(short = 'o', long = "out", value_name = "FILE", default_value = "controller.toml")]
+    out: PathBuf,
+}
+
+#[derive(Serialize)]
+pub(crate) struct Inverted {
+    blueprint: PathBuf,
+    period_s: f64,
+    pub(crate) axes: Vec<LoopFigures>,
+}
+
+impl Invert {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        screen.show(&self.execute()?)
+    }
+
+    /// Makes and writes the controller.
+    pub(crate) fn execute(&self) -> anyhow::Result<Inverted> {
+        inputs::not_over(&self.out, &[&self.plant])?;
+        let plant = inputs::blueprint(&self.plant)?.blueprint.check(components::COMPONENTS)?;
+        let settings = ControlSettings {
+            name: self.name.clone(),
+            period: self.period,
+            sensitivity: self.sensitivity,
+            noise: self.noise,
+        };
+        let inversion = identify::invert(&plant, &settings)?;
+        let mut controller = inversion.controller.blueprint().clone();
+        if self.feedback_only {
+            for axis in &mut controller.axes {
+                axis.components.retain(|component| component.kind == "pid");
+            }
+            controller.check(components::COMPONENTS)?;
+        }
+        controller.write(&self.out)?;
+        let period_s = inversion.controller.spec().period;
+        Ok(Inverted { blueprint: self.out.clone(), period_s, axes: inversion.axes })
+    }
+}
+
+impl Answer for Inverted {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        for axis in &self.axes {
+            writeln!(out, "axis {}: {}", axis.axis, axis.shape)?;
+            writeln!(
+                out,
+                "  kp {:.6} ki {:.6} kd {:.6} (command per position, per second, times second)",
+                axis.kp, axis.ki, axis.kd
+            )?;
+            writeln!(
+                out,
+                "  bandwidth {:.2} Hz, gain margin {:.2}, phase margin {:.1}°, sensitivity {:.2}, reach {:.4} to {:.4}",
+                axis.bandwidth,
+                axis.gain_margin,
+                axis.phase_margin,
+                axis.sensitivity,
+                axis.reach.0,
+                axis.reach.1
+            )?;
+        }
+        writeln!(out, "{}: written, sample time {} s", self.blueprint.display(), self.period_s)
+    }
+}

@@ -1,0 +1,195 @@
+//! `piezoloop list`: rigs, effects, models.
+
+use std::io::{self, Write};
+
+use anyhow::Context;
+use clap::Args;
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+
+/// Lists the rigs, effects or models that the tool knows
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop list rigs\n  piezoloop list rigs --show evc > evc.toml\n  piezoloop list models --json"
+)]
+pub(crate) struct List {
+    /// What to list
+    what: What,
+    /// Print the blueprint of this rig
+    #[arg(long, value_name = "RIG")]
+    show: Option<String>,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum What {
+    /// Blueprints of known machines
+    Rigs,
+    /// Physical effects by their fixed identifiers
+    Effects,
+    /// Component types that a blueprint may use
+    Models,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Listing {
+    Rigs(Vec<RigRow>),
+    Effects(Vec<EffectRow>),
+    Models(Vec<ModelRow>),
+    Text { name: &'static str, blueprint: &'static str },
+}
+
+#[derive(Serialize)]
+struct RigRow {
+    name: &'static str,
+    summary: &'static str,
+}
+
+#[derive(Serialize)]
+struct EffectRow {
+    name: &'static str,
+    stage: &'static str,
+    group: Option<&'static str>,
+    components: Vec<&'static str>,
+    signature: &'static str,
+}
+
+#[derive(Serialize)]
+struct ModelRow {
+    r#type: &'static str,
+    stage: &'static str,
+    summary: &'static str,
+    equation: &'static str,
+    effect: Option<&'static str>,
+    structure: Vec<QuantityRow>,
+    parameters: Vec<QuantityRow>,
+}
+
+#[derive(Serialize)]
+struct QuantityRow {
+    name: &'static str,
+    unit: &'static str,
+    description: &'static str,
+    start: Option<f64>,
+}
+
+impl List {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let listing = match (self.what, &self.show) {
+            (What::Rigs, Some(name)) => {
+                let rig = rigs::find(name).with_context(|| {
+                    let known: Vec<_> = rigs::RIGS.iter().map(|r| r.name).collect();
+                    format!("no rig is named \"{name}\"; known are {}", known.join(", "))
+                })?;
+                Listing::Text { name: rig.name, blueprint: rig.blueprint }
+            }
+            (_, Some(_)) => {
+                anyhow::bail!("--show prints a rig's blueprint: use it with `list rigs`")
+            }
+            (What::Rigs, None) => Listing::Rigs(
+                rigs::RIGS.iter().map(|r| RigRow { name: r.name, summary: r.summary }).collect(),
+            ),
+            (What::Effects, None) => Listing::Effects(effects()),
+            (What::Models, None) => Listing::Models(models()),
+        };
+        screen.show(&listing)
+    }
+}
+
+fn effects() -> Vec<EffectRow> {
+    let row = |effect: &'static model::Effect| EffectRow {
+        name: effect.name,
+        stage: effect.stage.name(),
+        group: effect.group.map(group_name),
+        components: components::COMPONENTS
+            .iter()
+            .map(|c| c.declaration())
+            .filter(|d| d.effect.is_some_and(|e| e.name == effect.name))
+            .map(|d| d.kind)
+            .collect(),
+        signature: effect.signature,
+    };
+    components::effects::EFFECTS.iter().copied().map(row).collect()
+}
+
+fn group_name(group: model::Group) -> &'static str {
+    match group {
+        model::Group::Lag => "lag",
+        model::Group::Gain => "gain",
+        model::Group::Slow => "slow",
+        model::Group::StaticMap => "static_map",
+    }
+}
+
+fn models() -> Vec<ModelRow> {
+    let row = |d: &'static model::Declaration| ModelRow {
+        r#type: d.kind,
+        stage: d.stage.name(),
+        summary: d.summary,
+        equation: d.equation,
+        effect: d.effect.map(|e| e.name),
+        structure: d
+            .structure
+            .iter()
+            .map(|s| QuantityRow {
+                name: s.name,
+                unit: s.unit,
+                description: s.description,
+                start: s.start,
+            })
+            .collect(),
+        parameters: d
+            .parameters
+            .iter()
+            .map(|q| QuantityRow {
+                name: q.name,
+                unit: q.unit,
+                description: q.description,
+                start: q.start,
+            })
+            .collect(),
+    };
+    components::COMPONENTS.iter().map(|c| row(c.declaration())).collect()
+}
+
+impl Answer for Listing {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        match self {
+            Self::Text { blueprint, .. } => write!(out, "{blueprint}"),
+            Self::Rigs(rows) => {
+                for row in rows {
+                    writeln!(out, "{:12} {}", row.name, row.summary)?;
+                }
+                writeln!(
+                    out,
+                    "\nShow one: piezoloop list rigs --show evc; pack one: piezoloop pack evc -o evc.fmu"
+                )
+            }
+            Self::Effects(rows) => {
+                writeln!(out, "{:26} {:12} {:11} component types", "effect", "stage", "group")?;
+                for row in rows {
+                    let group = row.group.unwrap_or("-");
+                    let components = row.components.join(", ");
+                    writeln!(out, "{:26} {:12} {group:11} {components}", row.name, row.stage)?;
+                }
+                Ok(())
+            }
+            Self::Models(rows) => {
+                for row in rows {
+                    writeln!(out, "{} ({})", row.r#type, row.stage)?;
+                    writeln!(out, "    {}", row.summary)?;
+                    for quantity in row.structure.iter().chain(&row.parameters) {
+                        let start = quantity.start.map_or(String::new(), |s| format!(" = {s}"));
+                        writeln!(
+                            out,
+                            "    {}{start} [{}]  {}",
+                            quantity.name, quantity.unit, quantity.description
+                        )?;
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! One file per command.
+
+mod check;
+mod demo;
+pub(crate) mod identify;
+mod invert;
+mod list;
+pub(crate) mod pack;
+pub(crate) mod simulate;
+
+use crate::answer::Screen;
+
+/// What the tool can do.
+#[derive(clap::Subcommand, Debug)]
+pub(crate) enum Command {
+    Identify(identify::Identify),
+    Invert(invert::Invert),
+    Pack(pack::Pack),
+    Simulate(simulate::Simulate),
+    Check(check::Check),
+    List(list::List),
+    Demo(demo::Demo),
+}
+
+impl Command {
+    /// Runs the command; the number is the exit code.
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        match self {
+            Self::Identify(command) => command.run(screen),
+            Self::Invert(command) => command.run(screen),
+            Self::Pack(command) => command.run(screen),
+            Self::Simulate(command) => command.run(screen),
+            Self::Check(command) => command.run(screen),
+            Self::List(command) => command.run(screen),
+            Self::Demo(command) => command.run(screen),
+        }
+    }
+}

@@ -1,0 +1,519 @@
+//! `piezoloop simulate`: an FMU driven by a log, or a closed loop of two.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+use cosim::{Coupling, Drive, Fmu, InstanceOptions, Loop, LoopSettings, Memory, Points, Run};
+use cosim::{Signal, Signals, Value, Wiring};
+use data::{Fit, Log, UnitPlace};
+use modeldescription::FmiVersion;
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::fmus::{self, Addresses};
+use crate::inputs::{self, LogOptions};
+use crate::window::Window;
+use crate::{pages, progress};
+
+/// Drives an FMU with a log's inputs, or closes the loop of a plant and a controller
+///
+/// Any vendor's FMI co-simulation FMU will do; a blueprint (.toml) or the name of a rig is packed
+/// first. Where the log has a column for an output, the fit is printed.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop simulate plant.fmu --log test_ff.csv --map u=u1 -o run.csv\n  piezoloop simulate plant.fmu --log test_ff.csv --map u=u1 --rows 5051..6050\n  piezoloop simulate --loop plant.fmu controller.fmu --reference ref.csv -o run.csv"
+)]
+pub(crate) struct Simulate {
+    /// The FMU; with --loop the plant and the controller
+    #[arg(required = true, num_args = 1..=2, value_name = "FMU")]
+    fmus: Vec<PathBuf>,
+    /// Close the loop of a plant and a controller
+    #[arg(long = "loop", requires = "reference")]
+    closed: bool,
+    /// The log that drives the FMU
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with = "closed",
+        required_unless_present = "closed"
+    )]
+    log: Option<PathBuf>,
+    /// The references of the loop, a log with the columns reference[i] (or named by --map)
+    #[arg(long, value_name = "FILE", requires = "closed")]
+    reference: Option<PathBuf>,
+    /// Who steps first in a loop
+    #[arg(long, value_name = "ORDER", default_value = "controller-first", requires = "closed")]
+    coupling: Order,
+    /// Communication step of the loop in s [default: the smaller of the reference's sample time and
+    /// the controller's step]
+    #[arg(long, value_name = "S", requires = "closed")]
+    step: Option<f64>,
+    /// A start value or parameter, as in axis[1].mechanics.damping=0.05 (may be given several times;
+    /// in a loop plant.NAME or controller.NAME)
+    #[arg(long = "start", value_name = "NAME=VALUE")]
+    starts: Vec<String>,
+    #[command(flatten)]
+    options: LogOptions,
+    #[command(flatten)]
+    window: Window,
+    /// Record the run in this file
+    #[arg(short = 'o', long = "out", value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Write a page with the run's signals
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+}
+
+/// Who steps when in a loop.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    /// Gauss-Seidel: the command acts on the plant at once
+    ControllerFirst,
+    /// Jacobi: the command acts one step later
+    SideBySide,
+}
+
+/// What was simulated.
+#[derive(Serialize)]
+pub(crate) struct Simulated {
+    pub(crate) model: String,
+    pub(crate) records: usize,
+    pub(crate) rows: usize,
+    pub(crate) start_s: f64,
+    pub(crate) stop_s: f64,
+    pub(crate) fits: Vec<OutputFit>,
+    pub(crate) run: Option<PathBuf>,
+    pub(crate) notes: Vec<String>,
+    #[serde(skip)]
+    pub(crate) signals: Memory,
+    #[serde(skip)]
+    pub(crate) measured: Vec<(String, Vec<f64>)>,
+}
+
+/// The fit of one output in one record; for a loop, of a position to its reference.
+#[derive(Serialize)]
+pub(crate) struct OutputFit {
+    pub(crate) output: String,
+    pub(crate) against: String,
+    pub(crate) record: i64,
+    pub(crate) unit: String,
+    pub(crate) samples: usize,
+    pub(crate) first_row: usize,
+    pub(crate) last_row: usize,
+    pub(crate) offset: f64,
+    pub(crate) rmse: f64,
+    pub(crate) range: f64,
+    pub(crate) nrmse_percent: Option<f64>,
+    pub(crate) max_error: f64,
+    pub(crate) fit_percent: Option<f64>,
+    /// Without the offset taken out.
+    pub(crate) raw_rmse: f64,
+    pub(crate) raw_max_error: f64,
+}
+
+impl Simulate {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        screen.show(&self.execute(screen)?)
+    }
+
+    /// Simulates, and writes the run and the page.
+    pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Simulated> {
+        let result = match (self.closed, &self.fmus[..], &self.log, &self.reference) {
+            (true, [plant, controller], _, Some(reference)) => {
+                self.close_loop(plant, controller, reference)?
+            }
+            (true, _, _, _) => bail!(
+                "--loop takes two FMUs, the plant and the controller, and --reference; one FMU was given"
+            ),
+            (false, [fmu], Some(log), _) => self.drive(fmu, log, screen)?,
+            (false, _, _, _) => bail!("two FMUs make a loop: add --loop and --reference FILE"),
+        };
+        if let Some(page) = &self.report {
+            pages::simulation(&result)?.write_html(page)?;
+        }
+        Ok(result)
+    }
+
+    fn drive(&self, what: &Path, log_path: &Path, screen: &Screen) -> anyhow::Result<Simulated> {
+        if let Some(out) = &self.out {
+            inputs::not_over(out, &[log_path, what])?;
+        }
+        let opened = fmus::open(what)?;
+        let log = self.options.read(log_path)?;
+        let names = self.options.names()?;
+        let addresses = Addresses::of(&opened.fmu);
+        let map = addresses.columns(&names, &log)?;
+        let records = signals(&log);
+        let drive = Drive {
+            map,
+            parameters: self.parameters(&addresses, &opened.fmu)?,
+            ..Drive::default()
+        };
+        let slave = opened.fmu.instantiate(opened.name.clone(), &InstanceOptions::default())?;
+        let mut memory = Memory::new();
+        let mut bar = Rows(progress::bar(screen, "simulate", log.len() as u64));
+        let outcome =
+            cosim::simulate_with_inputs(slave, &records, &drive, &mut (&mut memory, &mut bar));
+        bar.0.finish_and_clear();
+        if let (Err(error), Some(out)) = (&outcome, &self.out) {
+            keep(&memory, out)?;
+            let rows = memory.time().len();
+            bail!("{error}; the {rows} rows until then are in {}", out.display());
+        }
+        let endings = outcome?;
+        let mut notes: Vec<String> = endings
+            .iter()
+            .flatten()
+            .map(|ending| format!("the FMU asked for the end of the run: {ending:?}"))
+            .collect();
+        let (fits, measured) = self.fits(&memory, &log, &names, &addresses, &mut notes)?;
+        self.result(opened.name, memory, fits, measured, notes)
+    }
+
+    /// The fit of each output that the log has a column for, record by record.
+    #[allow(clippy::type_complexity)]
+    fn fits(
+        &self,
+        memory: &Memory,
+        log: &Log,
+        names: &data::NameMap,
+        addresses: &Addresses,
+        notes: &mut Vec<String>,
+    ) -> anyhow::Result<(Vec<OutputFit>, Vec<(String, Vec<f64>)>)> {
+        let (mut fits, mut measured) = (Vec::new(), Vec::new());
+        for series in memory.series() {
+            let name = &series.column.name;
+            let Some(column) = addresses.measured_column(name, names, log) else { continue };
+            let unit = series.column.unit.clone().unwrap_or_default();
+            let values = match unit.as_str() {
+                "" => log.require(&column)?.values.clone(),
+                unit => log.convert(&column, unit)?,
+            };
+            for (record, rows) in log.records().iter().zip(memory.records()) {
+                let Some(window) = self.window.rows(log.time(), &record.rows) else {
+                    notes.push(format!(
+                        "record {} has no row in the window that is judged",
+                        record.id
+                    ));
+                    continue;
+                };
+                let shift = rows.start as isize - record.rows.start as isize;
+                let simulated = window.start.saturating_add_signed(shift)
+                    ..window.end.saturating_add_signed(shift).min(rows.end);
+                let (Some(y), Some(s)) = (values.get(window.clone()), series.values.get(simulated))
+                else {
+                    continue;
+                };
+                let y = &y[..s.len().min(y.len())];
+                fits.push(OutputFit::new(name, &column, record.id, &unit, &window, y, s)?);
+            }
+            measured.push((name.clone(), values));
+        }
+        Ok((fits, measured))
+    }
+
+    fn close_loop(
+        &self,
+        plant: &Path,
+        controller: &Path,
+        reference: &Path,
+    ) -> anyhow::Result<Simulated> {
+        if let Some(out) = &self.out {
+            inputs::not_over(out, &[plant, controller, reference])?;
+        }
+        let (plant, controller) = (fmus::open(plant)?, fmus::open(controller)?);
+        let log = self.options.read(reference)?;
+        let [record] = log.records() else {
+            bail!(
+                "{}: a reference has one record, this file has {}; give them one by one",
+                log.origin(),
+                log.records().len()
+            );
+        };
+        let points = self.points(&log, &controller.fmu)?;
+        let addresses = Addresses::of(&controller.fmu);
+        let columns = addresses.columns(&self.options.names()?, &log)?;
+        let options = InstanceOptions::default();
+        let (c, p) = (
+            controller.fmu.instantiate("controller", &options)?,
+            plant.fmu.instantiate("plant", &options)?,
+        );
+        let referred: Vec<&str> = columns.iter().map(|(variable, _)| variable.as_str()).collect();
+        let mut wiring = Wiring::by_name(&*c, &*p, &referred)?;
+        for (column, variable) in &mut wiring.references {
+            if let Some((_, real)) = columns.iter().find(|(v, _)| v == variable) {
+                real.clone_into(column);
+            }
+        }
+        let pairs = wiring.clone();
+        let table = signals(&log).into_iter().next().context("the reference has no rows")?;
+        let reference_units = table
+            .columns
+            .iter()
+            .filter_map(|column| Some((column.name.clone(), column.unit.clone()?)))
+            .collect();
+        let settings = LoopSettings {
+            wiring,
+            coupling: match self.coupling {
+                Order::ControllerFirst => Coupling::ControllerFirst,
+                Order::SideBySide => Coupling::SideBySide,
+            },
+            reference_units,
+            parameters: self.loop_parameters(&plant.fmu, &controller.fmu)?,
+            record: Vec::new(),
+        };
+        let mut closed = Loop::new(c, p, &settings)?;
+        let mut memory = Memory::new();
+        let run = Run { record: 0, points, signals: &table, tolerance: None };
+        let outcome = closed.run(&run, &mut memory);
+        if let (Err(error), Some(out)) = (&outcome, &self.out) {
+            keep(&memory, out)?;
+            let rows = memory.time().len();
+            bail!("{error}; the {rows} rows until then are in {}", out.display());
+        }
+        outcome?;
+        let _ = record;
+        let fits = self.tracking(&memory, &pairs)?;
+        let name = format!("{} with {}", plant.name, controller.name);
+        self.result(name, memory, fits, Vec::new(), Vec::new())
+    }
+
+    /// Position against reference, axis by axis.
+    fn tracking(&self, memory: &Memory, wiring: &Wiring) -> anyhow::Result<Vec<OutputFit>> {
+        let mut fits = Vec::new();
+        let all = 0..memory.time().len();
+        let Some(window) = self.window.rows(memory.time(), &all) else {
+            bail!(
+                "the window that is judged has no row of the run; choose another --rows or --drop"
+            );
+        };
+        for ((position, measured), (_, reference)) in
+            wiring.measurements.iter().zip(&wiring.references)
+        {
+            let _ = measured;
+            let (Some(y), Some(r)) = (memory.values(position), memory.values(reference)) else {
+                continue;
+            };
+            let unit = memory
+                .series()
+                .iter()
+                .find(|s| &s.column.name == position)
+                .and_then(|s| s.column.unit.clone())
+                .unwrap_or_default();
+            let (r, y) = (&r[window.clone()], &y[window.clone()]);
+            fits.push(OutputFit::new(position, reference, 0, &unit, &window, r, y)?);
+        }
+        Ok(fits)
+    }
+
+    /// The communication points of a loop.
+    fn points(&self, log: &Log, controller: &Fmu) -> anyhow::Result<Points<'static>> {
+        let time = log.time();
+        let (Some(&start), Some(&stop)) = (time.first(), time.last()) else {
+            bail!("{}: the reference has no rows", log.origin());
+        };
+        let experiment = controller.description().default_experiment.as_ref();
+        let own = experiment.and_then(|e| e.step_size).unwrap_or(f64::INFINITY);
+        let rows = time.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+        // A reference on the controller's own grid, but for rounding, is that grid.
+        let near = if (rows - own).abs() <= 1e-6 * own { own } else { rows.min(own) };
+        let step = self.step.unwrap_or(near);
+        if !(step.is_finite() && step > 0.0) {
+            bail!("the step of the loop is not known: give it with --step S");
+        }
+        Ok(Points::uniform(start, stop, step)?)
+    }
+
+    fn parameters(&self, addresses: &Addresses, fmu: &Fmu) -> anyhow::Result<Vec<(String, Value)>> {
+        self.starts.iter().map(|text| start(text, addresses, fmu)).collect()
+    }
+
+    fn loop_parameters(
+        &self,
+        plant: &Fmu,
+        controller: &Fmu,
+    ) -> anyhow::Result<Vec<(String, String, Value)>> {
+        let mut all = Vec::new();
+        for text in &self.starts {
+            let (slave, rest, fmu) =
+                match (text.strip_prefix("plant."), text.strip_prefix("controller.")) {
+                    (Some(rest), _) => ("plant", rest, plant),
+                    (_, Some(rest)) => ("controller", rest, controller),
+                    _ => bail!(
+                        "--start {text}: in a loop write plant.NAME=VALUE or controller.NAME=VALUE"
+                    ),
+                };
+            let (name, value) = start(rest, &Addresses::of(fmu), fmu)?;
+            all.push((slave.to_owned(), name, value));
+        }
+        Ok(all)
+    }
+
+    fn result(
+        &self,
+        model: String,
+        memory: Memory,
+        fits: Vec<OutputFit>,
+        measured: Vec<(String, Vec<f64>)>,
+        notes: Vec<String>,
+    ) -> anyhow::Result<Simulated> {
+        if let Some(out) = &self.out {
+            keep(&memory, out)?;
+        }
+        let time = memory.time();
+        Ok(Simulated {
+            model,
+            records: memory.records().len(),
+            rows: time.len(),
+            start_s: time.first().copied().unwrap_or(0.0),
+            stop_s: time.last().copied().unwrap_or(0.0),
+            fits,
+            run: self.out.clone(),
+            notes,
+            signals: memory,
+            measured,
+        })
+    }
+}
+
+/// A `NAME=VALUE` for an FMU.
+fn start(text: &str, addresses: &Addresses, fmu: &Fmu) -> anyhow::Result<(String, Value)> {
+    let Some((name, value)) = text.split_once('=') else {
+        bail!("--start {text}: write NAME=VALUE, as in axis[1].mechanics.damping=0.05");
+    };
+    let name = addresses.variable(name.trim());
+    let variable = fmu
+        .description()
+        .variable(&name)
+        .with_context(|| format!("--start {text}: the FMU has no variable \"{name}\""))?;
+    let value = Value::parse(value.trim(), variable.data_type)
+        .map_err(|why| anyhow::anyhow!("--start {text}: {why}"))?;
+    Ok((name, value))
+}
+
+/// The records of a log as input tables.
+fn signals(log: &Log) -> Vec<Signals<'_>> {
+    let table = |rows: std::ops::Range<usize>| Signals {
+        time: &log.time()[rows.clone()],
+        columns: log
+            .columns()
+            .iter()
+            .map(|column| Signal {
+                name: column.name.clone(),
+                unit: column.unit.as_ref().map(|unit| fmus::fmi_unit(&unit.text, &unit.unit)),
+                values: &column.values[rows.clone()],
+            })
+            .collect(),
+    };
+    log.records().iter().map(|record| table(record.rows.clone())).collect()
+}
+
+/// Writes a run as a log.
+fn keep(memory: &Memory, out: &Path) -> anyhow::Result<()> {
+    let lengths: Vec<(i64, usize)> =
+        memory.records().iter().zip(0..).map(|(rows, id)| (id, rows.len())).collect();
+    let origin = out.display().to_string();
+    let time = memory.time().to_vec();
+    let mut log = match lengths.len() {
+        0 | 1 => Log::new(&origin, time)?,
+        _ => Log::with_records(&origin, time, &lengths)?,
+    };
+    for series in memory.series() {
+        let unit = series.column.unit.as_deref().filter(|unit| model::Unit::parse(unit).is_ok());
+        log.add_column(&series.column.name, unit, series.values.clone())?;
+    }
+    Ok(log.write(out, UnitPlace::Sidecar)?)
+}
+
+/// Moves a progress bar by the rows recorded.
+struct Rows(indicatif::ProgressBar);
+
+impl cosim::Recorder for Rows {
+    fn begin(&mut self, _: usize, _: &[cosim::record::Column], _: usize) -> io::Result<()> {
+        Ok(())
+    }
+    fn row(&mut self, _: f64, _: &[f64]) -> io::Result<()> {
+        if !self.0.is_hidden() {
+            self.0.inc(1);
+        }
+        Ok(())
+    }
+}
+
+impl OutputFit {
+    fn new(
+        output: &str,
+        against: &str,
+        record: i64,
+        unit: &str,
+        rows: &std::ops::Range<usize>,
+        measured: &[f64],
+        simulated: &[f64],
+    ) -> anyhow::Result<Self> {
+        let fit = Fit::of(measured, simulated)?;
+        let raw = measured.iter().zip(simulated).map(|(y, s)| (s - y).abs()).fold(0.0, f64::max);
+        Ok(Self {
+            output: output.to_owned(),
+            against: against.to_owned(),
+            record,
+            unit: unit.to_owned(),
+            samples: fit.samples,
+            first_row: rows.start + 1,
+            last_row: rows.end,
+            offset: fit.offset,
+            rmse: fit.rmse,
+            range: fit.range,
+            nrmse_percent: Some(100.0 * fit.nrmse).filter(|v| v.is_finite()),
+            max_error: fit.max_error,
+            fit_percent: Some(fit.fit_percent).filter(|v| v.is_finite()),
+            raw_rmse: fit.raw_rmse,
+            raw_max_error: raw,
+        })
+    }
+}
+
+impl Answer for Simulated {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        for note in &self.notes {
+            writeln!(out, "note: {note}")?;
+        }
+        writeln!(
+            out,
+            "{}: {} rows in {} record{}, {} s to {} s",
+            self.model,
+            self.rows,
+            self.records,
+            if self.records == 1 { "" } else { "s" },
+            self.start_s,
+            self.stop_s
+        )?;
+        for fit in &self.fits {
+            let percent = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{p:.3} %"));
+            writeln!(
+                out,
+                "  {} against {}, record {}, rows {} to {}: rmse {:.5} {u} = {} of range, max {:.5} {u}, offset {:.5} {u} taken out; as it stands rmse {:.5} {u}, max {:.5} {u}",
+                fit.output,
+                fit.against,
+                fit.record,
+                fit.first_row,
+                fit.last_row,
+                fit.rmse,
+                percent(fit.nrmse_percent),
+                fit.max_error,
+                fit.offset,
+                fit.raw_rmse,
+                fit.raw_max_error,
+                u = fit.unit
+            )?;
+        }
+        match &self.run {
+            Some(run) => writeln!(out, "{}: written", run.display()),
+            None => Ok(()),
+        }
+    }
+}
+
+/// FMI version that blueprints are packed with before they are simulated.
+pub(crate) const PACKED_WITH: FmiVersion = FmiVersion::V2;

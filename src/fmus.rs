@@ -1,0 +1,130 @@
+//! FMUs as the commands take them: opened, or packed from a blueprint first; and their short names.
+
+use std::path::Path;
+
+use anyhow::Context;
+use cosim::Fmu;
+use data::{Blueprint, Log, NameMap};
+use modeldescription::description::{BaseUnit, Line, Unit};
+use modeldescription::variable::Causality;
+
+use crate::commands::pack;
+use crate::inputs;
+
+/// An opened FMU with a name for messages.
+pub(crate) struct Opened {
+    pub(crate) name: String,
+    pub(crate) fmu: Fmu,
+    /// Holds a packed blueprint as long as it is used.
+    _folder: Option<tempfile::TempDir>,
+}
+
+/// Opens an FMU; packs a blueprint or a rig first.
+pub(crate) fn open(what: &Path) -> anyhow::Result<Opened> {
+    let is_blueprint =
+        what.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) || !what.exists();
+    if !is_blueprint {
+        let fmu = Fmu::open(what)?;
+        return Ok(Opened { name: fmu.description().model_name.clone(), fmu, _folder: None });
+    }
+    if what.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {
+        anyhow::bail!("{}: there is no such file", what.display());
+    }
+    let source = inputs::blueprint(what)?;
+    let folder = tempfile::tempdir().context("no temporary folder can be made")?;
+    let file = folder.path().join("packed.fmu");
+    pack::pack(&source, crate::commands::simulate::PACKED_WITH, &[], &file)?;
+    let fmu = Fmu::open(&file)?;
+    Ok(Opened { name: source.blueprint.name, fmu, _folder: Some(folder) })
+}
+
+/// The names under which the variables of an FMU may be addressed: their own, and, for an FMU that
+/// carries a blueprint, its short names (`u`, `y`).
+pub(crate) struct Addresses {
+    /// Short name, variable.
+    short: Vec<(String, String)>,
+    inputs: Vec<String>,
+}
+
+impl Addresses {
+    pub(crate) fn of(fmu: &Fmu) -> Self {
+        let carried = fmu.package().resources().join("blueprint.toml");
+        let short = std::fs::read_to_string(&carried)
+            .ok()
+            .and_then(|text| Blueprint::parse(&text, "blueprint.toml").ok())
+            .and_then(|blueprint| blueprint.check(components::COMPONENTS).ok())
+            .map(|checked| {
+                let system = checked.build();
+                let variables = system.variables().as_slice().iter();
+                variables.filter_map(|v| Some((v.alias.clone()?, v.name.clone()))).collect()
+            })
+            .unwrap_or_default();
+        let variables = fmu.description().variables.iter();
+        let inputs =
+            variables.filter(|v| v.causality == Causality::Input).map(|v| v.name.clone()).collect();
+        Self { short, inputs }
+    }
+
+    /// The variable that a user means.
+    pub(crate) fn variable(&self, name: &str) -> String {
+        let found = self.short.iter().find(|(short, _)| short == name);
+        found.map_or_else(|| name.to_owned(), |(_, variable)| variable.clone())
+    }
+
+    /// The column for each variable that the map or a short name gives one: `(variable, column)`.
+    pub(crate) fn columns(
+        &self,
+        names: &NameMap,
+        log: &Log,
+    ) -> anyhow::Result<Vec<(String, String)>> {
+        let mut map: Vec<(String, String)> = Vec::new();
+        for (variable, column) in names.iter() {
+            log.require(column)?;
+            map.push((self.variable(variable), column.to_owned()));
+        }
+        map.retain(|(variable, _)| self.inputs.contains(variable));
+        for input in &self.inputs {
+            let known = map.iter().any(|(variable, _)| variable == input);
+            if known || log.column(input).is_some() {
+                if !known {
+                    map.push((input.clone(), input.clone()));
+                }
+                continue;
+            }
+            let short = self.short.iter().find(|(_, variable)| variable == input);
+            if let Some((short, _)) = short.filter(|(short, _)| log.column(short).is_some()) {
+                map.push((input.clone(), short.clone()));
+            }
+        }
+        Ok(map)
+    }
+
+    /// The column of the log that measures this output, if there is one.
+    pub(crate) fn measured_column(
+        &self,
+        output: &str,
+        names: &NameMap,
+        log: &Log,
+    ) -> Option<String> {
+        if self.inputs.iter().any(|input| input == output) {
+            return None;
+        }
+        let short = self.short.iter().find(|(_, variable)| variable == output);
+        let short = short.map(|(short, _)| short.as_str());
+        let mapped = names.column(output).or_else(|| names.column(short?));
+        let named = [mapped, Some(output), short];
+        named.into_iter().flatten().find(|name| log.column(name).is_some()).map(str::to_owned)
+    }
+}
+
+/// A unit as FMI declares it.
+pub(crate) fn fmi_unit(name: &str, unit: &model::Unit) -> Unit {
+    let [kg, m, s, a, k, mol, cd, rad] = unit.exponents.map(i32::from);
+    let (factor, offset) = (unit.factor, unit.offset);
+    Unit {
+        name: name.to_owned(),
+        base: Some(BaseUnit { kg, m, s, a, k, mol, cd, rad, factor, offset }),
+        display_units: Vec::new(),
+        line: Line::default(),
+    }
+}

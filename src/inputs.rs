@@ -1,0 +1,86 @@
+//! What several commands take: a log's options, a blueprint by file or rig, a file to write.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+use data::{Blueprint, Log, NameMap, ReadOptions};
+
+/// How the columns of a log are read.
+#[derive(Args, Debug, Clone, Default)]
+pub(crate) struct LogOptions {
+    /// A variable of the model reads this column (may be given several times)
+    #[arg(long = "map", value_name = "FMU_NAME=COLUMN")]
+    pub(crate) map: Vec<String>,
+    /// Unit of a column, before what the header or dataset.toml says (may be given several times)
+    #[arg(long = "unit", value_name = "COLUMN=UNIT")]
+    pub(crate) unit: Vec<String>,
+    /// Sample rate in Hz, for logs without a time column or with an index in its place
+    #[arg(long, value_name = "HZ")]
+    pub(crate) rate: Option<f64>,
+}
+
+impl LogOptions {
+    /// Reads a log.
+    pub(crate) fn read(&self, path: &Path) -> anyhow::Result<Log> {
+        let mut options = ReadOptions { rate: self.rate, ..ReadOptions::default() };
+        for unit in &self.unit {
+            options.add_unit(unit)?;
+        }
+        Ok(Log::read(path, &options)?)
+    }
+
+    /// Which column belongs to which variable.
+    pub(crate) fn names(&self) -> anyhow::Result<NameMap> {
+        Ok(NameMap::parse(&self.map)?)
+    }
+}
+
+/// A blueprint with the text that it was read from.
+pub(crate) struct BlueprintText {
+    /// As it stands in the file.
+    pub(crate) text: String,
+    /// What it says.
+    pub(crate) blueprint: Blueprint,
+}
+
+/// Reads a blueprint: a file, or the name of a rig where no such file is.
+pub(crate) fn blueprint(what: &Path) -> anyhow::Result<BlueprintText> {
+    let name = what.to_string_lossy();
+    let (origin, text) = match (what.exists(), rigs::find(&name)) {
+        (false, Some(rig)) => (format!("rig {}", rig.name), rig.blueprint.to_owned()),
+        (false, None) if what.extension().is_none() => {
+            let known: Vec<_> = rigs::RIGS.iter().map(|rig| rig.name).collect();
+            bail!("{name}: no such file, and no rig of this name; rigs are {}", known.join(", "))
+        }
+        _ => {
+            let text = std::fs::read_to_string(what).with_context(|| {
+                format!(
+                    "{name} cannot be read as a blueprint; give a .toml file or the name of a rig"
+                )
+            })?;
+            (name.into_owned(), text)
+        }
+    };
+    let blueprint = Blueprint::parse(&text, &origin)?;
+    Ok(BlueprintText { text, blueprint })
+}
+
+/// The file to write: as asked, else `name` with this ending beside the caller.
+pub(crate) fn output(given: Option<PathBuf>, name: &str, ending: &str) -> PathBuf {
+    given.unwrap_or_else(|| PathBuf::from(format!("{name}.{ending}")))
+}
+
+/// Refuses to write over one of the files that are read.
+pub(crate) fn not_over(output: &Path, inputs: &[&Path]) -> anyhow::Result<()> {
+    let same = |a: &Path| match (a.canonicalize(), output.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    };
+    match inputs.iter().find(|input| same(input)) {
+        Some(input) => {
+            bail!("{} is also read by this command; give another file with -o", input.display())
+        }
+        None => Ok(()),
+    }
+}

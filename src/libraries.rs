@@ -1,0 +1,28 @@
+//! The FMUs' shared libraries, carried inside the tool.
+
+/// A shared library for this platform.
+pub(crate) struct Library {
+    /// Bytes of the file.
+    pub(crate) bytes: &'static [u8],
+}
+
+/// The plant FMU's library.
+pub(crate) const PLANT: Library =
+    Library { bytes: include_bytes!(env!("PIEZOLOOP_PLANT_LIBRARY")) };
+
+/// The controller FMU's library.
+pub(crate) const CONTROLLER: Library =
+    Library { bytes: include_bytes!(env!("PIEZOLOOP_CONTROLLER_LIBRARY")) };
+
+/// The FMI 2.0 folder of the platform that the tool was built for.
+pub(crate) const PLATFORM: &str = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+    "linux64"
+} else if cfg!(all(target_os = "windows", target_arch = "x86_64")) {
+    "win64"
+} else if cfg!(target_os = "macos") {
+    "darwin64"
+} else if cfg!(all(target_os = "linux", target_arch = "aarch64")) {
+    "aarch64-linux"
+} else {
+    "unknown"
+};

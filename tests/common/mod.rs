@@ -1,0 +1,62 @@
+//! What the tests of the tool share: the built tool, a Python with the foreign checkers, folders.
+#![allow(dead_code, clippy::print_stderr, clippy::print_stdout)]
+
+pub(crate) mod python;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Runs the tool and returns what it said.
+pub(crate) fn piezoloop(arguments: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_piezoloop"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("the tool starts")
+}
+
+/// Runs the tool, which must succeed, and returns its standard output.
+pub(crate) fn succeed(arguments: &[&str], folder: &Path) -> String {
+    let output = piezoloop(arguments, folder);
+    assert!(
+        output.status.success(),
+        "piezoloop {} failed ({}):\n{}{}",
+        arguments.join(" "),
+        output.status,
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8(output.stdout).expect("the tool prints UTF-8")
+}
+
+/// Runs the tool with `--json`, which must succeed, and returns the parsed answer.
+pub(crate) fn json(arguments: &[&str], folder: &Path) -> serde_json::Value {
+    let mut all = vec!["--json"];
+    all.extend(arguments);
+    serde_json::from_str(&succeed(&all, folder)).expect("--json prints JSON")
+}
+
+/// Runs the tool, which must refuse (exit code not 0, nothing panics), and returns its message.
+pub(crate) fn refuse(arguments: &[&str], folder: &Path) -> String {
+    let output = piezoloop(arguments, folder);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    let code = output.status.code();
+    assert!(code.is_some_and(|c| c != 0 && c != 101), "exit {code:?}: {message}");
+    assert!(!message.contains("panicked"), "{message}");
+    message
+}
+
+/// The workspace's root.
+pub(crate) fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A measured log, or `None` with a line that says why the test is skipped.
+pub(crate) fn measured(file: &str) -> Option<PathBuf> {
+    let path = root().join("../shared/data").join(file);
+    if path.is_file() {
+        return Some(path);
+    }
+    eprintln!("SKIPPED: no measured log at {}", path.display());
+    None
+}
