@@ -2,7 +2,7 @@
 // Each test file uses a part; a skipped test says so.
 #![allow(dead_code, clippy::print_stdout)]
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use modeldescription::description::*;
@@ -193,17 +193,28 @@ pub(crate) fn stage_3() -> ModelDescription {
     stage
 }
 
-/// The Python with fmpy that `PIEZOLOOP_PYTHON` names; says so and is None where it is not set.
+/// A Python with fmpy: the one `PIEZOLOOP_PYTHON` names, else that of the tests' environment below
+/// the workspace's target folder. Says so and is None where there is none; one that is named must work.
 pub(crate) fn python() -> Option<PathBuf> {
-    let python = std::env::var_os("PIEZOLOOP_PYTHON").map(PathBuf::from);
-    if python.is_none() {
-        println!("skipped: set PIEZOLOOP_PYTHON to a Python that has fmpy");
+    let named = std::env::var_os("PIEZOLOOP_PYTHON").map(PathBuf::from);
+    let is_named = named.is_some();
+    let own = || Some(Path::new(env!("CARGO_MANIFEST_DIR")).parent()?.join(PYTHON_BELOW_WORKSPACE));
+    let python = named.or_else(own)?;
+    let has_fmpy = Command::new(&python)
+        .args(["-c", "import fmpy"])
+        .output()
+        .is_ok_and(|output| output.status.success());
+    assert!(has_fmpy || !is_named, "{} has no fmpy", python.display());
+    if !has_fmpy {
+        println!("skipped: no Python with fmpy; PIEZOLOOP_PYTHON may name one");
     }
-    python
+    has_fmpy.then_some(python)
 }
 
+const PYTHON_BELOW_WORKSPACE: &str = "target/python-env/bin/python";
+
 /// What `fmpy.validation.validate_fmu` says of a file; no line if it finds nothing.
-pub(crate) fn fmpy_problems(python: &std::path::Path, file: &std::path::Path) -> String {
+pub(crate) fn fmpy_problems(python: &Path, file: &Path) -> String {
     let script = "import sys\nfrom fmpy.validation import validate_fmu\n\
                   print('\\n'.join(validate_fmu(sys.argv[1])), end='')";
     let output = Command::new(python).arg("-c").arg(script).arg(file).output().unwrap();
