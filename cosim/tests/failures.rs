@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex};
 
 use common::instance;
 use piezoloop_cosim::{
-    Drive, Error, Fmu, InstanceOptions, Memory, Points, Problem, Signals, Status, Value,
-    simulate_with_inputs,
+    Drive, Error, Experiment, Fmu, InstanceOptions, Memory, Points, Problem, Signals, Status,
+    Value, simulate_with_inputs,
 };
 
 fn drive(parameters: &[(&str, Value)]) -> Drive {
@@ -75,6 +75,26 @@ fn each_status_of_a_step_has_its_consequence() {
     let (outcome, memory) = misbehave(&fmus, 3.0);
     outcome.unwrap();
     assert_eq!(memory.values("position[1]").unwrap(), [0.0, 1.0, 2.0, 3.0]);
+}
+
+#[test]
+fn after_a_fatal_status_no_instance_is_called_again() {
+    let fmus = fmus_or_skip!();
+    let fmu = fmus.integrator();
+    let (mut one, mut other) = (instance(&fmu, "one"), instance(&fmu, "other"));
+    for slave in [&mut one, &mut other] {
+        slave.setup(&Experiment::default()).unwrap();
+        slave.enter_initialization().unwrap();
+        slave.exit_initialization().unwrap();
+    }
+    one.set_start("misbehaviour", &Value::Integer(1)).unwrap();
+    assert!(one.step(0.0, 1.0).unwrap_err().to_string().contains("returned Fatal"));
+    for slave in [&mut one, &mut other] {
+        let error = slave.step(0.0, 1.0).unwrap_err().to_string();
+        assert!(error.contains("fmi2DoStep not called"), "{error}");
+        assert!(slave.reset().is_err());
+    }
+    assert!(fmu.instantiate("third", &InstanceOptions::default()).is_err());
 }
 
 #[test]

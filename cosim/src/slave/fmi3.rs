@@ -182,6 +182,7 @@ impl Slave for Fmi3Slave {
         // An FMU that cannot be reset is freed and made anew.
         match self.instance.as_mut().map(Instance::reset) {
             Some(Ok(())) => Ok(()),
+            Some(Err(dead @ ImportError::Dead { .. })) => Err(dead.into()),
             _ => self.make_anew(),
         }
     }

@@ -2,6 +2,7 @@
 
 use std::ffi::c_void;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use super::super::error::{CallError, Error, Said, Status};
 use super::super::log::{Log, OnMessage, logger};
@@ -60,6 +61,9 @@ impl Instance {
     pub fn new(library: &Arc<Library>, options: Instantiation) -> Result<Self, Error> {
         let Instantiation { name, guid, resource_location: location, visible, .. } = options;
         let (logging_on, on_message) = (options.logging_on, options.on_message);
+        if library.dead.load(Ordering::Relaxed) {
+            return Err(Error::Dead { fmu: name, call: "fmi2Instantiate" });
+        }
         let log = Arc::new(Log::new(on_message));
         let callbacks = Box::new(callbacks(&log));
         let c_name = c_text(&name, "the instance name", &name)?;
@@ -269,10 +273,10 @@ impl Instance {
         &self.library.functions
     }
 
-    /// The component, unless an earlier call was fatal.
+    /// The component, unless an earlier call of it, or of another instance, was fatal.
     #[inline]
     pub(super) fn alive(&self, call: &'static str) -> Result<fmi2Component, Error> {
-        if self.component.is_null() {
+        if self.library.dead.load(Ordering::Relaxed) {
             return Err(Error::Dead { fmu: self.name.clone(), call });
         }
         Ok(self.component)
@@ -307,8 +311,8 @@ impl Instance {
     #[cold]
     fn failed(&mut self, call: &'static str, status: fmi2Status) -> Error {
         if status == fmi2Fatal {
-            // No function may be called any more, not even to free the instance.
-            self.component = std::ptr::null_mut();
+            // No function may be called any more, on no instance, not even to free it.
+            self.library.dead.store(true, Ordering::Relaxed);
         }
         let messages = self.log.latest();
         Box::new(CallError { fmu: self.name.clone(), call, status: status.into(), messages }).into()
@@ -317,7 +321,7 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        if self.component.is_null() {
+        if self.library.dead.load(Ordering::Relaxed) {
             return;
         }
         self.free_all_states();

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::ptr;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use super::super::error::{CallError, Error, Said};
 use super::super::log::{Log, OnMessage, receive_v3};
@@ -54,6 +55,9 @@ impl Instance {
     /// token.
     pub fn new(library: &Arc<Library>, options: Instantiation) -> Result<Self, Error> {
         let Instantiation { name, token, resources, visible, logging_on, on_message } = options;
+        if library.dead.load(Ordering::Relaxed) {
+            return Err(Error::Dead { fmu: name, call: "fmi3InstantiateCoSimulation" });
+        }
         // The standard wants a path that ends with a separator.
         let path = format!("{}{}", resources.display(), std::path::MAIN_SEPARATOR);
         let log = Arc::new(Log::new(on_message));
@@ -203,10 +207,10 @@ impl Instance {
         &self.library.functions
     }
 
-    /// The pointer, unless an earlier call was fatal.
+    /// The pointer, unless an earlier call of it, or of another instance, was fatal.
     #[inline]
     pub(super) fn alive(&self, call: &'static str) -> Result<fmi3Instance, Error> {
-        if self.pointer.is_null() {
+        if self.library.dead.load(Ordering::Relaxed) {
             return Err(Error::Dead { fmu: self.name.clone(), call });
         }
         Ok(self.pointer)
@@ -241,8 +245,8 @@ impl Instance {
     #[cold]
     fn failed(&mut self, call: &'static str, status: fmi3Status) -> Error {
         if status == fmi3Fatal {
-            // No function may be called any more, not even to free the instance.
-            self.pointer = ptr::null_mut();
+            // No function may be called any more, on no instance, not even to free it.
+            self.library.dead.store(true, Ordering::Relaxed);
         }
         let messages = self.log.latest();
         Box::new(CallError { fmu: self.name.clone(), call, status: status.into(), messages }).into()
@@ -251,7 +255,7 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        if self.pointer.is_null() {
+        if self.library.dead.load(Ordering::Relaxed) {
             return;
         }
         self.free_all_states();

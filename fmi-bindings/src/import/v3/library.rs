@@ -1,6 +1,7 @@
 //! The functions of FMI 3.0, found in an FMU's library.
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use super::super::binary::{Binary, Finder};
 use super::super::error::Error;
@@ -14,6 +15,8 @@ use crate::fmi3::*;
 pub struct Library {
     pub(super) functions: Functions,
     missing: Vec<&'static str>,
+    /// A call returned *Fatal*: none of its instances may be called again.
+    pub(super) dead: AtomicBool,
     // Last, so that it is dropped when no pointer into it is left.
     binary: Binary,
 }
@@ -77,7 +80,9 @@ impl Library {
         let functions = unsafe { Functions::find(&mut find) };
         let (needed, other) = find.missing();
         match functions {
-            Some(functions) => Ok(Library { functions, missing: other, binary }),
+            Some(functions) => {
+                Ok(Library { functions, missing: other, dead: AtomicBool::new(false), binary })
+            }
             None => Err(Error::MissingFunctions {
                 path: binary.path().to_path_buf(),
                 version: "3.0",
