@@ -1,0 +1,54 @@
+//! Why a diagnosis cannot be made.
+
+use std::path::PathBuf;
+
+/// Why a diagnosis cannot be made. Every message says what, where, and the way out.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Logs or names with problems, all of them.
+    #[error(transparent)]
+    Data(#[from] data::Problems),
+    /// An FMU that does not open, load or run.
+    #[error(transparent)]
+    Fmu(#[from] cosim::Error),
+    /// A value of an option that makes no sense.
+    #[error("{option} {value}: {message}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// Its value.
+        value: String,
+        /// Rule and way out.
+        message: String,
+    },
+    /// The model cannot be used as it is.
+    #[error("{model}: {message}")]
+    Model {
+        /// Name of the model.
+        model: String,
+        /// Rule and way out.
+        message: String,
+    },
+    /// A log cannot be used as it is.
+    #[error("{log}: {message}")]
+    Log {
+        /// Name of the log.
+        log: String,
+        /// Rule and way out.
+        message: String,
+    },
+    /// The repaired model cannot be written.
+    #[error("{}: {message}", file.display())]
+    Repair {
+        /// The file.
+        file: PathBuf,
+        /// Rule and way out.
+        message: String,
+    },
+    /// The page cannot be written.
+    #[error(transparent)]
+    Report(#[from] report::ReportError),
+    /// The threads cannot be started.
+    #[error("{0} threads cannot be started; ask for fewer with --threads")]
+    Threads(usize),
+}
