@@ -112,16 +112,25 @@ pub(crate) fn sections(axis: &AxisResult) -> Vec<Section> {
     let mut parameters =
         Table::new("Parameters", ["parameter", "value", "standard deviation", "unit", "the data"]);
     for p in &id.parameters {
-        parameters = parameters.row([
-            p.name.clone(),
-            format!("{:.6}", p.value),
-            p.deviation.map_or(String::new(), |d| format!("{d:.2e}")),
-            p.unit.clone(),
-            format!("{:?}", p.verdict).to_lowercase(),
+        parameters = parameters.row::<report::Value>([
+            p.name.as_str().into(),
+            p.value.into(),
+            p.deviation.into(),
+            p.unit.as_str().into(),
+            verdict_of(p.verdict).into(),
         ]);
     }
     all.push(Section::new(format!("Model of axis {}", axis.name)).table(table).table(parameters));
     all
+}
+
+fn verdict_of(verdict: identify::Verdict) -> &'static str {
+    match verdict {
+        identify::Verdict::Determined => "determine it",
+        identify::Verdict::Uncertain => "leave it uncertain",
+        identify::Verdict::AtBound => "hold it at its bound",
+        identify::Verdict::NotExcited => "do not excite it",
+    }
 }
 
 /// The page of a simulation.

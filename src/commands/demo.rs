@@ -230,41 +230,47 @@ impl Stage<'_> {
     }
 }
 
+/// Sample time of the measurement in s.
+const SAMPLE_TIME: f64 = 2e-4;
+
 /// Commands of the measurement at 5 kHz: decaying triangles, a chirp over the resonances, twice with
 /// other amplitudes, so that what is held out differs from what is fitted.
 fn excitation() -> anyhow::Result<Log> {
-    let part = |high: f64, top: f64| -> anyhow::Result<Vec<f64>> {
-        let mut values = one(
-            "triangle-decaying",
-            &[
-                ("low", 0.0),
-                ("high", high),
-                ("frequency", 4.0),
-                ("cycles", 5.0),
-                ("sample_time", 2e-4),
-            ],
-        )?;
-        let middle = values.last().copied().unwrap_or(0.0);
-        values.extend(one(
-            "chirp-linear",
-            &[
-                ("low", middle),
-                ("high", middle + top),
-                ("start_frequency", 5.0),
-                ("end_frequency", 700.0),
-                ("sample_time", 2e-4),
-                ("duration", 1.0),
-            ],
-        )?);
-        Ok(values)
-    };
-    let mut command = part(115.0, 6.0)?;
-    command.extend(part(108.0, 5.0)?);
-    let time = (0..command.len()).map(|k| k as f64 * 2e-4).collect();
+    let mut command = Vec::new();
+    for (high, top) in [(115.0, 6.0), (108.0, 5.0)] {
+        let triangle = [
+            ("low", 0.0),
+            ("high", high),
+            ("frequency", 4.0),
+            ("cycles", 5.0),
+            ("sample_time", SAMPLE_TIME),
+        ];
+        join(&mut command, one("triangle-decaying", &triangle)?);
+        let middle = command.last().copied().unwrap_or(0.0);
+        let chirp = [
+            ("low", middle),
+            ("high", middle + top),
+            ("start_frequency", 5.0),
+            ("end_frequency", 700.0),
+            ("sample_time", SAMPLE_TIME),
+            ("duration", 1.0),
+        ];
+        join(&mut command, one("chirp-linear", &chirp)?);
+    }
+    let time = (0..command.len()).map(|k| k as f64 * SAMPLE_TIME).collect();
     let mut log = Log::new("excitation.csv", time)?;
     log.add_column("u_y", Some("V"), command.clone())?;
     log.add_column("u_z", Some("V"), command)?;
     Ok(log)
+}
+
+/// Appends a signal, with a ramp of 0.1 s to where it starts.
+fn join(command: &mut Vec<f64>, signal: Vec<f64>) {
+    if let (Some(&from), Some(&to)) = (command.last(), signal.first()) {
+        let rows = (0.1 / SAMPLE_TIME) as usize;
+        command.extend((1..rows).map(|k| from + (to - from) * k as f64 / rows as f64));
+    }
+    command.extend(signal);
 }
 
 fn one(name: &str, settings: &[(&str, f64)]) -> anyhow::Result<Vec<f64>> {

@@ -167,11 +167,14 @@ fn axis_loop(
     }
     let modes = modes(axis);
     let shifts = if modes.is_empty() { &SHIFTS[..1] } else { &SHIFTS[..] };
+    // A plant identified from a slow log is looked at on the controller's grid: its linear parts are
+    // exact at any step.
+    let step = spec.period.min(period);
     let mut variants = Vec::new();
     for shift in shifts {
         let linear = linear_axis(axis, *shift);
         let impulse =
-            impulse_response(linear, spec.period, period).map_err(|reason| vec![reason])?;
+            impulse_response(linear, step, period).map_err(|reason| vec![reason])?;
         let shifted: Vec<f64> = modes.iter().map(|(frequency, _)| frequency * shift).collect();
         variants.push(Response::new(&impulse, period, &shifted));
     }
