@@ -11,11 +11,15 @@ extern crate std;
 pub mod actuator;
 pub mod amplifier;
 pub mod control;
+pub mod creep;
 pub mod effects;
+pub mod environment;
 pub mod hysteresis;
 pub mod linear;
 pub mod mechanics;
+pub mod random;
 pub mod sensor;
+pub mod solve;
 pub mod timing;
 
 mod rules;
@@ -25,8 +29,17 @@ mod testing;
 /// All component types, in the order of the signal path.
 pub static COMPONENTS: model::Registry = &[
     &timing::Delay,
+    &timing::ClockOffset,
+    &timing::DacQuantisation,
     &amplifier::AmplifierLag,
+    &amplifier::AmplifierSecondOrder,
+    &amplifier::AmplifierSlew,
+    &amplifier::AmplifierClamp,
+    &amplifier::AmplifierNonlinearity,
+    &actuator::PolarisationSaturation,
     &actuator::ActuatorGain,
+    &actuator::ActuatorTemperature,
+    &actuator::SelfHeating,
     &hysteresis::PrandtlIshlinskii,
     &hysteresis::ModifiedPrandtlIshlinskii,
     &hysteresis::GeneralisedPlay,
@@ -38,8 +51,29 @@ pub static COMPONENTS: model::Registry = &[
     &hysteresis::Grpi,
     &hysteresis::Mpi,
     &hysteresis::DynamicPrandtlIshlinskii,
+    &creep::KelvinVoigtCreep,
+    &creep::LogarithmicCreep,
+    &creep::FractionalCreep,
     &mechanics::Mode,
+    &mechanics::LoadedMode,
+    &mechanics::Duffing,
+    &mechanics::Friction,
+    &mechanics::Backlash,
+    &mechanics::CuttingForce,
+    &mechanics::Vibration,
+    &environment::ThermalDrift,
+    &environment::FloorVibration,
     &sensor::SensorLag,
+    &sensor::SensorSecondOrder,
+    &sensor::SensorButterworth,
+    &sensor::SensorScale,
+    &sensor::SensorPolynomial,
+    &sensor::SensorQuadCell,
+    &sensor::SensorNoise,
+    &sensor::SensorDrift,
+    &sensor::MainsHum,
+    &sensor::Crosstalk,
+    &sensor::SensorQuantisation,
     &hysteresis::InversePrandtlIshlinskii,
     &hysteresis::InverseModifiedPrandtlIshlinskii,
     &hysteresis::InverseGeneralisedPlay,
@@ -48,6 +82,7 @@ pub static COMPONENTS: model::Registry = &[
     &hysteresis::INVERSE_GRPI,
     &hysteresis::INVERSE_MPI,
     &hysteresis::INVERSE_DYNAMIC_PRANDTL_ISHLINSKII,
+    &control::ReferenceLead,
     &control::FeedforwardGain,
     &control::Pid,
 ];

@@ -1,8 +1,9 @@
-//! Exact discretisation of first- and second-order linear systems whose input is held over a step.
+//! Exact discretisation of first- and second-order linear systems whose input is held over a step,
+//! and rounding to a resolution.
 
 use core::f64::consts::TAU;
 
-use libm::{cos, exp, expm1, sin, sqrt};
+use libm::{cos, exp, expm1, fabs, round, sin, sqrt};
 
 /// The part of the way to its input that a first-order lag of this bandwidth (Hz) goes in one
 /// period (s): `1 − exp(−2π·bandwidth·period)`, without cancellation for slow lags.
@@ -55,6 +56,15 @@ impl Transition {
     pub fn apply(&self, e: f64, rate: f64) -> (f64, f64) {
         (self.same * e + self.cross * rate, self.rate * rate - self.cross * e)
     }
+}
+
+/// `x` to the nearest multiple of `resolution`, halves away from zero; values whose number of steps
+/// is no longer exact in double precision pass.
+#[must_use]
+pub fn quantise(x: f64, resolution: f64) -> f64 {
+    const EXACT: f64 = (1u64 << 53) as f64;
+    let steps = x / resolution;
+    if fabs(steps) < EXACT { resolution * round(steps) } else { x }
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Checks that components share, and the words of their refusals.
 
+use core::f64::consts::TAU;
+
 use model::Violation;
 
 /// Slices that do not have the lengths of the declaration; a built system never passes such.
@@ -53,4 +55,21 @@ pub(crate) fn increasing(
         last = value;
     }
     Ok(())
+}
+
+/// Refuses a natural frequency and a damping ratio that make no mode.
+pub(crate) fn second_order(frequency: f64, damping: f64, period: f64) -> Result<(), Violation> {
+    positive_frequency("frequency", frequency)?;
+    require(
+        damping > 0.0,
+        "damping",
+        damping,
+        "must be above zero: an undamped mode never comes to rest; give 0.001 for a light one",
+    )?;
+    require(
+        (TAU * frequency * period).is_finite(),
+        "frequency",
+        frequency,
+        "is beyond what can be computed; lower it",
+    )
 }

@@ -3,7 +3,7 @@
 //! Hits do not depend on how an interval is cut, states can be saved and continued bit for bit, a
 //! reset system is a fresh one, a disabled effect is an absent one, and refusals carry full names.
 
-use model::{AxisSpec, Kind, NodeSpec, StepError, System, SystemSpec};
+use model::{AxisSpec, Connections, Kind, NodeSpec, StepError, System, SystemSpec};
 use piezoloop_components::{COMPONENTS, find};
 use proptest::prelude::*;
 
@@ -32,7 +32,8 @@ fn axis(name: &str, components: Vec<NodeSpec>) -> AxisSpec {
 }
 
 fn system(kind: Kind, axes: Vec<AxisSpec>) -> System {
-    let spec = SystemSpec { name: "test".into(), kind, period: T, axes };
+    let connections = Connections::default();
+    let spec = SystemSpec { name: "test".into(), kind, period: T, axes, connections };
     System::new(&spec).unwrap_or_else(|errors| panic!("{errors:?}"))
 }
 

@@ -1,5 +1,13 @@
 //! The high-voltage amplifier.
 
+mod clamp;
 mod lag;
+mod nonlinearity;
+mod second_order;
+mod slew;
 
+pub use clamp::AmplifierClamp;
 pub use lag::AmplifierLag;
+pub use nonlinearity::AmplifierNonlinearity;
+pub use second_order::AmplifierSecondOrder;
+pub use slew::AmplifierSlew;

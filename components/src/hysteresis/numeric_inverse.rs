@@ -8,7 +8,7 @@
 //! short steps. Its rates are therefore those of the wanted position, divided by the mean slope of
 //! the model's largest loop between the limits.
 //!
-//! Error: the bracket ends at 1e-12 of the command range after at most [`EVALUATIONS`] evaluations
+//! Error: the bracket ends at 1e-12 of the command range after at most [`EVALUATIONS`](crate::solve::EVALUATIONS) evaluations
 //! of the model (usually about 10). For models with a rate, the position is wrong by the effect of
 //! the difference between the rates of the command and those estimates. Positions that no command
 //! reaches give the nearest limit.
@@ -18,9 +18,7 @@ use model::{Component, Declaration, Sizes, Tick, Violation};
 
 use super::play::Plays;
 use crate::rules::{WRONG_LENGTH, require};
-
-/// Most evaluations of the forward model in one search: three per bisection, 41 bisections.
-pub const EVALUATIONS: usize = 123;
+use crate::solve::rising;
 
 /// The command's rate and acceleration.
 pub type Rates = [f64; 2];
@@ -99,7 +97,7 @@ impl<M: Forward> Component for NumericInverse<M> {
             return;
         };
         let mut position = [0.0];
-        *u = solve(y, [low, high], |u| {
+        *u = rising(y, [low, high], |u| {
             self.forward.rest(inner, &[u], machine, &mut position);
             position[0]
         });
@@ -126,66 +124,7 @@ impl<M: Forward> Component for NumericInverse<M> {
         let rate = (y - *last) / tick.period;
         let rates = [rate / slope, (rate - *last_rate) / tick.period / slope];
         (*last, *last_rate) = (y, rate);
-        *u = solve(y, [low, high], |u| self.forward.frozen(inner, machine, rates, u));
+        *u = rising(y, [low, high], |u| self.forward.frozen(inner, machine, rates, u));
         self.forward.step(inner, machine, tick, &[*u], &mut [0.0]);
-    }
-}
-
-/// The argument between the limits at which the rising function `f` has the value `y`: regula falsi
-/// (Illinois), with a bisection at every third step so that the bracket shrinks in any case.
-fn solve(y: f64, limits: [f64; 2], mut f: impl FnMut(f64) -> f64) -> f64 {
-    let [mut low, mut high] = limits;
-    let tolerance = 1e-12 * (high - low);
-    let (mut below, mut above) = (f(low) - y, f(high) - y);
-    if below >= 0.0 {
-        return low;
-    }
-    if above <= 0.0 {
-        return high;
-    }
-    let mut side = 0;
-    for k in 0..EVALUATIONS - 2 {
-        if high - low <= tolerance {
-            break;
-        }
-        let secant = low - below * (high - low) / (above - below);
-        let inside = secant > low && secant < high;
-        let x = if k % 3 == 2 || !inside { low + 0.5 * (high - low) } else { secant };
-        let residual = f(x) - y;
-        if residual == 0.0 {
-            return x;
-        }
-        if residual < 0.0 {
-            (low, below) = (x, residual);
-            above *= if side == -1 { 0.5 } else { 1.0 };
-            side = -1;
-        } else {
-            (high, above) = (x, residual);
-            below *= if side == 1 { 0.5 } else { 1.0 };
-            side = 1;
-        }
-    }
-    low + 0.5 * (high - low)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn finds_the_root_of_functions_with_corners_and_plateaus() {
-        let corner = |x: f64| if x < 1.0 { 1e-3 * x } else { 5.0 * x - 4.999 };
-        for y in [-0.05, 1e-6, 1e-3, 3.0, 100.0] {
-            let x = solve(y, [-100.0, 150.0], corner);
-            assert!((corner(x) - y).abs() < 5.0 * 250e-12, "{y}: {x}");
-        }
-        let x = solve(0.5, [-1e3, 1e3], |x: f64| (x - 2.0).powi(9));
-        assert!(((x - 2.0).powi(9) - 0.5).abs() < 1e-7);
-    }
-
-    #[test]
-    fn values_out_of_reach_give_the_nearest_limit() {
-        assert_eq!(solve(9.0, [-1.0, 2.0], |x| x), 2.0);
-        assert_eq!(solve(-9.0, [-1.0, 2.0], |x| x), -1.0);
     }
 }

@@ -11,15 +11,13 @@
 //!
 //! Limits: one mode, collocated; linear.
 
-use core::f64::consts::TAU;
-
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
 use crate::effects;
 use crate::linear::Transition;
-use crate::rules::{WRONG_LENGTH, positive_frequency, require};
+use crate::rules::{WRONG_LENGTH, second_order};
 
 /// The component `mode`.
 pub struct Mode;
@@ -63,19 +61,7 @@ impl Component for Mode {
         else {
             return Err(WRONG_LENGTH);
         };
-        positive_frequency("frequency", frequency)?;
-        require(
-            damping > 0.0,
-            "damping",
-            damping,
-            "must be above zero: an undamped mode never comes to rest; give 0.001 for a light one",
-        )?;
-        require(
-            (TAU * frequency * period).is_finite(),
-            "frequency",
-            frequency,
-            "is beyond what can be computed; lower it",
-        )?;
+        second_order(frequency, damping, period)?;
         let t = Transition::new(frequency, damping, period);
         (*same, *cross, *rate, *factor) = (t.same, t.cross, t.rate, gain);
         Ok(())
@@ -111,6 +97,8 @@ impl Component for Mode {
 
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::TAU;
+
     use super::*;
     use crate::testing::{Instance, Random};
 

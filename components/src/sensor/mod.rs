@@ -1,5 +1,25 @@
 //! The position sensor and its conditioning.
 
+mod butterworth;
+mod crosstalk;
+mod drift;
 mod lag;
+mod mains_hum;
+mod noise;
+mod polynomial;
+mod quad_cell;
+mod quantisation;
+mod scale;
+mod second_order;
 
+pub use butterworth::SensorButterworth;
+pub use crosstalk::Crosstalk;
+pub use drift::SensorDrift;
 pub use lag::SensorLag;
+pub use mains_hum::MainsHum;
+pub use noise::SensorNoise;
+pub use polynomial::SensorPolynomial;
+pub use quad_cell::SensorQuadCell;
+pub use quantisation::SensorQuantisation;
+pub use scale::SensorScale;
+pub use second_order::SensorSecondOrder;

@@ -50,17 +50,44 @@ static DECLARATION: Declaration = Declaration {
 /// rounded to double precision must not leave a fraction of 1e-16 behind.
 const WHOLE: f64 = 1e-9;
 
+/// Cells that a ring needs for the structural setting `longest`: the delayed inputs, the present one,
+/// the one before the fraction, and one for the rounding of the ratio.
+pub(super) fn ring_size(structure: &[f64], period: f64) -> usize {
+    let steps = ceil(structure.first().copied().unwrap_or(0.0) / period);
+    if steps.is_finite() { steps as usize + 3 } else { 3 }
+}
+
+/// The past inputs; the one of hit n is in cell n mod length.
+pub(super) struct Ring<'a> {
+    pub(super) state: &'a mut [f64],
+    /// Number of the present hit.
+    pub(super) index: u64,
+}
+
+impl Ring<'_> {
+    /// Stores the present input and returns the one that lies `whole` steps and a fraction back.
+    pub(super) fn push(&mut self, u: f64, whole: f64, fraction: f64) -> f64 {
+        let room = self.state.len();
+        let at = (self.index % room.max(1) as u64) as usize;
+        if let Some(cell) = self.state.get_mut(at) {
+            *cell = u;
+        }
+        let whole = (whole as usize).min(room);
+        let past = |steps: usize| {
+            (at + room).checked_sub(steps).and_then(|i| self.state.get(i % room.max(1)))
+        };
+        let (Some(&newer), Some(&older)) = (past(whole), past(whole + 1)) else { return u };
+        if fraction == 0.0 { newer } else { newer + fraction * (older - newer) }
+    }
+}
+
 impl Component for Delay {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
     }
 
     fn sizes(&self, structure: &[f64], period: f64) -> Sizes {
-        let longest = structure.first().copied().unwrap_or(0.0);
-        let steps = ceil(longest / period);
-        let steps = if steps.is_finite() { steps as usize } else { 0 };
-        // The present input, the one before the fraction, and one for the rounding of the ratio.
-        Sizes { coefficients: 2, states: steps + 3 }
+        Sizes { coefficients: 2, states: ring_size(structure, period) }
     }
 
     fn prepare(
@@ -103,14 +130,7 @@ impl Component for Delay {
         outputs: &mut [f64],
     ) {
         let (&[whole, fraction], &[u], [y]) = (coefficients, inputs, outputs) else { return };
-        let room = state.len();
-        let at = (tick.index % room.max(1) as u64) as usize;
-        let Some(cell) = state.get_mut(at) else { return };
-        *cell = u;
-        let past = |steps: usize| (at + room).checked_sub(steps).and_then(|i| state.get(i % room));
-        let whole = whole as usize;
-        let (Some(&newer), Some(&older)) = (past(whole), past(whole + 1)) else { return };
-        *y = if fraction == 0.0 { newer } else { newer + fraction * (older - newer) };
+        *y = Ring { state, index: tick.index }.push(u, whole, fraction);
     }
 }
 

@@ -1,5 +1,9 @@
 //! Time and converters: delay, clock, quantisation of the command.
 
+mod clock_offset;
+mod dac_quantisation;
 mod delay;
 
+pub use clock_offset::ClockOffset;
+pub use dac_quantisation::DacQuantisation;
 pub use delay::Delay;

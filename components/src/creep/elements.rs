@@ -1,0 +1,54 @@
+//! The sum of first-order elements, exact for an input that is held over each step.
+
+use libm::expm1;
+
+/// Coefficients: `direct | fraction_i … | share_i …`; one state z_i per element.
+pub(super) struct Elements<'a> {
+    direct: f64,
+    fractions: &'a [f64],
+    shares: &'a [f64],
+}
+
+/// Number of coefficients for this many elements.
+pub(super) fn coefficients(elements: usize) -> usize {
+    2 * elements + 1
+}
+
+/// The part of the way to its input that an element goes in one period.
+pub(super) fn fraction(time_constant: f64, period: f64) -> f64 {
+    -expm1(-period / time_constant)
+}
+
+/// The coefficients as direct part, fractions and shares, to be filled.
+pub(super) fn parts_mut(values: &mut [f64]) -> Option<(&mut f64, &mut [f64], &mut [f64])> {
+    let (direct, rest) = values.split_first_mut()?;
+    let (fractions, shares) = rest.split_at_mut(rest.len() / 2);
+    Some((direct, fractions, shares))
+}
+
+impl Elements<'_> {
+    pub(super) fn new(values: &[f64]) -> Option<Elements<'_>> {
+        let (&direct, rest) = values.split_first()?;
+        let (fractions, shares) = rest.split_at(rest.len() / 2);
+        Some(Elements { direct, fractions, shares })
+    }
+
+    /// All elements have reached the input.
+    pub(super) fn rest(&self, u: f64, state: &mut [f64]) -> f64 {
+        state.fill(u);
+        self.output(u, state)
+    }
+
+    /// One period.
+    pub(super) fn step(&self, u: f64, state: &mut [f64]) -> f64 {
+        for (z, fraction) in state.iter_mut().zip(self.fractions) {
+            *z += fraction * (u - *z);
+        }
+        self.output(u, state)
+    }
+
+    fn output(&self, u: f64, state: &[f64]) -> f64 {
+        let shares = state.iter().zip(self.shares);
+        shares.fold(self.direct * u, |y, (z, share)| y + share * z)
+    }
+}

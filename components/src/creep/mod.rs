@@ -1,0 +1,14 @@
+//! Creep: the slow part of the elongation after a change of the voltage.
+//!
+//! All three kinds are sums of first-order elements that each take their share of the way:
+//! `y = direct·u + Σ share_i·z_i`, `τ_i z_i′ = u − z_i`. They differ in how shares and time
+//! constants follow from the parameters.
+
+mod elements;
+mod fractional;
+mod kelvin_voigt;
+mod logarithmic;
+
+pub use fractional::FractionalCreep;
+pub use kelvin_voigt::KelvinVoigtCreep;
+pub use logarithmic::LogarithmicCreep;

@@ -1,0 +1,210 @@
+//! A mode whose stiffness grows with its deflection (flexures that stretch).
+//!
+//! `x″ + 2ζω x′ + ω²·x·(1 + hardening·(x/reference)²) = ω²·u`
+//!
+//! * frequency in Hz, damping: of small motions; hardening ≥ 0 without unit: relative growth of the
+//!   stiffness k₃x²/k at the deflection `reference` (0.001–0.05).
+//! * State: x and x′/ω. Each period is cut into sub-steps of at most 0.05 rad of the stiffest motion;
+//!   in each the linear part is exact and the cubic force is taken at its middle (exponential midpoint
+//!   rule, second order). A state of equilibrium stays exactly.
+//! * Beyond three times the reference the force goes on straight, so that every input is safe.
+//!
+//! Limits: at most 10 000 sub-steps per period: the internal step must suit the mode.
+//!
+//! Source: A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, Wiley 1979, ch. 4; M. Hochbruck, A.
+//! Ostermann, Exponential integrators, Acta Numerica 19 (2010) 209–286.
+
+use core::f64::consts::TAU;
+
+use libm::{ceil, sqrt};
+use model::{
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+};
+
+use crate::effects;
+use crate::hysteresis::play::between;
+use crate::linear::Transition;
+use crate::rules::{WRONG_LENGTH, require, second_order};
+
+/// The component `duffing`.
+pub struct Duffing;
+
+static DECLARATION: Declaration = Declaration {
+    kind: "duffing",
+    name: "duffing",
+    summary: "Mode whose stiffness grows with its deflection",
+    equation: "x'' + 2*damping*w*x' + w^2*x*(1 + hardening*(x/reference)^2) = w^2*u; w = 2*pi*frequency",
+    reference: "A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, Wiley 1979, ch. 4",
+    stage: Stage::Mechanics,
+    conversion: Conversion::None,
+    effect: Some(&effects::DUFFING),
+    inputs: &[Input::PATH],
+    outputs: &[Output::PATH],
+    structure: &[],
+    parameters: &[
+        Quantity::new("frequency", "Hz", "Natural frequency of small motions").min(0.0).fitted(),
+        Quantity::new("damping", "1", "Damping ratio").min(0.0).fitted(),
+        Quantity::new(
+            "hardening",
+            "1",
+            "Relative growth of the stiffness at the reference deflection",
+        )
+        .min(0.0)
+        .fitted(),
+        Quantity::new("reference", "{position}", "Deflection at which the hardening is given")
+            .min(0.0),
+    ],
+};
+
+/// Deflection, in references, from which on the force is straight.
+const REACH: f64 = 3.0;
+
+/// The part of the force beyond the linear one, over the linear stiffness.
+fn cubic(x: f64, hardening: f64, reference: f64) -> f64 {
+    let inside = between(-REACH, REACH, x / reference);
+    let beyond = x / reference - inside;
+    hardening * reference * inside * inside * (inside + 3.0 * beyond)
+}
+
+/// Solution of x + cubic(x) = u by Newton's method, which converges from u without overshoot as the
+/// force is odd and grows more than linearly.
+fn equilibrium(u: f64, hardening: f64, reference: f64) -> f64 {
+    let mut x = u;
+    for _ in 0..60 {
+        let inside = between(-REACH, REACH, x / reference);
+        let next = x
+            - (x + cubic(x, hardening, reference) - u) / (1.0 + 3.0 * hardening * inside * inside);
+        if next == x {
+            break;
+        }
+        x = next;
+    }
+    x
+}
+
+impl Component for Duffing {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
+        Sizes { coefficients: 9, states: 2 }
+    }
+
+    fn prepare(
+        &self,
+        _structure: &[f64],
+        parameters: &[f64],
+        period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        let (&[frequency, damping, hardening, reference], values) = (parameters, coefficients)
+        else {
+            return Err(WRONG_LENGTH);
+        };
+        second_order(frequency, damping, period)?;
+        require(reference > 0.0, "reference", reference, "must be above zero")?;
+        let stiffest = sqrt(1.0 + 3.0 * hardening * REACH * REACH);
+        let count = ceil(TAU * frequency * period * stiffest / 0.05);
+        require(
+            count <= 10_000.0,
+            "frequency",
+            frequency,
+            "is too high for the internal step; shorten `step` in the blueprint",
+        )?;
+        let full = Transition::new(frequency, damping, period / count);
+        let half = Transition::new(frequency, damping, 0.5 * period / count);
+        let [a, b, c, d, e, f, h, r, n] = values else { return Err(WRONG_LENGTH) };
+        (*a, *b, *c) = (full.same, full.cross, full.rate);
+        (*d, *e, *f) = (half.same, half.cross, half.rate);
+        (*h, *r, *n) = (hardening, reference, count);
+        Ok(())
+    }
+
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
+        let (&[.., hardening, reference, _], &[u], [x, v], [y]) =
+            (coefficients, inputs, state, outputs)
+        else {
+            return;
+        };
+        (*x, *v) = (equilibrium(u, hardening, reference), 0.0);
+        *y = *x;
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        _tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        let (&[a, b, c, d, e, f, hardening, reference, count], &[u], [x, v], [y]) =
+            (coefficients, inputs, state, outputs)
+        else {
+            return;
+        };
+        let full = Transition { same: a, cross: b, rate: c };
+        let half = Transition { same: d, cross: e, rate: f };
+        for _ in 0..count as usize {
+            let target = u - cubic(*x, hardening, reference);
+            let (middle, _) = half.apply(*x - target, *v);
+            let target = u - cubic(target + middle, hardening, reference);
+            let (deviation, rate) = full.apply(*x - target, *v);
+            (*x, *v) = (target + deviation, rate);
+        }
+        *y = *x;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Mode;
+    use super::*;
+    use crate::testing::{Instance, Random};
+
+    #[test]
+    fn without_hardening_it_is_the_mode() {
+        let signal = Random::new(2).signal(-1.0, 1.0, 200);
+        let duffing = Instance::new(&Duffing, &[], &[400.0, 0.02, 0.0, 1.0], 1e-4);
+        let mode = Instance::new(&Mode, &[], &[400.0, 0.02, 1.0], 1e-4);
+        let (a, b) =
+            (duffing.unwrap().response(0.0, &signal), mode.unwrap().response(0.0, &signal));
+        assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-11));
+    }
+
+    #[test]
+    fn a_free_motion_keeps_its_energy_but_for_the_damping() {
+        let (damping, hardening) = (1e-9, 0.3);
+        let mut model =
+            Instance::new(&Duffing, &[], &[100.0, damping, hardening, 1.0], 1e-4).unwrap();
+        model.rest(&[0.0]);
+        model.state[0] = 1.5;
+        let energy = |x: f64, v: f64| 0.5 * v * v + 0.5 * x * x + 0.25 * hardening * x * x * x * x;
+        let start = energy(1.5, 0.0);
+        let mut crossings = 0;
+        let mut last = 1.5;
+        for _ in 0..100_000 {
+            let x = model.step(&[0.0]);
+            crossings += u32::from(last < 0.0 && x >= 0.0);
+            last = x;
+        }
+        let end = energy(model.state[0], model.state[1]);
+        assert!((end / start - 1.0).abs() < 0.02, "{end} {start}");
+        // The backbone curve: frequency × (1 + 3/8·hardening·amplitude²) for small hardening.
+        let expected = 10.0 * 100.0 * (1.0 + 0.375 * hardening * 1.5 * 1.5);
+        assert!((f64::from(crossings) / expected - 1.0).abs() < 0.03, "{crossings} {expected}");
+    }
+
+    #[test]
+    fn rest_is_an_equilibrium() {
+        let mut model = Instance::new(&Duffing, &[], &[400.0, 0.02, 0.05, 1.0], 1e-4).unwrap();
+        for u in [0.0, 1.0, -2.5, 40.0] {
+            let x = model.rest(&[u]);
+            assert!((x + cubic(x, 0.05, 1.0) - u).abs() < 1e-13 * u.abs().max(1.0));
+            for _ in 0..100 {
+                assert!((model.step(&[u]) - x).abs() < 1e-12 * u.abs().max(1.0));
+            }
+        }
+    }
+}

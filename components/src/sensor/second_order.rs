@@ -1,0 +1,110 @@
+//! Bandwidth of the sensor, second order.
+//!
+//! `y″ + 2ζω y′ + ω² y = ω²·x`, ω = 2π·frequency
+//!
+//! * frequency in Hz: natural frequency (the −3 dB bandwidth for ζ = 0.707); damping: ζ > 0.
+//! * State: y and y′/ω. Exact at any period, as the input is held over a step.
+
+use model::{
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+};
+
+use crate::effects;
+use crate::linear::Transition;
+use crate::rules::{WRONG_LENGTH, second_order};
+
+/// The component `sensor-second-order`.
+pub struct SensorSecondOrder;
+
+static DECLARATION: Declaration = Declaration {
+    kind: "sensor-second-order",
+    name: "sensor",
+    summary: "Second-order bandwidth of the sensor and its filter",
+    equation: "y'' + 2*damping*w*y' + w^2*y = w^2*x; w = 2*pi*frequency",
+    reference: "A. J. Fleming, Sensors and Actuators A 190 (2013) 106-126",
+    stage: Stage::Sensor,
+    conversion: Conversion::None,
+    effect: Some(&effects::SENSOR_BANDWIDTH),
+    inputs: &[Input::PATH],
+    outputs: &[Output::PATH],
+    structure: &[],
+    parameters: &[
+        Quantity::new("frequency", "Hz", "Natural frequency").min(0.0).fitted(),
+        Quantity::new("damping", "1", "Damping ratio; 0.707 is flat")
+            .start(0.707)
+            .min(0.0)
+            .fitted(),
+    ],
+};
+
+impl Component for SensorSecondOrder {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
+        Sizes { coefficients: 4, states: 2 }
+    }
+
+    fn prepare(
+        &self,
+        _structure: &[f64],
+        parameters: &[f64],
+        period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        let (&[frequency, damping], [same, cross, rate, gain]) = (parameters, coefficients) else {
+            return Err(WRONG_LENGTH);
+        };
+        second_order(frequency, damping, period)?;
+        let t = Transition::new(frequency, damping, period);
+        (*same, *cross, *rate, *gain) = (t.same, t.cross, t.rate, 1.0);
+        Ok(())
+    }
+
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
+        let (&[.., gain], &[u], [x, v], [y]) = (coefficients, inputs, state, outputs) else {
+            return;
+        };
+        (*x, *v) = (gain * u, 0.0);
+        *y = *x;
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        _tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        let (&[same, cross, rate, gain], &[u], [x, v], [y]) =
+            (coefficients, inputs, state, outputs)
+        else {
+            return;
+        };
+        let target = gain * u;
+        let (e, scaled_rate) = Transition { same, cross, rate }.apply(*x - target, *v);
+        (*x, *v) = (target + e, scaled_rate);
+        *y = *x;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Instance;
+
+    #[test]
+    fn a_ramp_is_read_late_by_twice_the_damping_over_the_angular_frequency() {
+        let mut sensor = Instance::new(&SensorSecondOrder, &[], &[40.0, 0.707], 1e-4).unwrap();
+        sensor.rest(&[0.0]);
+        let mut y = 0.0;
+        for n in 1..=10_000 {
+            // The held ramp lies half a step behind the continuous one at the end of a step.
+            y = sensor.step(&[1e-4 * (f64::from(n) - 0.5)]);
+        }
+        let late = 2.0 * 0.707 / (core::f64::consts::TAU * 40.0);
+        assert!((1.0 - y - late).abs() < 1e-6, "{}", 1.0 - y);
+    }
+}
