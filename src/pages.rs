@@ -76,13 +76,7 @@ pub(crate) fn sections(axis: &AxisResult) -> Vec<Section> {
             (0..record.len()).map(|k| record.start() + k as f64 * record.period()).collect();
         let simulated: Vec<f64> = fit.simulation.iter().map(|y| y + fit.held_out.offset).collect();
         let held = rows.first..rows.end;
-        let loops = XyLoop::new(
-            format!("Loop, axis {}, held-out rows", axis.name),
-            Axis::new("command", &axis.command_unit),
-            Axis::new("position", unit),
-        )
-        .measured("measured", &record.input()[held.clone()], &record.output()[held.clone()])
-        .model("plant", &record.input()[held.clone()], &simulated[held]);
+        let loops = hysteresis_loop(axis, record, &simulated, held);
         let series = TimeSeries::new(format!("Axis {}: {}", axis.name, fit.record), &time)
             .measured("measured", unit, record.output())
             .model("plant", unit, &simulated)
@@ -131,6 +125,30 @@ fn verdict_of(verdict: identify::Verdict) -> &'static str {
         identify::Verdict::AtBound => "hold it at its bound",
         identify::Verdict::NotExcited => "do not excite it",
     }
+}
+
+fn hysteresis_loop(
+    axis: &AxisResult,
+    record: &identify::Record,
+    simulated: &[f64],
+    rows: std::ops::Range<usize>,
+) -> XyLoop {
+    XyLoop::new(
+        format!("Loop, axis {}, held-out rows", axis.name),
+        Axis::new("command", &axis.command_unit),
+        Axis::new("position", &axis.identification.unit),
+    )
+    .measured("measured", &record.input()[rows.clone()], &record.output()[rows.clone()])
+    .model("plant", &record.input()[rows.clone()], &simulated[rows])
+}
+
+/// The loop of the first record of an axis as a picture.
+pub(crate) fn picture(axis: &AxisResult) -> Option<String> {
+    let (fit, record) = (axis.identification.records.first()?, axis.records.first()?);
+    let rows = fit.held_out.rows;
+    let simulated: Vec<f64> = fit.simulation.iter().map(|y| y + fit.held_out.offset).collect();
+    let figure = hysteresis_loop(axis, record, &simulated, rows.first..rows.end);
+    Some(report::Figure::from(figure).to_svg())
 }
 
 /// The page of a simulation.

@@ -199,8 +199,7 @@ fn fmpys_own_choice_of_step_changes_nothing() {
     let code = r#"
 import numpy as np
 from fmpy import simulate_fmu
-start = {"command[1]": 70.0, "command[2]": 40.0}
-signals = np.array([(0.0, 0.0, 0.0), (0.0, 70.0, 40.0), (2.0, 70.0, 40.0)],
+signals = np.array([(0.0, 0.0, 0.0), (0.0032, 0.0, 0.0), (0.0032, 70.0, 40.0), (2.0, 70.0, 40.0)],
                    dtype=[("time", float), ("command[1]", float), ("command[2]", float)])
 coarse = simulate_fmu("plant.fmu", stop_time=0.1, input=signals)
 fine = simulate_fmu("plant.fmu", stop_time=0.1, output_interval=20e-6, input=signals)

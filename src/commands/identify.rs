@@ -55,6 +55,9 @@ pub(crate) struct Identify {
     /// The blueprint to write
     #[arg(short = 'o', long = "out", value_name = "FILE", default_value = "plant.toml")]
     out: PathBuf,
+    /// Write the loop of the first axis, measured and simulated, as an SVG picture
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
     /// Write a page with loops, residuals and parameters
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -109,6 +112,11 @@ impl Identify {
         if let Some(page) = &self.report {
             let report = pages::identification(&result, &logs)?;
             report.write_html(page)?;
+        }
+        if let (Some(file), Some(axis)) = (&self.picture, result.axes.first()) {
+            let svg = pages::picture(axis).context("there is no record to draw")?;
+            data::WholeFile::write_all_of(file, svg.as_bytes())
+                .with_context(|| format!("{} cannot be written", file.display()))?;
         }
         Ok(result)
     }
