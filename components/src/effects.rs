@@ -48,7 +48,8 @@ pub static DELAY: Effect = Effect {
     group: Some(Group::Lag),
     signature: "phase falls linearly with frequency at every amplitude; a step starts late",
     confused_with: &["amplifier_bandwidth", "sensor_bandwidth"],
-    experiment: "phase over frequency: a delay is straight up to the Nyquist frequency; onset of a step",
+    experiment: "phase over frequency: a delay is straight up to the Nyquist frequency; onset of \
+                 a step",
 };
 
 /// Offset and jitter of the sample clock.
@@ -56,7 +57,8 @@ pub static CLOCK_OFFSET: Effect = Effect {
     name: "clock_offset",
     stage: Timing,
     group: None,
-    signature: "grows with record time times slope of the signal; jitter looks like noise that grows with frequency and amplitude",
+    signature: "grows with record time times slope of the signal; jitter looks like noise that \
+                grows with frequency and amplitude",
     confused_with: &["delay", "thermal_drift"],
     experiment: "compare the times of edges at the start and at the end of a long record",
 };
@@ -66,7 +68,8 @@ pub static DAC_QUANTISATION: Effect = Effect {
     name: "dac_quantisation",
     stage: Timing,
     group: None,
-    signature: "stairs at small signals, a fixed function of the command; visible only where a step exceeds the noise",
+    signature: "stairs at small signals, a fixed function of the command; visible only where a \
+                step exceeds the noise",
     confused_with: &["sensor_noise", "friction"],
     experiment: "a slow ramp over a few steps of the converter",
 };
@@ -78,7 +81,8 @@ pub static AMPLIFIER_BANDWIDTH: Effect = Effect {
     group: Some(Group::Lag),
     signature: "phase from a tenth of the bandwidth on, independent of amplitude",
     confused_with: &["sensor_bandwidth", "delay", "rate_dependence"],
-    experiment: "record the amplifier's monitor voltage; or large signals at a high rate, where a lag in front of the hysteresis shrinks its loop",
+    experiment: "record the amplifier's monitor voltage; or large signals at a high rate, where a \
+                 lag in front of the hysteresis shrinks its loop",
 };
 
 /// Current limit of the amplifier, as a limit of the voltage's slope.
@@ -86,7 +90,8 @@ pub static AMPLIFIER_SLEW: Effect = Effect {
     name: "amplifier_slew",
     stage: Amplifier,
     group: None,
-    signature: "only large and fast signals: a sine becomes triangular, third harmonic; zero below a threshold of the slope",
+    signature: "only large and fast signals: a sine becomes triangular, third harmonic; zero \
+                below a threshold of the slope",
     confused_with: &["rate_dependence", "amplifier_saturation"],
     experiment: "the same frequency at half the amplitude: it disappears at once",
 };
@@ -106,9 +111,11 @@ pub static CREEP: Effect = Effect {
     name: "creep",
     stage: Actuator,
     group: Some(Group::Slow),
-    signature: "below 1 Hz, follows the sign of the last step and is proportional to it, straight over the logarithm of time",
+    signature: "below 1 Hz, follows the sign of the last step and is proportional to it, straight \
+                over the logarithm of time",
     confused_with: &["thermal_drift", "self_heating", "hysteresis"],
-    experiment: "repeat a staircase up and down with holds of 0.1 to 100 s: creep restarts at each step, drift does not",
+    experiment: "repeat a staircase up and down with holds of 0.1 to 100 s: creep restarts at \
+                 each step, drift does not",
 };
 
 /// Memory between voltage and elongation.
@@ -116,9 +123,11 @@ pub static HYSTERESIS: Effect = Effect {
     name: "hysteresis",
     stage: Actuator,
     group: None,
-    signature: "odd harmonics; width of the loop proportional to the amplitude, independent of rate",
+    signature: "odd harmonics; width of the loop proportional to the amplitude, independent of \
+                rate",
     confused_with: &["backlash", "creep", "amplifier_bandwidth"],
-    experiment: "loops at two amplitudes and two rates: backlash keeps a constant width, a lag's width grows with the rate",
+    experiment: "loops at two amplitudes and two rates: backlash keeps a constant width, a lag's \
+                 width grows with the rate",
 };
 
 /// Different rising and falling branches of the hysteresis.
@@ -138,7 +147,8 @@ pub static RATE_DEPENDENCE: Effect = Effect {
     group: None,
     signature: "grows with rate times amplitude",
     confused_with: &["amplifier_bandwidth", "delay", "extra_mode", "amplifier_slew"],
-    experiment: "frequency response at 1 % of the amplitude: lag and delay remain, rate dependence vanishes",
+    experiment: "frequency response at 1 % of the amplitude: lag and delay remain, rate \
+                 dependence vanishes",
 };
 
 /// Flattening of the strain towards the ends of the voltage range.
@@ -166,7 +176,8 @@ pub static SELF_HEATING: Effect = Effect {
     name: "self_heating",
     stage: Actuator,
     group: Some(Group::Slow),
-    signature: "slow drift that depends on the power of the drive (frequency times voltage squared)",
+    signature: "slow drift that depends on the power of the drive (frequency times voltage \
+                squared)",
     confused_with: &["thermal_drift", "creep"],
     experiment: "alternate high and low power at the same mean",
 };
@@ -186,7 +197,8 @@ pub static RESONANCE_SHIFT: Effect = Effect {
     name: "resonance_shift",
     stage: Mechanics,
     group: Some(Group::Gain),
-    signature: "around the resonance only, the phase of both signs; with a stiffness the static gain moves as well",
+    signature: "around the resonance only, the phase of both signs; with a stiffness the static \
+                gain moves as well",
     confused_with: &["extra_mode", "actuator_gain", "damping"],
     experiment: "add a known mass; plot gain against resonance frequency",
 };
@@ -246,7 +258,8 @@ pub static PERIODIC_DISTURBANCE: Effect = Effect {
     name: "periodic_disturbance",
     stage: Mechanics,
     group: None,
-    signature: "lines at the disturbance's frequency and its harmonics; a cutting force only while in cut",
+    signature: "lines at the disturbance's frequency and its harmonics; a cutting force only \
+                while in cut",
     confused_with: &["hysteresis", "mains_hum"],
     experiment: "air cut against cut; record at zero command",
 };

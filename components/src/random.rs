@@ -29,8 +29,8 @@ pub fn philox(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
 
 /// A normally distributed number of mean 0 and variance 1 (Box–Muller).
 ///
-/// `seed` is a parameter's value, `channel` tells the sources of one component apart, `count` is the
-/// number of the hit.
+/// `seed` is a parameter's value, `channel` tells the sources of one component apart, `count` is
+/// the number of the hit.
 #[must_use]
 pub fn normal(seed: f64, channel: u32, count: u64) -> f64 {
     let seed = seed.to_bits();

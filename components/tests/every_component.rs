@@ -3,8 +3,8 @@
 //! A new component fails here until it has its line in `EXAMPLES`.
 
 use model::{
-    AxisSpec, Component, Conversion, Kind, NodeSpec, Source, Stage, System, SystemSpec, Unit,
-    unit_on_axis,
+    AxisSpec, Component, Connections, Conversion, Kind, NodeSpec, Source, Stage, System,
+    SystemSpec, Unit, unit_on_axis,
 };
 use piezoloop_components::{COMPONENTS, find};
 use proptest::prelude::*;
@@ -148,7 +148,8 @@ fn around(node: NodeSpec) -> System {
         aliases: vec![],
         components,
     };
-    let spec = SystemSpec { name: "test".into(), kind, period: T, axes: vec![axis] };
+    let (axes, connections) = (vec![axis], Connections::default());
+    let spec = SystemSpec { name: "test".into(), kind, period: T, axes, connections };
     System::new(&spec).unwrap_or_else(|errors| panic!("{errors:?}"))
 }
 

@@ -2,8 +2,8 @@
 //!
 //! `v_eff = centre + half_range·S(ξ)`, `S(ξ) = ξ − flattening·ξ³`, ξ = (v − centre)/half_range
 //!
-//! * It acts on the command, before the actuator's gain or hysteresis. centre, half_range in command;
-//!   flattening without unit: loss at both ends as a part of half the range (0.01–0.04).
+//! * It acts on the command, before the actuator's gain or hysteresis. centre, half_range in
+//!   command; flattening without unit: loss at both ends as a part of half the range (0.01–0.04).
 //! * Beyond |ξ| = 1 S goes on straight, so it stays increasing. No state.
 //!
 //! Limits: symmetric about the centre; static.
@@ -23,7 +23,8 @@ static DECLARATION: Declaration = Declaration {
     kind: "polarisation-saturation",
     name: "saturation",
     summary: "Flattening of the strain towards the ends of the voltage range",
-    equation: "v = centre + half_range*(xi - flattening*xi^3); xi = (u - centre)/half_range, straight beyond 1",
+    equation: "v = centre + half_range*(xi - flattening*xi^3); xi = (u - centre)/half_range, \
+               straight beyond 1",
     reference: "IEEE Std 176-1987, IEEE Standard on Piezoelectricity (nonlinear limits)",
     stage: Stage::Actuator,
     conversion: Conversion::None,

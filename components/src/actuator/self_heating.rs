@@ -1,15 +1,17 @@
 //! Warming of the actuator by its own losses.
 //!
 //! ```text
-//! time_constant·θ′ = resistance·P − θ,   P = (π/2)·loss·capacitance·|ṽ·v′|,   ṽ = v − (its mean over `averaging`)
+//! ṽ = v − (its mean over `averaging`)
+//! P = (π/2)·loss·capacitance·|ṽ·v′|
+//! time_constant·θ′ = resistance·P − θ
 //! y = x·(1 + coefficient·θ) + growth·θ
 //! ```
 //!
-//! * v = amplification·command, in V; ṽ its alternating part. For a sine of amplitude V and frequency f
-//!   the mean of P is the loss π·f·capacitance·V²·loss of a capacitor.
+//! * v = amplification·command, in V; ṽ its alternating part. For a sine of amplitude V and
+//!   frequency f the mean of P is the loss π·f·capacitance·V²·loss of a capacitor.
 //! * loss: tan δ (0.01–0.1); capacitance in F; resistance in K/W, time_constant in s: thermal;
-//!   coefficient in 1/K: of the gain; growth in position per K: of the length; averaging in s: longer
-//!   than a period of the drive.
+//!   coefficient in 1/K: of the gain; growth in position per K: of the length; averaging in s:
+//!   longer than a period of the drive.
 //! * State: θ, the mean of v, the last v. At rest θ = 0.
 //!
 //! Limits: one temperature for the whole stack; the loss does not depend on amplitude.
@@ -31,7 +33,8 @@ static DECLARATION: Declaration = Declaration {
     kind: "self-heating",
     name: "heating",
     summary: "Warming of the actuator by its own losses: gain and length",
-    equation: "time_constant*T' = resistance*P - T; P = pi/2*loss*capacitance*|(v - mean(v))*v'|; y = x*(1 + coefficient*T) + growth*T",
+    equation: "time_constant*T' = resistance*P - T; P = pi/2*loss*capacitance*|(v - mean(v))*v'|; \
+               y = x*(1 + coefficient*T) + growth*T",
     reference: "K. Uchino, S. Hirose, IEEE Trans. UFFC 48 (2001) 307-321",
     stage: Stage::Actuator,
     conversion: Conversion::None,

@@ -2,8 +2,8 @@
 //!
 //! `y = x·[1 + coefficient·(temperature − reference)]`
 //!
-//! * coefficient in 1/K (0.0005–0.003); temperature and reference in degC or K. The temperature may be
-//!   changed during a run, and so serves as an input.
+//! * coefficient in 1/K (0.0005–0.003); temperature and reference in degC or K. The temperature may
+//!   be changed during a run, and so serves as an input.
 //! * No state.
 //!
 //! Limits: linear; it scales the whole path, as sensor data cannot tell it from a sensor's gain.

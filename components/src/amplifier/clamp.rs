@@ -5,8 +5,8 @@
 //! v = u − (u − high + softness)²/(4·softness)
 //! ```
 //!
-//! * low, high, softness in command. softness 0 is a hard limit; else the slope falls from 1 to 0 over
-//!   2·softness about the limit. Below that the input passes bit for bit.
+//! * low, high, softness in command. softness 0 is a hard limit; else the slope falls from 1 to 0
+//!   over 2·softness about the limit. Below that the input passes bit for bit.
 //! * No state.
 //!
 //! Limits: static; the same softness at both ends.
@@ -26,7 +26,8 @@ static DECLARATION: Declaration = Declaration {
     name: "clamp",
     summary: "Voltage limits of the amplifier, hard or soft",
     equation: "v = min(max(u, low), high), with a parabola within softness of a limit",
-    reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning Systems, Springer 2014, ch. 14",
+    reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning \
+                Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
     conversion: Conversion::None,
     effect: Some(&effects::AMPLIFIER_SATURATION),

@@ -2,8 +2,8 @@
 //!
 //! `v = u + offset + half_range·(quadratic·ξ² + cubic·ξ³)`, ξ = (u − centre)/half_range
 //!
-//! * offset, centre, half_range in command; quadratic, cubic without unit: deviation at the ends of the
-//!   range as a part of half of it (1e-4 to 5e-3).
+//! * offset, centre, half_range in command; quadratic, cubic without unit: deviation at the ends of
+//!   the range as a part of half of it (1e-4 to 5e-3).
 //! * No state.
 //!
 //! Limits: static; meant for |ξ| ≤ 1.
@@ -22,7 +22,8 @@ static DECLARATION: Declaration = Declaration {
     kind: "amplifier-nonlinearity",
     name: "nonlinearity",
     summary: "Offset and integral nonlinearity of converter and amplifier",
-    equation: "v = u + offset + half_range*(quadratic*xi^2 + cubic*xi^3); xi = (u - centre)/half_range",
+    equation: "v = u + offset + half_range*(quadratic*xi^2 + cubic*xi^3); xi = (u - \
+               centre)/half_range",
     reference: "IEEE Std 1241, Terminology and Test Methods for Analog-to-Digital Converters",
     stage: Stage::Amplifier,
     conversion: Conversion::None,

@@ -2,8 +2,8 @@
 //!
 //! `v″ + 2ζω v′ + ω² v = ω²·gain·u`, ω = 2π·frequency
 //!
-//! * frequency in Hz: natural frequency (the −3 dB bandwidth for ζ = 0.707); damping: ζ > 0; gain: as
-//!   of `amplifier-lag`.
+//! * frequency in Hz: natural frequency (the −3 dB bandwidth for ζ = 0.707); damping: ζ > 0; gain:
+//!   as of `amplifier-lag`.
 //! * State: v and v′/ω. Exact at any period, as the input is held over a step.
 //!
 //! Limits: linear: no current limit, no saturation.
@@ -24,7 +24,8 @@ static DECLARATION: Declaration = Declaration {
     name: "amplifier",
     summary: "Second-order bandwidth of the amplifier into the actuator's capacitance",
     equation: "v'' + 2*damping*w*v' + w^2*v = w^2*gain*u; w = 2*pi*frequency",
-    reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning Systems, Springer 2014, ch. 14",
+    reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning \
+                Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
     conversion: Conversion::None,
     effect: Some(&effects::AMPLIFIER_BANDWIDTH),

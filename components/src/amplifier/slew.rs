@@ -3,8 +3,8 @@
 //! `v′ = min(max((u − v)/T, −rate), rate)`
 //!
 //! * rate in command per second: greatest current over capacitance.
-//! * State: v. Over a step in which the input is held, v runs straight towards it and stops there, so
-//!   the value at the end of the step is exact at any period.
+//! * State: v. Over a step in which the input is held, v runs straight towards it and stops there,
+//!   so the value at the end of the step is exact at any period.
 //!
 //! Limits: the same limit for charging and discharging; constant capacitance.
 
@@ -23,7 +23,8 @@ static DECLARATION: Declaration = Declaration {
     name: "slew",
     summary: "Current limit of the amplifier, as a limit of the slope",
     equation: "v' = min(max((u - v)/T, -rate), rate)",
-    reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning Systems, Springer 2014, ch. 14",
+    reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning \
+                Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
     conversion: Conversion::None,
     effect: Some(&effects::AMPLIFIER_SLEW),

@@ -1,7 +1,9 @@
 //! PID control with feedforward, in the positional discrete form of the papers.
 //!
 //! ```text
-//! u_k = u_ff + kp·e_k + I_k + kd·(e_k − e_{k−1})/T,   I_k = I_{k−1} + ki·T·e_k,   e = reference − measured
+//! e = reference − measured
+//! I_k = I_{k−1} + ki·T·e_k
+//! u_k = u_ff + kp·e_k + I_k + kd·(e_k − e_{k−1})/T
 //! command = min(max(u_k, output_min), output_max)
 //! ```
 //!
@@ -102,7 +104,7 @@ impl Component for Pid {
         else {
             return;
         };
-        let ([integral, last_error, last_command, was_enabled], [command, ff, feedback, saturated]) =
+        let ([integral, last_error, last_command, was_on], [command, ff, feedback, saturated]) =
             (state, outputs)
         else {
             return;
@@ -111,7 +113,7 @@ impl Component for Pid {
         (*ff, *feedback) = (feedforward, 0.0);
         *saturated = truth(*command != feedforward);
         (*integral, *last_error) = (0.0, reference - measured);
-        (*last_command, *was_enabled) = (*command, truth(enable != 0.0));
+        (*last_command, *was_on) = (*command, truth(enable != 0.0));
     }
 
     fn step(
@@ -127,7 +129,7 @@ impl Component for Pid {
         else {
             return;
         };
-        let ([integral, last_error, last_command, was_enabled], [command, ff, feedback, saturated]) =
+        let ([integral, last_error, last_command, was_on], [command, ff, feedback, saturated]) =
             (state, outputs)
         else {
             return;
@@ -136,12 +138,12 @@ impl Component for Pid {
         if enable == 0.0 {
             *command = between(low, high, *last_command);
             (*feedback, *saturated) = (0.0, 0.0);
-            (*last_command, *was_enabled) = (*command, 0.0);
+            (*last_command, *was_on) = (*command, 0.0);
             return;
         }
         let error = reference - measured;
-        if *was_enabled == 0.0 {
-            (*last_error, *was_enabled) = (error, 1.0);
+        if *was_on == 0.0 {
+            (*last_error, *was_on) = (error, 1.0);
             *integral = *last_command - feedforward - (kp + ki_t) * error;
         }
         let increment = ki_t * error;

@@ -32,8 +32,8 @@ static DECLARATION: Declaration = Declaration {
     name: "lead",
     summary: "Adds the first and second derivative of the reference, for lags and a mode",
     equation: "y = r + clamp(lag*r' + inertia*r'', +-limit)",
-    reference: "S. Devasia, E. Eleftheriou, S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15 \
-                (2007) 802-823",
+    reference: "S. Devasia, E. Eleftheriou, S. O. R. Moheimani, IEEE Trans. Control Syst. \
+                Technol. 15 (2007) 802-823",
     stage: Stage::Control,
     conversion: Conversion::None,
     effect: None,

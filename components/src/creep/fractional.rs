@@ -7,8 +7,8 @@
 //! * lowest, highest in Hz (structural): the band. Below it the gain stays at
 //!   (highest/lowest)^order, above it at 1, so the direct elongation is the input itself.
 //! * Poles and zeros lie three per decade (Oustaloup). One decade inside the band the gain is off
-//!   the power law by less than 0.15 % for orders up to 0.3, and the phase by less than 6°·order; two
-//!   decades inside by less than 0.003 % and 0.6°·order.
+//!   the power law by less than 0.15 % for orders up to 0.3, and the phase by less than 6°·order;
+//!   two decades inside by less than 0.003 % and 0.6°·order.
 //! * State: one number per pole. Exact at any period, as the ladder is taken apart into parallel
 //!   first-order elements.
 //!
@@ -91,7 +91,7 @@ impl Component for FractionalCreep {
             lowest < highest,
             "order",
             order,
-            "the structural setting `lowest` must be below `highest`; change them in the blueprint",
+            "the structural setting `lowest` must be below `highest`; change them",
         )?;
         let (direct, fractions, shares) = parts_mut(coefficients).ok_or(WRONG_LENGTH)?;
         *direct = 1.0;

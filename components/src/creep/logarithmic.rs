@@ -63,7 +63,8 @@ static DECLARATION: Declaration = Declaration {
 const PER_DECADE: f64 = 2.0;
 
 /// The time constants: a grid of two per decade. The sum of 1 − exp(−t/τ_i) over it begins to rise
-/// at `shortest`, as its straight part meets zero at e^−γ/√ρ of its first τ (γ is Euler's constant).
+/// at `shortest`, as its straight part meets zero at e^−γ/√ρ of its first τ (γ is Euler's
+/// constant).
 fn time_constant(shortest: f64, index: usize) -> f64 {
     const EULER: f64 = 0.577_215_664_901_532_9;
     shortest * exp(EULER) * pow(10.0, (index as f64 + 0.5) / PER_DECADE)
@@ -102,7 +103,7 @@ impl Component for LogarithmicCreep {
             shortest < longest,
             "reference",
             reference,
-            "the structural setting `shortest` must be below `longest`; change them in the blueprint",
+            "the structural setting `shortest` must be below `longest`; change them",
         )?;
         require(
             shortest <= reference && reference <= longest,

@@ -2,8 +2,8 @@
 //!
 //! `y = x + n(t)`, `n″ + 2ζω n′ + ω² n = ω²·(white noise)`
 //!
-//! * rms in position: standard deviation of n; frequency in Hz and damping: of the mode that shapes it
-//!   (floor 5–30 Hz, table 1–5 Hz); seed: any number, different for each instance.
+//! * rms in position: standard deviation of n; frequency in Hz and damping: of the mode that shapes
+//!   it (floor 5–30 Hz, table 1–5 Hz); seed: any number, different for each instance.
 //! * The noise is held over each step and its strength set so that the standard deviation is rms at
 //!   any period. It is a function of seed and step.
 //! * State: n and n′/ω, at rest 0: the noise builds up within 1/(ζω).

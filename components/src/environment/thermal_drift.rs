@@ -5,9 +5,9 @@
 //! time_constant·g′ = expansion·temperature_change − g
 //! ```
 //!
-//! * rate in position per second; settling in position; time_constant in s; expansion in position per
-//!   K; temperature_change in K: may be changed during a run, and so serves as an input. t is the time
-//!   since the start.
+//! * rate in position per second; settling in position; time_constant in s; expansion in position
+//!   per K; temperature_change in K: may be changed during a run, and so serves as an input. t is
+//!   the time since the start.
 //! * State: g. At rest g has reached expansion·temperature_change.
 //!
 //! Limits: one time constant.
@@ -27,7 +27,8 @@ static DECLARATION: Declaration = Declaration {
     kind: "thermal-drift",
     name: "drift",
     summary: "Thermal growth of the structure: steady, settling, and by a given temperature",
-    equation: "y = x + rate*t + settling*(1 - exp(-t/time_constant)) + g; time_constant*g' = expansion*temperature_change - g",
+    equation: "y = x + rate*t + settling*(1 - exp(-t/time_constant)) + g; time_constant*g' = \
+               expansion*temperature_change - g",
     reference: "ISO 230-3, Determination of thermal effects",
     stage: Stage::Environment,
     conversion: Conversion::None,

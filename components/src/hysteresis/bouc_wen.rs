@@ -93,7 +93,8 @@ impl Law {
         if change == 0.0 {
             return h;
         }
-        // In the direction of motion the equation reads dg/ds = slope − c(sgn g)·|g|·|g/level|^(n−1).
+        // In the direction of motion the equation reads dg/ds = slope − c(sgn
+        // g)·|g|·|g/level|^(n−1).
         let sign = if change > 0.0 { 1.0 } else { -1.0 };
         let with = self.gamma + self.beta + self.delta * sign;
         let against = self.gamma - self.beta + self.delta * sign;
@@ -232,8 +233,9 @@ impl Forward for BoucWen {
             alpha < 1.0 && most < 1.0,
             "alpha",
             alpha,
-            "the loop curls over at its ends, so a position has several commands and the model no \
-             inverse: alpha*(1 + (beta - gamma + |delta|)/(beta + gamma - |delta|)) must be below 1",
+            "the loop curls over at its ends, so a position has several commands and the model \
+             no inverse: alpha*(1 + (beta - gamma + |delta|)/(beta + gamma - |delta|)) must be \
+             below 1",
         )
     }
 }

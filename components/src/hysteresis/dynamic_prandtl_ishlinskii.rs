@@ -15,8 +15,8 @@
 //! Limits: a kink in the command makes one sample of ü of the size of the kink in u̇ over the step,
 //! and noise makes more: for short steps beta needs smooth commands, and the command that an exact
 //! inverse gives is not (it has a kink wherever a play starts to move). φ jumps where the segment
-//! changes unless alpha_1 = alpha_2, alpha_3 = alpha_4, beta_1 = beta_4 and beta_2 = beta_3. Nothing
-//! keeps w_i + φ positive.
+//! changes unless alpha_1 = alpha_2, alpha_3 = alpha_4, beta_1 = beta_4 and beta_2 = beta_3.
+//! Nothing keeps w_i + φ positive.
 //!
 //! Source: C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated
 //! Elliptical Vibration Cutting Device, eqs. (3) and (4).
@@ -63,8 +63,8 @@ static DECLARATION: Declaration = Declaration {
     summary: "Prandtl-Ishlinskii hysteresis whose weights follow the command's rate in segments",
     equation: "y = offset + sum((w[i] + phi)*P[i]); phi = alpha[s]*u' + beta[s]*u''; segment s by \
                the signs of u' and u''",
-    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated \
-                Elliptical Vibration Cutting Device, eqs. (3)-(4)",
+    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant \
+                Piezo-Actuated Elliptical Vibration Cutting Device, eqs. (3)-(4)",
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
@@ -79,8 +79,8 @@ static INVERSE_DECLARATION: Declaration = Declaration {
     name: "feedforward",
     summary: "Inverse of a dynamic Prandtl-Ishlinskii model, solved at each step",
     equation: "forward(u) = y, with u' = y'/(mean slope of the largest loop) and u'' alike",
-    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated \
-                Elliptical Vibration Cutting Device, eqs. (14)-(17)",
+    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant \
+                Piezo-Actuated Elliptical Vibration Cutting Device, eqs. (14)-(17)",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
     effect: None,

@@ -48,10 +48,10 @@ static DECLARATION: Declaration = Declaration {
     kind: "grpi",
     name: "hysteresis",
     summary: "Generalised rate-dependent Prandtl-Ishlinskii hysteresis",
-    equation: "y = offset + sum(w[i]*P[i]); P[i] = max(hl - r[i], min(hr + r[i], P[i])); \
-               hl = a1*u + a2*|u'|; hr = b1*u + b2*|u'|",
-    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated \
-                Elliptical Vibration Cutting Device, eq. (13)",
+    equation: "y = offset + sum(w[i]*P[i]); P[i] = max(hl - r[i], min(hr + r[i], P[i])); hl = \
+               a1*u + a2*|u'|; hr = b1*u + b2*|u'|",
+    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant \
+                Piezo-Actuated Elliptical Vibration Cutting Device, eq. (13)",
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
@@ -66,8 +66,8 @@ static INVERSE_DECLARATION: Declaration = Declaration {
     name: "feedforward",
     summary: "Inverse of a grpi model, solved at each step",
     equation: "forward(u) = y, with u' = y'/(mean slope of the largest loop)",
-    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated \
-                Elliptical Vibration Cutting Device, eq. (13)",
+    reference: "C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant \
+                Piezo-Actuated Elliptical Vibration Cutting Device, eq. (13)",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
     effect: None,

@@ -26,9 +26,9 @@ static DECLARATION: Declaration = Declaration {
     kind: "inverse-prandtl-ishlinskii",
     name: "feedforward",
     summary: "Exact inverse of a Prandtl-Ishlinskii model, given by the forward model's parameters",
-    equation: "u = sum(w'[i]*P[i]); P[i] = max(y - offset - r'[i], min(y - offset + r'[i], P[i])); \
-               w'[1] = 1/w[1]; w'[i] = -w[i]/(sum(w[1..i])*sum(w[1..i-1])); \
-               r'[i] = sum(w[j]*(r[i] - r[j]), j = 1..i)",
+    equation: "u = sum(w'[i]*P[i]); P[i] = max(y - offset - r'[i], min(y - offset + r'[i], \
+               P[i])); w'[1] = 1/w[1]; w'[i] = -w[i]/(sum(w[1..i])*sum(w[1..i-1])); r'[i] = \
+               sum(w[j]*(r[i] - r[j]), j = 1..i)",
     reference: "K. Kuhnen, European Journal of Control 9 (2003) 407-418",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,

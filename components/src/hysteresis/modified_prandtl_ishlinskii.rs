@@ -46,8 +46,8 @@ static DECLARATION: Declaration = Declaration {
     kind: "modified-prandtl-ishlinskii",
     name: "hysteresis",
     summary: "Asymmetric hysteresis, independent of rate: plays followed by one-sided dead zones",
-    equation: "y = offset + x + sum(slope[j]*z[j](x)); x = sum(w[i]*P[i]); z[j] = max(x - edge[j], \
-               0) for edge[j] > 0, else min(x - edge[j], 0)",
+    equation: "y = offset + x + sum(slope[j]*z[j](x)); x = sum(w[i]*P[i]); z[j] = max(x - \
+               edge[j], 0) for edge[j] > 0, else min(x - edge[j], 0)",
     reference: "K. Kuhnen, European Journal of Control 9 (2003) 407-418",
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,

@@ -2,16 +2,17 @@
 //!
 //! The inverse carries a copy of the forward model. At each step it looks for the command at which
 //! the model's position is the wanted one, by bracketing between `command_min` and `command_max`;
-//! then the copy makes that step itself, so its state stays the machine's, and errors do not add up.
+//! then the copy makes that step itself, so its state stays the machine's, and errors do not add
+//! up.
 //!
 //! A model with a rate would feed the rate of its own command back to itself, which is unstable for
 //! short steps. Its rates are therefore those of the wanted position, divided by the mean slope of
 //! the model's largest loop between the limits.
 //!
-//! Error: the bracket ends at 1e-12 of the command range after at most [`EVALUATIONS`](crate::solve::EVALUATIONS) evaluations
-//! of the model (usually about 10). For models with a rate, the position is wrong by the effect of
-//! the difference between the rates of the command and those estimates. Positions that no command
-//! reaches give the nearest limit.
+//! Error: the bracket ends at 1e-12 of the command range after at most
+//! [`EVALUATIONS`](crate::solve::EVALUATIONS) evaluations of the model (usually about 10). For
+//! models with a rate, the position is wrong by the effect of the difference between the rates of
+//! the command and those estimates. Positions that no command reaches give the nearest limit.
 
 use libm::fmax;
 use model::{Component, Declaration, Sizes, Tick, Violation};

@@ -5,8 +5,8 @@
 //! t_k = low + k·(high − low)/N,   k = 1 … N
 //! ```
 //!
-//! * mu in position, ≥ 0: the N(N+1)/2 weights of the relays row by row, (1,1), (2,1), (2,2), (3,1)…;
-//!   low, high in command: the range that the N levels divide.
+//! * mu in position, ≥ 0: the N(N+1)/2 weights of the relays row by row, (1,1), (2,1), (2,2),
+//!   (3,1)…; low, high in command: the range that the N levels divide.
 //! * What the relays remember are the command's extrema that no larger one has wiped out. They are
 //!   kept as a stack, each with the output at its time. A rise from the minimum of level b to level
 //!   a adds `T(a, b) = Σ_{i ≤ a, j > b} mu_ij`, a fall from a to b takes it away; T is a table made
@@ -17,8 +17,8 @@
 //! Limits: independent of rate; the output has stairs of one level's height; relays that are
 //! symmetric about zero (off = −1) are this model with other weights and offset.
 //!
-//! Source: I. D. Mayergoyz, Mathematical Models of Hysteresis and Their Applications, Elsevier 2003,
-//! ch. 1 (the table is the Everett function).
+//! Source: I. D. Mayergoyz, Mathematical Models of Hysteresis and Their Applications, Elsevier
+//! 2003, ch. 1 (the table is the Everett function).
 
 use libm::{floor, sqrt};
 use model::{
@@ -72,7 +72,8 @@ fn accumulate(mu: &[f64], levels: usize, table: &mut [f64]) {
             return;
         };
         row.fill(0.0);
-        // Row a of the weights holds j = 1 … a; summed from the end it gives the new part of T(a, b).
+        // Row a of the weights holds j = 1 … a; summed from the end it gives the new part of T(a,
+        // b).
         let weights = mu.get(a * a.saturating_sub(1) / 2..a * (a + 1) / 2).unwrap_or_default();
         let mut sum = 0.0;
         for b in (0..a).rev() {

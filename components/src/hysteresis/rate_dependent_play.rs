@@ -1,7 +1,8 @@
 //! Rate-dependent Prandtl–Ishlinskii hysteresis: plays whose thresholds grow with the rate.
 //!
 //! ```text
-//! y = offset + gain·u + Σ w_i F_i,   F_i ← max(u − ρ_i, min(u + ρ_i, F_i)),   ρ_i = r_i + rate·|u̇|
+//! y = offset + gain·u + Σ w_i F_i
+//! F_i ← max(u − ρ_i, min(u + ρ_i, F_i)),   ρ_i = r_i + rate·|u̇|
 //! ```
 //!
 //! * r, w as in `prandtl-ishlinskii`; gain in position per command: a part without memory; rate in
@@ -185,7 +186,7 @@ impl Forward for RateDependentPlay {
             gain > 0.0,
             "gain",
             gain,
-            "a model whose plays all have dead bands has no inverse; identify it with a gain above 0",
+            "a model whose plays all have dead bands has no inverse; give a gain above 0",
         )
     }
 }

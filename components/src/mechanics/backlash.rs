@@ -23,7 +23,8 @@ static DECLARATION: Declaration = Declaration {
     name: "backlash",
     summary: "Clearance, as a play of constant width",
     equation: "y = max(x - width/2, min(x + width/2, y))",
-    reference: "G. Tao, P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, Wiley 1996",
+    reference: "G. Tao, P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor \
+                Nonlinearities, Wiley 1996",
     stage: Stage::Mechanics,
     conversion: Conversion::None,
     effect: Some(&effects::BACKLASH),

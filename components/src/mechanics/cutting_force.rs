@@ -27,7 +27,8 @@ static DECLARATION: Declaration = Declaration {
     kind: "cutting-force",
     name: "cutting",
     summary: "Cutting force once per ellipse, while the tool is in cut",
-    equation: "y = x + amplitude*sin(pi*p/duty) for p < duty, else x; p = frac(frequency*t + phase/(2*pi))",
+    equation: "y = x + amplitude*sin(pi*p/duty) for p < duty, else x; p = frac(frequency*t + \
+               phase/(2*pi))",
     reference: "E. Shamoto, T. Moriwaki, CIRP Annals 43 (1994) 35-38",
     stage: Stage::Mechanics,
     conversion: Conversion::None,

@@ -4,9 +4,9 @@
 //!
 //! * frequency in Hz, damping: of small motions; hardening ≥ 0 without unit: relative growth of the
 //!   stiffness k₃x²/k at the deflection `reference` (0.001–0.05).
-//! * State: x and x′/ω. Each period is cut into sub-steps of at most 0.05 rad of the stiffest motion;
-//!   in each the linear part is exact and the cubic force is taken at its middle (exponential midpoint
-//!   rule, second order). A state of equilibrium stays exactly.
+//! * State: x and x′/ω. Each period is cut into sub-steps of at most 0.05 rad of the stiffest
+//!   motion; in each the linear part is exact and the cubic force is taken at its middle
+//!   (exponential midpoint rule, second order). A state of equilibrium stays exactly.
 //! * Beyond three times the reference the force goes on straight, so that every input is safe.
 //!
 //! Limits: at most 10 000 sub-steps per period: the internal step must suit the mode.
@@ -33,7 +33,8 @@ static DECLARATION: Declaration = Declaration {
     kind: "duffing",
     name: "duffing",
     summary: "Mode whose stiffness grows with its deflection",
-    equation: "x'' + 2*damping*w*x' + w^2*x*(1 + hardening*(x/reference)^2) = w^2*u; w = 2*pi*frequency",
+    equation: "x'' + 2*damping*w*x' + w^2*x*(1 + hardening*(x/reference)^2) = w^2*u; w = \
+               2*pi*frequency",
     reference: "A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, Wiley 1979, ch. 4",
     stage: Stage::Mechanics,
     conversion: Conversion::None,

@@ -6,17 +6,18 @@
 //! ```
 //!
 //! * Forces are given by the position that they cost (force over the mode's stiffness): coulomb,
-//!   stiction ≥ coulomb; presliding in position: bristle deflection at the Coulomb force; stribeck in
-//!   position per second. Viscous friction is in the damping.
-//! * State: x, x′, z. Each period is cut into at most 64 sub-steps of 0.1 rad of the mode, each by the
-//!   implicit Euler rule for all three equations together, as one equation for the velocity that is
-//!   solved in a bracket: stable at any step, and z never leaves its bounds.
+//!   stiction ≥ coulomb; presliding in position: bristle deflection at the Coulomb force; stribeck
+//!   in position per second. Viscous friction is in the damping.
+//! * State: x, x′, z. Each period is cut into at most 64 sub-steps of 0.1 rad of the mode, each by
+//!   the implicit Euler rule for all three equations together, as one equation for the velocity
+//!   that is solved in a bracket: stable at any step, and z never leaves its bounds.
 //! * At rest x = u and z = 0.
 //!
-//! Limits: first order in the sub-step: a step that is not short against the mode damps it more than ζ.
+//! Limits: first order in the sub-step: a step that is not short against the mode damps it more
+//! than ζ.
 //!
-//! Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, IEEE Transactions on Automatic
-//! Control 40 (1995) 419–425.
+//! Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, IEEE Transactions on
+//! Automatic Control 40 (1995) 419–425.
 
 use core::f64::consts::TAU;
 
@@ -36,7 +37,8 @@ static DECLARATION: Declaration = Declaration {
     kind: "friction",
     name: "friction",
     summary: "Mode with LuGre friction",
-    equation: "x'' + 2*damping*w*x' + w^2*(x + coulomb*z/presliding) = w^2*u; z' = x' - |x'|*z/g; g = presliding*(1 + (stiction/coulomb - 1)*exp(-(x'/stribeck)^2))",
+    equation: "x'' + 2*damping*w*x' + w^2*(x + coulomb*z/presliding) = w^2*u; z' = x' - |x'|*z/g; \
+               g = presliding*(1 + (stiction/coulomb - 1)*exp(-(x'/stribeck)^2))",
     reference: "C. Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995) 419-425",
     stage: Stage::Mechanics,
     conversion: Conversion::None,

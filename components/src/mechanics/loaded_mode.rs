@@ -5,9 +5,9 @@
 //! k = m·(2π·frequency)²,   c = 2·damping·√(k·m)
 //! ```
 //!
-//! * frequency, damping, mass m: of the mode without load; payload in kg; external_stiffness in N/m: a
-//!   preload spring or the workpiece. The static gain is k/(k + external_stiffness), the frequency
-//!   scales with √((1 + external_stiffness/k)/(1 + payload/m)).
+//! * frequency, damping, mass m: of the mode without load; payload in kg; external_stiffness in
+//!   N/m: a preload spring or the workpiece. The static gain is k/(k + external_stiffness), the
+//!   frequency scales with √((1 + external_stiffness/k)/(1 + payload/m)).
 //! * State: x and x′/ω. Exact at any period.
 //!
 //! Limits: one mode; the payload is rigid; gain and frequency move together with the stiffness, and
@@ -31,7 +31,8 @@ static DECLARATION: Declaration = Declaration {
     kind: "loaded-mode",
     name: "mode",
     summary: "Second-order mode under a payload mass and an external spring",
-    equation: "(m + payload)*x'' + c*x' + (k + external_stiffness)*x = k*u; k = m*(2*pi*frequency)^2; c = 2*damping*sqrt(k*m)",
+    equation: "(m + payload)*x'' + c*x' + (k + external_stiffness)*x = k*u; k = \
+               m*(2*pi*frequency)^2; c = 2*damping*sqrt(k*m)",
     reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 2",
     stage: Stage::Mechanics,
     conversion: Conversion::None,

@@ -3,8 +3,8 @@
 //! `|G(jω)|² = 1/(1 + (f/bandwidth)^(2·order))`
 //!
 //! * bandwidth in Hz: −3 dB; order is structural.
-//! * The filter is taken apart into its poles, `G(s) = Σ c_k·(−p_k)/(s − p_k)`, whose complex first-order
-//!   parts are each exact for an input held over a step, and so is the sum.
+//! * The filter is taken apart into its poles, `G(s) = Σ c_k·(−p_k)/(s − p_k)`, whose complex
+//!   first-order parts are each exact for an input held over a step, and so is the sum.
 //! * State: one complex number for each pair of poles, one real one for an odd order.
 //!
 //! Source: S. Butterworth, Experimental Wireless and the Wireless Engineer 7 (1930) 536–541.
@@ -51,8 +51,8 @@ fn order(structure: &[f64]) -> usize {
     structure.first().map_or(0, |n| *n as usize)
 }
 
-/// Pole number k of the filter of bandwidth 1 rad/s, as real and imaginary part: on the unit circle,
-/// from the imaginary axis to the real one, the upper half only.
+/// Pole number k of the filter of bandwidth 1 rad/s, as real and imaginary part: on the unit
+/// circle, from the imaginary axis to the real one, the upper half only.
 fn pole(k: usize, order: usize) -> [f64; 2] {
     if 2 * k + 1 == order {
         return [-1.0, 0.0];

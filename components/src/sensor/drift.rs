@@ -2,8 +2,8 @@
 //!
 //! `y = x + d`, `d_n = d_{n−1} + per_hour·√(T/3600 s)·(normal number n)`
 //!
-//! * per_hour in position: standard deviation after one hour; after t it is per_hour·√(t/1 h). seed: any
-//!   number, different for each instance.
+//! * per_hour in position: standard deviation after one hour; after t it is per_hour·√(t/1 h).
+//!   seed: any number, different for each instance.
 //! * State: d, at rest 0. The draws are functions of seed and step.
 //!
 //! Limits: no bound; steady and thermal drift are in `thermal-drift`.

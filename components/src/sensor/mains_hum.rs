@@ -2,8 +2,8 @@
 //!
 //! `y = x + Σ_k amplitude_k·sin(2π·k·frequency·t + phase_k)`, k = 1, 2, …
 //!
-//! * frequency in Hz: 50 or 60, ± 0.05; amplitude in position, phase in rad for each harmonic; t the
-//!   time.
+//! * frequency in Hz: 50 or 60, ± 0.05; amplitude in position, phase in rad for each harmonic; t
+//!   the time.
 //! * No state: a function of time.
 //!
 //! Limits: added to the reading; hum of the amplifier would pass the actuator.

@@ -1,17 +1,18 @@
 //! Noise of the sensor: white, and 1/f below a corner.
 //!
-//! `y = x + n`, density `S(f) = A·(1 + corner/f)` from `lowest` to half the sample rate, A = 2·rms²·period
+//! `y = x + n`, density `S(f) = A·(1 + corner/f)` from `lowest` to half the sample rate, A =
+//! 2·rms²·period
 //!
-//! * rms in position: standard deviation of the white part per sample of the internal step; corner in
-//!   Hz: where the 1/f part is as strong as the white one, 0 for none; seed: any number, different for
-//!   each instance. lowest in Hz is structural: the 1/f part levels off below it.
-//! * The 1/f part is a sum of first-order noises, three per decade, each of variance A·corner·ln(10)/3;
-//!   their sum is off the straight line by less than 2 % one decade inside.
-//! * State: one number per first-order noise; at rest drawn from its steady distribution. All draws are
-//!   functions of seed, source and step.
+//! * rms in position: standard deviation of the white part per sample of the internal step; corner
+//!   in Hz: where the 1/f part is as strong as the white one, 0 for none; seed: any number,
+//!   different for each instance. lowest in Hz is structural: the 1/f part levels off below it.
+//! * The 1/f part is a sum of first-order noises, three per decade, each of variance
+//!   A·corner·ln(10)/3; their sum is off the straight line by less than 5 % one decade inside.
+//! * State: one number per first-order noise; at rest drawn from its steady distribution. All draws
+//!   are functions of seed, source and step.
 //!
-//! Limits: the white part has no bandwidth of its own: put a bandwidth behind it where the sensor's is
-//! below half the sample rate.
+//! Limits: the white part has no bandwidth of its own: put a bandwidth behind it where the sensor's
+//! is below half the sample rate.
 //!
 //! Source: N. J. Kasdin, Proceedings of the IEEE 83 (1995) 802–827.
 

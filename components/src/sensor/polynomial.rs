@@ -2,8 +2,8 @@
 //!
 //! `y = x + half_range·(quadratic·ξ² + cubic·ξ³)`, ξ = (x − centre)/half_range
 //!
-//! * centre, half_range in position: the measuring range; quadratic, cubic without unit: deviation at
-//!   its ends as a part of half of it (1e-4 to 1e-2).
+//! * centre, half_range in position: the measuring range; quadratic, cubic without unit: deviation
+//!   at its ends as a part of half of it (1e-4 to 1e-2).
 //! * No state.
 //!
 //! Limits: meant for |ξ| ≤ 1; no cross terms with another axis.

@@ -1,6 +1,7 @@
 //! Saturation of a quadrant detector.
 //!
-//! `y = scale·erf(√2·(x − centre)/radius)`, scale = radius·√(π/8), so that the slope in the middle is 1
+//! `y = scale·erf(√2·(x − centre)/radius)`, scale = radius·√(π/8), so that the slope in the middle
+//! is 1
 //!
 //! * radius in position: 1/e² radius of a Gaussian spot; centre in position.
 //! * No state.

@@ -2,14 +2,15 @@
 //!
 //! `y(t) = u(t − d(t))`, `d = initial + offset·t + jitter·n`, t the time since the start
 //!
-//! * initial in s: delay at the start; offset without unit: relative clock error (1e-6 to 1e-4; > 0:
-//!   the signal arrives later and later); jitter in s: standard deviation of the independent normal
-//!   number n of each step; seed: any number, different for each instance.
+//! * initial in s: delay at the start; offset without unit: relative clock error (1e-6 to 1e-4; >
+//!   0: the signal arrives later and later); jitter in s: standard deviation of the independent
+//!   normal number n of each step; seed: any number, different for each instance.
 //! * d is kept between 0 and the structural setting `longest`. Between samples the input is
 //!   interpolated as in `delay`.
 //! * State: a ring of the past inputs. The jitter is a function of seed and step.
 //!
-//! Limits: a clock that runs ahead needs an `initial` to take from; after `longest` the delay stays.
+//! Limits: a clock that runs ahead needs an `initial` to take from; after `longest` the delay
+//! stays.
 
 use libm::floor;
 use model::{

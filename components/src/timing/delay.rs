@@ -50,8 +50,8 @@ static DECLARATION: Declaration = Declaration {
 /// rounded to double precision must not leave a fraction of 1e-16 behind.
 const WHOLE: f64 = 1e-9;
 
-/// Cells that a ring needs for the structural setting `longest`: the delayed inputs, the present one,
-/// the one before the fraction, and one for the rounding of the ratio.
+/// Cells that a ring needs for the structural setting `longest`: the delayed inputs, the present
+/// one, the one before the fraction, and one for the rounding of the ratio.
 pub(super) fn ring_size(structure: &[f64], period: f64) -> usize {
     let steps = ceil(structure.first().copied().unwrap_or(0.0) / period);
     if steps.is_finite() { steps as usize + 3 } else { 3 }
