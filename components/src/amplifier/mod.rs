@@ -3,11 +3,13 @@
 mod clamp;
 mod lag;
 mod nonlinearity;
+mod rc;
 mod second_order;
 mod slew;
 
 pub use clamp::AmplifierClamp;
 pub use lag::AmplifierLag;
 pub use nonlinearity::AmplifierNonlinearity;
+pub use rc::AmplifierRc;
 pub use second_order::AmplifierSecondOrder;
 pub use slew::AmplifierSlew;

@@ -1,17 +1,21 @@
 //! Moving mass, flexures, guides and load.
 
 mod backlash;
+mod collocated_mode;
 mod cutting_force;
 mod duffing;
 mod friction;
 mod loaded_mode;
 mod mode;
+mod mode_pair;
 mod vibration;
 
 pub use backlash::Backlash;
+pub use collocated_mode::CollocatedMode;
 pub use cutting_force::CuttingForce;
 pub use duffing::Duffing;
 pub use friction::Friction;
 pub use loaded_mode::LoadedMode;
 pub use mode::Mode;
+pub use mode_pair::ModePair;
 pub use vibration::Vibration;
