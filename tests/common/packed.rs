@@ -1,0 +1,167 @@
+//! Packed FMUs lying unpacked, and C hosts that load their libraries as any importer does.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use modeldescription::Package;
+use modeldescription::variable::{Causality, DataType};
+
+use super::{python, root, succeed};
+
+/// The blueprints that are packed: a plant of two axes and a controller for it.
+pub(crate) const PLANT: &str = "evc";
+/// See [`PLANT`].
+pub(crate) const CONTROLLER: &str =
+    concat!(env!("CARGO_MANIFEST_DIR"), "/tests/blueprints/controller.toml");
+
+/// An FMU of the tool, unpacked.
+pub(crate) struct Packed {
+    pub(crate) package: Package,
+    pub(crate) file: PathBuf,
+    _folder: tempfile::TempDir,
+}
+
+impl Packed {
+    /// Packs a blueprint for a version of the standard, `2` or `3`.
+    pub(crate) fn new(blueprint: &str, version: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        succeed(&["pack", blueprint, "--fmi", version, "-o", "packed.fmu"], folder.path());
+        let file = folder.path().join("packed.fmu");
+        Self { package: Package::open(&file).expect("a sound FMU"), file, _folder: folder }
+    }
+
+    /// Its shared library for this machine.
+    pub(crate) fn library(&self) -> PathBuf {
+        self.package.binary().expect("a library for this machine")
+    }
+
+    /// The model's name.
+    pub(crate) fn name(&self) -> &str {
+        &self.package.description().model_name
+    }
+
+    pub(crate) fn guid(&self) -> &str {
+        &self.package.description().instantiation_token
+    }
+
+    /// Value references of the real variables with this causality, as an argument of a host.
+    pub(crate) fn references(&self, causality: Causality) -> String {
+        let variables = &self.package.description().variables;
+        let wanted = variables
+            .iter()
+            .filter(|v| v.causality == causality && v.data_type == DataType::Float64);
+        let all: Vec<_> = wanted.map(|v| v.value_reference.to_string()).collect();
+        assert!(!all.is_empty());
+        all.join(",")
+    }
+
+    /// The value reference of a variable.
+    pub(crate) fn reference(&self, name: &str) -> String {
+        let found = self.package.description().variable(name);
+        found.unwrap_or_else(|| panic!("no variable {name}")).value_reference.to_string()
+    }
+
+    /// The internal period in s.
+    pub(crate) fn period(&self) -> f64 {
+        let experiment = self.package.description().default_experiment.as_ref();
+        experiment.and_then(|e| e.step_size).expect("the internal step")
+    }
+
+    /// The arguments that every host takes, with another location of the resources.
+    pub(crate) fn arguments_at(&self, library: &Path, resources: &str) -> Vec<String> {
+        vec![
+            library.to_str().expect("a path in UTF-8").to_owned(),
+            self.guid().to_owned(),
+            resources.to_owned(),
+            self.period().to_string(),
+            self.references(Causality::Input),
+            self.references(Causality::Output),
+        ]
+    }
+
+    /// The arguments that every host takes.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        let resources = if self.package.description().fmi_version.text().starts_with('2') {
+            self.package.resources_uri()
+        } else {
+            self.package.resources().to_str().expect("a path in UTF-8").to_owned()
+        };
+        self.arguments_at(&self.library(), &resources)
+    }
+}
+
+/// A C program of `tests/c`, compiled against the standard's headers.
+pub(crate) struct Host {
+    program: PathBuf,
+    _folder: tempfile::TempDir,
+}
+
+/// The standard's headers, which fmpy carries.
+fn headers() -> PathBuf {
+    let code = "import fmpy, os; print(os.path.join(os.path.dirname(fmpy.__file__), 'c-code'))";
+    let folder = tempfile::tempdir().expect("a folder");
+    PathBuf::from(python::script(code, &[], folder.path()).trim())
+}
+
+/// Compiles a source of `tests/c` with further arguments into a file.
+fn compile(source: &str, arguments: &[&str], to: &Path) {
+    let output = Command::new("cc")
+        .args(["-std=gnu11", "-O2", "-Wall", "-Wextra", "-Wno-unused-parameter", "-Werror", "-I"])
+        .arg(headers())
+        .arg(root().join("tests/c").join(source))
+        .arg("-o")
+        .arg(to)
+        .args(arguments)
+        .output()
+        .expect("the tests need a C compiler, cc (Debian: gcc, libc6-dev)");
+    assert!(output.status.success(), "{source}: {}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// Compiles a shared library of `tests/c` into a file.
+pub(crate) fn compile_library(source: &str, to: &Path) {
+    compile(source, &["-shared", "-fPIC", "-fvisibility=hidden", "-lm"], to);
+}
+
+impl Host {
+    pub(crate) fn new(source: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let program = folder.path().join("host");
+        compile(source, &["-rdynamic", "-ldl", "-lm", "-lpthread"], &program);
+        Self { program, _folder: folder }
+    }
+
+    /// Runs it; the environment is such that a panic would ask for a backtrace.
+    pub(crate) fn output(&self, arguments: &[String]) -> Output {
+        let mut command = Command::new(&self.program);
+        command.args(arguments).env("RUST_BACKTRACE", "1");
+        command.output().expect("the host starts")
+    }
+
+    /// Runs it; it must end well and print nothing to standard error. Returns what it printed.
+    pub(crate) fn run(&self, arguments: &[String]) -> String {
+        let output = self.output(arguments);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && errors.is_empty(), "{}: {errors}", output.status);
+        String::from_utf8(output.stdout).expect("the host prints UTF-8")
+    }
+}
+
+/// The arguments with further ones.
+pub(crate) fn with(mut arguments: Vec<String>, further: &[&str]) -> Vec<String> {
+    arguments.extend(further.iter().map(|text| (*text).to_owned()));
+    arguments
+}
+
+/// A copy of a folder and all below it.
+pub(crate) fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).expect("a folder");
+    for entry in fs::read_dir(from).expect("a folder").flatten() {
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).expect("a copy");
+        }
+    }
+}

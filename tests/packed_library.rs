@@ -1,0 +1,172 @@
+//! The shared library inside a packed FMU, loaded by C hosts as importers load it: what it exports
+//! and needs, that stepping allocates nothing, lives of many instances, where resources are found.
+#![cfg(target_os = "linux")]
+#![allow(clippy::print_stdout)]
+
+mod common;
+
+use common::packed::{CONTROLLER, Host, PLANT, Packed, copy, with};
+use std::process::Command;
+
+const BOTH: [&str; 2] = [PLANT, CONTROLLER];
+
+#[test]
+fn stepping_setting_and_getting_allocate_nothing() {
+    let host = Host::new("allocations.c");
+    for blueprint in BOTH {
+        let fmu = Packed::new(blueprint, "2");
+        print!("{}: {}", fmu.name(), host.run(&fmu.arguments()));
+        let fmu = Packed::new(blueprint, "3");
+        let inputs = if blueprint == PLANT { "2" } else { "4" };
+        let outputs = if blueprint == PLANT { "2" } else { "6" };
+        print!("{}: {}", fmu.name(), host.run(&with(fmu.arguments(), &[inputs, outputs])));
+    }
+}
+
+fn tool(program: &str, arguments: &[&str], file: &std::path::Path) -> String {
+    let output = Command::new(program).args(arguments).arg(file).output();
+    let output = output.unwrap_or_else(|e| panic!("{program} (Debian: binutils): {e}"));
+    assert!(output.status.success());
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+/// All functions of FMI 2.0 and 3.0 and no other symbol; no library but the C library's, the
+/// loader, and the compiler's unwinder.
+#[test]
+fn only_the_standards_functions_are_exported_and_only_the_c_library_is_needed() {
+    for blueprint in BOTH {
+        let fmu = Packed::new(blueprint, "2");
+        let file = fmu.library();
+        let symbols = tool("nm", &["-D", "--defined-only", "--format=posix"], &file);
+        let names: Vec<_> = symbols.lines().filter_map(|l| l.split(' ').next()).collect();
+        let of = |prefix: &str| names.iter().filter(|name| name.starts_with(prefix)).count();
+        assert_eq!((of("fmi2"), of("fmi3")), (44, 75), "{names:?}");
+        assert_eq!(names.len(), 44 + 75, "more than the standard's: {names:?}");
+
+        let dynamic = tool("readelf", &["-d", "-W"], &file);
+        let needed: Vec<_> = dynamic
+            .lines()
+            .filter(|line| line.contains("(NEEDED)"))
+            .filter_map(|line| line.split(['[', ']']).nth(1))
+            .collect();
+        let known = ["libc.so.", "libm.so.", "libgcc_s.so.", "ld-linux", "libdl.so.", "libpthread"];
+        let foreign = |name: &&&str| !known.iter().any(|prefix| name.starts_with(prefix));
+        assert_eq!(needed.iter().find(foreign), None, "{needed:?}");
+        assert!(dynamic.contains("SYMBOLIC"), "it calls its own functions: {dynamic}");
+        assert!(!dynamic.contains("RPATH") && !dynamic.contains("RUNPATH"), "{dynamic}");
+        let size = file.metadata().expect("a file").len();
+        println!("{}: {} kB, needs {}", fmu.name(), size.div_ceil(1000), needed.join(", "));
+        assert!(size < 2_500_000, "{size} B");
+    }
+}
+
+#[test]
+fn a_host_that_exports_the_same_names_reaches_each_librarys_own_functions() {
+    let (plant, controller) = (Packed::new(PLANT, "2"), Packed::new(CONTROLLER, "2"));
+    let plain = Host::new("run.c");
+    let alone = plain.run(&plant.arguments()) + &plain.run(&controller.arguments());
+    let mut both = plant.arguments();
+    both.extend(controller.arguments());
+    assert_eq!(Host::new("namesakes.c").run(&both), alone);
+}
+
+#[test]
+fn many_instances_live_in_many_threads() {
+    let host = Host::new("life.c");
+    for blueprint in BOTH {
+        let fmu = Packed::new(blueprint, "2");
+        print!("{}: {}", fmu.name(), host.run(&with(fmu.arguments(), &["threads"])));
+    }
+}
+
+#[test]
+fn loading_failing_and_unloading_many_times_loses_no_memory() {
+    let host = Host::new("life.c");
+    for blueprint in BOTH {
+        let fmu = Packed::new(blueprint, "2");
+        print!("{}: {}", fmu.name(), host.run(&with(fmu.arguments(), &["400"])));
+    }
+}
+
+/// The folder that `file:` URIs are made for in the tests below.
+const ODD_FOLDER: &str = "a b%20c 100% Größe 压电";
+
+#[test]
+fn resources_are_found_whatever_the_path_and_however_it_is_spelt() {
+    let fmu = Packed::new(PLANT, "2");
+    let host = Host::new("run.c");
+    let wanted = host.run(&fmu.arguments());
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = temporary.path().join(ODD_FOLDER);
+    copy(fmu.package.folder(), &folder);
+    let moved = modeldescription::Package::open(&folder).expect("the copy is an FMU");
+    let library = moved.binary().expect("a library");
+    let uri = moved.resources_uri();
+    let path = moved.resources().to_str().expect("UTF-8").to_owned();
+    let encoded = uri.strip_prefix("file://").expect("a file URI");
+    for resources in [
+        uri.clone(),
+        format!("{uri}/"),
+        format!("file:///{encoded}"),
+        format!("file:{encoded}"),
+        format!("file://localhost{encoded}"),
+        format!("file://{path}"),
+        format!("file:///{path}"),
+        path.clone(),
+        String::new(),
+        "(null)".to_owned(),
+        "file:///nowhere/at/all".to_owned(),
+    ] {
+        let said = host.run(&fmu.arguments_at(&library, &resources));
+        assert_eq!(said, wanted, "{resources}");
+    }
+}
+
+#[test]
+fn an_fmu_without_its_resources_is_refused_with_the_folders_that_were_tried() {
+    let fmu = Packed::new(PLANT, "2");
+    let temporary = tempfile::tempdir().expect("a folder");
+    copy(fmu.package.folder(), temporary.path());
+    std::fs::remove_dir_all(temporary.path().join("resources")).expect("removed");
+    let moved = modeldescription::Package::open(temporary.path()).expect("an FMU");
+    let arguments = fmu.arguments_at(&moved.binary().expect("a library"), "file:///nowhere");
+    let said = Host::new("run.c").run(&arguments);
+    assert!(said.starts_with("refused: fmi2Instantiate: no blueprint.toml"), "{said}");
+    assert!(said.contains("/nowhere") && said.contains("resources"), "{said}");
+}
+
+#[test]
+fn the_guid_of_another_fmu_is_refused() {
+    let (plant, controller) = (Packed::new(PLANT, "2"), Packed::new(CONTROLLER, "2"));
+    let host = Host::new("run.c");
+    for guid in [controller.guid(), "", "{00000000-0000-0000-0000-000000000000}"] {
+        let mut arguments = plant.arguments();
+        arguments[1] = guid.to_owned();
+        let said = host.run(&arguments);
+        assert!(said.starts_with("refused: fmi2Instantiate: the GUID"), "{said}");
+        assert!(said.contains(plant.guid()) && said.contains("pack the FMU again"), "{said}");
+    }
+}
+
+#[test]
+fn a_library_with_the_resources_of_the_other_kind_is_refused() {
+    let (plant, controller) = (Packed::new(PLANT, "2"), Packed::new(CONTROLLER, "2"));
+    let host = Host::new("run.c");
+    for (fmu, other) in [(&plant, &controller), (&controller, &plant)] {
+        let said = host.run(&fmu.arguments_at(&fmu.library(), &other.package.resources_uri()));
+        assert!(said.starts_with("refused: fmi2Instantiate: "), "{said}");
+        assert!(said.contains("kind = "), "{said}");
+    }
+}
+
+#[test]
+fn the_start_time_changes_no_bit_of_the_run() {
+    let host = Host::new("run.c");
+    for blueprint in BOTH {
+        let fmu = Packed::new(blueprint, "2");
+        let wanted = host.run(&with(fmu.arguments(), &["0"]));
+        for start in ["1024", "-3.5", "0.1", "86400", "1e6"] {
+            assert_eq!(host.run(&with(fmu.arguments(), &[start])), wanted, "start {start} s");
+        }
+    }
+}
