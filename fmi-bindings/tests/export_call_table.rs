@@ -32,7 +32,7 @@ fmi2FreeFMUstate                   x x x x x  ok
 fmi2SerializedFMUstateSize         x x x x x  ok
 fmi2SerializeFMUstate              x x x x x  ok
 fmi2DeSerializeFMUstate            x x x x x  ok
-fmi2GetDirectionalDerivative       . x x x x  not offered
+fmi2GetDirectionalDerivative       . x x x x  ok
 fmi2EnterEventMode                 . . . . .  -
 fmi2NewDiscreteStates              . . . . .  -
 fmi2EnterContinuousTimeMode        . . . . .  -

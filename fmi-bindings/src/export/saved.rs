@@ -1,6 +1,6 @@
 //! Saved states of an instance, in memory and as bytes.
 
-use model::{Context, System};
+use model::{Context, Past};
 
 use super::instance::{Experiment, Instance, Progress};
 use super::phase::Phase;
@@ -10,6 +10,8 @@ pub(super) struct Snapshot {
     pub(super) progress: Progress,
     /// Slopes of the inputs in the next step.
     pub(super) slopes: Vec<f64>,
+    /// How the present outputs came about.
+    pub(super) past: Past,
     pub(super) context: Context,
 }
 
@@ -26,7 +28,7 @@ pub(super) struct SavedState {
 
 const MAGIC: &[u8; 8] = b"PZLSTATE";
 /// Version of the layout below.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// magic, version, length of the whole, fingerprint.
 const HEAD: usize = 8 + 4 + 8 + 32;
 /// phase, flags, time, start, stop.
@@ -39,11 +41,13 @@ const SLOPED: u8 = 4;
 
 /// Number of bytes of a snapshot.
 pub(super) fn byte_len(snapshot: &Snapshot) -> usize {
-    HEAD + PROGRESS + 8 * snapshot.slopes.len() + snapshot.context.byte_len() + CHECKSUM
+    let numbers = 8 * snapshot.slopes.len();
+    let rest = snapshot.past.byte_len() + snapshot.context.byte_len();
+    HEAD + PROGRESS + numbers + rest + CHECKSUM
 }
 
 /// A snapshot as bytes, little endian, without pointers:
-/// magic, version, length, fingerprint, progress, slopes, context, checksum.
+/// magic, version, length, fingerprint, progress, slopes, past, context, checksum.
 pub(super) fn to_bytes(snapshot: &Snapshot, fingerprint: &str) -> Vec<u8> {
     let Progress { phase, stale, sloped, time, experiment } = snapshot.progress;
     let length = byte_len(snapshot);
@@ -58,21 +62,21 @@ pub(super) fn to_bytes(snapshot: &Snapshot, fingerprint: &str) -> Vec<u8> {
     for number in [time, experiment.start, experiment.stop].iter().chain(&snapshot.slopes) {
         bytes.extend_from_slice(&number.to_le_bytes());
     }
+    bytes.extend_from_slice(&snapshot.past.to_bytes());
     bytes.extend_from_slice(&snapshot.context.to_bytes());
     let sum = checksum(&bytes);
     bytes.extend_from_slice(&sum.to_le_bytes());
     bytes
 }
 
-/// The snapshot that [`to_bytes`] wrote, for this system.
+/// The snapshot that [`to_bytes`] wrote, of the same model as the one that is given.
 ///
 /// # Errors
 /// What is wrong with the bytes, and the way out.
 pub(super) fn from_bytes(
     bytes: &[u8],
-    system: &System,
+    like: &Snapshot,
     fingerprint: &str,
-    slopes: usize,
 ) -> Result<Snapshot, String> {
     let mut reader = Reader { bytes };
     if reader.take(MAGIC.len()) != Some(MAGIC) {
@@ -110,7 +114,7 @@ pub(super) fn from_bytes(
     let end = body.len();
     reader.bytes = &body[end.min(HEAD)..];
     reader
-        .snapshot(system, slopes)
+        .snapshot(like)
         .ok_or_else(|| "the serialised state does not fit this model; it may be damaged".into())
 }
 
@@ -133,10 +137,10 @@ impl<'a> Reader<'a> {
         self.word().map(f64::from_bits)
     }
 
-    fn snapshot(&mut self, system: &System, slopes: usize) -> Option<Snapshot> {
+    fn snapshot(&mut self, like: &Snapshot) -> Option<Snapshot> {
         let [phase, flags] = *self.take(2)? else { return None };
         let [time, start, stop] = [self.number()?, self.number()?, self.number()?];
-        let slopes = (0..slopes).map(|_| self.number()).collect::<Option<Vec<_>>>()?;
+        let slopes = like.slopes.iter().map(|_| self.number()).collect::<Option<Vec<_>>>()?;
         let progress = Progress {
             phase: Phase::from_number(phase)?,
             stale: flags & STALE != 0,
@@ -144,8 +148,9 @@ impl<'a> Reader<'a> {
             time,
             experiment: Experiment { defined: flags & DEFINED != 0, start, stop },
         };
-        let context = system.context().with_bytes(self.bytes).ok()?;
-        Some(Snapshot { progress, slopes, context })
+        let past = like.past.with_bytes(self.take(like.past.byte_len())?)?;
+        let context = like.context.with_bytes(self.bytes).ok()?;
+        Some(Snapshot { progress, slopes, past, context })
     }
 }
 

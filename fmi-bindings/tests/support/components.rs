@@ -186,7 +186,7 @@ impl Component for Proportional {
 /// Internal step of the test models, in s.
 pub const PERIOD: f64 = 1e-3;
 
-fn axis(name: &str, components: Vec<NodeSpec>) -> AxisSpec {
+pub(super) fn axis(name: &str, components: Vec<NodeSpec>) -> AxisSpec {
     AxisSpec {
         name: name.into(),
         command_unit: "V".into(),
@@ -198,7 +198,7 @@ fn axis(name: &str, components: Vec<NodeSpec>) -> AxisSpec {
     }
 }
 
-fn node(component: &'static dyn Component, values: &[f64], enabled: bool) -> NodeSpec {
+pub(super) fn node(component: &'static dyn Component, values: &[f64], enabled: bool) -> NodeSpec {
     let name = component.declaration().name.into();
     NodeSpec { component, name, structure: vec![], values: values.to_vec(), enabled }
 }

@@ -2,6 +2,7 @@
 #![allow(dead_code, unreachable_pub)]
 
 pub mod components;
+pub mod plays;
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::path::{Path, PathBuf};
@@ -9,7 +10,8 @@ use std::ptr::{null, null_mut};
 use std::sync::{Mutex, OnceLock};
 
 use model::System;
-use piezoloop_fmi_bindings::export::{Factory, v2};
+pub use piezoloop_fmi_bindings::export::Factory;
+use piezoloop_fmi_bindings::export::v2;
 use piezoloop_fmi_bindings::fmi2::*;
 
 /// A message as the logger got it, the format unformatted.
@@ -75,6 +77,14 @@ pub fn other_plant(_: &Path) -> Result<System, String> {
 
 pub fn controller(_: &Path) -> Result<System, String> {
     Ok(components::controller())
+}
+
+pub fn plays_plant(_: &Path) -> Result<System, String> {
+    Ok(plays::plays_plant(0.0))
+}
+
+pub fn stairs_plant(_: &Path) -> Result<System, String> {
+    Ok(plays::plays_plant(0.5))
 }
 
 /// What an importer passes to `fmi2Instantiate`.
@@ -219,6 +229,32 @@ impl Fmu {
 
     pub fn set_slope(&self, name: &str, order: i32, slope: f64) -> fmi2Status {
         unsafe { v2::fmi2SetRealInputDerivatives(self.c, &self.reference(name), 1, &order, &slope) }
+    }
+
+    /// The derivative of Real variables in a direction, and the status.
+    pub fn derivative(
+        &self,
+        unknowns: &[&str],
+        knowns: &[&str],
+        seed: &[f64],
+    ) -> (fmi2Status, Vec<f64>) {
+        let references = |names: &[&str]| -> Vec<u32> {
+            names.iter().map(|name| self.reference(name)).collect()
+        };
+        let (unknowns, knowns) = (references(unknowns), references(knowns));
+        let mut result = vec![f64::NAN; unknowns.len()];
+        let status = unsafe {
+            v2::fmi2GetDirectionalDerivative(
+                self.c,
+                unknowns.as_ptr(),
+                unknowns.len(),
+                knowns.as_ptr(),
+                knowns.len(),
+                seed.as_ptr(),
+                result.as_mut_ptr(),
+            )
+        };
+        (status, result)
     }
 
     /// The value of a Real variable; the call must succeed.

@@ -1,6 +1,8 @@
 //! A built chain of components that steps on its own grid.
 
 mod build;
+mod derivative;
+mod past;
 mod spec;
 
 use alloc::string::String;
@@ -8,6 +10,8 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::ops::Range;
 
+pub use derivative::{DerivativeError, DerivativeRoom};
+pub use past::Past;
 pub use spec::{AxisSpec, BuildError, Kind, NodeSpec, SystemSpec};
 
 use crate::{

@@ -1,11 +1,12 @@
 //! One instance of the FMU, whatever the version of the standard: its life and its time.
 
+mod derivatives;
 mod states;
 mod values;
 
 use std::ffi::{CStr, CString};
 
-use model::{Causality, StepError, System};
+use model::{Causality, DerivativeRoom, Past, StepError, System};
 
 use crate::export::guard::{Notice, Outcome, Status};
 use crate::export::log::{Logger, Sink};
@@ -24,6 +25,9 @@ pub struct Instance {
     progress: Progress,
     /// Slopes of the inputs in the next step, by value reference: inputs come first.
     slopes: Vec<f64>,
+    /// How the present outputs came about, for their derivatives.
+    past: Past,
+    room: DerivativeRoom,
     /// Value reference of the independent variable, where the version has one.
     time_reference: Option<u32>,
     /// Saved states that the importer has not freed.
@@ -104,6 +108,8 @@ impl Instance {
             fingerprint,
             progress: Progress::NEW,
             slopes: vec![0.0; inputs],
+            past: system.past(),
+            room: system.derivative_room(),
             states: Vec::new(),
             system,
         };
@@ -193,6 +199,7 @@ impl Instance {
     /// Back to the state right after instantiation.
     pub(super) fn reset(&mut self) -> Outcome {
         self.system.reset();
+        self.system.note_rest(&mut self.past);
         self.slopes.fill(0.0);
         self.progress = Progress::NEW;
         self.event("reset")
@@ -205,6 +212,7 @@ impl Instance {
         }
         let start = self.progress.experiment.start;
         self.system.initialise(start).map_err(|error| self.explain(&error))?;
+        self.system.note_rest(&mut self.past);
         self.progress.stale = false;
         Ok(())
     }
@@ -260,8 +268,10 @@ impl Instance {
             )));
         }
         let done = if self.progress.sloped {
+            self.system.note_step(&mut self.past, time, &self.slopes);
             self.system.advance_along(end, time, &self.slopes)
         } else {
+            self.system.note_step(&mut self.past, time, &[]);
             self.system.advance(end)
         };
         done.map_err(|error| self.explain(&error))?;

@@ -11,6 +11,7 @@ impl Instance {
         Snapshot {
             progress: self.progress,
             slopes: self.slopes.clone(),
+            past: self.past.clone(),
             context: self.system.context().clone(),
         }
     }
@@ -44,6 +45,7 @@ impl Instance {
         self.check_model(state)?;
         state.snapshot.progress = self.progress;
         state.snapshot.slopes.clone_from(&self.slopes);
+        state.snapshot.past.copy_from(&self.past);
         state.snapshot.context.copy_from(self.system.context());
         Ok(old)
     }
@@ -51,10 +53,11 @@ impl Instance {
     /// Goes back to a saved state, which stays saved.
     pub(in crate::export) fn restore(&mut self, state: &SavedState) -> Outcome {
         self.check_model(state)?;
-        let Snapshot { progress, slopes, context } = &state.snapshot;
+        let Snapshot { progress, slopes, past, context } = &state.snapshot;
         self.system.restore(context).map_err(|error| Notice::error(error.to_string()))?;
         self.progress = *progress;
         self.slopes.clone_from(slopes);
+        self.past.copy_from(past);
         Ok(())
     }
 
@@ -110,9 +113,8 @@ impl Instance {
         bytes: &[u8],
         old: *mut SavedState,
     ) -> Result<*mut SavedState, Notice> {
-        let slopes = self.slopes.len();
-        let snapshot = saved::from_bytes(bytes, &self.system, &self.fingerprint, slopes)
-            .map_err(Notice::error)?;
+        let snapshot =
+            saved::from_bytes(bytes, &self.snapshot(), &self.fingerprint).map_err(Notice::error)?;
         if old.is_null() {
             return Ok(self.keep(snapshot));
         }

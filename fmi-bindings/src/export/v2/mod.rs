@@ -390,20 +390,37 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
 
 // Getting partial derivatives
 
-/// Not offered: `providesDirectionalDerivative` is false.
+/// The derivative of Real outputs in a direction of Real knowns.
+///
+/// In a step (from the first `fmi2DoStep` on) the outputs are those of the last step,
+/// `y = f_doStep(u, …)` of FMI 2.0.5 §4.1.2, and the knowns are the inputs that were held over it; in
+/// Initialization Mode they are those at rest, `f_init`, and the knowns are inputs and parameters.
+/// Discarded where an output jumps.
 pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     c: fmi2Component,
-    _vUnknown_ref: *const fmi2ValueReference,
-    _nUnknown: usize,
-    _vKnown_ref: *const fmi2ValueReference,
-    _nKnown: usize,
-    _dvKnown: *const fmi2Real,
-    _dvUnknown: *mut fmi2Real,
+    vUnknown_ref: *const fmi2ValueReference,
+    nUnknown: usize,
+    vKnown_ref: *const fmi2ValueReference,
+    nKnown: usize,
+    dvKnown: *const fmi2Real,
+    dvUnknown: *mut fmi2Real,
 ) -> fmi2Status {
-    const WHY: &str = "directional derivatives are not offered (providesDirectionalDerivative = \
-                       false); use finite differences with fmi2GetFMUstate and fmi2SetFMUstate";
+    let body = |instance: &mut Instance| {
+        // SAFETY: the caller's arrays of `nUnknown` and `nKnown` elements.
+        let (unknowns, knowns, seed, room) = unsafe {
+            (
+                array(vUnknown_ref, nUnknown, "vUnknown_ref")?,
+                array(vKnown_ref, nKnown, "vKnown_ref")?,
+                array(dvKnown, nKnown, "dvKnown")?,
+                Room::new(dvUnknown, nUnknown, "dvUnknown")?,
+            )
+        };
+        // SAFETY: positions are those of the unknowns.
+        let write = |at, value| unsafe { room.write(at, value) };
+        instance.directional_derivative(knowns, seed, unknowns, write)
+    };
     // SAFETY: the contract of all functions here.
-    unsafe { call(c, &GET_DIRECTIONAL_DERIVATIVE, |_| Err(Notice::error(WHY))) }
+    unsafe { call(c, &GET_DIRECTIONAL_DERIVATIVE, body) }
 }
 
 /// A function that the table allows in no state.
