@@ -66,7 +66,7 @@ fn controller(plant: &CheckedBlueprint, settings: &ControlSettings) -> Inversion
 fn feedback_only(found: &Inversion) -> CheckedBlueprint {
     let mut blueprint = found.controller.blueprint().clone();
     for axis in &mut blueprint.axes {
-        axis.components.remove(0);
+        axis.components.retain(|component| component.kind == "pid");
     }
     checked(&blueprint)
 }
@@ -120,7 +120,9 @@ fn ellipses_at_100_hz_are_followed_far_better_with_the_inverse_than_by_feedback_
 #[test]
 fn margins_hold_and_a_step_settles_also_with_modes_ten_percent_off() {
     let plant = evc();
-    let found = controller(&plant, &ControlSettings::default());
+    // Without a limit of noise it is the sensitivity that limits the gains.
+    let settings = ControlSettings { noise: f64::INFINITY, ..ControlSettings::default() };
+    let found = controller(&plant, &settings);
     for axis in &found.axes {
         assert!(axis.sensitivity <= 1.5 && axis.sensitivity > 1.4, "{axis:?}");
         assert!(axis.gain_margin >= 3.0 * 0.99 && axis.phase_margin >= 38.9, "{axis:?}");
@@ -181,7 +183,8 @@ fn feedforward_turns_round_all_static_gains() {
     // Slow enough that the feedforward alone is right.
     let mut blueprint = found.controller.blueprint().clone();
     for gain in ["kp", "ki", "kd"] {
-        blueprint.axes[0].components[1].set(gain, 0.0);
+        let mut components = blueprint.axes[0].components.iter_mut();
+        components.find(|c| c.kind == "pid").expect("a pid").set(gain, 0.0);
     }
     let reference: Vec<f64> =
         (0..50_000).map(|k| 3.5 - 1.5 * (TAU * 2.0 * k as f64 * PERIOD).cos()).collect();

@@ -3,24 +3,28 @@
 //! ```text
 //! e = reference − measured
 //! I_k = I_{k−1} + ki·T·e_k
-//! u_k = u_ff + kp·e_k + I_k + kd·(e_k − e_{k−1})/T
+//! q_k = f·q_{k−1} + (1 − f)·(e_k − e_{k−1})/T,  f = exp(−T/derivative_filter)
+//! u_k = u_ff + kp·e_k + I_k + kd·q_k
 //! command = min(max(u_k, output_min), output_max)
 //! ```
 //!
 //! * kp in command per position, ki in command per position and second, kd in command-seconds per
 //!   position; T is the controller's period. All gains and limits may be changed during a run; the
 //!   integral I is kept in units of the command, so that a change of ki causes no jump.
+//! * derivative_filter in s is the time constant of the derivative's first-order filter; 0, the
+//!   default, gives the papers' form, q_k = (e_k − e_{k−1})/T.
 //! * Anti-windup by conditional integration: where u_k is beyond a limit and ki·T·e_k drives it
 //!   further out, I keeps its last value; where it leads back, it is integrated.
 //! * `enable` = false holds the command at its last value (within the limits). At the step at which
-//!   it becomes true, I is set such that u_k is that value, and e_{k−1} to e_k: no jump, no kick
-//!   of the derivative.
+//!   it becomes true, I is set such that u_k is that value, e_{k−1} to e_k and q to 0: no jump, no
+//!   kick of the derivative.
 //! * Outputs: the command; `feedforward` u_ff and `feedback` u_k − u_ff, both before the limits
 //!   (feedback is 0 while disabled); `saturated`: u_k is beyond a limit.
 //! * At rest: the limited feedforward, I = 0, and e_{k−1} the present error.
 //!
 //! Source: K. J. Åström, T. Hägglund, Advanced PID Control, ISA 2006, ch. 3 and 13.
 
+use libm::exp;
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
@@ -35,7 +39,8 @@ static DECLARATION: Declaration = Declaration {
     kind: "pid",
     name: "pid",
     summary: "PID with feedforward, output limits, anti-windup and bumpless enabling",
-    equation: "u = u_ff + kp*e + I + kd*(e - e_last)/T; I = I + ki*T*e; e = reference - measured; \
+    equation: "u = u_ff + kp*e + I + kd*q; I = I + ki*T*e; q = f*q + (1 - f)*(e - e_last)/T; \
+               f = exp(-T/derivative_filter); e = reference - measured; \
                command = min(max(u, output_min), output_max)",
     reference: "K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 3 and 13",
     stage: Stage::Control,
@@ -64,6 +69,14 @@ static DECLARATION: Declaration = Declaration {
             .start(0.0)
             .tunable()
             .fitted(),
+        Quantity::new(
+            "derivative_filter",
+            "s",
+            "Time constant of the derivative's filter, 0 for none",
+        )
+        .start(0.0)
+        .min(0.0)
+        .tunable(),
         Quantity::new("output_min", "{command}", "Least command").tunable(),
         Quantity::new("output_max", "{command}", "Greatest command").tunable(),
     ],
@@ -75,7 +88,7 @@ impl Component for Pid {
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: 5, states: 4 }
+        Sizes { coefficients: 6, states: 5 }
     }
 
     fn prepare(
@@ -85,7 +98,9 @@ impl Component for Pid {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (&[kp, ki, kd, min, max], [p, i, d, low, high]) = (parameters, coefficients) else {
+        let (&[kp, ki, kd, filter, min, max], [p, i, d, keep, low, high]) =
+            (parameters, coefficients)
+        else {
             return Err(WRONG_LENGTH);
         };
         require(
@@ -95,6 +110,7 @@ impl Component for Pid {
             "must be below output_max; set both before the next step",
         )?;
         (*p, *i, *d, *low, *high) = (kp, ki * period, kd / period, min, max);
+        *keep = if filter > 0.0 { exp(-period / filter) } else { 0.0 };
         Ok(())
     }
 
@@ -104,15 +120,17 @@ impl Component for Pid {
         else {
             return;
         };
-        let ([integral, last_error, last_command, was_on], [command, ff, feedback, saturated]) =
-            (state, outputs)
+        let (
+            [integral, last_error, difference, last_command, was_on],
+            [command, ff, feedback, saturated],
+        ) = (state, outputs)
         else {
             return;
         };
         *command = between(low, high, feedforward);
         (*ff, *feedback) = (feedforward, 0.0);
         *saturated = truth(*command != feedforward);
-        (*integral, *last_error) = (0.0, reference - measured);
+        (*integral, *last_error, *difference) = (0.0, reference - measured, 0.0);
         (*last_command, *was_on) = (*command, truth(enable != 0.0));
     }
 
@@ -124,13 +142,15 @@ impl Component for Pid {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[kp, ki_t, kd_per_t, low, high], &[feedforward, reference, measured, enable]) =
+        let (&[kp, ki_t, kd_per_t, keep, low, high], &[feedforward, reference, measured, enable]) =
             (coefficients, inputs)
         else {
             return;
         };
-        let ([integral, last_error, last_command, was_on], [command, ff, feedback, saturated]) =
-            (state, outputs)
+        let (
+            [integral, last_error, difference, last_command, was_on],
+            [command, ff, feedback, saturated],
+        ) = (state, outputs)
         else {
             return;
         };
@@ -143,11 +163,12 @@ impl Component for Pid {
         }
         let error = reference - measured;
         if *was_on == 0.0 {
-            (*last_error, *was_on) = (error, 1.0);
+            (*last_error, *difference, *was_on) = (error, 0.0, 1.0);
             *integral = *last_command - feedforward - (kp + ki_t) * error;
         }
         let increment = ki_t * error;
-        *feedback = kp * error + (*integral + increment) + kd_per_t * (error - *last_error);
+        *difference = keep * *difference + (1.0 - keep) * (error - *last_error);
+        *feedback = kp * error + (*integral + increment) + kd_per_t * *difference;
         let free = feedforward + *feedback;
         let winds_up = (free > high && increment > 0.0) || (free < low && increment < 0.0);
         if !winds_up {

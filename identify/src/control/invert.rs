@@ -13,6 +13,8 @@ use super::loop_shape::{Limits, Response, Shape, Shaped, shape};
 /// Relative shifts of the modes' frequencies for which the loop keeps its margins.
 const SHIFTS: [f64; 3] = [1.0, 0.9, 1.1];
 
+/// Time constants of the derivative's filter that are tried, over that of the lowest mode.
+const FILTERS: [f64; 4] = [0.0, 0.05, 0.15, 0.4];
 /// Frequencies of the zeros of a PID that damps a mode, relative to the mode's.
 const ZERO_FREQUENCIES: [f64; 7] = [0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8];
 /// Damping ratios of these zeros.
@@ -35,7 +37,7 @@ pub struct ControlSettings {
 
 impl Default for ControlSettings {
     fn default() -> Self {
-        Self { name: None, period: None, sensitivity: 1.5, noise: 100.0 }
+        Self { name: None, period: None, sensitivity: 1.5, noise: 10.0 }
     }
 }
 
@@ -66,6 +68,8 @@ pub struct LoopFigures {
     pub ki: f64,
     /// Derivative gain in command-seconds per position.
     pub kd: f64,
+    /// Time constant of the derivative's filter in s.
+    pub derivative_filter: f64,
     /// Lowest frequency at which the loop gain is 1, in Hz.
     pub bandwidth: f64,
     /// By how much the loop gain may grow before the loop becomes unstable.
@@ -145,7 +149,7 @@ fn check(settings: &ControlSettings, period: f64) -> Result<(), Error> {
         problems.push(SettingsProblem { setting: "sensitivity", value, rule });
     }
     if settings.noise.is_nan() || settings.noise <= 0.0 {
-        let rule = "is above 0; 100 is usual, 10 suits a coarse sensor";
+        let rule = "is above 0; 10 is usual, 3 suits a coarse sensor";
         problems.push(SettingsProblem { setting: "noise", value: settings.noise, rule });
     }
     if problems.is_empty() { Ok(()) } else { Err(Error::Settings(problems)) }
@@ -173,8 +177,7 @@ fn axis_loop(
     let mut variants = Vec::new();
     for shift in shifts {
         let linear = linear_axis(axis, *shift);
-        let impulse =
-            impulse_response(linear, step, period).map_err(|reason| vec![reason])?;
+        let impulse = impulse_response(linear, step, period).map_err(|reason| vec![reason])?;
         let shifted: Vec<f64> = modes.iter().map(|(frequency, _)| frequency * shift).collect();
         variants.push(Response::new(&impulse, period, &shifted));
     }
@@ -197,25 +200,30 @@ fn shapes(axis: &AxisSpec) -> Vec<Shape> {
     let (modes, lags) = (modes(axis), lags(axis));
     let lag: f64 = lags.iter().sum::<f64>()
         + modes.iter().map(|(f, zeta)| 2.0 * zeta / omega(*f)).sum::<f64>();
-    let mut shapes = vec![Shape { name: "integral", a: 0.0, b: 0.0 }];
+    let mut shapes = vec![Shape { name: "integral", a: 0.0, b: 0.0, filter: 0.0 }];
     if lag > 0.0 {
-        shapes.push(Shape { name: "integral, with the lags cancelled", a: lag, b: 0.0 });
+        shapes.push(Shape {
+            name: "integral, with the lags cancelled",
+            a: lag,
+            b: 0.0,
+            filter: 0.0,
+        });
     }
     let lowest = modes.iter().min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((frequency, damping)) = lowest {
         let omega = omega(*frequency);
-        shapes.push(Shape {
-            name: "PID that inverts the lowest mode",
+        let second_order = |name, omega: f64, damping: f64, filter| Shape {
+            name,
             a: 2.0 * damping / omega,
             b: 1.0 / (omega * omega),
-        });
-        for (relative, damping) in ZERO_FREQUENCIES.into_iter().flat_map(with_dampings) {
-            let omega = relative * omega;
-            shapes.push(Shape {
-                name: "PID that damps the lowest mode",
-                a: 2.0 * damping / omega,
-                b: 1.0 / (omega * omega),
-            });
+            filter,
+        };
+        for filter in FILTERS.map(|relative| relative / omega) {
+            shapes.push(second_order("PID that inverts the lowest mode", omega, *damping, filter));
+            for (relative, damping) in ZERO_FREQUENCIES.into_iter().flat_map(with_dampings) {
+                let name = "PID that damps the lowest mode";
+                shapes.push(second_order(name, relative * omega, damping, filter));
+            }
         }
     }
     shapes
@@ -241,6 +249,7 @@ fn loop_figures(
         kp,
         ki,
         kd,
+        derivative_filter: shape.filter,
         bandwidth: shaped.bandwidth,
         gain_margin: shaped.gain_margin,
         phase_margin: shaped.phase_margin.to_degrees(),
@@ -307,6 +316,7 @@ fn controller_axis(
         .value("kp", figures.kp)
         .value("ki", figures.ki)
         .value("kd", figures.kd)
+        .value("derivative_filter", figures.derivative_filter)
         .value("output_min", low)
         .value("output_max", high)
         .note(&note);

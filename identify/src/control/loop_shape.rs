@@ -15,7 +15,8 @@
 //!
 //! ```text
 //! max |1/(1 + L)| ≤ M    for every ki below it, and with the modes' frequencies as given and 10 % off
-//! slope · ki · √(c² + d²) ≤ noise limit,   c = a + T + b/T,   d = b/T
+//! slope · ki · √(c² + d²) ≤ noise limit
+//! c = a + T + (1 − f)·b/T,   d = (1 − f)·b/T·√((1 − f)/(1 + f)),   f = exp(−T/filter)
 //! ```
 //!
 //! the second being the direct way of white sensor noise to the command, as a position.
@@ -47,7 +48,7 @@ const GAIN_FACTORS: [f64; 2] = [1.1, 1.005];
 /// Most gains that are tried: from the least by a factor of 10⁸.
 const GAIN_STEPS: usize = 194;
 
-/// Shape of the controller: ki·(1 + a s + b s²)/s.
+/// Shape of the controller: ki·(1 + a s + b s²/(1 + filter·s))/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shape {
     /// What it does, for reports.
@@ -56,14 +57,23 @@ pub(crate) struct Shape {
     pub(crate) a: f64,
     /// In s².
     pub(crate) b: f64,
+    /// Time constant of the derivative's filter in s; 0 for none.
+    pub(crate) filter: f64,
 }
 
 impl Shape {
     /// Standard deviation of the command per ki and per standard deviation of white sensor noise,
     /// without the loop's answer; the integral's sum of past noise is left out.
     pub(crate) fn noise(&self, period: f64) -> f64 {
-        let derivative = self.b / period;
-        (self.a + period + derivative).hypot(derivative)
+        let keep = self.keep(period);
+        let derivative = (1.0 - keep) * self.b / period;
+        let tail = derivative * ((1.0 - keep) / (1.0 + keep)).sqrt();
+        (self.a + period + derivative).hypot(tail)
+    }
+
+    /// What the derivative's filter keeps of its last value.
+    fn keep(&self, period: f64) -> f64 {
+        if self.filter > 0.0 { (-period / self.filter).exp() } else { 0.0 }
     }
 }
 
@@ -123,12 +133,16 @@ impl Response {
     /// The open loop at each frequency for a gain ki of 1.
     fn loop_of(&self, shape: Shape) -> Vec<Complex<f64>> {
         let t = self.period;
+        let keep = shape.keep(t);
         let pairs = self.angles.iter().zip(&self.values);
         pairs
             .map(|(angle, plant)| {
-                let difference = Complex::new(1.0, 0.0) - Complex::from_polar(1.0, -angle);
+                let one = Complex::new(1.0, 0.0);
+                let back = Complex::from_polar(1.0, -angle);
+                let difference = one - back;
+                let filtered = difference * (1.0 - keep) / (one - back * keep);
                 let controller =
-                    Complex::new(t, 0.0) / difference + shape.a + difference * (shape.b / t);
+                    Complex::new(t, 0.0) / difference + shape.a + filtered * (shape.b / t);
                 controller * plant
             })
             .collect()
@@ -205,7 +219,7 @@ fn margins(open: &[Complex<f64>], ki: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    const INTEGRAL: Shape = Shape { name: "integral", a: 0.0, b: 0.0 };
+    const INTEGRAL: Shape = Shape { name: "integral", a: 0.0, b: 0.0, filter: 0.0 };
     const LIMITS: Limits = Limits { sensitivity: 1.5, noise: 100.0 };
 
     #[test]

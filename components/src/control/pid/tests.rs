@@ -6,7 +6,7 @@ use crate::testing::{Instance, Random};
 const T: f64 = 1e-3;
 
 fn pid(kp: f64, ki: f64, kd: f64, min: f64, max: f64) -> Instance {
-    Instance::new(&Pid, &[], &[kp, ki, kd, min, max], T).unwrap()
+    Instance::new(&Pid, &[], &[kp, ki, kd, 0.0, min, max], T).unwrap()
 }
 
 /// Command, feedforward, feedback, saturated.
@@ -130,7 +130,7 @@ fn a_changed_ki_causes_no_jump() {
         pid.step(&[0.0, 1.0, 0.0, 1.0]);
     }
     let before = outputs(&pid)[0];
-    pid.set(&[0.0, 900.0, 0.0, -1e3, 1e3]).unwrap();
+    pid.set(&[0.0, 900.0, 0.0, 0.0, -1e3, 1e3]).unwrap();
     assert_eq!(pid.step(&[0.0, 0.0, 0.0, 1.0]), before);
     let after = pid.step(&[0.0, 1.0, 0.0, 1.0]);
     assert!((after - before - 900.0 * T).abs() < 1e-12);
@@ -140,12 +140,26 @@ fn a_changed_ki_causes_no_jump() {
 fn limits_that_shrink_while_held_are_kept() {
     let mut pid = pid(1.0, 0.0, 0.0, 0.0, 120.0);
     pid.rest(&[100.0, 0.0, 0.0, 1.0]);
-    pid.set(&[1.0, 0.0, 0.0, 0.0, 80.0]).unwrap();
+    pid.set(&[1.0, 0.0, 0.0, 0.0, 0.0, 80.0]).unwrap();
     assert_eq!(pid.step(&[100.0, 0.0, 0.0, 0.0]), 80.0);
 }
 
 #[test]
 fn crossed_limits_are_refused() {
-    let error = Instance::new(&Pid, &[], &[1.0, 0.0, 0.0, 120.0, 0.0], T).err();
+    let error = Instance::new(&Pid, &[], &[1.0, 0.0, 0.0, 0.0, 120.0, 0.0], T).err();
     assert_eq!(error.map(|e| (e.quantity, e.value)), Some(("output_min", 120.0)));
+}
+
+#[test]
+fn the_filtered_derivative_of_a_ramp_settles_at_its_slope_geometrically() {
+    let (kd, filter, slope) = (0.06, 5e-3, 2.0);
+    let mut pid = Instance::new(&Pid, &[], &[0.0, 0.0, kd, filter, -1e9, 1e9], T).unwrap();
+    pid.rest(&[0.0, 0.0, 0.0, 1.0]);
+    let keep = (-T / filter).exp();
+    for n in 1..100 {
+        let reference = slope * f64::from(n) * T;
+        let command = pid.step(&[0.0, reference, 0.0, 1.0]);
+        let expected = kd * slope * (1.0 - keep.powi(n));
+        assert!((command - expected).abs() < 1e-12, "{n}: {command} {expected}");
+    }
 }
