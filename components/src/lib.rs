@@ -11,6 +11,7 @@ extern crate std;
 pub mod actuator;
 pub mod amplifier;
 pub mod control;
+pub mod coupling;
 pub mod creep;
 pub mod effects;
 pub mod environment;
@@ -37,6 +38,7 @@ pub static COMPONENTS: model::Registry = &[
     &amplifier::AmplifierSlew,
     &amplifier::AmplifierClamp,
     &amplifier::AmplifierNonlinearity,
+    &amplifier::PiezoCharge,
     &actuator::PolarisationSaturation,
     &actuator::ActuatorGain,
     &actuator::ActuatorTemperature,
@@ -55,6 +57,7 @@ pub static COMPONENTS: model::Registry = &[
     &creep::KelvinVoigtCreep,
     &creep::LogarithmicCreep,
     &creep::FractionalCreep,
+    &mechanics::LoadForce,
     &mechanics::Mode,
     &mechanics::ModePair,
     &mechanics::CollocatedMode,
@@ -64,7 +67,13 @@ pub static COMPONENTS: model::Registry = &[
     &mechanics::Backlash,
     &mechanics::CuttingForce,
     &mechanics::Vibration,
+    &coupling::CommandCoupling,
+    &coupling::DisplacementCoupling,
+    &coupling::ModeCoupling,
+    &coupling::OpticsJacobian,
     &environment::ThermalDrift,
+    &environment::ThermalExpansion,
+    &environment::Disturbance,
     &environment::FloorVibration,
     &sensor::SensorLag,
     &sensor::SensorSecondOrder,

@@ -3,8 +3,8 @@
 //! A new component fails here until it has its line in `EXAMPLES`.
 
 use model::{
-    AxisSpec, Component, Connections, Conversion, Kind, NodeSpec, Source, Stage, System,
-    SystemSpec, Unit, unit_on_axis,
+    AxisSpec, Component, Connections, Conversion, CouplingSpec, Declaration, Input, Kind, NodeSpec,
+    Source, Stage, System, SystemSpec, Unit, unit_on_axis,
 };
 use piezoloop_components::{COMPONENTS, find};
 use proptest::prelude::*;
@@ -24,6 +24,7 @@ const EXAMPLES: &[Example] = &[
     ("amplifier-slew", &[], &[5000.0]),
     ("amplifier-clamp", &[], &[-20.0, 120.0, 2.0]),
     ("amplifier-nonlinearity", &[], &[0.1, 1e-3, -2e-3, 50.0, 70.0]),
+    ("piezo-charge", &[], &[1.8e-6, 2.0]),
     ("polarisation-saturation", &[], &[0.02, 50.0, 70.0]),
     ("actuator-gain", &[], &[0.05, 0.3]),
     ("actuator-temperature", &[], &[0.002, 35.0, 20.0]),
@@ -57,6 +58,7 @@ const EXAMPLES: &[Example] = &[
     ("kelvin-voigt-creep", &[2.0], &[0.02, 0.03, 0.1, 5.0]),
     ("logarithmic-creep", &[0.01, 1e4], &[0.015, 0.1]),
     ("fractional-creep", &[1e-3, 100.0], &[0.05]),
+    ("load-force", &[], &[20.0]),
     ("mode", &[], &[482.6, 0.02, 1.1]),
     ("mode-pair", &[], &[482.6, 0.02, 1200.0, 0.01, 0.1]),
     ("collocated-mode", &[], &[482.6, 0.02, 350.0, 0.03]),
@@ -66,7 +68,13 @@ const EXAMPLES: &[Example] = &[
     ("backlash", &[], &[0.05]),
     ("cutting-force", &[], &[0.1, 100.0, 0.3, 0.5]),
     ("vibration", &[2.0], &[30.0, 70.0, 0.02, 0.01, 0.5, 1.0]),
+    ("command-coupling", &[2.0, 4.0], &[0.0, 1e-3, 2e-3, 0.0]),
+    ("displacement-coupling", &[2.0, 4.0], &[0.0, 0.02, -0.03, 0.0]),
+    ("mode-coupling", &[2.0, 4.0], &[0.0, 1e-3, 2e-3, 0.0, 480.0, 290.0, 0.02, 0.03]),
+    ("optics-jacobian", &[2.0, 4.0], &[1.0, 0.02, -0.03, 0.9, 3.0, -2.0]),
     ("thermal-drift", &[], &[1e-3, 0.1, 100.0, 0.05, 1.0]),
+    ("thermal-expansion", &[], &[0.02, 0.01, 20.0]),
+    ("disturbance", &[], &[1.0]),
     ("floor-vibration", &[], &[0.01, 10.0, 0.1, 5.0]),
     ("sensor-lag", &[], &[1500.0]),
     ("sensor-second-order", &[], &[1500.0, 0.7]),
@@ -121,6 +129,19 @@ fn node((kind, structure, values): &Example) -> NodeSpec {
     NodeSpec { component, name, structure, values, enabled: true }
 }
 
+/// The input ports of an instance; those of a coupling for two axes.
+fn ports(declaration: &Declaration) -> Vec<Input> {
+    let times = |port: &Input| match port.source {
+        Source::EachPath | Source::Each(_) => 2,
+        _ => 1,
+    };
+    declaration.inputs.iter().flat_map(|port| vec![*port; times(port)]).collect()
+}
+
+fn outputs_of(declaration: &Declaration) -> usize {
+    declaration.outputs.len() + usize::from(declaration.is_coupling())
+}
+
 fn gain(kind: &'static str) -> NodeSpec {
     let mut node = node(&(kind, &[], &[0.05, 0.3]));
     if kind == "feedforward-gain" {
@@ -130,28 +151,44 @@ fn gain(kind: &'static str) -> NodeSpec {
     node
 }
 
-/// A model of one axis with this component where its kind of signal is.
+/// A model of one axis with this component where its kind of signal is; of two axes around a
+/// coupling.
 fn around(node: NodeSpec) -> System {
     let declaration = node.component.declaration();
+    if declaration.is_coupling() {
+        let axes =
+            vec![axis("x", vec![gain("actuator-gain")]), axis("y", vec![gain("actuator-gain")])];
+        let coupling = CouplingSpec { node, axes: vec![0, 1], after: None };
+        return system(Kind::Plant, axes, vec![coupling]);
+    }
     let before =
         declaration.stage <= Stage::Amplifier || declaration.kind == "polarisation-saturation";
     let (kind, components) = match declaration.conversion {
         Conversion::CommandToPosition => (Kind::Plant, vec![node]),
         Conversion::None if before => (Kind::Plant, vec![node, gain("actuator-gain")]),
-        Conversion::None => (Kind::Plant, vec![gain("actuator-gain"), node]),
+        Conversion::None | Conversion::MotionToPosition => {
+            (Kind::Plant, vec![gain("actuator-gain"), node])
+        }
         Conversion::PositionToCommand => (Kind::Controller, vec![node]),
         Conversion::Control => (Kind::Controller, vec![gain("feedforward-gain"), node]),
     };
-    let axis = AxisSpec {
-        name: "x".into(),
+    system(kind, vec![axis("x", components)], Vec::new())
+}
+
+fn axis(name: &str, components: Vec<NodeSpec>) -> AxisSpec {
+    AxisSpec {
+        name: name.into(),
         command_unit: "V".into(),
         position_unit: "um".into(),
         command_range: (-1000.0, 1000.0),
         start: 0.0,
         aliases: vec![],
         components,
-    };
-    let (axes, connections) = (vec![axis], Connections::default());
+    }
+}
+
+fn system(kind: Kind, axes: Vec<AxisSpec>, couplings: Vec<CouplingSpec>) -> System {
+    let connections = Connections { couplings, ..Connections::default() };
     let spec = SystemSpec { name: "test".into(), kind, period: T, axes, connections };
     System::new(&spec).unwrap_or_else(|errors| panic!("{errors:?}"))
 }
@@ -244,12 +281,13 @@ fn outputs_at_rest_depend_on_declared_ports_only() {
         let mut coefficients = vec![0.0; sizes.coefficients];
         component.prepare(structure, values, T, &mut coefficients).expect("valid");
         let rest = |inputs: &[f64]| {
-            let mut outputs = vec![0.0; d.outputs.len()];
+            let mut outputs = vec![0.0; outputs_of(d)];
             component.rest(&coefficients, inputs, &mut vec![0.0; sizes.states], &mut outputs);
             outputs
         };
-        let base = vec![1.0; d.inputs.len()];
-        for (port, input) in d.inputs.iter().enumerate() {
+        let inputs = ports(d);
+        let base = vec![1.0; inputs.len()];
+        for (port, input) in inputs.iter().enumerate() {
             let mut other = base.clone();
             other[port] = 0.0;
             let changes = rest(&base) != rest(&other);
@@ -273,8 +311,8 @@ fn nothing_panics_on_bad_slices_and_values() {
             let all = vec![fill; values.len()];
             let accepted = component.prepare(structure, &all, T, &mut coefficients).is_ok();
             if accepted {
-                let inputs = vec![fill; component.declaration().inputs.len()];
-                let mut outputs = vec![0.0; component.declaration().outputs.len()];
+                let inputs = vec![fill; ports(component.declaration()).len()];
+                let mut outputs = vec![0.0; outputs_of(component.declaration())];
                 let mut state = vec![fill; sizes.states];
                 let tick = model::Tick { index: 1, time: T, period: T };
                 component.step(&coefficients, &mut state, tick, &inputs, &mut outputs);
@@ -282,8 +320,8 @@ fn nothing_panics_on_bad_slices_and_values() {
         }
         component.prepare(structure, values, T, &mut coefficients).expect("valid");
         // A damaged saved state.
-        let inputs = vec![0.5; component.declaration().inputs.len()];
-        let mut outputs = vec![0.0; component.declaration().outputs.len()];
+        let inputs = vec![0.5; ports(component.declaration()).len()];
+        let mut outputs = vec![0.0; outputs_of(component.declaration())];
         for fill in [f64::NAN, f64::INFINITY, -1.0, 1e300] {
             let mut state = vec![fill; sizes.states];
             let tick = model::Tick { index: u64::MAX, time: T, period: T };

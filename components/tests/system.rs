@@ -270,8 +270,9 @@ fn violations_carry_the_full_name() {
 
     let mut chain = plant_axis();
     chain[0].values = vec![0.02];
-    let spec =
-        SystemSpec { name: "t".into(), kind: Kind::Plant, period: T, axes: vec![axis("Y", chain)] };
+    let axes = vec![axis("Y", chain)];
+    let connections = Connections::default();
+    let spec = SystemSpec { name: "t".into(), kind: Kind::Plant, period: T, axes, connections };
     let errors = System::new(&spec).expect_err("a delay beyond the longest");
     assert!(errors[0].message.starts_with("axis[1].delay.delay = 0.02 (SI): "), "{errors:?}");
 }

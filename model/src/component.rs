@@ -60,6 +60,9 @@ pub enum Conversion {
     /// Takes the path's command signal and external ones, gives a command: control laws. Where the
     /// path still carries a position, the port reads zero.
     Control,
+    /// Motion of the coupled axes in, positions in the axes' own unit out: optics (couplings). In
+    /// the units of its quantities `{command}` stands for the unit of the motion.
+    MotionToPosition,
 }
 
 /// Where an input port reads.
@@ -67,11 +70,62 @@ pub enum Conversion {
 pub enum Source {
     /// The signal path: the output of the component before, or the axis' input.
     Path,
-    /// An input of the axis by name (`reference`, `measured`).
+    /// A signal of the axis by name.
+    ///
+    /// Controllers: `reference`, `measured`. Plants: `command`; `voltage` (the path where it is turned
+    /// into a position), `displacement` (the path behind the mechanics), `position` (what the sensor
+    /// reads); and the inputs of [`DEMANDED_INPUTS`], which a model has only where one of its
+    /// components reads them. A signal that is computed later on the path has the value of the
+    /// previous hit.
     Axis(&'static str),
-    /// An input of the whole system by name (`enable`).
+    /// An input of the whole system by name (`enable`; for plants those of [`DEMANDED_INPUTS`]).
     System(&'static str),
+    /// Couplings: the signal path of every coupled axis, one port after the other. A component with
+    /// such a port is a coupling: its first output stands for the paths behind it.
+    EachPath,
+    /// Couplings: a signal of every coupled axis by name, as in [`Axis`](Self::Axis).
+    Each(&'static str),
 }
+
+/// An input that a plant has only where a component reads it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DemandedInput {
+    /// Name: `force` is `force[1]`, `force[2]`, …
+    pub name: &'static str,
+    /// Unit where the blueprint gives none, with `{position}` for the axis' own.
+    pub unit: &'static str,
+    /// One sentence.
+    pub description: &'static str,
+    /// Start where the blueprint gives none, in [`unit`](Self::unit).
+    pub start: f64,
+    /// Whether each axis has its own; else there is one for the whole plant.
+    pub per_axis: bool,
+}
+
+/// All inputs that plants have on demand, in the order of the variables.
+pub const DEMANDED_INPUTS: [DemandedInput; 3] = [
+    DemandedInput {
+        name: "force",
+        unit: "N",
+        description: "Load force, positive towards greater positions",
+        start: 0.0,
+        per_axis: true,
+    },
+    DemandedInput {
+        name: "disturbance",
+        unit: "{position}",
+        description: "Disturbance of the position",
+        start: 0.0,
+        per_axis: true,
+    },
+    DemandedInput {
+        name: "temperature",
+        unit: "degC",
+        description: "Temperature of the surroundings",
+        start: 20.0,
+        per_axis: false,
+    },
+];
 
 /// An input port.
 #[derive(Clone, Copy, Debug)]
@@ -107,6 +161,28 @@ pub struct Published {
 impl Input {
     /// The signal path.
     pub const PATH: Self = Self { name: "u", source: Source::Path, at_rest: true };
+
+    /// The signal paths of all coupled axes.
+    pub const EACH_PATH: Self = Self { name: "x", source: Source::EachPath, at_rest: true };
+
+    /// The load force of the axis, in N.
+    pub const FORCE: Self = Self { name: "force", source: Source::Axis("force"), at_rest: true };
+
+    /// The temperature of the surroundings, in K.
+    pub const TEMPERATURE: Self =
+        Self { name: "temperature", source: Source::System("temperature"), at_rest: true };
+
+    /// A port that reads a signal of the axis, and acts on the outputs at rest as well.
+    #[must_use]
+    pub const fn axis_at_rest(name: &'static str) -> Self {
+        Self { name, source: Source::Axis(name), at_rest: true }
+    }
+
+    /// Ports that read a signal of every coupled axis.
+    #[must_use]
+    pub const fn each(name: &'static str) -> Self {
+        Self { name, source: Source::Each(name), at_rest: true }
+    }
 
     /// A port that reads an input of the axis, and has no effect on the outputs at rest.
     #[must_use]
@@ -173,6 +249,19 @@ impl Declaration {
     #[must_use]
     pub fn can_be_disabled(&self) -> bool {
         self.effect.is_some() && matches!(self.conversion, Conversion::None)
+    }
+
+    /// Whether it couples axes: it stands in a `[[coupling]]` section, not on an axis.
+    #[must_use]
+    pub fn is_coupling(&self) -> bool {
+        self.inputs.iter().any(|port| matches!(port.source, Source::EachPath))
+    }
+
+    /// Most axes that it can couple: as many as its ports allow.
+    #[must_use]
+    pub fn most_axes(&self) -> usize {
+        let each = |port: &&Input| matches!(port.source, Source::EachPath | Source::Each(_));
+        MAX_PORTS / self.inputs.iter().filter(each).count().max(1)
     }
 
     /// The length of parameter number `index` under this structure.

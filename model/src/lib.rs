@@ -19,13 +19,16 @@ mod unit;
 mod variable;
 
 pub use component::{
-    Component, Conversion, Declaration, Input, MAX_PORTS, Output, Published, Registry, Sizes,
-    Source, Stage, Tick, Violation,
+    Component, Conversion, DEMANDED_INPUTS, Declaration, DemandedInput, Input, MAX_PORTS, Output,
+    Published, Registry, Sizes, Source, Stage, Tick, Violation,
 };
 pub use context::{Context, ContextError};
 pub use effect::{Effect, Group};
 pub use quantity::{Quantity, Shape, Structural, Variability, unit_on_axis};
-pub use system::{AxisSpec, BuildError, Kind, NodeSpec, StepError, System, SystemSpec};
 pub use system::{DerivativeError, DerivativeRoom, Past};
+pub use system::{
+    AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, StepError, System,
+    SystemSpec,
+};
 pub use unit::{BASE_UNITS, Unit, UnitError};
 pub use variable::{Causality, DataType, SetError, Variable, VariableTable};

@@ -3,6 +3,7 @@
 mod clamp;
 mod lag;
 mod nonlinearity;
+mod piezo_charge;
 mod rc;
 mod second_order;
 mod slew;
@@ -10,6 +11,7 @@ mod slew;
 pub use clamp::AmplifierClamp;
 pub use lag::AmplifierLag;
 pub use nonlinearity::AmplifierNonlinearity;
+pub use piezo_charge::PiezoCharge;
 pub use rc::AmplifierRc;
 pub use second_order::AmplifierSecondOrder;
 pub use slew::AmplifierSlew;

@@ -1,8 +1,8 @@
 //! Small components whose behaviour the tests know in closed form.
 
 use model::{
-    AxisSpec, Component, Conversion, Declaration, Effect, Input, Kind, NodeSpec, Output, Quantity,
-    Sizes, Stage, System, SystemSpec, Tick, Violation,
+    AxisSpec, Component, Connections, Conversion, Declaration, Effect, Input, Kind, NodeSpec,
+    Output, Quantity, Sizes, Stage, System, SystemSpec, Tick, Violation,
 };
 
 /// An actuator with a lag: `x += (gain·u − x)·period/time`; `fault` breaks it on purpose.
@@ -209,7 +209,8 @@ fn plant_with(gain: f64) -> System {
         vec![lag, node(&Double, &[], false)]
     };
     let axes = vec![axis("Y", chain(gain)), axis("Z", chain(5.0))];
-    let spec = SystemSpec { name: "stage".into(), kind: Kind::Plant, period: PERIOD, axes };
+    let (name, connections) = ("stage".into(), Connections::default());
+    let spec = SystemSpec { name, kind: Kind::Plant, period: PERIOD, axes, connections };
     System::new(&spec).unwrap()
 }
 
@@ -226,6 +227,7 @@ pub fn other_plant() -> System {
 /// A controller of one axis with the input `enable`.
 pub fn controller() -> System {
     let axes = vec![axis("Y", vec![node(&Proportional, &[3.0], true)])];
-    let spec = SystemSpec { name: "p".into(), kind: Kind::Controller, period: PERIOD, axes };
+    let (name, connections) = ("p".into(), Connections::default());
+    let spec = SystemSpec { name, kind: Kind::Controller, period: PERIOD, axes, connections };
     System::new(&spec).unwrap()
 }

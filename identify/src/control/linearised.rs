@@ -3,7 +3,7 @@
 
 use components::actuator::ActuatorGain;
 use components::hysteresis::play::Plays;
-use model::{AxisSpec, Conversion, Kind, NodeSpec, System, SystemSpec};
+use model::{AxisSpec, Connections, Conversion, Kind, NodeSpec, System, SystemSpec};
 
 /// Longest step response that is simulated, in samples.
 const LONGEST: usize = 1 << 17;
@@ -205,8 +205,13 @@ pub(crate) fn delays(axis: &AxisSpec) -> Vec<f64> {
 /// # Errors
 /// Why it cannot be had, and the way out.
 pub(crate) fn impulse_response(axis: AxisSpec, step: f64, period: f64) -> Result<Vec<f64>, String> {
-    let spec =
-        SystemSpec { name: "linear".to_owned(), kind: Kind::Plant, period: step, axes: vec![axis] };
+    let spec = SystemSpec {
+        name: "linear".to_owned(),
+        kind: Kind::Plant,
+        period: step,
+        axes: vec![axis],
+        connections: Connections::default(),
+    };
     let mut system = System::new(&spec)
         .map_err(|errors| errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
     let variable =

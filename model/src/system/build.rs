@@ -1,15 +1,20 @@
 //! From a specification to a built system: variables, wires, arenas.
 
+mod chains;
+mod inputs;
+mod variables;
+
 use alloc::collections::BTreeSet;
 use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec;
 use alloc::vec::Vec;
 
+use self::variables::{Units, enabled_variable, output_variable, parameter_variable};
 use super::{AxisSpec, BuildError, Kind, Node, NodeSpec, Plan, System, SystemSpec, Wire};
 use crate::{
-    Causality, Context, Conversion, DataType, Declaration, MAX_PORTS, Quantity, Shape, Source,
-    Unit, Variability, Variable, VariableTable,
+    Context, DataType, Declaration, MAX_PORTS, Output, Quantity, Shape, Source, Unit, Variable,
+    VariableTable,
 };
 
 /// Signal 0 is always zero: ports that have nothing to read read it.
@@ -26,17 +31,36 @@ pub(super) fn build(spec: &SystemSpec) -> Result<System, Vec<BuildError>> {
     let mut builder = Builder::new(spec);
     builder.check_frame();
     builder.declare_inputs();
-    for (axis, number) in spec.axes.iter().zip(1..) {
-        builder.chain(axis, number);
-    }
+    builder.chains();
+    builder.connect_back();
     builder.finish()
 }
 
-/// The ends of one axis.
+/// What can be read of one axis by name.
 #[derive(Clone, Default)]
 struct Ends {
-    /// External inputs by name: signal and variable.
-    inputs: Vec<(&'static str, usize)>,
+    /// Inputs, and points of the path as far as it is built.
+    signals: Vec<(&'static str, usize)>,
+}
+
+/// Points of a plant's path that a component may read before they are computed.
+const POINTS: [&str; 3] = ["voltage", "displacement", "position"];
+
+/// Where a node stands.
+struct Site<'a> {
+    /// Its axes, as indices.
+    axes: &'a [usize],
+    /// The signal path on each of them.
+    paths: &'a [usize],
+    units: Units<'a>,
+}
+
+/// A port that reads a point of the path behind it.
+struct ReadBack {
+    node: usize,
+    slot: usize,
+    axis: usize,
+    name: &'static str,
 }
 
 struct Builder<'a> {
@@ -53,6 +77,9 @@ struct Builder<'a> {
     parameters: Vec<Vec<(Variable, f64)>>,
     /// For each signal, the input variables that it depends on at rest.
     dependencies: Vec<BTreeSet<u32>>,
+    /// For each node, which of its ports act on the outputs at rest.
+    at_rest: Vec<[bool; MAX_PORTS]>,
+    read_back: Vec<ReadBack>,
     coefficients: usize,
     states: usize,
 }
@@ -70,6 +97,8 @@ impl<'a> Builder<'a> {
             nodes: Vec::new(),
             parameters: Vec::new(),
             dependencies: vec![BTreeSet::new()],
+            at_rest: Vec::new(),
+            read_back: Vec::new(),
             coefficients: 0,
             states: 0,
         }
@@ -91,8 +120,14 @@ impl<'a> Builder<'a> {
             self.error("axis", "a model has at least one axis; add an [[axis]] section");
         }
         for (axis, number) in spec.axes.iter().zip(1..) {
-            for (key, unit) in [("command", &axis.command_unit), ("position", &axis.position_unit)]
-            {
+            let motion = spec.connections.motion_units.get(number - 1).and_then(Option::as_ref);
+            let units = [
+                ("command", Some(&axis.command_unit)),
+                ("position", Some(&axis.position_unit)),
+                ("motion", motion),
+            ];
+            for (key, unit) in units {
+                let Some(unit) = unit else { continue };
                 if let Err(error) = Unit::parse(unit) {
                     self.error(
                         format!("axis[{number}].{key}"),
@@ -108,210 +143,37 @@ impl<'a> Builder<'a> {
         self.dependencies.len() - 1
     }
 
-    fn declare_inputs(&mut self) {
-        let spec = self.spec;
-        match spec.kind {
-            Kind::Plant => {
-                for axis in 0..spec.axes.len() {
-                    self.axis_input(axis, "command", 0, "Command to the amplifier");
-                }
-            }
-            Kind::Controller => {
-                for axis in 0..spec.axes.len() {
-                    self.axis_input(axis, "reference", 0, "Position that is wanted");
-                }
-                for axis in 0..spec.axes.len() {
-                    self.axis_input(axis, "measured", 1, "Position that the sensor reads");
-                }
-                let signal = self.input(Variable {
-                    name: "enable".to_string(),
-                    alias: None,
-                    description: "Closes the loop; switching it on is bumpless".to_string(),
-                    data_type: DataType::Boolean,
-                    unit: String::new(),
-                    si: Unit::ONE,
-                    causality: Causality::Input,
-                    discrete: true,
-                    start: Some(1.0),
-                    min: 0.0,
-                    max: 1.0,
-                    fit: false,
-                    initial_dependencies: None,
-                });
-                self.system_inputs.push(("enable", signal));
-            }
-        }
-    }
-
-    fn input(&mut self, variable: Variable) -> usize {
-        let index = self.variables.len();
-        let unit = variable.si;
-        self.variables.push(variable);
-        let signal = self.signal(BTreeSet::from([index as u32]));
-        self.inputs.push(Wire { variable: index, signal, unit });
-        signal
-    }
-
-    fn axis_input(&mut self, axis: usize, name: &'static str, alias: usize, description: &str) {
-        let spec = &self.spec.axes[axis];
-        let is_command = name == "command";
-        let unit = if is_command { &spec.command_unit } else { &spec.position_unit };
-        let (min, max) =
-            if is_command { spec.command_range } else { (f64::NEG_INFINITY, f64::INFINITY) };
-        let variable = Variable {
-            name: format!("{name}[{}]", axis + 1),
-            alias: spec.aliases.get(alias).cloned().flatten(),
-            description: format!("{description}, axis {}", spec.name),
-            data_type: DataType::Real,
-            unit: unit.clone(),
-            si: Unit::parse(unit).unwrap_or(Unit::ONE),
-            causality: Causality::Input,
-            discrete: false,
-            start: Some(spec.start),
-            min,
-            max,
-            fit: false,
-            initial_dependencies: None,
-        };
-        let place = variable.name.clone();
-        if !spec.start.is_finite() || spec.start < min || spec.start > max {
-            self.error(place, format!("start {} is outside {min} to {max}", spec.start));
-        }
-        let signal = self.input(variable);
-        self.ends[axis].inputs.push((name, signal));
-    }
-
-    fn chain(&mut self, axis: &AxisSpec, number: usize) {
-        let plant = self.spec.kind == Kind::Plant;
-        let entry = if plant { "command" } else { "reference" };
-        let mut path = self.axis_signal(number, entry).unwrap_or(ZERO);
-        let mut domain = if plant { Domain::Command } else { Domain::Position };
-        for (at, node) in axis.components.iter().enumerate() {
-            let place = format!("axis[{number}].{}", node.name);
-            if axis.components[..at].iter().any(|other| other.name == node.name) {
-                self.error(
-                    &place,
-                    "the name is used twice on this axis; give each component its own",
-                );
-            }
-            domain = self.domain_after(domain, node.component.declaration(), &place, &mut path);
-            path = self.node(axis, number, node, place, path);
-        }
-        let wanted = if plant { Domain::Position } else { Domain::Command };
-        if domain != wanted {
-            let way = if plant {
-                "add a component that turns the command into a position (a hysteresis model or \
-                 actuator-gain)"
-            } else {
-                "add a component that gives a command (an inverse model or pid)"
-            };
-            self.error(
-                format!("axis[{number}]"),
-                format!("the chain ends with the wrong signal: {way}"),
-            );
-        }
-        self.exit(axis, number, path);
-    }
-
     fn axis_signal(&self, number: usize, name: &str) -> Option<usize> {
         let ends = self.ends.get(number - 1)?;
-        ends.inputs.iter().find(|(n, _)| *n == name).map(|(_, s)| *s)
-    }
-
-    fn domain_after(
-        &mut self,
-        domain: Domain,
-        declaration: &Declaration,
-        place: &str,
-        path: &mut usize,
-    ) -> Domain {
-        match (declaration.conversion, domain) {
-            (Conversion::None, _) => domain,
-            (Conversion::CommandToPosition, Domain::Command) => Domain::Position,
-            (Conversion::PositionToCommand, Domain::Position) => Domain::Command,
-            (Conversion::Control, Domain::Position) => {
-                *path = ZERO;
-                Domain::Command
-            }
-            (Conversion::Control, Domain::Command) => Domain::Command,
-            (Conversion::CommandToPosition, Domain::Position) => {
-                let kind = declaration.kind;
-                self.error(place, format!("{kind} takes a command, but the signal is a position here; an axis turns one into the other once"));
-                domain
-            }
-            (Conversion::PositionToCommand, Domain::Command) => {
-                let kind = declaration.kind;
-                self.error(place, format!("{kind} takes a position, but the signal is a command here; an axis turns one into the other once"));
-                domain
-            }
-        }
+        ends.signals.iter().find(|(n, _)| *n == name).map(|(_, s)| *s)
     }
 
     /// Adds a node and returns the signal of its first output.
-    fn node(
-        &mut self,
-        axis: &AxisSpec,
-        number: usize,
-        node: &NodeSpec,
-        place: String,
-        path: usize,
-    ) -> usize {
+    fn node(&mut self, node: &NodeSpec, place: String, site: &Site<'_>) -> usize {
         let declaration = node.component.declaration();
-        let mut inputs = [ZERO; MAX_PORTS];
-        let mut depends = BTreeSet::new();
-        for (slot, port) in inputs.iter_mut().zip(declaration.inputs) {
-            let found = match port.source {
-                Source::Path => Some(path),
-                Source::Axis(name) => self.axis_signal(number, name),
-                Source::System(name) => {
-                    self.system_inputs.iter().find(|(n, _)| *n == name).map(|(_, s)| *s)
-                }
-            };
-            match found {
-                Some(signal) => {
-                    *slot = signal;
-                    if port.at_rest {
-                        depends.extend(self.dependencies[signal].iter().copied());
-                    }
-                }
-                None => self.error(
-                    &place,
-                    format!(
-                        "{} reads \"{}\", which this kind of model does not have; it belongs in a \
-                         controller",
-                        declaration.kind, port.name
-                    ),
-                ),
-            }
-        }
+        let (inputs, at_rest, input_count) = self.ports(declaration, &place, site);
+        let rests = |slot: &usize| at_rest[*slot];
+        let depends: BTreeSet<u32> = (0..input_count)
+            .filter(rests)
+            .flat_map(|slot| self.dependencies[inputs[slot]].iter().copied())
+            .collect();
         let first = self.dependencies.len();
+        let paths = if declaration.is_coupling() { site.axes.len() } else { 1 };
+        for _ in 1..paths {
+            self.signal(depends.clone());
+        }
         for output in declaration.outputs {
             let signal = self.signal(depends.clone());
-            if let Some(published) = output.published {
-                let name = format!("{}[{number}]", output.name);
-                if self.outputs.iter().any(|(v, _)| v.name == name) {
-                    self.error(
-                        &place,
-                        format!("{name} is published twice; keep one such component"),
-                    );
-                }
-                let unit = axis_unit(published.unit, axis);
-                let description = format!("{}, axis {}", published.description, axis.name);
-                let mut variable = output_variable(name, description, unit);
-                if published.boolean {
-                    variable.data_type = DataType::Boolean;
-                    variable.discrete = true;
-                }
-                self.outputs.push((variable, signal));
-            }
+            self.publish(output, signal, &place, site);
         }
         let outputs = first..self.dependencies.len();
-        let parameters = self.parameters_of(axis, number, node, &place);
+        let parameters = self.parameters_of(node, &place, &site.units);
         let sizes = node.component.sizes(&node.structure, self.spec.period);
         let coefficients = self.coefficients..self.coefficients + sizes.coefficients;
         let state = self.states..self.states + sizes.states;
         (self.coefficients, self.states) = (coefficients.end, state.end);
         self.parameters.push(parameters);
+        self.at_rest.push(at_rest);
         self.nodes.push(Node {
             component: node.component,
             path: place,
@@ -321,18 +183,136 @@ impl<'a> Builder<'a> {
             coefficients,
             state,
             inputs,
-            input_count: declaration.inputs.len().min(MAX_PORTS),
+            input_count,
             outputs,
+            paths,
         });
         first
     }
 
+    /// The signals that the input ports of a node read, which of them act at rest, and how many
+    /// there are.
+    fn ports(
+        &mut self,
+        declaration: &Declaration,
+        place: &str,
+        site: &Site<'_>,
+    ) -> ([usize; MAX_PORTS], [bool; MAX_PORTS], usize) {
+        let (mut inputs, mut at_rest, mut count) = ([ZERO; MAX_PORTS], [false; MAX_PORTS], 0);
+        let mut add = |signal: usize, rests: bool| {
+            if let (Some(slot), Some(rest)) = (inputs.get_mut(count), at_rest.get_mut(count)) {
+                (*slot, *rest) = (signal, rests);
+                count += 1;
+            }
+            count
+        };
+        for port in declaration.inputs {
+            match port.source {
+                Source::Path | Source::EachPath => {
+                    for path in site.paths {
+                        add(*path, port.at_rest);
+                    }
+                }
+                Source::Axis(name) | Source::Each(name) => {
+                    for axis in site.axes {
+                        let found = self.axis_signal(axis + 1, name);
+                        let slot = add(found.unwrap_or(ZERO), port.at_rest) - 1;
+                        if found.is_none() {
+                            self.later(declaration, place, *axis, name, slot);
+                        }
+                    }
+                }
+                Source::System(name) => {
+                    let mut known = self.system_inputs.iter();
+                    let found = known.find(|(n, _)| *n == name).map(|(_, signal)| *signal);
+                    add(found.unwrap_or(ZERO), port.at_rest);
+                    if found.is_none() {
+                        self.unreadable(declaration, place, name);
+                    }
+                }
+            }
+        }
+        (inputs, at_rest, count)
+    }
+
+    /// Notes that a port of the node that comes next reads a point that is not built yet.
+    fn later(
+        &mut self,
+        declaration: &Declaration,
+        place: &str,
+        axis: usize,
+        name: &'static str,
+        slot: usize,
+    ) {
+        if self.spec.kind == Kind::Plant && POINTS.contains(&name) {
+            self.read_back.push(ReadBack { node: self.nodes.len(), slot, axis, name });
+        } else {
+            self.unreadable(declaration, place, name);
+        }
+    }
+
+    fn unreadable(&mut self, declaration: &Declaration, place: &str, name: &str) {
+        let (this, other) = match self.spec.kind {
+            Kind::Plant => ("plant", "controller"),
+            Kind::Controller => ("controller", "plant"),
+        };
+        let kind = declaration.kind;
+        self.error(
+            place,
+            format!(
+                "{kind} reads \"{name}\", which this kind of model does not have: a {this}; it belongs \
+                 in a {other}"
+            ),
+        );
+    }
+
+    fn publish(&mut self, output: &Output, signal: usize, place: &str, site: &Site<'_>) {
+        let (Some(published), [axis]) = (output.published, site.axes) else { return };
+        let name = format!("{}[{}]", output.name, axis + 1);
+        if self.outputs.iter().any(|(v, _)| v.name == name) {
+            self.error(place, format!("{name} is published twice; keep one such component"));
+        }
+        let unit = site.units.of(published.unit);
+        let description = format!("{}, axis {}", published.description, self.spec.axes[*axis].name);
+        let mut variable = output_variable(name, description, unit);
+        if published.boolean {
+            variable.data_type = DataType::Boolean;
+            variable.discrete = true;
+        }
+        self.outputs.push((variable, signal));
+    }
+
+    /// Connects the ports that read points behind them, and completes what depends on what at rest.
+    fn connect_back(&mut self) {
+        for port in &self.read_back {
+            let signals = &self.ends[port.axis].signals;
+            // A path without a conversion has no voltage; its end has been refused.
+            let found = signals.iter().find(|(name, _)| *name == port.name);
+            self.nodes[port.node].inputs[port.slot] = found.map_or(ZERO, |(_, signal)| *signal);
+        }
+        let mut grows = !self.read_back.is_empty();
+        while grows {
+            grows = false;
+            for (node, at_rest) in self.nodes.iter().zip(&self.at_rest) {
+                let ports = node.inputs[..node.input_count].iter().zip(at_rest);
+                let all: BTreeSet<u32> = ports
+                    .filter(|(_, rests)| **rests)
+                    .flat_map(|(signal, _)| self.dependencies[*signal].iter().copied())
+                    .collect();
+                for output in node.outputs.clone() {
+                    let before = self.dependencies[output].len();
+                    self.dependencies[output].extend(&all);
+                    grows |= self.dependencies[output].len() > before;
+                }
+            }
+        }
+    }
+
     fn parameters_of(
         &mut self,
-        axis: &AxisSpec,
-        number: usize,
         node: &NodeSpec,
         place: &str,
+        units: &Units<'_>,
     ) -> Vec<(Variable, f64)> {
         let declaration = node.component.declaration();
         let count = declaration.parameter_count(&node.structure);
@@ -350,8 +330,8 @@ impl<'a> Builder<'a> {
                     Shape::Scalar => format!("{place}.{}", quantity.name),
                     Shape::Array(_) => format!("{place}.{}[{k}]", quantity.name),
                 };
-                self.check_value(&name, quantity, value, axis);
-                all.push((parameter_variable(name, quantity, value, axis), value));
+                self.check_value(&name, quantity, value, units);
+                all.push((parameter_variable(name, quantity, value, units), value));
             }
         }
         if declaration.can_be_disabled() {
@@ -361,12 +341,11 @@ impl<'a> Builder<'a> {
             let kind = declaration.kind;
             self.error(place, format!("enabled = false: {kind} cannot be switched off, the chain needs it; leave it out or enable it"));
         }
-        let _ = number;
         all
     }
 
-    fn check_value(&mut self, name: &str, quantity: &Quantity, value: f64, axis: &AxisSpec) {
-        let unit = axis_unit(quantity.unit, axis);
+    fn check_value(&mut self, name: &str, quantity: &Quantity, value: f64, units: &Units<'_>) {
+        let unit = units.of(quantity.unit);
         if !value.is_finite() {
             self.error(name, format!("{value} is not a finite number; give one in {unit}"));
         } else if value < quantity.min || value > quantity.max {
@@ -433,6 +412,7 @@ impl<'a> Builder<'a> {
             outputs,
             blocks,
             widest,
+            reads_back: !self.read_back.is_empty(),
         };
         let mut system = System { plan, pristine: context.clone(), context };
         if let Err(error) = system.initialise(0.0) {
@@ -442,68 +422,4 @@ impl<'a> Builder<'a> {
         system.pristine = system.context.clone();
         Ok(system)
     }
-}
-
-fn output_variable(name: String, description: String, unit: String) -> Variable {
-    let si = Unit::parse(&unit).unwrap_or(Unit::ONE);
-    Variable {
-        name,
-        alias: None,
-        description,
-        data_type: DataType::Real,
-        unit,
-        si,
-        causality: Causality::Output,
-        discrete: false,
-        start: None,
-        min: f64::NEG_INFINITY,
-        max: f64::INFINITY,
-        fit: false,
-        initial_dependencies: None,
-    }
-}
-
-fn parameter_variable(name: String, quantity: &Quantity, value: f64, axis: &AxisSpec) -> Variable {
-    let unit = axis_unit(quantity.unit, axis);
-    Variable {
-        si: Unit::parse(&unit).unwrap_or(Unit::ONE),
-        name,
-        alias: None,
-        description: quantity.description.to_string(),
-        data_type: DataType::Real,
-        unit,
-        causality: match quantity.variability {
-            Variability::Fixed => Causality::FixedParameter,
-            Variability::Tunable => Causality::TunableParameter,
-        },
-        discrete: false,
-        start: Some(value),
-        min: quantity.min,
-        max: quantity.max,
-        fit: quantity.fit,
-        initial_dependencies: None,
-    }
-}
-
-fn enabled_variable(place: &str, declaration: &Declaration, value: f64) -> Variable {
-    Variable {
-        name: format!("{place}.enabled"),
-        alias: None,
-        description: format!("Switches {} on", declaration.kind),
-        data_type: DataType::Boolean,
-        unit: String::new(),
-        si: Unit::ONE,
-        causality: Causality::FixedParameter,
-        discrete: true,
-        start: Some(value),
-        min: 0.0,
-        max: 1.0,
-        fit: false,
-        initial_dependencies: None,
-    }
-}
-
-/// A quantity's unit on this axis: `{command}` and `{position}` replaced, `/1` dropped.
-pub(crate) fn axis_unit(unit: &str, axis: &AxisSpec) -> String {
-    crate::quantity::unit_on_axis(unit, &axis.command_unit, &axis.position_unit)
 }

@@ -12,7 +12,9 @@ use core::ops::Range;
 
 pub use derivative::{DerivativeError, DerivativeRoom};
 pub use past::Past;
-pub use spec::{AxisSpec, BuildError, Kind, NodeSpec, SystemSpec};
+pub use spec::{
+    AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, SystemSpec,
+};
 
 use crate::{
     Causality, Component, Context, ContextError, MAX_PORTS, SetError, Tick, Unit, VariableTable,
@@ -49,6 +51,8 @@ pub(crate) struct Plan {
     blocks: [usize; 3],
     /// Most parameters of one node.
     widest: usize,
+    /// A port reads a signal that is computed later on the path.
+    reads_back: bool,
 }
 
 /// An instance of a component.
@@ -69,6 +73,8 @@ struct Node {
     input_count: usize,
     /// Signals written by its output ports.
     outputs: Range<usize>,
+    /// Number of signal paths through it: the first inputs and the first outputs.
+    paths: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -77,6 +83,9 @@ struct Wire {
     signal: usize,
     unit: Unit,
 }
+
+/// Passes over the chain within which signals that are read back must settle at rest.
+const MOST_PASSES: usize = 1000;
 
 /// Why a step could not be done. The message names what and how to mend it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +97,8 @@ pub enum StepError {
         /// The rule.
         violation: Violation,
     },
+    /// The signals that are read back settle at no state of rest.
+    NoRest,
     /// An output is not a finite number.
     NotFinite {
         /// Value reference of the output.
@@ -194,11 +205,28 @@ impl System {
         self.context.dirty = true;
         self.prepare()?;
         self.read_inputs();
-        let (plan, mut cells) = self.split();
-        for node in &plan.nodes {
-            cells.run(node, plan.blocks, None);
-        }
+        self.settle()?;
         self.write_outputs()
+    }
+
+    /// Puts every node at rest; where a signal is read back, until all signals stay as they are.
+    fn settle(&mut self) -> Result<(), StepError> {
+        let (plan, mut cells) = self.split();
+        if !plan.reads_back {
+            cells.rest(plan);
+            return Ok(());
+        }
+        cells.forget_outputs(plan);
+        let mut before = 0;
+        for _ in 0..MOST_PASSES {
+            cells.rest(plan);
+            let now = cells.fingerprint(plan.blocks);
+            if now == before {
+                return Ok(());
+            }
+            before = now;
+        }
+        Err(StepError::NoRest)
     }
 
     /// Performs every hit with `t_n ≤ time + 1e-9·period`, with the present inputs. Returns how many.
@@ -298,6 +326,13 @@ impl System {
                 let path = self.plan.nodes.get(*node).map_or("", |n| n.path.as_str());
                 fmt::write(&mut text, format_args!("{path}.{violation}"))
             }
+            StepError::NoRest => fmt::write(
+                &mut text,
+                format_args!(
+                    "{}: the signals that components read back grow without end at rest; weaken them",
+                    self.plan.name
+                ),
+            ),
             StepError::NotFinite { reference, value, time } => {
                 let name = self.plan.variables.get(*reference).map_or("", |v| v.name.as_str());
                 fmt::write(
@@ -400,6 +435,27 @@ impl Cells<'_> {
         &mut self.rest[blocks[2] - blocks[0]..]
     }
 
+    /// Puts every node at rest once, in the order of the path.
+    fn rest(&mut self, plan: &Plan) {
+        for node in &plan.nodes {
+            self.run(node, plan.blocks, None);
+        }
+    }
+
+    /// Sets the outputs of all nodes to zero, so that rest does not depend on what was before.
+    fn forget_outputs(&mut self, plan: &Plan) {
+        let signals = self.signals(plan.blocks);
+        for node in &plan.nodes {
+            signals[node.outputs.clone()].fill(0.0);
+        }
+    }
+
+    /// FNV-1a over the bits of all signals.
+    fn fingerprint(&mut self, blocks: [usize; 3]) -> u64 {
+        let mix = |hash: u64, x: &f64| (hash ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3);
+        self.signals(blocks).iter().fold(0xcbf2_9ce4_8422_2325, mix)
+    }
+
     /// Steps a node, or puts it at rest where there is no tick.
     #[inline]
     fn run(&mut self, node: &Node, blocks: [usize; 3], tick: Option<Tick>) {
@@ -412,7 +468,7 @@ impl Cells<'_> {
         let inputs = &inputs[..node.input_count];
         let outputs = &mut signals[node.outputs.clone()];
         if node.enabled.is_some_and(|at| self.values[at] == 0.0) {
-            if let (Some(output), Some(input)) = (outputs.first_mut(), inputs.first()) {
+            for (output, input) in outputs.iter_mut().zip(inputs).take(node.paths) {
                 *output = *input;
             }
             return;

@@ -61,6 +61,45 @@ pub struct SystemSpec {
     pub period: f64,
     /// The axes.
     pub axes: Vec<AxisSpec>,
+    /// What goes beyond chains side by side; the default is nothing.
+    pub connections: Connections,
+}
+
+/// Couplings between axes, the units that they ask for, and inputs on demand.
+#[derive(Clone, Default)]
+pub struct Connections {
+    /// The couplings; those at the same place act in this order.
+    pub couplings: Vec<CouplingSpec>,
+    /// For each axis the unit of its motion in front of a coupling that converts it (optics); `None`
+    /// or missing: the unit of the position.
+    pub motion_units: Vec<Option<String>>,
+    /// What is said about inputs on demand; one that no component reads is refused.
+    pub inputs: Vec<InputSpec>,
+}
+
+/// One coupling: a component between axes.
+#[derive(Clone)]
+pub struct CouplingSpec {
+    /// The component. Its first structural setting is the number of axes.
+    pub node: NodeSpec,
+    /// The axes, as indices from 0, in the order of its ports.
+    pub axes: Vec<usize>,
+    /// The component behind which it stands on every one of these axes; `None`: behind the last one
+    /// of the stages up to the mechanics.
+    pub after: Option<String>,
+}
+
+/// An input on demand ([`DEMANDED_INPUTS`](crate::DEMANDED_INPUTS)) as somebody wants it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputSpec {
+    /// Variable, as in `force[2]` or `temperature`.
+    pub variable: String,
+    /// Short name.
+    pub alias: Option<String>,
+    /// Unit, of the dimension of the demanded input's.
+    pub unit: String,
+    /// Start in this unit.
+    pub start: f64,
 }
 
 /// Why a system cannot be built.

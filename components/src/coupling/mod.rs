@@ -1,0 +1,15 @@
+//! Couplings between axes: one component over several signal paths.
+//!
+//! A coupling has one path port per axis and writes all paths at once, so it has no order among its
+//! axes and no circular signals.
+
+mod command;
+mod displacement;
+mod jacobian;
+mod matrix;
+mod mode;
+
+pub use command::CommandCoupling;
+pub use displacement::DisplacementCoupling;
+pub use jacobian::OpticsJacobian;
+pub use mode::ModeCoupling;
