@@ -6,6 +6,7 @@
 //! * [`PackageBuilder`] packs an FMU, always to the same bytes; [`Package`] opens one, whoever made
 //!   it, and writes nothing outside a temporary folder.
 //! * [`check()`] tells every [`Problem`] of an FMU, with line and section of the standard.
+//! * [`ssp`] reads and writes systems of connected FMUs.
 //! * [`describe::describe`] makes the description of a built model from its variable table.
 //!
 //! ```
@@ -38,6 +39,7 @@ mod names;
 pub mod package;
 pub mod problem;
 mod read;
+pub mod ssp;
 pub mod structure;
 mod time;
 pub mod variable;

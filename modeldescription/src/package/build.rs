@@ -171,6 +171,20 @@ impl PackageBuilder {
     }
 }
 
+/// Writes an archive of these entries, each with its path; the file appears whole or not at all.
+pub(crate) fn write_archive<'a>(
+    path: &Path,
+    entries: impl Iterator<Item = (&'a str, &'a [u8])>,
+) -> Result<(), PackageError> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, content) in entries {
+        add(&mut zip, name, content)?;
+    }
+    let bytes = zip.finish().map_err(|error| failed("end of archive", &error))?;
+    write_whole(path, &bytes.into_inner())
+        .map_err(|source| PackageError::Write { path: path.to_owned(), source })
+}
+
 fn add(
     zip: &mut ZipWriter<Cursor<Vec<u8>>>,
     path: &str,

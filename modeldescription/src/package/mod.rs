@@ -14,6 +14,7 @@ use tempfile::TempDir;
 pub(crate) use archive::Archive;
 pub use archive::Limits;
 pub use build::PackageBuilder;
+pub(crate) use build::write_archive;
 pub use error::{EntryDefect, PackageError};
 pub use platform::{PLATFORMS, Platform};
 
@@ -179,7 +180,7 @@ fn description_one_level_down(folder: &Path) -> Option<String> {
 }
 
 /// Unpacks an archive into a new temporary folder; all of it or nothing.
-fn unpack(path: &Path, limits: &Limits) -> Result<TempDir, PackageError> {
+pub(crate) fn unpack(path: &Path, limits: &Limits) -> Result<TempDir, PackageError> {
     let mut archive = Archive::open(path, limits)?;
     if let Some((entry, defect)) = archive.all_defects().next() {
         return Err(PackageError::entry(path, entry, defect.clone()));

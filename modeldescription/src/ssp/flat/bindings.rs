@@ -1,0 +1,139 @@
+//! Parameter bindings, resolved to the variables of components.
+
+use super::{FlatStart, Flattener, Linear, Node, joined};
+use crate::description::{Line, Unit};
+use crate::ssp::structure::*;
+
+impl Flattener<'_> {
+    /// Bindings of inner levels come first, so that those of outer levels replace them; in one
+    /// list, a later binding replaces an earlier one.
+    pub(super) fn bindings(&mut self) {
+        let structure = self.structure;
+        self.bindings_of(&structure.system, "");
+    }
+
+    fn bindings_of(&mut self, system: &System, path: &str) {
+        for element in &system.elements {
+            let inner = joined(path, element.name());
+            match element {
+                Element::System(system) => self.bindings_of(system, &inner),
+                Element::Component(component) => {
+                    for binding in &component.bindings {
+                        self.apply(binding, &|_, name| vec![(inner.clone(), name.to_owned())]);
+                    }
+                }
+            }
+        }
+        for binding in &system.bindings {
+            self.apply(binding, &|this, name| this.resolve(system, path, name));
+        }
+    }
+
+    /// The variables that a hierarchical name means: of an element by its name, or those that a
+    /// connector of the system feeds.
+    fn resolve(&self, system: &System, path: &str, name: &str) -> Vec<Node> {
+        for element in &system.elements {
+            let rest = name.strip_prefix(element.name()).and_then(|rest| rest.strip_prefix('.'));
+            let Some(rest) = rest else { continue };
+            let inner = joined(path, element.name());
+            return match element {
+                Element::Component(_) => vec![(inner, rest.to_owned())],
+                Element::System(system) => self.resolve(system, &inner, rest),
+            };
+        }
+        let mut targets = Vec::new();
+        self.fed_by(&(path.to_owned(), name.to_owned()), 0, &mut targets);
+        targets.sort();
+        targets
+    }
+
+    /// The component variables that a connector feeds, through any number of systems.
+    fn fed_by(&self, node: &Node, depth: usize, targets: &mut Vec<Node>) {
+        if depth > self.nodes.len() {
+            return;
+        }
+        for (to, feed) in &self.sources {
+            if feed.from != *node {
+                continue;
+            }
+            match self.nodes.get(to) {
+                Some(info) if info.is_component => targets.push(to.clone()),
+                _ => self.fed_by(to, depth + 1, targets),
+            }
+        }
+    }
+
+    fn apply(&mut self, binding: &Binding, resolve: &dyn Fn(&Self, &str) -> Vec<Node>) {
+        let set = binding.values.as_ref();
+        let file = match &binding.source {
+            Source::File(file) | Source::InComponent(file) => file.clone(),
+            Source::Inline => self.file.to_owned(),
+        };
+        for Mapped { target, parameter, entry } in binding.mapped() {
+            let place = format!("{file}:{}: parameter \"{}\"", parameter.line.0, parameter.name);
+            let unit = parameter.unit.as_deref().and_then(|name| {
+                let own = set.and_then(|set| set.units.iter().find(|unit| unit.name == name));
+                own.cloned().or_else(|| self.unit(name, Line(0)))
+            });
+            let enumerations = set.map(|set| set.enumerations.as_slice()).unwrap_or_default();
+            let value = self.numbered(&parameter.value, enumerations);
+            let (value, way) = way(value, unit, entry);
+            for to in resolve(self, &target) {
+                let (value, way, place) = (value.clone(), way.clone(), place.clone());
+                self.flat.starts.retain(|start| start.to != to);
+                self.flat.starts.push(FlatStart { to, value, way, place });
+            }
+        }
+    }
+
+    /// Items of an enumeration that is defined here become their numbers.
+    fn numbered(&self, value: &ParameterValue, enumerations: &[Enumeration]) -> ParameterValue {
+        let ParameterValue::Enumeration(items, Some(name)) = value else { return value.clone() };
+        let mut known = enumerations.iter().chain(&self.structure.enumerations);
+        let number = |items: &[(String, i64)], item: &String| {
+            items.iter().find(|(name, _)| name == item).map(|(_, number)| *number)
+        };
+        let found = known.find(|enumeration| enumeration.name == *name).and_then(|enumeration| {
+            items.iter().map(|item| number(&enumeration.items, item)).collect::<Option<Vec<_>>>()
+        });
+        found.map_or_else(|| value.clone(), ParameterValue::Integer)
+    }
+}
+
+/// What a mapping's entry does to a value: maps are applied, linear transformations are kept.
+fn way(
+    value: ParameterValue,
+    unit: Option<Unit>,
+    entry: Option<&MappingEntry>,
+) -> (ParameterValue, Linear) {
+    let mut way = Linear {
+        from: unit,
+        to: None,
+        suppress_unit_conversion: entry.is_some_and(|entry| entry.suppress_unit_conversion),
+        transformation: None,
+    };
+    let value = match (value, entry.and_then(|entry| entry.transformation.as_ref())) {
+        (value, Some(Transformation::Linear { factor, offset })) => {
+            way.transformation = Some((*factor, *offset));
+            value
+        }
+        (ParameterValue::Boolean(values), Some(Transformation::Boolean(map))) => {
+            ParameterValue::Boolean(values.into_iter().map(|value| mapped(value, map)).collect())
+        }
+        (ParameterValue::Integer(values), Some(Transformation::Integer(map))) => {
+            ParameterValue::Integer(values.into_iter().map(|value| mapped(value, map)).collect())
+        }
+        (ParameterValue::Enumeration(items, name), Some(Transformation::Enumeration(map))) => {
+            let items = items.into_iter().map(|item| mapped(item, map)).collect();
+            ParameterValue::Enumeration(items, name)
+        }
+        (value, _) => value,
+    };
+    (value, way)
+}
+
+/// The target of a value; a value that the map does not name stays.
+fn mapped<T: PartialEq + Clone>(value: T, map: &[(T, T)]) -> T {
+    let found = map.iter().find(|(source, _)| *source == value);
+    found.map_or(value, |(_, target)| target.clone())
+}

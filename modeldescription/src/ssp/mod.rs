@@ -1,0 +1,34 @@
+//! System Structure and Parameterization (SSP): read and write systems of connected FMUs.
+//!
+//! * [`SystemStructure`] is an SSD: systems, components, connectors, connections, units.
+//! * [`ParameterSet`] is an SSV, [`ParameterMapping`] an SSM; both stand in files of their own or
+//!   inside the SSD.
+//! * [`Ssp`] is an opened `.ssp`, with the parameter files loaded; [`SspBuilder`] packs one.
+//! * [`Flat`] is a system without hierarchy: which variable of which component feeds which.
+//!
+//! Version 1.0 is written. Of 2.0 everything is read that 1.0 has too, and its numeric types; its
+//! arrays of connectors, clocks and variants are not.
+
+mod flat;
+mod package;
+mod problem;
+mod read;
+mod reader;
+mod structure;
+mod values;
+mod write;
+
+pub use flat::{Flat, FlatComponent, FlatConnection, FlatInput, FlatOutput, FlatStart, Linear};
+pub use package::{Ssp, SspBuilder};
+pub use problem::SspError;
+pub use structure::{
+    Annotation, Binding, Component, Connection, Connector, ConnectorType, Element, End,
+    Enumeration, Experiment, Implementation, Kind, Mapped, Mapping, MappingEntry, Parameter,
+    ParameterMapping, ParameterSet, ParameterValue, Source, System, SystemStructure,
+    Transformation,
+};
+
+/// Name of the SSD inside an SSP.
+pub const SYSTEM_STRUCTURE: &str = "SystemStructure.ssd";
+/// Media type of an FMU.
+pub const FMU_TYPE: &str = "application/x-fmu-sharedlibrary";

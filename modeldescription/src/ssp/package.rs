@@ -1,0 +1,258 @@
+//! SSP archives: open one safely, pack one.
+
+use std::collections::BTreeMap;
+use std::path::{Component as PathPart, Path, PathBuf};
+
+use percent_encoding::percent_decode_str;
+use tempfile::TempDir;
+
+use super::SYSTEM_STRUCTURE;
+use super::problem::{Format, SspError, problem};
+use super::structure::*;
+use super::{read, values};
+use crate::package::{Limits, PackageError, unpack, write_archive};
+use crate::problem::Problem;
+use crate::xml::XmlLimits;
+
+/// An SSP that lies unpacked in a folder, with all parameter files loaded.
+#[derive(Debug)]
+pub struct Ssp {
+    path: PathBuf,
+    folder: PathBuf,
+    structure: SystemStructure,
+    _unpacked: Option<TempDir>,
+}
+
+impl Ssp {
+    /// Opens an SSP: an archive is unpacked into a new temporary folder, which is removed when this
+    /// is dropped; a folder, or a single `.ssd`, is read where it lies.
+    ///
+    /// # Errors
+    /// An archive that is refused, or everything that is wrong in its files.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, SspError> {
+        Ssp::open_within(path, &Limits::default())
+    }
+
+    /// [`Ssp::open`] with other limits than the default.
+    ///
+    /// # Errors
+    /// As [`Ssp::open`].
+    pub fn open_within(path: impl AsRef<Path>, limits: &Limits) -> Result<Self, SspError> {
+        let path = path.as_ref();
+        let is_ssd = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ssd"));
+        let (folder, unpacked) = if path.is_dir() {
+            (path.to_path_buf(), None)
+        } else if is_ssd {
+            (path.parent().unwrap_or(Path::new("")).to_path_buf(), None)
+        } else {
+            let unpacked = unpack(path, limits)?;
+            (unpacked.path().to_path_buf(), Some(unpacked))
+        };
+        let folder = std::path::absolute(if folder.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            &folder
+        })
+        .map_err(|source| PackageError::Read { path: path.to_owned(), source })?;
+        let file = match path.file_name() {
+            Some(name) if is_ssd => folder.join(name),
+            _ => folder.join(SYSTEM_STRUCTURE),
+        };
+        if !file.is_file() {
+            return Err(SspError::NoStructure { path: path.to_owned() });
+        }
+        let mut problems = Vec::new();
+        let structure = content(&file, &limits.xml)
+            .map_err(|source| PackageError::Read { path: file, source })
+            .map(|bytes| read::read(&bytes, SYSTEM_STRUCTURE, &limits.xml, &mut problems))?;
+        let structure = structure.map(|mut structure| {
+            let mut loader =
+                Loader { folder: &folder, limits: &limits.xml, problems: &mut problems };
+            loader.system(&mut structure.system);
+            structure
+        });
+        match structure {
+            Some(structure) if problems.is_empty() => {
+                Ok(Ssp { path: path.to_owned(), folder, structure, _unpacked: unpacked })
+            }
+            _ => Err(SspError::Problems(problems)),
+        }
+    }
+
+    /// The archive or folder that was opened.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What the SSD says, with the parameter sets and mappings of other files in their places.
+    pub fn structure(&self) -> &SystemStructure {
+        &self.structure
+    }
+
+    /// The file that a relative URI of the SSD means.
+    ///
+    /// # Errors
+    /// A sentence: it leads out of the SSP, has a scheme, or there is no such file.
+    pub fn file(&self, source: &str) -> Result<PathBuf, String> {
+        resolve(&self.folder, source)
+    }
+}
+
+/// Reads a file, at most one byte more than is allowed, which the XML reader then refuses.
+fn content(file: &Path, limits: &XmlLimits) -> std::io::Result<Vec<u8>> {
+    use std::io::Read;
+    let mut bytes = Vec::new();
+    let most = (limits.bytes as u64).saturating_add(1);
+    std::fs::File::open(file)?.take(most).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// A relative URI below a folder.
+fn resolve(folder: &Path, source: &str) -> Result<PathBuf, String> {
+    let decoded = percent_decode_str(source).decode_utf8().map_err(|_| {
+        format!("the source \"{source}\" does not decode to UTF-8; percent-encode it as UTF-8")
+    })?;
+    let relative = Path::new(&*decoded);
+    let scheme = source.split(['/', '?', '#']).next().is_some_and(|first| first.contains(':'));
+    let plain =
+        relative.components().all(|part| matches!(part, PathPart::Normal(_) | PathPart::CurDir));
+    if scheme || !plain || decoded.contains('\0') {
+        return Err(format!(
+            "the source \"{source}\" leads out of the SSP; write a relative path inside it, such \
+             as resources/plant.fmu"
+        ));
+    }
+    let file = folder.join(relative);
+    match file.is_file() {
+        true => Ok(file),
+        false => {
+            Err(format!("there is no file \"{source}\" in the SSP; add it or correct the name"))
+        }
+    }
+}
+
+/// Loads the files of parameter bindings.
+struct Loader<'a> {
+    folder: &'a Path,
+    limits: &'a XmlLimits,
+    problems: &'a mut Vec<Problem>,
+}
+
+impl Loader<'_> {
+    fn system(&mut self, system: &mut System) {
+        system.bindings.iter_mut().for_each(|binding| self.binding(binding));
+        for element in &mut system.elements {
+            match element {
+                Element::System(system) => self.system(system),
+                Element::Component(component) => {
+                    component.bindings.iter_mut().for_each(|binding| self.binding(binding));
+                }
+            }
+        }
+    }
+
+    fn binding(&mut self, binding: &mut Binding) {
+        if let Some((file, bytes)) = self.load(&binding.source, binding.line.0) {
+            binding.values = values::read_set(&bytes, &file, self.limits, self.problems);
+        }
+        let Some(mapping) = &mut binding.mapping else { return };
+        if let Some((file, bytes)) = self.load(&mapping.source, mapping.line.0) {
+            mapping.mapping = values::read_mapping(&bytes, &file, self.limits, self.problems);
+        }
+    }
+
+    fn load(&mut self, source: &Source, line: u32) -> Option<(String, Vec<u8>)> {
+        let loaded = match source {
+            Source::Inline => return None,
+            Source::File(file) => resolve(self.folder, file).and_then(|path| {
+                let bytes = content(&path, self.limits).map_err(|e| format!("{file}: {e}"))?;
+                Ok((file.clone(), bytes))
+            }),
+            Source::InComponent(file) => Err(format!(
+                "the source \"{file}\" is relative to the component; only files of the SSP itself \
+                 are read, so copy it there and remove sourceBase"
+            )),
+        };
+        loaded
+            .map_err(|found| {
+                let problem = problem(Format::Structure, SYSTEM_STRUCTURE, line, found);
+                let rule = "the SSP carries what its SSD names";
+                self.problems.push(problem.rule(rule));
+            })
+            .ok()
+    }
+}
+
+/// An SSP in the making; the same content gives the same bytes.
+#[derive(Debug, Clone)]
+pub struct SspBuilder {
+    structure: String,
+    entries: BTreeMap<String, Vec<u8>>,
+}
+
+impl SspBuilder {
+    /// Starts an SSP with this structure; parameter sets and mappings that it holds but that
+    /// come from files are packed as these files.
+    ///
+    /// # Errors
+    /// If it cannot be written as XML, or names files outside the SSP.
+    pub fn new(structure: &SystemStructure) -> Result<Self, SspError> {
+        let mut builder = SspBuilder { structure: structure.to_xml()?, entries: BTreeMap::new() };
+        builder.parameters(&structure.system)?;
+        Ok(builder)
+    }
+
+    fn parameters(&mut self, system: &System) -> Result<(), SspError> {
+        let inner = system.elements.iter().flat_map(|element| match element {
+            Element::Component(component) => component.bindings.as_slice(),
+            Element::System(_) => &[],
+        });
+        for binding in system.bindings.iter().chain(inner) {
+            if let (Source::File(file), Some(values)) = (&binding.source, &binding.values) {
+                self.entry(file, values.to_xml()?.into_bytes())?;
+            }
+            let mapping = binding.mapping.as_ref();
+            let stored = mapping.and_then(|m| Some((&m.source, m.mapping.as_ref()?)));
+            if let Some((Source::File(file), mapping)) = stored {
+                self.entry(file, mapping.to_xml()?.into_bytes())?;
+            }
+        }
+        for element in &system.elements {
+            if let Element::System(system) = element {
+                self.parameters(system)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a file at a relative path, such as `resources/plant.fmu`.
+    ///
+    /// # Errors
+    /// A path that is not plain and relative, or that holds something else already.
+    pub fn entry(&mut self, path: &str, content: Vec<u8>) -> Result<&mut Self, SspError> {
+        let plain = |part: &str| !part.is_empty() && part != "." && part != "..";
+        let odd = path.contains(['\\', ':']) || path.chars().any(char::is_control);
+        let other = self.entries.get(path).is_some_and(|there| *there != content);
+        let reason = if odd || !path.split('/').all(plain) {
+            "it must be a relative path with forward slashes, without \".\", \"..\" and colons"
+        } else if path == SYSTEM_STRUCTURE || other {
+            "there is another entry of this name"
+        } else {
+            self.entries.insert(path.to_owned(), content);
+            return Ok(self);
+        };
+        let (entry, reason) = (path.to_owned(), reason.to_owned());
+        Err(PackageError::Name { entry, reason }.into())
+    }
+
+    /// Writes the `.ssp`; the file appears whole or not at all.
+    ///
+    /// # Errors
+    /// If the zip writer fails or the file cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), SspError> {
+        let entries =
+            self.entries.iter().map(|(path, content)| (path.as_str(), content.as_slice()));
+        let structure = std::iter::once((SYSTEM_STRUCTURE, self.structure.as_bytes()));
+        Ok(write_archive(path.as_ref(), structure.chain(entries))?)
+    }
+}
