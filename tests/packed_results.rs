@@ -59,14 +59,42 @@ fn seed() -> String {
     std::env::var("PIEZOLOOP_SEED").unwrap_or_else(|_| "20".to_owned())
 }
 
+/// The further arguments of the hosts with random calls: numbers of variables, seed, rounds, and
+/// the numbers of input and output values where arrays have several.
+fn random_calls(fmu: &Packed, version: &str, rounds: &str) -> Vec<String> {
+    let variables = fmu.package.description().variables.len().to_string();
+    let mut arguments = with(fmu.arguments(), &[&variables, &seed(), rounds]);
+    if version == "3" {
+        let (inputs, outputs) = if fmu.name() == "evc" { ("2", "2") } else { ("4", "6") };
+        arguments = with(arguments, &[inputs, outputs]);
+    }
+    arguments
+}
+
 #[test]
 fn no_call_of_any_function_crashes_or_leaves_a_trace_after_a_reset() {
-    let host = Host::new("fuzz2.c");
-    for blueprint in BOTH {
-        let fmu = Packed::new(blueprint, "2");
-        let variables = fmu.package.description().variables.len().to_string();
-        println!("seed {}", seed());
-        let said = host.run(&with(fmu.arguments(), &[&variables, &seed(), "4000"]));
-        print!("{}, FMI 2.0, {said}", fmu.name());
+    println!("seed {}", seed());
+    for (version, source) in [("2", "fuzz2.c"), ("3", "fuzz3.c")] {
+        let host = Host::new(source);
+        for blueprint in BOTH {
+            let fmu = Packed::new(blueprint, version);
+            let said = host.run(&random_calls(&fmu, version, "3000"));
+            print!("{}, FMI {version}.0, {said}", fmu.name());
+        }
+    }
+}
+
+#[test]
+fn valgrind_finds_no_wrong_access_and_no_leak() {
+    if std::process::Command::new("valgrind").arg("--version").output().is_err() {
+        println!("SKIPPED: no valgrind");
+        return;
+    }
+    for (version, source) in [("2", "fuzz2.c"), ("3", "fuzz3.c")] {
+        let host = Host::new(source);
+        for blueprint in BOTH {
+            let fmu = Packed::new(blueprint, version);
+            host.run_under_valgrind(&random_calls(&fmu, version, "60"));
+        }
     }
 }

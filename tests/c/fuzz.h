@@ -41,7 +41,7 @@ static const char *text(void) {
 /* Room for results and values, filled anew before each call. */
 static uint32_t references_[ROOM];
 static double numbers[ROOM], results[ROOM];
-static int integers[ROOM], whole[ROOM];
+static int integers[ROOM];
 static const char *texts[ROOM];
 
 static void fill(void) {

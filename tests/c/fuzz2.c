@@ -5,6 +5,7 @@
 static struct given given;
 static struct library fmu;
 static double now;
+static int whole[ROOM];
 static long answered[6];
 
 static void count(const char *function, fmi2Status status) {
@@ -25,7 +26,7 @@ static void call(fmi2Component c) {
     fmi2ValueReference *vr = MAYBE(references_);
     int *orders = MAYBE(integers), *to = MAYBE(whole);
     fmi2StatusKind kind = (fmi2StatusKind)any(6);
-    fmi2Byte bytes[256];
+    static fmi2Byte bytes[256];
     static fmi2EventInfo event;
     fmi2Status last;
     switch (any(48)) {

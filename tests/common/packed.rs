@@ -138,13 +138,25 @@ impl Host {
         command.output().expect("the host starts")
     }
 
+    /// Runs it under valgrind, which must find neither a wrong access nor a leak.
+    pub(crate) fn run_under_valgrind(&self, arguments: &[String]) -> String {
+        let mut command = Command::new("valgrind");
+        command.args(["-q", "--leak-check=full", "--show-leak-kinds=definite,indirect"]);
+        command.arg("--errors-for-leak-kinds=definite,indirect").arg("--error-exitcode=9");
+        well(&command.arg(&self.program).args(arguments).output().expect("valgrind starts"))
+    }
+
     /// Runs it; it must end well and print nothing to standard error. Returns what it printed.
     pub(crate) fn run(&self, arguments: &[String]) -> String {
-        let output = self.output(arguments);
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success() && errors.is_empty(), "{}: {errors}", output.status);
-        String::from_utf8(output.stdout).expect("the host prints UTF-8")
+        well(&self.output(arguments))
     }
+}
+
+/// What a host printed that ended well.
+fn well(output: &Output) -> String {
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && errors.is_empty(), "{}: {errors}", output.status);
+    String::from_utf8(output.stdout.clone()).expect("the host prints UTF-8")
 }
 
 /// The arguments with further ones.
