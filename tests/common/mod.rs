@@ -3,6 +3,7 @@
 
 pub(crate) mod packed;
 pub(crate) mod python;
+pub(crate) mod spy;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
