@@ -5,9 +5,9 @@ use modeldescription::description::Unit;
 use modeldescription::variable::{Causality, DataType, Variability, Variable};
 
 use crate::problem::{Problem, Problems};
-use crate::slave::{Settable, Slave, Value, find, settable};
+use crate::slave::{Address, Settable, Slave, Value, settable};
 use crate::system::{Participant, Recorded, System, Wire};
-use crate::unit::Conversion;
+use crate::unit::{Conversion, Way};
 
 /// A variable of a slave.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -45,16 +45,18 @@ struct Feed {
     column: String,
     unit: Option<Unit>,
     to: Port,
+    way: Way,
 }
 
 /// Slaves, what connects them, what feeds them and what is recorded. [`Diagram::build`] checks it.
 #[derive(Default)]
 pub struct Diagram {
     slaves: Vec<Box<dyn Slave>>,
-    connections: Vec<Connection>,
+    connections: Vec<(Connection, Way)>,
     feeds: Vec<Feed>,
     starts: Vec<(Port, Value)>,
     records: Vec<(Port, Option<String>)>,
+    paces: Vec<(String, usize)>,
 }
 
 impl Diagram {
@@ -71,7 +73,17 @@ impl Diagram {
 
     /// Lets an output feed an input.
     pub fn connect(&mut self, from: impl Into<Port>, to: impl Into<Port>) -> &mut Self {
-        self.connections.push(Connection { from: from.into(), to: to.into() });
+        self.connect_by(from, to, Way::default())
+    }
+
+    /// [`Diagram::connect`], with what happens to the values on their way.
+    pub fn connect_by(
+        &mut self,
+        from: impl Into<Port>,
+        to: impl Into<Port>,
+        way: Way,
+    ) -> &mut Self {
+        self.connections.push((Connection { from: from.into(), to: to.into() }, way));
         self
     }
 
@@ -83,7 +95,25 @@ impl Diagram {
         unit: Option<Unit>,
         to: impl Into<Port>,
     ) -> &mut Self {
-        self.feeds.push(Feed { column: column.into(), unit, to: to.into() });
+        self.feed_by(column, unit, to, Way::default())
+    }
+
+    /// [`Diagram::feed`], with what happens to the values on their way.
+    pub fn feed_by(
+        &mut self,
+        column: impl Into<String>,
+        unit: Option<Unit>,
+        to: impl Into<Port>,
+        way: Way,
+    ) -> &mut Self {
+        self.feeds.push(Feed { column: column.into(), unit, to: to.into(), way });
+        self
+    }
+
+    /// Lets a slave step once every `steps` communication steps, over all of them; see
+    /// [`algorithm`](crate::algorithm) for what that means for its connections.
+    pub fn every(&mut self, slave: impl Into<String>, steps: usize) -> &mut Self {
+        self.paces.push((slave.into(), steps));
         self
     }
 
@@ -116,6 +146,7 @@ impl Diagram {
         builder.connections(&self.connections);
         builder.starts(self.starts);
         builder.records(&self.records);
+        builder.paces(&self.paces);
         Problems::none_or(builder.problems, builder.system)
     }
 }
@@ -153,35 +184,38 @@ impl Builder {
 
     fn feed(&mut self, feed: &Feed, from: usize) -> Result<(), Problem> {
         let source = format!("column `{}`", feed.column);
-        let (to, variable) = self.find(&feed.to)?;
+        let (to, address) = self.find(&feed.to)?;
+        let variable = &address.variable;
         let version = self.system.participants[to].slave.description().fmi_version;
-        if !can_be_fed(&variable, version) {
+        if !can_be_fed(variable, version) {
             let role = format!("be fed by {source}");
-            return Err(wrong_role(&feed.to, &variable, "an input or a tunable parameter", role));
+            return Err(wrong_role(&feed.to, variable, "an input or a tunable parameter", role));
         }
-        let unit = self.unit(to, &variable);
-        let conversion = convert(&source, feed.unit.as_ref(), &feed.to, unit.as_ref(), false)?;
-        self.drive(to, &variable, source, Wire { from, conversion })
+        let unit = self.unit(to, variable);
+        let units = (feed.unit.as_ref(), unit.as_ref());
+        let conversion = convert(&source, &feed.to, units, &feed.way, false)?;
+        self.drive(to, &address, source, Wire { from, conversion })
     }
 
-    fn connections(&mut self, connections: &[Connection]) {
-        for connection in connections {
-            let outcome = self.connection(connection);
+    fn connections(&mut self, connections: &[(Connection, Way)]) {
+        for (connection, way) in connections {
+            let outcome = self.connection(connection, way);
             self.problems.extend(outcome.err());
         }
     }
 
-    fn connection(&mut self, connection: &Connection) -> Result<(), Problem> {
+    fn connection(&mut self, connection: &Connection, way: &Way) -> Result<(), Problem> {
         let Connection { from, to } = connection;
-        let (source, output) = self.find(from)?;
-        let (target, input) = self.find(to)?;
+        let (source, from_address) = self.find(from)?;
+        let (target, to_address) = self.find(to)?;
+        let (output, input) = (&from_address.variable, &to_address.variable);
         if output.causality != Causality::Output {
             let role = format!("feed {to}");
-            return Err(wrong_role(from, &output, "an output", role));
+            return Err(wrong_role(from, output, "an output", role));
         }
         if input.causality != Causality::Input {
             let role = format!("be fed by {from}");
-            return Err(wrong_role(to, &input, "an input", role));
+            return Err(wrong_role(to, input, "an input", role));
         }
         if rank(output.data_type) > rank(input.data_type) {
             let is = format!("of type {}", output.data_type.name());
@@ -190,32 +224,33 @@ impl Builder {
             let must_be = "of a type that fits";
             return Err(Problem::WrongRole { slave, variable, is, must_be, role });
         }
-        let (from_unit, to_unit) = (self.unit(source, &output), self.unit(target, &input));
-        let differences = self.is_difference(source, &output) && self.is_difference(target, &input);
+        let (from_unit, to_unit) = (self.unit(source, output), self.unit(target, input));
+        let differences = self.is_difference(source, output) && self.is_difference(target, input);
         let name = format!("output {from}");
-        let conversion = convert(&name, from_unit.as_ref(), to, to_unit.as_ref(), differences)?;
-        let place = self.system.connect_output(source, &output)?;
-        self.drive(target, &input, name, Wire { from: place, conversion })
+        let units = (from_unit.as_ref(), to_unit.as_ref());
+        let conversion = convert(&name, to, units, way, differences)?;
+        let place = self.system.connect_output(source, &from_address)?;
+        self.drive(target, &to_address, name, Wire { from: place, conversion })
     }
 
     /// Makes the variable one that is set before each step.
     fn drive(
         &mut self,
         slave: usize,
-        variable: &Variable,
+        address: &Address,
         source: String,
         wire: Wire,
     ) -> Result<(), Problem> {
         let participant = &mut self.system.participants[slave];
-        if let Some(place) = participant.driven.position(&variable.name) {
+        if let Some(place) = participant.driven.position(&address.variable.name) {
             return Err(Problem::TwoSources {
                 slave: participant.slave.name().to_owned(),
-                variable: variable.name.clone(),
+                variable: address.variable.name.clone(),
                 first: self.sources[slave][place].clone(),
                 second: source,
             });
         }
-        participant.drive(variable, wire)?;
+        participant.drive(address, wire)?;
         self.sources[slave].push(source);
         Ok(())
     }
@@ -228,7 +263,7 @@ impl Builder {
     }
 
     fn start(&mut self, port: &Port, value: Value) -> Result<(), Problem> {
-        let (slave, variable) = self.find(port)?;
+        let (slave, Address { variable, .. }) = self.find(port)?;
         let participant = &mut self.system.participants[slave];
         let problem = |why: String| Problem::StartValue {
             slave: port.slave.clone(),
@@ -271,16 +306,32 @@ impl Builder {
     }
 
     fn record(&mut self, port: &Port, name: String) -> Result<(), Problem> {
-        let (slave, variable) = self.find(port)?;
-        let unit = self.unit(slave, &variable).map(|unit| unit.name);
-        self.system.record(Recorded { slave, variable: &variable, name, unit })
+        let (slave, address) = self.find(port)?;
+        let unit = self.unit(slave, &address.variable).map(|unit| unit.name);
+        self.system.record(Recorded { slave, address: &address, name, unit })
+    }
+
+    fn paces(&mut self, paces: &[(String, usize)]) {
+        for (slave, steps) in paces {
+            let outcome = self.system.position(slave).and_then(|place| {
+                let what = || "every 0 communication steps; give 1 or more".to_owned();
+                match steps {
+                    0 => Err(Problem::Pace { slave: slave.clone(), what: what() }),
+                    steps => Ok((place, *steps)),
+                }
+            });
+            match outcome {
+                Ok((place, steps)) => self.system.set_pace(place, steps),
+                Err(problem) => self.problems.push(problem),
+            }
+        }
     }
 
     /// Place of a slave and a copy of its variable's declaration.
-    fn find(&self, port: &Port) -> Result<(usize, Variable), Problem> {
+    fn find(&self, port: &Port) -> Result<(usize, Address), Problem> {
         let slave = self.system.position(&port.slave)?;
         let description = self.system.participants[slave].slave.description();
-        find(&port.slave, description, &port.variable).map(|variable| (slave, variable.clone()))
+        Address::find(&port.slave, description, &port.variable).map(|address| (slave, address))
     }
 
     fn unit(&self, slave: usize, variable: &Variable) -> Option<Unit> {
@@ -312,13 +363,13 @@ pub(crate) fn can_be_fed(variable: &Variable, version: FmiVersion) -> bool {
 
 fn convert(
     source: &str,
-    from: Option<&Unit>,
     target: &Port,
-    to: Option<&Unit>,
+    (from, to): (Option<&Unit>, Option<&Unit>),
+    way: &Way,
     differences: bool,
 ) -> Result<Conversion, Problem> {
     let name = |unit: Option<&Unit>| unit.map(|unit| unit.name.clone()).unwrap_or_default();
-    Conversion::between(from, to, differences).map_err(|why| Problem::Units {
+    way.conversion(from, to, differences).map_err(|why| Problem::Units {
         from: source.to_owned(),
         from_unit: name(from),
         to: target.to_string(),

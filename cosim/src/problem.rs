@@ -43,6 +43,18 @@ pub enum Problem {
         /// Names like it.
         near: Vec<String>,
     },
+    /// No element of this place.
+    #[error("array `{array}` of FMU `{slave}` has no element `{element}`: {why}")]
+    NoSuchElement {
+        /// Name of the FMU.
+        slave: String,
+        /// Name of the array.
+        array: String,
+        /// The name.
+        element: String,
+        /// What is wrong.
+        why: String,
+    },
     /// A variable in a role it cannot have.
     #[error("variable `{variable}` of FMU `{slave}` is {is}, but must be {must_be} to {role}")]
     WrongRole {
@@ -133,6 +145,14 @@ pub enum Problem {
         /// Name of the FMU.
         slave: String,
         /// Which step is not equal to the others.
+        what: String,
+    },
+    /// A step of an FMU's own that does not fit.
+    #[error("FMU `{slave}` steps {what}")]
+    Pace {
+        /// Name of the FMU.
+        slave: String,
+        /// What is wrong and the way out.
         what: String,
     },
     /// Two FMUs do not form a loop.

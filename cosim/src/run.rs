@@ -34,7 +34,8 @@ impl System {
     ///    slave gets its inputs, from the first row of the table and from the outputs, and its
     ///    connected outputs are read again. Then `fmi2ExitInitializationMode`, and all is read.
     /// 4. Row k is: outputs at t_k; then inputs as they act over \[t_k, t_{k+1}\], set by the
-    ///    algorithm while it steps. The last row holds the inputs that would act next.
+    ///    algorithm while it steps. The last row holds the inputs that would act next. A slave with
+    ///    a longer step of its own shows its outputs when their time is reached.
     /// 5. `fmi2Terminate`.
     ///
     /// Returns the [`Ending`] if an FMU asked for the end before the stop time. The last row is
@@ -65,6 +66,7 @@ impl System {
     pub fn reset(&mut self) -> Result<(), Error> {
         self.participants.iter_mut().try_for_each(|participant| participant.slave.reset())?;
         self.bus.fill(0.0);
+        self.participants.iter_mut().for_each(|participant| participant.pace.due = true);
         self.ending = None;
         self.used = false;
         Ok(())
@@ -97,6 +99,7 @@ impl System {
         let mut problems = Vec::new();
         let mut common = None;
         for participant in &self.participants {
+            problems.extend(participant.pace.problem(participant.slave.as_ref(), points));
             let co_simulation = participant.slave.description().co_simulation.as_ref();
             if co_simulation.is_some_and(|cs| cs.can_handle_variable_communication_step_size) {
                 continue;
@@ -151,21 +154,27 @@ impl Stepping<'_, '_> {
             participant.starts_during.iter().try_for_each(|(n, v)| slave.set_start(n, v))?;
         }
         self.hold(held, start);
+        self.system.look_ahead(self.algorithm);
         (0..self.system.len()).try_for_each(|slave| self.system.read_outputs(slave))?;
+        self.system.publish();
         for slave in self.algorithm.initialization_order(self.system) {
             self.system.transfer(slave)?;
             self.system.read_outputs(slave)?;
+            self.system.publish();
         }
         for participant in &mut self.system.participants {
             participant.slave.exit_initialization()?;
         }
-        (0..self.system.len()).try_for_each(|slave| self.system.read(slave))
+        (0..self.system.len()).try_for_each(|slave| self.system.read(slave))?;
+        self.system.publish();
+        Ok(())
     }
 
     fn steps(&mut self, held: &mut Held<'_>, common: Option<f64>) -> Result<Option<Ending>, Error> {
         let points = &self.run.points;
         let mut next = points.start();
         for n in 0..points.steps() {
+            self.system.pace(points, n);
             self.time = next;
             next = points.at(n + 1);
             let step = common.unwrap_or(next - self.time);
@@ -180,6 +189,7 @@ impl Stepping<'_, '_> {
                 return Ok(Some(ending));
             }
         }
+        self.system.pace(points, points.steps());
         self.time = next;
         Ok(None)
     }

@@ -9,7 +9,7 @@ use crate::problem::{Problem, Problems};
 use crate::record::Recorder;
 use crate::run::Run;
 use crate::signals::Signals;
-use crate::slave::{Selection, Slave, Value};
+use crate::slave::{Address, Selection, Slave, Value};
 use crate::system::Ending;
 use crate::time::Points;
 
@@ -98,10 +98,10 @@ fn targets(slave: &dyn Slave, drive: &Drive, column: &str) -> Vec<String> {
         .collect();
     let is_mapped_elsewhere = drive.map.iter().any(|(variable, _)| variable == column);
     let description = slave.description();
-    let own = description.variable(column);
+    let own = Address::find(slave.name(), description, column).ok().map(|found| found.variable);
     let own = own.filter(|variable| can_be_fed(variable, description.fmi_version));
     match own {
-        Some(variable) if mapped.is_empty() && !is_mapped_elsewhere => vec![variable.name.clone()],
+        Some(variable) if mapped.is_empty() && !is_mapped_elsewhere => vec![variable.name],
         _ => mapped,
     }
 }

@@ -1,20 +1,20 @@
 //! A checked system: slaves, the bus between them, and the moves of which algorithms are made.
 
-use fmi_bindings::import::StepResult;
-use modeldescription::variable::Variable;
-
 use crate::error::Error;
+use crate::pace::Pace;
 use crate::problem::Problem;
 use crate::record::Column;
-use crate::slave::{Selection, Slave, Value};
+use crate::slave::{Address, Selection, Slave, Value};
 use crate::unit::Conversion;
+use fmi_bindings::import::StepResult;
 
 /// Slaves that are connected and ready to run. Made by [`Diagram::build`](crate::Diagram::build).
 ///
 /// The *bus* holds one value per column of the input table and per connected or recorded variable.
 /// An algorithm moves a slave by three methods, in the order it likes: [`System::transfer`] from
 /// the bus to the slave's inputs, [`System::advance`] in time, [`System::read`] from the slave's
-/// outputs to the bus. None of them allocates. A place that no slave has is a mistake in the
+/// outputs to the bus. None of them allocates; all of them do nothing for a slave whose own step
+/// (see [`Diagram::every`](crate::Diagram::every)) does not begin at this communication point. A place that no slave has is a mistake in the
 /// algorithm, and they panic on it.
 pub struct System {
     pub(crate) participants: Vec<Participant>,
@@ -22,13 +22,15 @@ pub struct System {
     /// Names of the columns; they are the first values of the bus.
     pub(crate) externals: Vec<String>,
     /// For each connected variable of the bus the slave it belongs to.
-    owners: Vec<Option<usize>>,
+    pub(crate) owners: Vec<Option<usize>>,
     pub(crate) columns: Vec<Column>,
     taps: Vec<Tap>,
     pub(crate) row: Vec<f64>,
     pub(crate) ending: Option<Ending>,
     /// It has run, and must be reset before it runs again.
     pub(crate) used: bool,
+    /// Some slave steps more rarely than the system communicates.
+    pub(crate) paced: bool,
 }
 
 /// Why a run ended before its stop time without an error.
@@ -46,12 +48,13 @@ pub(crate) struct Participant {
     pub(crate) starts_before: Vec<(String, Value)>,
     pub(crate) starts_during: Vec<(String, Value)>,
     pub(crate) driven: Selection,
-    wires: Vec<Wire>,
+    pub(crate) wires: Vec<Wire>,
     inputs: Vec<f64>,
     /// Outputs that feed others.
-    outputs: Gather,
+    pub(crate) outputs: Gather,
     /// Other variables that are only recorded.
-    observed: Gather,
+    pub(crate) observed: Gather,
+    pub(crate) pace: Pace,
 }
 
 /// What feeds an input.
@@ -64,10 +67,10 @@ pub(crate) struct Wire {
 
 /// Variables that are read together, and where their values go on the bus.
 #[derive(Default)]
-struct Gather {
-    selection: Selection,
+pub(crate) struct Gather {
+    pub(crate) selection: Selection,
     values: Vec<f64>,
-    places: Vec<usize>,
+    pub(crate) places: Vec<usize>,
 }
 
 /// Where the value of a recorded variable is found.
@@ -79,14 +82,14 @@ enum Tap {
 /// A variable to record.
 pub(crate) struct Recorded<'a> {
     pub(crate) slave: usize,
-    pub(crate) variable: &'a Variable,
+    pub(crate) address: &'a Address,
     pub(crate) name: String,
     pub(crate) unit: Option<String>,
 }
 
 impl Gather {
-    fn add(&mut self, slave: &str, variable: &Variable, place: usize) -> Result<(), Problem> {
-        self.selection.add(slave, variable)?;
+    fn add(&mut self, slave: &str, address: &Address, place: usize) -> Result<(), Problem> {
+        self.selection.add_address(slave, address)?;
         self.values.push(0.0);
         self.places.push(place);
         Ok(())
@@ -120,11 +123,12 @@ impl Participant {
             inputs: Vec::new(),
             outputs: Gather::default(),
             observed: Gather::default(),
+            pace: Pace::default(),
         }
     }
 
-    pub(crate) fn drive(&mut self, variable: &Variable, wire: Wire) -> Result<(), Problem> {
-        self.driven.add(self.slave.name(), variable)?;
+    pub(crate) fn drive(&mut self, address: &Address, wire: Wire) -> Result<(), Problem> {
+        self.driven.add_address(self.slave.name(), address)?;
         self.wires.push(wire);
         self.inputs.push(0.0);
         Ok(())
@@ -143,6 +147,7 @@ impl System {
             row: Vec::new(),
             ending: None,
             used: false,
+            paced: false,
         }
     }
 
@@ -152,7 +157,7 @@ impl System {
         self.add_place(None)
     }
 
-    fn add_place(&mut self, owner: Option<usize>) -> usize {
+    pub(crate) fn add_place(&mut self, owner: Option<usize>) -> usize {
         self.bus.push(0.0);
         self.owners.push(owner);
         self.bus.len() - 1
@@ -162,9 +167,9 @@ impl System {
     pub(crate) fn connect_output(
         &mut self,
         slave: usize,
-        output: &Variable,
+        output: &Address,
     ) -> Result<usize, Problem> {
-        if let Some(place) = self.participants[slave].outputs.place(&output.name) {
+        if let Some(place) = self.participants[slave].outputs.place(&output.variable.name) {
             return Ok(place);
         }
         let place = self.add_place(Some(slave));
@@ -175,19 +180,20 @@ impl System {
 
     /// Records a variable: an input as it is set, anything else as it is read.
     pub(crate) fn record(&mut self, recorded: Recorded<'_>) -> Result<(), Problem> {
-        let Recorded { slave, variable, name, unit } = recorded;
+        let Recorded { slave, address, name, unit } = recorded;
+        let variable = &address.variable.name;
         if self.columns.iter().any(|column| column.name == name) {
             return Err(Problem::SameColumn { name });
         }
         let participant = &self.participants[slave];
-        let tap = if let Some(place) = participant.driven.position(&variable.name) {
+        let tap = if let Some(place) = participant.driven.position(variable) {
             Tap::Input { slave, place }
-        } else if let Some(place) = participant.outputs.place(&variable.name) {
+        } else if let Some(place) = participant.outputs.place(variable) {
             Tap::Bus(place)
         } else {
             let place = self.add_place(None);
             let participant = &mut self.participants[slave];
-            participant.observed.add(participant.slave.name(), variable, place)?;
+            participant.observed.add(participant.slave.name(), address, place)?;
             Tap::Bus(place)
         };
         self.taps.push(tap);
@@ -248,6 +254,9 @@ impl System {
     /// Sets the slave's driven inputs to the values on the bus.
     #[inline]
     pub fn transfer(&mut self, slave: usize) -> Result<(), Error> {
+        if !self.participants[slave].pace.due {
+            return Ok(());
+        }
         self.gather(slave);
         let participant = &mut self.participants[slave];
         if participant.inputs.is_empty() {
@@ -273,6 +282,10 @@ impl System {
     #[inline]
     pub fn advance(&mut self, slave: usize, time: f64, step: f64) -> Result<(), Error> {
         let participant = &mut self.participants[slave];
+        if !participant.pace.due {
+            return Ok(());
+        }
+        let step = participant.pace.span.unwrap_or(step);
         match participant.slave.step(time, step)? {
             StepResult::Completed => Ok(()),
             StepResult::Discarded { reached, terminated } => {
@@ -290,6 +303,9 @@ impl System {
     #[inline]
     pub fn read(&mut self, slave: usize) -> Result<(), Error> {
         let participant = &mut self.participants[slave];
+        if !participant.pace.due {
+            return Ok(());
+        }
         participant.outputs.read(&mut *participant.slave, &mut self.bus)?;
         participant.observed.read(&mut *participant.slave, &mut self.bus)
     }

@@ -1,6 +1,7 @@
 //! Conversion between units.
 
 use modeldescription::description::{BaseUnit, Unit};
+use modeldescription::ssp::Linear;
 
 /// How values change on their way: `y = factor · x + offset`, or not at all.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +46,61 @@ impl Conversion {
             Conversion::Same => value,
             Conversion::Linear { factor, offset } => factor * value + offset,
         }
+    }
+}
+
+impl Conversion {
+    /// This conversion, then another.
+    pub fn then(self, next: Conversion) -> Self {
+        match (self, next) {
+            (Conversion::Same, other) | (other, Conversion::Same) => other,
+            (
+                Conversion::Linear { factor, offset },
+                Conversion::Linear { factor: g, offset: c },
+            ) => Conversion::Linear { factor: g * factor, offset: g * offset + c },
+        }
+    }
+}
+
+/// What happens to values from a source to its target, beside the conversion of the units of both:
+/// the steps of an SSP's connections. Empty: nothing else.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Way(pub Vec<Linear>);
+
+impl Way {
+    /// A factor and an offset, applied after unit conversion, or, if that is suppressed, instead.
+    pub fn scaled(factor: f64, offset: f64, suppress_unit_conversion: bool) -> Self {
+        let transformation = Some((factor, offset)).filter(|scale| *scale != (1.0, 0.0));
+        Way(vec![Linear { from: None, to: None, suppress_unit_conversion, transformation }])
+    }
+
+    /// The whole conversion from the source's unit to the target's, through the units that
+    /// connectors on the way state.
+    pub(crate) fn conversion(
+        &self,
+        source: Option<&Unit>,
+        target: Option<&Unit>,
+        differences: bool,
+    ) -> Result<Conversion, String> {
+        let between = |from, to| Conversion::between(from, to, differences);
+        let mut total = Conversion::Same;
+        let mut at = source;
+        for (i, step) in self.0.iter().enumerate() {
+            let is_last = i + 1 == self.0.len();
+            total = total.then(between(at, step.from.as_ref())?);
+            let before = step.from.as_ref().or(at);
+            let after = step.to.as_ref().or(if is_last { target } else { None });
+            if !step.suppress_unit_conversion {
+                total = total.then(between(before, after)?);
+            }
+            if let Some((factor, offset)) = step.transformation {
+                total = total.then(Conversion::Linear { factor, offset });
+            }
+            // A transformed value without a stated unit is in no known one.
+            let changed = step.suppress_unit_conversion || step.transformation.is_some();
+            at = after.or(if changed { None } else { before });
+        }
+        Ok(total.then(between(at, target)?))
     }
 }
 

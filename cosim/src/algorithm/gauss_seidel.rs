@@ -78,6 +78,11 @@ impl Algorithm for GaussSeidel {
         Ok(())
     }
 
+    fn looks_ahead(&self, source: usize, target: usize) -> bool {
+        let place = |slave: usize| self.order.iter().position(|there| *there == slave);
+        place(source) < place(target)
+    }
+
     fn initialization_order(&self, _system: &System) -> Vec<usize> {
         self.order.clone()
     }

@@ -8,6 +8,13 @@
 //!
 //! *Delay* counts communication steps between the time of the source's value and the end of the
 //! target's step that it acts on. A column of the input table is like a source's output at t_k.
+//!
+//! # Steps of several lengths
+//! A slave with a step of m communication steps takes its inputs at t_k, k a multiple of m, and
+//! steps to t_{k+m}. With [`Jacobi`], and where it comes after its target, its outputs are seen from
+//! t_{k+m} on (delay m). Where it comes before its target in [`GaussSeidel`], they act on the target
+//! over \[t_k, t_{k+m}\] (delay 0), as of a sampled controller that holds its command. It sees a
+//! faster slave's outputs at t_k, or, if that comes before it, at t_{k+1}.
 
 mod gauss_seidel;
 mod jacobi;
@@ -23,6 +30,13 @@ pub trait Algorithm {
     /// Steps the whole system from `time` over `step` seconds: transfers, advances and reads each
     /// slave once. Before it the bus holds the values at `time`, after it those at `time + step`.
     fn step(&self, system: &mut System, time: f64, step: f64) -> Result<(), Error>;
+
+    /// Whether the target's step that begins at t_k works with the output that the source has
+    /// already reached, instead of its output at t_k. It matters for sources with a longer step.
+    fn looks_ahead(&self, source: usize, target: usize) -> bool {
+        let _ = (source, target);
+        false
+    }
 
     /// Order in which inputs are set in initialization mode.
     fn initialization_order(&self, system: &System) -> Vec<usize> {

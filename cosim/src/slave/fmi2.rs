@@ -7,7 +7,8 @@ use fmi_bindings::import::{Error as ImportError, Experiment, StepResult};
 use modeldescription::variable::DataType;
 use modeldescription::{ModelDescription, Package};
 
-use super::selection::{Selection, TypeRun, find};
+use super::address::Address;
+use super::selection::{Selection, TypeRun};
 use super::support::{
     Settings, States, instance_of, offers_bytes, offers_state, problem, same_length, type_error,
 };
@@ -91,7 +92,8 @@ impl Slave for Fmi2Slave {
 
     fn set_start(&mut self, name: &str, value: &Value) -> Result<(), Error> {
         let description = Arc::clone(&self.description);
-        let variable = find(&self.settings.name, &description, name).map_err(problem)?;
+        let address = Address::find(&self.settings.name, &description, name).map_err(problem)?;
+        let variable = &address.variable;
         let mismatch = || type_error(&self.settings.name, name, variable.data_type, value);
         let value = value.fit(variable.data_type).ok_or_else(mismatch)?;
         let reference = [variable.value_reference];
@@ -113,7 +115,8 @@ impl Slave for Fmi2Slave {
 
     fn value(&mut self, name: &str) -> Result<Value, Error> {
         let description = Arc::clone(&self.description);
-        let variable = find(&self.settings.name, &description, name).map_err(problem)?;
+        let address = Address::find(&self.settings.name, &description, name).map_err(problem)?;
+        let variable = &address.variable;
         let reference = [variable.value_reference];
         let instance = self.instance()?;
         let value = match variable.data_type {

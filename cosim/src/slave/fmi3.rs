@@ -7,7 +7,9 @@ use fmi_bindings::import::{Error as ImportError, Experiment, StepResult};
 use modeldescription::variable::DataType;
 use modeldescription::{ModelDescription, Package};
 
-use super::selection::{Selection, TypeRun, find};
+use super::address::Address;
+use super::array::Arrays;
+use super::selection::{Selection, TypeRun};
 use super::support::{
     Settings, States, instance_of, offers_bytes, offers_state, problem, same_length, type_error,
 };
@@ -18,7 +20,7 @@ use crate::error::Error;
 /// Values of other types than Float64 are converted on the stack, so many at once.
 const CHUNK: usize = 32;
 
-/// One instance of an FMI 3.0 co-simulation FMU. Array variables are not connected or recorded.
+/// One instance of an FMI 3.0 co-simulation FMU.
 pub(crate) struct Fmi3Slave {
     /// None only while it is being made anew.
     instance: Option<Instance>,
@@ -27,6 +29,7 @@ pub(crate) struct Fmi3Slave {
     settings: Settings,
     experiment: Experiment,
     states: States,
+    arrays: Arrays,
     package: Arc<Package>,
 }
 
@@ -44,6 +47,7 @@ impl Fmi3Slave {
             settings,
             experiment: Experiment::default(),
             states: States::default(),
+            arrays: Arrays::default(),
             package,
         };
         slave.make_anew()?;
@@ -58,6 +62,7 @@ impl Fmi3Slave {
     /// Frees the instance, then makes a new one: never two at a time, which some FMUs forbid.
     fn make_anew(&mut self) -> Result<(), Error> {
         self.states.clear();
+        self.arrays.clear();
         self.instance = None;
         let Settings { name, visible, logging_on, on_message } = self.settings.clone();
         let token = self.description.instantiation_token.clone();
@@ -94,7 +99,8 @@ impl Slave for Fmi3Slave {
 
     fn set_start(&mut self, name: &str, value: &Value) -> Result<(), Error> {
         let description = Arc::clone(&self.description);
-        let variable = find(&self.settings.name, &description, name).map_err(problem)?;
+        let address = Address::find(&self.settings.name, &description, name).map_err(problem)?;
+        let variable = &address.variable;
         let mismatch = || type_error(&self.settings.name, name, variable.data_type, value);
         if !variable.dimensions.is_empty() {
             return Err(mismatch());
@@ -114,7 +120,8 @@ impl Slave for Fmi3Slave {
 
     fn value(&mut self, name: &str) -> Result<Value, Error> {
         let description = Arc::clone(&self.description);
-        let variable = find(&self.settings.name, &description, name).map_err(problem)?;
+        let address = Address::find(&self.settings.name, &description, name).map_err(problem)?;
+        let variable = &address.variable;
         if variable.data_type == DataType::String {
             let mut text = [String::new()];
             self.instance()?.get_string(&[variable.value_reference], &mut text)?;
@@ -122,7 +129,7 @@ impl Slave for Fmi3Slave {
             return Ok(Value::Text(text));
         }
         let mut selection = Selection::default();
-        selection.add(&self.settings.name, variable).map_err(problem)?;
+        selection.add_address(&self.settings.name, &address).map_err(problem)?;
         let mut value = [0.0];
         self.get(&selection, &mut value)?;
         let [value] = value;
@@ -136,10 +143,12 @@ impl Slave for Fmi3Slave {
     #[inline]
     fn set(&mut self, selection: &Selection, values: &[f64]) -> Result<(), Error> {
         same_length(&self.settings.name, "set", selection, values.len())?;
-        let instance = self.instance()?;
+        let instance = instance_of(&mut self.instance, &self.settings.name)?;
         for run in selection.runs() {
             let values = &values[run.range.clone()];
-            if run.data_type == DataType::Float64 {
+            if let Some(array) = &run.array {
+                self.arrays.set(instance, &self.description, run, array, values)?;
+            } else if run.data_type == DataType::Float64 {
                 instance.set_float64(&selection.references()[run.range.clone()], values)?;
             } else {
                 set_other(instance, selection, run, values)?;
@@ -151,11 +160,13 @@ impl Slave for Fmi3Slave {
     #[inline]
     fn get(&mut self, selection: &Selection, values: &mut [f64]) -> Result<(), Error> {
         same_length(&self.settings.name, "get", selection, values.len())?;
-        let instance = self.instance()?;
+        let instance = instance_of(&mut self.instance, &self.settings.name)?;
         for run in selection.runs() {
             let references = &selection.references()[run.range.clone()];
             let values = &mut values[run.range.clone()];
-            if run.data_type == DataType::Float64 {
+            if let Some(array) = &run.array {
+                self.arrays.get(instance, run, array, values)?;
+            } else if run.data_type == DataType::Float64 {
                 instance.get_float64(references, values)?;
             } else {
                 get_other(instance, run.data_type, references, values)?;
@@ -179,6 +190,7 @@ impl Slave for Fmi3Slave {
     }
 
     fn reset(&mut self) -> Result<(), Error> {
+        self.arrays.clear();
         // An FMU that cannot be reset is freed and made anew.
         match self.instance.as_mut().map(Instance::reset) {
             Some(Ok(())) => Ok(()),
@@ -225,9 +237,10 @@ impl Slave for Fmi3Slave {
 impl Fmi3Slave {
     fn set_one(&mut self, name: &str, value: f64) -> Result<(), Error> {
         let description = Arc::clone(&self.description);
-        let variable = find(&self.settings.name, &description, name).map_err(problem)?;
+        let address = Address::find(&self.settings.name, &description, name).map_err(problem)?;
+        let variable = &address.variable;
         let mut selection = Selection::default();
-        selection.add(&self.settings.name, variable).map_err(problem)?;
+        selection.add_address(&self.settings.name, &address).map_err(problem)?;
         self.set(&selection, &[value])
     }
 }

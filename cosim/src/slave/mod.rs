@@ -1,15 +1,17 @@
 //! What the master knows of a slave, whatever version of FMI it speaks.
 
+mod address;
+mod array;
 mod fmi2;
 mod fmi3;
 mod selection;
 mod support;
 mod value;
 
+pub(crate) use address::Address;
 pub(crate) use fmi2::Fmi2Slave;
 pub(crate) use fmi3::Fmi3Slave;
-pub(crate) use selection::find;
-pub use selection::{Selection, TypeRun};
+pub use selection::{ArrayRun, Selection, TypeRun};
 pub(crate) use support::Settings;
 pub use value::Value;
 pub(crate) use value::{Settable, settable};

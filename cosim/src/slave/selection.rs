@@ -5,11 +5,15 @@ use std::ops::Range;
 use modeldescription::ModelDescription;
 use modeldescription::variable::{DataType, Variable};
 
-use crate::problem::{Problem, nearest};
+use super::address::Address;
+use crate::error::Error;
+use crate::problem::Problem;
 
 /// Some number-valued variables of one slave, in an order of the user's choice.
 ///
-/// Values travel as `f64`: exact for reals, 32-bit integers and booleans (0 and 1).
+/// Values travel as `f64`: exact for reals, 32-bit integers and booleans (0 and 1). An element of
+/// an FMI 3.0 array is one of the variables, by the array's name and its place, counted from 1:
+/// `command[1]`, `matrix[2,3]`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
     names: Vec<String>,
@@ -24,30 +28,79 @@ pub struct TypeRun {
     pub data_type: DataType,
     /// Their places in the selection.
     pub range: Range<usize>,
+    /// The array that they are elements of; none: they are scalars.
+    pub array: Option<ArrayRun>,
+}
+
+/// Some elements of one array.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ArrayRun {
+    /// Value reference of the array.
+    pub reference: u32,
+    /// Number of its elements.
+    pub size: usize,
+    /// The elements, counted from 0 in row-major order.
+    pub indices: Vec<usize>,
+}
+
+impl ArrayRun {
+    /// Whether these are all elements, in their order.
+    pub fn is_whole(&self) -> bool {
+        self.indices.len() == self.size && self.indices.iter().enumerate().all(|(i, e)| i == *e)
+    }
 }
 
 impl Selection {
+    /// The variables of these names.
+    ///
+    /// # Errors
+    /// All names that the description does not have, or that mean no number.
+    pub fn of(description: &ModelDescription, names: &[impl AsRef<str>]) -> Result<Self, Error> {
+        let mut selection = Selection::default();
+        let mut problems = Vec::new();
+        for name in names {
+            let added = Address::find(&description.model_name, description, name.as_ref())
+                .and_then(|address| selection.add_address(&description.model_name, &address));
+            problems.extend(added.err());
+        }
+        Ok(crate::problem::Problems::none_or(problems, selection)?)
+    }
+
     /// Adds a variable; its place is the return value.
     ///
     /// # Errors
     /// A text, a binary or a clock is no number; an array is not one number.
     pub fn add(&mut self, slave: &str, variable: &Variable) -> Result<usize, Problem> {
+        self.add_address(slave, &Address { variable: variable.clone(), element: None })
+    }
+
+    /// Adds a variable or an element of an array; its place is the return value.
+    pub(crate) fn add_address(&mut self, slave: &str, address: &Address) -> Result<usize, Problem> {
+        let Address { variable, element } = address;
         if !Selection::takes(variable) {
-            let array = if variable.dimensions.is_empty() { "" } else { "array of " };
-            return Err(Problem::WrongRole {
-                slave: slave.to_owned(),
-                variable: variable.name.clone(),
-                is: format!("of type {array}{}", variable.data_type.name()),
-                must_be: "a number",
-                role: "be connected or recorded".to_owned(),
-            });
+            return Err(no_number(slave, variable));
         }
         let place = self.references.len();
         self.names.push(variable.name.clone());
         self.references.push(variable.value_reference);
-        match self.runs.last_mut() {
-            Some(run) if run.data_type == variable.data_type => run.range.end += 1,
-            _ => self.runs.push(TypeRun { data_type: variable.data_type, range: place..place + 1 }),
+        let last = self.runs.last_mut().filter(|run| run.data_type == variable.data_type);
+        match (last, element) {
+            (Some(TypeRun { array: None, range, .. }), None) => range.end += 1,
+            (Some(TypeRun { array: Some(array), range, .. }), Some(element))
+                if array.reference == variable.value_reference =>
+            {
+                range.end += 1;
+                array.indices.push(element.index);
+            }
+            (_, element) => self.runs.push(TypeRun {
+                data_type: variable.data_type,
+                range: place..place + 1,
+                array: element.map(|element| ArrayRun {
+                    reference: variable.value_reference,
+                    size: element.size,
+                    indices: vec![element.index],
+                }),
+            }),
         }
         Ok(place)
     }
@@ -74,7 +127,7 @@ impl Selection {
         &self.names
     }
 
-    /// Value references, in order.
+    /// Value references, in order; elements of an array repeat the array's.
     pub fn references(&self) -> &[u32] {
         &self.references
     }
@@ -90,15 +143,15 @@ impl Selection {
     }
 }
 
-/// The variable of a slave by its name, or the problem with names like it.
-pub(crate) fn find<'a>(
-    slave: &str,
-    description: &'a ModelDescription,
-    name: &str,
-) -> Result<&'a Variable, Problem> {
-    description.variable(name).ok_or_else(|| Problem::NoSuchVariable {
+fn no_number(slave: &str, variable: &Variable) -> Problem {
+    let is_array = !variable.dimensions.is_empty();
+    let array = if is_array { "array of " } else { "" };
+    let must_be = if is_array { "one number, such as an element `name[1]`" } else { "a number" };
+    Problem::WrongRole {
         slave: slave.to_owned(),
-        variable: name.to_owned(),
-        near: nearest(name, description.variables.iter().map(|v| v.name.as_str())),
-    })
+        variable: variable.name.clone(),
+        is: format!("of type {array}{}", variable.data_type.name()),
+        must_be,
+        role: "be connected or recorded".to_owned(),
+    }
 }

@@ -1,0 +1,166 @@
+//! Names of variables and of elements of arrays.
+
+use modeldescription::ModelDescription;
+use modeldescription::variable::{DataType, Dimension, Start, Variable};
+
+use crate::problem::{Problem, nearest};
+
+/// Arrays with more elements are not taken apart.
+const MOST_ELEMENTS: u64 = 1 << 24;
+
+/// A variable, or an element of an array as if it were a variable of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Address {
+    /// The variable; of an element, the array's declaration with the element's name and without
+    /// dimensions.
+    pub(crate) variable: Variable,
+    /// The element, if it is one.
+    pub(crate) element: Option<Element>,
+}
+
+/// An element of an array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Element {
+    /// Its place, from 0, in row-major order.
+    pub(crate) index: usize,
+    /// Number of elements of the array.
+    pub(crate) size: usize,
+}
+
+impl Address {
+    /// The variable of a slave by its name, or the problem with names like it.
+    pub(crate) fn find(
+        slave: &str,
+        description: &ModelDescription,
+        name: &str,
+    ) -> Result<Address, Problem> {
+        if let Some(variable) = description.variable(name) {
+            return Ok(Address { variable: variable.clone(), element: None });
+        }
+        let found = indexed(name)
+            .and_then(|(array, indices)| Some((description.variable(array)?, indices)))
+            .filter(|(array, _)| !array.dimensions.is_empty());
+        let Some((array, indices)) = found else {
+            return Err(Problem::NoSuchVariable {
+                slave: slave.to_owned(),
+                variable: name.to_owned(),
+                near: nearest(name, description.variables.iter().map(|v| v.name.as_str())),
+            });
+        };
+        let element = element(description, array, &indices).map_err(|why| {
+            let (slave, array) = (slave.to_owned(), array.name.clone());
+            Problem::NoSuchElement { slave, array, element: name.to_owned(), why }
+        })?;
+        let mut variable = array.clone();
+        name.clone_into(&mut variable.name);
+        variable.dimensions.clear();
+        variable.start = array.start.as_ref().and_then(|start| start_of(start, element.index));
+        Ok(Address { variable, element: Some(element) })
+    }
+}
+
+/// `matrix[2,3]` is `matrix` and 2, 3.
+fn indexed(name: &str) -> Option<(&str, Vec<u64>)> {
+    let (array, indices) = name.strip_suffix(']')?.rsplit_once('[')?;
+    let indices: Option<Vec<u64>> = indices.split(',').map(|i| i.trim().parse().ok()).collect();
+    Some((array, indices?))
+}
+
+/// Sizes of an array's dimensions, with the start values of structural parameters.
+fn sizes(description: &ModelDescription, array: &Variable) -> Result<Vec<u64>, String> {
+    let size = |dimension: &Dimension| match dimension {
+        Dimension::Size(size) => Ok(*size),
+        Dimension::Parameter(reference) => {
+            let parameter = description.referenced(*reference);
+            let start = parameter.and_then(|parameter| parameter.start.as_ref());
+            match start {
+                Some(Start::Integer(values)) => {
+                    values.first().and_then(|value| u64::try_from(*value).ok())
+                }
+                _ => None,
+            }
+            .ok_or_else(|| format!("the size, value reference {reference}, has no start value"))
+        }
+    };
+    let sizes = array.dimensions.iter().map(size).collect::<Result<Vec<u64>, String>>()?;
+    let count = sizes.iter().try_fold(1_u64, |count, size| count.checked_mul(*size));
+    match count {
+        Some(count) if count <= MOST_ELEMENTS => Ok(sizes),
+        _ => Err(format!("it has more than {MOST_ELEMENTS} elements")),
+    }
+}
+
+fn element(
+    description: &ModelDescription,
+    array: &Variable,
+    indices: &[u64],
+) -> Result<Element, String> {
+    if array.data_type == DataType::Boolean {
+        return Err("elements of Boolean arrays cannot be connected".to_owned());
+    }
+    let sizes = sizes(description, array)?;
+    let shown = sizes.iter().map(u64::to_string).collect::<Vec<_>>().join(" x ");
+    let fits = indices.len() == sizes.len()
+        && indices.iter().zip(&sizes).all(|(index, size)| (1..=*size).contains(index));
+    if !fits {
+        return Err(format!("the array has {shown} elements, counted from 1"));
+    }
+    let index = indices.iter().zip(&sizes).fold(0, |at, (index, size)| at * size + (index - 1));
+    let size = sizes.iter().product::<u64>();
+    Ok(Element { index: index as usize, size: size as usize })
+}
+
+/// The start value of an element; one value may stand for all.
+fn start_of(start: &Start, index: usize) -> Option<Start> {
+    let at = if start.len() == 1 { 0 } else { index };
+    Some(match start {
+        Start::Float(values) => Start::Float(vec![*values.get(at)?]),
+        Start::Integer(values) => Start::Integer(vec![*values.get(at)?]),
+        Start::Boolean(values) => Start::Boolean(vec![*values.get(at)?]),
+        Start::Text(values) => Start::Text(vec![values.get(at)?.clone()]),
+        Start::Binary(values) => Start::Binary(vec![values.get(at)?.clone()]),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use modeldescription::FmiVersion;
+
+    use super::*;
+
+    fn description() -> ModelDescription {
+        let mut description = ModelDescription::new(FmiVersion::V3, "m", "t");
+        let mut size = Variable::new("n", 1, DataType::UInt64);
+        size.start = Some(Start::Integer(vec![3]));
+        let mut matrix = Variable::new("matrix", 2, DataType::Float64);
+        matrix.dimensions = vec![Dimension::Size(2), Dimension::Parameter(1)];
+        matrix.start = Some(Start::Float(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+        description.variables = vec![size, matrix, Variable::new("plain[1]", 3, DataType::Float64)];
+        description
+    }
+
+    fn found(name: &str) -> Result<Address, String> {
+        Address::find("p", &description(), name).map_err(|problem| problem.to_string())
+    }
+
+    #[test]
+    fn elements_are_counted_from_one_in_row_major_order() {
+        let address = found("matrix[2,3]").unwrap();
+        assert_eq!(address.element, Some(Element { index: 5, size: 6 }));
+        assert_eq!(address.variable.start, Some(Start::Float(vec![6.0])));
+        assert_eq!(found("matrix[1, 2]").unwrap().element.unwrap().index, 1);
+        // A variable that is called like an element is a variable.
+        assert_eq!(found("plain[1]").unwrap().element, None);
+    }
+
+    #[test]
+    fn what_is_no_element_is_told() {
+        for name in ["matrix[0,1]", "matrix[1,4]", "matrix[1]", "matrix[1,1,1]"] {
+            let text = found(name).unwrap_err();
+            assert!(text.contains("2 x 3 elements, counted from 1"), "{text}");
+        }
+        for name in ["matrix[a]", "plain[2]", "matrix[1,2"] {
+            assert!(found(name).unwrap_err().contains("has no variable"), "{name}");
+        }
+    }
+}

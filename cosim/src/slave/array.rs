@@ -1,0 +1,149 @@
+//! Elements of FMI 3.0 arrays: the C interface reads and writes whole arrays only.
+
+use fmi_bindings::import::v3::Instance;
+use modeldescription::ModelDescription;
+use modeldescription::variable::DataType;
+
+use super::selection::{ArrayRun, TypeRun};
+use super::support::type_error;
+use super::value::Value;
+use crate::error::Error;
+
+/// Arrays as they were last written, by value reference, so that one element can be written
+/// without changing the others: nobody but the master changes what it may set.
+#[derive(Default)]
+pub(super) struct Arrays {
+    known: Vec<(u32, Vec<f64>)>,
+    /// For reading.
+    scratch: Vec<f64>,
+}
+
+impl Arrays {
+    pub(super) fn clear(&mut self) {
+        self.known.clear();
+    }
+
+    /// Writes some elements.
+    pub(super) fn set(
+        &mut self,
+        instance: &mut Instance,
+        description: &ModelDescription,
+        run: &TypeRun,
+        array: &ArrayRun,
+        values: &[f64],
+    ) -> Result<(), Error> {
+        let place = match self.known.iter().position(|(known, _)| *known == array.reference) {
+            Some(place) => place,
+            None => {
+                self.known.push((array.reference, starts(description, array)));
+                self.known.len() - 1
+            }
+        };
+        let (_, whole) = &mut self.known[place];
+        for (index, value) in array.indices.iter().zip(values) {
+            if let Some(element) = whole.get_mut(*index) {
+                *element = *value;
+            }
+        }
+        write(instance, run.data_type, array.reference, whole)
+    }
+
+    /// Reads some elements.
+    pub(super) fn get(
+        &mut self,
+        instance: &mut Instance,
+        run: &TypeRun,
+        array: &ArrayRun,
+        values: &mut [f64],
+    ) -> Result<(), Error> {
+        if array.is_whole() {
+            return read(instance, run.data_type, array.reference, values);
+        }
+        self.scratch.clear();
+        self.scratch.resize(array.size, 0.0);
+        read(instance, run.data_type, array.reference, &mut self.scratch)?;
+        for (index, value) in array.indices.iter().zip(values) {
+            *value = self.scratch.get(*index).copied().unwrap_or(f64::NAN);
+        }
+        Ok(())
+    }
+}
+
+/// The array as its description starts it.
+fn starts(description: &ModelDescription, array: &ArrayRun) -> Vec<f64> {
+    let variable = description.variables.iter().find(|v| v.value_reference == array.reference);
+    let numbers = variable.and_then(|v| v.start.as_ref()).and_then(|start| start.numbers());
+    let numbers: Vec<f64> =
+        numbers.unwrap_or_default().into_iter().map(|number| number.as_f64()).collect();
+    match numbers.as_slice() {
+        [one] => vec![*one; array.size],
+        several => (0..array.size).map(|i| several.get(i).copied().unwrap_or(0.0)).collect(),
+    }
+}
+
+fn write(
+    instance: &mut Instance,
+    data_type: DataType,
+    reference: u32,
+    values: &[f64],
+) -> Result<(), Error> {
+    macro_rules! set {
+        ($type:ty, $set:ident) => {{
+            let mut converted = Vec::with_capacity(values.len());
+            for (i, value) in values.iter().enumerate() {
+                let whole = *value as $type;
+                if whole as f64 != *value {
+                    let element = format!("element {} of value reference {reference}", i + 1);
+                    let value = Value::Real(*value);
+                    return Err(type_error(instance.name(), &element, data_type, &value));
+                }
+                converted.push(whole);
+            }
+            instance.$set(&[reference], &converted)?
+        }};
+    }
+    match data_type {
+        DataType::Float64 => instance.set_float64(&[reference], values)?,
+        DataType::Float32 => {
+            let rounded: Vec<f32> = values.iter().map(|value| *value as f32).collect();
+            instance.set_float32(&[reference], &rounded)?;
+        }
+        DataType::Int8 => set!(i8, set_int8),
+        DataType::UInt8 => set!(u8, set_uint8),
+        DataType::Int16 => set!(i16, set_int16),
+        DataType::UInt16 => set!(u16, set_uint16),
+        DataType::Int32 => set!(i32, set_int32),
+        DataType::UInt32 => set!(u32, set_uint32),
+        DataType::UInt64 => set!(u64, set_uint64),
+        _ => set!(i64, set_int64),
+    }
+    Ok(())
+}
+
+fn read(
+    instance: &mut Instance,
+    data_type: DataType,
+    reference: u32,
+    values: &mut [f64],
+) -> Result<(), Error> {
+    macro_rules! get {
+        ($type:ty, $get:ident) => {{
+            let mut found = vec![<$type>::default(); values.len()];
+            instance.$get(&[reference], &mut found)?;
+            values.iter_mut().zip(found).for_each(|(value, found)| *value = found as f64);
+        }};
+    }
+    match data_type {
+        DataType::Float64 => instance.get_float64(&[reference], values)?,
+        DataType::Float32 => get!(f32, get_float32),
+        DataType::Int8 => get!(i8, get_int8),
+        DataType::UInt8 => get!(u8, get_uint8),
+        DataType::Int16 => get!(i16, get_int16),
+        DataType::UInt16 => get!(u16, get_uint16),
+        DataType::Int32 => get!(i32, get_int32),
+        DataType::UInt32 => get!(u32, get_uint32),
+        DataType::UInt64 => get!(u64, get_uint64),
+        _ => get!(i64, get_int64),
+    }
+    Ok(())
+}
