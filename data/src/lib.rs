@@ -20,7 +20,8 @@ mod toml_text;
 mod whole_file;
 
 pub use blueprint::{
-    AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint, Value,
+    AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, CouplingBlueprint,
+    SignalBlueprint, Value,
 };
 pub use fit::{Fit, FitError};
 pub use log::{

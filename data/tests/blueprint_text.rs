@@ -6,7 +6,9 @@ use std::collections::BTreeMap;
 
 use common::{PLANT, REGISTRY};
 use model::Kind;
-use piezoloop_data::{AxisBlueprint, Blueprint, ComponentBlueprint, SignalBlueprint, Value};
+use piezoloop_data::{
+    AxisBlueprint, Blueprint, ComponentBlueprint, CouplingBlueprint, SignalBlueprint, Value,
+};
 use proptest::prelude::*;
 
 #[test]
@@ -57,7 +59,7 @@ fn value() -> impl Strategy<Value = Value> {
 }
 
 fn quantity() -> impl Strategy<Value = String> {
-    let used = ["type", "name", "note", "enabled", "tolerance"];
+    let used = ["type", "name", "note", "enabled", "tolerance", "axes", "after"];
     any::<String>().prop_filter("keys of their own", move |name| !used.contains(&name.as_str()))
 }
 
@@ -91,10 +93,24 @@ prop_compose! {
     fn axis()(
         name in any::<String>(),
         signals in (signal(), signal(), signal(), signal()),
+        more in (signal(), signal(), signal()),
         components in prop::collection::vec(component(), 0..4),
     ) -> AxisBlueprint {
         let (command, position, reference, measured) = signals;
-        AxisBlueprint { name, command, position, reference, measured, components }
+        let (force, disturbance, motion) = more;
+        AxisBlueprint {
+            name, command, position, reference, measured, force, disturbance, motion, components,
+        }
+    }
+}
+
+prop_compose! {
+    fn coupling()(
+        component in component(),
+        axes in prop::collection::vec(any::<String>(), 0..4),
+        after in any::<String>(),
+    ) -> CouplingBlueprint {
+        CouplingBlueprint { component, axes, after }
     }
 }
 
@@ -104,11 +120,14 @@ prop_compose! {
         texts in (any::<String>(), any::<String>(), any::<String>()),
         step in value(),
         axes in prop::collection::vec(axis(), 0..3),
+        temperature in signal(),
+        couplings in prop::collection::vec(coupling(), 0..3),
     ) -> Blueprint {
         let kind = if is_plant { Kind::Plant } else { Kind::Controller };
         let mut blueprint = Blueprint::new(kind, &texts.0, 0.0);
         (blueprint.description, blueprint.source) = (texts.1, texts.2);
         (blueprint.step, blueprint.axes) = (step, axes);
+        (blueprint.temperature, blueprint.couplings) = (temperature, couplings);
         blueprint
     }
 }

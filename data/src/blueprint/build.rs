@@ -1,6 +1,6 @@
 //! The check that the parts make a system: rules across values, order of the signals, size.
 
-use model::{BuildError, System, Unit, unit_on_axis};
+use model::{BuildError, NodeSpec, System, Unit, unit_on_axis};
 
 use super::check::{Checker, Draft, MOST_CELLS};
 use super::measure;
@@ -30,67 +30,92 @@ pub(super) fn system(checker: &mut Checker<'_>, draft: &Draft) -> Option<System>
 fn fits(checker: &mut Checker<'_>, draft: &Draft) -> bool {
     let period = draft.spec.period;
     let mut sum = 0usize;
-    for (axis, places) in draft.spec.axes.iter().zip(&draft.axes) {
-        for (node, (place, _)) in axis.components.iter().zip(&places.components) {
-            let sizes = node.component.sizes(&node.structure, period);
-            let own = sizes.coefficients.saturating_add(sizes.states);
-            sum = sum.saturating_add(own).saturating_add(node.values.len());
-            if sum > MOST_CELLS && checker.is_spoilt("step") {
-                return false;
-            }
-            if sum > MOST_CELLS {
-                let rule = format!(
-                    "needs {own} numbers of memory at a step of {period} s; a model may have {MOST_CELLS}"
-                );
-                let way_out = "lengthen the step, or shorten what is stored";
-                checker.report(place, "", rule, way_out);
-                return false;
-            }
+    for (node, place) in members(draft) {
+        let sizes = node.component.sizes(&node.structure, period);
+        let own = sizes.coefficients.saturating_add(sizes.states);
+        sum = sum.saturating_add(own).saturating_add(node.values.len());
+        if sum > MOST_CELLS && checker.is_spoilt("step") {
+            return false;
+        }
+        if sum > MOST_CELLS {
+            let rule = format!(
+                "needs {own} numbers of memory at a step of {period} s; a model may have {MOST_CELLS}"
+            );
+            let way_out = "lengthen the step, or shorten what is stored";
+            checker.report(place, "", rule, way_out);
+            return false;
         }
     }
     true
 }
 
+/// All components with their places: those of the axes, then the couplings.
+fn members(draft: &Draft) -> impl Iterator<Item = (&NodeSpec, &Place)> {
+    let axes = draft.spec.axes.iter().zip(&draft.axes);
+    let own = axes.flat_map(|(spec, places)| {
+        spec.components.iter().zip(places.components.iter().map(|(place, _)| place))
+    });
+    let couplings = draft.spec.connections.couplings.iter().map(|coupling| &coupling.node);
+    own.chain(couplings.zip(draft.couplings.iter().map(|(place, _)| place)))
+}
+
 /// Checks the rules that span several values of a component.
 fn check_sets(checker: &mut Checker<'_>, draft: &Draft) {
     for (axis, places) in draft.spec.axes.iter().zip(&draft.axes) {
-        if [&axis.command_unit, &axis.position_unit].iter().any(|unit| Unit::parse(unit).is_err()) {
-            continue;
-        }
-        for (node, (place, is_clean)) in axis.components.iter().zip(&places.components) {
-            if !is_clean {
-                continue;
-            }
-            let declaration = node.component.declaration();
-            let on_axis = |unit| unit_on_axis(unit, &axis.command_unit, &axis.position_unit);
-            let mut values = node.values.iter();
-            let mut si = Vec::with_capacity(node.values.len());
-            for (index, quantity) in declaration.parameters.iter().enumerate() {
-                let unit = Unit::parse(&on_axis(quantity.unit)).unwrap_or(Unit::ONE);
-                let length = declaration.length(index, &node.structure);
-                si.extend(values.by_ref().take(length).map(|value| unit.to_si(*value)));
-            }
-            let period = draft.spec.period;
-            let mut coefficients =
-                vec![0.0; node.component.sizes(&node.structure, period).coefficients];
-            let verdict = node.component.prepare(&node.structure, &si, period, &mut coefficients);
-            if let Err(violation) = verdict {
-                let mut place = place.child(violation.quantity);
-                if let Some(index) = violation.index {
-                    place = place.item(index + 1);
-                }
-                let unit = declaration
-                    .parameters
-                    .iter()
-                    .find(|quantity| quantity.name == violation.quantity)
-                    .map_or_else(|| "1".to_string(), |quantity| on_axis(quantity.unit));
-                let factor = Unit::parse(&unit).unwrap_or(Unit::ONE);
-                let shown = measure::shown(factor.from_si(violation.value), &unit);
-                let (rule, way_out) = halves(violation.rule);
-                checker.report(&place, &shown, rule, way_out);
+        let units = places.position_units.iter();
+        for ((node, (place, is_clean)), position) in
+            axis.components.iter().zip(&places.components).zip(units)
+        {
+            if *is_clean {
+                check_set(checker, draft.spec.period, node, place, &axis.command_unit, position);
             }
         }
     }
+    for (coupling, (place, is_clean)) in
+        draft.spec.connections.couplings.iter().zip(&draft.couplings)
+    {
+        if *is_clean {
+            let [command, position] = super::coupling::units(&draft.spec, coupling);
+            check_set(checker, draft.spec.period, &coupling.node, place, &command, &position);
+        }
+    }
+}
+
+/// Checks the rules that span several values of one component whose `{command}` and `{position}`
+/// stand for these units.
+fn check_set(
+    checker: &mut Checker<'_>,
+    period: f64,
+    node: &NodeSpec,
+    place: &Place,
+    command: &str,
+    position: &str,
+) {
+    if [command, position].iter().any(|unit| Unit::parse(unit).is_err()) {
+        return;
+    }
+    let declaration = node.component.declaration();
+    let on_axis = |unit| unit_on_axis(unit, command, position);
+    let mut values = node.values.iter();
+    let mut si = Vec::with_capacity(node.values.len());
+    for (index, quantity) in declaration.parameters.iter().enumerate() {
+        let unit = Unit::parse(&on_axis(quantity.unit)).unwrap_or(Unit::ONE);
+        let length = declaration.length(index, &node.structure);
+        si.extend(values.by_ref().take(length).map(|value| unit.to_si(*value)));
+    }
+    let mut coefficients = vec![0.0; node.component.sizes(&node.structure, period).coefficients];
+    let verdict = node.component.prepare(&node.structure, &si, period, &mut coefficients);
+    let Err(violation) = verdict else { return };
+    let mut place = place.child(violation.quantity);
+    if let Some(index) = violation.index {
+        place = place.item(index + 1);
+    }
+    let quantity = declaration.parameters.iter().find(|q| q.name == violation.quantity);
+    let unit = quantity.map_or_else(|| "1".to_string(), |quantity| on_axis(quantity.unit));
+    let factor = Unit::parse(&unit).unwrap_or(Unit::ONE);
+    let shown = measure::shown(factor.from_si(violation.value), &unit);
+    let (rule, way_out) = halves(violation.rule);
+    checker.report(&place, &shown, rule, way_out);
 }
 
 /// Reports an error of the build at its line, unless its cause has been reported: a draft with
@@ -114,6 +139,9 @@ fn report(checker: &mut Checker<'_>, draft: &Draft, error: &BuildError, had_prob
 /// The key of the place that the build names, as in `axis[1].hysteresis.w[3]`, and its axis.
 fn locate(draft: &Draft, named: &str) -> (Place, Option<usize>) {
     let place = Place::new(named);
+    if let Some(rest) = named.strip_prefix("coupling.") {
+        return (locate_coupling(draft, rest).unwrap_or(place), None);
+    }
     let Some(rest) = named.strip_prefix("axis[") else { return (place, None) };
     let Some((number, rest)) = rest.split_once(']') else { return (place, None) };
     let Some(axis) = number.parse::<usize>().ok().and_then(|n| n.checked_sub(1)) else {
@@ -133,6 +161,16 @@ fn locate(draft: &Draft, named: &str) -> (Place, Option<usize>) {
         }
         None => (place, Some(axis)),
     }
+}
+
+/// The key of the place that the build names `coupling.…`.
+fn locate_coupling(draft: &Draft, rest: &str) -> Option<Place> {
+    let (name, tail) = rest.split_at(rest.find(['.', '[']).unwrap_or(rest.len()));
+    let couplings = &draft.spec.connections.couplings;
+    let index = couplings.iter().position(|coupling| coupling.node.name == name)?;
+    let (known, _) = draft.couplings.get(index)?;
+    let join = |text: &str| format!("{text}{tail}");
+    Some(Place { key: join(&known.key), shown: join(&known.shown) })
 }
 
 /// Rule and way out of a message `rule; way out`.

@@ -49,6 +49,14 @@ fn shown_place(blueprint: &Blueprint, registry: Registry, key: &str) -> String {
             }
         }
     }
+    for (coupling, k) in blueprint.couplings.iter().zip(1..) {
+        let given = &coupling.component;
+        if let Some(rest) = key.strip_prefix(&format!("coupling[{k}]."))
+            && !given.name.is_empty()
+        {
+            return format!("coupling.{}.{rest}", given.name);
+        }
+    }
     key.to_string()
 }
 
@@ -57,6 +65,9 @@ fn shown_place(blueprint: &Blueprint, registry: Registry, key: &str) -> String {
 pub(super) struct Draft {
     pub(super) spec: SystemSpec,
     pub(super) axes: Vec<DraftAxis>,
+    /// For each coupling of the specification: its place, and whether its values are those of the
+    /// file.
+    pub(super) couplings: Vec<(Place, bool)>,
 }
 
 /// Beside an axis of the specification.
@@ -65,6 +76,8 @@ pub(super) struct DraftAxis {
     /// For each component of the specification: its place in the file, and whether its values are
     /// those of the file.
     pub(super) components: Vec<(Place, bool)>,
+    /// For each of these components, the unit that `{position}` stands for.
+    pub(super) position_units: Vec<String>,
     /// Whether components are missing because their type is unknown.
     pub(super) has_gaps: bool,
 }

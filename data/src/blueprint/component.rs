@@ -10,14 +10,16 @@ use crate::nearest::did_you_mean;
 /// Keys of a component that are not quantities.
 const KEYS: [&str; 5] = ["type", "name", "enabled", "tolerance", "note"];
 
-pub(super) fn chain(
+pub(super) fn chain<'a>(
     checker: &mut Checker<'_>,
     axis: &AxisBlueprint,
     place: &Place,
     spec: &mut AxisSpec,
     draft: &mut DraftAxis,
+    position_unit_at: impl Fn(usize) -> &'a String,
 ) {
     for (given, number) in axis.components.iter().zip(1..) {
+        spec.position_unit.clone_from(position_unit_at(number - 1));
         let key = place.child("component").item(number);
         if !given.name.is_empty() {
             frame::is_name(checker, &key.child("name"), &given.name);
@@ -27,6 +29,13 @@ pub(super) fn chain(
             continue;
         };
         let declaration = component.declaration();
+        if declaration.is_coupling() {
+            draft.has_gaps = true;
+            let way_out = "put it in a [[coupling]] section";
+            let kind = format!("{:?}", given.kind);
+            checker.report(&key.child("type"), &kind, "is no part of one axis", way_out);
+            continue;
+        }
         let mut name =
             if given.name.is_empty() { declaration.name } else { &given.name }.to_string();
         let place = key.shown_as(place, &name);
@@ -46,11 +55,12 @@ pub(super) fn chain(
             .draft(checker, component, name);
         spec.components.push(drafted.node);
         draft.components.push((place, drafted.is_clean));
+        draft.position_units.push(spec.position_unit.clone());
     }
 }
 
 /// The component of the registry that is meant.
-fn find(
+pub(super) fn find(
     checker: &mut Checker<'_>,
     given: &ComponentBlueprint,
     place: &Place,
@@ -81,7 +91,7 @@ pub(super) struct Member<'a> {
 }
 
 impl Member<'_> {
-    fn draft(
+    pub(super) fn draft(
         &self,
         checker: &mut Checker<'_>,
         component: &'static dyn Component,

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use model::{AxisSpec, Kind, SystemSpec, Unit};
+use model::{AxisSpec, Connections, Kind, SystemSpec, Unit};
 
 use super::check::{Checker, Draft, DraftAxis};
 use super::origin::Place;
-use super::{AxisBlueprint, SignalBlueprint, component};
+use super::{AxisBlueprint, SignalBlueprint, component, coupling};
 
 /// Short names that a log or a model uses otherwise.
 const TAKEN: [&str; 4] = ["time", "record", "realization", "enable"];
@@ -22,6 +22,7 @@ pub(super) fn draft(checker: &mut Checker<'_>) -> Draft {
     let mut names = BTreeSet::new();
     let mut axes = Vec::new();
     let mut specs = Vec::new();
+    let mut connections = Connections::default();
     if blueprint.axes.is_empty() && !checker.is_spoilt("axis") {
         let place = Place::new("axis");
         checker.report(&place, "", "a model has at least one axis", "add an [[axis]] section");
@@ -37,13 +38,26 @@ pub(super) fn draft(checker: &mut Checker<'_>) -> Draft {
             let way_out = "give each axis its own name";
             checker.report(&place.child("name"), &name, "is the name of another axis", way_out);
         }
-        component::chain(checker, axis, &place, &mut spec, &mut draft);
+        let motion = coupling::motion_unit(checker, axis, &place);
+        let optics = coupling::optics_at(checker, axis, &spec.name);
+        let own = spec.position_unit.clone();
+        let in_front = motion.clone().unwrap_or_else(|| own.clone());
+        let unit_at = |index: usize| if index < optics { &in_front } else { &own };
+        component::chain(checker, axis, &place, &mut spec, &mut draft, unit_at);
+        spec.position_unit.clone_from(&own);
+        connections.motion_units.push(motion);
+        let inputs = &mut connections.inputs;
+        coupling::axis_inputs(checker, axis, &place, &spec, number, &mut aliases, inputs);
         specs.push(spec);
         axes.push(draft);
     }
-    let kind = blueprint.kind;
-    let spec = SystemSpec { name: blueprint.name.clone(), kind, period, axes: specs };
-    Draft { spec, axes }
+    coupling::system_inputs(checker, &mut aliases, &mut connections.inputs);
+    let couplings = coupling::all(checker, &specs, &mut connections);
+    if couplings.len() < blueprint.couplings.len() {
+        axes.iter_mut().for_each(|axis| axis.has_gaps = true);
+    }
+    let (name, kind) = (blueprint.name.clone(), blueprint.kind);
+    Draft { spec: SystemSpec { name, kind, period, axes: specs, connections }, axes, couplings }
 }
 
 /// The internal step in s, or a harmless one.
@@ -128,7 +142,7 @@ fn axis_frame(
 
 /// The unit of a signal, or a text that is none where it is missing or wrong: nothing is said then about
 /// values with units on this axis.
-fn unit(checker: &mut Checker<'_>, place: &Place, signal: &SignalBlueprint) -> String {
+pub(super) fn unit(checker: &mut Checker<'_>, place: &Place, signal: &SignalBlueprint) -> String {
     let key = place.child("unit");
     if checker.is_spoilt(&place.key) || checker.is_spoilt(&key.key) {
         return NO_UNIT.into();
@@ -147,7 +161,12 @@ fn unit(checker: &mut Checker<'_>, place: &Place, signal: &SignalBlueprint) -> S
 }
 
 /// Reports the keys of a signal that mean nothing there.
-fn forbid(checker: &mut Checker<'_>, place: &Place, signal: &SignalBlueprint, keys: &[&str]) {
+pub(super) fn forbid(
+    checker: &mut Checker<'_>,
+    place: &Place,
+    signal: &SignalBlueprint,
+    keys: &[&str],
+) {
     for key in keys {
         let is_given = match *key {
             "name" => !signal.name.is_empty(),
@@ -190,7 +209,7 @@ fn bounds(
 }
 
 /// The start of a signal, or a harmless value.
-fn start(
+pub(super) fn start(
     checker: &mut Checker<'_>,
     place: &Place,
     signal: &SignalBlueprint,
@@ -216,7 +235,7 @@ fn start(
 }
 
 /// The short name of a signal.
-fn alias(
+pub(super) fn alias(
     checker: &mut Checker<'_>,
     place: &Place,
     signal: &SignalBlueprint,

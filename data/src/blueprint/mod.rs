@@ -15,11 +15,22 @@
 //! type = "prandtl-ishlinskii"
 //! r = [0, 6, 12]                      # in the quantity's unit on this axis
 //! w = [0.01354, 0.0279, 0]
+//!
+//! [[coupling]]                        # only where axes are coupled
+//! type = "displacement-coupling"
+//! axes = ["Y", "Z"]                   # rows and columns of the matrix, by name
+//! after = "mechanics"                 # on every coupled axis; default: behind the last mechanics
+//! matrix = [[0, 0.01], [0.02, 0]]
 //! ```
+//!
+//! An axis may name the inputs that its components ask for (`force = { name = "f", unit = "mN" }`,
+//! `disturbance`), and, in front of optics, the unit of its motion (`motion = { unit = "1" }`); the
+//! model its `temperature`. A controller has none of these.
 
 mod build;
 mod check;
 mod component;
+mod coupling;
 mod frame;
 mod measure;
 mod origin;
@@ -53,8 +64,12 @@ pub struct Blueprint {
     pub source: String,
     /// Internal step in s, or a text with a unit of time.
     pub step: Value,
+    /// Short name, unit and start of the input `temperature`, where a component reads it.
+    pub temperature: SignalBlueprint,
     /// The axes.
     pub axes: Vec<AxisBlueprint>,
+    /// The couplings between them.
+    pub couplings: Vec<CouplingBlueprint>,
     /// File and lines, for messages.
     origin: Origin,
 }
@@ -72,6 +87,12 @@ pub struct AxisBlueprint {
     pub reference: SignalBlueprint,
     /// Controllers: short name of the measured position.
     pub measured: SignalBlueprint,
+    /// Short name, unit and start of the load force, where a component reads it.
+    pub force: SignalBlueprint,
+    /// Short name, unit and start of the disturbance, where a component reads it.
+    pub disturbance: SignalBlueprint,
+    /// The unit of the motion in front of a coupling that turns it into a position (optics).
+    pub motion: SignalBlueprint,
     /// The components in the order of the signal path.
     pub components: Vec<ComponentBlueprint>,
 }
@@ -106,6 +127,17 @@ pub struct ComponentBlueprint {
     pub tolerance: BTreeMap<String, f64>,
     /// Free text; may be empty.
     pub note: String,
+}
+
+/// One coupling between axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CouplingBlueprint {
+    /// The component; matrices may be lists of rows.
+    pub component: ComponentBlueprint,
+    /// The names of the axes, in the order of the rows and columns.
+    pub axes: Vec<String>,
+    /// The component behind which it stands on each of them; empty: behind the mechanics.
+    pub after: String,
 }
 
 /// A value as a file says it.
@@ -147,7 +179,9 @@ impl Blueprint {
             description: String::new(),
             source: String::new(),
             step: Value::Number(step),
+            temperature: SignalBlueprint::default(),
             axes: Vec::new(),
+            couplings: Vec::new(),
             origin: Origin::default(),
         }
     }
@@ -156,6 +190,14 @@ impl Blueprint {
     #[must_use]
     pub fn axis(mut self, axis: AxisBlueprint) -> Self {
         self.axes.push(axis);
+        self
+    }
+
+    /// With this coupling between axes.
+    #[must_use]
+    pub fn coupling(mut self, axes: &[&str], component: ComponentBlueprint) -> Self {
+        let axes = axes.iter().map(|name| (*name).to_string()).collect();
+        self.couplings.push(CouplingBlueprint { component, axes, after: String::new() });
         self
     }
 

@@ -9,7 +9,9 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::origin::{Origin, Place};
-use super::{AxisBlueprint, Blueprint, ComponentBlueprint, FORMAT, SignalBlueprint, Value};
+use super::{
+    AxisBlueprint, Blueprint, ComponentBlueprint, CouplingBlueprint, FORMAT, SignalBlueprint, Value,
+};
 use crate::nearest::did_you_mean;
 use crate::toml_text::{self, Lines, shown};
 use crate::{Problem, Problems};
@@ -77,7 +79,9 @@ impl Reader {
                 "description" => blueprint.description = self.text(value, &place),
                 "source" => blueprint.source = self.text(value, &place),
                 "step" => blueprint.step = self.value(value, &place).unwrap_or(blueprint.step),
+                "temperature" => blueprint.temperature = self.signal(value, &place),
                 "axis" => blueprint.axes = self.axes(value, &place),
+                "coupling" => blueprint.couplings = self.couplings(value, &place),
                 _ => self.unknown(key, &place, &KEYS),
             }
         }
@@ -201,6 +205,9 @@ impl Reader {
                 "position" => axis.position = self.signal(value, &place),
                 "reference" => axis.reference = self.signal(value, &place),
                 "measured" => axis.measured = self.signal(value, &place),
+                "force" => axis.force = self.signal(value, &place),
+                "disturbance" => axis.disturbance = self.signal(value, &place),
+                "motion" => axis.motion = self.signal(value, &place),
                 "component" => {
                     let tables = self.tables(value, &place, "[[axis.component]]");
                     axis.components =
@@ -232,9 +239,45 @@ impl Reader {
         signal
     }
 
-    fn component(&mut self, table: &DeTable<'_>, place: &Place) -> ComponentBlueprint {
-        let mut component = ComponentBlueprint::new("");
+    fn couplings(&mut self, value: Spot<'_, '_>, place: &Place) -> Vec<CouplingBlueprint> {
+        let tables = self.tables(value, place, "[[coupling]]");
+        tables.into_iter().map(|(table, place)| self.coupling(table, &place)).collect()
+    }
+
+    fn coupling(&mut self, table: &DeTable<'_>, place: &Place) -> CouplingBlueprint {
+        let (mut axes, mut after) = (Vec::new(), String::new());
+        let mut rest = Vec::new();
         for (key, value, place) in self.items(table, place) {
+            match key {
+                "axes" => axes = self.texts(value, &place),
+                "after" => after = self.name(value, &place),
+                _ => rest.push((key, value, place)),
+            }
+        }
+        CouplingBlueprint { component: self.component_of(rest), axes, after }
+    }
+
+    /// A list of texts.
+    fn texts(&mut self, value: Spot<'_, '_>, place: &Place) -> Vec<String> {
+        let items = value.get_ref().as_array();
+        let texts: Option<Vec<String>> = items
+            .map(|items| items.iter().map(|item| Some(item.get_ref().as_str()?.to_string())))
+            .and_then(Iterator::collect);
+        texts.unwrap_or_else(|| {
+            let way_out = "write the names of the axes, as in [\"Y\", \"Z\"]";
+            self.note(place, &shown(value.get_ref()), "must be a list of texts", way_out);
+            Vec::new()
+        })
+    }
+
+    fn component(&mut self, table: &DeTable<'_>, place: &Place) -> ComponentBlueprint {
+        let items = self.items(table, place);
+        self.component_of(items)
+    }
+
+    fn component_of(&mut self, items: Vec<(&str, Spot<'_, '_>, Place)>) -> ComponentBlueprint {
+        let mut component = ComponentBlueprint::new("");
+        for (key, value, place) in items {
             match key {
                 "type" => component.kind = self.name(value, &place),
                 "name" => component.name = self.name(value, &place),
@@ -283,8 +326,28 @@ impl Reader {
     }
 }
 
-const KEYS: [&str; 7] = ["piezoloop", "kind", "name", "description", "source", "step", "axis"];
-const AXIS_KEYS: [&str; 6] = ["name", "command", "position", "reference", "measured", "component"];
+const KEYS: [&str; 9] = [
+    "piezoloop",
+    "kind",
+    "name",
+    "description",
+    "source",
+    "step",
+    "temperature",
+    "axis",
+    "coupling",
+];
+const AXIS_KEYS: [&str; 9] = [
+    "name",
+    "command",
+    "position",
+    "reference",
+    "measured",
+    "force",
+    "disturbance",
+    "motion",
+    "component",
+];
 const SIGNAL_KEYS: [&str; 5] = ["name", "unit", "min", "max", "start"];
 const REQUIRED: [(&str, &str, &str); 4] = [
     ("piezoloop", "is missing, so the format of the file is unknown", "write piezoloop = 1"),

@@ -20,9 +20,17 @@ pub(super) fn to_toml(blueprint: &Blueprint) -> String {
     text_line(&mut text, "description", &blueprint.description);
     text_line(&mut text, "source", &blueprint.source);
     line(&mut text, "step", &inline(&blueprint.step));
+    signal_line(&mut text, "temperature", &blueprint.temperature);
     for axis in &blueprint.axes {
         text.push_str("\n[[axis]]\n");
         write_axis(&mut text, axis);
+    }
+    for coupling in &blueprint.couplings {
+        text.push_str("\n[[coupling]]\n");
+        let axes: Vec<String> = coupling.axes.iter().map(|name| quoted(name)).collect();
+        line(&mut text, "axes", &format!("[{}]", axes.join(", ")));
+        text_line(&mut text, "after", &coupling.after);
+        write_component(&mut text, &coupling.component);
     }
     text
 }
@@ -34,14 +42,22 @@ fn write_axis(text: &mut String, axis: &AxisBlueprint) {
         ("position", &axis.position),
         ("reference", &axis.reference),
         ("measured", &axis.measured),
+        ("force", &axis.force),
+        ("disturbance", &axis.disturbance),
+        ("motion", &axis.motion),
     ] {
-        if *signal != SignalBlueprint::default() {
-            line(text, key, &inline_signal(signal));
-        }
+        signal_line(text, key, signal);
     }
     for component in &axis.components {
         text.push_str("\n[[axis.component]]\n");
         write_component(text, component);
+    }
+}
+
+/// A line for a signal, or none where nothing is said about it.
+fn signal_line(text: &mut String, key: &str, signal: &SignalBlueprint) {
+    if *signal != SignalBlueprint::default() {
+        line(text, key, &inline_signal(signal));
     }
 }
 
