@@ -1,6 +1,7 @@
 //! What the tests of the tool share: the built tool, a Python with the foreign checkers, folders.
 #![allow(dead_code, clippy::print_stderr, clippy::print_stdout)]
 
+pub(crate) mod foreign;
 pub(crate) mod packed;
 pub(crate) mod python;
 pub(crate) mod spy;

@@ -1,0 +1,140 @@
+//! Verdicts of foreign checkers, and our loop in foreign masters: where they couple as ours does,
+//! the trajectory is ours.
+#![cfg(target_os = "linux")]
+#![allow(clippy::print_stdout)]
+
+mod common;
+
+use common::packed::{CONTROLLER, PLANT};
+use common::{foreign, root, succeed};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+const STAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/blueprints/stage.toml");
+
+/// Packs plant and controller and writes a reference that begins at rest at 0: some masters
+/// initialise a loop with zeros only.
+fn pack_loop(folder: &Path) {
+    succeed(&["pack", PLANT, "-o", "plant.fmu"], folder);
+    succeed(&["pack", CONTROLLER, "-o", "controller.fmu"], folder);
+    let mut text = String::from("time,reference[1],reference[2]\n");
+    for k in 0..2001 {
+        let t = f64::from(k) * 20e-6;
+        let wave = 1.0 - (2.0 * std::f64::consts::PI * 50.0 * t).cos();
+        text += &format!("{t},{wave},{}\n", 1.5 * wave);
+    }
+    fs::write(folder.join("reference.csv"), text).expect("the folder is writable");
+}
+
+/// Our run of the loop, in run.csv.
+fn our_run(coupling: &str, plant: &str, controller: &str, folder: &Path) {
+    let files = ["simulate", "--loop", plant, controller, "--reference", "reference.csv"];
+    let rest = ["--coupling", coupling, "-o", "run.csv"];
+    succeed(&[&files[..], &rest[..]].concat(), folder);
+}
+
+#[test]
+fn fmutool_has_nothing_to_say_against_our_fmus() {
+    let Some(python) = foreign::python() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    for blueprint in [PLANT, CONTROLLER, STAGE] {
+        for version in ["2", "3"] {
+            let file = format!("{version}.fmu");
+            succeed(&["pack", blueprint, "--fmi", version, "-o", &file], folder.path());
+            let mut fmutool = foreign::tool(python, "fmutool");
+            let said = foreign::said(fmutool.args(["-check", "-input", &file]), folder.path());
+            assert!(
+                said.contains(&format!("seems to be compliant with FMI-{version}.0")),
+                "{said}"
+            );
+            assert!(said.contains("No semantic error"), "{said}");
+            assert!(!said.contains("WARNING") && !said.contains("ERROR"), "{said}");
+        }
+    }
+}
+
+#[test]
+fn the_loop_in_fmucontainer_is_ours() {
+    let Some(python) = foreign::python() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    pack_loop(folder.path());
+    for coupling in ["side-by-side", "controller-first"] {
+        our_run(coupling, "plant.fmu", "controller.fmu", folder.path());
+        let script = "loop_in_fmucontainer.py";
+        print!("{}", foreign::script(python, script, &[coupling], folder.path()));
+    }
+}
+
+#[test]
+fn the_loop_in_ecos_is_ours() {
+    let Some(python) = foreign::python() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    pack_loop(folder.path());
+    our_run("side-by-side", "plant.fmu", "controller.fmu", folder.path());
+    print!("{}", foreign::script(python, "loop_in_ecos.py", &[], folder.path()));
+}
+
+#[test]
+fn the_loop_in_fmpy_ssp_is_ours_with_its_delays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    pack_loop(folder.path());
+    our_run("side-by-side", "plant.fmu", "controller.fmu", folder.path());
+    let python = common::python::python();
+    print!("{}", foreign::script(&python, "loop_in_fmpy_ssp.py", &[], folder.path()));
+}
+
+/// PythonFMU's libraries do not name the interpreter that they need, so it is loaded before.
+fn interpreter_library(python: &Path, folder: &Path) -> Option<String> {
+    let code = "import sysconfig as s; v = s.get_config_var; \
+                print(f\"{v('LIBDIR')}/{v('INSTSONAME')}\" if v('Py_ENABLE_SHARED') else '')";
+    let said = foreign::said(Command::new(python).args(["-c", code]), folder);
+    Some(said.trim().to_owned()).filter(|path| Path::new(path).is_file())
+}
+
+#[test]
+fn a_controller_of_pythonfmu_runs_in_our_master() {
+    let Some(python) = foreign::python() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(library) = interpreter_library(python, folder.path()) else {
+        println!("SKIPPED: this Python has no shared library for PythonFMU's FMUs");
+        return;
+    };
+    succeed(&["pack", STAGE, "-o", "stage.fmu"], folder.path());
+    let law = root().join("tests/python/integral_law.py");
+    let mut build = foreign::tool(python, "pythonfmu");
+    foreign::said(build.args(["build", "-f"]).arg(law), folder.path());
+    let mut text = String::from("time,reference[1]\n");
+    for k in 0..1001 {
+        let t = f64::from(k) * 50e-6;
+        text += &format!("{t},{}\n", 2.0 * (150.0 * t).sin());
+    }
+    fs::write(folder.path().join("reference.csv"), text).expect("the folder is writable");
+    let mut ours = Command::new(env!("CARGO_BIN_EXE_piezoloop"));
+    ours.args(["simulate", "--loop", "stage.fmu", "IntegralLaw.fmu"]);
+    ours.args(["--reference", "reference.csv", "--coupling", "controller-first"]);
+    ours.args(["--step", "50e-6", "-o", "run.csv"]);
+    let packages = foreign::said(
+        Command::new(python).args(["-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]),
+        folder.path(),
+    );
+    ours.env("LD_PRELOAD", library).env("PYTHONPATH", packages.trim());
+    foreign::said(&mut ours, folder.path());
+    print!("{}", foreign::script(python, "law_by_hand.py", &[], folder.path()));
+}
+
+#[test]
+fn a_life_in_fmpys_low_level_classes_is_the_same_in_both_versions() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for version in ["2", "3"] {
+        let file = format!("plant{version}.fmu");
+        succeed(&["pack", PLANT, "--fmi", version, "-o", &file], folder.path());
+    }
+    let python = common::python::python();
+    let said = foreign::script(&python, "life_in_fmpy.py", &[], folder.path());
+    // Messages about events are welcome, about anything else are not.
+    for line in said.lines().filter(|line| line.starts_with('[')) {
+        assert!(line.starts_with("[OK]"), "{said}");
+    }
+    println!("{}", said.lines().last().unwrap_or_default());
+}
