@@ -16,7 +16,7 @@ pub(crate) struct LogOptions {
     #[arg(long = "unit", value_name = "COLUMN=UNIT")]
     pub(crate) unit: Vec<String>,
     /// Sample rate in Hz, for logs without a time column or with an index in its place
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub(crate) rate: Option<f64>,
 }
 

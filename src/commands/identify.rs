@@ -39,10 +39,10 @@ pub(crate) struct Identify {
     #[arg(long, value_name = "N", default_value_t = 30)]
     plays: usize,
     /// Run-in in s from the start of each record: simulated, neither fitted nor judged
-    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    #[arg(long, allow_negative_numbers = true, value_name = "S", default_value_t = 0.0)]
     drop: f64,
     /// Part of each record's time, at its end, that is held out to judge the fit
-    #[arg(long, value_name = "PART", default_value_t = 0.5)]
+    #[arg(long, allow_negative_numbers = true, value_name = "PART", default_value_t = 0.5)]
     hold_out: f64,
     /// Fit no amplifier lag and no mode
     #[arg(long = "static")]

@@ -22,13 +22,13 @@ pub(crate) struct Invert {
     /// The plant's blueprint, or the name of a rig
     plant: PathBuf,
     /// Sample time of the controller in s [default: the plant's internal step]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     period: Option<f64>,
     /// Largest sensitivity |1/(1+L)| that the loop may have
-    #[arg(long, value_name = "M", default_value_t = ControlSettings::default().sensitivity)]
+    #[arg(long, allow_negative_numbers = true, value_name = "M", default_value_t = ControlSettings::default().sensitivity)]
     sensitivity: f64,
     /// Most that sensor noise may be amplified on its way to the command, seen as position
-    #[arg(long, value_name = "RATIO", default_value_t = ControlSettings::default().noise)]
+    #[arg(long, allow_negative_numbers = true, value_name = "RATIO", default_value_t = ControlSettings::default().noise)]
     noise: f64,
     /// Leave the feedforward out
     #[arg(long)]

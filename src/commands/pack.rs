@@ -27,6 +27,9 @@ pub(crate) struct Pack {
     /// The FMU to write [default: the model's name with .fmu]
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Internal step in s in the place of the blueprint's; linear parts are exact at any step
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    step: Option<f64>,
     /// Version of the standard: 2 or 3
     #[arg(long, value_name = "VERSION", default_value = "2")]
     fmi: Version,
@@ -67,7 +70,11 @@ impl Pack {
 
     /// Packs.
     pub(crate) fn execute(&self) -> anyhow::Result<Packed> {
-        let source = inputs::blueprint(&self.blueprint)?;
+        let mut source = inputs::blueprint(&self.blueprint)?;
+        if let Some(step) = self.step {
+            source.blueprint.step = step.into();
+            source.text = source.blueprint.to_toml();
+        }
         let output = inputs::output(self.out.clone(), &source.blueprint.name, "fmu");
         inputs::not_over(&output, &[&self.blueprint])?;
         let extra = further_binaries(&self.binaries)?;

@@ -48,7 +48,7 @@ pub(crate) struct Simulate {
     coupling: Order,
     /// Communication step of the loop in s [default: the smaller of the reference's sample time and
     /// the controller's step]
-    #[arg(long, value_name = "S", requires = "closed")]
+    #[arg(long, value_name = "S", requires = "closed", allow_negative_numbers = true)]
     step: Option<f64>,
     /// A start value or parameter, as in axis[1].mechanics.damping=0.05 (may be given several times;
     /// in a loop plant.NAME or controller.NAME)
@@ -158,9 +158,7 @@ impl Simulate {
             cosim::simulate_with_inputs(slave, &records, &drive, &mut (&mut memory, &mut bar));
         bar.0.finish_and_clear();
         if let (Err(error), Some(out)) = (&outcome, &self.out) {
-            keep(&memory, out)?;
-            let rows = memory.time().len();
-            bail!("{error}; the {rows} rows until then are in {}", out.display());
+            return Err(broken_off(error, &memory, out)?);
         }
         let endings = outcome?;
         let mut notes: Vec<String> = endings
@@ -269,15 +267,14 @@ impl Simulate {
         let run = Run { record: 0, points, signals: &table, tolerance: None };
         let outcome = closed.run(&run, &mut memory);
         if let (Err(error), Some(out)) = (&outcome, &self.out) {
-            keep(&memory, out)?;
-            let rows = memory.time().len();
-            bail!("{error}; the {rows} rows until then are in {}", out.display());
+            return Err(broken_off(error, &memory, out)?);
         }
         outcome?;
         let _ = record;
         let fits = self.tracking(&memory, &pairs)?;
+        let notes = slow_plant(&plant.fmu, &controller.fmu);
         let name = format!("{} with {}", plant.name, controller.name);
-        self.result(name, memory, fits, Vec::new(), Vec::new())
+        self.result(name, memory, fits, Vec::new(), notes)
     }
 
     /// Position against reference, axis by axis.
@@ -378,6 +375,19 @@ impl Simulate {
     }
 }
 
+/// A note where the plant steps more slowly than the controller: it then answers late, and the loop
+/// has a delay that the machine does not have.
+fn slow_plant(plant: &Fmu, controller: &Fmu) -> Vec<String> {
+    let step = |fmu: &Fmu| fmu.description().default_experiment.as_ref().and_then(|e| e.step_size);
+    match (step(plant), step(controller)) {
+        (Some(plant), Some(controller)) if plant > 1.000_001 * controller => vec![format!(
+            "the plant's step, {plant} s, is longer than the controller's, {controller} s: it answers \
+             late; pack it with --step {controller}"
+        )],
+        _ => Vec::new(),
+    }
+}
+
 /// A `NAME=VALUE` for an FMU.
 fn start(text: &str, addresses: &Addresses, fmu: &Fmu) -> anyhow::Result<(String, Value)> {
     let Some((name, value)) = text.split_once('=') else {
@@ -408,6 +418,16 @@ fn signals(log: &Log) -> Vec<Signals<'_>> {
             .collect(),
     };
     log.records().iter().map(|record| table(record.rows.clone())).collect()
+}
+
+/// The error of a run that broke off; what was recorded until then is written.
+fn broken_off(error: &cosim::Error, memory: &Memory, out: &Path) -> anyhow::Result<anyhow::Error> {
+    let rows = memory.time().len();
+    if rows == 0 {
+        return Ok(anyhow::anyhow!("{error}"));
+    }
+    keep(memory, out)?;
+    Ok(anyhow::anyhow!("{error}; the {rows} rows until then are in {}", out.display()))
 }
 
 /// Writes a run as a log.

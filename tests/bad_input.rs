@@ -1,0 +1,177 @@
+//! Bad input gets an error that names the file, the value, the rule and the way out; nothing is
+//! written, nothing panics, the exit code is not 0.
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::{piezoloop, refuse, succeed};
+
+/// A folder with a packed plant, its controller and a short log.
+fn prepared() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    succeed(&["pack", "evc", "-o", "plant.fmu"], folder.path());
+    succeed(&["invert", "evc", "-o", "controller.toml"], folder.path());
+    succeed(&["pack", "controller.toml", "-o", "controller.fmu"], folder.path());
+    write(folder.path(), "log.csv", "time,command[1],command[2]\n0,0,0\n0.001,10,5\n0.002,20,9\n");
+    folder
+}
+
+fn write(folder: &Path, name: &str, text: &str) {
+    fs::write(folder.join(name), text).expect("the folder is writable");
+}
+
+/// Refuses, says all `words`, and leaves nothing behind.
+fn refuses(folder: &Path, arguments: &[&str], words: &[&str]) {
+    let listing = |folder: &Path| {
+        let entries = fs::read_dir(folder).expect("a folder");
+        let mut names: Vec<_> = entries.flatten().map(|e| e.file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = listing(folder);
+    let message = refuse(arguments, folder);
+    for word in words {
+        assert!(message.contains(word), "\"{word}\" is not in: {message}");
+    }
+    assert_eq!(listing(folder), before, "{arguments:?} left files behind");
+}
+
+#[test]
+fn files_that_are_not_there_or_not_what_they_should_be() {
+    let folder = prepared();
+    let at = folder.path();
+    write(at, "broken.fmu", "this is no archive");
+    write(at, "broken.toml", "piezoloop = 1\nkind = \"plant\"\nname = ");
+    refuses(at, &["pack", "nothing.toml", "-o", "x.fmu"], &["nothing.toml"]);
+    refuses(at, &["pack", "no_such_rig", "-o", "x.fmu"], &["no_such_rig", "evc"]);
+    refuses(at, &["pack", "broken.toml", "-o", "x.fmu"], &["broken.toml", "3"]);
+    refuses(at, &["simulate", "broken.fmu", "--log", "log.csv", "-o", "x.csv"], &["broken.fmu"]);
+    refuses(at, &["simulate", "none.fmu", "--log", "log.csv", "-o", "x.csv"], &["none.fmu"]);
+    refuses(at, &["simulate", "plant.fmu", "--log", "none.csv", "-o", "x.csv"], &["none.csv"]);
+    refuses(at, &["invert", "controller.toml", "-o", "x.toml"], &["controller", "plant"]);
+    refuses(at, &["pack", "evc", "-o", "no/such/folder/x.fmu"], &["no/such/folder"]);
+}
+
+#[test]
+fn names_that_do_not_exist() {
+    let folder = prepared();
+    let at = folder.path();
+    let drive = |more: &[&'static str]| {
+        let mut all = vec!["simulate", "plant.fmu", "--log", "log.csv", "-o", "x.csv"];
+        all.extend(more);
+        all
+    };
+    refuses(at, &drive(&["--map", "command[1]=volts"]), &["log.csv", "volts", "command[1]"]);
+    refuses(at, &drive(&["--map", "command[1]"]), &["command[1]", "="]);
+    refuses(at, &drive(&["--start", "axis[1].mechanics.dampng=0.1"]), &["dampng"]);
+    refuses(at, &drive(&["--start", "axis[1].mechanics.damping=high"]), &["damping", "high"]);
+    refuses(at, &drive(&["--start", "axis[1].mechanics.damping=-3"]), &["damping", "-3"]);
+    refuses(at, &drive(&["--unit", "command[1]=furlong"]), &["furlong"]);
+    refuses(at, &drive(&["--unit", "command[1]=um"]), &["um", "V"]);
+    refuses(at, &drive(&["--rows", "9..2"]), &["9..2"]);
+    refuses(at, &["list", "rigs", "--show", "hubble"], &["hubble", "evc"]);
+    refuses(at, &["pack", "evc", "--binary", "amiga=x.so"], &["amiga", "linux64"]);
+    refuses(at, &["pack", "evc", "--binary", "win64=none.dll"], &["none.dll"]);
+}
+
+#[test]
+fn logs_that_cannot_be_used() {
+    let folder = prepared();
+    let at = folder.path();
+    let cases = [
+        ("back.csv", "time,command[1]\n0,0\n0.002,1\n0.001,2\n", ["back.csv", "4", "time"]),
+        ("nan.csv", "time,command[1]\n0,0\n0.001,nan\n", ["nan.csv", "3", "command[1]"]),
+        ("ragged.csv", "time,command[1]\n0,0\n0.001\n", ["ragged.csv", "3", ""]),
+        ("comma.csv", "time;command[1]\n0;0,5\n", ["comma.csv", ";", ""]),
+        ("text.csv", "time,command[1]\n0,zero\n", ["text.csv", "2", "zero"]),
+        ("empty.csv", "", ["empty.csv", "", ""]),
+    ];
+    for (name, text, words) in cases {
+        write(at, name, text);
+        refuses(at, &["simulate", "plant.fmu", "--log", name, "-o", "x.csv"], &words);
+    }
+    write(
+        at,
+        "still.csv",
+        &(0..200)
+            .fold("time,u,y\n".to_owned(), |t, k| t + &format!("{},3,1\n", 0.01 * f64::from(k))),
+    );
+    let identify =
+        ["identify", "--log", "still.csv", "--input", "u", "--output", "y", "-o", "x.toml"];
+    refuses(at, &identify, &["still.csv", "u", "3"]);
+    let columns = ["identify", "--log", "log.csv", "--input", "u", "--output", "y", "-o", "x.toml"];
+    refuses(at, &columns, &["log.csv", "u", "command[1]"]);
+}
+
+#[test]
+fn loops_that_cannot_be_closed() {
+    let folder = prepared();
+    let at = folder.path();
+    write(at, "ref.csv", "time,reference[1],reference[2]\n0,0,0\n0.001,1,1\n");
+    let close = |fmus: &[&'static str], more: &[&'static str]| {
+        let mut all = vec!["simulate", "--loop"];
+        all.extend(fmus);
+        all.extend(["--reference", "ref.csv", "-o", "x.csv"]);
+        all.extend(more);
+        all
+    };
+    refuses(at, &close(&["plant.fmu"], &[]), &["two FMUs"]);
+    refuses(at, &close(&["plant.fmu", "plant.fmu"], &[]), &["controller"]);
+    refuses(at, &close(&["plant.fmu", "controller.fmu"], &["--step", "-1"]), &["step"]);
+    refuses(
+        at,
+        &close(&["plant.fmu", "controller.fmu"], &["--start", "x=1"]),
+        &["plant.", "controller."],
+    );
+    refuses(at, &["simulate", "plant.fmu", "controller.fmu", "--log", "log.csv"], &["--loop"]);
+}
+
+#[test]
+fn what_is_read_is_never_written_over() {
+    let folder = prepared();
+    let at = folder.path();
+    let before = fs::read(at.join("log.csv")).expect("the log");
+    refuses(
+        at,
+        &["simulate", "plant.fmu", "--log", "log.csv", "-o", "log.csv"],
+        &["log.csv", "-o"],
+    );
+    refuses(
+        at,
+        &["invert", "controller.toml", "-o", "controller.toml"],
+        &["controller.toml", "-o"],
+    );
+    assert_eq!(fs::read(at.join("log.csv")).expect("the log"), before);
+}
+
+#[test]
+fn errors_are_json_where_json_is_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = piezoloop(&["--json", "pack", "none.toml", "-o", "x.fmu"], folder.path());
+    let error: serde_json::Value = serde_json::from_slice(&output.stderr).expect("JSON");
+    assert!(error["error"].as_str().is_some_and(|text| text.contains("none.toml")));
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn every_command_has_help_with_an_example() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let help = succeed(&["--help"], folder.path());
+    let commands: Vec<&str> = help
+        .lines()
+        .skip_while(|line| !line.starts_with("Commands:"))
+        .skip(1)
+        .take_while(|line| line.starts_with("  "))
+        .filter(|line| !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|name| *name != "help")
+        .collect();
+    assert!(commands.len() >= 7, "{commands:?}");
+    for command in commands {
+        let help = succeed(&[command, "--help"], folder.path());
+        assert!(help.contains("Example"), "{command} has no example");
+        assert!(help.contains(&format!("piezoloop {command}")), "{command}: {help}");
+    }
+}

@@ -1,0 +1,63 @@
+//! Every numbered example runs as its README says.
+#![cfg(unix)]
+#![allow(clippy::print_stdout)]
+
+mod common;
+
+use std::path::Path;
+use std::process::Command;
+
+/// Runs the script of an example with the built tool first on the PATH; returns what it printed.
+fn run(example: &str, folder: &Path) -> String {
+    let tool = Path::new(env!("CARGO_BIN_EXE_piezoloop"));
+    let tools = tool.parent().expect("the tool lies in a folder");
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let paths = std::iter::once(tools.to_owned()).chain(std::env::split_paths(&path));
+    let output = Command::new("sh")
+        .arg(common::root().join("examples").join(example).join("run.sh"))
+        .arg(folder)
+        .env("PATH", std::env::join_paths(paths).expect("a PATH"))
+        .output()
+        .expect("a shell");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        output.status.success(),
+        "{example} failed ({}):\n{text}{}",
+        output.status,
+        String::from_utf8_lossy(&output.stderr)
+    );
+    text
+}
+
+/// The number in front of `unit` in the first line that holds `words`, behind them.
+fn number(text: &str, words: &str, unit: &str) -> f64 {
+    let line = text.lines().find(|line| line.contains(words)).expect("the line is printed");
+    let (_, rest) = line.split_once(words).expect("the words are there");
+    let (before, _) = rest.split_once(unit).expect("the unit is there");
+    before.split_whitespace().next_back().expect("a number").parse().expect("a number")
+}
+
+/// The last number of a line.
+fn last_number(line: &str) -> f64 {
+    let words = line.split_whitespace().rev();
+    words.flat_map(str::parse).next().expect("a number")
+}
+
+#[test]
+fn log_to_loop() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = run("01_log_to_loop", folder.path());
+    println!("{said}");
+    let held_out = number(&said, "held out ", "% of range");
+    let line = number(&said, "a straight line leaves ", "%");
+    assert!(held_out < 1.0 && line > 3.0, "{held_out} {line}");
+    assert_eq!(said.matches("no problem").count(), 2);
+    let loop_line = said.lines().find(|line| line.contains("against reference[1]"));
+    let largest = last_number(loop_line.expect("the loop's line"));
+    assert!(largest < 0.02 * 4.0, "largest error {largest} um of 4 um");
+    for file in
+        ["plant.toml", "identify.html", "plant.fmu", "controller.fmu", "run.csv", "loop.csv"]
+    {
+        assert!(folder.path().join(file).is_file(), "{file}");
+    }
+}
