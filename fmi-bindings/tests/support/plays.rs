@@ -1,8 +1,8 @@
 //! Hysteresis whose derivatives the tests know in closed form.
 
 use model::{
-    Component, Conversion, Declaration, Input, Kind, Output, Quantity, Sizes, Stage, System,
-    SystemSpec, Tick, Violation,
+    Component, Connections, Conversion, Declaration, Input, Kind, Output, Quantity, Sizes, Stage,
+    System, SystemSpec, Tick, Violation,
 };
 
 use super::components::{PERIOD, axis, node};
@@ -78,6 +78,7 @@ fn plays(coefficients: &[f64], u: f64, state: &mut [f64], outputs: &mut [f64]) {
 /// A plant of one axis with play operators of the weight 0.25 um/V and a staircase of this step.
 pub fn plays_plant(step: f64) -> System {
     let axes = vec![axis("Y", vec![node(&Plays, &[0.25, step], true)])];
-    let spec = SystemSpec { name: "plays".into(), kind: Kind::Plant, period: PERIOD, axes };
+    let (name, connections) = ("plays".into(), Connections::default());
+    let spec = SystemSpec { name, kind: Kind::Plant, period: PERIOD, axes, connections };
     System::new(&spec).unwrap()
 }
