@@ -7,9 +7,33 @@
 //!
 //! [`diagnose`] gives the answer as [`Gap`], the content of `gap.json`.
 
+mod answer;
+mod base;
+mod belief;
+mod black_box;
+mod block;
+mod chain;
+mod data_set;
 mod error;
+mod experiment;
+mod fit;
+mod fmu;
 mod gap;
+mod library;
+mod noise;
+mod nuisance;
+mod outcome;
+mod place;
+mod problem;
+mod random;
 mod request;
+mod score;
+mod select;
+mod sentence;
+mod shrink;
+mod spectrum;
+
+use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use error::Error;
 pub use gap::{
@@ -18,3 +42,26 @@ pub use gap::{
 };
 pub use identify::{Observer, Silent};
 pub use request::{Deviation, Model, Noise, Request, Tolerance};
+
+/// Diagnoses the gap between a model and measured logs.
+///
+/// The same request gives the same answer for any number of threads.
+///
+/// # Errors
+/// [`Error`]: logs, names, options or models that do not go together.
+pub fn diagnose(request: &Request, observer: &mut dyn Observer) -> Result<Gap, Error> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(request.threads)
+        .build()
+        .map_err(|_| Error::Threads(request.threads))?;
+    let problems = problem::problems(request)?;
+    let total = problems.len();
+    let count = AtomicU64::new(0);
+    let mut outcomes = Vec::with_capacity(total);
+    for (number, problem) in problems.into_iter().enumerate() {
+        observer.progress("diagnose", number, total);
+        outcomes.push(pool.install(|| outcome::of(problem, request, &count))?);
+    }
+    observer.progress("diagnose", total, total);
+    Ok(pool.install(|| answer::gap(request, &outcomes, count.load(Ordering::Relaxed))))
+}

@@ -1,0 +1,340 @@
+//! From the outcomes of all outputs to the answer.
+
+use std::collections::BTreeMap;
+
+use crate::belief;
+use crate::chain::{Chain, Parameter};
+use crate::experiment;
+use crate::gap::{
+    Estimate, Gap, Leftover, NamedEffect, OutputGap, Provenance, Retuned, SCHEMA, Shrink, Tried,
+    Verdict,
+};
+use crate::outcome::Outcome;
+use crate::place::Maps;
+use crate::problem::HELD_OUT;
+use crate::request::{Model, Request};
+use crate::select::{ADEQUATE, Candidate};
+use crate::shrink::Evidence;
+
+/// Mean square over the noise's above which something is left.
+pub(crate) const LEFT: f64 = 1.15;
+
+/// Puts the answer together.
+pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> Gap {
+    let size = |o: &Outcome| o.found.base.judged.held_out;
+    let main = (0..outcomes.len())
+        .max_by(|a, b| size(&outcomes[*a]).total_cmp(&size(&outcomes[*b])).then(b.cmp(a)))
+        .unwrap_or(0);
+    let outputs: Vec<OutputGap> = outcomes.iter().map(|o| output(o, request.seed)).collect();
+    let mut effects: Vec<NamedEffect> = outcomes.iter().flat_map(named).collect();
+    effects.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+    let outcome = &outcomes[main];
+    let maps = maps(outcome);
+    let stage = effects.iter().find(|e| e.output == outcome.problem.output).map(|e| e.stage.clone());
+    let place = maps.place(&outcome.problem.output, &outcome.problem.input, stage.as_deref());
+    let mut warnings: Vec<String> =
+        outcomes.iter().flat_map(|o| o.problem.warnings.clone()).collect();
+    warnings.extend(outcomes.iter().flat_map(cautions));
+    warnings.dedup();
+    let mut gap = Gap {
+        schema: SCHEMA.to_owned(),
+        sentence: String::new(),
+        verdict: worst(outcomes),
+        effects,
+        place,
+        shrink: outputs[main].shrink.clone(),
+        retuned: outcomes.iter().flat_map(|o| retuned(o, outcomes.len() > 1)).collect(),
+        leftover: leftover(outcome, &maps),
+        next_experiment: experiment::next(outcome),
+        candidates: outcomes.iter().flat_map(tried).collect(),
+        outputs,
+        provenance: provenance(request, simulations),
+        warnings,
+    };
+    gap.sentence = crate::sentence::of(&gap);
+    gap
+}
+
+fn worst(outcomes: &[Outcome]) -> Verdict {
+    let order = [
+        Verdict::Effects,
+        Verdict::Unknown,
+        Verdict::Retune,
+        Verdict::InsufficientExcitation,
+        Verdict::Adequate,
+    ];
+    let has = |v: &&Verdict| outcomes.iter().any(|o| o.verdict == **v);
+    order.iter().find(has).copied().unwrap_or(Verdict::Adequate)
+}
+
+fn maps(outcome: &Outcome) -> Maps<'_> {
+    Maps {
+        data: &outcome.problem.data,
+        before: &outcome.found.base.judged.residual,
+        after: &outcome.found.last.judged.residual,
+        sigma: outcome.sigma / outcome.problem.factor,
+    }
+}
+
+fn output(o: &Outcome, seed: u64) -> OutputGap {
+    let shrink = shrink(o, seed);
+    let effects = o.found.last.picks.iter().map(|(f, _)| o.library[*f].effect.name.to_owned());
+    OutputGap {
+        output: o.problem.output.clone(),
+        verdict: o.verdict,
+        effects: effects.collect(),
+        shrink,
+        noise: o.problem.noise.clone(),
+    }
+}
+
+fn shrink(o: &Outcome, seed: u64) -> Shrink {
+    let range = 2.0 * o.problem.data.output_span.half / o.problem.factor;
+    let evidence = Evidence {
+        data: &o.problem.data,
+        judge: &o.judge,
+        given: &o.given,
+        before: &o.found.base.judged,
+        after: &o.found.last.judged,
+        sigma: o.sigma / o.problem.factor,
+        unit: &o.problem.unit,
+        range,
+        seed,
+    };
+    evidence.shrink(!o.found.last.picks.is_empty())
+}
+
+/// A value of a parameter in the unit of reports.
+pub(crate) fn estimate(o: &Outcome, p: &Parameter, q: f64, deviation: Option<f64>) -> Estimate {
+    let value = p.value(q);
+    let deviation = deviation.map(|d| if p.log { value * d } else { d });
+    let scale = scale_of(o, &p.unit);
+    let unit = model::unit_on_axis(&p.unit, &o.problem.command_unit, &o.problem.unit);
+    let finite = |v: f64| v.is_finite().then_some(v);
+    Estimate {
+        value: finite(value / scale).unwrap_or(0.0),
+        std: deviation.and_then(|d| finite(d / scale)),
+        unit,
+    }
+}
+
+/// SI per unit of a formula's parameter, which is kept in SI.
+fn scale_of(o: &Outcome, unit: &str) -> f64 {
+    let (u, y) = (o.problem.command_factor, o.problem.factor);
+    match unit {
+        "{command}" | "{command}/s" => u,
+        "{position}" => y,
+        "{position}/{command}" => y / u,
+        _ => 1.0,
+    }
+}
+
+/// Fitted parameters of effect number `slot`, named `effect.parameter`.
+pub(crate) fn parameters(o: &Outcome, candidate: &Candidate, slot: usize) -> BTreeMap<String, Estimate> {
+    let mut all = BTreeMap::new();
+    let formulas = candidate.picks.iter().map(|(f, k)| &o.library[*f].formulas[*k]);
+    let base = candidate.chain.parameters.iter().take_while(|p| p.is_base).count();
+    let mut first = base;
+    for (number, formula) in formulas.enumerate() {
+        let count = formula.parameters.len();
+        if number == slot {
+            let effect = o.library[candidate.picks[slot].0].effect.name;
+            for k in first..first + count {
+                let p = &candidate.chain.parameters[k];
+                let value = estimate(o, p, candidate.fit.theta[k], candidate.fit.deviations[k]);
+                all.insert(format!("{effect}.{}", p.name.replace(' ', "_")), value);
+            }
+            for k in &formula.releases {
+                let told = &o.problem.base.parameters[*k];
+                if let Some(at) = find(&candidate.chain, &told.name) {
+                    let (q, d) = (candidate.fit.theta[at], candidate.fit.deviations[at]);
+                    let estimate = Estimate {
+                        value: told.value + told.deviation * q,
+                        std: d.map(|d| d * told.deviation),
+                        unit: told.unit.clone(),
+                    };
+                    all.insert(told.name.clone(), estimate);
+                }
+            }
+        }
+        first += count;
+    }
+    all
+}
+
+fn find(chain: &Chain, name: &str) -> Option<usize> {
+    chain.parameters.iter().position(|p| p.is_base && p.name == name)
+}
+
+fn named(o: &Outcome) -> Vec<NamedEffect> {
+    let last = &o.found.last;
+    (0..last.picks.len())
+        .map(|slot| {
+            let family = last.picks[slot].0;
+            let effect = o.library[family].effect;
+            let beliefs = o
+                .found
+                .rivals
+                .get(slot)
+                .map(|looked| belief::beliefs(o, looked, last))
+                .unwrap_or_default();
+            let probability =
+                beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.probability);
+            let mut set: Vec<String> = belief::set(&beliefs)
+                .into_iter()
+                .map(|f| o.library[f].effect.name.to_owned())
+                .collect();
+            if !set.iter().any(|name| name == effect.name) {
+                set.insert(0, effect.name.to_owned());
+            }
+            NamedEffect {
+                effect: effect.name.to_owned(),
+                output: o.problem.output.clone(),
+                stage: effect.stage.name().to_owned(),
+                probability,
+                set,
+                group: effect.group.map(|g| group(g).to_owned()),
+                parameters: parameters(o, last, slot),
+                explained: o.found.alone.get(slot).copied().unwrap_or(0.0),
+            }
+        })
+        .collect()
+}
+
+/// The name of a group in files.
+pub(crate) fn group(group: model::Group) -> &'static str {
+    match group {
+        model::Group::Lag => "lag",
+        model::Group::Gain => "gain",
+        model::Group::Slow => "slow",
+        model::Group::StaticMap => "static_map",
+    }
+}
+
+fn retuned(o: &Outcome, many: bool) -> Vec<(String, Retuned)> {
+    let last = &o.found.last;
+    let released: Vec<usize> =
+        last.picks.iter().flat_map(|(f, k)| o.library[*f].formulas[*k].releases.clone()).collect();
+    let mut all = Vec::new();
+    for (k, p) in o.problem.base.parameters.iter().enumerate() {
+        if released.contains(&k) {
+            continue;
+        }
+        if let Some(at) = find(&last.chain, &p.name) {
+            let q = last.fit.theta[at];
+            all.push((
+                p.name.clone(),
+                Retuned {
+                    from: p.value,
+                    to: p.value + p.deviation * q,
+                    tolerance: p.deviation,
+                    unit: p.unit.clone(),
+                    at_limit: q.abs() >= 3.0 - 1e-9,
+                },
+            ));
+        }
+    }
+    if let Some(at) = find(&last.chain, "output.gain") {
+        let (q, tolerance) = (last.fit.theta[at], o.problem.base.gain_tolerance);
+        let name = if many { format!("{}.gain", o.problem.output) } else { "output.gain".into() };
+        let at_limit = q.abs() >= 3.0 - 1e-9;
+        let unit = "1".to_owned();
+        all.push((name, Retuned { from: 1.0, to: 1.0 + tolerance * q, tolerance, unit, at_limit }));
+    }
+    all
+}
+
+fn leftover(o: &Outcome, maps: &Maps<'_>) -> Leftover {
+    let over_noise = o.found.last.judged.held_out;
+    let left = Maps { before: maps.after, ..*maps };
+    let is_there = over_noise > LEFT;
+    Leftover {
+        present: is_there,
+        over_noise,
+        input_driven: if is_there { left.is_input_driven(left.before, &left.command()) } else { None },
+        bands: if is_there { left.bands() } else { Vec::new() },
+    }
+}
+
+fn tried(o: &Outcome) -> Vec<Tried> {
+    let base = &o.found.base;
+    let first = o.found.first.iter().find_map(|l| l.best.as_ref());
+    let beliefs = first.map(|own| belief::beliefs(o, &o.found.first, own)).unwrap_or_default();
+    let finite = |v: f64| v.is_finite().then_some(v);
+    o.found
+        .first
+        .iter()
+        .map(|l| {
+            let effect = o.library[l.family].effect.name;
+            let best = l.best.as_ref();
+            let formula = best.map_or("", |c| o.library[l.family].formulas[c.picks[0].1].name);
+            let of_family = |b: &&belief::Belief| b.family == l.family;
+            Tried {
+                effect: effect.to_owned(),
+                output: o.problem.output.clone(),
+                formula: formula.to_owned(),
+                score: best.and_then(|c| finite(o.judge.score(&base.judged, &c.judged))),
+                training: best.and_then(|c| finite(c.fit.mean_square)),
+                holdout: best.and_then(|c| finite(c.judged.held_out)),
+                screening: if l.screening.is_finite() { l.screening } else { 0.0 },
+                probability: beliefs.iter().find(of_family).map_or(0.0, |b| b.probability),
+                accepted: o.found.last.picks.iter().any(|(f, _)| *f == l.family),
+                parameters: best.map(|c| parameters(o, c, 0)).unwrap_or_default(),
+            }
+        })
+        .collect()
+}
+
+fn cautions(o: &Outcome) -> Vec<String> {
+    let mut all = Vec::new();
+    let noise = &o.problem.noise;
+    if let Some(periods) = noise.periods
+        && periods > 2.0 * noise.sigma
+    {
+        all.push(format!(
+            "{}: from period to period the reading changes by {periods:.3e} {}, {:.1} times the noise that is used: something is not driven by the command, or drifts",
+            o.problem.output, o.problem.unit, periods / noise.sigma
+        ));
+    }
+    if noise.source == "second differences" && o.verdict == Verdict::Unknown && o.found.base.judged.held_out < 4.0 * ADEQUATE {
+        all.push(format!(
+            "{}: the noise was estimated from the logs, which is a lower bound; the gap is small against it: give --rest or --noise before you believe it",
+            o.problem.output
+        ));
+    }
+    if o.problem.base.parameters.iter().all(|p| !p.has_tolerance) {
+        all.push(format!(
+            "{}: no parameter of the model has a tolerance, only the output's gain: an error of a parameter can look like an effect; give tolerances in the blueprint or with --tune",
+            o.problem.output
+        ));
+    }
+    all
+}
+
+fn provenance(request: &Request, simulations: u64) -> Provenance {
+    let (model, kind) = match &request.model {
+        Model::Blueprint(blueprint) => (blueprint.spec().name.clone(), "white box"),
+        Model::Fmu(path) => (path.display().to_string(), "black box"),
+    };
+    let split = if request.holdout.is_empty() {
+        format!(
+            "the last {:.0} % of each record, simulated from the record's start",
+            100.0 * HELD_OUT
+        )
+    } else {
+        "the logs given for it".to_owned()
+    };
+    let origins = |logs: &[data::Log]| logs.iter().map(|l| l.origin().to_owned()).collect();
+    Provenance {
+        tool: "piezoloop".to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        model,
+        kind: kind.to_owned(),
+        logs: origins(&request.logs),
+        holdout: origins(&request.holdout),
+        split,
+        seed: request.seed,
+        without: request.without.clone(),
+        simulations,
+    }
+}

@@ -1,0 +1,402 @@
+//! The model as it came, as a chain with places where effects go in.
+
+use std::collections::BTreeMap;
+
+use data::CheckedBlueprint;
+use model::{AxisSpec, Conversion, NodeSpec, Stage, Unit, unit_on_axis};
+
+use crate::block::Memory;
+use crate::chain::{Chain, ComponentNode, Link, Node, Parameter};
+use crate::error::Error;
+use crate::library::{Formula, Slot};
+use crate::request::{Deviation, Tolerance};
+
+/// Parameters of one array that are free one by one; a longer array is free in groups.
+const MOST_OF_ARRAY: usize = 12;
+/// Where the prior's box ends, in standard deviations.
+const BOX: f64 = 3.0;
+/// Deviation of a parameter without a tolerance, relative to its value, as a scale.
+const FREE: f64 = 0.1;
+
+/// A parameter of the model that may be off.
+#[derive(Clone, Debug)]
+pub(crate) struct BaseParameter {
+    pub(crate) name: String,
+    pub(crate) unit: String,
+    /// Node that it belongs to.
+    pub(crate) node: usize,
+    /// Indices in the node's values, with the deviation of each in SI.
+    pub(crate) indices: Vec<(usize, f64)>,
+    /// Value in its own unit (of an array's group: the first).
+    pub(crate) value: f64,
+    /// One standard deviation in its own unit.
+    pub(crate) deviation: f64,
+    /// Whether a tolerance says so; else it only moves where an effect releases it.
+    pub(crate) has_tolerance: bool,
+    /// The effect that stands for it beyond its tolerance.
+    pub(crate) effect: Option<&'static str>,
+}
+
+/// The model as it came.
+pub(crate) struct Base {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) parameters: Vec<BaseParameter>,
+    /// Node before which each slot's effects go in.
+    pub(crate) slots: BTreeMap<Slot, usize>,
+    /// Node of the actuator: effects of the actuator read its input.
+    pub(crate) actuator: usize,
+    /// Node of the first mode.
+    pub(crate) mode: Option<usize>,
+    /// Plays of the model.
+    pub(crate) memory: Option<Memory>,
+    pub(crate) gain_tolerance: f64,
+    pub(crate) is_white: bool,
+}
+
+impl Base {
+    /// The chain of one axis of a blueprint, with its number from 1.
+    pub(crate) fn white(
+        blueprint: &CheckedBlueprint,
+        number: usize,
+        tolerances: &[Tolerance],
+        gain_tolerance: f64,
+    ) -> Result<Self, Error> {
+        let name = &blueprint.spec().name;
+        let unknown = || Error::Model {
+            model: name.clone(),
+            message: format!("has no axis {number}; choose one of its outputs"),
+        };
+        let axis = blueprint.spec().axes.get(number - 1).ok_or_else(unknown)?;
+        let told = blueprint.blueprint().axes.get(number - 1).ok_or_else(unknown)?;
+        let mut base = Self {
+            nodes: Vec::new(),
+            parameters: Vec::new(),
+            slots: BTreeMap::new(),
+            actuator: 0,
+            mode: None,
+            memory: None,
+            gain_tolerance,
+            is_white: true,
+        };
+        let mut stages = Vec::new();
+        for (spec, said) in axis.components.iter().zip(&told.components) {
+            let declaration = spec.component.declaration();
+            let is_noise = declaration
+                .effect
+                .is_some_and(|e| matches!(e.name, "sensor_noise" | "floor_vibration"));
+            if is_noise || !spec.enabled {
+                continue;
+            }
+            if declaration.conversion == Conversion::CommandToPosition {
+                base.actuator = base.nodes.len();
+            }
+            stages.push(declaration.stage);
+            base.component(axis, number, spec, said, tolerances);
+        }
+        base.place_slots(&stages);
+        Ok(base)
+    }
+
+    fn place_slots(&mut self, stages: &[Stage]) {
+        let count = stages.len();
+        let first = |is: &dyn Fn(Stage) -> bool| stages.iter().position(|s| is(*s));
+        let actuator = self.actuator;
+        let amplifier = first(&|s| s > Stage::Timing).unwrap_or(count).min(actuator);
+        let mechanics = first(&|s| s > Stage::Actuator).unwrap_or(count).max(actuator + 1);
+        let sensor = first(&|s| s >= Stage::Sensor).unwrap_or(count).max(mechanics);
+        self.slots = BTreeMap::from([
+            (Slot::Command, 0),
+            (Slot::Amplifier, amplifier),
+            (Slot::BeforeActuator, actuator),
+            (Slot::AfterActuator, (actuator + 1).min(count)),
+            (Slot::BeforeMechanics, mechanics.min(count)),
+            (Slot::AfterMechanics, sensor.min(count)),
+            (Slot::Reading, count),
+        ]);
+    }
+
+    fn component(
+        &mut self,
+        axis: &AxisSpec,
+        number: usize,
+        spec: &NodeSpec,
+        said: &data::ComponentBlueprint,
+        tolerances: &[Tolerance],
+    ) {
+        let declaration = spec.component.declaration();
+        let node = self.nodes.len();
+        let mut values = Vec::with_capacity(spec.values.len());
+        let mut at = 0;
+        for (index, quantity) in declaration.parameters.iter().enumerate() {
+            let text = unit_on_axis(quantity.unit, &axis.command_unit, &axis.position_unit);
+            let unit = Unit::parse(&text).unwrap_or(Unit::ONE);
+            let length = declaration.length(index, &spec.structure);
+            let own = spec.values.get(at..at + length).unwrap_or_default();
+            values.extend(own.iter().map(|v| unit.to_si(*v)));
+            if quantity.fit {
+                let path = format!("axis[{number}].{}.{}", spec.name, quantity.name);
+                let relative = said.tolerance.get(quantity.name).copied();
+                let effect = released_by(declaration.kind, quantity.name);
+                let place = Place { node, path: &path, at, unit: &text, factor: unit.factor };
+                self.quantity(&place, own, relative, effect, tolerances);
+            }
+            at += length;
+        }
+        if declaration.kind == "mode" && self.mode.is_none() {
+            self.mode = Some(node);
+        }
+        if declaration.kind == "prandtl-ishlinskii" {
+            self.memory = memory_of(&values);
+        }
+        self.nodes.push(Node::Component(ComponentNode {
+            component: spec.component,
+            structure: spec.structure.clone(),
+            values,
+            links: Vec::new(),
+        }));
+    }
+
+    /// One quantity: a scalar, or the elements of an array that are not zero.
+    fn quantity(
+        &mut self,
+        place: &Place<'_>,
+        own: &[f64],
+        relative: Option<f64>,
+        effect: Option<&'static str>,
+        tolerances: &[Tolerance],
+    ) {
+        let live: Vec<usize> = (0..own.len()).filter(|k| own[*k] != 0.0).collect();
+        let groups = live.len().min(MOST_OF_ARRAY);
+        for g in 0..groups {
+            let members = &live[g * live.len() / groups..(g + 1) * live.len() / groups];
+            let Some(&first) = members.first() else { continue };
+            let name = if own.len() == 1 {
+                place.path.to_owned()
+            } else {
+                format!("{}[{}]", place.path, first + 1)
+            };
+            let (tolerance, has_tolerance) = tolerance(&name, own[first], relative, tolerances);
+            let indices = members
+                .iter()
+                .map(|k| (place.at + k, tolerance * own[*k] / own[first] * place.factor))
+                .collect();
+            self.parameters.push(BaseParameter {
+                name,
+                unit: place.unit.to_owned(),
+                node: place.node,
+                indices,
+                value: own[first],
+                deviation: tolerance,
+                has_tolerance,
+                effect,
+            });
+        }
+    }
+
+    /// The chain with these effects in place.
+    pub(crate) fn compose(&self, effects: &[&Formula]) -> Chain {
+        let mut builder = Composer::new(self, effects);
+        for k in 0..=self.nodes.len() {
+            builder.insert(k);
+            if let Some(node) = self.nodes.get(k) {
+                builder.base_node(k, node);
+            }
+        }
+        builder.finish()
+    }
+}
+
+/// Where a quantity is.
+struct Place<'a> {
+    node: usize,
+    path: &'a str,
+    at: usize,
+    unit: &'a str,
+    factor: f64,
+}
+
+/// One standard deviation in the parameter's unit, and whether anybody said so.
+pub(crate) fn tolerance(
+    name: &str,
+    value: f64,
+    relative: Option<f64>,
+    tolerances: &[Tolerance],
+) -> (f64, bool) {
+    let asked = tolerances.iter().rev().find(|t| t.is_for(name)).map(|t| match t.deviation {
+        Deviation::Relative(relative) => relative * value.abs(),
+        Deviation::Absolute(absolute) => absolute,
+    });
+    match asked.or(relative.map(|r| r * value.abs())) {
+        Some(deviation) if deviation > 0.0 => (deviation, true),
+        _ => (FREE * value.abs(), false),
+    }
+}
+
+/// The effect that stands for a parameter beyond its tolerance.
+fn released_by(kind: &str, quantity: &str) -> Option<&'static str> {
+    match (kind, quantity) {
+        ("mode", "frequency") => Some("resonance_shift"),
+        ("mode", "damping") => Some("damping"),
+        ("amplifier-lag", "bandwidth") => Some("amplifier_bandwidth"),
+        ("sensor-lag", "bandwidth") => Some("sensor_bandwidth"),
+        ("delay", "delay") => Some("delay"),
+        ("prandtl-ishlinskii", "w") => Some("hysteresis"),
+        ("kelvin-voigt-creep", "share") | ("logarithmic-creep", "gain") => Some("creep"),
+        _ => None,
+    }
+}
+
+/// Plays above zero of a Prandtl-Ishlinskii model; its values are `r | w | offset`.
+fn memory_of(values: &[f64]) -> Option<Memory> {
+    let plays = values.len().checked_sub(1)? / 2;
+    let (r, w) = (&values[..plays], &values[plays..2 * plays]);
+    let live = r.iter().zip(w).filter(|(r, w)| **r > 0.0 && **w > 0.0);
+    let (r, w): (Vec<f64>, Vec<f64>) = live.unzip();
+    (!r.is_empty()).then_some(Memory { r, w })
+}
+
+/// Puts a chain together.
+struct Composer<'a> {
+    base: &'a Base,
+    effects: &'a [&'a Formula],
+    nodes: Vec<Node>,
+    parameters: Vec<Parameter>,
+    /// First parameter of each effect.
+    first: Vec<usize>,
+    /// Chain's parameter of each of the base's parameters.
+    of_base: Vec<Option<usize>>,
+    drive: usize,
+}
+
+impl<'a> Composer<'a> {
+    fn new(base: &'a Base, effects: &'a [&'a Formula]) -> Self {
+        let mut parameters = Vec::new();
+        let mut of_base = Vec::new();
+        let released = |k: usize| effects.iter().any(|e| e.releases.contains(&k));
+        for (k, p) in base.parameters.iter().enumerate() {
+            if !p.has_tolerance && !released(k) {
+                of_base.push(None);
+                continue;
+            }
+            of_base.push(Some(parameters.len()));
+            let (low, high, prior) = if released(k) {
+                (-0.95 * p.value.abs() / p.deviation, 9.0 * p.value.abs() / p.deviation, 0.0)
+            } else {
+                (-BOX, BOX, 1.0)
+            };
+            parameters.push(Parameter {
+                name: p.name.clone(),
+                unit: p.unit.clone(),
+                low,
+                high,
+                log: false,
+                step: 0.2,
+                prior,
+                node: 0,
+                is_base: true,
+            });
+        }
+        // The output's gain.
+        parameters.push(Parameter {
+            name: "output.gain".to_owned(),
+            unit: "1".to_owned(),
+            low: -BOX,
+            high: BOX,
+            log: false,
+            step: 0.2,
+            prior: 1.0,
+            node: 0,
+            is_base: true,
+        });
+        let mut first = Vec::new();
+        for effect in effects {
+            first.push(parameters.len());
+            parameters.extend(effect.parameters.iter().map(|p| p.to_parameter()));
+        }
+        let nodes = Vec::new();
+        Self { base, effects, nodes, parameters, first, of_base, drive: 0 }
+    }
+
+    /// Inserts the effects whose slot is before node `k` of the base.
+    fn insert(&mut self, k: usize) {
+        for slot in Slot::ALL {
+            if self.base.slots.get(&slot) != Some(&k) {
+                continue;
+            }
+            for (effect, first) in self.effects.iter().zip(self.first.clone()) {
+                let mut at = first;
+                for piece in &effect.pieces {
+                    if piece.slot == slot {
+                        self.touch(at, piece.count);
+                        self.nodes.push(Node::Block {
+                            block: piece.block.clone(),
+                            first: at,
+                            count: piece.count,
+                            aux: piece.aux,
+                        });
+                    }
+                    at += piece.count;
+                }
+            }
+        }
+    }
+
+    /// Says that these parameters act from the node that comes next.
+    fn touch(&mut self, first: usize, count: usize) {
+        let node = self.nodes.len();
+        for p in &mut self.parameters[first..first + count] {
+            p.node = node;
+        }
+    }
+
+    fn base_node(&mut self, k: usize, node: &Node) {
+        if k == self.base.actuator {
+            self.drive = self.nodes.len();
+        }
+        let here = self.nodes.len();
+        let mut links = Vec::new();
+        for (p, chain) in self.base.parameters.iter().zip(&self.of_base) {
+            if let (true, Some(parameter)) = (p.node == k, chain) {
+                self.parameters[*parameter].node = here;
+                links.extend(p.indices.iter().map(|(index, deviation)| Link {
+                    parameter: *parameter,
+                    index: *index,
+                    deviation: *deviation,
+                }));
+            }
+        }
+        let mut node = node.clone();
+        match &mut node {
+            Node::Component(component) => component.links = links,
+            Node::BlackBox(fmu) => fmu.links = links,
+            _ => {}
+        }
+        let force = self.effects.iter().zip(&self.first).find_map(|(e, first)| Some((e.force?, first)));
+        if let (Some(((force, centre, half), &first)), Node::Component(mode), true) =
+            (force, &node, self.base.mode == Some(k))
+        {
+            self.touch(first, force.count());
+            self.nodes.push(Node::Forced { mode: mode.clone(), force, first, centre, half });
+            return;
+        }
+        self.nodes.push(node);
+    }
+
+    fn finish(mut self) -> Chain {
+        let gain = self.parameters.iter().position(|p| p.name == "output.gain").unwrap_or(0);
+        self.touch(gain, 1);
+        self.nodes.push(Node::Gain { parameter: gain, deviation: self.base.gain_tolerance });
+        let mut nuisances = Vec::new();
+        for (effect, first) in self.effects.iter().zip(&self.first) {
+            if let Some(nuisance) = &effect.nuisance {
+                nuisances.push(nuisance.shifted(*first));
+                let end = self.nodes.len();
+                let own: usize = effect.pieces.iter().map(|p| p.count).sum();
+                for p in &mut self.parameters[first + own..first + effect.parameters.len()] {
+                    p.node = end;
+                }
+            }
+        }
+        Chain { nodes: self.nodes, parameters: self.parameters, drive: self.drive, nuisances }
+    }
+}

@@ -1,0 +1,67 @@
+//! How sure a name is: probabilities of rivals, and of none of them.
+
+use crate::outcome::Outcome;
+use crate::score::explained;
+use crate::select::{Candidate, Looked};
+
+/// Probability that the set must reach.
+pub(crate) const SET: f64 = 0.95;
+
+/// One name for a slot.
+#[derive(Clone, Debug)]
+pub(crate) struct Belief {
+    pub(crate) family: usize,
+    pub(crate) probability: f64,
+}
+
+/// Probabilities of the families for one slot, largest first; the rest to 1 is 'none of these'.
+pub(crate) fn beliefs(outcome: &Outcome, looked: &[Looked], own: &Candidate) -> Vec<Belief> {
+    let fitted: Vec<(usize, &Candidate)> =
+        looked.iter().filter_map(|l| Some((l.family, l.best.as_ref()?))).collect();
+    let Some(best) = fitted.iter().map(|(_, c)| *c).min_by(|a, b| a.rank.total_cmp(&b.rank)) else {
+        return Vec::new();
+    };
+    let weights: Vec<f64> = fitted
+        .iter()
+        .map(|(_, c)| {
+            // Structured residuals make nominal likelihoods far too sure; the paired difference of
+            // blocks is what the data really repeat, and it may not be more than the likelihood says.
+            let paired = outcome.judge.paired(&c.judged, &best.judged).max(0.0);
+            let nominal = (c.rank - best.rank).max(0.0);
+            (-0.5 * (0.5 * paired * paired).min(nominal)).exp()
+        })
+        .collect();
+    let total: f64 = weights.iter().sum();
+    let known = known(outcome, own);
+    let mut all: Vec<Belief> = fitted
+        .iter()
+        .zip(weights)
+        .map(|((family, _), w)| Belief { family: *family, probability: known * w / total })
+        .collect();
+    all.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.family.cmp(&b.family)));
+    all
+}
+
+/// Probability that the cause is in the library at all, from what the effects explain.
+fn known(outcome: &Outcome, own: &Candidate) -> f64 {
+    let base = &outcome.found.base.judged;
+    let score = outcome.judge.score(base, &own.judged);
+    let power = explained(base, &own.judged);
+    let level = score.max(0.5 * (score + power));
+    1.0 / (1.0 + (-(level - 0.65) / 0.06).exp())
+}
+
+/// The smallest set of names that reaches 0.95 of what is known, most probable first.
+pub(crate) fn set(beliefs: &[Belief]) -> Vec<usize> {
+    let known: f64 = beliefs.iter().map(|b| b.probability).sum();
+    let mut sum = 0.0;
+    let mut set = Vec::new();
+    for belief in beliefs {
+        set.push(belief.family);
+        sum += belief.probability;
+        if sum >= SET * known {
+            break;
+        }
+    }
+    set
+}

@@ -1,0 +1,133 @@
+//! Blocks of plays: hysteresis that is missing, skewed or depends on the rate.
+
+use components::linear::lag_fraction;
+
+use super::{Span, Wires};
+
+/// Thresholds of plays.
+pub(crate) type Bank = Vec<f64>;
+
+/// The memory of the model: thresholds and weights of its plays.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Memory {
+    /// Thresholds, above zero.
+    pub(crate) r: Vec<f64>,
+    /// Weights, of one length with the thresholds.
+    pub(crate) w: Vec<f64>,
+}
+
+/// One play: `max(u − r, min(u + r, p))`.
+#[inline]
+fn play(r: f64, u: f64, p: f64) -> f64 {
+    (u - r).max((u + r).min(p))
+}
+
+/// Adds `weight(n, m)` for the memory part m = P_r\[v\] − v of one play.
+fn add_memory(r: f64, v: &[f64], out: &mut [f64], mut weight: impl FnMut(usize, f64) -> f64) {
+    let mut state = 0.0;
+    for (n, (y, u)) in out.iter_mut().zip(v).enumerate() {
+        state = play(r, *u, state);
+        *y += weight(n, state - u);
+    }
+}
+
+pub(super) fn plays(bank: &[f64], gain: bool, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    out.copy_from_slice(w.x);
+    let (linear, weights) = if gain { p.split_at(p.len().min(1)) } else { (&p[..0], p) };
+    if let &[g] = linear {
+        out.iter_mut().zip(w.drive).for_each(|(y, u)| *y += g * u);
+    }
+    for (r, weight) in bank.iter().zip(weights) {
+        add_memory(*r, w.drive, out, |_, m| weight * m);
+    }
+}
+
+pub(super) fn skewed(bank: &[f64], span: Span, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    out.copy_from_slice(w.x);
+    for (r, weight) in bank.iter().zip(p) {
+        add_memory(*r, w.drive, out, |n, m| weight * m * span.unit(w.drive[n]));
+    }
+}
+
+/// Each play gets the envelopes u + c·z² − r and u − c·z² + r (z: place in the range) in the place of
+/// u ∓ r; weights are the model's.
+pub(super) fn curved(memory: &Memory, span: Span, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    let &[curvature] = p else { return };
+    out.copy_from_slice(w.x);
+    for (r, weight) in memory.r.iter().zip(&memory.w) {
+        let (mut bent, mut straight) = (0.0_f64, 0.0);
+        for (y, u) in out.iter_mut().zip(w.drive) {
+            let z = span.unit(*u);
+            let c = curvature * r * z;
+            // The loop is wider at one end of the range and narrower at the other.
+            let (low, high) = (u - (r + c).max(0.0), u + (r + c).max(0.0));
+            bent = low.max(high.min(bent));
+            straight = play(*r, *u, straight);
+            *y += weight * (bent - straight);
+        }
+    }
+}
+
+pub(super) fn rate_plays(memory: &Memory, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    let &[time] = p else { return };
+    out.copy_from_slice(w.x);
+    for (r, weight) in memory.r.iter().zip(&memory.w) {
+        let (mut wide, mut same) = (0.0, 0.0);
+        let mut before = w.drive.first().copied().unwrap_or(0.0);
+        for (y, u) in out.iter_mut().zip(w.drive) {
+            let rate = (u - before).abs() / w.step;
+            before = *u;
+            wide = play((r + time * rate).max(0.0), *u, wide);
+            same = play(*r, *u, same);
+            *y += weight * (wide - same);
+        }
+    }
+}
+
+pub(super) fn lagged_plays(memory: &Memory, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    let &[bandwidth] = p else { return };
+    out.copy_from_slice(w.x);
+    let fraction = lag_fraction(bandwidth, w.step);
+    for (r, weight) in memory.r.iter().zip(&memory.w) {
+        let (mut late, mut prompt) = (0.0, 0.0);
+        let mut z = w.drive.first().copied().unwrap_or(0.0);
+        for (y, u) in out.iter_mut().zip(w.drive) {
+            z += fraction * (u - z);
+            late = play(*r, z, late);
+            prompt = play(*r, *u, prompt);
+            *y += weight * (late - prompt);
+        }
+    }
+}
+
+pub(super) fn rate_memory(memory: &Memory, half: f64, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    let &[time] = p else { return };
+    out.copy_from_slice(w.x);
+    for (r, weight) in memory.r.iter().zip(&memory.w) {
+        let mut before = w.drive.first().copied().unwrap_or(0.0);
+        let mut smooth = 0.0;
+        add_memory(*r, w.drive, out, |n, m| {
+            let u = w.drive[n];
+            smooth += 0.1 * ((u - before).abs() / w.step - smooth);
+            before = u;
+            weight * m * time * smooth / half
+        });
+    }
+}
+
+pub(super) fn start_memory(memory: &Memory, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    let (&[place], Some(&first)) = (p, w.drive.first()) else { return };
+    out.copy_from_slice(w.x);
+    for (r, weight) in memory.r.iter().zip(&memory.w) {
+        let mut told = play(*r, first, 0.0);
+        let mut real = first + place * r;
+        for (y, u) in out.iter_mut().zip(w.drive) {
+            told = play(*r, *u, told);
+            real = play(*r, *u, real);
+            *y += weight * (real - told);
+            if told == real {
+                break;
+            }
+        }
+    }
+}

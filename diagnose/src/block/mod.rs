@@ -1,0 +1,261 @@
+//! Blocks: what an effect does to a whole signal on the path.
+//!
+//! A signal is one value per hit of the grid; value 0 is the rest value, value n is held over hit n.
+//! A block starts at rest under value 0 and writes as many values as it reads. Quantities are SI.
+
+mod input;
+mod linear;
+mod map;
+mod memory;
+mod motion;
+
+use self::memory::Bank;
+pub(crate) use self::memory::Memory;
+
+/// Centre and half width of the range of a signal, to bring formulas to numbers near one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Span {
+    /// Middle of the range.
+    pub(crate) centre: f64,
+    /// Half the range; above zero.
+    pub(crate) half: f64,
+}
+
+impl Span {
+    /// The span of these values; half is 1 where they are constant.
+    pub(crate) fn of(values: impl Iterator<Item = f64>) -> Self {
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        });
+        let half = 0.5 * (high - low);
+        if half > 0.0 && half.is_finite() {
+            Self { centre: 0.5 * (high + low), half }
+        } else {
+            Self { centre: if low.is_finite() { low } else { 0.0 }, half: 1.0 }
+        }
+    }
+
+    /// The value from −1 to 1.
+    pub(crate) fn unit(self, value: f64) -> f64 {
+        (value - self.centre) / self.half
+    }
+}
+
+/// What a block reads.
+#[derive(Clone, Copy)]
+pub(crate) struct Wires<'a> {
+    /// The path before the block.
+    pub(crate) x: &'a [f64],
+    /// The path before the actuator; for output-side blocks of a black box the command.
+    pub(crate) drive: &'a [f64],
+    /// An auxiliary column.
+    pub(crate) aux: &'a [f64],
+    /// Step of the grid in s.
+    pub(crate) step: f64,
+}
+
+/// A parametric change of a signal.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Block {
+    /// `x(t − T)`; T in s.
+    Delay,
+    /// `x(t·(1 − e))` within the record.
+    Clock,
+    /// `q·round(x/q)`, `q = range/2^bits`; parameter bits.
+    Quantiser(Span),
+    /// Equal first-order lags in series; bandwidth of each in Hz.
+    Lag(usize),
+    /// Second-order lag; frequency in Hz, damping.
+    Lag2,
+    /// Slope limit in command per second.
+    Slew,
+    /// Slope limit and first-order approach: slope limit, bandwidth.
+    SoftSlew,
+    /// Upper limit.
+    ClampHigh,
+    /// Lower limit.
+    ClampLow,
+    /// Both limits: half width about the centre.
+    ClampBoth(Span),
+    /// Smooth limit at the top: limit, width of the bend.
+    SoftHigh,
+    /// `c + A tanh((x − c)/A)`: A over the half range.
+    Tanh(Span),
+    /// Smooth S-curve with a slope that flattens to both ends: size, shift of the centre.
+    Sigmoid(Span),
+    /// `x·(1 + g)` about the rest value.
+    Gain,
+    /// Creep with the same growth in each decade between two times: gain per decade, shortest time.
+    LogCreep {
+        /// Longest time in s.
+        longest: f64,
+    },
+    /// Creep whose growth per decade grows with time: gain, exponent.
+    PowerCreep {
+        /// Shortest time in s.
+        shortest: f64,
+        /// Longest time in s.
+        longest: f64,
+    },
+    /// Creep of elements with these times in s: one share each.
+    FixedCreep(Vec<f64>),
+    /// Creep of elements with free times: share, time, share, time, …
+    FreeCreep(usize),
+    /// `x + Σ w_k·(P_k[drive] − drive) + w_0·drive`: w_0 (where `gain`), w_k.
+    Plays {
+        /// Thresholds.
+        bank: Bank,
+        /// Whether the part without memory is free.
+        gain: bool,
+    },
+    /// Memory part times the place in the range: one weight per threshold.
+    SkewedPlays {
+        /// Thresholds.
+        bank: Bank,
+        /// Range of the drive.
+        span: Span,
+    },
+    /// Plays with curved envelopes: one curvature; weights from the model.
+    CurvedPlays {
+        /// Memory of the model.
+        memory: Memory,
+        /// Range of the drive.
+        span: Span,
+    },
+    /// One-sided dead zones after the actuator: weight above, weight below (in the half range).
+    DeadZones(Span),
+    /// Thresholds that grow with the rate: s.
+    RatePlays(Memory),
+    /// Plays that lag behind the drive: bandwidth in Hz.
+    LaggedPlays(Memory),
+    /// Memory part that grows with the rate: s, over the half range.
+    RateMemory {
+        /// Memory of the model.
+        memory: Memory,
+        /// Half range of the drive.
+        half: f64,
+    },
+    /// Memory at the start of the record: −1 (from below) to 1.
+    StartMemory(Memory),
+    /// Decaying transient from the start: size in the half range, time constant in s.
+    StartTransient(Span),
+    /// Temperature from the drive's power: growth in the half range, time constant in s.
+    Heating {
+        /// Range of the path.
+        span: Span,
+        /// Mean square of the drive's rate.
+        power: f64,
+    },
+    /// The same as a change of gain.
+    HeatingGain {
+        /// Mean square of the drive's rate.
+        power: f64,
+    },
+    /// A parallel mode with the static gain kept: gain, frequency in Hz, damping.
+    ParallelMode,
+    /// Pole pair over zero pair in series: pole Hz, pole damping, zero Hz over pole Hz, zero damping.
+    PoleZero,
+    /// Clearance: half its width.
+    Backlash,
+    /// Dahl friction on the displacement: size, pre-sliding distance.
+    Dahl,
+    /// Polynomial about the centre, over the half range: coefficients of 2, 3, ….
+    Polynomial {
+        /// Range.
+        span: Span,
+        /// Highest power.
+        order: usize,
+    },
+    /// A sine over the range: size in the half range, cycles over the range, phase.
+    Sine(Span),
+    /// Auxiliary signal: weight of its value and, where `rate`, of its rate.
+    Aux {
+        /// Scale of the signal over that of the path.
+        scale: f64,
+        /// Whether its rate counts as well.
+        rate: bool,
+    },
+    /// Auxiliary signal through a first-order lag: weight, bandwidth in Hz.
+    LaggedAux {
+        /// Scale of the signal over that of the path.
+        scale: f64,
+    },
+    /// Auxiliary signal through a mode: weight, frequency in Hz, damping.
+    ModalAux {
+        /// Scale of the signal over that of the path.
+        scale: f64,
+    },
+    /// Feed-through of the command: weight of its value and of its rate (s).
+    FeedThrough {
+        /// Scale of the command over that of the path.
+        scale: f64,
+        /// Time in s that scales the rate.
+        time: f64,
+    },
+}
+
+/// A quantity of a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Axis {
+    /// Name in reports.
+    pub(crate) name: &'static str,
+    /// Unit in reports; `{command}` and `{position}` for the axis' own.
+    pub(crate) unit: &'static str,
+}
+
+impl Block {
+    /// Writes what the block makes of its input; the slices have one length.
+    pub(crate) fn run(&self, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+        match self {
+            Self::Delay => input::delay(p, w, out),
+            Self::Clock => input::clock(p, w, out),
+            Self::Quantiser(span) => input::quantise(*span, p, w, out),
+            Self::Slew => input::slew(p, w, out),
+            Self::SoftSlew => input::soft_slew(p, w, out),
+            Self::Lag(order) => linear::lags(*order, p, w, out),
+            Self::Lag2 => linear::second_order(p, w, out),
+            Self::ParallelMode => linear::parallel_mode(p, w, out),
+            Self::PoleZero => linear::pole_zero(p, w, out),
+            Self::LogCreep { longest } => linear::log_creep(*longest, p, w, out),
+            Self::PowerCreep { shortest, longest } => {
+                linear::power_creep(*shortest, *longest, p, w, out);
+            }
+            Self::FixedCreep(times) => linear::fixed_creep(times, p, w, out),
+            Self::FreeCreep(count) => linear::free_creep(*count, p, w, out),
+            Self::Aux { scale, rate } => linear::aux(*scale, *rate, p, w, out),
+            Self::LaggedAux { scale } => linear::lagged_aux(*scale, p, w, out),
+            Self::ModalAux { scale } => linear::modal_aux(*scale, p, w, out),
+            Self::FeedThrough { scale, time } => linear::feed_through(*scale, *time, p, w, out),
+            Self::ClampHigh
+            | Self::ClampLow
+            | Self::ClampBoth(_)
+            | Self::SoftHigh
+            | Self::Tanh(_)
+            | Self::Sigmoid(_)
+            | Self::Gain
+            | Self::DeadZones(_)
+            | Self::Polynomial { .. }
+            | Self::Sine(_) => self.run_map(p, w, out),
+            Self::Plays { bank, gain } => memory::plays(bank, *gain, p, w, out),
+            Self::SkewedPlays { bank, span } => memory::skewed(bank, *span, p, w, out),
+            Self::CurvedPlays { memory, span } => memory::curved(memory, *span, p, w, out),
+            Self::RatePlays(memory) => memory::rate_plays(memory, p, w, out),
+            Self::LaggedPlays(memory) => memory::lagged_plays(memory, p, w, out),
+            Self::RateMemory { memory, half } => memory::rate_memory(memory, *half, p, w, out),
+            Self::StartMemory(memory) => memory::start_memory(memory, p, w, out),
+            Self::StartTransient(span) => motion::transient(*span, p, w, out),
+            Self::Heating { span, power } => motion::heating(Some(*span), *power, p, w, out),
+            Self::HeatingGain { power } => motion::heating(None, *power, p, w, out),
+            Self::Backlash => motion::backlash(p, w, out),
+            Self::Dahl => motion::dahl(p, w, out),
+        }
+    }
+
+    /// Runs a block that maps each value by itself.
+    fn run_map(&self, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+        let rest = w.x.first().copied().unwrap_or(0.0);
+        for (y, x) in out.iter_mut().zip(w.x) {
+            *y = map::value(self, p, *x, rest);
+        }
+    }
+}

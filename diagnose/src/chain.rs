@@ -1,0 +1,345 @@
+//! A model as a chain of nodes over whole signals.
+//!
+//! A change of a parameter only runs the nodes from its own on; what comes before is kept. This makes
+//! the sensitivities, of which a diagnosis needs thousands, cheap.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use model::{Component, Tick};
+
+use crate::black_box::BlackBox;
+use crate::block::{Block, Wires};
+use crate::data_set::DataSet;
+
+/// A parameter of a chain, in the coordinate in which it is fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Parameter {
+    /// Name in reports.
+    pub(crate) name: String,
+    /// Unit in reports.
+    pub(crate) unit: String,
+    /// Least value of the coordinate.
+    pub(crate) low: f64,
+    /// Greatest value of the coordinate.
+    pub(crate) high: f64,
+    /// Whether the coordinate is the logarithm of the value.
+    pub(crate) log: bool,
+    /// Step of the coordinate for finite differences.
+    pub(crate) step: f64,
+    /// Weight of the prior `coordinate²`; 0: none.
+    pub(crate) prior: f64,
+    /// First node that depends on it.
+    pub(crate) node: usize,
+    /// Whether it belongs to the model as it came.
+    pub(crate) is_base: bool,
+}
+
+impl Parameter {
+    /// The value of this coordinate.
+    pub(crate) fn value(&self, coordinate: f64) -> f64 {
+        if self.log { coordinate.exp() } else { coordinate }
+    }
+}
+
+/// How a parameter of the chain moves a parameter of a component: value + deviation·coordinate.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Link {
+    /// Number of the parameter in the chain.
+    pub(crate) parameter: usize,
+    /// Index in the component's values.
+    pub(crate) index: usize,
+    /// Change per unit of the coordinate, in SI.
+    pub(crate) deviation: f64,
+}
+
+/// A component of the blueprint.
+#[derive(Clone)]
+pub(crate) struct ComponentNode {
+    pub(crate) component: &'static dyn Component,
+    pub(crate) structure: Vec<f64>,
+    /// Parameters in SI.
+    pub(crate) values: Vec<f64>,
+    pub(crate) links: Vec<Link>,
+}
+
+/// What is added to the equation of motion of a mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Force {
+    /// Cubic stiffness: `k₃·((x − centre)/half)²` of the linear force.
+    Cubic,
+    /// Quadratic and cubic stiffness.
+    Uneven,
+    /// Dry friction with a pre-sliding distance, over the stiffness.
+    Friction,
+}
+
+/// One node of a chain.
+#[derive(Clone)]
+pub(crate) enum Node {
+    /// A component of the model.
+    Component(ComponentNode),
+    /// A mode of the model with another force on it.
+    Forced { mode: ComponentNode, force: Force, first: usize, centre: f64, half: f64 },
+    /// A block of an effect; its parameters begin at `first`.
+    Block { block: Block, first: usize, count: usize, aux: usize },
+    /// The gain of the output: 1 + deviation·coordinate.
+    Gain { parameter: usize, deviation: f64 },
+    /// An FMU.
+    BlackBox(BlackBox),
+}
+
+/// Why a simulation of a candidate has no result: parameters that are none, or numbers that overflow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Failed;
+
+/// A chain with its parameters.
+#[derive(Clone)]
+pub(crate) struct Chain {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) parameters: Vec<Parameter>,
+    /// Edge that drives the actuator (edge k is the input of node k).
+    pub(crate) drive: usize,
+    /// Parameters of each nuisance term, see [`crate::nuisance`].
+    pub(crate) nuisances: Vec<crate::nuisance::Nuisance>,
+}
+
+/// How far records are simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Horizon {
+    /// To the end of the rows that are fitted.
+    Training,
+    /// To the end.
+    All,
+}
+
+/// Simulates one chain over all records and keeps the signals between the nodes.
+pub(crate) struct Bench<'a> {
+    pub(crate) chain: &'a Chain,
+    pub(crate) data: &'a DataSet,
+    horizon: Horizon,
+    /// Signals behind each node at the kept point.
+    edges: Vec<Vec<f64>>,
+    /// The same at a point beside it.
+    aside: Vec<Vec<f64>>,
+    at: Option<Vec<f64>>,
+    count: &'a AtomicU64,
+}
+
+impl<'a> Bench<'a> {
+    pub(crate) fn new(
+        chain: &'a Chain,
+        data: &'a DataSet,
+        horizon: Horizon,
+        count: &'a AtomicU64,
+    ) -> Self {
+        let signals = || vec![Vec::new(); chain.nodes.len()];
+        Self { chain, data, horizon, edges: signals(), aside: signals(), at: None, count }
+    }
+
+    /// Simulates at `theta` and keeps the signals; the output signal over the grid.
+    pub(crate) fn keep(&mut self, theta: &[f64]) -> Result<&[f64], Failed> {
+        let first = match &self.at {
+            Some(at) => self.first_changed(at, theta),
+            None => 0,
+        };
+        self.at = None;
+        for k in first..self.chain.nodes.len() {
+            let mut out = std::mem::take(&mut self.edges[k]);
+            let done = self.run(k, theta, first, false, &mut out);
+            self.edges[k] = out;
+            done?;
+        }
+        self.count.fetch_add(1, Ordering::Relaxed);
+        self.at = Some(theta.to_vec());
+        Ok(self.edges.last().map_or(&self.data.command, |edge| edge))
+    }
+
+    /// Simulates at a point beside the kept one; the output signal over the grid.
+    pub(crate) fn beside(&mut self, theta: &[f64]) -> Result<&[f64], Failed> {
+        let Some(at) = &self.at else { return Err(Failed) };
+        let first = self.first_changed(at, theta);
+        for k in first..self.chain.nodes.len() {
+            let mut out = std::mem::take(&mut self.aside[k]);
+            let done = self.run(k, theta, first, true, &mut out);
+            self.aside[k] = out;
+            done?;
+        }
+        self.count.fetch_add(1, Ordering::Relaxed);
+        let edges = if first < self.chain.nodes.len() { &self.aside } else { &self.edges };
+        Ok(edges.last().map_or(&self.data.command, |edge| edge))
+    }
+
+    fn first_changed(&self, at: &[f64], theta: &[f64]) -> usize {
+        let changed = self.chain.parameters.iter().zip(at.iter().zip(theta));
+        changed
+            .filter(|(_, (a, b))| a.to_bits() != b.to_bits())
+            .map(|(parameter, _)| parameter.node)
+            .min()
+            .unwrap_or(self.chain.nodes.len())
+    }
+
+    /// The signal on an edge as node `k` sees it.
+    fn edge(&self, edge: usize, first: usize, aside: bool) -> &[f64] {
+        match edge.checked_sub(1) {
+            None => &self.data.command,
+            Some(node) if aside && node >= first => &self.aside[node],
+            Some(node) => &self.edges[node],
+        }
+    }
+
+    fn run(
+        &self,
+        k: usize,
+        theta: &[f64],
+        first: usize,
+        aside: bool,
+        out: &mut Vec<f64>,
+    ) -> Result<(), Failed> {
+        let x = self.edge(k, first, aside);
+        let drive = self.edge(self.chain.drive.min(k), first, aside);
+        out.resize(self.data.command.len(), 0.0);
+        let Some(node) = self.chain.nodes.get(k) else { return Err(Failed) };
+        let parameters = &self.chain.parameters;
+        for record in &self.data.records {
+            let end = match self.horizon {
+                Horizon::All => record.hits.end,
+                Horizon::Training => record.training_hits_end,
+            };
+            let range = record.hits.start..end;
+            if range.is_empty() {
+                continue;
+            }
+            let (x, out) = (&x[range.clone()], &mut out[range.clone()]);
+            match node {
+                Node::Component(node) => node.run(theta, x, self.data.step, out)?,
+                Node::Forced { mode, force, first, centre, half } => {
+                    let p = natural(parameters, theta, *first, force.count());
+                    forced(mode, *force, &p, (*centre, *half), theta, x, self.data.step, out)?;
+                }
+                Node::Block { block, first, count, aux } => {
+                    let p = natural(parameters, theta, *first, *count);
+                    let aux = self.data.aux.get(*aux).map_or(&x[..], |a| &a.hits[range.clone()]);
+                    let drive = &drive[range.clone()];
+                    block.run(&p, Wires { x, drive, aux, step: self.data.step }, out);
+                }
+                Node::Gain { parameter, deviation } => {
+                    let gain = 1.0 + deviation * theta.get(*parameter).copied().unwrap_or(0.0);
+                    out.iter_mut().zip(x).for_each(|(y, x)| *y = gain * x);
+                }
+                Node::BlackBox(fmu) => fmu.run(theta, record, x, out)?,
+            }
+            // A NaN or an infinity anywhere stays until the end in every recursive block.
+            if out.last().is_none_or(|last| !last.is_finite()) {
+                return Err(Failed);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Natural values of `count` parameters.
+fn natural(parameters: &[Parameter], theta: &[f64], first: usize, count: usize) -> Vec<f64> {
+    let range = first..first + count;
+    parameters[range.clone()].iter().zip(&theta[range]).map(|(p, q)| p.value(*q)).collect()
+}
+
+impl Force {
+    /// Number of its parameters.
+    pub(crate) fn count(self) -> usize {
+        match self {
+            Self::Cubic => 1,
+            Self::Uneven | Self::Friction => 2,
+        }
+    }
+
+    /// The force over the linear stiffness, as a displacement; z is the state of the friction.
+    fn pull(self, p: &[f64], x: f64, way: f64, z: &mut f64, centre: f64, half: f64) -> f64 {
+        let e = (x - centre) / half;
+        match (self, p) {
+            (Self::Cubic, &[cubic]) => half * cubic * e * e * e,
+            (Self::Uneven, &[square, cubic]) => half * (square * e * e + cubic * e * e * e),
+            (Self::Friction, &[size, distance]) => {
+                let decay = (-way.abs() / distance).exp();
+                *z = way.signum() * (1.0 - decay) + *z * decay;
+                size * *z
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+impl ComponentNode {
+    /// Values at this point, in SI.
+    fn values_at(&self, theta: &[f64]) -> Vec<f64> {
+        let mut values = self.values.clone();
+        for link in &self.links {
+            if let (Some(value), Some(q)) = (values.get_mut(link.index), theta.get(link.parameter))
+            {
+                *value += link.deviation * q;
+            }
+        }
+        values
+    }
+
+    fn run(&self, theta: &[f64], x: &[f64], step: f64, out: &mut [f64]) -> Result<(), Failed> {
+        let component = self.component;
+        let sizes = component.sizes(&self.structure, step);
+        let mut coefficients = vec![0.0; sizes.coefficients];
+        let mut state = vec![0.0; sizes.states];
+        let mut outputs = vec![0.0; component.declaration().outputs.len()];
+        let values = self.values_at(theta);
+        let bounds = component.declaration().parameters.iter();
+        let _ = bounds;
+        component
+            .prepare(&self.structure, &values, step, &mut coefficients)
+            .map_err(|_| Failed)?;
+        let mut pairs = x.iter().zip(out.iter_mut());
+        let Some((u, y)) = pairs.next() else { return Ok(()) };
+        component.rest(&coefficients, &[*u], &mut state, &mut outputs);
+        *y = outputs.first().copied().unwrap_or(f64::NAN);
+        for ((u, y), index) in pairs.zip(1u64..) {
+            let tick = Tick { index, time: index as f64 * step, period: step };
+            component.step(&coefficients, &mut state, tick, &[*u], &mut outputs);
+            *y = outputs[0];
+        }
+        Ok(())
+    }
+}
+
+/// A mode `x″ + 2ζω x′ + ω²·(x + pull(x)) = ω²·gain·u`: the pull acts as a part of the input that is
+/// held over the step.
+#[allow(clippy::too_many_arguments)]
+fn forced(
+    mode: &ComponentNode,
+    force: Force,
+    p: &[f64],
+    (centre, half): (f64, f64),
+    theta: &[f64],
+    u: &[f64],
+    step: f64,
+    out: &mut [f64],
+) -> Result<(), Failed> {
+    let &[frequency, damping, gain] = mode.values_at(theta).as_slice() else { return Err(Failed) };
+    if !(frequency > 0.0 && damping > 0.0) {
+        return Err(Failed);
+    }
+    let transition = components::linear::Transition::new(frequency, damping, step);
+    let Some(&first) = u.first() else { return Ok(()) };
+    let (mut z, mut rate) = (0.0, 0.0);
+    let mut x = gain * first;
+    // The equilibrium under the first input, by fixed-point steps.
+    for _ in 0..50 {
+        x = gain * first - force.pull(p, x, 0.0, &mut z, centre, half);
+    }
+    let mut before = x;
+    for (n, (y, u)) in out.iter_mut().zip(u).enumerate() {
+        if n > 0 {
+            let target = gain * u - force.pull(p, x, x - before, &mut z, centre, half);
+            before = x;
+            let (e, r) = transition.apply(x - target, rate);
+            (x, rate) = (target + e, r);
+        }
+        *y = x;
+    }
+    Ok(())
+}

@@ -1,0 +1,205 @@
+//! The rows of all records for one output, in SI, on the grid of the model.
+
+use std::ops::Range;
+
+use crate::block::Span;
+
+/// Most rows that enter the normal equations; more are thinned evenly (all are simulated).
+const MOST_FIT_ROWS: usize = 40_000;
+
+/// One record.
+#[derive(Clone, Debug)]
+pub(crate) struct RecordData {
+    /// Name in reports.
+    pub(crate) name: String,
+    /// Its rows.
+    pub(crate) rows: Range<usize>,
+    /// Rows that are fitted, a part of `rows` from its start.
+    pub(crate) training: Range<usize>,
+    /// Its place on the grid.
+    pub(crate) hits: Range<usize>,
+    /// End of the hits that the training rows need.
+    pub(crate) training_hits_end: usize,
+    /// Its part of the rows of the fit.
+    pub(crate) fit: Range<usize>,
+    /// Which log it is from.
+    pub(crate) log: usize,
+    /// Inputs of a black box beside the one that is driven, row by row, in the model's units.
+    pub(crate) others: Vec<Vec<f64>>,
+}
+
+/// An auxiliary column.
+#[derive(Clone, Debug)]
+pub(crate) struct Auxiliary {
+    /// Column.
+    pub(crate) name: String,
+    /// Whether it is another input of the model: a neighbour's command.
+    pub(crate) is_command: bool,
+    /// Values over the grid, held between rows.
+    pub(crate) hits: Vec<f64>,
+    /// Its range.
+    pub(crate) span: Span,
+}
+
+/// All records.
+#[derive(Clone, Debug)]
+pub(crate) struct DataSet {
+    /// Step of the grid in s.
+    pub(crate) step: f64,
+    /// Time of each row in s.
+    pub(crate) time: Vec<f64>,
+    /// Measured output of each row.
+    pub(crate) y: Vec<f64>,
+    /// Hit at which each row is read.
+    pub(crate) row_hit: Vec<u32>,
+    /// Command over the grid, held between rows.
+    pub(crate) command: Vec<f64>,
+    /// Auxiliary columns.
+    pub(crate) aux: Vec<Auxiliary>,
+    /// Records.
+    pub(crate) records: Vec<RecordData>,
+    /// Rows that enter the normal equations.
+    pub(crate) fit_rows: Vec<u32>,
+    /// Range of the command.
+    pub(crate) command_span: Span,
+    /// Range of the output.
+    pub(crate) output_span: Span,
+}
+
+/// One record as it comes.
+pub(crate) struct RecordRows {
+    pub(crate) name: String,
+    pub(crate) log: usize,
+    pub(crate) time: Vec<f64>,
+    pub(crate) command: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) aux: Vec<Vec<f64>>,
+    pub(crate) others: Vec<Vec<f64>>,
+    /// Part of the rows that is fitted, 0 to 1.
+    pub(crate) training: f64,
+}
+
+impl DataSet {
+    /// Puts records on a grid; `step` `None`: one hit per row.
+    pub(crate) fn new(
+        records: Vec<RecordRows>,
+        aux: &[(String, bool)],
+        step: Option<f64>,
+    ) -> Self {
+        let sample = records.iter().flat_map(|r| r.time.windows(2).map(|w| w[1] - w[0]));
+        let shortest = sample.fold(f64::INFINITY, f64::min);
+        let mut all = Self {
+            step: step.unwrap_or(shortest),
+            time: Vec::new(),
+            y: Vec::new(),
+            row_hit: Vec::new(),
+            command: Vec::new(),
+            aux: Vec::new(),
+            records: Vec::new(),
+            fit_rows: Vec::new(),
+            command_span: Span::of(records.iter().flat_map(|r| r.command.iter().copied())),
+            output_span: Span::of(records.iter().flat_map(|r| r.y.iter().copied())),
+        };
+        all.aux = aux
+            .iter()
+            .enumerate()
+            .map(|(k, (name, is_command))| Auxiliary {
+                name: name.clone(),
+                is_command: *is_command,
+                hits: Vec::new(),
+                span: Span::of(records.iter().flat_map(|r| r.aux[k].iter().copied())),
+            })
+            .collect();
+        for record in records {
+            all.push(record, step.is_none());
+        }
+        all.choose_fit_rows();
+        all
+    }
+
+    fn push(&mut self, record: RecordRows, one_hit_per_row: bool) {
+        let (row, hit) = (self.time.len(), self.command.len());
+        let start = record.time.first().copied().unwrap_or(0.0);
+        let hit_of = |k: usize, time: f64| {
+            if one_hit_per_row { k } else { ((time - start) / self.step + 1e-6).floor() as usize }
+        };
+        let hits: Vec<usize> = record.time.iter().enumerate().map(|(k, t)| hit_of(k, *t)).collect();
+        // Hit n takes the row that was last before it; hit 0 is the rest under the first row.
+        let expand = |values: &[f64], into: &mut Vec<f64>| {
+            into.extend(values.first());
+            for (pair, value) in hits.windows(2).zip(values) {
+                into.extend(std::iter::repeat_n(*value, pair[1] - pair[0]));
+            }
+        };
+        expand(&record.command, &mut self.command);
+        for (k, aux) in self.aux.iter_mut().enumerate() {
+            expand(&record.aux[k], &mut aux.hits);
+        }
+        self.row_hit.extend(hits.iter().map(|h| (hit + h) as u32));
+        let rows = row..row + record.time.len();
+        let count = (record.training * rows.len() as f64).round() as usize;
+        let training = rows.start..rows.start + count;
+        let training_hits_end =
+            training.clone().last().map_or(hit, |last| self.row_hit[last] as usize + 1);
+        self.time.extend(record.time);
+        self.y.extend(record.y);
+        self.records.push(RecordData {
+            name: record.name,
+            rows,
+            training,
+            hits: hit..self.command.len(),
+            training_hits_end,
+            fit: 0..0,
+            log: record.log,
+            others: record.others,
+        });
+    }
+
+    fn choose_fit_rows(&mut self) {
+        let total: usize = self.records.iter().map(|r| r.training.len()).sum();
+        let stride = total.div_ceil(MOST_FIT_ROWS).max(1);
+        for record in &mut self.records {
+            let first = self.fit_rows.len();
+            self.fit_rows.extend(record.training.clone().step_by(stride).map(|row| row as u32));
+            record.fit = first..self.fit_rows.len();
+        }
+    }
+
+    /// Measured less simulated at the rows of the fit.
+    pub(crate) fn fit_residual(&self, simulated: &[f64]) -> Vec<f64> {
+        let at = |row: &u32| {
+            let row = *row as usize;
+            self.y[row] - simulated[self.row_hit[row] as usize]
+        };
+        self.fit_rows.iter().map(at).collect()
+    }
+
+    /// Simulated at the rows of the fit.
+    pub(crate) fn fit_output(&self, simulated: &[f64]) -> Vec<f64> {
+        self.fit_rows.iter().map(|row| simulated[self.row_hit[*row as usize] as usize]).collect()
+    }
+
+    /// Measured less simulated at all rows.
+    pub(crate) fn residual(&self, simulated: &[f64]) -> Vec<f64> {
+        self.y.iter().zip(&self.row_hit).map(|(y, hit)| y - simulated[*hit as usize]).collect()
+    }
+
+    /// Median sample time in s.
+    pub(crate) fn sample_time(&self) -> f64 {
+        let mut all: Vec<f64> = self
+            .records
+            .iter()
+            .flat_map(|r| self.time[r.rows.clone()].windows(2).map(|w| w[1] - w[0]))
+            .collect();
+        let middle = all.len() / 2;
+        if all.is_empty() {
+            return self.step;
+        }
+        *all.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+
+    /// Rows of a record that are held out.
+    pub(crate) fn held_out(record: &RecordData) -> Range<usize> {
+        record.training.end..record.rows.end
+    }
+}

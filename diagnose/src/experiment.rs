@@ -1,0 +1,211 @@
+//! What to measure next: the signal of a menu that separates two rivals best (T-optimal).
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::belief;
+use crate::data_set::{DataSet, RecordRows};
+use crate::fit::Fitter;
+use crate::gap::NextExperiment;
+use crate::outcome::Outcome;
+use crate::random::Random;
+use crate::select::Candidate;
+
+/// Most rows of a signal.
+const ROWS: usize = 20_000;
+/// Lines of a multisine.
+const LINES: usize = 40;
+
+/// One signal of the menu.
+struct Item {
+    name: String,
+    command: Vec<f64>,
+}
+
+/// The experiment that separates the two most probable names of the most doubtful slot; for an unknown
+/// effect a record at rest and a rich one.
+pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
+    let last = &o.found.last;
+    for slot in 0..last.picks.len() {
+        let looked = o.found.rivals.get(slot)?;
+        let beliefs = belief::beliefs(o, looked, last);
+        let set = belief::set(&beliefs);
+        if set.len() < 2 {
+            continue;
+        }
+        let of = |family: usize| {
+            looked.iter().find(|l| l.family == family).and_then(|l| l.best.as_ref())
+        };
+        if let (Some(a), Some(b)) = (of(set[0]), of(set[1])) {
+            return separate(o, (set[0], a), (set[1], b));
+        }
+    }
+    use crate::gap::Verdict;
+    let sentence = match o.verdict {
+        Verdict::Unknown => "Record the machine at rest (for --rest), then a multisine over the whole band and range: the first tells disturbance from effect, the second where the effect lies",
+        Verdict::InsufficientExcitation => "Record a multisine over the whole band at a tenth of the range or more, and a staircase",
+        _ => return None,
+    };
+    let item = menu(o).into_iter().next()?;
+    Some(experiment(o, item, sentence.to_owned(), Vec::new(), None))
+}
+
+fn experiment(
+    o: &Outcome,
+    item: Item,
+    sentence: String,
+    separates: Vec<String>,
+    predicted_gain: Option<f64>,
+) -> NextExperiment {
+    let scale = o.problem.command_factor;
+    let values = item.command.iter().map(|u| u / scale).collect();
+    NextExperiment {
+        sentence,
+        separates,
+        signal: item.name,
+        predicted_gain,
+        period: Some(o.problem.data.sample_time()),
+        columns: BTreeMap::from([(o.problem.input.clone(), values)]),
+    }
+}
+
+fn separate(
+    o: &Outcome,
+    (fa, a): (usize, &Candidate),
+    (fb, b): (usize, &Candidate),
+) -> Option<NextExperiment> {
+    let (ea, eb) = (o.library[fa].effect, o.library[fb].effect);
+    let separates = vec![ea.name.to_owned(), eb.name.to_owned()];
+    let mut best: Option<(f64, Item)> = None;
+    for item in menu(o) {
+        let gain = gain(o, a, b, &item)?;
+        if best.as_ref().is_none_or(|(g, _)| gain > *g) {
+            best = Some((gain, item));
+        }
+    }
+    let (gain, item) = best?;
+    let advice = if gain < 9.0 {
+        format!(
+            "No signal within the command's range separates {} from {}; beyond it: {}",
+            ea.name, eb.name, ea.experiment
+        )
+    } else {
+        format!(
+            "Play {}: it separates {} from {}, the wrong one would be off by {:.0} noise variances in sum",
+            item.name, ea.name, eb.name, gain
+        )
+    };
+    Some(experiment(o, item, advice, separates, Some(gain)))
+}
+
+/// Expected misfit of the rival `b` on a record that `a` makes, with b's parameters profiled under what
+/// the training rows say about them.
+fn gain(o: &Outcome, a: &Candidate, b: &Candidate, item: &Item) -> Option<f64> {
+    let data = record(o, item)?;
+    let count = std::sync::atomic::AtomicU64::new(0);
+    let fitter = Fitter { data: &data, sigma: o.sigma, count: &count };
+    let left = fitter.linearise(&a.chain, &a.fit.theta).ok()?;
+    let right = fitter.linearise(&b.chain, &b.fit.theta).ok()?;
+    // Both residuals are of the same measured zeros: their difference is that of the models.
+    let apart: Vec<f64> = right.residual.iter().zip(&left.residual).map(|(x, y)| x - y).collect();
+    let thinned = data.time.len() as f64 / apart.len().max(1) as f64;
+    let n = right.columns.len();
+    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>() * thinned;
+    let mut normal = DMatrix::zeros(n, n);
+    let mut gradient = DVector::zeros(n);
+    for i in 0..n {
+        gradient[i] = dot(&right.columns[i], &apart);
+        for j in 0..n {
+            normal[(i, j)] = dot(&right.columns[i], &right.columns[j]);
+        }
+        let known = b.fit.deviations.get(i).copied().flatten();
+        normal[(i, i)] += known.map_or(1e-12, |d| 1.0 / (d * d).max(1e-300));
+        normal[(i, i)] *= 1.0 + 1e-12;
+    }
+    let step = normal.cholesky()?.solve(&gradient);
+    Some((dot(&apart, &apart) - gradient.dot(&step)).max(0.0))
+}
+
+/// A record of the signal with a measured output of zero.
+fn record(o: &Outcome, item: &Item) -> Option<DataSet> {
+    let source = &o.problem.data;
+    let sample = source.sample_time();
+    let n = item.command.len();
+    let first = source.records.first()?;
+    let aux = source.aux.iter().map(|a| {
+        let mut random = Random::new(77);
+        (0..n).map(|_| a.span.centre + a.span.half * (2.0 * random.uniform() - 1.0)).collect()
+    });
+    let rows = RecordRows {
+        name: item.name.clone(),
+        log: 0,
+        time: (0..n).map(|k| k as f64 * sample).collect(),
+        command: item.command.clone(),
+        y: vec![0.0; n],
+        aux: aux.collect(),
+        others: vec![vec![0.0; n]; first.others.len()],
+        training: 1.0,
+    };
+    let names: Vec<(String, bool)> =
+        source.aux.iter().map(|a| (a.name.clone(), a.is_command)).collect();
+    // A black box knows the times of its own records only.
+    o.problem.base.is_white.then(|| DataSet::new(vec![rows], &names, Some(source.step)))
+}
+
+/// Signals within the range of the command that the logs used, and of the machine.
+fn menu(o: &Outcome) -> Vec<Item> {
+    let data = &o.problem.data;
+    let sample = data.sample_time();
+    let longest = data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
+    let n = longest.clamp(256, ROWS);
+    let (min, max) = o.problem.command_range;
+    let (u, s) = (o.problem.command_factor, data.command_span);
+    let low = (s.centre - s.half).max(min * u);
+    let high = (s.centre + s.half).min(max * u);
+    let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let length = n as f64 * sample;
+    let nyquist = 0.5 / sample;
+    let mut all = Vec::new();
+    for (part, band) in [(0.9, (0.0, 0.4)), (0.2, (0.0, 0.4)), (0.9, (0.0, 0.05)), (0.2, (0.2, 0.8))] {
+        let (from, to) = ((band.0 * nyquist).max(1.0 / length), band.1 * nyquist);
+        let name = format!("multisine {from:.3} to {to:.3} Hz at {:.0} % of the range", 100.0 * part);
+        all.push(Item { name, command: multisine(n, sample, from, to, centre, part * half) });
+    }
+    for (part, periods) in [(0.95, 2.0), (0.3, 2.0), (0.95, 20.0), (0.95, 200.0)] {
+        let name = format!("triangle of {:.3} Hz at {:.0} % of the range", periods / length, 100.0 * part);
+        let wave = |k: usize| {
+            let phase = (k as f64 / n as f64 * periods).fract();
+            centre + part * half * (1.0 - 4.0 * (phase - 0.5).abs())
+        };
+        if periods / length < 0.1 * nyquist {
+            all.push(Item { name, command: (0..n).map(wave).collect() });
+        }
+    }
+    let steps = [0.0, 0.5, -0.3, 0.8, 0.1, -0.8, -0.1, 0.4];
+    let stairs = |k: usize| centre + half * steps[k * steps.len() / n];
+    all.push(Item { name: "staircase with holds".into(), command: (0..n).map(stairs).collect() });
+    all.push(Item { name: "hold in the middle".into(), command: vec![centre; n] });
+    all
+}
+
+/// Random phases, crest factor as it comes, scaled to the half width.
+fn multisine(n: usize, sample: f64, from: f64, to: f64, centre: f64, half: f64) -> Vec<f64> {
+    let mut random = Random::new(2024);
+    let length = n as f64 * sample;
+    let lines: Vec<(f64, f64)> = (0..LINES)
+        .map(|k| {
+            let f = from * (to / from).powf((k as f64 + random.uniform()) / LINES as f64);
+            let whole = (f * length).round().max(1.0) / length;
+            (whole, std::f64::consts::TAU * random.uniform())
+        })
+        .collect();
+    let wave: Vec<f64> = (0..n)
+        .map(|k| {
+            let t = k as f64 * sample;
+            lines.iter().map(|(f, p)| (std::f64::consts::TAU * f * t + p).sin()).sum()
+        })
+        .collect();
+    let peak = wave.iter().fold(1e-12_f64, |m, v| m.max(v.abs()));
+    wave.iter().map(|v| centre + half * v / peak).collect()
+}

@@ -1,0 +1,166 @@
+//! A black box as a problem: which input drives which output, which parameters may be off.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use cosim::Fmu;
+use model::{Unit, UnitError};
+use modeldescription::variable::{Causality, DataType, Number, Variable};
+
+use crate::base::{Base, BaseParameter, tolerance};
+use crate::black_box::BlackBox;
+use crate::chain::Node;
+use crate::error::Error;
+use crate::library::Slot;
+use crate::problem::{Port, Problem, assemble, choose};
+use crate::request::Request;
+
+/// All problems of a black box.
+pub(crate) fn problems(request: &Request, path: &Path) -> Result<Vec<Problem>, Error> {
+    let fmu = Fmu::open(path)?;
+    let description = fmu.description();
+    let model = description.model_name.clone();
+    let ports = |causality: Causality| -> Vec<Port> {
+        let all = description.variables.iter();
+        all.filter(|v| v.causality == causality && is_real(v)).map(|v| port(v, &fmu)).collect()
+    };
+    let (inputs, outputs) = (ports(Causality::Input), ports(Causality::Output));
+    if inputs.is_empty() {
+        let message = "has no real input that a log could drive".to_owned();
+        return Err(Error::Model { model, message });
+    }
+    let first = &request.logs[0];
+    let fed: Vec<usize> = (0..inputs.len())
+        .filter(|k| inputs[*k].column(&request.names, first).is_some())
+        .collect();
+    let Some(&main) = fed.first() else {
+        let names: Vec<&str> = inputs.iter().map(Port::label).collect();
+        return Err(Error::Log {
+            log: first.origin().to_owned(),
+            message: format!(
+                "no column is an input of {model}; inputs are {}: name one with --map {}=COLUMN",
+                names.join(", "),
+                names[0]
+            ),
+        });
+    };
+    let chosen = choose(request, &model, &outputs)?;
+    let mut all = Vec::new();
+    for output in chosen {
+        // As many inputs as outputs: a machine of axes, each with its own input.
+        let input = if fed.len() == outputs.len() { fed[output] } else { main };
+        all.push(problem(request, path, &inputs, &outputs, input, output)?);
+    }
+    Ok(all)
+}
+
+fn problem(
+    request: &Request,
+    path: &Path,
+    inputs: &[Port],
+    outputs: &[Port],
+    input: usize,
+    output: usize,
+) -> Result<Problem, Error> {
+    let fmu = Fmu::open(path)?;
+    let tuned = tuned(request, &fmu);
+    let mut names = vec![inputs[input].name.clone()];
+    names.extend(inputs.iter().enumerate().filter(|(k, _)| *k != input).map(|(_, p)| p.name.clone()));
+    let slots = BTreeMap::from([
+        (Slot::Command, 0),
+        (Slot::Amplifier, 0),
+        (Slot::BeforeActuator, 0),
+        (Slot::AfterActuator, 1),
+        (Slot::BeforeMechanics, 1),
+        (Slot::AfterMechanics, 1),
+        (Slot::Reading, 1),
+    ]);
+    let base = Base {
+        nodes: Vec::new(),
+        parameters: tuned.clone(),
+        slots,
+        actuator: 0,
+        mode: None,
+        memory: None,
+        gain_tolerance: request.gain_tolerance,
+        is_white: false,
+    };
+    let mut problem = assemble(request, inputs, outputs, input, output, base, None)?;
+    let times = problem
+        .data
+        .records
+        .iter()
+        .map(|r| (r.rows.start, problem.data.time[r.rows.clone()].to_vec()))
+        .collect();
+    let units = (inputs[input].si, outputs[output].si);
+    let mut node = BlackBox::new(fmu, names, outputs[output].name.clone(), units, times);
+    node.parameters = tuned.iter().map(|p| (p.name.clone(), p.value)).collect();
+    // Said once, in full, before a failure only means a bad candidate.
+    let mut out = vec![0.0; problem.data.command.len()];
+    for record in &problem.data.records {
+        let range = record.hits.clone();
+        let x = &problem.data.command[range.clone()];
+        node.try_run(&vec![0.0; tuned.len()], record, x, &mut out[range])?;
+    }
+    problem.base.nodes.push(Node::BlackBox(node));
+    Ok(problem)
+}
+
+fn is_real(variable: &Variable) -> bool {
+    matches!(variable.data_type, DataType::Float64 | DataType::Float32)
+        && variable.dimensions.is_empty()
+}
+
+fn port(variable: &Variable, fmu: &Fmu) -> Port {
+    let properties = fmu.description().properties(variable);
+    let text = properties.unit.unwrap_or_default();
+    let si = parse(&text).unwrap_or(Unit::ONE);
+    let bound = |b: Option<Number>, none: f64| b.map_or(none, Number::as_f64);
+    Port {
+        name: variable.name.clone(),
+        alias: None,
+        unit: text,
+        si,
+        range: (bound(properties.min, f64::NEG_INFINITY), bound(properties.max, f64::INFINITY)),
+    }
+}
+
+fn parse(text: &str) -> Result<Unit, UnitError> {
+    Unit::parse(if text.is_empty() { "1" } else { text })
+}
+
+/// Parameters that the request says may be off.
+fn tuned(request: &Request, fmu: &Fmu) -> Vec<BaseParameter> {
+    let mut all = Vec::new();
+    let parameters = fmu.description().variables.iter();
+    for v in parameters.filter(|v| v.causality == Causality::Parameter && is_real(v)) {
+        let Some(value) = start_of(v) else { continue };
+        let (deviation, has_tolerance) = tolerance(&v.name, value, None, &request.tolerances);
+        if !has_tolerance {
+            continue;
+        }
+        let name = v.name.to_lowercase();
+        let effect = if name.contains("freq") || name.contains("resonan") {
+            Some("resonance_shift")
+        } else if name.contains("damp") || name.contains("zeta") {
+            Some("damping")
+        } else {
+            None
+        };
+        all.push(BaseParameter {
+            name: v.name.clone(),
+            unit: fmu.description().properties(v).unit.unwrap_or_else(|| "1".to_owned()),
+            node: 0,
+            indices: vec![(all.len(), deviation)],
+            value,
+            deviation,
+            has_tolerance,
+            effect,
+        });
+    }
+    all
+}
+
+fn start_of(variable: &Variable) -> Option<f64> {
+    variable.start.as_ref()?.numbers()?.first().map(|n| n.as_f64())
+}

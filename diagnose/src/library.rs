@@ -1,0 +1,235 @@
+//! The candidates: each effect is a family of formulas.
+
+mod actuator;
+mod input;
+mod mechanics;
+mod sensor;
+
+use model::Effect;
+
+use crate::base::Base;
+use crate::block::{Block, Span};
+use crate::chain::{Force, Parameter};
+use crate::data_set::DataSet;
+use crate::nuisance::Nuisance;
+
+/// Where on the path a block goes in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Slot {
+    /// First of all.
+    Command,
+    /// Behind the timing.
+    Amplifier,
+    /// Right before the actuator.
+    BeforeActuator,
+    /// Right behind the actuator.
+    AfterActuator,
+    /// Behind creep and whatever else belongs to the actuator.
+    BeforeMechanics,
+    /// Behind the mechanics.
+    AfterMechanics,
+    /// Last of all.
+    Reading,
+}
+
+impl Slot {
+    /// All, in the order of the path.
+    pub(crate) const ALL: [Self; 7] = [
+        Self::Command,
+        Self::Amplifier,
+        Self::BeforeActuator,
+        Self::AfterActuator,
+        Self::BeforeMechanics,
+        Self::AfterMechanics,
+        Self::Reading,
+    ];
+}
+
+/// A block in its place.
+#[derive(Clone, Debug)]
+pub(crate) struct Piece {
+    pub(crate) slot: Slot,
+    pub(crate) block: Block,
+    /// Number of parameters that it takes from the formula's, in order.
+    pub(crate) count: usize,
+    /// Auxiliary column.
+    pub(crate) aux: usize,
+}
+
+/// A parameter of a formula.
+#[derive(Clone, Debug)]
+pub(crate) struct Free {
+    pub(crate) name: &'static str,
+    pub(crate) unit: &'static str,
+    /// Bounds of the value.
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+    pub(crate) log: bool,
+    /// Step of the coordinate for finite differences.
+    pub(crate) step: f64,
+}
+
+impl Free {
+    /// A positive value over decades.
+    pub(crate) fn log(name: &'static str, unit: &'static str, low: f64, high: f64) -> Self {
+        Self { name, unit, low, high, log: true, step: 0.02 }
+    }
+
+    /// A value of either sign, of about this size.
+    pub(crate) fn linear(name: &'static str, unit: &'static str, low: f64, high: f64) -> Self {
+        let step = 1e-3 * (high - low).min(1.0);
+        Self { name, unit, low, high, log: false, step }
+    }
+
+    pub(crate) fn step(mut self, step: f64) -> Self {
+        self.step = step;
+        self
+    }
+
+    /// The coordinate of a value.
+    pub(crate) fn coordinate(&self, value: f64) -> f64 {
+        if self.log { value.ln() } else { value }
+    }
+
+    pub(crate) fn to_parameter(&self) -> Parameter {
+        Parameter {
+            name: self.name.to_owned(),
+            unit: self.unit.to_owned(),
+            low: self.coordinate(self.low),
+            high: self.coordinate(self.high),
+            log: self.log,
+            step: self.step,
+            prior: 0.0,
+            node: 0,
+            is_base: false,
+        }
+    }
+}
+
+/// One way in which an effect may act.
+#[derive(Clone, Debug)]
+pub(crate) struct Formula {
+    pub(crate) name: &'static str,
+    pub(crate) pieces: Vec<Piece>,
+    pub(crate) parameters: Vec<Free>,
+    /// Values to start from.
+    pub(crate) starts: Vec<Vec<f64>>,
+    /// Number of leading parameters that the first-order test varies.
+    pub(crate) screened: usize,
+    pub(crate) nuisance: Option<Nuisance>,
+    /// Parameters of the model that lose their tolerance.
+    pub(crate) releases: Vec<usize>,
+    /// Force on the mode, with centre and half range of its displacement.
+    pub(crate) force: Option<(Force, f64, f64)>,
+}
+
+impl Formula {
+    pub(crate) fn new(name: &'static str) -> Self {
+        Self {
+            name,
+            pieces: Vec::new(),
+            parameters: Vec::new(),
+            starts: Vec::new(),
+            screened: usize::MAX,
+            nuisance: None,
+            releases: Vec::new(),
+            force: None,
+        }
+    }
+
+    /// With a block that takes these parameters.
+    pub(crate) fn block(mut self, slot: Slot, block: Block, parameters: Vec<Free>) -> Self {
+        self.pieces.push(Piece { slot, block, count: parameters.len(), aux: 0 });
+        self.parameters.extend(parameters);
+        self
+    }
+
+    /// With the auxiliary column of this number for the last block.
+    pub(crate) fn aux(mut self, aux: usize) -> Self {
+        if let Some(piece) = self.pieces.last_mut() {
+            piece.aux = aux;
+        }
+        self
+    }
+
+    pub(crate) fn start(mut self, values: &[f64]) -> Self {
+        self.starts.push(values.to_vec());
+        self
+    }
+
+    pub(crate) fn starts(mut self, all: impl IntoIterator<Item = Vec<f64>>) -> Self {
+        self.starts.extend(all);
+        self
+    }
+
+    pub(crate) fn screened(mut self, count: usize) -> Self {
+        self.screened = count;
+        self
+    }
+
+    /// Coefficients that are fitted: parameters, released ones, and those of each record.
+    pub(crate) fn freedom(&self, records: usize) -> usize {
+        let per_record = self.nuisance.as_ref().map_or(0, Nuisance::count);
+        self.parameters.len() + self.releases.len() + per_record * records
+    }
+}
+
+/// All formulas of one effect.
+#[derive(Clone, Debug)]
+pub(crate) struct Family {
+    pub(crate) effect: &'static Effect,
+    pub(crate) formulas: Vec<Formula>,
+}
+
+/// What formulas are written for.
+pub(crate) struct Setting<'a> {
+    pub(crate) base: &'a Base,
+    pub(crate) data: &'a DataSet,
+    /// Range of the command.
+    pub(crate) command: Span,
+    /// Range of the simulated position behind the actuator, and of the output.
+    pub(crate) position: Span,
+    /// Sample time of the log in s.
+    pub(crate) sample: f64,
+    /// Length of the longest record in s.
+    pub(crate) length: f64,
+    /// Greatest and root mean square slope of the command per second.
+    pub(crate) steepest: f64,
+    pub(crate) slope_power: f64,
+    /// Residual of the re-tuned model at the rows of the fit, for the search for lines.
+    pub(crate) lines: Vec<f64>,
+}
+
+/// All families, without those that were taken out and those that this model or log cannot show.
+pub(crate) fn families(setting: &Setting<'_>, without: &[String]) -> Vec<Family> {
+    let mut all = Vec::new();
+    input::add(setting, &mut all);
+    actuator::add(setting, &mut all);
+    mechanics::add(setting, &mut all);
+    sensor::add(setting, &mut all);
+    for family in &mut all {
+        family.add_release(setting.base);
+        let is_white = setting.base.is_white;
+        family.formulas.retain(|f| !f.pieces.is_empty() || f.nuisance.is_some() || is_white || !f.releases.is_empty());
+    }
+    all.retain(|f| !f.formulas.is_empty() && !without.iter().any(|name| name == f.effect.name));
+    all
+}
+
+impl Family {
+    pub(crate) fn new(effect: &'static Effect, formulas: Vec<Formula>) -> Self {
+        Self { effect, formulas }
+    }
+
+    /// Adds the formula that takes the tolerance from the model's own parameters of this effect.
+    fn add_release(&mut self, base: &Base) {
+        let name = Some(self.effect.name);
+        let own = base.parameters.iter().enumerate().filter(|(_, p)| p.effect == name);
+        let releases: Vec<usize> = own.map(|(k, _)| k).collect();
+        if !releases.is_empty() {
+            let mut formula = Formula::new("the model's own parameter").start(&[]);
+            formula.releases = releases;
+            self.formulas.push(formula);
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! Actuator: memory, creep, polarisation, temperature.
+
+use components::effects;
+
+use super::{Family, Formula, Free, Setting, Slot};
+use crate::block::{Block, Memory};
+
+/// Names of the parameters of a bank of plays.
+const WEIGHTS: [&str; 8] = [
+    "weight 1", "weight 2", "weight 3", "weight 4", "weight 5", "weight 6", "weight 7", "weight 8",
+];
+const WEIGHT: &str = "{position}/{command}";
+
+pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
+    let memory = s.base.memory.clone().unwrap_or_else(|| generic(s));
+    all.push(Family::new(&effects::CREEP, creep(s)));
+    all.push(Family::new(&effects::HYSTERESIS, hysteresis(s)));
+    all.push(Family::new(&effects::ASYMMETRY, asymmetry(s, &memory)));
+    if s.base.memory.is_some() {
+        all.push(Family::new(&effects::RATE_DEPENDENCE, rate(s, &memory)));
+    }
+    all.push(Family::new(&effects::POLARISATION_SATURATION, polarisation(s)));
+    let gain = Free::linear("gain", "1", -0.9, 4.0).step(1e-3);
+    let gain = Formula::new("gain").block(Slot::AfterMechanics, Block::Gain, vec![gain]).start(&[0.0]);
+    all.push(Family::new(&effects::ACTUATOR_GAIN, vec![gain]));
+    all.push(Family::new(&effects::SELF_HEATING, heating(s)));
+    all.push(Family::new(&effects::INITIAL_STATE, initial(s, &memory)));
+}
+
+/// Thresholds over the amplitude of the command, closer together at small ones.
+fn bank(s: &Setting<'_>, count: usize) -> Vec<f64> {
+    let full = 2.0 * s.command.half;
+    (1..=count).map(|k| full * (k as f64 / (count + 1) as f64).powf(1.4)).collect()
+}
+
+/// A memory of the usual shape, about 15 % of the stroke, for a model without one.
+fn generic(s: &Setting<'_>) -> Memory {
+    let r = bank(s, 4);
+    let slope = s.position.half / s.command.half;
+    let w = vec![0.1 * slope; r.len()];
+    Memory { r, w }
+}
+
+fn creep(s: &Setting<'_>) -> Vec<Formula> {
+    let slot = Slot::BeforeMechanics;
+    let (shortest, longest) = (5.0 * s.sample, 3.0 * s.length);
+    let share = |name| Free::log(name, "1", 1e-6, 0.8);
+    let time = |name| Free::log(name, "s", shortest, longest);
+    let times: Vec<f64> = (0..4)
+        .map(|k| shortest.max(s.length * 1e-3) * (longest / shortest.max(s.length * 1e-3)).powf((f64::from(k) + 0.5) / 4.0))
+        .collect();
+    let middle = [0.3, 0.1, 0.03, 0.01, 0.003].map(|k| k * s.length);
+    vec![
+        Formula::new("logarithmic")
+            .block(slot, Block::LogCreep { longest: 10.0 * s.length }, vec![
+                share("gain per decade"),
+                time("shortest time"),
+            ])
+            .starts([1e-3, 1e-2].map(|k| vec![0.01, (k * s.length).max(2.0 * shortest)]))
+            .screened(1),
+        Formula::new("power law")
+            .block(slot, Block::PowerCreep { shortest, longest: 10.0 * s.length }, vec![
+                share("gain per decade"),
+                Free::linear("exponent", "1", -1.0, 1.0).step(0.02),
+            ])
+            .start(&[0.01, 0.0])
+            .screened(1),
+        Formula::new("one element")
+            .block(slot, Block::FreeCreep(1), vec![share("share"), time("time constant")])
+            .starts(middle.map(|t| vec![0.01, t])),
+        Formula::new("two elements")
+            .block(slot, Block::FreeCreep(2), vec![
+                share("share 1"),
+                time("time constant 1"),
+                share("share 2"),
+                time("time constant 2"),
+            ])
+            .starts([vec![0.01, middle[1], 0.01, middle[4]], vec![0.01, middle[0], 0.01, middle[2]]]),
+        Formula::new("four elements")
+            .block(slot, Block::FixedCreep(times), vec![
+                share("share 1"),
+                share("share 2"),
+                share("share 3"),
+                share("share 4"),
+            ])
+            .start(&[0.005; 4]),
+    ]
+}
+
+fn hysteresis(s: &Setting<'_>) -> Vec<Formula> {
+    let slope = s.position.half / s.command.half;
+    let weight = |k: usize| {
+        Free::linear(WEIGHTS[k], WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope)
+    };
+    let linear = || Free::linear("slope", WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope);
+    let with = |name, count: usize, gain: bool| {
+        let parameters = gain.then(linear).into_iter().chain((0..count).map(weight)).collect();
+        let start = vec![0.0; count + usize::from(gain)];
+        Formula::new(name)
+            .block(Slot::AfterActuator, Block::Plays { bank: bank(s, count), gain }, parameters)
+            .start(&start)
+    };
+    vec![
+        with("two plays", 2, false),
+        with("four plays", 4, false),
+        with("four plays and slope", 4, true),
+        with("eight plays and slope", 8, true),
+    ]
+}
+
+fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
+    let slot = Slot::AfterActuator;
+    let slope = s.position.half / s.command.half;
+    let weight = |k: usize| {
+        Free::linear(WEIGHTS[k], WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope)
+    };
+    let curvature = Free::linear("curvature", "1", -3.0, 3.0).step(0.01);
+    let dead = |name| Free::linear(name, "1", -1.0, 1.0).step(1e-3);
+    let skewed = |name, count: usize| {
+        let block = Block::SkewedPlays { bank: bank(s, count), span: s.command };
+        Formula::new(name)
+            .block(slot, block, (0..count).map(weight).collect())
+            .start(&vec![0.0; count])
+    };
+    vec![
+        skewed("loop width that grows along the range", 2),
+        skewed("loop width that grows along the range, four plays", 4),
+        Formula::new("curved envelopes")
+            .block(
+                slot,
+                Block::CurvedPlays { memory: memory.clone(), span: s.command },
+                vec![curvature],
+            )
+            .start(&[0.2])
+            .start(&[-0.2]),
+        Formula::new("dead zones behind the plays")
+            .block(slot, Block::DeadZones(s.position), vec![dead("slope above"), dead("slope below")])
+            .start(&[0.0, 0.0]),
+    ]
+}
+
+fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
+    let slot = Slot::AfterActuator;
+    let unit = s.command.half / s.steepest.max(f64::MIN_POSITIVE);
+    let time = || Free::log("time", "s", 1e-5 * unit, 10.0 * unit);
+    let bandwidth = Free::log("bandwidth", "Hz", 1.0 / s.length, 50.0 / s.sample);
+    let frequencies = super::input::bandwidths(s);
+    vec![
+        Formula::new("thresholds that grow with the rate")
+            .block(slot, Block::RatePlays(memory.clone()), vec![time()])
+            .start(&[0.02 * unit])
+            .start(&[0.2 * unit]),
+        Formula::new("plays that lag")
+            .block(slot, Block::LaggedPlays(memory.clone()), vec![bandwidth])
+            .starts(frequencies.into_iter().map(|f| vec![f])),
+        Formula::new("loop that grows with the rate")
+            .block(slot, Block::RateMemory { memory: memory.clone(), half: s.command.half }, vec![
+                time(),
+            ])
+            .start(&[0.1 * unit]),
+    ]
+}
+
+fn polarisation(s: &Setting<'_>) -> Vec<Formula> {
+    let size = || Free::log("flattening", "1", 1e-5, 0.6);
+    let shift = Free::linear("shift of the centre", "1", -1.0, 1.0).step(0.01);
+    vec![
+        Formula::new("S-curve")
+            .block(Slot::AfterActuator, Block::Sigmoid(s.position), vec![size(), shift])
+            .start(&[0.02, 0.0])
+            .start(&[0.02, 0.4])
+            .start(&[0.02, -0.4]),
+        Formula::new("hyperbolic tangent")
+            .block(Slot::AfterActuator, Block::Tanh(s.position), vec![Free::log(
+                "size over the half range",
+                "1",
+                0.3,
+                30.0,
+            )])
+            .start(&[5.0])
+            .start(&[2.0]),
+    ]
+}
+
+fn heating(s: &Setting<'_>) -> Vec<Formula> {
+    if s.slope_power <= 0.0 {
+        return Vec::new();
+    }
+    let time = || Free::log("time constant", "s", 20.0 * s.sample, 10.0 * s.length);
+    let growth = || Free::linear("growth", "1", -1.0, 1.0).step(1e-3);
+    let starts = || [0.3, 0.05].map(|k| vec![0.01, k * s.length]);
+    let power = s.slope_power;
+    vec![
+        Formula::new("growth with the drive's power")
+            .block(Slot::AfterMechanics, Block::Heating { span: s.position, power }, vec![growth(), time()])
+            .starts(starts()),
+        Formula::new("gain that changes with the drive's power")
+            .block(Slot::AfterMechanics, Block::HeatingGain { power }, vec![growth(), time()])
+            .starts(starts()),
+    ]
+}
+
+fn initial(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
+    let place = Free::linear("place in the loop", "1", -1.0, 1.0).step(0.05);
+    vec![
+        Formula::new("memory at the start")
+            .block(Slot::AfterActuator, Block::StartMemory(memory.clone()), vec![place])
+            .start(&[0.9])
+            .start(&[-0.9])
+            .start(&[0.3])
+            .start(&[-0.3]),
+    ]
+    .into_iter()
+    .filter(|_| s.base.memory.is_some())
+    .collect()
+}

@@ -1,0 +1,113 @@
+//! Timing and amplifier.
+
+use components::effects;
+
+use super::{Family, Formula, Free, Setting, Slot};
+use crate::block::Block;
+
+pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
+    all.push(Family::new(&effects::DELAY, delay(s)));
+    all.push(Family::new(&effects::CLOCK_OFFSET, clock()));
+    all.push(Family::new(&effects::DAC_QUANTISATION, quantiser(s)));
+    all.push(Family::new(&effects::AMPLIFIER_BANDWIDTH, lags(s, Slot::Amplifier)));
+    all.push(Family::new(&effects::AMPLIFIER_SLEW, slew(s)));
+    all.push(Family::new(&effects::AMPLIFIER_SATURATION, saturation(s)));
+}
+
+fn delay(s: &Setting<'_>) -> Vec<Formula> {
+    let longest = (50.0 * s.sample).min(0.1 * s.length);
+    let time = Free::log("delay", "s", 0.01 * s.sample, longest).step(0.05);
+    let starts = [0.3, 1.0, 3.0, 10.0].map(|k| vec![k * s.sample]);
+    vec![Formula::new("transport delay").block(Slot::Command, Block::Delay, vec![time]).starts(starts)]
+}
+
+fn clock() -> Vec<Formula> {
+    let offset = Free::linear("offset", "1", -1e-2, 1e-2).step(1e-6);
+    vec![
+        Formula::new("offset of the clock")
+            .block(Slot::Reading, Block::Clock, vec![offset])
+            .start(&[0.0]),
+    ]
+}
+
+fn quantiser(s: &Setting<'_>) -> Vec<Formula> {
+    // The span of a converter is not that of the log: steps of powers of two of the unit, of the
+    // range, and of ten volts are covered by a quarter of an octave.
+    let bits = Free::linear("bits over the range", "1", 2.0, 16.0).step(0.002);
+    let starts = (12..=48).map(|k| vec![0.25 * f64::from(k)]);
+    vec![
+        Formula::new("rounding to steps")
+            .block(Slot::Command, Block::Quantiser(s.command), vec![bits])
+            .starts(starts),
+    ]
+}
+
+/// Bandwidths to start from: from where a lag is a thousandth of the range per sample.
+pub(super) fn bandwidths(s: &Setting<'_>) -> Vec<f64> {
+    let nyquist = 0.5 / s.sample;
+    [1.0, 0.3, 0.1, 0.03, 0.01].map(|k| k * nyquist).to_vec()
+}
+
+pub(super) fn lags(s: &Setting<'_>, slot: Slot) -> Vec<Formula> {
+    let (low, high) = (1.0 / s.length.max(s.sample), 50.0 / s.sample);
+    let bandwidth = |name| Free::log(name, "Hz", low, high);
+    let starts = |k: f64| bandwidths(s).into_iter().map(move |f| vec![k * f]);
+    let second = bandwidths(s).into_iter().flat_map(|f| [0.5, 0.9].map(|d| vec![1.4 * f, d]));
+    vec![
+        Formula::new("first order")
+            .block(slot, Block::Lag(1), vec![bandwidth("bandwidth")])
+            .starts(starts(1.0)),
+        Formula::new("second order")
+            .block(slot, Block::Lag2, vec![
+                bandwidth("bandwidth"),
+                Free::log("damping", "1", 0.2, 3.0),
+            ])
+            .starts(second)
+            .screened(1),
+        Formula::new("third order, equal poles")
+            .block(slot, Block::Lag(3), vec![bandwidth("bandwidth of each pole")])
+            .starts(starts(2.5)),
+    ]
+}
+
+fn slew(s: &Setting<'_>) -> Vec<Formula> {
+    let rate = || Free::log("slope limit", "{command}/s", 1e-4 * s.steepest, 2.0 * s.steepest);
+    let starts = [0.8, 0.5, 0.3, 0.15, 0.07, 0.03].map(|k| k * s.steepest);
+    let bandwidth = Free::log("bandwidth", "Hz", 0.01 / s.sample, 10.0 / s.sample);
+    vec![
+        Formula::new("limit of the slope")
+            .block(Slot::Amplifier, Block::Slew, vec![rate()])
+            .starts(starts.map(|r| vec![r])),
+        Formula::new("current limit with a lag")
+            .block(Slot::Amplifier, Block::SoftSlew, vec![rate(), bandwidth])
+            .starts(starts.map(|r| vec![r, 0.3 / s.sample]))
+            .screened(1),
+    ]
+}
+
+fn saturation(s: &Setting<'_>) -> Vec<Formula> {
+    let (c, h) = (s.command.centre, s.command.half);
+    let limit = || Free::linear("limit", "{command}", c - h, c + h).step(2e-3 * h);
+    let parts = [0.95, 0.9, 0.8, 0.65, 0.5];
+    let width = Free::log("width of the bend", "{command}", 1e-3 * h, h);
+    let half = Free::log("half width", "{command}", 0.02 * h, h).step(2e-3);
+    let size = || Free::log("size over the half range", "1", 0.3, 30.0);
+    vec![
+        Formula::new("limit at the top")
+            .block(Slot::Amplifier, Block::ClampHigh, vec![limit()])
+            .starts(parts.map(|k| vec![c + k * h])),
+        Formula::new("limit at the bottom")
+            .block(Slot::Amplifier, Block::ClampLow, vec![limit()])
+            .starts(parts.map(|k| vec![c - k * h])),
+        Formula::new("limits at both ends")
+            .block(Slot::Amplifier, Block::ClampBoth(s.command), vec![half])
+            .starts(parts.map(|k| vec![k * h])),
+        Formula::new("soft limit at the top")
+            .block(Slot::Amplifier, Block::SoftHigh, vec![limit(), width])
+            .starts(parts.map(|k| vec![c + k * h, 0.05 * h])),
+        Formula::new("soft limits at both ends")
+            .block(Slot::Amplifier, Block::Tanh(s.command), vec![size()])
+            .start(&[5.0])
+            .start(&[2.0]),
+    ]
+}

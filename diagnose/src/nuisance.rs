@@ -1,0 +1,194 @@
+//! What each record brings with it that no model explains: an offset; and, for some candidates, a
+//! drift or lines. These terms are linear in coefficients of each record's own, which are found by
+//! linear least squares (variable projection).
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use crate::data_set::{DataSet, RecordData};
+
+/// A kind of terms.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Nuisance {
+    /// Powers 1 to `order` of the record's time.
+    Drift {
+        /// Highest power.
+        order: usize,
+    },
+    /// `exp(−t/τ)` and t; τ is the parameter with this number, in its coordinate's value.
+    Settling {
+        /// Number of the time constant.
+        parameter: usize,
+    },
+    /// Sines and cosines of a frequency and its multiples.
+    Lines {
+        /// Number of the frequency's parameter.
+        parameter: usize,
+        /// Number of multiples.
+        harmonics: usize,
+    },
+    /// Straight lines between this many equidistant knots.
+    Knots {
+        /// Number of knots.
+        count: usize,
+    },
+}
+
+impl Nuisance {
+    /// The same with its parameter's number counted from `first`.
+    pub(crate) fn shifted(&self, first: usize) -> Self {
+        match self {
+            Self::Settling { parameter } => Self::Settling { parameter: parameter + first },
+            Self::Lines { parameter, harmonics } => {
+                Self::Lines { parameter: parameter + first, harmonics: *harmonics }
+            }
+            other => other.clone(),
+        }
+    }
+
+    /// Coefficients per record.
+    pub(crate) fn count(&self) -> usize {
+        match self {
+            Self::Drift { order } => *order,
+            Self::Settling { .. } => 2,
+            Self::Lines { harmonics, .. } => 2 * harmonics,
+            Self::Knots { count } => *count,
+        }
+    }
+
+    /// The terms at time t of a record of this length; z is t over the record from −1 to 1.
+    fn terms(&self, values: &[f64], t: f64, length: f64, row: &mut Vec<f64>) {
+        let z = 2.0 * t / length - 1.0;
+        let value = |parameter: usize| values.get(parameter).copied().unwrap_or(1.0);
+        match self {
+            Self::Drift { order } => {
+                let mut power = 1.0;
+                for _ in 0..*order {
+                    power *= z;
+                    row.push(power);
+                }
+            }
+            Self::Settling { parameter } => {
+                row.push((-t / value(*parameter)).exp());
+                row.push(z);
+            }
+            Self::Lines { parameter, harmonics } => {
+                for k in 1..=*harmonics {
+                    let angle = std::f64::consts::TAU * value(*parameter) * k as f64 * t;
+                    let (s, c) = angle.sin_cos();
+                    row.push(s);
+                    row.push(c);
+                }
+            }
+            Self::Knots { count } => {
+                let place = 0.5 * (z + 1.0) * *count as f64;
+                for k in 1..=*count {
+                    row.push((1.0 - (place - k as f64).abs()).max(0.0));
+                }
+            }
+        }
+    }
+}
+
+/// Takes the terms out of signals at the rows that are fitted, and continues them beyond.
+pub(crate) struct Projector {
+    nuisances: Vec<Nuisance>,
+    values: Vec<f64>,
+    records: Vec<Terms>,
+}
+
+/// The terms of one record.
+struct Terms {
+    /// Rows of the fit, in the fit's vectors.
+    places: std::ops::Range<usize>,
+    basis: DMatrix<f64>,
+    normal: Option<Cholesky<f64, Dyn>>,
+}
+
+impl Projector {
+    /// The terms for natural parameter values.
+    pub(crate) fn new(nuisances: &[Nuisance], values: Vec<f64>, data: &DataSet) -> Self {
+        let mut projector = Self { nuisances: nuisances.to_vec(), values, records: Vec::new() };
+        for record in &data.records {
+            let rows = &data.fit_rows[record.fit.clone()];
+            let basis = projector.basis(record, data, rows.iter().map(|row| *row as usize));
+            let normal = projector.factor(&basis);
+            projector.records.push(Terms { places: record.fit.clone(), basis, normal });
+        }
+        projector
+    }
+
+    fn factor(&self, basis: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+        let mut normal = basis.tr_mul(basis);
+        // A ridge far below the data: a term that does not move in this record stays at zero.
+        let ridge = 1e-9 * basis.nrows().max(1) as f64;
+        for k in 0..normal.nrows() {
+            normal[(k, k)] += ridge;
+        }
+        Cholesky::new(normal)
+    }
+
+    fn basis(
+        &self,
+        record: &RecordData,
+        data: &DataSet,
+        rows: impl ExactSizeIterator<Item = usize>,
+    ) -> DMatrix<f64> {
+        let columns = 1 + self.nuisances.iter().map(Nuisance::count).sum::<usize>();
+        let count = rows.len();
+        let mut all = Vec::with_capacity(count * columns);
+        let start = data.time[record.rows.start];
+        let length = (data.time[record.rows.end - 1] - start).max(f64::MIN_POSITIVE);
+        for row in rows {
+            all.push(1.0);
+            for nuisance in &self.nuisances {
+                nuisance.terms(&self.values, data.time[row] - start, length, &mut all);
+            }
+        }
+        DMatrix::from_row_slice(count, columns, &all)
+    }
+
+    /// Takes the terms out of a vector over the rows of the fit.
+    pub(crate) fn project(&self, vector: &mut [f64]) {
+        for terms in &self.records {
+            let part = &mut vector[terms.places.clone()];
+            if part.is_empty() {
+                continue;
+            }
+            if self.nuisances.is_empty() {
+                let mean = part.iter().sum::<f64>() / part.len() as f64;
+                part.iter_mut().for_each(|v| *v -= mean);
+                continue;
+            }
+            let Some(normal) = &terms.normal else { continue };
+            let values = DVector::from_column_slice(part);
+            let coefficients = normal.solve(&terms.basis.tr_mul(&values));
+            let fitted = &terms.basis * coefficients;
+            part.iter_mut().zip(fitted.iter()).for_each(|(v, f)| *v -= f);
+        }
+    }
+
+    /// Takes the terms that the fitted rows give out of all rows. A record without fitted rows gives
+    /// its own coefficients.
+    pub(crate) fn extend(&self, data: &DataSet, residual: &mut [f64]) {
+        for (record, terms) in data.records.iter().zip(&self.records) {
+            let own: Vec<usize>;
+            let (rows, basis, normal) = if record.fit.is_empty() {
+                own = record.rows.clone().collect();
+                let basis = self.basis(record, data, own.iter().copied());
+                let normal = self.factor(&basis);
+                (own, basis, normal)
+            } else {
+                own = data.fit_rows[record.fit.clone()].iter().map(|r| *r as usize).collect();
+                (own, terms.basis.clone(), terms.normal.clone())
+            };
+            let Some(normal) = normal else { continue };
+            let values = DVector::from_iterator(rows.len(), rows.iter().map(|row| residual[*row]));
+            let coefficients = normal.solve(&basis.tr_mul(&values));
+            let all = self.basis(record, data, record.rows.clone());
+            let fitted = all * coefficients;
+            for (row, f) in record.rows.clone().zip(fitted.iter()) {
+                residual[row] -= f;
+            }
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Where the gap lies: bands, records, amplitude, branch, time, and whether the command drives it.
+
+use std::collections::BTreeMap;
+
+use crate::block::Span;
+use crate::data_set::DataSet;
+use crate::gap::{BandShare, Place, RecordShare};
+use crate::score::mean_square;
+use crate::spectrum::{self, Bands};
+
+/// Bands that are listed.
+const LISTED: usize = 5;
+
+/// Residuals before and after, in standard deviations, and where they are from.
+pub(crate) struct Maps<'a> {
+    pub(crate) data: &'a DataSet,
+    /// Of the robustly re-tuned model.
+    pub(crate) before: &'a [f64],
+    pub(crate) after: &'a [f64],
+    pub(crate) sigma: f64,
+}
+
+impl Maps<'_> {
+    /// The command at each row.
+    pub(crate) fn command(&self) -> Vec<f64> {
+        // The row's own command acts after it: what moved the machine is the one before.
+        self.data.row_hit.iter().map(|h| self.data.command[*h as usize]).collect()
+    }
+
+    pub(crate) fn place(&self, output: &str, input: &str, stage: Option<&str>) -> Place {
+        let mut coherence = BTreeMap::new();
+        let command = self.command();
+        if let Some(c) = self.coherence(&command) {
+            coherence.insert(input.to_owned(), c);
+        }
+        for aux in &self.data.aux {
+            let values: Vec<f64> =
+                self.data.row_hit.iter().map(|h| aux.hits[*h as usize]).collect();
+            if let Some(c) = self.coherence(&values) {
+                coherence.insert(aux.name.clone(), c);
+            }
+        }
+        Place {
+            output: output.to_owned(),
+            stage: stage.map(str::to_owned),
+            bands: self.bands(),
+            records: self.records(),
+            amplitude: self.amplitude(&command),
+            branch: self.branch(&command),
+            time: self.time(),
+            input_driven: self.is_input_driven(self.before, &command),
+            coherence,
+        }
+    }
+
+    /// Power of each band over all records, noise taken off, largest first.
+    pub(crate) fn bands(&self) -> Vec<BandShare> {
+        let sample = self.data.sample_time();
+        let longest = self.data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
+        let bands = Bands::new(longest, sample);
+        let count = bands.ends.len() - 1;
+        let (mut before, mut after, mut lines) =
+            (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+        for record in &self.data.records {
+            let rows = record.rows.clone();
+            let n = rows.len() as f64;
+            let b = spectrum::band_powers(&self.before[rows.clone()], &bands, sample);
+            let a = spectrum::band_powers(&self.after[rows], &bands, sample);
+            for k in 0..count {
+                let width = (bands.ends[k + 1] - bands.ends[k]) * n * sample;
+                if b[k].is_finite() && a[k].is_finite() {
+                    before[k] += b[k] * width;
+                    after[k] += a[k] * width;
+                    lines[k] += width;
+                }
+            }
+        }
+        let excess: Vec<f64> = (0..count).map(|k| (before[k] - lines[k]).max(0.0)).collect();
+        let total: f64 = excess.iter().sum();
+        let level = |p: f64, n: f64| 10.0 * (p / n).max(1e-12).log10();
+        let mut all: Vec<BandShare> = (0..count)
+            .filter(|k| lines[*k] > 0.0 && total > 0.0)
+            .map(|k| BandShare {
+                hz: [bands.ends[k], bands.ends[k + 1]],
+                share: excess[k] / total,
+                over_noise_db: [level(before[k], lines[k]), level(after[k], lines[k])],
+            })
+            .collect();
+        all.sort_by(|a, b| b.share.total_cmp(&a.share).then(a.hz[0].total_cmp(&b.hz[0])));
+        all.truncate(LISTED);
+        all
+    }
+
+    fn records(&self) -> Vec<RecordShare> {
+        let excess = |r: &crate::data_set::RecordData| {
+            let rows = r.rows.clone();
+            (mean_square(&self.before[rows.clone()]) - 1.0).max(0.0) * rows.len() as f64
+        };
+        let total: f64 = self.data.records.iter().map(excess).sum();
+        self.data
+            .records
+            .iter()
+            .map(|r| {
+                let rms = |v: &[f64]| self.sigma * mean_square(&v[r.rows.clone()]).sqrt();
+                RecordShare {
+                    record: r.name.clone(),
+                    share: if total > 0.0 { excess(r) / total } else { 0.0 },
+                    rms: [rms(self.before), rms(self.after)],
+                }
+            })
+            .collect()
+    }
+
+    fn coherence(&self, signal: &[f64]) -> Option<f64> {
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for record in &self.data.records {
+            let rows = record.rows.clone();
+            let power = mean_square(&self.before[rows.clone()]) * rows.len() as f64;
+            if let Some(c) = spectrum::coherence(&self.before[rows.clone()], &signal[rows]) {
+                sum += power * c;
+                weight += power;
+            }
+        }
+        (weight > 0.0).then(|| sum / weight)
+    }
+
+    /// Mean square near the ends of the range against the middle.
+    fn amplitude(&self, command: &[f64]) -> Option<String> {
+        let span = Span::of(command.iter().copied());
+        let mean = |is: &dyn Fn(f64) -> bool| {
+            let all: Vec<f64> = command
+                .iter()
+                .zip(self.before)
+                .filter(|(u, _)| is(span.unit(**u)))
+                .map(|(_, r)| *r)
+                .collect();
+            (all.len() >= 50).then(|| (mean_square(&all) - 1.0).max(0.0))
+        };
+        let (low, middle, high) =
+            (mean(&|z| z < -0.6)?, mean(&|z| z.abs() < 0.4)?, mean(&|z| z > 0.6)?);
+        let text = if high > 4.0 * low.max(middle) {
+            "mostly at the upper end of the range"
+        } else if low > 4.0 * high.max(middle) {
+            "mostly at the lower end of the range"
+        } else if low.min(high) > 2.0 * middle {
+            "at both ends of the range"
+        } else if middle > 2.0 * low.max(high) {
+            "in the middle of the range"
+        } else {
+            "over the whole range"
+        };
+        Some(text.to_owned())
+    }
+
+    /// Mean residual on rising and on falling commands, level by level.
+    fn branch(&self, command: &[f64]) -> Option<String> {
+        const LEVELS: usize = 12;
+        let span = Span::of(command.iter().copied());
+        let mut sums = [[(0.0, 0.0); 2]; LEVELS];
+        for record in &self.data.records {
+            for k in record.rows.start + 1..record.rows.end {
+                let way = command[k] - command[k - 1];
+                if way == 0.0 {
+                    continue;
+                }
+                let level = (0.5 * (span.unit(command[k]) + 1.0) * LEVELS as f64) as usize;
+                let cell = &mut sums[level.min(LEVELS - 1)][usize::from(way < 0.0)];
+                cell.0 += self.before[k];
+                cell.1 += 1.0;
+            }
+        }
+        let (mut difference, mut half_sum, mut cells) = (0.0, 0.0, 0.0);
+        for [up, down] in sums {
+            if up.1 < 20.0 || down.1 < 20.0 {
+                continue;
+            }
+            let (u, d) = (up.0 / up.1, down.0 / down.1);
+            difference += (0.5 * (u - d)).powi(2);
+            half_sum += (0.5 * (u + d)).powi(2);
+            cells += 1.0;
+        }
+        if cells < 4.0 {
+            return None;
+        }
+        let text = if difference + half_sum < 0.1 * cells {
+            "none: the mean over rising and falling commands is below the noise"
+        } else if difference > 3.0 * half_sum {
+            "opposite on rising and falling commands: memory or lag"
+        } else if half_sum > 3.0 * difference {
+            "the same on rising and falling commands: a static map"
+        } else {
+            "different on rising and falling commands"
+        };
+        Some(text.to_owned())
+    }
+
+    fn time(&self) -> Option<String> {
+        let (mut early, mut late, mut slow, mut all) = (0.0, 0.0, 0.0, 0.0);
+        for record in &self.data.records {
+            let r = &self.before[record.rows.clone()];
+            let quarter = r.len() / 4;
+            if quarter < 20 {
+                continue;
+            }
+            early += mean_square(&r[..quarter]);
+            late += mean_square(&r[r.len() - quarter..]);
+            all += mean_square(r);
+            slow += mean_square(&r.chunks(r.len() / 8).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect::<Vec<_>>());
+        }
+        if all <= 0.0 {
+            return None;
+        }
+        let text = if slow > 0.5 * all {
+            "slow: most of it is a drift over the record"
+        } else if early > 4.0 * late {
+            "mostly at the start of the records"
+        } else if late > 4.0 * early {
+            "growing over the records"
+        } else {
+            "throughout the records"
+        };
+        Some(text.to_owned())
+    }
+
+    /// Whether functions of the command (its value, rate, square and direction) are coherent with a
+    /// residual.
+    pub(crate) fn is_input_driven(&self, residual: &[f64], command: &[f64]) -> Option<bool> {
+        let span = Span::of(command.iter().copied());
+        let shapes: [fn(f64, f64) -> f64; 4] =
+            [|z, _| z, |z, _| z * z, |z, _| z * z * z, |_, d| if d > 0.0 { 1.0 } else if d < 0.0 { -1.0 } else { 0.0 }];
+        let mut best = None;
+        for shape in shapes {
+            let mut signal = Vec::with_capacity(command.len());
+            let mut direction = 0.0;
+            for (k, u) in command.iter().enumerate() {
+                let way = if k > 0 { u - command[k - 1] } else { 0.0 };
+                if way != 0.0 {
+                    direction = way;
+                }
+                signal.push(shape(span.unit(*u), direction));
+            }
+            let (mut sum, mut weight) = (0.0, 0.0);
+            for record in &self.data.records {
+                let rows = record.rows.clone();
+                let power = mean_square(&residual[rows.clone()]) * rows.len() as f64;
+                if let Some(c) = spectrum::coherence(&residual[rows.clone()], &signal[rows]) {
+                    sum += power * c;
+                    weight += power;
+                }
+            }
+            if weight > 0.0 {
+                best = Some(f64::max(best.unwrap_or(0.0), sum / weight));
+            }
+        }
+        best.map(|c| c > 0.25)
+    }
+}

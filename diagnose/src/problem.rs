@@ -1,0 +1,426 @@
+//! From a request to one problem per output: data in SI, model as a chain, noise.
+
+use std::collections::BTreeMap;
+
+use data::{CheckedBlueprint, Log, NameMap};
+use model::{Causality, Unit};
+
+use crate::base::Base;
+use crate::data_set::{DataSet, RecordRows};
+use crate::error::Error;
+use crate::gap::NoiseFloor;
+use crate::noise;
+use crate::request::{Model, Noise, Request};
+
+/// Part of each record that is held out where no log is.
+pub(crate) const HELD_OUT: f64 = 0.3;
+
+/// One output, ready to be diagnosed.
+pub(crate) struct Problem {
+    /// Name in reports: the short name where there is one.
+    pub(crate) output: String,
+    /// Unit of the output.
+    pub(crate) unit: String,
+    /// SI per unit.
+    pub(crate) factor: f64,
+    /// Name of the driven input.
+    pub(crate) input: String,
+    pub(crate) command_unit: String,
+    pub(crate) command_factor: f64,
+    pub(crate) base: Base,
+    pub(crate) data: DataSet,
+    pub(crate) noise: NoiseFloor,
+    /// Least and greatest command that may be played, in its unit.
+    pub(crate) command_range: (f64, f64),
+    pub(crate) warnings: Vec<String>,
+}
+
+/// An input or output of the model.
+#[derive(Clone, Debug)]
+pub(crate) struct Port {
+    pub(crate) name: String,
+    pub(crate) alias: Option<String>,
+    pub(crate) unit: String,
+    pub(crate) si: Unit,
+    pub(crate) range: (f64, f64),
+}
+
+impl Port {
+    /// Name in reports.
+    pub(crate) fn label(&self) -> &str {
+        self.alias.as_deref().unwrap_or(&self.name)
+    }
+
+    /// Its column in a log.
+    pub(crate) fn column<'a>(&'a self, names: &'a NameMap, log: &Log) -> Option<&'a str> {
+        let alias = self.alias.as_deref();
+        let mapped = names.column(&self.name).or_else(|| names.column(alias?));
+        if let Some(column) = mapped {
+            return log.column(column).map(|_| column);
+        }
+        [Some(self.name.as_str()), alias]
+            .into_iter()
+            .flatten()
+            .find(|name| log.column(name).is_some())
+    }
+}
+
+/// All problems of a request.
+pub(crate) fn problems(request: &Request) -> Result<Vec<Problem>, Error> {
+    check(request)?;
+    match &request.model {
+        Model::Blueprint(blueprint) => white(request, blueprint),
+        Model::Fmu(path) => crate::fmu::problems(request, path),
+    }
+}
+
+fn check(request: &Request) -> Result<(), Error> {
+    let option = |option, value: String, message: &str| {
+        Err(Error::Option { option, value, message: message.to_owned() })
+    };
+    if request.logs.is_empty() {
+        return option("--log", String::new(), "give at least one measured log");
+    }
+    if !(request.gain_tolerance.is_finite() && request.gain_tolerance > 0.0) {
+        let value = request.gain_tolerance.to_string();
+        return option("--gain-tolerance", value, "must be above zero, as in 0.01");
+    }
+    for name in &request.without {
+        if components::effects::find(name).is_none() {
+            let known: Vec<&str> = components::effects::EFFECTS.iter().map(|e| e.name).collect();
+            let near = data::nearest(name, known.iter().copied())
+                .map_or_else(String::new, |n| format!("did you mean {n}? "));
+            let message = format!("is no effect; {near}effects are {}", known.join(", "));
+            return option("--without", name.clone(), &message);
+        }
+    }
+    if let Noise::Given(all) = &request.noise {
+        for (_, sigma) in all {
+            if !(sigma.is_finite() && *sigma > 0.0) {
+                return option("--noise", sigma.to_string(), "a standard deviation is above zero");
+            }
+        }
+    }
+    Ok(())
+}
+
+fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Problem>, Error> {
+    let system = blueprint.system();
+    let port = |name: String| {
+        let reference = system.variables().find(&name)?;
+        let v = system.variables().get(reference)?;
+        Some(Port {
+            name,
+            alias: v.alias.clone(),
+            unit: v.unit.clone(),
+            si: v.si,
+            range: (v.min, v.max),
+        })
+    };
+    let model = &blueprint.spec().name;
+    if system.variables().with(Causality::Input).any(|(_, v)| v.name.starts_with("reference")) {
+        let message = "is a controller; give the plant's blueprint".to_owned();
+        return Err(Error::Model { model: model.clone(), message });
+    }
+    let axes = 1..=blueprint.spec().axes.len();
+    let inputs: Vec<Port> = axes.clone().filter_map(|k| port(format!("command[{k}]"))).collect();
+    let outputs: Vec<Port> = axes.filter_map(|k| port(format!("position[{k}]"))).collect();
+    let chosen = choose(request, model, &outputs)?;
+    let mut all = Vec::new();
+    for index in chosen {
+        let number = index + 1;
+        let base = Base::white(blueprint, number, &request.tolerances, request.gain_tolerance)?;
+        let step = Some(blueprint.spec().period);
+        all.push(assemble(request, &inputs, &outputs, index, index, base, step)?);
+    }
+    Ok(all)
+}
+
+/// Numbers of the outputs that are looked at.
+pub(crate) fn choose(request: &Request, model: &str, outputs: &[Port]) -> Result<Vec<usize>, Error> {
+    let labels = || outputs.iter().map(Port::label).collect::<Vec<_>>().join(", ");
+    for asked in &request.outputs {
+        if !outputs.iter().any(|p| p.name == *asked || p.alias.as_deref() == Some(asked)) {
+            return Err(Error::Option {
+                option: "--outputs",
+                value: asked.clone(),
+                message: format!("is no output of {model}; its outputs are {}", labels()),
+            });
+        }
+    }
+    let is_asked = |p: &Port| {
+        request.outputs.is_empty()
+            || request.outputs.iter().any(|a| *a == p.name || p.alias.as_ref() == Some(a))
+    };
+    let logs = || request.logs.iter().chain(&request.holdout);
+    let chosen: Vec<usize> = (0..outputs.len())
+        .filter(|k| is_asked(&outputs[*k]))
+        .filter(|k| logs().all(|log| outputs[*k].column(&request.names, log).is_some()))
+        .collect();
+    if chosen.is_empty() {
+        let log = &request.logs[0];
+        let columns: Vec<&str> = log.columns().iter().map(|c| c.name.as_str()).collect();
+        return Err(Error::Log {
+            log: log.origin().to_owned(),
+            message: format!(
+                "no column is an output of {model}; outputs are {}, columns are {}: name one with --map {}=COLUMN",
+                labels(),
+                columns.join(", "),
+                outputs.first().map_or("position[1]", Port::label)
+            ),
+        });
+    }
+    Ok(chosen)
+}
+
+/// Puts one problem together: output number `output` as a function of input number `input`.
+pub(crate) fn assemble(
+    request: &Request,
+    inputs: &[Port],
+    outputs: &[Port],
+    input: usize,
+    output: usize,
+    base: Base,
+    step: Option<f64>,
+) -> Result<Problem, Error> {
+    let (u, y) = (&inputs[input], &outputs[output]);
+    let aux = auxiliaries(request, inputs, outputs, input);
+    let names: Vec<(String, bool)> =
+        aux.iter().map(|a| (a.column.clone(), a.is_command)).collect();
+    let mut records = Vec::new();
+    let mut warnings = Vec::new();
+    let logs = request.logs.iter().map(|log| (log, false));
+    let judged = request.holdout.iter().map(|log| (log, true));
+    let training = if request.holdout.is_empty() { 1.0 - HELD_OUT } else { 1.0 };
+    for (number, (log, is_judged)) in logs.chain(judged).enumerate() {
+        let training = if is_judged { 0.0 } else { training };
+        let command = column(request, u, log, "input")?;
+        let measured = column(request, y, log, "output")?;
+        let aux: Vec<Vec<f64>> = aux.iter().map(|a| a.values(log)).collect::<Result<_, _>>()?;
+        let others: Vec<Vec<f64>> = inputs
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| *k != input && !base.is_white)
+            .map(|(_, port)| match port.column(&request.names, log) {
+                Some(name) => Ok(log.convert(name, unit_text(port))?),
+                None => Ok(vec![0.0; log.len()]),
+            })
+            .collect::<Result<_, Error>>()?;
+        for record in log.records() {
+            let rows = record.rows.clone();
+            if rows.len() < 60 {
+                warnings.push(format!(
+                    "{}, record {}: {} rows are too few to judge anything; it was left out",
+                    log.origin(),
+                    record.id,
+                    rows.len()
+                ));
+                continue;
+            }
+            let part = |v: &[f64]| v[rows.clone()].to_vec();
+            let si = |unit: &Unit, v: &[f64]| part(v).iter().map(|x| unit.to_si(*x)).collect();
+            let many = log.records().len() > 1;
+            let name = if many { format!("{} #{}", file(log), record.id) } else { file(log) };
+            records.push(RecordRows {
+                name,
+                log: number,
+                time: log.time()[rows.clone()].to_vec(),
+                command: si(&u.si, &command),
+                y: si(&y.si, &measured),
+                aux: aux.iter().map(|a| part(a)).collect(),
+                others: others.iter().map(|o| part(o)).collect(),
+                training,
+            });
+        }
+    }
+    if records.iter().all(|r| r.training == 0.0) {
+        let log = request.logs.first().map_or("the logs", |log| log.origin()).to_owned();
+        return Err(Error::Log { log, message: "has no record of 60 rows or more".into() });
+    }
+    let data = DataSet::new(records, &names, step);
+    let noise = floor(request, y, &data)?;
+    Ok(Problem {
+        output: y.label().to_owned(),
+        unit: unit_text(y).to_owned(),
+        factor: y.si.factor,
+        input: u.label().to_owned(),
+        command_unit: unit_text(u).to_owned(),
+        command_factor: u.si.factor,
+        base,
+        data,
+        noise,
+        command_range: u.range,
+        warnings,
+    })
+}
+
+fn file(log: &Log) -> String {
+    let path = std::path::Path::new(log.origin());
+    path.file_name().map_or_else(|| log.origin().to_owned(), |n| n.to_string_lossy().into_owned())
+}
+
+pub(crate) fn unit_text(port: &Port) -> &str {
+    if port.unit.is_empty() { "1" } else { &port.unit }
+}
+
+/// The values of a port in a log, in the port's unit.
+fn column(request: &Request, port: &Port, log: &Log, role: &str) -> Result<Vec<f64>, Error> {
+    let Some(name) = port.column(&request.names, log) else {
+        let there: Vec<&str> = log.columns().iter().map(|c| c.name.as_str()).collect();
+        return Err(Error::Log {
+            log: log.origin().to_owned(),
+            message: format!(
+                "has no column for the {role} {}; columns are {}: name one with --map {}=COLUMN",
+                port.name,
+                there.join(", "),
+                port.label()
+            ),
+        });
+    };
+    Ok(log.convert(name, unit_text(port))?)
+}
+
+/// A column that is no input or output of the path that is looked at.
+struct AuxColumn {
+    column: String,
+    is_command: bool,
+}
+
+impl AuxColumn {
+    fn values(&self, log: &Log) -> Result<Vec<f64>, Error> {
+        let column = log.require(&self.column)?;
+        let unit = column.unit.as_ref().map_or(Unit::ONE, |u| u.unit);
+        Ok(column.values.iter().map(|v| unit.to_si(*v)).collect())
+    }
+}
+
+/// Columns that are in all logs and move: neighbours' commands, and temperatures.
+fn auxiliaries(
+    request: &Request,
+    inputs: &[Port],
+    outputs: &[Port],
+    input: usize,
+) -> Vec<AuxColumn> {
+    let Some(first) = request.logs.first() else { return Vec::new() };
+    let logs = || request.logs.iter().chain(&request.holdout);
+    let own = inputs[input].column(&request.names, first).unwrap_or_default();
+    let used = |name: &str| {
+        name == own || outputs.iter().any(|p| p.column(&request.names, first) == Some(name))
+    };
+    let command = first.column(own).map(|c| c.values.as_slice()).unwrap_or_default();
+    first
+        .columns()
+        .iter()
+        .filter(|c| !used(&c.name) && logs().all(|log| log.column(&c.name).is_some()))
+        .filter_map(|c| {
+            let moves = c.values.windows(2).any(|w| w[0] != w[1]);
+            let of_input = inputs
+                .iter()
+                .enumerate()
+                .any(|(k, p)| k != input && p.column(&request.names, first) == Some(&c.name));
+            let is_command = of_input || looks_like_command(&c.name, c.unit.as_ref().map(|u| u.unit), &inputs[input]);
+            let is_warmth = c.unit.as_ref().is_some_and(|u| u.unit.exponents == KELVIN)
+                || c.name.to_lowercase().contains("temp");
+            let apart = correlation(&c.values, command).abs() < 0.95;
+            (moves && apart && (is_command || is_warmth))
+                .then(|| AuxColumn { column: c.name.clone(), is_command })
+        })
+        .collect()
+}
+
+const KELVIN: [i8; 8] = [0, 0, 0, 0, 1, 0, 0, 0];
+
+/// `u2`, `u_z`, `command[2]`, or anything in the unit of the command that is no monitor of it.
+fn looks_like_command(name: &str, unit: Option<Unit>, input: &Port) -> bool {
+    let lower = name.to_lowercase();
+    if ["monitor", "mon", "ref", "des", "err", "sens", "meas"].iter().any(|w| lower.contains(w)) {
+        return false;
+    }
+    let by_name = lower.starts_with("command")
+        || lower.starts_with("cmd")
+        || lower
+            .strip_prefix('u')
+            .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || c == '_'));
+    by_name || unit.is_some_and(|u| u.exponents == input.si.exponents && u.exponents != [0; 8])
+}
+
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().min(b.len()).max(1) as f64;
+    let (ma, mb) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
+    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+    for (a, b) in a.iter().zip(b) {
+        ab += (a - ma) * (b - mb);
+        aa += (a - ma).powi(2);
+        bb += (b - mb).powi(2);
+    }
+    if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
+}
+
+/// The noise of an output, in its unit.
+fn floor(request: &Request, port: &Port, data: &DataSet) -> Result<NoiseFloor, Error> {
+    let factor = port.si.factor;
+    let records = || data.records.iter().map(|r| r.rows.clone());
+    let second = noise::second_differences(&data.y, records()).map(|s| s / factor);
+    let command: Vec<f64> = data.row_hit.iter().map(|h| data.command[*h as usize]).collect();
+    let periods = noise::periods(&command, &data.y, records()).map(|s| s / factor);
+    let (sigma, source) = match &request.noise {
+        Noise::Given(all) => {
+            let is_own = |name: &str| name == port.name || port.alias.as_deref() == Some(name);
+            let own = all.iter().rev().find(|(n, _)| n.as_deref().is_some_and(is_own));
+            let found = own.or_else(|| all.iter().rev().find(|(n, _)| n.is_none()));
+            (found.map(|(_, s)| *s), "given")
+        }
+        Noise::Rest(log) => {
+            let y = column(request, port, log, "output")?;
+            let mut squares = 0.0;
+            for record in log.records() {
+                squares += detrended(&y[record.rows.clone()]);
+            }
+            (Some((squares / y.len().max(1) as f64).sqrt()), "rest record")
+        }
+        Noise::Estimated => (None, ""),
+    };
+    let (sigma, source) = match sigma.filter(|s| *s > 0.0) {
+        Some(sigma) => (sigma, source),
+        None => match second {
+            Some(sigma) => (sigma, "second differences"),
+            None => {
+                return Err(Error::Log {
+                    log: request.logs[0].origin().to_owned(),
+                    message: format!(
+                        "the noise of {} cannot be estimated (the reading hardly changes); give it with --noise SIGMA",
+                        port.label()
+                    ),
+                });
+            }
+        },
+    };
+    let (second_differences, source) = (second, source.to_owned());
+    Ok(NoiseFloor { sigma, source, second_differences, periods })
+}
+
+/// Sum of squares about a parabola.
+fn detrended(y: &[f64]) -> f64 {
+    let n = y.len();
+    let mut basis = nalgebra::DMatrix::zeros(n, 3);
+    for k in 0..n {
+        let z = 2.0 * k as f64 / n.max(2) as f64 - 1.0;
+        (basis[(k, 0)], basis[(k, 1)], basis[(k, 2)]) = (1.0, z, z * z);
+    }
+    let values = nalgebra::DVector::from_column_slice(y);
+    let Some(solver) = basis.tr_mul(&basis).cholesky() else { return 0.0 };
+    let fitted = &basis * solver.solve(&basis.tr_mul(&values));
+    (values - fitted).norm_squared()
+}
+
+/// Ports by column name, for warnings about maps that name nothing.
+pub(crate) fn unknown_names(request: &Request, ports: &[&Port]) -> BTreeMap<String, String> {
+    request
+        .names
+        .iter()
+        .filter(|(name, _)| {
+            !ports.iter().any(|p| p.name == *name || p.alias.as_deref() == Some(*name))
+        })
+        .map(|(name, column)| (name.to_owned(), column.to_owned()))
+        .collect()
+}

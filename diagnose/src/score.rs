@@ -1,0 +1,162 @@
+//! How good a fitted chain is on rows that the fit did not see.
+
+use std::ops::Range;
+use std::sync::atomic::AtomicU64;
+
+use crate::chain::{Bench, Chain, Failed, Horizon};
+use crate::data_set::DataSet;
+use crate::nuisance::Projector;
+use crate::spectrum::{self, Bands};
+
+/// Least ratio to the noise that a band counts with.
+const BAND_FLOOR: f64 = 1.3;
+/// Blocks of all records together.
+const BLOCKS: usize = 400;
+
+/// Residuals of one chain on all rows.
+#[derive(Clone, Debug)]
+pub(crate) struct Judged {
+    /// Residual of each row in standard deviations, nuisances taken out.
+    pub(crate) residual: Vec<f64>,
+    /// Mean square over the held-out rows.
+    pub(crate) held_out: f64,
+    /// Mean square over the training rows.
+    pub(crate) training: f64,
+    /// Mean of ln max(P/S, 1.3) over the bands of the held-out stretches.
+    pub(crate) log_band: f64,
+    /// Mean square of each block.
+    pub(crate) blocks: Vec<f64>,
+}
+
+/// Where rows are judged: blocks and stretches.
+#[derive(Clone, Debug)]
+pub(crate) struct Judge {
+    /// Blocks of rows.
+    pub(crate) blocks: Vec<BlockOfRows>,
+    /// Held-out stretch of each record that has one.
+    pub(crate) stretches: Vec<Range<usize>>,
+    pub(crate) bands: Bands,
+}
+
+/// Some rows of one record.
+#[derive(Clone, Debug)]
+pub(crate) struct BlockOfRows {
+    pub(crate) rows: Range<usize>,
+    pub(crate) record: usize,
+    pub(crate) is_held_out: bool,
+}
+
+impl Judge {
+    pub(crate) fn new(data: &DataSet) -> Self {
+        let length = (data.time.len() / BLOCKS).max(20);
+        let mut blocks = Vec::new();
+        let mut stretches = Vec::new();
+        for (k, record) in data.records.iter().enumerate() {
+            let held_out = DataSet::held_out(record);
+            for (part, is_held_out) in [(record.training.clone(), false), (held_out.clone(), true)] {
+                let count = part.len() / length;
+                for b in 0..count.max(usize::from(!part.is_empty())) {
+                    let from = part.start + b * length;
+                    let to = if b + 1 >= count { part.end } else { from + length };
+                    blocks.push(BlockOfRows { rows: from..to, record: k, is_held_out });
+                }
+            }
+            if !held_out.is_empty() {
+                stretches.push(held_out);
+            }
+        }
+        let longest = stretches.iter().map(Range::len).max().unwrap_or(0);
+        Self { blocks, stretches, bands: Bands::new(longest, data.sample_time()) }
+    }
+
+    /// Simulates a chain over all rows.
+    pub(crate) fn judge(
+        &self,
+        chain: &Chain,
+        theta: &[f64],
+        data: &DataSet,
+        sigma: f64,
+        count: &AtomicU64,
+    ) -> Result<Judged, Failed> {
+        let mut bench = Bench::new(chain, data, Horizon::All, count);
+        let mut residual = data.residual(bench.keep(theta)?);
+        let values = chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
+        Projector::new(&chain.nuisances, values, data).extend(data, &mut residual);
+        residual.iter_mut().for_each(|r| *r /= sigma);
+        Ok(self.figures(residual, data))
+    }
+
+    /// The figures of residuals in standard deviations.
+    pub(crate) fn figures(&self, residual: Vec<f64>, data: &DataSet) -> Judged {
+        let square = |rows: &Range<usize>| mean_square(&residual[rows.clone()]);
+        let mean = |held: bool| {
+            let (sum, count) = self
+                .blocks
+                .iter()
+                .filter(|b| b.is_held_out == held)
+                .fold((0.0, 0.0), |(s, n), b| (s + square(&b.rows) * b.rows.len() as f64, n + b.rows.len() as f64));
+            if count > 0.0 { sum / count } else { f64::NAN }
+        };
+        let (mut held_out, training) = (mean(true), mean(false));
+        if held_out.is_nan() {
+            held_out = training;
+        }
+        let training = if training.is_nan() { held_out } else { training };
+        let mut log_band = 0.0;
+        let mut terms = 0.0;
+        for stretch in &self.stretches {
+            for power in spectrum::band_powers(&residual[stretch.clone()], &self.bands, data.sample_time()) {
+                if power.is_finite() {
+                    log_band += power.max(BAND_FLOOR).ln();
+                    terms += 1.0;
+                }
+            }
+        }
+        let blocks = self.blocks.iter().map(|b| square(&b.rows)).collect();
+        let log_band = if terms > 0.0 { log_band / terms } else { 0.0 };
+        Judged { held_out, training, log_band, blocks, residual }
+    }
+
+    /// Held-out score between the re-tuned model (0) and the noise (1).
+    pub(crate) fn score(&self, before: &Judged, after: &Judged) -> f64 {
+        0.5 * explained(before, after) + 0.5 * explained_bands(before, after)
+    }
+
+    /// Mean difference of the blocks' logarithmic losses (a worse than b is positive) over its standard
+    /// error.
+    pub(crate) fn paired(&self, a: &Judged, b: &Judged) -> f64 {
+        let loss = |m: f64| m.max(0.5).ln();
+        let differences: Vec<f64> =
+            a.blocks.iter().zip(&b.blocks).map(|(a, b)| loss(*a) - loss(*b)).collect();
+        let n = differences.len() as f64;
+        if n < 4.0 {
+            return 0.0;
+        }
+        let mean = differences.iter().sum::<f64>() / n;
+        let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        // Neighbouring blocks are alike: the first lag widens the error.
+        let lag: f64 = differences.windows(2).map(|w| (w[0] - mean) * (w[1] - mean)).sum::<f64>()
+            / (n - 1.0);
+        let rho = (lag / variance.max(f64::MIN_POSITIVE)).clamp(0.0, 0.9);
+        let error = (variance * (1.0 + rho) / (1.0 - rho) / n).sqrt();
+        if error > 0.0 { mean / error } else { 0.0 }
+    }
+}
+
+/// `1 − (after − 1)/(before − 1)` of the mean squares; where nothing is held out to be explained, 0.
+pub(crate) fn explained(before: &Judged, after: &Judged) -> f64 {
+    let gap = before.held_out - 1.0;
+    if gap <= 0.0 { 0.0 } else { (1.0 - (after.held_out - 1.0).max(0.0) / gap).max(-1.0) }
+}
+
+/// The same of the logarithmic levels of the bands.
+pub(crate) fn explained_bands(before: &Judged, after: &Judged) -> f64 {
+    let floor = BAND_FLOOR.ln();
+    let gap = before.log_band - floor;
+    if gap <= 1e-6 { 0.0 } else { (1.0 - (after.log_band - floor) / gap).max(-1.0) }
+}
+
+/// Mean of squares.
+pub(crate) fn mean_square(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64
+}

@@ -1,0 +1,391 @@
+//! Which effects are missing: forward search, backward elimination, rivals of each slot.
+
+use std::sync::atomic::AtomicU64;
+
+use rayon::prelude::*;
+
+use crate::base::Base;
+use crate::chain::{Chain, Failed};
+use crate::data_set::DataSet;
+use crate::fit::{Fit, Fitter, Linear};
+use crate::library::{Family, Formula};
+use crate::score::{Judge, Judged, explained};
+
+/// Families that are fitted after screening.
+const FITTED: usize = 9;
+/// Mean square over the noise's up to which nothing is left to explain.
+pub(crate) const ADEQUATE: f64 = 1.25;
+/// Factor by which an effect must cut what is left.
+const CUT: f64 = 1.8;
+/// Score that the effects together must reach.
+const EXPLAINED: f64 = 0.6;
+/// Loss of score below which an effect is dropped again.
+const DROPPED: f64 = 0.02;
+
+/// A fitted and judged set of effects.
+#[derive(Clone)]
+pub(crate) struct Candidate {
+    /// The effects: family and formula in the library.
+    pub(crate) picks: Vec<(usize, usize)>,
+    pub(crate) chain: Chain,
+    pub(crate) fit: Fit,
+    pub(crate) judged: Judged,
+    /// Training cost with the penalty of its order.
+    pub(crate) rank: f64,
+}
+
+/// A family that was looked at in a round.
+#[derive(Clone)]
+pub(crate) struct Looked {
+    pub(crate) family: usize,
+    pub(crate) screening: f64,
+    /// The best formula, where it was fitted.
+    pub(crate) best: Option<Candidate>,
+}
+
+/// What the search found.
+pub(crate) struct Found {
+    /// The re-tuned model.
+    pub(crate) base: Candidate,
+    /// The model with the effects that are named; the re-tuned model where none is.
+    pub(crate) last: Candidate,
+    /// The best set of effects that was found, whether or not it explains enough.
+    pub(crate) best: Candidate,
+    /// For each effect of `best`, all families in its place, best first (the effect itself among them).
+    pub(crate) rivals: Vec<Vec<Looked>>,
+    /// The families of the first round, best first.
+    pub(crate) first: Vec<Looked>,
+    /// Score of `best`.
+    pub(crate) score: f64,
+    /// For each effect of `last`, the part of the held-out gap that comes back without it.
+    pub(crate) alone: Vec<f64>,
+}
+
+/// The search for one output.
+pub(crate) struct Search<'a> {
+    pub(crate) base: &'a Base,
+    pub(crate) data: &'a DataSet,
+    pub(crate) judge: &'a Judge,
+    pub(crate) library: &'a [Family],
+    pub(crate) sigma: f64,
+    pub(crate) count: &'a AtomicU64,
+    pub(crate) max_effects: usize,
+}
+
+impl<'a> Search<'a> {
+    fn fitter(&self) -> Fitter<'a> {
+        Fitter { data: self.data, sigma: self.sigma, count: self.count }
+    }
+
+    fn formulas(&self, picks: &[(usize, usize)]) -> Vec<&'a Formula> {
+        picks.iter().map(|(family, formula)| &self.library[*family].formulas[*formula]).collect()
+    }
+
+    /// The re-tuned model.
+    pub(crate) fn retune(&self) -> Result<Candidate, Failed> {
+        let chain = self.base.compose(&[]);
+        let start = vec![0.0; chain.parameters.len()];
+        let fit = self.fitter().fit(&chain, &start)?;
+        self.candidate(Vec::new(), chain, fit)
+    }
+
+    fn candidate(
+        &self,
+        picks: Vec<(usize, usize)>,
+        chain: Chain,
+        fit: Fit,
+    ) -> Result<Candidate, Failed> {
+        let judged = self.judge.judge(&chain, &fit.theta, self.data, self.sigma, self.count)?;
+        let records = self.data.records.len();
+        let freedom: usize = self.formulas(&picks).iter().map(|f| f.freedom(records)).sum();
+        let rank = fit.cost + freedom as f64 * self.fitter().effective().ln();
+        Ok(Candidate { picks, chain, fit, judged, rank })
+    }
+
+    /// Coordinates for `chain` that say what `from` says, with the start of a new effect at the end.
+    fn carry(&self, from: &Candidate, chain: &Chain, formula: &Formula, start: &[f64]) -> Vec<f64> {
+        let own = chain.parameters.len() - formula.parameters.len();
+        let base = |p: &&crate::chain::Parameter| p.is_base;
+        let mut effects = from
+            .fit
+            .theta
+            .iter()
+            .zip(&from.chain.parameters)
+            .filter(|(_, p)| !p.is_base)
+            .map(|(q, _)| *q);
+        let mut theta: Vec<f64> = chain.parameters[..own]
+            .iter()
+            .map(|p| {
+                if !base(&p) {
+                    return effects.next().unwrap_or(0.0);
+                }
+                let same = from.chain.parameters.iter().position(|o| o.is_base && o.name == p.name);
+                same.map_or(0.0, |k| from.fit.theta[k])
+            })
+            .collect();
+        theta.extend(formula.parameters.iter().zip(start).map(|(p, v)| p.coordinate(*v)));
+        theta
+    }
+
+    /// All families as the next effect beside those of `from`, best first.
+    pub(crate) fn expand(&self, from: &Candidate) -> Result<Vec<Looked>, Failed> {
+        let linear = self.fitter().linearise(&from.chain, &from.fit.theta)?;
+        let fixed = self.formulas(&from.picks);
+        let jobs: Vec<(usize, usize)> = (0..self.library.len())
+            .filter(|family| from.picks.iter().all(|(f, _)| f != family))
+            .flat_map(|family| (0..self.library[family].formulas.len()).map(move |k| (family, k)))
+            .collect();
+        let screened: Vec<(f64, Vec<f64>)> =
+            jobs.par_iter().map(|job| self.screen(from, &fixed, *job, &linear)).collect();
+        let best_of = |family: usize| {
+            let own = jobs.iter().zip(&screened).filter(|((f, _), _)| *f == family);
+            own.map(|(_, (promise, _))| *promise).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let mut families: Vec<(usize, f64)> = (0..self.library.len())
+            .filter(|family| from.picks.iter().all(|(f, _)| f != family))
+            .map(|family| (family, best_of(family)))
+            .collect();
+        families.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        let kept: Vec<usize> = families.iter().take(FITTED).map(|(family, _)| *family).collect();
+        let to_fit: Vec<usize> = (0..jobs.len())
+            .filter(|k| {
+                let (family, formula) = jobs[*k];
+                let releases = !self.library[family].formulas[formula].releases.is_empty();
+                kept.contains(&family) || releases
+            })
+            .collect();
+        let fitted: Vec<Option<Candidate>> = to_fit
+            .par_iter()
+            .map(|k| self.fit_one(from, &fixed, jobs[*k], &screened[*k].1).ok())
+            .collect();
+        let mut looked: Vec<Looked> = families
+            .iter()
+            .map(|(family, screening)| Looked { family: *family, screening: *screening, best: None })
+            .collect();
+        for (k, candidate) in to_fit.iter().zip(fitted) {
+            let Some(candidate) = candidate else { continue };
+            let Some(entry) = looked.iter_mut().find(|l| l.family == jobs[*k].0) else { continue };
+            if entry.best.as_ref().is_none_or(|b| candidate.rank < b.rank) {
+                entry.best = Some(candidate);
+            }
+        }
+        sort(&mut looked);
+        Ok(looked)
+    }
+
+    /// First-order promise of a formula and its best start.
+    fn screen(
+        &self,
+        from: &Candidate,
+        fixed: &[&Formula],
+        (family, number): (usize, usize),
+        linear: &Linear,
+    ) -> (f64, Vec<f64>) {
+        let formula = &self.library[family].formulas[number];
+        let mut with = fixed.to_vec();
+        with.push(formula);
+        let chain = self.base.compose(&with);
+        let mut best = (f64::NEG_INFINITY, formula.starts.first().cloned().unwrap_or_default());
+        if !formula.releases.is_empty() {
+            return (0.0, best.1);
+        }
+        let own = chain.parameters.len() - formula.parameters.len();
+        let count = formula.parameters.len().min(formula.screened);
+        for start in &formula.starts {
+            let theta = self.carry(from, &chain, formula, start);
+            let promise = self.fitter().promise(&chain, linear, &theta, own..own + count);
+            if let Ok(promise) = promise
+                && promise > best.0
+            {
+                best = (promise, start.clone());
+            }
+        }
+        best
+    }
+
+    fn fit_one(
+        &self,
+        from: &Candidate,
+        fixed: &[&Formula],
+        (family, number): (usize, usize),
+        start: &[f64],
+    ) -> Result<Candidate, Failed> {
+        let formula = &self.library[family].formulas[number];
+        let mut with = fixed.to_vec();
+        with.push(formula);
+        let chain = self.base.compose(&with);
+        let theta = self.carry(from, &chain, formula, start);
+        let fit = self.fitter().fit(&chain, &theta)?;
+        let mut picks = from.picks.clone();
+        picks.push((family, number));
+        self.candidate(picks, chain, fit)
+    }
+
+    /// The whole set fitted again without the effect number `without`.
+    pub(crate) fn refit_without(&self, from: &Candidate, without: usize) -> Result<Candidate, Failed> {
+        let mut picks = from.picks.clone();
+        picks.remove(without);
+        self.refit(from, picks)
+    }
+
+    /// A set of effects of which all are in `from`, fitted from its values.
+    fn refit(&self, from: &Candidate, picks: Vec<(usize, usize)>) -> Result<Candidate, Failed> {
+        let formulas = self.formulas(&picks);
+        let chain = self.base.compose(&formulas);
+        let values = |pick: &(usize, usize)| {
+            let at = from.picks.iter().position(|p| p == pick)?;
+            let before: usize =
+                self.formulas(&from.picks)[..at].iter().map(|f| f.parameters.len()).sum();
+            let first = from.chain.parameters.iter().take_while(|p| p.is_base).count() + before;
+            let count = self.formulas(&from.picks)[at].parameters.len();
+            Some(from.fit.theta[first..first + count].to_vec())
+        };
+        let mut theta: Vec<f64> = chain
+            .parameters
+            .iter()
+            .take_while(|p| p.is_base)
+            .map(|p| {
+                let same = from.chain.parameters.iter().position(|o| o.is_base && o.name == p.name);
+                same.map_or(0.0, |k| from.fit.theta[k])
+            })
+            .collect();
+        for pick in &picks {
+            theta.extend(values(pick).ok_or(Failed)?);
+        }
+        let fit = self.fitter().fit(&chain, &theta)?;
+        self.candidate(picks, chain, fit)
+    }
+
+    /// The whole search.
+    pub(crate) fn run(&self, base: Candidate) -> Result<Found, Failed> {
+        let score = |c: &Candidate| self.judge.score(&base.judged, &c.judged);
+        let mut best = base.clone();
+        let mut first = Vec::new();
+        let mut rivals: Vec<Vec<Looked>> = Vec::new();
+        let mut is_current = false;
+        while best.picks.len() < self.max_effects && has_gap(&best) {
+            let looked = self.expand(&best)?;
+            if first.is_empty() {
+                first.clone_from(&looked);
+            }
+            let Some(next) = looked.iter().find_map(|l| l.best.clone()) else { break };
+            if !self.is_worth_it(&base, &best, &next) {
+                break;
+            }
+            rivals.push(looked);
+            best = next;
+            is_current = best.picks.len() == 1;
+            if best.picks.len() > 1 {
+                best = self.reconsider(best, &mut rivals)?;
+                is_current = true;
+            }
+        }
+        best = self.eliminate(&base, best, &mut rivals, &mut is_current)?;
+        let reached = score(&best);
+        let is_named = !best.picks.is_empty() && reached >= EXPLAINED;
+        let last = if is_named { best.clone() } else { base.clone() };
+        let alone = self.alone(&base, &last)?;
+        Ok(Found { base, last, best, rivals, first, score: reached, alone })
+    }
+
+    /// Whether one more effect is believed.
+    fn is_worth_it(&self, base: &Candidate, before: &Candidate, after: &Candidate) -> bool {
+        if after.rank >= before.rank {
+            return false;
+        }
+        let (s0, s1) = (
+            self.judge.score(&base.judged, &before.judged),
+            self.judge.score(&base.judged, &after.judged),
+        );
+        let paired = self.judge.paired(&before.judged, &after.judged);
+        if before.picks.is_empty() {
+            return s1 > 0.2 && paired > 3.0;
+        }
+        let cut = |a: f64, b: f64| (1.0 - a).max(1e-4) / (1.0 - b).max(1e-4);
+        let e0 = explained(&base.judged, &before.judged);
+        let e1 = explained(&base.judged, &after.judged);
+        let linear = cut(e0.min(1.0), e1.min(1.0));
+        paired > 4.0 && s1 > s0 + 0.01 && (linear > CUT || cut(s0, s1) > CUT)
+    }
+
+    /// Looks at every slot but the last again, with the others in place.
+    fn reconsider(
+        &self,
+        mut best: Candidate,
+        rivals: &mut [Vec<Looked>],
+    ) -> Result<Candidate, Failed> {
+        for slot in (0..best.picks.len()).rev() {
+            if slot + 1 == best.picks.len() {
+                continue;
+            }
+            let rest = self.refit_without(&best, slot)?;
+            let looked = self.expand(&rest)?;
+            let Some(top) = looked.iter().find_map(|l| l.best.clone()) else { continue };
+            rivals[slot] = looked;
+            if top.rank < best.rank - 1.0 {
+                // The new member stands last; its list goes with it.
+                let list = rivals[slot].clone();
+                rivals[slot..].rotate_left(1);
+                if let Some(last) = rivals.last_mut() {
+                    *last = list;
+                }
+                best = top;
+            }
+        }
+        Ok(best)
+    }
+
+    /// What goes with each effect, given the others.
+    fn alone(&self, base: &Candidate, last: &Candidate) -> Result<Vec<f64>, Failed> {
+        let whole = explained(&base.judged, &last.judged);
+        (0..last.picks.len())
+            .map(|slot| {
+                if last.picks.len() == 1 {
+                    return Ok(whole.max(0.0));
+                }
+                let less = self.refit_without(last, slot)?;
+                Ok((whole - explained(&base.judged, &less.judged)).max(0.0))
+            })
+            .collect()
+    }
+
+    /// Drops effects that the others can do without.
+    fn eliminate(
+        &self,
+        base: &Candidate,
+        mut best: Candidate,
+        rivals: &mut Vec<Vec<Looked>>,
+        _is_current: &mut bool,
+    ) -> Result<Candidate, Failed> {
+        let mut slot = 0;
+        while best.picks.len() > 1 && slot < best.picks.len() {
+            let less = self.refit_without(&best, slot)?;
+            let loss = self.judge.score(&base.judged, &best.judged)
+                - self.judge.score(&base.judged, &less.judged);
+            let linear = explained(&base.judged, &best.judged) - explained(&base.judged, &less.judged);
+            if loss < DROPPED && linear < DROPPED {
+                best = less;
+                rivals.remove(slot);
+                slot = 0;
+            } else {
+                slot += 1;
+            }
+        }
+        Ok(best)
+    }
+}
+
+/// Whether something is left to explain.
+pub(crate) fn has_gap(candidate: &Candidate) -> bool {
+    candidate.judged.held_out.max(candidate.judged.training) > ADEQUATE
+}
+
+/// Fitted families by rank, then the others by what they promised.
+fn sort(looked: &mut [Looked]) {
+    looked.sort_by(|a, b| match (&a.best, &b.best) {
+        (Some(x), Some(y)) => x.rank.total_cmp(&y.rank).then(a.family.cmp(&b.family)),
+        (Some(_), None) => std::cmp::Ordering::Less,
+        (None, Some(_)) => std::cmp::Ordering::Greater,
+        (None, None) => b.screening.total_cmp(&a.screening).then(a.family.cmp(&b.family)),
+    });
+}

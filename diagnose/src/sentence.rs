@@ -1,0 +1,71 @@
+//! The answer in one sentence.
+
+use crate::gap::{Gap, NamedEffect, Verdict};
+
+fn number(value: f64) -> String {
+    report::format_number(value, 4)
+}
+
+pub(crate) fn of(gap: &Gap) -> String {
+    let s = &gap.shrink;
+    let output = &gap.place.output;
+    let (before, floor, unit) = (number(s.rms_before), number(s.noise_floor), &s.unit);
+    match gap.verdict {
+        Verdict::Adequate => format!(
+            "The model is adequate: on rows that were not used {output} is off by {before} {unit} rms, the noise is {floor} {unit}."
+        ),
+        Verdict::Retune => format!(
+            "Only parameters are off: re-tuned within their tolerance the model leaves {before} {unit} rms of {output} (as given {} {unit}), the noise is {floor} {unit}.",
+            number(s.rms_as_given)
+        ),
+        Verdict::InsufficientExcitation => format!(
+            "These logs cannot tell: the command hardly moves {output} above its noise of {floor} {unit}."
+        ),
+        Verdict::Unknown => format!(
+            "Something is missing that none of the candidates explains: {output} is off by {before} {unit} rms where the noise is {floor} {unit}{}.",
+            match gap.place.input_driven {
+                Some(true) => ", and it follows the command",
+                Some(false) => ", and it does not follow the command",
+                None => "",
+            }
+        ),
+        Verdict::Effects => effects(gap),
+    }
+}
+
+fn effects(gap: &Gap) -> String {
+    let s = &gap.shrink;
+    let names: Vec<String> = gap.effects.iter().map(name).collect();
+    let missing = match names.split_last() {
+        None => String::new(),
+        Some((last, [])) => last.clone(),
+        Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
+    };
+    let how = match (s.fraction, s.ci95) {
+        (Some(f), Some([low, high])) => format!(
+            "{:.0} % of the gap's power goes on rows that were not used (95 %: {:.0} to {:.0} %)",
+            100.0 * f,
+            100.0 * low,
+            100.0 * high
+        ),
+        _ => "the gap shrinks".to_owned(),
+    };
+    format!(
+        "The model lacks {missing}: with it {how}, from {} to {} {} rms of {}, the noise is {} {}.",
+        number(s.rms_before),
+        number(s.rms_after),
+        s.unit,
+        gap.place.output,
+        number(s.noise_floor),
+        s.unit
+    )
+}
+
+fn name(e: &NamedEffect) -> String {
+    let what = if e.set.len() > 1 {
+        e.set.iter().map(|n| n.replace('_', " ")).collect::<Vec<_>>().join(" or ")
+    } else {
+        e.effect.replace('_', " ")
+    };
+    format!("{what} ({}, {:.0} %)", e.stage, 100.0 * e.probability)
+}

@@ -1,0 +1,121 @@
+//! How much of the gap goes, with a prediction interval for a new record.
+
+use crate::data_set::DataSet;
+use crate::gap::{HeldOut, Shrink};
+use crate::random::Random;
+use crate::score::{Judge, Judged, mean_square};
+
+/// Draws of the bootstrap.
+const DRAWS: usize = 400;
+
+/// What the figures are made from.
+pub(crate) struct Evidence<'a> {
+    pub(crate) data: &'a DataSet,
+    pub(crate) judge: &'a Judge,
+    pub(crate) given: &'a Judged,
+    pub(crate) before: &'a Judged,
+    pub(crate) after: &'a Judged,
+    /// Standard deviation of the noise in the output's unit.
+    pub(crate) sigma: f64,
+    pub(crate) unit: &'a str,
+    /// Range of the measured output in its unit.
+    pub(crate) range: f64,
+    pub(crate) seed: u64,
+}
+
+/// Fraction of the gap's power that goes, from mean squares over the noise's.
+fn fraction(before: f64, after: f64) -> Option<f64> {
+    let gap = before - 1.0;
+    (gap > 0.1).then(|| (1.0 - (after - 1.0).max(0.0) / gap).clamp(-1.0, 1.0))
+}
+
+impl Evidence<'_> {
+    pub(crate) fn shrink(&self, has_effects: bool) -> Shrink {
+        let root = |m: f64| self.sigma * m.max(0.0).sqrt();
+        let total = if has_effects {
+            fraction(self.before.held_out, self.after.held_out)
+        } else {
+            fraction(self.before.held_out, 1.0).map(|_| 0.0)
+        };
+        Shrink {
+            unit: self.unit.to_owned(),
+            rms_before: root(self.before.held_out),
+            rms_after: root(self.after.held_out),
+            noise_floor: self.sigma,
+            fraction: total,
+            ci95: total.filter(|_| has_effects).map(|f| self.interval(f)),
+            rms_as_given: root(self.given.held_out),
+            relative_gap: root(self.given.held_out) / self.range.max(f64::MIN_POSITIVE),
+            holdout: self.stretches(),
+        }
+    }
+
+    fn stretches(&self) -> Vec<HeldOut> {
+        let held = |r: &&crate::data_set::RecordData| !DataSet::held_out(r).is_empty();
+        self.data
+            .records
+            .iter()
+            .filter(held)
+            .map(|record| {
+                let rows = DataSet::held_out(record);
+                let before = mean_square(&self.before.residual[rows.clone()]);
+                let after = mean_square(&self.after.residual[rows.clone()]);
+                HeldOut {
+                    record: record.name.clone(),
+                    rows: [rows.start - record.rows.start + 1, rows.end - record.rows.start],
+                    rms_before: self.sigma * before.sqrt(),
+                    rms_after: self.sigma * after.sqrt(),
+                    fraction: fraction(before, after),
+                }
+            })
+            .collect()
+    }
+
+    /// 95 % prediction interval: each draw takes one record and resamples its blocks; with few records
+    /// the spread between them is widened by Student's factor.
+    fn interval(&self, total: f64) -> [f64; 2] {
+        let mut groups: Vec<Vec<(f64, f64)>> = vec![Vec::new(); self.data.records.len()];
+        for ((block, before), after) in
+            self.judge.blocks.iter().zip(&self.before.blocks).zip(&self.after.blocks)
+        {
+            if block.is_held_out {
+                groups[block.record].push((*before, *after));
+            }
+        }
+        groups.retain(|g| !g.is_empty());
+        if groups.is_empty() {
+            return [-1.0, 1.0];
+        }
+        let mut random = Random::new(self.seed);
+        let mut draws: Vec<f64> = Vec::with_capacity(DRAWS);
+        for _ in 0..DRAWS {
+            let group = &groups[random.below(groups.len())];
+            let (mut before, mut after) = (0.0, 0.0);
+            for _ in 0..group.len() {
+                let (b, a) = group[random.below(group.len())];
+                before += b;
+                after += a;
+            }
+            let n = group.len() as f64;
+            draws.extend(fraction(before / n, after / n));
+        }
+        if draws.is_empty() {
+            return [-1.0, 1.0];
+        }
+        draws.sort_by(f64::total_cmp);
+        let at = |q: f64| draws[((draws.len() - 1) as f64 * q).round() as usize];
+        let (low, high) = (at(0.025), at(0.975));
+        // Student's 97.5 % over the normal one, for as many records as there are.
+        let widen = match groups.len() {
+            1 => 3.0,
+            2 => 2.2,
+            3..=4 => 1.5,
+            _ => 1.2,
+        };
+        // The noise's own spread of a new record's mean square.
+        let noise = 0.05 / (self.before.held_out - 1.0).max(0.1);
+        let low = total - widen * (total - low).max(0.0) - noise - 0.01;
+        let high = total + widen * (high - total).max(0.0) + noise + 0.01;
+        [low.max(-1.0), high.min(1.0)]
+    }
+}

@@ -1,0 +1,192 @@
+//! Spectra of residuals: powers in bands, lines, coherence.
+
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
+
+/// Number of bands.
+const BANDS: usize = 18;
+
+/// Bands of frequency, even on a logarithmic scale.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Bands {
+    /// Ends in Hz, increasing.
+    pub(crate) ends: Vec<f64>,
+}
+
+impl Bands {
+    /// Bands that a stretch of this many rows can show.
+    pub(crate) fn new(rows: usize, sample: f64) -> Self {
+        let length = (rows.max(8) as f64) * sample;
+        let (low, high) = (1.0 / length, 0.5 / sample);
+        let ends =
+            (0..=BANDS).map(|k| low * (high / low).powf(k as f64 / BANDS as f64)).collect();
+        Self { ends }
+    }
+
+    /// Number of the band of a frequency.
+    fn of(&self, frequency: f64) -> Option<usize> {
+        let last = self.ends.len().checked_sub(2)?;
+        let first = *self.ends.first()?;
+        if frequency < first * (1.0 - 1e-9) {
+            return None;
+        }
+        Some(self.ends[1..].partition_point(|end| *end < frequency).min(last))
+    }
+}
+
+/// Power density of a signal over frequency, one-sided, such that white noise of variance 1 has the
+/// density 1; with a Hann window, the mean taken out.
+pub(crate) fn density(signal: &[f64]) -> Vec<f64> {
+    let n = signal.len();
+    if n < 8 {
+        return Vec::new();
+    }
+    let spectrum = windowed(signal);
+    // Σ w² = 3n/8 for a Hann window.
+    let scale = 8.0 / (3.0 * n as f64);
+    spectrum[..=n / 2].iter().map(|c| c.norm_sqr() * scale).collect()
+}
+
+fn windowed(signal: &[f64]) -> Vec<Complex<f64>> {
+    let n = signal.len();
+    let mean = signal.iter().sum::<f64>() / n as f64;
+    let mut buffer: Vec<Complex<f64>> = signal
+        .iter()
+        .enumerate()
+        .map(|(k, v)| {
+            let w = 0.5 - 0.5 * (std::f64::consts::TAU * k as f64 / n as f64).cos();
+            Complex::new(w * (v - mean), 0.0)
+        })
+        .collect();
+    FftPlanner::new().plan_fft_forward(n).process(&mut buffer);
+    buffer
+}
+
+/// Mean density in each band; NaN where a band has no line.
+pub(crate) fn band_powers(signal: &[f64], bands: &Bands, sample: f64) -> Vec<f64> {
+    let density = density(signal);
+    let count = bands.ends.len().saturating_sub(1);
+    let (mut sums, mut counts) = (vec![0.0; count], vec![0.0; count]);
+    for (k, power) in density.iter().enumerate().skip(1) {
+        let frequency = k as f64 / (signal.len() as f64 * sample);
+        if let Some(band) = bands.of(frequency) {
+            sums[band] += power;
+            counts[band] += 1.0;
+        }
+    }
+    sums.iter().zip(&counts).map(|(s, c)| if *c > 0.0 { s / c } else { f64::NAN }).collect()
+}
+
+/// Frequencies of the lines that stand out of their surroundings most, strongest first.
+pub(crate) fn lines(signal: &[f64], sample: f64, most: usize) -> Vec<f64> {
+    let density = density(signal);
+    let n = density.len();
+    if n < 32 {
+        return Vec::new();
+    }
+    let width = (n / 100).clamp(8, 200);
+    let mut found: Vec<(f64, usize)> = Vec::new();
+    for k in 3..n - 2 {
+        let is_peak = density[k] >= density[k - 1] && density[k] > density[k + 1];
+        if !is_peak {
+            continue;
+        }
+        let around = &density[k.saturating_sub(width).max(1)..(k + width).min(n)];
+        let mut sorted = around.to_vec();
+        let middle = sorted.len() / 2;
+        let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let ratio = density[k] / median.max(0.1);
+        if ratio > 30.0 {
+            found.push((ratio, k));
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let step = 1.0 / (signal.len() as f64 * sample);
+    found.iter().take(most).map(|(_, k)| step * refined(&density, *k)).collect()
+}
+
+/// Place of a peak between lines, for a Hann window.
+fn refined(density: &[f64], k: usize) -> f64 {
+    let (a, b, c) = (density[k - 1].sqrt(), density[k].sqrt(), density[k + 1].sqrt());
+    // Ratio of neighbours under a Hann window: shift = (2r − 1)/(1 + r).
+    let (other, sign) = if c > a { (c, 1.0) } else { (a, -1.0) };
+    let ratio = other / b.max(f64::MIN_POSITIVE);
+    k as f64 + sign * ((2.0 * ratio - 1.0) / (1.0 + ratio)).clamp(-0.5, 0.5)
+}
+
+/// Squared coherence of two signals over the power of the first: Welch, about 16 segments that
+/// overlap by half; the bias of incoherent signals is taken off.
+pub(crate) fn coherence(residual: &[f64], input: &[f64]) -> Option<f64> {
+    let n = residual.len().min(input.len());
+    let length = 2 * (n / 17);
+    if length < 16 {
+        return None;
+    }
+    let (mut rr, mut uu) = (vec![0.0; length / 2], vec![0.0; length / 2]);
+    let mut ru = vec![Complex::new(0.0, 0.0); length / 2];
+    let mut segments = 0.0_f64;
+    let mut from = 0;
+    while from + length <= n {
+        let a = windowed(&residual[from..from + length]);
+        let b = windowed(&input[from..from + length]);
+        for k in 1..length / 2 {
+            rr[k] += a[k].norm_sqr();
+            uu[k] += b[k].norm_sqr();
+            ru[k] += a[k] * b[k].conj();
+        }
+        segments += 1.0;
+        from += length / 2;
+    }
+    let total: f64 = rr.iter().sum();
+    let bias = 1.0 / (0.6 * segments).max(1.0);
+    let coherent: f64 = (1..length / 2)
+        .filter(|k| rr[*k] > 0.0 && uu[*k] > 0.0)
+        .map(|k| {
+            let raw = ru[k].norm_sqr() / (rr[k] * uu[k]);
+            rr[k] * ((raw - bias) / (1.0 - bias)).max(0.0)
+        })
+        .sum();
+    (total > 0.0).then(|| coherent / total)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_noise_has_the_density_of_its_variance() {
+        let mut state = 1u64;
+        let noise: Vec<f64> = (0..4096)
+            .map(|_| {
+                let mut sum = 0.0;
+                for _ in 0..12 {
+                    state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                    sum += (state >> 11) as f64 / (1u64 << 53) as f64;
+                }
+                sum - 6.0
+            })
+            .collect();
+        let density = density(&noise);
+        let mean = density[1..].iter().sum::<f64>() / (density.len() - 1) as f64;
+        assert!((mean - 1.0).abs() < 0.1, "{mean}");
+    }
+
+    #[test]
+    fn a_line_is_found_where_it_is() {
+        let signal: Vec<f64> =
+            (0..3000).map(|k| (std::f64::consts::TAU * 33.37 * f64::from(k) * 1e-3).sin()).collect();
+        let noise = |k: usize| ((k * 7919) % 1000) as f64 * 1e-3 - 0.5;
+        let signal: Vec<f64> = signal.iter().enumerate().map(|(k, s)| s + noise(k)).collect();
+        let found = lines(&signal, 1e-3, 3);
+        assert!((found[0] - 33.37).abs() < 0.03, "{found:?}");
+    }
+
+    #[test]
+    fn coherence_tells_driven_from_not_driven() {
+        let u: Vec<f64> = (0..8000).map(|k| (f64::from(k * k % 4001) * 0.37).sin()).collect();
+        let other: Vec<f64> = (0..8000).map(|k| (f64::from(k * 31 % 3989).powi(2) * 0.11).sin()).collect();
+        let driven: Vec<f64> = u.windows(2).map(|w| w[0] - 0.5 * w[1]).collect();
+        assert!(coherence(&driven, &u).unwrap() > 0.9);
+        assert!(coherence(&other, &u).unwrap() < 0.2);
+    }
+}
