@@ -7,8 +7,9 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
+use crate::commands::signal;
 
-/// Lists the rigs, effects or models that the tool knows
+/// Lists the rigs, effects, models or signals that the tool knows
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop list rigs\n  piezoloop list rigs --show evc > evc.toml\n  piezoloop list models --json"
@@ -29,6 +30,8 @@ enum What {
     Effects,
     /// Component types that a blueprint may use
     Models,
+    /// Test signals by name
+    Signals,
 }
 
 #[derive(Serialize)]
@@ -37,6 +40,7 @@ enum Listing {
     Rigs(Vec<RigRow>),
     Effects(Vec<EffectRow>),
     Models(Vec<ModelRow>),
+    Signals(Vec<signal::Row>),
     Text { name: &'static str, blueprint: &'static str },
 }
 
@@ -92,6 +96,7 @@ impl List {
             ),
             (What::Effects, None) => Listing::Effects(effects()),
             (What::Models, None) => Listing::Models(models()),
+            (What::Signals, None) => Listing::Signals(signal::list()),
         };
         screen.show(&listing)
     }
@@ -166,6 +171,7 @@ impl Answer for Listing {
                     "\nShow one: piezoloop list rigs --show evc; pack one: piezoloop pack evc -o evc.fmu"
                 )
             }
+            Self::Signals(rows) => signal::write_list(rows, out),
             Self::Effects(rows) => {
                 writeln!(out, "{:26} {:12} {:11} component types", "effect", "stage", "group")?;
                 for row in rows {

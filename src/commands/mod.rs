@@ -6,6 +6,7 @@ pub(crate) mod identify;
 mod invert;
 mod list;
 pub(crate) mod pack;
+mod signal;
 pub(crate) mod simulate;
 
 use crate::answer::Screen;
@@ -19,6 +20,7 @@ pub(crate) enum Command {
     Simulate(simulate::Simulate),
     Check(check::Check),
     List(list::List),
+    Signal(signal::Signal),
     Demo(demo::Demo),
 }
 
@@ -32,6 +34,7 @@ impl Command {
             Self::Simulate(command) => command.run(screen),
             Self::Check(command) => command.run(screen),
             Self::List(command) => command.run(screen),
+            Self::Signal(command) => command.run(screen),
             Self::Demo(command) => command.run(screen),
         }
     }
