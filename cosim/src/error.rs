@@ -45,6 +45,26 @@ pub enum Error {
         /// The capability flag.
         attribute: &'static str,
     },
+    /// An algebraic loop without solution in the passes allowed.
+    #[error(
+        "the algebraic loop of {variables} is not solved after {iterations} passes: {worst} still \
+         changes by {change:e} to {value:e} (tolerance {tolerance:e} of its largest magnitude); \
+         allow more passes, relax more, or step less far"
+    )]
+    Loop {
+        /// The outputs whose values are guessed.
+        variables: String,
+        /// Passes that were made.
+        iterations: usize,
+        /// The output that changes most.
+        worst: String,
+        /// Its value.
+        value: f64,
+        /// Its last change.
+        change: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
     /// The settings do not fit together; all problems at once.
     #[error(transparent)]
     Problems(#[from] Problems),

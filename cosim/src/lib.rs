@@ -34,7 +34,7 @@ mod system;
 mod time;
 mod unit;
 
-pub use algorithm::{Algorithm, GaussSeidel, Jacobi};
+pub use algorithm::{Algorithm, GaussSeidel, Iteration, IterationSettings, Jacobi, Relaxation};
 pub use closed_loop::{Coupling, Loop, LoopSettings, Wiring};
 pub use diagram::{Connection, Diagram, Port};
 pub use error::{Error, RunError};

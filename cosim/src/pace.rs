@@ -27,6 +27,11 @@ impl Default for Pace {
 }
 
 impl Pace {
+    /// The place of what is reached, for the place where it is seen.
+    pub(crate) fn seen(&self, place: usize) -> Option<usize> {
+        self.places.iter().find(|(_, seen)| *seen == place).map(|(reached, _)| *reached)
+    }
+
     /// A slave that takes equal steps only needs a whole number of its own.
     pub(crate) fn problem(&self, slave: &dyn Slave, points: &Points<'_>) -> Option<Problem> {
         let co_simulation = slave.description().co_simulation.as_ref();

@@ -155,6 +155,9 @@ pub enum Problem {
         /// What is wrong and the way out.
         what: String,
     },
+    /// An algebraic loop that cannot be iterated, or settings for it that are none.
+    #[error("{0}")]
+    Iteration(String),
     /// Two FMUs do not form a loop.
     #[error("{0}")]
     Loop(String),

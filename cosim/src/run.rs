@@ -157,11 +157,7 @@ impl Stepping<'_, '_> {
         self.system.look_ahead(self.algorithm);
         (0..self.system.len()).try_for_each(|slave| self.system.read_outputs(slave))?;
         self.system.publish();
-        for slave in self.algorithm.initialization_order(self.system) {
-            self.system.transfer(slave)?;
-            self.system.read_outputs(slave)?;
-            self.system.publish();
-        }
+        self.algorithm.initialize(self.system)?;
         for participant in &mut self.system.participants {
             participant.slave.exit_initialization()?;
         }

@@ -127,6 +127,14 @@ impl Participant {
         }
     }
 
+    /// Name of the output that goes to this place of the bus.
+    pub(crate) fn output_at(&self, place: usize) -> Option<&str> {
+        let seen = self.pace.seen(place);
+        let at =
+            self.outputs.places.iter().position(|there| *there == place || seen == Some(*there));
+        at.and_then(|at| self.outputs.selection.names().get(at)).map(String::as_str)
+    }
+
     pub(crate) fn drive(&mut self, address: &Address, wire: Wire) -> Result<(), Problem> {
         self.driven.add_address(self.slave.name(), address)?;
         self.wires.push(wire);
@@ -308,6 +316,14 @@ impl System {
         }
         participant.outputs.read(&mut *participant.slave, &mut self.bus)?;
         participant.observed.read(&mut *participant.slave, &mut self.bus)
+    }
+
+    /// In initialization mode: sets the slave's inputs and reads its connected outputs.
+    pub(crate) fn feed_through(&mut self, slave: usize) -> Result<(), Error> {
+        self.transfer(slave)?;
+        self.read_outputs(slave)?;
+        self.publish();
+        Ok(())
     }
 
     /// Reads the slave's connected outputs only.

@@ -5,6 +5,7 @@
 //! | any, [`Jacobi`] | its output at t_k | one step |
 //! | [`GaussSeidel`], source before target | its output at t_{k+1} | none |
 //! | [`GaussSeidel`], source after target | its output at t_k | one step |
+//! | any, [`Iteration`] | its output at t_{k+1} | none |
 //!
 //! *Delay* counts communication steps between the time of the source's value and the end of the
 //! target's step that it acts on. A column of the input table is like a source's output at t_k.
@@ -17,9 +18,11 @@
 //! faster slave's outputs at t_k, or, if that comes before it, at t_{k+1}.
 
 mod gauss_seidel;
+mod iteration;
 mod jacobi;
 
 pub use gauss_seidel::GaussSeidel;
+pub use iteration::{Iteration, IterationSettings, Relaxation};
 pub use jacobi::Jacobi;
 
 use crate::error::Error;
@@ -41,5 +44,12 @@ pub trait Algorithm {
     /// Order in which inputs are set in initialization mode.
     fn initialization_order(&self, system: &System) -> Vec<usize> {
         (0..system.len()).collect()
+    }
+
+    /// In initialization mode: sets inputs and reads outputs, in
+    /// [`initialization_order`](Algorithm::initialization_order).
+    fn initialize(&self, system: &mut System) -> Result<(), Error> {
+        let order = self.initialization_order(system);
+        order.into_iter().try_for_each(|slave| system.feed_through(slave))
     }
 }

@@ -238,7 +238,6 @@ impl Fmi3Slave {
     fn set_one(&mut self, name: &str, value: f64) -> Result<(), Error> {
         let description = Arc::clone(&self.description);
         let address = Address::find(&self.settings.name, &description, name).map_err(problem)?;
-        let variable = &address.variable;
         let mut selection = Selection::default();
         selection.add_address(&self.settings.name, &address).map_err(problem)?;
         self.set(&selection, &[value])

@@ -1,0 +1,197 @@
+//! Systems: steps of several lengths, algebraic loops, scaled connections.
+#![allow(clippy::print_stdout)]
+
+mod common;
+
+use common::{Fmus, instance};
+use piezoloop_cosim::{
+    Algorithm, Diagram, Error, GaussSeidel, Iteration, IterationSettings, Jacobi, Memory, Points,
+    Relaxation, Run, Signals, System, Value, Way,
+};
+
+fn loop_of(fmus: &Fmus, controller_gain: f64, every: usize) -> System {
+    let (controller, plant) = (fmus.controller(), fmus.integrator());
+    let mut diagram = Diagram::new();
+    diagram
+        .add(instance(&controller, "c"))
+        .add(instance(&plant, "p"))
+        .connect(("c", "command[1]"), ("p", "command[1]"))
+        .connect(("p", "position[1]"), ("c", "measured[1]"))
+        .start(("c", "k"), controller_gain)
+        .start(("c", "reference[1]"), 1.0)
+        .every("c", every)
+        .record(("c", "command[1]"))
+        .record_as(("p", "command[1]"), "u")
+        .record(("p", "position[1]"));
+    diagram.build().expect("a system")
+}
+
+fn run(system: &mut System, algorithm: &dyn Algorithm, steps: u32) -> Result<Memory, Error> {
+    let mut memory = Memory::new();
+    let signals = Signals::new(&[0.0]);
+    let points = Points::uniform(0.0, f64::from(steps), 1.0).expect("points");
+    let run = Run { record: 0, points, signals: &signals, tolerance: None };
+    system.run(&run, algorithm, &mut memory).map(|_| memory)
+}
+
+fn close(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len());
+    for (a, b) in found.iter().zip(expected) {
+        assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{found:?} is not {expected:?}");
+    }
+}
+
+/// u = k (1 − y), held over three steps; y' = u.
+#[test]
+fn a_slow_controller_holds_its_command() {
+    let fmus = fmus_or_skip!();
+    let (k, every) = (0.25, 3);
+    let mut system = loop_of(&fmus, k, every);
+    let first = GaussSeidel::in_order(&system, &["c", "p"]).unwrap();
+    let memory = run(&mut system, &first, 8).unwrap();
+    let (mut y, mut u, mut acts, mut positions) = (0.0, 0.0, Vec::new(), Vec::new());
+    for n in 0..8 {
+        if n % every == 0 {
+            u = k * (1.0 - y);
+        }
+        acts.push(u);
+        positions.push(y);
+        y += u;
+    }
+    positions.push(y);
+    close(&memory.values("u").unwrap()[..8], &acts);
+    close(memory.values("position[1]").unwrap(), &positions);
+    // The command is seen as an output when its time is reached.
+    let seen: Vec<f64> =
+        (0..=8_usize).map(|n| if n < 3 { 0.0 } else { acts[n / every * every - 1] }).collect();
+    let command = memory.values("c.command[1]").or(memory.values("command[1]")).unwrap();
+    close(&command[..8], &seen[..8]);
+}
+
+#[test]
+fn side_by_side_a_slow_output_is_seen_when_its_time_is_reached() {
+    let fmus = fmus_or_skip!();
+    let (k, every) = (0.25, 3);
+    let mut system = loop_of(&fmus, k, every);
+    let memory = run(&mut system, &Jacobi, 9).unwrap();
+    let (mut y, mut next, mut acting, mut positions) = (0.0, 0.0, 0.0, Vec::new());
+    for n in 0..9 {
+        if n % every == 0 {
+            acting = next;
+            next = k * (1.0 - y);
+        }
+        positions.push(y);
+        y += acting;
+    }
+    positions.push(y);
+    close(memory.values("position[1]").unwrap(), &positions);
+    // A second run of the same system is the first.
+    let again = run(&mut system, &Jacobi, 9).unwrap();
+    assert_eq!(again, memory);
+}
+
+#[test]
+fn an_fmu_of_equal_steps_needs_a_whole_number_of_its_own() {
+    let fmus = fmus_or_skip!();
+    let mut description = common::controller();
+    let co_simulation = description.co_simulation.as_mut().unwrap();
+    co_simulation.can_handle_variable_communication_step_size = false;
+    let fmu = piezoloop_cosim::Fmu::open(fmus.pack("controller", &description)).unwrap();
+    let mut diagram = Diagram::new();
+    diagram.add(instance(&fmu, "c")).every("c", 4);
+    let error = run(&mut diagram.build().unwrap(), &Jacobi, 10).unwrap_err().to_string();
+    assert!(error.contains("FMU `c` steps once every 4 communication steps"), "{error}");
+    let mut diagram = Diagram::new();
+    diagram.add(instance(&fmu, "c")).every("c", 0).every("d", 2);
+    let error = diagram.build().err().unwrap().to_string();
+    assert!(error.contains("every 0") && error.contains("no FMU `d`"), "{error}");
+}
+
+/// Implicit coupling: u = k (1 − y⁺) and y⁺ = y + u, so y⁺ = (y + k)/(1 + k).
+#[test]
+fn a_loop_is_solved_by_iteration_with_rollback() {
+    let fmus = fmus_or_skip!();
+    // Plain substitution diverges for k > 1; Aitken solves it.
+    for (k, relaxation) in [
+        (0.5, Relaxation::Fixed(1.0)),
+        (0.5, Relaxation::Aitken),
+        (3.0, Relaxation::Fixed(0.25)),
+        (3.0, Relaxation::Aitken),
+        (40.0, Relaxation::Aitken),
+    ] {
+        let mut system = loop_of(&fmus, k, 1);
+        let settings = IterationSettings { relaxation, tolerance: 1e-13, iterations: 200 };
+        let iteration = Iteration::new(&system, settings).unwrap();
+        assert_eq!(iteration.loops().collect::<Vec<_>>(), [[0, 1]]);
+        let memory = run(&mut system, &iteration, 10).unwrap();
+        let mut expected = vec![0.0];
+        for n in 0..10 {
+            expected.push((expected[n] + k) / (1.0 + k));
+        }
+        let found = memory.values("position[1]").unwrap();
+        for (a, b) in found.iter().zip(&expected) {
+            assert!(
+                (a - b).abs() < 1e-11,
+                "k = {k}, {relaxation:?}: {found:?} is not {expected:?}"
+            );
+        }
+        assert_eq!(run(&mut system, &iteration, 10).unwrap(), memory, "a second run is the first");
+    }
+}
+
+#[test]
+fn a_loop_without_solution_is_named() {
+    let fmus = fmus_or_skip!();
+    let mut system = loop_of(&fmus, 3.0, 1);
+    let relaxation = Relaxation::Fixed(1.0);
+    let settings = IterationSettings { relaxation, iterations: 20, ..Default::default() };
+    let iteration = Iteration::new(&system, settings).unwrap();
+    let error = run(&mut system, &iteration, 10).unwrap_err().to_string();
+    assert!(
+        error.starts_with(
+            "at t = 0 s: the algebraic loop of `position[1]` of FMU `p` is not solved after 20 passes"
+        ),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_loop_needs_states_and_settings() {
+    let fmus = fmus_or_skip!();
+    let bare = piezoloop_cosim::Fmu::open(fmus.pack("bare", &common::bare())).unwrap();
+    let mut diagram = Diagram::new();
+    diagram.add(instance(&bare, "a")).add(instance(&bare, "b"));
+    diagram.connect(("a", "y"), ("b", "u")).connect(("b", "y"), ("a", "u"));
+    let system = diagram.build().unwrap();
+    let settings =
+        IterationSettings { relaxation: Relaxation::Fixed(0.0), tolerance: 2.0, iterations: 1 };
+    let error = Iteration::new(&system, settings).unwrap_err().to_string();
+    for words in ["relaxation of 0", "tolerance of 2", "1 passes", "FMU `a` is in", "FMU `b` is in"]
+    {
+        assert!(error.contains(words), "{words}: {error}");
+    }
+    assert!(error.contains("canGetAndSetFMUstate"));
+}
+
+/// Without loops, sources step before targets, whatever the order in which they were added.
+#[test]
+fn slaves_outside_loops_step_in_dependency_order() {
+    let fmus = fmus_or_skip!();
+    let plant = fmus.integrator();
+    let mut diagram = Diagram::new();
+    diagram
+        .add(instance(&plant, "last"))
+        .add(instance(&plant, "first"))
+        .connect_by(("first", "position[1]"), ("last", "command[1]"), Way::scaled(2.0, 1.0, true))
+        .start(("first", "command[1]"), 1.0)
+        .start(("last", "k"), Value::Real(1.0))
+        .record(("last", "position[1]"))
+        .record(("last", "command[1]"));
+    let mut system = diagram.build().unwrap();
+    let iteration = Iteration::new(&system, IterationSettings::default()).unwrap();
+    assert_eq!(iteration.loops().count(), 0);
+    let memory = run(&mut system, &iteration, 3).unwrap();
+    // 2·y + 1 with y at the end of the step.
+    close(&memory.values("command[1]").unwrap()[..3], &[3.0, 5.0, 7.0]);
+    close(memory.values("position[1]").unwrap(), &[0.0, 3.0, 8.0, 15.0]);
+}
