@@ -68,6 +68,12 @@ pub enum Error {
     /// The settings do not fit together; all problems at once.
     #[error(transparent)]
     Problems(#[from] Problems),
+    /// A file that describes a system is wrong; all problems at once.
+    #[error(transparent)]
+    File(#[from] data::Problems),
+    /// An SSP is wrong; all problems at once.
+    #[error(transparent)]
+    Ssp(#[from] modeldescription::ssp::SspError),
     /// The package cannot be opened, or has no library for this machine.
     #[error(transparent)]
     Open(#[from] modeldescription::PackageError),

@@ -16,10 +16,9 @@ pub(super) struct Group {
 pub(super) fn groups(system: &System) -> Vec<Group> {
     let n = system.len();
     let mut reaches = vec![vec![false; n]; n];
-    for target in 0..n {
-        for source in system.sources_of(target) {
-            reaches[source][target] = true;
-        }
+    let connected = |target: usize| system.sources_of(target).map(move |source| (source, target));
+    for (source, target) in (0..n).flat_map(connected) {
+        reaches[source][target] = true;
     }
     for via in 0..n {
         let from_via = reaches[via].clone();

@@ -1,0 +1,251 @@
+//! From a plan to a system that is ready to run.
+
+use modeldescription::ModelDescription;
+use modeldescription::description::Unit;
+use modeldescription::ssp::ParameterValue;
+use modeldescription::variable::{Causality, DataType};
+
+use super::{Coupling, Plan, PlannedStart};
+use crate::algorithm::{Algorithm, GaussSeidel, Iteration, Jacobi};
+use crate::diagram::{Diagram, Port};
+use crate::error::Error;
+use crate::problem::{Problem, Problems};
+use crate::slave::{Address, Selection, Slave, Value};
+use crate::system::System;
+
+/// A multiple of the communication step that misses a whole number by less than this part is one.
+const ROUNDING: f64 = 1e-6;
+
+/// A system, and how it is stepped.
+pub struct Prepared {
+    /// The system.
+    pub system: System,
+    /// How it is stepped.
+    pub algorithm: Box<dyn Algorithm>,
+    /// What was ignored.
+    pub notes: Vec<String>,
+}
+
+impl Plan {
+    /// The communication step in s, where the plan or its FMUs say one: that of the plan, else the
+    /// smallest step that an FMU has by the plan or prefers by its description.
+    pub fn step(&self, descriptions: &[&ModelDescription]) -> Option<f64> {
+        let preferred = |description: &&ModelDescription| {
+            description.default_experiment.as_ref().and_then(|experiment| experiment.step_size)
+        };
+        let steps = self.fmus.iter().filter_map(|fmu| fmu.step);
+        let steps = steps.chain(descriptions.iter().filter_map(preferred));
+        let smallest = steps.filter(|step| *step > 0.0).reduce(f64::min);
+        self.master.step.or(smallest)
+    }
+
+    /// Columns of the input table that are needed.
+    pub fn columns(&self) -> Vec<&str> {
+        let mut columns: Vec<&str> = Vec::new();
+        for input in &self.inputs {
+            if !columns.contains(&input.column.as_str()) {
+                columns.push(&input.column);
+            }
+        }
+        columns
+    }
+
+    /// Connects the slaves, which are instances of the FMUs in their order. `step` is the
+    /// communication step in s; `units` are those of columns of the input table, where known.
+    ///
+    /// # Errors
+    /// All problems: variables that do not exist or do not fit, units that do not convert, steps
+    /// that are no multiples of the communication step.
+    pub fn prepare(
+        &self,
+        slaves: Vec<Box<dyn Slave>>,
+        step: f64,
+        units: &[(String, Unit)],
+    ) -> Result<Prepared, Error> {
+        let mut problems = Vec::new();
+        let mut notes = Vec::new();
+        let mut diagram = Diagram::new();
+        for start in &self.starts {
+            self.start(&slaves, start, &mut diagram, &mut notes, &mut problems);
+        }
+        for input in &self.inputs {
+            let unit = units.iter().find(|(name, _)| *name == input.column);
+            let unit = unit.map(|(_, unit)| unit.clone());
+            diagram.feed_by(&input.column, unit, input.to.clone(), input.way.clone());
+        }
+        for connection in &self.connections {
+            let (from, to) = (connection.from.clone(), connection.to.clone());
+            diagram.connect_by(from, to, connection.way.clone());
+        }
+        for fmu in &self.fmus {
+            match multiple(fmu.step, step) {
+                Ok(1) => {}
+                Ok(every) => {
+                    diagram.every(&fmu.name, every);
+                }
+                Err(what) => problems.push(Problem::Pace { slave: fmu.name.clone(), what }),
+            }
+        }
+        for (port, name) in self.recorded(&slaves) {
+            diagram.record_as(port, name);
+        }
+        slaves.into_iter().for_each(|slave| {
+            diagram.add(slave);
+        });
+        let system = match diagram.build() {
+            Ok(system) if problems.is_empty() => system,
+            built => {
+                problems.extend(built.err().into_iter().flat_map(|problems| problems.0));
+                return Err(Problems(problems).into());
+            }
+        };
+        let algorithm = self.algorithm(&system)?;
+        Ok(Prepared { system, algorithm, notes })
+    }
+
+    fn algorithm(&self, system: &System) -> Result<Box<dyn Algorithm>, Problems> {
+        let order: Vec<&str> = self.master.order.iter().map(String::as_str).collect();
+        Ok(match self.master.coupling {
+            Coupling::Jacobi => Box::new(Jacobi),
+            Coupling::GaussSeidel if order.is_empty() => {
+                Box::new(GaussSeidel::by_dependency(system))
+            }
+            Coupling::GaussSeidel => Box::new(GaussSeidel::in_order(system, &order)?),
+            Coupling::Iteration => Box::new(Iteration::new(system, self.master.iteration)?),
+        })
+    }
+
+    /// What is recorded, and under which names.
+    fn recorded(&self, slaves: &[Box<dyn Slave>]) -> Vec<(Port, String)> {
+        if !self.record.is_empty() {
+            return self.record.clone();
+        }
+        let mut ports: Vec<Port> = self.inputs.iter().map(|input| input.to.clone()).collect();
+        ports.extend(self.connections.iter().map(|connection| connection.to.clone()));
+        for slave in slaves {
+            let outputs = slave.description().variables.iter().filter(|variable| {
+                variable.causality == Causality::Output && Selection::takes(variable)
+            });
+            ports.extend(outputs.map(|variable| Port::from((slave.name(), &variable.name))));
+        }
+        let connected = self.connections.iter().map(|connection| connection.from.clone());
+        for port in connected {
+            if !ports.contains(&port) {
+                ports.push(port);
+            }
+        }
+        let named = |port: Port| {
+            let name = format!("{}.{}", port.slave, port.variable);
+            (port, name)
+        };
+        ports.into_iter().map(named).collect()
+    }
+
+    fn start(
+        &self,
+        slaves: &[Box<dyn Slave>],
+        start: &PlannedStart,
+        diagram: &mut Diagram,
+        notes: &mut Vec<String>,
+        problems: &mut Vec<Problem>,
+    ) {
+        let Port { slave, variable } = &start.to;
+        let Some(description) = slaves.iter().find(|s| s.name() == slave).map(|s| s.description())
+        else {
+            problems.push(Problem::NoSuchSlave { name: slave.clone(), there: String::new() });
+            return;
+        };
+        let several = count(&start.value) > 1;
+        for i in 0..count(&start.value) {
+            let name = if several { format!("{variable}[{}]", i + 1) } else { variable.clone() };
+            let address = match Address::find(slave, description, &name) {
+                Ok(address) => address,
+                Err(_) if start.optional => {
+                    notes
+                        .push(format!("{} is ignored: FMU `{slave}` has no `{name}`", start.place));
+                    continue;
+                }
+                Err(problem) => {
+                    problems.push(problem);
+                    continue;
+                }
+            };
+            match value_for(description, &address, start, i) {
+                Ok(value) => {
+                    diagram.start((slave, &name), value);
+                }
+                Err(why) => problems.push(Problem::StartValue {
+                    slave: slave.clone(),
+                    variable: name,
+                    value: start.place.clone(),
+                    why,
+                }),
+            }
+        }
+    }
+}
+
+fn count(value: &ParameterValue) -> usize {
+    match value {
+        ParameterValue::Real(values) => values.len(),
+        ParameterValue::Integer(values) => values.len(),
+        ParameterValue::Boolean(values) => values.len(),
+        ParameterValue::Text(texts) => texts.len(),
+        ParameterValue::Enumeration(items, _) => items.len(),
+        ParameterValue::Binary(_) => 1,
+    }
+}
+
+/// A start value as the variable takes it, in its unit.
+fn value_for(
+    description: &ModelDescription,
+    address: &Address,
+    start: &PlannedStart,
+    i: usize,
+) -> Result<Value, String> {
+    let missing = || "there is no value".to_owned();
+    match &start.value {
+        ParameterValue::Real(values) => {
+            let value = values.get(i).copied().ok_or_else(missing)?;
+            let properties = description.properties(&address.variable);
+            let unit = properties.unit.as_deref().and_then(|name| description.unit(name));
+            let differences = properties.relative_quantity.unwrap_or(false);
+            Ok(Value::Real(start.way.conversion(None, unit, differences)?.apply(value)))
+        }
+        ParameterValue::Integer(values) => {
+            values.get(i).copied().map(Value::Integer).ok_or_else(missing)
+        }
+        ParameterValue::Boolean(values) => {
+            values.get(i).copied().map(Value::Boolean).ok_or_else(missing)
+        }
+        ParameterValue::Text(texts) => texts.get(i).cloned().map(Value::Text).ok_or_else(missing),
+        ParameterValue::Enumeration(items, _) => {
+            let item = items.get(i).ok_or_else(missing)?;
+            let declared = description.declared_type(&address.variable);
+            let known = declared.map(|declared| declared.items.as_slice()).unwrap_or_default();
+            let found = known.iter().find(|known| known.name == *item);
+            found.map(|found| Value::Integer(found.value)).ok_or_else(|| {
+                let names: Vec<&str> = known.iter().map(|known| known.name.as_str()).collect();
+                format!("\"{item}\" is no item of its enumeration: {}", names.join(", "))
+            })
+        }
+        ParameterValue::Binary(_) if address.variable.data_type == DataType::Binary => {
+            Err("binary values are not set".to_owned())
+        }
+        ParameterValue::Binary(_) => Err("the variable is not binary".to_owned()),
+    }
+}
+
+/// How many communication steps an FMU's own step has.
+fn multiple(own: Option<f64>, step: f64) -> Result<usize, String> {
+    let Some(own) = own else { return Ok(1) };
+    let ratio = own / step;
+    let whole = ratio.round();
+    if (ratio - whole).abs() <= ROUNDING * ratio && (1.0..=1e15).contains(&whole) {
+        return Ok(whole as usize);
+    }
+    Err(format!(
+        "over {own} s, which is no multiple of the communication step of {step} s; choose a \
+         communication step that divides the steps of all FMUs"
+    ))
+}
