@@ -7,6 +7,14 @@ use crate::select::{Candidate, Looked};
 /// Probability that the set must reach.
 pub(crate) const SET: f64 = 0.95;
 
+/// How much the odds of a rival fall with what it leaves: odds = times^−SHARPNESS.
+const SHARPNESS: f64 = 3.0;
+/// How much the logarithm of the odds falls with each coefficient more: a formula that can imitate many
+/// others says little when it fits.
+const ORDER: f64 = 1.2;
+/// Excess over the noise that is told from none.
+const SEEN: f64 = 0.02;
+
 /// One name for a slot.
 #[derive(Clone, Debug)]
 pub(crate) struct Belief {
@@ -24,11 +32,12 @@ pub(crate) fn beliefs(outcome: &Outcome, looked: &[Looked], own: &Candidate) -> 
     let weights: Vec<f64> = fitted
         .iter()
         .map(|(_, c)| {
-            // Structured residuals make nominal likelihoods far too sure; the paired difference of
-            // blocks is what the data really repeat, and it may not be more than the likelihood says.
-            let paired = outcome.judge.paired(&c.judged, &best.judged).max(0.0);
-            let nominal = (c.rank - best.rank).max(0.0);
-            (-0.5 * (0.5 * paired * paired).min(nominal)).exp()
+            // The right name leaves a small part of the gap where its formula is not the machine's: what
+            // counts is how many times more a rival leaves, as far as the noise lets one see it.
+            let times = ((excess(c) + SEEN) / (excess(best) + SEEN)).max(1.0);
+            let nominal = 0.5 * (c.rank - best.rank).max(0.0);
+            let order = ORDER * (c.freedom as f64 - best.freedom as f64);
+            (-(SHARPNESS * times.ln()).min(nominal) - order).exp()
         })
         .collect();
     let total: f64 = weights.iter().sum();
@@ -40,6 +49,11 @@ pub(crate) fn beliefs(outcome: &Outcome, looked: &[Looked], own: &Candidate) -> 
         .collect();
     all.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.family.cmp(&b.family)));
     all
+}
+
+/// What is left over the noise's power, on training and held-out rows alike.
+fn excess(c: &Candidate) -> f64 {
+    (0.5 * (c.fit.mean_square + c.judged.held_out) - 1.0).max(0.0)
 }
 
 /// Probability that the cause is in the library at all, from what the effects explain.

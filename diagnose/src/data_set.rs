@@ -22,8 +22,6 @@ pub(crate) struct RecordData {
     pub(crate) training_hits_end: usize,
     /// Its part of the rows of the fit.
     pub(crate) fit: Range<usize>,
-    /// Which log it is from.
-    pub(crate) log: usize,
     /// Inputs of a black box beside the one that is driven, row by row, in the model's units.
     pub(crate) others: Vec<Vec<f64>>,
 }
@@ -69,7 +67,6 @@ pub(crate) struct DataSet {
 /// One record as it comes.
 pub(crate) struct RecordRows {
     pub(crate) name: String,
-    pub(crate) log: usize,
     pub(crate) time: Vec<f64>,
     pub(crate) command: Vec<f64>,
     pub(crate) y: Vec<f64>,
@@ -150,7 +147,6 @@ impl DataSet {
             hits: hit..self.command.len(),
             training_hits_end,
             fit: 0..0,
-            log: record.log,
             others: record.others,
         });
     }
@@ -172,11 +168,6 @@ impl DataSet {
             self.y[row] - simulated[self.row_hit[row] as usize]
         };
         self.fit_rows.iter().map(at).collect()
-    }
-
-    /// Simulated at the rows of the fit.
-    pub(crate) fn fit_output(&self, simulated: &[f64]) -> Vec<f64> {
-        self.fit_rows.iter().map(|row| simulated[self.row_hit[*row as usize] as usize]).collect()
     }
 
     /// Measured less simulated at all rows.

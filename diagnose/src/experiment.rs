@@ -139,7 +139,6 @@ fn record(o: &Outcome, item: &Item) -> Option<DataSet> {
     });
     let rows = RecordRows {
         name: item.name.clone(),
-        log: 0,
         time: (0..n).map(|k| k as f64 * sample).collect(),
         command: item.command.clone(),
         y: vec![0.0; n],

@@ -198,6 +198,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) slope_power: f64,
     /// Residual of the re-tuned model at the rows of the fit, for the search for lines.
     pub(crate) lines: Vec<f64>,
+    /// Converters that may have rounded the command: steps over its range, phase.
+    pub(crate) steps: Vec<(f64, f64)>,
 }
 
 /// All families, without those that were taken out and those that this model or log cannot show.

@@ -135,8 +135,14 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Settin
     let steepest = slopes.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let longest = data.records.iter().max_by_key(|r| r.training.len());
     let lines = longest.map_or_else(Vec::new, |r| {
-        spectrum::lines(&base.judged.residual[r.training.clone()], sample, 4)
+        let is_mains = |f: f64| {
+            [50.0, 60.0].iter().any(|m| (1..=6).any(|k| (f / (m * f64::from(k)) - 1.0).abs() < 0.01))
+        };
+        let mut lines = spectrum::lines(&base.judged.residual[r.training.clone()], sample, 6);
+        lines.retain(|f| !is_mains(*f));
+        lines
     });
+    let steps = converter_steps(data, &rows, &base.judged.residual);
     let half = if position.half > 0.0 { position.half } else { 1.0 };
     Setting {
         base: &problem.base,
@@ -148,5 +154,53 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Settin
         steepest,
         slope_power,
         lines,
+        steps,
     }
+}
+
+/// Converters whose steps the residual shows: it is then a periodic function of the command. The
+/// strongest periods of the residual over the command, as steps over the range and phase.
+fn converter_steps(data: &DataSet, command: &[f64], residual: &[f64]) -> Vec<(f64, f64)> {
+    /// Most rows that are looked at.
+    const ROWS: usize = 4000;
+    /// Most steps over the range.
+    const STEPS: usize = 1024;
+    let training = data.records.iter().flat_map(|r| r.training.clone());
+    let rows: Vec<usize> = training.collect();
+    let stride = rows.len().div_ceil(ROWS).max(1);
+    let z: Vec<(f64, f64)> = rows
+        .iter()
+        .step_by(stride)
+        .map(|k| (command[*k] / (2.0 * data.command_span.half), residual[*k]))
+        .collect();
+    let power = |steps: f64| {
+        let (mut s, mut c) = (0.0, 0.0);
+        for (u, r) in &z {
+            let (sin, cos) = (std::f64::consts::TAU * steps * u).sin_cos();
+            s += r * sin;
+            c += r * cos;
+        }
+        (s * s + c * c, s.atan2(c))
+    };
+    let mut all: Vec<(f64, f64, f64)> = (8..=4 * STEPS)
+        .map(|k| {
+            let steps = 0.25 * k as f64;
+            let (power, angle) = power(steps);
+            (power, steps, angle)
+        })
+        .collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.total_cmp(&b.1)));
+    all.iter()
+        .take(3)
+        .flat_map(|(_, steps, _)| {
+            let fine = (-8..=8).map(move |k| steps + 0.03 * f64::from(k));
+            let best = fine.map(|s| (power(s), s)).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
+            // The rounding error −Σ sin(2πk(u/q − p))/(πk) has its first harmonic at this angle.
+            best.into_iter().flat_map(|((_, angle), s)| {
+                let phase = (std::f64::consts::PI - angle) / std::f64::consts::TAU;
+                [0.25, -0.25].map(|shift| (s, (phase + shift).rem_euclid(1.0)))
+            })
+        })
+        .chain(all.first().map(|(_, s, _)| (*s, 0.0)))
+        .collect()
 }

@@ -1,7 +1,5 @@
 //! From a request to one problem per output: data in SI, model as a chain, noise.
 
-use std::collections::BTreeMap;
-
 use data::{CheckedBlueprint, Log, NameMap};
 use model::{Causality, Unit};
 
@@ -192,7 +190,7 @@ pub(crate) fn assemble(
     let logs = request.logs.iter().map(|log| (log, false));
     let judged = request.holdout.iter().map(|log| (log, true));
     let training = if request.holdout.is_empty() { 1.0 - HELD_OUT } else { 1.0 };
-    for (number, (log, is_judged)) in logs.chain(judged).enumerate() {
+    for (log, is_judged) in logs.chain(judged) {
         let training = if is_judged { 0.0 } else { training };
         let command = column(request, u, log, "input")?;
         let measured = column(request, y, log, "output")?;
@@ -223,7 +221,6 @@ pub(crate) fn assemble(
             let name = if many { format!("{} #{}", file(log), record.id) } else { file(log) };
             records.push(RecordRows {
                 name,
-                log: number,
                 time: log.time()[rows.clone()].to_vec(),
                 command: si(&u.si, &command),
                 y: si(&y.si, &measured),
@@ -411,16 +408,4 @@ fn detrended(y: &[f64]) -> f64 {
     let Some(solver) = basis.tr_mul(&basis).cholesky() else { return 0.0 };
     let fitted = &basis * solver.solve(&basis.tr_mul(&values));
     (values - fitted).norm_squared()
-}
-
-/// Ports by column name, for warnings about maps that name nothing.
-pub(crate) fn unknown_names(request: &Request, ports: &[&Port]) -> BTreeMap<String, String> {
-    request
-        .names
-        .iter()
-        .filter(|(name, _)| {
-            !ports.iter().any(|p| p.name == *name || p.alias.as_deref() == Some(*name))
-        })
-        .map(|(name, column)| (name.to_owned(), column.to_owned()))
-        .collect()
 }

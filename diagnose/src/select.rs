@@ -19,6 +19,10 @@ pub(crate) const ADEQUATE: f64 = 1.25;
 const CUT: f64 = 1.8;
 /// Score that the effects together must reach.
 const EXPLAINED: f64 = 0.6;
+/// Weight of the training rows in the rank; the rest is that of the held-out ones.
+const TRAINING: f64 = 0.7;
+/// Least part of the gap's power, or of the score, that each further effect must bring.
+const FURTHER: (f64, f64) = (0.08, 0.15);
 /// Loss of score below which an effect is dropped again.
 const DROPPED: f64 = 0.02;
 
@@ -30,8 +34,10 @@ pub(crate) struct Candidate {
     pub(crate) chain: Chain,
     pub(crate) fit: Fit,
     pub(crate) judged: Judged,
-    /// Training cost with the penalty of its order.
+    /// Cost of all rows with the penalty of its order; the least is the best.
     pub(crate) rank: f64,
+    /// Coefficients of the effects.
+    pub(crate) freedom: usize,
 }
 
 /// A family that was looked at in a round.
@@ -98,8 +104,14 @@ impl<'a> Search<'a> {
         let judged = self.judge.judge(&chain, &fit.theta, self.data, self.sigma, self.count)?;
         let records = self.data.records.len();
         let freedom: usize = self.formulas(&picks).iter().map(|f| f.freedom(records)).sum();
-        let rank = fit.cost + freedom as f64 * self.fitter().effective().ln();
-        Ok(Candidate { picks, chain, fit, judged, rank })
+        let rows = self.fitter().effective();
+        let level = |m: f64| m.max(1e-12).ln();
+        // What is learned on the training rows must hold on the others.
+        let data = TRAINING * level(fit.mean_square) + (1.0 - TRAINING) * level(judged.held_out);
+        let prior: f64 =
+            chain.parameters.iter().zip(&fit.theta).map(|(p, q)| p.prior * q * q).sum();
+        let rank = rows * data + prior + freedom as f64 * rows.ln();
+        Ok(Candidate { picks, chain, fit, judged, rank, freedom })
     }
 
     /// Coordinates for `chain` that say what `from` says, with the start of a new effect at the end.
@@ -305,7 +317,8 @@ impl<'a> Search<'a> {
         let e0 = explained(&base.judged, &before.judged);
         let e1 = explained(&base.judged, &after.judged);
         let linear = cut(e0.min(1.0), e1.min(1.0));
-        paired > 4.0 && s1 > s0 + 0.01 && (linear > CUT || cut(s0, s1) > CUT)
+        let is_large = e1 - e0 > FURTHER.0 || s1 - s0 > FURTHER.1;
+        paired > 4.0 && is_large && (linear > CUT || cut(s0, s1) > CUT)
     }
 
     /// Looks at every slot but the last again, with the others in place.

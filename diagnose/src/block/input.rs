@@ -32,10 +32,10 @@ pub(super) fn clock(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
 }
 
 pub(super) fn quantise(span: Span, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
-    let &[bits] = p else { return };
-    let q = 2.0 * span.half / bits.exp2();
+    let &[steps, phase] = p else { return };
+    let q = 2.0 * span.half / steps;
     for (y, x) in out.iter_mut().zip(w.x) {
-        *y = q * (x / q).round();
+        *y = q * ((x / q - phase).round() + phase);
     }
 }
 

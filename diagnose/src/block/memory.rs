@@ -84,6 +84,31 @@ pub(super) fn rate_plays(memory: &Memory, p: &[f64], w: Wires<'_>, out: &mut [f6
     }
 }
 
+pub(super) fn saturating_plays(
+    memory: &Memory,
+    steepest: f64,
+    p: &[f64],
+    w: Wires<'_>,
+    out: &mut [f64],
+) {
+    let &[growth, half_rate] = p else { return };
+    out.copy_from_slice(w.x);
+    let half_rate = half_rate * steepest;
+    for (r, weight) in memory.r.iter().zip(&memory.w) {
+        let (mut wide, mut same) = (0.0, 0.0);
+        let mut before = w.drive.first().copied().unwrap_or(0.0);
+        let mut rate = 0.0;
+        for (y, u) in out.iter_mut().zip(w.drive) {
+            rate += 0.3 * ((u - before).abs() / w.step - rate);
+            before = *u;
+            let factor = 1.0 + growth * rate / (half_rate + rate);
+            wide = play(r * factor, *u, wide);
+            same = play(*r, *u, same);
+            *y += weight * (wide - same);
+        }
+    }
+}
+
 pub(super) fn lagged_plays(memory: &Memory, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     let &[bandwidth] = p else { return };
     out.copy_from_slice(w.x);

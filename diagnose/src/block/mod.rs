@@ -61,7 +61,7 @@ pub(crate) enum Block {
     Delay,
     /// `x(t·(1 − e))` within the record.
     Clock,
-    /// `q·round(x/q)`, `q = range/2^bits`; parameter bits.
+    /// `q·(round(x/q − p) + p)`; steps over the range, phase p.
     Quantiser(Span),
     /// Equal first-order lags in series; bandwidth of each in Hz.
     Lag(usize),
@@ -126,6 +126,14 @@ pub(crate) enum Block {
     DeadZones(Span),
     /// Thresholds that grow with the rate: s.
     RatePlays(Memory),
+    /// Thresholds that grow in proportion up to a limit: growth, rate of half the growth over the
+    /// steepest command.
+    SaturatingPlays {
+        /// Memory of the model.
+        memory: Memory,
+        /// Steepest slope of the command.
+        steepest: f64,
+    },
     /// Plays that lag behind the drive: bandwidth in Hz.
     LaggedPlays(Memory),
     /// Memory part that grows with the rate: s, over the half range.
@@ -137,8 +145,6 @@ pub(crate) enum Block {
     },
     /// Memory at the start of the record: −1 (from below) to 1.
     StartMemory(Memory),
-    /// Decaying transient from the start: size in the half range, time constant in s.
-    StartTransient(Span),
     /// Temperature from the drive's power: growth in the half range, time constant in s.
     Heating {
         /// Range of the path.
@@ -194,15 +200,6 @@ pub(crate) enum Block {
     },
 }
 
-/// A quantity of a block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Axis {
-    /// Name in reports.
-    pub(crate) name: &'static str,
-    /// Unit in reports; `{command}` and `{position}` for the axis' own.
-    pub(crate) unit: &'static str,
-}
-
 impl Block {
     /// Writes what the block makes of its input; the slices have one length.
     pub(crate) fn run(&self, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
@@ -240,10 +237,12 @@ impl Block {
             Self::SkewedPlays { bank, span } => memory::skewed(bank, *span, p, w, out),
             Self::CurvedPlays { memory, span } => memory::curved(memory, *span, p, w, out),
             Self::RatePlays(memory) => memory::rate_plays(memory, p, w, out),
+            Self::SaturatingPlays { memory, steepest } => {
+                memory::saturating_plays(memory, *steepest, p, w, out);
+            }
             Self::LaggedPlays(memory) => memory::lagged_plays(memory, p, w, out),
             Self::RateMemory { memory, half } => memory::rate_memory(memory, *half, p, w, out),
             Self::StartMemory(memory) => memory::start_memory(memory, p, w, out),
-            Self::StartTransient(span) => motion::transient(*span, p, w, out),
             Self::Heating { span, power } => motion::heating(Some(*span), *power, p, w, out),
             Self::HeatingGain { power } => motion::heating(None, *power, p, w, out),
             Self::Backlash => motion::backlash(p, w, out),

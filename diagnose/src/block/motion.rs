@@ -2,16 +2,6 @@
 
 use super::{Span, Wires};
 
-pub(super) fn transient(span: Span, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
-    let &[size, time] = p else { return };
-    let decay = (-w.step / time).exp();
-    let mut e = size * span.half;
-    for (y, x) in out.iter_mut().zip(w.x) {
-        *y = x + e;
-        e *= decay;
-    }
-}
-
 /// The warmth T of `τ T′ = P/mean − T` with the power P = drive′² grows from 0; it adds to the path
 /// in a range, or multiplies it.
 pub(super) fn heating(

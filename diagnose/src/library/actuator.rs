@@ -150,6 +150,13 @@ fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
             .block(slot, Block::RatePlays(memory.clone()), vec![time()])
             .start(&[0.02 * unit])
             .start(&[0.2 * unit]),
+        Formula::new("thresholds that grow in proportion, up to a limit")
+            .block(slot, Block::SaturatingPlays { memory: memory.clone(), steepest: s.steepest }, vec![
+                Free::linear("growth", "1", 0.0, 20.0).step(0.01),
+                Free::log("rate of half the growth", "1", 1e-3, 30.0),
+            ])
+            .start(&[0.3, 0.3])
+            .start(&[0.3, 0.03]),
         Formula::new("plays that lag")
             .block(slot, Block::LaggedPlays(memory.clone()), vec![bandwidth])
             .starts(frequencies.into_iter().map(|f| vec![f])),

@@ -31,15 +31,17 @@ fn clock() -> Vec<Formula> {
 }
 
 fn quantiser(s: &Setting<'_>) -> Vec<Formula> {
-    // The span of a converter is not that of the log: steps of powers of two of the unit, of the
-    // range, and of ten volts are covered by a quarter of an octave.
-    let bits = Free::linear("bits over the range", "1", 2.0, 16.0).step(0.002);
-    let starts = (12..=48).map(|k| vec![0.25 * f64::from(k)]);
+    let steps = Free::log("steps over the range", "1", 2.0, 65536.0).step(1e-3);
+    let phase = Free::linear("phase", "1", -1.0, 1.0).step(0.02);
     vec![
         Formula::new("rounding to steps")
-            .block(Slot::Command, Block::Quantiser(s.command), vec![bits])
-            .starts(starts),
+            .block(Slot::Command, Block::Quantiser(s.command), vec![steps, phase])
+            .starts(s.steps.iter().map(|(steps, phase)| vec![*steps, *phase]))
+            .screened(0),
     ]
+    .into_iter()
+    .filter(|_| !s.steps.is_empty())
+    .collect()
 }
 
 /// Bandwidths to start from: from where a lag is a thousandth of the range per sample.

@@ -79,6 +79,12 @@ impl Machine {
 
     /// With an effect whose size makes `rms(change)/sigma` equal to `size`.
     pub fn with(mut self, effect: Effect, size: f64) -> Self {
+        // Parameters are re-tuned before anything is an effect: these must leave their tolerance.
+        let size = match effect {
+            Effect::ActuatorGain | Effect::Hysteresis => size + 100.0,
+            Effect::ResonanceShift | Effect::Damping => 4.0 * size,
+            _ => size,
+        };
         let records = self.commands();
         let rms = |machine: &Self| {
             let mut none = Self { effects: Vec::new(), w: machine.w, ..*machine };

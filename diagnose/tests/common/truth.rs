@@ -127,7 +127,7 @@ pub fn input_side(m: &Machine, u: &[f64]) -> Vec<f64> {
                 }
             }
             Effect::DacQuantisation => {
-                let q = 120.0 / (10.0 / s).max(2.0);
+                let q = 20.0 * s;
                 v.iter_mut().for_each(|v| *v = q * (*v / q).floor());
             }
             _ => {}
@@ -211,11 +211,11 @@ pub fn actuator(m: &Machine, v: &[f64], neighbour: &[f64], x: &mut Vec<f64>) {
     }
     // A clearance comes last.
     if let Some((_, s)) = m.effects.iter().find(|(e, _)| *e == Effect::Backlash) {
+        // The clearance is not the same everywhere.
         let mut p = x[0];
         for x in x.iter_mut() {
-            let e = *x - p;
-            // Soft flanks.
-            p += (e - s * (e / s).tanh()) * 0.9;
+            let half = s * (1.0 + 0.3 * (*x * 1.7).sin());
+            p = (*x - half).max((*x + half).min(p));
             *x = p;
         }
     }
