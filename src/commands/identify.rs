@@ -126,7 +126,7 @@ impl Identify {
         let logs = logs.collect::<anyhow::Result<Vec<_>>>()?;
         let names = self.options.names()?;
         let mut notes = Vec::new();
-        let mut axes = Vec::new();
+        let mut tasks = Vec::new();
         for (input, output) in self.inputs.iter().zip(&self.outputs) {
             let input_column = names.column(input).unwrap_or(input);
             let output_column = names.column(output).unwrap_or(output);
@@ -139,12 +139,35 @@ impl Identify {
                 source: self.source(),
                 axis: axis(input, output, &command_unit, &position_unit),
             };
-            let identification =
-                identify::identify(&records, &target, &self.settings(), &mut Bar::new(screen))?;
-            axes.push(AxisResult { name: output.clone(), identification, records, command_unit });
+            tasks.push(Task { name: output.clone(), records, target, command_unit });
         }
+        let axes = self.identify_all(tasks, screen)?;
         let plant = join(&axes)?;
         Ok((plant, Identified { blueprint: self.out.clone(), axes, notes }))
+    }
+
+    /// Identifies the axes side by side; the first one moves the progress bar.
+    fn identify_all(&self, tasks: Vec<Task>, screen: &Screen) -> anyhow::Result<Vec<AxisResult>> {
+        let settings = self.settings();
+        let one = |task: Task, observer: &mut dyn Observer| -> anyhow::Result<AxisResult> {
+            let Task { name, records, target, command_unit } = task;
+            let identification = identify::identify(&records, &target, &settings, observer)?;
+            Ok(AxisResult { name, identification, records, command_unit })
+        };
+        std::thread::scope(|scope| {
+            let mut tasks = tasks.into_iter();
+            let first = tasks.next();
+            let others: Vec<_> =
+                tasks.map(|task| scope.spawn(|| one(task, &mut identify::Silent))).collect();
+            let mut all: Vec<anyhow::Result<AxisResult>> =
+                first.into_iter().map(|task| one(task, &mut Bar::new(screen))).collect();
+            for other in others {
+                all.push(other.join().unwrap_or_else(|_| {
+                    Err(anyhow::anyhow!("an axis could not be identified: internal error"))
+                }));
+            }
+            all.into_iter().collect()
+        })
     }
 
     fn settings(&self) -> Settings {
@@ -169,6 +192,14 @@ impl Identify {
         let files: Vec<_> = self.logs.iter().filter_map(file).collect();
         format!("identified from {}", files.join(", "))
     }
+}
+
+/// What one axis is identified from.
+struct Task {
+    name: String,
+    records: Vec<Record>,
+    target: Target,
+    command_unit: String,
 }
 
 /// A name that every tool takes: letters, digits and `_`, a letter first.
