@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use cosim::{Coupling, Drive, Fmu, InstanceOptions, Loop, LoopSettings, Memory, Points, Run};
 use cosim::{Signal, Signals, Value, Wiring};
-use data::{Fit, Log, UnitPlace};
+use data::{Log, UnitPlace};
 use modeldescription::FmiVersion;
 use serde::Serialize;
 
@@ -16,6 +16,10 @@ use crate::fmus::{self, Addresses};
 use crate::inputs::{self, LogOptions};
 use crate::window::Window;
 use crate::{pages, progress};
+
+mod output_fit;
+
+pub(crate) use output_fit::OutputFit;
 
 /// Drives an FMU with a log's inputs, or closes the loop of a plant and a controller
 ///
@@ -90,27 +94,6 @@ pub(crate) struct Simulated {
     pub(crate) signals: Memory,
     #[serde(skip)]
     pub(crate) measured: Vec<(String, Vec<f64>)>,
-}
-
-/// The fit of one output in one record; for a loop, of a position to its reference.
-#[derive(Serialize)]
-pub(crate) struct OutputFit {
-    pub(crate) output: String,
-    pub(crate) against: String,
-    pub(crate) record: i64,
-    pub(crate) unit: String,
-    pub(crate) samples: usize,
-    pub(crate) first_row: usize,
-    pub(crate) last_row: usize,
-    pub(crate) offset: f64,
-    pub(crate) rmse: f64,
-    pub(crate) range: f64,
-    pub(crate) nrmse_percent: Option<f64>,
-    pub(crate) max_error: f64,
-    pub(crate) fit_percent: Option<f64>,
-    /// Without the offset taken out.
-    pub(crate) raw_rmse: f64,
-    pub(crate) raw_max_error: f64,
 }
 
 impl Simulate {
@@ -462,38 +445,6 @@ impl cosim::Recorder for Rows {
     }
 }
 
-impl OutputFit {
-    fn new(
-        output: &str,
-        against: &str,
-        record: i64,
-        unit: &str,
-        rows: &std::ops::Range<usize>,
-        measured: &[f64],
-        simulated: &[f64],
-    ) -> anyhow::Result<Self> {
-        let fit = Fit::of(measured, simulated)?;
-        let raw = measured.iter().zip(simulated).map(|(y, s)| (s - y).abs()).fold(0.0, f64::max);
-        Ok(Self {
-            output: output.to_owned(),
-            against: against.to_owned(),
-            record,
-            unit: unit.to_owned(),
-            samples: fit.samples,
-            first_row: rows.start + 1,
-            last_row: rows.end,
-            offset: fit.offset,
-            rmse: fit.rmse,
-            range: fit.range,
-            nrmse_percent: Some(100.0 * fit.nrmse).filter(|v| v.is_finite()),
-            max_error: fit.max_error,
-            fit_percent: Some(fit.fit_percent).filter(|v| v.is_finite()),
-            raw_rmse: fit.raw_rmse,
-            raw_max_error: raw,
-        })
-    }
-}
-
 impl Answer for Simulated {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         for note in &self.notes {
@@ -510,23 +461,7 @@ impl Answer for Simulated {
             self.stop_s
         )?;
         for fit in &self.fits {
-            let percent = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{p:.3} %"));
-            writeln!(
-                out,
-                "  {} against {}, record {}, rows {} to {}: rmse {:.5} {u} = {} of range, max {:.5} {u}, offset {:.5} {u} taken out; as it stands rmse {:.5} {u}, max {:.5} {u}",
-                fit.output,
-                fit.against,
-                fit.record,
-                fit.first_row,
-                fit.last_row,
-                fit.rmse,
-                percent(fit.nrmse_percent),
-                fit.max_error,
-                fit.offset,
-                fit.raw_rmse,
-                fit.raw_max_error,
-                u = fit.unit
-            )?;
+            writeln!(out, "  {fit}")?;
         }
         match &self.run {
             Some(run) => writeln!(out, "{}: written", run.display()),
