@@ -47,6 +47,8 @@ pub(crate) struct Base {
     pub(crate) actuator: usize,
     /// Node of the first mode.
     pub(crate) mode: Option<usize>,
+    /// Number of the blueprint's component of each node.
+    pub(crate) components: Vec<usize>,
     /// Plays of the model.
     pub(crate) memory: Option<Memory>,
     pub(crate) gain_tolerance: f64,
@@ -74,12 +76,13 @@ impl Base {
             slots: BTreeMap::new(),
             actuator: 0,
             mode: None,
+            components: Vec::new(),
             memory: None,
             gain_tolerance,
             is_white: true,
         };
         let mut stages = Vec::new();
-        for (spec, said) in axis.components.iter().zip(&told.components) {
+        for (index, (spec, said)) in axis.components.iter().zip(&told.components).enumerate() {
             let declaration = spec.component.declaration();
             let is_noise = declaration
                 .effect
@@ -91,6 +94,7 @@ impl Base {
                 base.actuator = base.nodes.len();
             }
             stages.push(declaration.stage);
+            base.components.push(index);
             base.component(axis, number, spec, said, tolerances);
         }
         base.place_slots(&stages);

@@ -81,6 +81,7 @@ fn problem(
         slots,
         actuator: 0,
         mode: None,
+        components: Vec::new(),
         memory: None,
         gain_tolerance: request.gain_tolerance,
         is_white: false,

@@ -23,9 +23,11 @@ mod library;
 mod noise;
 mod nuisance;
 mod outcome;
+mod page;
 mod place;
 mod problem;
 mod random;
+mod repair;
 mod request;
 mod score;
 mod select;
@@ -43,6 +45,35 @@ pub use gap::{
 pub use identify::{Observer, Silent};
 pub use request::{Deviation, Model, Noise, Request, Tolerance};
 
+/// The answer with what is needed to draw it and to repair the model.
+pub struct Diagnosis {
+    /// The answer.
+    pub gap: Gap,
+    outcomes: Vec<outcome::Outcome>,
+}
+
+impl Diagnosis {
+    /// The page; the caller adds its provenance.
+    #[must_use]
+    pub fn report(&self) -> report::Report {
+        page::report(self)
+    }
+
+    /// The blueprint that was diagnosed with re-tuned values and the effects in place. Disturbances of a
+    /// record (drift, hum, lines) are no part of a model and stay out.
+    ///
+    /// # Errors
+    /// What cannot be written as components, one sentence each.
+    pub fn repair(&self, blueprint: &data::Blueprint) -> Result<data::Blueprint, Vec<String>> {
+        let mut repaired = blueprint.clone();
+        let mut gaps = Vec::new();
+        for outcome in &self.outcomes {
+            gaps.extend(repair::repair(outcome, outcome.problem.axis, &mut repaired));
+        }
+        if gaps.is_empty() { Ok(repaired) } else { Err(gaps) }
+    }
+}
+
 /// Diagnoses the gap between a model and measured logs.
 ///
 /// The same request gives the same answer for any number of threads.
@@ -50,6 +81,14 @@ pub use request::{Deviation, Model, Noise, Request, Tolerance};
 /// # Errors
 /// [`Error`]: logs, names, options or models that do not go together.
 pub fn diagnose(request: &Request, observer: &mut dyn Observer) -> Result<Gap, Error> {
+    Ok(examine(request, observer)?.gap)
+}
+
+/// As [`diagnose`], with the page and the repair.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnosis, Error> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(request.threads)
         .build()
@@ -63,5 +102,6 @@ pub fn diagnose(request: &Request, observer: &mut dyn Observer) -> Result<Gap, E
         outcomes.push(pool.install(|| outcome::of(problem, request, &count))?);
     }
     observer.progress("diagnose", total, total);
-    Ok(pool.install(|| answer::gap(request, &outcomes, count.load(Ordering::Relaxed))))
+    let gap = pool.install(|| answer::gap(request, &outcomes, count.load(Ordering::Relaxed)));
+    Ok(Diagnosis { gap, outcomes })
 }

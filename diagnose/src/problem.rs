@@ -21,6 +21,8 @@ pub(crate) struct Problem {
     pub(crate) unit: String,
     /// SI per unit.
     pub(crate) factor: f64,
+    /// Number of the axis, from 1.
+    pub(crate) axis: usize,
     /// Name of the driven input.
     pub(crate) input: String,
     pub(crate) command_unit: String,
@@ -240,6 +242,7 @@ pub(crate) fn assemble(
         output: y.label().to_owned(),
         unit: unit_text(y).to_owned(),
         factor: y.si.factor,
+        axis: output + 1,
         input: u.label().to_owned(),
         command_unit: unit_text(u).to_owned(),
         command_factor: u.si.factor,

@@ -19,6 +19,8 @@ pub(crate) const ADEQUATE: f64 = 1.25;
 const CUT: f64 = 1.8;
 /// Score that the effects together must reach.
 const EXPLAINED: f64 = 0.6;
+/// Part of the held-out gap's power that the effects together must explain.
+const POWER: f64 = 0.5;
 /// Weight of the training rows in the rank; the rest is that of the held-out ones.
 const TRAINING: f64 = 0.7;
 /// Least part of the gap's power, or of the score, that each further effect must bring.
@@ -294,7 +296,8 @@ impl<'a> Search<'a> {
         }
         best = self.eliminate(&base, best, &mut rivals, &mut is_current)?;
         let reached = score(&best);
-        let is_named = !best.picks.is_empty() && reached >= EXPLAINED;
+        let power = explained(&base.judged, &best.judged);
+        let is_named = !best.picks.is_empty() && reached >= EXPLAINED && power >= POWER;
         let last = if is_named { best.clone() } else { base.clone() };
         let alone = self.alone(&base, &last)?;
         Ok(Found { base, last, best, rivals, first, score: reached, alone })

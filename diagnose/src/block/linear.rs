@@ -2,7 +2,7 @@
 
 use components::linear::{Transition, lag_fraction};
 
-use super::Wires;
+use super::{Block, Wires};
 
 /// The first-order lag of a signal, at rest at its first value.
 fn lag_in_place(signal: &mut [f64], fraction: f64) {
@@ -85,40 +85,31 @@ fn grid(shortest: f64, longest: f64) -> impl Iterator<Item = f64> {
     })
 }
 
-pub(super) fn log_creep(longest: f64, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
-    let &[gain, shortest] = p else { return };
-    out.copy_from_slice(w.x);
-    for time in grid(shortest, longest.max(3.0 * shortest)) {
-        add_element(0.5 * gain, time, w, out);
+/// Share and time constant of each element of a creep block.
+pub(super) fn elements(block: &Block, p: &[f64]) -> Option<Vec<(f64, f64)>> {
+    match (block, p) {
+        (Block::LogCreep { longest }, &[gain, shortest]) => Some(
+            grid(shortest, longest.max(3.0 * shortest)).map(|time| (0.5 * gain, time)).collect(),
+        ),
+        (Block::PowerCreep { shortest, longest }, &[gain, exponent]) => {
+            let middle = (shortest * longest).sqrt();
+            let share = |time: f64| 0.5 * gain * (time / middle).powf(exponent);
+            Some(grid(*shortest, *longest).map(|time| (share(time), time)).collect())
+        }
+        (Block::FixedCreep(times), p) => {
+            Some(times.iter().zip(p).map(|(time, share)| (*share, *time)).collect())
+        }
+        (Block::FreeCreep(count), p) => {
+            Some(p.chunks_exact(2).take(*count).map(|pair| (pair[0], pair[1])).collect())
+        }
+        _ => None,
     }
 }
 
-pub(super) fn power_creep(
-    shortest: f64,
-    longest: f64,
-    p: &[f64],
-    w: Wires<'_>,
-    out: &mut [f64],
-) {
-    let &[gain, exponent] = p else { return };
+pub(super) fn creep(block: &Block, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     out.copy_from_slice(w.x);
-    let middle = (shortest * longest).sqrt();
-    for time in grid(shortest, longest) {
-        add_element(0.5 * gain * (time / middle).powf(exponent), time, w, out);
-    }
-}
-
-pub(super) fn fixed_creep(times: &[f64], p: &[f64], w: Wires<'_>, out: &mut [f64]) {
-    out.copy_from_slice(w.x);
-    for (time, share) in times.iter().zip(p) {
-        add_element(*share, *time, w, out);
-    }
-}
-
-pub(super) fn free_creep(count: usize, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
-    out.copy_from_slice(w.x);
-    for pair in p.chunks_exact(2).take(count) {
-        add_element(pair[0], pair[1], w, out);
+    for (share, time) in elements(block, p).unwrap_or_default() {
+        add_element(share, time, w, out);
     }
 }
 

@@ -213,12 +213,10 @@ impl Block {
             Self::Lag2 => linear::second_order(p, w, out),
             Self::ParallelMode => linear::parallel_mode(p, w, out),
             Self::PoleZero => linear::pole_zero(p, w, out),
-            Self::LogCreep { longest } => linear::log_creep(*longest, p, w, out),
-            Self::PowerCreep { shortest, longest } => {
-                linear::power_creep(*shortest, *longest, p, w, out);
-            }
-            Self::FixedCreep(times) => linear::fixed_creep(times, p, w, out),
-            Self::FreeCreep(count) => linear::free_creep(*count, p, w, out),
+            Self::LogCreep { .. }
+            | Self::PowerCreep { .. }
+            | Self::FixedCreep(_)
+            | Self::FreeCreep(_) => linear::creep(self, p, w, out),
             Self::Aux { scale, rate } => linear::aux(*scale, *rate, p, w, out),
             Self::LaggedAux { scale } => linear::lagged_aux(*scale, p, w, out),
             Self::ModalAux { scale } => linear::modal_aux(*scale, p, w, out),
@@ -248,6 +246,11 @@ impl Block {
             Self::Backlash => motion::backlash(p, w, out),
             Self::Dahl => motion::dahl(p, w, out),
         }
+    }
+
+    /// Share and time constant of each element of a creep.
+    pub(crate) fn elements(&self, p: &[f64]) -> Option<Vec<(f64, f64)>> {
+        linear::elements(self, p)
     }
 
     /// Runs a block that maps each value by itself.
