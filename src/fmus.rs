@@ -59,9 +59,7 @@ impl Addresses {
                 variables.filter_map(|v| Some((v.alias.clone()?, v.name.clone()))).collect()
             })
             .unwrap_or_default();
-        let variables = fmu.description().variables.iter();
-        let inputs =
-            variables.filter(|v| v.causality == Causality::Input).map(|v| v.name.clone()).collect();
+        let inputs = fmu.names(Causality::Input);
         Self { short, inputs }
     }
 

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::problem::{Problem, Problems};
 use crate::record::Recorder;
 use crate::run::Run;
-use crate::slave::{Slave, Value};
+use crate::slave::{Slave, Value, numbers};
 use crate::system::{Ending, System};
 
 /// Who steps when, and so how old a value is when it acts.
@@ -142,8 +142,9 @@ impl Wiring {
 }
 
 fn names(slave: &dyn Slave, causality: Causality) -> Vec<String> {
-    let variables = slave.description().variables.iter();
-    variables.filter(|v| v.causality == causality).map(|v| v.name.clone()).collect()
+    let description = slave.description();
+    let variables = description.variables.iter().filter(|v| v.causality == causality);
+    variables.flat_map(|variable| numbers(description, variable)).collect()
 }
 
 /// What a loop is made with.

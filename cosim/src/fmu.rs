@@ -5,10 +5,12 @@ use std::sync::Arc;
 
 use fmi_bindings::import::OnMessage;
 use fmi_bindings::import::{v2, v3};
+use modeldescription::variable::{Causality, Variable};
 use modeldescription::{FmiVersion, ModelDescription, Package};
 
 use crate::error::Error;
-use crate::slave::{Fmi2Slave, Fmi3Slave, Settings, Slave};
+use crate::problem::Problems;
+use crate::slave::{Address, Fmi2Slave, Fmi3Slave, Settings, Slave, numbers};
 
 /// An FMU that is opened and loaded, ready to be instantiated any number of times.
 ///
@@ -65,6 +67,23 @@ impl Fmu {
     /// The model description.
     pub fn description(&self) -> &ModelDescription {
         &self.description
+    }
+
+    /// The variable of this name, or the element of an array as if it were a variable of its own:
+    /// `command[1]` of the array `command`.
+    ///
+    /// # Errors
+    /// There is no such variable or element.
+    pub fn variable(&self, name: &str) -> Result<Variable, Error> {
+        let found = Address::find(&self.description.model_name, &self.description, name);
+        Ok(found.map_err(Problems::from)?.variable)
+    }
+
+    /// The names of the numbers of one causality as a system connects and records them, an array by
+    /// its elements.
+    pub fn names(&self, causality: Causality) -> Vec<String> {
+        let variables = self.description.variables.iter().filter(|v| v.causality == causality);
+        variables.flat_map(|variable| numbers(&self.description, variable)).collect()
     }
 
     /// The unpacked package.

@@ -9,7 +9,7 @@ use crate::problem::{Problem, Problems};
 use crate::record::Recorder;
 use crate::run::Run;
 use crate::signals::Signals;
-use crate::slave::{Address, Selection, Slave, Value};
+use crate::slave::{Address, Slave, Value, numbers};
 use crate::system::Ending;
 use crate::time::Points;
 
@@ -110,11 +110,9 @@ fn recorded(slave: &dyn Slave, drive: &Drive, fed: &[String]) -> Vec<String> {
     if !drive.record.is_empty() {
         return drive.record.clone();
     }
-    let outputs =
-        slave.description().variables.iter().filter(|variable| {
-            variable.causality == Causality::Output && Selection::takes(variable)
-        });
-    fed.iter().cloned().chain(outputs.map(|variable| variable.name.clone())).collect()
+    let description = slave.description();
+    let outputs = description.variables.iter().filter(|v| v.causality == Causality::Output);
+    fed.iter().cloned().chain(outputs.flat_map(|output| numbers(description, output))).collect()
 }
 
 /// Every column that the map names must exist.

@@ -377,10 +377,7 @@ fn start(text: &str, addresses: &Addresses, fmu: &Fmu) -> anyhow::Result<(String
         bail!("--start {text}: write NAME=VALUE, as in axis[1].mechanics.damping=0.05");
     };
     let name = addresses.variable(name.trim());
-    let variable = fmu
-        .description()
-        .variable(&name)
-        .with_context(|| format!("--start {text}: the FMU has no variable \"{name}\""))?;
+    let variable = fmu.variable(&name).with_context(|| format!("--start {text}"))?;
     let value = Value::parse(value.trim(), variable.data_type)
         .map_err(|why| anyhow::anyhow!("--start {text}: {why}"))?;
     Ok((name, value))

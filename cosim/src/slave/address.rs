@@ -7,6 +7,8 @@ use crate::problem::{Problem, nearest};
 
 /// Arrays with more elements are not taken apart.
 const MOST_ELEMENTS: u64 = 1 << 24;
+/// Arrays with more elements are not recorded unless one asks for them.
+const MOST_LISTED: u64 = 1 << 10;
 
 /// A variable, or an element of an array as if it were a variable of its own.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +61,30 @@ impl Address {
     }
 }
 
+/// The names by which the values of a variable are connected and recorded: its own, or those of an
+/// array's elements in row-major order; none where there are no numbers, or too many to list.
+pub(crate) fn numbers(description: &ModelDescription, variable: &Variable) -> Vec<String> {
+    let text = matches!(variable.data_type, DataType::String | DataType::Binary | DataType::Clock);
+    if text {
+        return Vec::new();
+    }
+    if variable.dimensions.is_empty() {
+        return vec![variable.name.clone()];
+    }
+    let sizes = sizes(description, variable).unwrap_or_default();
+    if sizes.is_empty() || sizes.iter().product::<u64>() > MOST_LISTED {
+        return Vec::new();
+    }
+    let indices = sizes.iter().fold(vec![String::new()], |heads, size| {
+        let longer = |head: &String, index| match head.as_str() {
+            "" => format!("{index}"),
+            head => format!("{head},{index}"),
+        };
+        heads.iter().flat_map(|head| (1..=*size).map(move |index| longer(head, index))).collect()
+    });
+    indices.iter().map(|index| format!("{}[{index}]", variable.name)).collect()
+}
+
 /// `matrix[2,3]` is `matrix` and 2, 3.
 fn indexed(name: &str) -> Option<(&str, Vec<u64>)> {
     let (array, indices) = name.strip_suffix(']')?.rsplit_once('[')?;
@@ -95,9 +121,6 @@ fn element(
     array: &Variable,
     indices: &[u64],
 ) -> Result<Element, String> {
-    if array.data_type == DataType::Boolean {
-        return Err("elements of Boolean arrays cannot be connected".to_owned());
-    }
     let sizes = sizes(description, array)?;
     let shown = sizes.iter().map(u64::to_string).collect::<Vec<_>>().join(" x ");
     let fits = indices.len() == sizes.len()
@@ -151,6 +174,22 @@ mod tests {
         assert_eq!(found("matrix[1, 2]").unwrap().element.unwrap().index, 1);
         // A variable that is called like an element is a variable.
         assert_eq!(found("plain[1]").unwrap().element, None);
+    }
+
+    #[test]
+    fn an_array_is_listed_by_its_elements() {
+        let mut description = description();
+        let listed = |description: &ModelDescription, at: usize| {
+            numbers(description, &description.variables[at])
+        };
+        let matrix = ["[1,1]", "[1,2]", "[1,3]", "[2,1]", "[2,2]", "[2,3]"];
+        assert_eq!(listed(&description, 1), matrix.map(|index| format!("matrix{index}")));
+        assert!(listed(&description, 1).iter().all(|name| found(name).is_ok()));
+        assert_eq!(listed(&description, 2), ["plain[1]"]);
+        description.variables[1].dimensions = vec![Dimension::Size(5000)];
+        assert!(listed(&description, 1).is_empty());
+        description.variables[2].data_type = DataType::String;
+        assert!(listed(&description, 2).is_empty());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use fmi_bindings::import::v3::Instance;
 use modeldescription::ModelDescription;
-use modeldescription::variable::DataType;
+use modeldescription::variable::{DataType, Start};
 
 use super::selection::{ArrayRun, TypeRun};
 use super::support::type_error;
@@ -72,9 +72,11 @@ impl Arrays {
 /// The array as its description starts it.
 fn starts(description: &ModelDescription, array: &ArrayRun) -> Vec<f64> {
     let variable = description.variables.iter().find(|v| v.value_reference == array.reference);
-    let numbers = variable.and_then(|v| v.start.as_ref()).and_then(|start| start.numbers());
-    let numbers: Vec<f64> =
-        numbers.unwrap_or_default().into_iter().map(|number| number.as_f64()).collect();
+    let numbers: Vec<f64> = match variable.and_then(|v| v.start.as_ref()) {
+        Some(Start::Boolean(values)) => values.iter().map(|on| f64::from(u8::from(*on))).collect(),
+        Some(start) => start.numbers().unwrap_or_default().iter().map(|n| n.as_f64()).collect(),
+        None => Vec::new(),
+    };
     match numbers.as_slice() {
         [one] => vec![*one; array.size],
         several => (0..array.size).map(|i| several.get(i).copied().unwrap_or(0.0)).collect(),
@@ -115,6 +117,15 @@ fn write(
         DataType::Int32 => set!(i32, set_int32),
         DataType::UInt32 => set!(u32, set_uint32),
         DataType::UInt64 => set!(u64, set_uint64),
+        DataType::Boolean => {
+            let truths: Vec<bool> = values.iter().map(|value| *value == 1.0).collect();
+            if let Some(at) = values.iter().position(|value| ![0.0, 1.0].contains(value)) {
+                let element = format!("element {} of value reference {reference}", at + 1);
+                let value = Value::Real(values[at]);
+                return Err(type_error(instance.name(), &element, data_type, &value));
+            }
+            instance.set_boolean(&[reference], &truths)?;
+        }
         _ => set!(i64, set_int64),
     }
     Ok(())
@@ -143,6 +154,11 @@ fn read(
         DataType::Int32 => get!(i32, get_int32),
         DataType::UInt32 => get!(u32, get_uint32),
         DataType::UInt64 => get!(u64, get_uint64),
+        DataType::Boolean => {
+            let mut found = vec![false; values.len()];
+            instance.get_boolean(&[reference], &mut found)?;
+            values.iter_mut().zip(found).for_each(|(value, on)| *value = f64::from(u8::from(on)));
+        }
         _ => get!(i64, get_int64),
     }
     Ok(())

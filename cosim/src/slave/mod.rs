@@ -8,7 +8,7 @@ mod selection;
 mod support;
 mod value;
 
-pub(crate) use address::Address;
+pub(crate) use address::{Address, numbers};
 pub(crate) use fmi2::Fmi2Slave;
 pub(crate) use fmi3::Fmi3Slave;
 pub use selection::{ArrayRun, Selection, TypeRun};

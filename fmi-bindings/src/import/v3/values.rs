@@ -88,23 +88,37 @@ impl Instance {
         self.check(CALL, status)
     }
 
-    /// `fmi3GetBoolean`, of scalars; anything but 0 is true.
+    /// `fmi3GetBoolean`; anything but 0 is true. Scalars allocate nothing.
     pub fn get_boolean(&mut self, references: &[u32], values: &mut [bool]) -> Result<(), Error> {
+        if references.len() != values.len() {
+            let mut bytes = vec![0; values.len()];
+            return self.get_boolean_bytes(references, &mut bytes, values);
+        }
+        for (references, values) in references.chunks(CHUNK).zip(values.chunks_mut(CHUNK)) {
+            let mut bytes = [0; CHUNK];
+            self.get_boolean_bytes(references, &mut bytes[..references.len()], values)?;
+        }
+        Ok(())
+    }
+
+    /// Reads truth values as bytes, of which there are as many as values.
+    fn get_boolean_bytes(
+        &mut self,
+        references: &[u32],
+        bytes: &mut [u8],
+        values: &mut [bool],
+    ) -> Result<(), Error> {
         const CALL: &str = "fmi3GetBoolean";
         let get = self.optional(self.functions().get_boolean, CALL)?;
-        self.same_length(CALL, references.len(), values.len())?;
-        for (references, values) in references.chunks(CHUNK).zip(values.chunks_mut(CHUNK)) {
-            let instance = self.alive(CALL)?;
-            let mut bytes = [0_u8; CHUNK];
-            let (count, place) = (references.len(), bytes.as_mut_ptr().cast());
-            // SAFETY: the instance is alive; a chunk is not longer than `bytes`, and C's `bool` is
-            // one byte.
-            let status = unsafe { get(instance, references.as_ptr(), count, place, count) };
-            self.check(CALL, status)?;
-            for (value, byte) in values.iter_mut().zip(bytes) {
-                *value = byte != 0;
-            }
-        }
+        let Some(instance) = self.ready(CALL, references.len(), bytes.len())? else {
+            return Ok(());
+        };
+        let (count, place) = (references.len(), bytes.as_mut_ptr().cast());
+        // SAFETY: the instance is alive, both slices have the lengths given, and C's `bool` is one
+        // byte.
+        let status = unsafe { get(instance, references.as_ptr(), count, place, bytes.len()) };
+        self.check(CALL, status)?;
+        values.iter_mut().zip(bytes).for_each(|(value, byte)| *value = *byte != 0);
         Ok(())
     }
 
