@@ -43,7 +43,7 @@ fn a_million_calls_allocate_nothing() {
     let (input, position) = (fmu.reference("command[1]"), fmu.reference("position[1]"));
     let (gain, moving) = (fmu.reference("axis[1].lag.gain"), fmu.reference("moving[1]"));
     let mut state = fmu.save();
-    let (mut time, mut value, mut flag) = (0.0, 0.0, 0);
+    let (mut time, mut value, mut flag, mut slope) = (0.0, 0.0, 0, 0.0);
     let before = COUNT.get();
     for k in 0..100_000 {
         let command = f64::from(k % 50);
@@ -58,10 +58,11 @@ fn a_million_calls_allocate_nothing() {
                 v2::fmi2DoStep(fmu.c, time, 1e-3, fmi2True),
                 v2::fmi2GetReal(fmu.c, &position, 1, &mut value),
                 v2::fmi2GetBoolean(fmu.c, &moving, 1, &mut flag),
+                v2::fmi2GetDirectionalDerivative(fmu.c, &position, 1, &input, 1, &1.0, &mut slope),
                 v2::fmi2GetRealStatus(fmu.c, fmi2LastSuccessfulTime, &mut time),
             ]
         };
-        assert_eq!(statuses, [fmi2OK; 10]);
+        assert_eq!(statuses, [fmi2OK; 11]);
     }
     assert_eq!(COUNT.get() - before, 0);
     // The counter counts: an error has a message.
@@ -94,19 +95,31 @@ fn so_does_the_other_version() {
         assert_eq!(v3::fmi3ExitInitializationMode(fmu), fmi3OK);
         fmu
     };
-    let (mut a, mut b, mut c, mut time, mut value) = (false, false, false, 0.0, 0.0);
+    let (mut a, mut b, mut c, mut time) = (false, false, false, 0.0);
+    let (mut values, mut slopes) = ([0.0; 2], [0.0; 2]);
     let before = COUNT.get();
     for k in 0..100_000 {
-        let command = f64::from(k % 50);
+        let command = [f64::from(k % 50), 1.0];
         let now = time;
         let statuses = unsafe {
             [
-                v3::fmi3SetFloat64(fmu, &0, 1, &command, 1),
+                v3::fmi3SetFloat64(fmu, &0, 1, command.as_ptr(), 2),
                 v3::fmi3DoStep(fmu, now, 1e-3, true, &mut a, &mut b, &mut c, &mut time),
-                v3::fmi3GetFloat64(fmu, &2, 1, &mut value, 1),
+                v3::fmi3GetFloat64(fmu, &2, 1, values.as_mut_ptr(), 2),
+                v3::fmi3GetDirectionalDerivative(
+                    fmu,
+                    &2,
+                    1,
+                    &0,
+                    1,
+                    command.as_ptr(),
+                    2,
+                    slopes.as_mut_ptr(),
+                    2,
+                ),
             ]
         };
-        assert_eq!(statuses, [fmi3OK; 3]);
+        assert_eq!(statuses, [fmi3OK; 4]);
     }
     assert_eq!(COUNT.get() - before, 0);
     unsafe { v3::fmi3FreeInstance(fmu) };

@@ -10,6 +10,7 @@
 #![no_std]
 extern crate alloc;
 
+mod bundle;
 mod component;
 mod context;
 mod effect;
@@ -18,6 +19,7 @@ mod system;
 mod unit;
 mod variable;
 
+pub use bundle::Bundle;
 pub use component::{
     Component, Conversion, DEMANDED_INPUTS, Declaration, DemandedInput, Input, MAX_PORTS, Output,
     Published, Registry, Sizes, Source, Stage, Tick, Violation,

@@ -3,9 +3,9 @@
 //! The table is the only source: names, references, types, units, bounds and start values of the XML
 //! are those the binary uses, and the GUID is the table's fingerprint.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
-use model::{Causality as Role, DataType as Kind, Variable as Row, VariableTable};
+use model::{Bundle, Causality as Role, DataType as Kind, Variable as Row, VariableTable};
 
 use crate::description::{
     BaseUnit, CoSimulation, DefaultExperiment, FmiVersion, Line, LogCategory, ModelDescription,
@@ -14,7 +14,8 @@ use crate::description::{
 use crate::structure::Unknown;
 use crate::time::generation_time;
 use crate::variable::{
-    Alias, Causality, DataType, Initial, Number, Properties, Start, Variability, Variable,
+    Alias, Causality, DataType, Dimension, Initial, Number, Properties, Start, Variability,
+    Variable,
 };
 use crate::write::WriteError;
 
@@ -112,6 +113,11 @@ pub fn time_reference(table: &VariableTable) -> u32 {
 
 /// The description of a model with these variables, in the table's order: value reference 0 first.
 ///
+/// FMI 3.0 has arrays: variables that differ in their last index alone ([`VariableTable::bundles`])
+/// are one, with the value reference of its first element. Its bounds are those that all elements
+/// are within. The short name of an element stands in the array's description; that of an array of
+/// one is an alias.
+///
 /// Outputs are those of the last hit of the model's own time grid, so that at a communication point
 /// they depend on no input of that point; after initialisation they depend on what the table says.
 ///
@@ -142,11 +148,18 @@ pub fn describe(table: &VariableTable, about: &About) -> Result<ModelDescription
         line: Line(0),
     });
     description.units = units(table.as_slice());
-    for (reference, row) in (0..).zip(table.as_slice()) {
-        description.variables.push(variable(about.fmi_version, reference, row)?);
-    }
-    if about.fmi_version == FmiVersion::V3 {
-        add_time(&mut description, time_reference(table));
+    match about.fmi_version {
+        FmiVersion::V2 => {
+            for (reference, row) in (0..).zip(table.as_slice()) {
+                description.variables.push(scalar(reference, row)?);
+            }
+        }
+        FmiVersion::V3 => {
+            for bundle in table.bundles() {
+                description.variables.push(scalar_or_array(table, &bundle)?);
+            }
+            add_time(&mut description, time_reference(table));
+        }
     }
     add_structure(&mut description, table);
     Ok(description)
@@ -174,7 +187,7 @@ fn unit(row: &Row) -> Unit {
     }
 }
 
-fn variable(version: FmiVersion, reference: u32, row: &Row) -> Result<Variable, DescribeError> {
+fn scalar(reference: u32, row: &Row) -> Result<Variable, DescribeError> {
     let data_type = match row.data_type {
         Kind::Real => DataType::Float64,
         Kind::Integer => DataType::Int32,
@@ -195,12 +208,65 @@ fn variable(version: FmiVersion, reference: u32, row: &Row) -> Result<Variable, 
         Causality::Output => read.stated_initial = Some(Initial::Calculated),
         _ => read.start = Some(start(row, data_type)?),
     }
-    if version == FmiVersion::V3 {
+    Ok(read)
+}
+
+/// The variable of FMI 3.0 that stands for these rows of the table.
+fn scalar_or_array(table: &VariableTable, bundle: &Bundle) -> Result<Variable, DescribeError> {
+    let rows: Vec<&Row> = bundle.elements.iter().filter_map(|r| table.get(*r)).collect();
+    let scalars = bundle.elements.iter().zip(&rows).map(|(reference, row)| scalar(*reference, row));
+    let mut scalars = scalars.collect::<Result<Vec<_>, _>>()?;
+    let mut whole = scalars.remove(0);
+    if bundle.is_array {
+        whole.name.clone_from(&bundle.name);
+        whole.description = array_description(&rows);
+        whole.dimensions = vec![Dimension::Size(rows.len() as u64)];
+    }
+    for element in scalars {
+        whole.properties.min = wider(whole.properties.min, element.properties.min, f64::lt);
+        whole.properties.max = wider(whole.properties.max, element.properties.max, f64::gt);
+        match (&mut whole.start, element.start) {
+            (Some(Start::Float(all)), Some(Start::Float(one))) => all.extend(one),
+            (Some(Start::Integer(all)), Some(Start::Integer(one))) => all.extend(one),
+            (Some(Start::Boolean(all)), Some(Start::Boolean(one))) => all.extend(one),
+            _ => {}
+        }
+    }
+    if let [row] = rows[..] {
         let alias =
             |name: &String| Alias { name: name.clone(), description: None, display_unit: None };
-        read.aliases = row.alias.iter().map(alias).collect();
+        whole.aliases = row.alias.iter().map(alias).collect();
     }
-    Ok(read)
+    Ok(whole)
+}
+
+/// The bound that holds for both, none where one has none.
+fn wider(a: Option<Number>, b: Option<Number>, beyond: fn(&f64, &f64) -> bool) -> Option<Number> {
+    let (a, b) = (a?, b?);
+    Some(if beyond(&b.as_f64(), &a.as_f64()) { b } else { a })
+}
+
+/// One sentence for all elements: `Command to the amplifier, axes Y (u1), Z (u2)` of
+/// `…, axis Y` and `…, axis Z` with their short names.
+fn array_description(rows: &[&Row]) -> Option<String> {
+    let [first, ..] = rows else { return None };
+    let same = rows.iter().all(|row| row.description == first.description);
+    if same {
+        return (!first.description.is_empty()).then(|| first.description.clone());
+    }
+    let parts: Option<Vec<_>> =
+        rows.iter().map(|row| row.description.rsplit_once(", axis ")).collect();
+    if let Some(parts) = parts
+        && parts.iter().all(|(sentence, _)| *sentence == parts[0].0)
+    {
+        let named = |((_, axis), row): (&(&str, &str), &&Row)| match &row.alias {
+            Some(alias) => format!("{axis} ({alias})"),
+            None => (*axis).to_owned(),
+        };
+        let axes: Vec<_> = parts.iter().zip(rows).map(named).collect();
+        return Some(format!("{}, axes {}", parts[0].0, axes.join(", ")));
+    }
+    Some(rows.iter().map(|row| row.description.as_str()).collect::<Vec<_>>().join("; "))
 }
 
 fn changing(row: &Row) -> Variability {
@@ -256,21 +322,53 @@ fn add_time(description: &mut ModelDescription, reference: u32) {
 }
 
 fn add_structure(description: &mut ModelDescription, table: &VariableTable) {
-    // The table's order is the file's order, so references ascend as 2.0 requires.
-    let reference = |position: u32| description.reference_to(position as usize);
-    let mut outputs = Vec::new();
-    let mut initial_unknowns = Vec::new();
-    for (position, row) in table.with(Role::Output) {
-        let Some(output) = reference(position) else { continue };
-        outputs.push(Unknown::depending_on(output, Vec::new()));
-        let dependencies = row.initial_dependencies.as_ref().map(|knowns| {
-            let mut known: Vec<u32> = knowns.iter().filter_map(|&k| reference(k)).collect();
-            known.sort_unstable();
-            known.dedup();
-            known
-        });
-        initial_unknowns.push(Unknown { dependencies, ..Unknown::new(output) });
+    match description.fmi_version {
+        // The table's order is the file's order, so references ascend as 2.0 requires.
+        FmiVersion::V2 => {
+            let position = |reference| reference + 1;
+            for (output, row) in table.with(Role::Output) {
+                add_output(description, &position, output, row.initial_dependencies.clone());
+            }
+        }
+        FmiVersion::V3 => {
+            let bundles = table.bundles();
+            let whole: HashMap<u32, u32> = bundles
+                .iter()
+                .flat_map(|bundle| bundle.elements.iter().map(|e| (*e, bundle.elements[0])))
+                .collect();
+            for bundle in &bundles {
+                let rows: Vec<&Row> =
+                    bundle.elements.iter().filter_map(|r| table.get(*r)).collect();
+                if rows.iter().any(|row| row.causality == Role::Output) {
+                    // An array depends on what any of its elements does.
+                    let knowns = rows.iter().map(|row| row.initial_dependencies.as_deref());
+                    let knowns: Option<Vec<&[u32]>> = knowns.collect();
+                    let home = |reference| whole.get(&reference).copied().unwrap_or(reference);
+                    let knowns = knowns.map(|knowns| knowns.concat());
+                    add_output(description, &home, bundle.elements[0], knowns);
+                }
+            }
+        }
     }
-    description.structure.outputs = outputs;
-    description.structure.initial_unknowns = initial_unknowns;
+}
+
+/// Lists an output, which depends on no input at a communication point, and on these value
+/// references of the table (`None`: on any) at initialisation; `reference` is how the structure
+/// means them.
+fn add_output(
+    description: &mut ModelDescription,
+    reference: &dyn Fn(u32) -> u32,
+    output: u32,
+    knowns: Option<Vec<u32>>,
+) {
+    let output = reference(output);
+    let dependencies = knowns.map(|knowns| {
+        let mut known: Vec<u32> = knowns.into_iter().map(reference).collect();
+        known.sort_unstable();
+        known.dedup();
+        known
+    });
+    let structure = &mut description.structure;
+    structure.outputs.push(Unknown::depending_on(output, Vec::new()));
+    structure.initial_unknowns.push(Unknown { dependencies, ..Unknown::new(output) });
 }

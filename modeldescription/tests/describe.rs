@@ -87,18 +87,86 @@ fn table_and_description_say_the_same() {
 fn version_3_has_time_and_aliases() {
     let table = VariableTable::new(rows());
     let described = describe(&table, &about(FmiVersion::V3)).unwrap();
-    assert_eq!(described.variable("u").unwrap().name, "command[1]");
+    assert_eq!(described.variable("u").unwrap().name, "command");
     assert_eq!(described.variable("time").unwrap().value_reference, time_reference(&table));
     assert_eq!(described.structure.outputs[0].variable, 1);
     assert_eq!(described.structure.initial_unknowns[0].dependencies, Some(vec![0, 3]));
+}
+
+/// Two axes, one with short names, and parameters of both.
+fn two_axes() -> Vec<Variable> {
+    let axis = |name: &str, axis: &str| {
+        let mut row = row(name, Causality::Input, Some(1.0));
+        row.description = format!("Command, axis {axis}");
+        row
+    };
+    let (mut y, mut z) = (axis("command[1]", "Y"), axis("command[2]", "Z"));
+    y.alias = Some("u1".to_owned());
+    (y.min, y.max, y.start) = (-20.0, 100.0, Some(0.5));
+    (z.min, z.max) = (0.0, 120.0);
+    let mut rows = vec![y, z];
+    for (index, knowns) in [(1, vec![0, 4]), (2, vec![1])] {
+        let mut position = row(&format!("position[{index}]"), Causality::Output, None);
+        position.description = "Position".to_owned();
+        position.initial_dependencies = Some(knowns);
+        rows.push(position);
+    }
+    for index in 1..=3 {
+        let name = format!("axis[1].hysteresis.w[{index}]");
+        let mut weight = row(&name, Causality::TunableParameter, Some(f64::from(index) * 0.1));
+        weight.min = 0.0;
+        rows.push(weight);
+    }
+    rows
+}
+
+#[test]
+fn version_3_has_arrays_of_axes_and_parameters() {
+    let table = VariableTable::new(two_axes());
+    let described = describe(&table, &about(FmiVersion::V3)).unwrap();
+    let names: Vec<_> = described.variables.iter().map(|v| v.name.as_str()).collect();
+    assert_eq!(names, ["command", "position", "axis[1].hysteresis.w", "time"]);
+    let xml = described.to_xml().unwrap();
+    for part in [
+        r#"<Float64 name="command" valueReference="0" description="Command, axes Y (u1), Z""#,
+        // Bounds that every element is within.
+        r#"min="-20.0" max="120.0" start="0.5 1.0""#,
+        r#"<Float64 name="position" valueReference="2""#,
+        r#"<Float64 name="axis[1].hysteresis.w" valueReference="4""#,
+        r#"min="0.0" start="0.1 0.2 0.30000000000000004""#,
+        r#"<Dimension start="2"/>"#,
+        r#"<Dimension start="3"/>"#,
+        r#"<Output valueReference="2" dependencies=""/>"#,
+        r#"<InitialUnknown valueReference="2" dependencies="0 4"/>"#,
+    ] {
+        assert!(xml.contains(part), "{part} is missing in\n{xml}");
+    }
+    assert_eq!(ModelDescription::parse(xml.as_bytes()).unwrap(), described);
+    // FMI 2.0 has none.
+    let described = describe(&table, &about(FmiVersion::V2)).unwrap();
+    assert_eq!(described.variables.len(), table.len());
+}
+
+#[test]
+fn axes_in_different_units_stay_scalars() {
+    let mut rows = two_axes();
+    rows[1].unit = "urad".to_owned();
+    rows[1].si = Unit::parse("urad").unwrap();
+    let described = describe(&VariableTable::new(rows), &about(FmiVersion::V3)).unwrap();
+    assert!(described.variable("command[2]").unwrap().dimensions.is_empty());
+    assert!(described.variable("u1").is_some(), "a scalar has its short name as an alias");
+    assert!(described.variable("position").is_some());
 }
 
 #[test]
 fn fmpy_finds_nothing_wrong() {
     let Some(python) = python() else { return };
     let folder = tempfile::tempdir().unwrap();
-    for version in [FmiVersion::V2, FmiVersion::V3] {
-        let described = describe(&VariableTable::new(rows()), &about(version)).unwrap();
+    let described = [FmiVersion::V2, FmiVersion::V3].into_iter().flat_map(|version| {
+        [rows(), two_axes()]
+            .map(|rows| describe(&VariableTable::new(rows), &about(version)).unwrap())
+    });
+    for described in described {
         let file = folder.path().join("modelDescription.xml");
         std::fs::write(&file, described.to_xml().unwrap()).unwrap();
         assert_eq!(fmpy_problems(&python, folder.path()), "");

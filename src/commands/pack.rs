@@ -98,8 +98,7 @@ pub(crate) fn pack(
         model::Kind::Plant => (&libraries::PLANT, "plant"),
         model::Kind::Controller => (&libraries::CONTROLLER, "controller"),
     };
-    let mut about =
-        About::new(version, system.name(), co_simulation(version, &system), system.period());
+    let mut about = About::new(version, system.name(), co_simulation(&system), system.period());
     let categories = fmi_bindings::export::LOG_CATEGORIES;
     about.log_categories =
         categories.iter().map(|(name, what)| ((*name).to_owned(), (*what).to_owned())).collect();
@@ -139,13 +138,13 @@ pub(crate) fn pack(
 }
 
 /// What the shared libraries can do.
-fn co_simulation(version: FmiVersion, system: &model::System) -> CoSimulation {
+fn co_simulation(system: &model::System) -> CoSimulation {
     CoSimulation {
         common: Interface {
             can_not_use_memory_management_functions: true,
             can_get_and_set_fmu_state: true,
             can_serialize_fmu_state: true,
-            provides_directional_derivatives: version == FmiVersion::V2,
+            provides_directional_derivatives: true,
             ..Interface::new(system.name())
         },
         can_handle_variable_communication_step_size: true,

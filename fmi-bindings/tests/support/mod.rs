@@ -3,6 +3,7 @@
 
 pub mod components;
 pub mod plays;
+pub mod taps;
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::path::{Path, PathBuf};
@@ -81,6 +82,10 @@ pub fn controller(_: &Path) -> Result<System, String> {
 
 pub fn plays_plant(_: &Path) -> Result<System, String> {
     Ok(plays::plays_plant(0.0))
+}
+
+pub fn arrays_plant(_: &Path) -> Result<System, String> {
+    Ok(taps::taps_plant())
 }
 
 pub fn stairs_plant(_: &Path) -> Result<System, String> {

@@ -42,10 +42,10 @@ impl Instance {
         let Some(variable) = self.system.variables().get(reference) else {
             return self.unknown(reference, "Real");
         };
-        let message = format!("{} (value reference {reference}): {error}", variable.name);
+        let notice = self.refused(variable, reference, &error.to_string());
         match error {
-            DerivativeError::Jump { .. } => Notice::discard(message),
-            _ => Notice::error(message),
+            DerivativeError::Jump { .. } => Notice::discard(notice.message),
+            _ => notice,
         }
     }
 }

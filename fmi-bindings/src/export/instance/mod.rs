@@ -1,11 +1,13 @@
 //! One instance of the FMU, whatever the version of the standard: its life and its time.
 
+mod arrays;
 mod derivatives;
 mod states;
 mod values;
 
 use std::ffi::{CStr, CString};
 
+use arrays::{Layout, Lists};
 use model::{Causality, DerivativeRoom, Past, StepError, System};
 
 use crate::export::guard::{Notice, Outcome, Status};
@@ -30,6 +32,9 @@ pub struct Instance {
     room: DerivativeRoom,
     /// Value reference of the independent variable, where the version has one.
     time_reference: Option<u32>,
+    /// What the value references stand for, where the version has arrays.
+    layout: Layout,
+    lists: Lists,
     /// Saved states that the importer has not freed.
     states: Vec<*mut SavedState>,
 }
@@ -73,8 +78,9 @@ pub(super) struct Request<'a> {
     pub(super) token: Option<&'a CStr>,
     /// What the standard calls the token: `GUID`.
     pub(super) token_name: &'static str,
-    /// Whether time is a variable, with the reference behind the last one of the model.
-    pub(super) time_is_variable: bool,
+    /// Whether the version has arrays, and time as a variable, with the reference behind the last one
+    /// of the model.
+    pub(super) has_arrays_and_time: bool,
     pub(super) location: Location<'a>,
     pub(super) sink: Sink,
     pub(super) logging_on: bool,
@@ -104,7 +110,12 @@ impl Instance {
         let inputs = system.variables().with(Causality::Input).count();
         let instance = Self {
             logger: Logger::new(request.sink, name, request.logging_on),
-            time_reference: request.time_is_variable.then_some(system.variables().len() as u32),
+            time_reference: request.has_arrays_and_time.then_some(system.variables().len() as u32),
+            layout: match request.has_arrays_and_time {
+                true => Layout::of(system.variables()),
+                false => Layout::default(),
+            },
+            lists: Lists::of(system.variables()),
             fingerprint,
             progress: Progress::NEW,
             slopes: vec![0.0; inputs],

@@ -1,6 +1,6 @@
 //! Getting and setting.
 
-use model::{Causality, DataType, Variable};
+use model::{Causality, DataType, SetError, Variable};
 
 use super::Instance;
 use crate::export::guard::{Notice, Outcome};
@@ -42,9 +42,7 @@ impl Instance {
         if references.len() > 1 {
             for (at, reference) in references.iter().enumerate() {
                 self.settable(*reference, wanted, read(at))?;
-                self.system
-                    .check(*reference, read(at))
-                    .map_err(|error| Notice::error(self.system.explain_set(&error)))?;
+                self.system.check(*reference, read(at)).map_err(|error| self.not_set(&error))?;
             }
         }
         for (at, reference) in references.iter().enumerate() {
@@ -62,7 +60,7 @@ impl Instance {
 
     /// Whether the variable has this type and may be set now; its value is not looked at.
     #[inline]
-    fn settable(&self, reference: u32, wanted: DataType, value: f64) -> Outcome {
+    pub(super) fn settable(&self, reference: u32, wanted: DataType, value: f64) -> Outcome {
         let variable = self.typed(reference, wanted)?;
         if variable.causality != Causality::FixedParameter || self.phase() != Phase::Step {
             return Ok(());
@@ -71,7 +69,7 @@ impl Instance {
             "{value} comes too late: a fixed parameter is set before the simulation; reset the \
              instance and set it then"
         );
-        Err(refused(variable, reference, &problem))
+        Err(self.refused(variable, reference, &problem))
     }
 
     /// Gives inputs a slope, in their unit per second, in the next step. Nothing is set on failure.
@@ -92,7 +90,7 @@ impl Instance {
             } else {
                 continue;
             };
-            return Err(refused(variable, *reference, &problem));
+            return Err(self.refused(variable, *reference, &problem));
         }
         for (reference, value) in references.iter().zip(values) {
             self.slopes[*reference as usize] = *value;
@@ -103,40 +101,41 @@ impl Instance {
 
     /// The variable with this reference and type.
     #[inline]
-    fn typed(&self, reference: u32, wanted: DataType) -> Result<&Variable, Notice> {
+    pub(super) fn typed(&self, reference: u32, wanted: DataType) -> Result<&Variable, Notice> {
         match self.system.variables().get(reference) {
             Some(variable) if variable.data_type == wanted => Ok(variable),
             found => Err(self.mismatch(found, reference, wanted)),
         }
     }
 
+    /// A variable that was found is of another type; else there is none with this reference.
     #[cold]
     fn mismatch(&self, found: Option<&Variable>, reference: u32, wanted: DataType) -> Notice {
+        let wanted = self.type_name(wanted);
         match found {
-            Some(variable) => {
-                let own = variable.data_type;
-                refused(
-                    variable,
-                    reference,
-                    &format!("is of type {own:?}, not {wanted:?}; use the functions of its type"),
-                )
-            }
-            None => self.unknown(reference, &format!("{wanted:?}")),
+            Some(variable) => self.of_other_type(variable, reference, wanted),
+            None => self.unknown(reference, wanted),
         }
+    }
+
+    fn of_other_type(&self, variable: &Variable, reference: u32, wanted: &str) -> Notice {
+        let own = self.type_name(variable.data_type);
+        let problem = format!("is of type {own}, not {wanted}; use the functions of its type");
+        self.refused(variable, reference, &problem)
     }
 
     /// A reference that no variable of this type has.
     #[cold]
     pub(in crate::export) fn unknown(&self, reference: u32, type_name: &str) -> Notice {
+        let (home, number) = self.layout.home(reference);
         match self.system.variables().get(reference) {
-            Some(variable) => {
-                let own = variable.data_type;
-                refused(
-                    variable,
-                    reference,
-                    &format!("is of type {own:?}, not {type_name}; use the functions of its type"),
-                )
-            }
+            Some(variable) if home != reference => Notice::error(format!(
+                "value reference {reference} is unknown; {} is element {} of the array with the \
+                 value reference {home}, which is read and set as a whole",
+                variable.name,
+                number.unwrap_or(1)
+            )),
+            Some(variable) => self.of_other_type(variable, reference, type_name),
             None if self.time_reference == Some(reference) => Notice::error(format!(
                 "time (value reference {reference}): the independent variable is of type Float64 \
                  and is only read; the communication points set it"
@@ -147,9 +146,49 @@ impl Instance {
             )),
         }
     }
-}
 
-#[cold]
-fn refused(variable: &Variable, reference: u32, problem: &str) -> Notice {
-    Notice::error(format!("{} (value reference {reference}): {problem}", variable.name))
+    /// The message about a value that the model does not take.
+    #[cold]
+    pub(super) fn not_set(&self, error: &SetError) -> Notice {
+        let (reference, problem) = match *error {
+            SetError::Unknown { reference, .. } => return self.unknown(reference, "Real"),
+            SetError::NotSettable { reference } => {
+                (reference, "is an output and cannot be set; set inputs and parameters".to_string())
+            }
+            SetError::NotFinite { reference, value } => {
+                (reference, format!("{value} is not a finite number; set a finite one"))
+            }
+            SetError::OutOfRange { reference, value, min, max } => {
+                (reference, format!("{value} is outside {min} to {max}; set a value inside"))
+            }
+        };
+        match self.system.variables().get(reference) {
+            Some(variable) => self.refused(variable, reference, &problem),
+            None => self.unknown(reference, "Real"),
+        }
+    }
+
+    /// What this version of the standard calls a type.
+    pub(super) fn type_name(&self, data_type: DataType) -> &'static str {
+        match (data_type, self.time_reference.is_some()) {
+            (DataType::Boolean, _) => "Boolean",
+            (DataType::Real, false) => "Real",
+            (DataType::Real, true) => "Float64",
+            (DataType::Integer, false) => "Integer",
+            (DataType::Integer, true) => "Int32",
+        }
+    }
+
+    /// A message about a variable of the model, with the value reference under which the importer
+    /// knows it.
+    #[cold]
+    pub(super) fn refused(&self, variable: &Variable, reference: u32, problem: &str) -> Notice {
+        let name = &variable.name;
+        Notice::error(match self.layout.home(reference) {
+            (home, None) => format!("{name} (value reference {home}): {problem}"),
+            (home, Some(number)) => {
+                format!("{name} (element {number} of value reference {home}): {problem}")
+            }
+        })
+    }
 }

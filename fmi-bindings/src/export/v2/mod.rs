@@ -110,7 +110,7 @@ pub unsafe fn fmi2Instantiate(
             name,
             token,
             token_name: "GUID",
-            time_is_variable: false,
+            has_arrays_and_time: false,
             location: uri.map_or(Location::None, |uri| Location::Uri(uri.to_bytes())),
             sink,
             logging_on: loggingOn != fmi2False,

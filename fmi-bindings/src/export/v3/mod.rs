@@ -1,9 +1,13 @@
 //! The functions of FMI 3.0 for co-simulation, in the order of the header `fmi3Functions.h`.
 //!
-//! The same [`Instance`] as behind [`v2`](super::v2). All variables are scalars with the value
-//! references of FMI 2.0; the independent variable `time`, which FMI 3.0 demands, has the reference
-//! behind the last of them ([`time_reference`]). Not offered, and refused with a message: event
-//! mode, early return, intermediate update, clocks, structural parameters, derivatives.
+//! The same [`Instance`] as behind [`v2`](super::v2). Variables whose names differ in their last index
+//! alone are one array ([`model::VariableTable::bundles`]) with the value reference that its first
+//! element has in FMI 2.0; the references of the other elements are unknown. All other variables are
+//! scalars with the references of FMI 2.0; the independent variable `time`, which FMI 3.0 demands,
+//! has the reference behind the last of them ([`time_reference`]). Not offered, and refused with a
+//! message: event mode, clocks, structural parameters, adjoint derivatives, derivatives by time.
+//! Declined, as the standard has it: early return (a step always goes to its end) and intermediate
+//! update (the callback is never called).
 //!
 //! # Safety
 //! The contract of all functions is the standard's, as in [`v2`](super::v2).
@@ -141,7 +145,7 @@ pub unsafe fn fmi3InstantiateCoSimulation(
             name,
             token,
             token_name: "instantiationToken",
-            time_is_variable: true,
+            has_arrays_and_time: true,
             location: path.map_or(Location::None, |path| Location::Path(path.to_bytes())),
             sink,
             logging_on: loggingOn,

@@ -116,26 +116,39 @@ pub unsafe extern "C" fn fmi3DeserializeFMUState(
 
 // Getting partial derivatives
 
-const NO_DERIVATIVES: &str = "partial derivatives are not offered (providesDirectionalDerivatives \
-    = false, providesAdjointDerivatives = false); use finite differences with fmi3GetFMUState and \
-    fmi3SetFMUState";
-
-/// Not offered: `providesDirectionalDerivatives` is false.
+/// The derivative of Float64 outputs in a direction of Float64 knowns, arrays spread out; as
+/// [`fmi2GetDirectionalDerivative`](crate::export::v2::fmi2GetDirectionalDerivative).
 pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
     instance: fmi3Instance,
-    _unknowns: *const fmi3ValueReference,
-    _nUnknowns: usize,
-    _knowns: *const fmi3ValueReference,
-    _nKnowns: usize,
-    _seed: *const fmi3Float64,
-    _nSeed: usize,
-    _sensitivity: *mut fmi3Float64,
-    _nSensitivity: usize,
+    unknowns: *const fmi3ValueReference,
+    nUnknowns: usize,
+    knowns: *const fmi3ValueReference,
+    nKnowns: usize,
+    seed: *const fmi3Float64,
+    nSeed: usize,
+    sensitivity: *mut fmi3Float64,
+    nSensitivity: usize,
 ) -> fmi3Status {
-    let body = |_: &mut Instance| Err(Notice::error(NO_DERIVATIVES));
+    let body = |instance: &mut Instance| {
+        // SAFETY: the caller's arrays of the stated lengths.
+        let (unknowns, knowns, seed, room) = unsafe {
+            (
+                array(unknowns, nUnknowns, "unknowns")?,
+                array(knowns, nKnowns, "knowns")?,
+                array(seed, nSeed, "seed")?,
+                Room::new(sensitivity, nSensitivity, "sensitivity")?,
+            )
+        };
+        // SAFETY: positions are less than `nSensitivity`, which is the sum of the unknowns' sizes.
+        let write = |at, value| unsafe { room.write(at, value) };
+        instance.directional_derivative_of_arrays(knowns, seed, unknowns, nSensitivity, write)
+    };
     // SAFETY: the contract of all functions here.
     unsafe { call(instance, &GET_DIRECTIONAL_DERIVATIVE, body) }
 }
+
+const NO_ADJOINT: &str = "adjoint derivatives are not offered (providesAdjointDerivatives = false): \
+    hysteresis is linear on each side of its kinks only; use fmi3GetDirectionalDerivative";
 
 /// Not offered: `providesAdjointDerivatives` is false.
 pub unsafe extern "C" fn fmi3GetAdjointDerivative(
@@ -149,7 +162,7 @@ pub unsafe extern "C" fn fmi3GetAdjointDerivative(
     _sensitivity: *mut fmi3Float64,
     _nSensitivity: usize,
 ) -> fmi3Status {
-    let body = |_: &mut Instance| Err(Notice::error(NO_DERIVATIVES));
+    let body = |_: &mut Instance| Err(Notice::error(NO_ADJOINT));
     // SAFETY: the contract of all functions here.
     unsafe { call(instance, &GET_ADJOINT_DERIVATIVE, body) }
 }

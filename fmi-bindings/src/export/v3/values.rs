@@ -28,12 +28,12 @@ pub unsafe extern "C" fn fmi3GetFloat64(
 ) -> fmi3Status {
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's arrays.
-        let references = unsafe { references(valueReferences, nValueReferences, nValues)? };
+        let references = unsafe { array(valueReferences, nValueReferences, "valueReferences")? };
         // SAFETY: the caller's array of as many elements.
         let room = unsafe { Room::new(values, nValues, "values")? };
-        // SAFETY: positions are those of the references, of which there are as many as values.
+        // SAFETY: positions are less than `nValues`, which is the sum of the variables' sizes.
         let write = |at, value: f64| unsafe { room.write(at, value) };
-        instance.get(DataType::Real, references, write)
+        instance.get_arrays(DataType::Real, references, nValues, write)
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(instance, &GET_FLOAT64, body) }
@@ -101,12 +101,12 @@ pub unsafe extern "C" fn fmi3GetInt32(
 ) -> fmi3Status {
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's arrays.
-        let references = unsafe { references(valueReferences, nValueReferences, nValues)? };
+        let references = unsafe { array(valueReferences, nValueReferences, "valueReferences")? };
         // SAFETY: the caller's array of as many elements.
         let room = unsafe { Room::new(values, nValues, "values")? };
-        // SAFETY: positions are those of the references, of which there are as many as values.
+        // SAFETY: positions are less than `nValues`, which is the sum of the variables' sizes.
         let write = |at, value: f64| unsafe { room.write(at, value as fmi3Int32) };
-        instance.get(DataType::Integer, references, write)
+        instance.get_arrays(DataType::Integer, references, nValues, write)
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(instance, &GET_INT32, body) }
@@ -161,12 +161,12 @@ pub unsafe extern "C" fn fmi3GetBoolean(
 ) -> fmi3Status {
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's arrays.
-        let references = unsafe { references(valueReferences, nValueReferences, nValues)? };
+        let references = unsafe { array(valueReferences, nValueReferences, "valueReferences")? };
         // SAFETY: the caller's array of as many elements.
         let room = unsafe { Room::new(values, nValues, "values")? };
-        // SAFETY: positions are those of the references, of which there are as many as values.
+        // SAFETY: positions are less than `nValues`, which is the sum of the variables' sizes.
         let write = |at, value: f64| unsafe { room.write(at, value != 0.0) };
-        instance.get(DataType::Boolean, references, write)
+        instance.get_arrays(DataType::Boolean, references, nValues, write)
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(instance, &GET_BOOLEAN, body) }
@@ -233,10 +233,10 @@ pub unsafe extern "C" fn fmi3SetFloat64(
 ) -> fmi3Status {
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's arrays.
-        let references = unsafe { references(valueReferences, nValueReferences, nValues)? };
+        let references = unsafe { array(valueReferences, nValueReferences, "valueReferences")? };
         // SAFETY: the caller's array of as many elements.
         let values = unsafe { array(values, nValues, "values")? };
-        instance.set(DataType::Real, references, |at| values[at])
+        instance.set_arrays(DataType::Real, references, nValues, |at| values[at])
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(instance, &SET_FLOAT64, body) }
@@ -304,10 +304,10 @@ pub unsafe extern "C" fn fmi3SetInt32(
 ) -> fmi3Status {
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's arrays.
-        let references = unsafe { references(valueReferences, nValueReferences, nValues)? };
+        let references = unsafe { array(valueReferences, nValueReferences, "valueReferences")? };
         // SAFETY: the caller's array of as many elements.
         let values = unsafe { array(values, nValues, "values")? };
-        instance.set(DataType::Integer, references, |at| f64::from(values[at]))
+        instance.set_arrays(DataType::Integer, references, nValues, |at| f64::from(values[at]))
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(instance, &SET_INT32, body) }
@@ -362,11 +362,13 @@ pub unsafe extern "C" fn fmi3SetBoolean(
 ) -> fmi3Status {
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's arrays.
-        let references = unsafe { references(valueReferences, nValueReferences, nValues)? };
+        let references = unsafe { array(valueReferences, nValueReferences, "valueReferences")? };
         // Read as bytes: what is neither 0 nor 1 would be undefined behaviour as a `bool`.
         // SAFETY: the caller's array of as many elements.
         let values = unsafe { array(values.cast::<u8>(), nValues, "values")? };
-        instance.set(DataType::Boolean, references, |at| f64::from(u8::from(values[at] != 0)))
+        instance.set_arrays(DataType::Boolean, references, nValues, |at| {
+            f64::from(u8::from(values[at] != 0))
+        })
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(instance, &SET_BOOLEAN, body) }
@@ -408,24 +410,6 @@ pub unsafe extern "C" fn fmi3SetClock(
 ) -> fmi3Status {
     // SAFETY: the contract of all functions here.
     unsafe { never(instance, &SET_CLOCK) }
-}
-
-/// The value references; all variables are scalars, so that there are as many values.
-///
-/// # Safety
-/// As all functions here.
-unsafe fn references<'a>(
-    references: *const fmi3ValueReference,
-    count: usize,
-    values: usize,
-) -> Result<&'a [fmi3ValueReference], Notice> {
-    if count != values {
-        return Err(Notice::error(format!(
-            "{count} value references but {values} values; all variables are scalars, give as many"
-        )));
-    }
-    // SAFETY: the caller's array of that length.
-    unsafe { array(references, count, "valueReferences") }
 }
 
 /// The answer about variables of a type that no model here has.

@@ -1,0 +1,201 @@
+//! The variables as FMI 3.0 shows them: arrays where the model has `name[1]`, `name[2]`, …
+
+use model::{DataType, VariableTable};
+
+use super::Instance;
+use crate::export::guard::{Notice, Outcome};
+use crate::export::phase::Phase;
+
+/// Which elements a value reference of an interface with arrays stands for. The default is that of an
+/// interface without: the value references are the model's own.
+#[derive(Default)]
+pub(super) struct Layout {
+    /// By value reference: where its elements begin in `elements`, and how many there are; none
+    /// where the model's variable is an element of an array, but not the first.
+    spans: Vec<(usize, usize)>,
+    elements: Vec<u32>,
+    /// By element: the value reference of its variable, and for an array its number there.
+    homes: Vec<(u32, Option<usize>)>,
+}
+
+impl Layout {
+    pub(super) fn of(table: &VariableTable) -> Self {
+        let mut layout = Self {
+            spans: vec![(0, 0); table.len()],
+            elements: Vec::with_capacity(table.len()),
+            homes: vec![(0, None); table.len()],
+        };
+        for bundle in table.bundles() {
+            let reference = bundle.elements[0];
+            layout.spans[reference as usize] = (layout.elements.len(), bundle.elements.len());
+            for (number, element) in (1..).zip(&bundle.elements) {
+                layout.homes[*element as usize] = (reference, bundle.is_array.then_some(number));
+            }
+            layout.elements.extend(bundle.elements);
+        }
+        layout
+    }
+
+    /// The elements of the variable with this value reference; none if there is no such variable.
+    #[inline]
+    fn elements(&self, reference: u32) -> &[u32] {
+        let (start, count) = self.spans.get(reference as usize).copied().unwrap_or_default();
+        &self.elements[start..start + count]
+    }
+
+    /// Where the model's variable is found.
+    pub(super) fn home(&self, element: u32) -> (u32, Option<usize>) {
+        self.homes.get(element as usize).copied().unwrap_or((element, None))
+    }
+}
+
+/// Room for the elements of two lists of variables.
+#[derive(Default)]
+pub(super) struct Lists {
+    knowns: Vec<u32>,
+    unknowns: Vec<u32>,
+}
+
+impl Lists {
+    pub(super) fn of(table: &VariableTable) -> Self {
+        let room = || Vec::with_capacity(table.len());
+        Self { knowns: room(), unknowns: room() }
+    }
+}
+
+impl Instance {
+    /// Reads variables of one type, arrays spread out; `write` gets position and value. Nothing is
+    /// written on failure.
+    pub(in crate::export) fn get_arrays(
+        &mut self,
+        wanted: DataType,
+        references: &[u32],
+        count: usize,
+        mut write: impl FnMut(usize, f64),
+    ) -> Outcome {
+        if self.progress.stale && self.progress.phase == Phase::Initialization {
+            self.settle()?;
+        }
+        self.measure(wanted, references, count)?;
+        let mut at = 0;
+        for reference in references {
+            if self.time_reference == Some(*reference) {
+                write(at, self.progress.time);
+                at += 1;
+                continue;
+            }
+            for element in self.layout.elements(*reference) {
+                write(at, self.system.get(*element).unwrap_or(f64::NAN));
+                at += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets variables of one type, arrays spread out; `read` gives the value at a position. Nothing
+    /// is set on failure.
+    pub(in crate::export) fn set_arrays(
+        &mut self,
+        wanted: DataType,
+        references: &[u32],
+        count: usize,
+        read: impl Fn(usize) -> f64,
+    ) -> Outcome {
+        self.measure(wanted, references, count)?;
+        let mut at = 0;
+        for reference in references {
+            if self.time_reference == Some(*reference) {
+                return Err(self.unknown(*reference, self.type_name(wanted)));
+            }
+            for element in self.layout.elements(*reference) {
+                let value = read(at);
+                self.settable(*element, wanted, value)?;
+                self.system.check(*element, value).map_err(|error| self.not_set(&error))?;
+                at += 1;
+            }
+        }
+        at = 0;
+        for reference in references {
+            for element in self.layout.elements(*reference) {
+                // Checked above.
+                if let Err(error) = self.system.set(*element, read(at)) {
+                    return Err(self.not_set(&error));
+                }
+                at += 1;
+            }
+        }
+        if self.progress.phase != Phase::Step {
+            self.progress.stale = true;
+        }
+        Ok(())
+    }
+
+    /// As [`directional_derivative`](Self::directional_derivative), of variables that may be arrays:
+    /// one component of the seed and one derivative for each element.
+    pub(in crate::export) fn directional_derivative_of_arrays(
+        &mut self,
+        knowns: &[u32],
+        seed: &[f64],
+        unknowns: &[u32],
+        count: usize,
+        write: impl FnMut(usize, f64),
+    ) -> Outcome {
+        let mut lists = std::mem::take(&mut self.lists);
+        let done = self
+            .spread(knowns, seed.len(), "seed", &mut lists.knowns)
+            .and_then(|()| self.spread(unknowns, count, "sensitivity", &mut lists.unknowns))
+            .and_then(|()| {
+                self.directional_derivative(&lists.knowns, seed, &lists.unknowns, write)
+            });
+        self.lists = lists;
+        done
+    }
+
+    /// Writes the elements of these variables, which must be as many as `count`.
+    fn spread(
+        &self,
+        references: &[u32],
+        count: usize,
+        values: &str,
+        list: &mut Vec<u32>,
+    ) -> Outcome {
+        list.clear();
+        for reference in references {
+            match self.layout.elements(*reference) {
+                [] => return Err(self.unknown(*reference, "Float64")),
+                elements => list.extend(elements),
+            }
+        }
+        if list.len() == count {
+            return Ok(());
+        }
+        Err(wrong_count(references.len(), list.len(), count, values))
+    }
+
+    /// Whether the variables have this type and, together, this number of values.
+    fn measure(&self, wanted: DataType, references: &[u32], count: usize) -> Outcome {
+        let mut sum = 0;
+        for reference in references {
+            sum += match self.layout.elements(*reference) {
+                [] if wanted == DataType::Real && self.time_reference == Some(*reference) => 1,
+                [] => return Err(self.unknown(*reference, self.type_name(wanted))),
+                [first, rest @ ..] => {
+                    self.typed(*first, wanted)?;
+                    1 + rest.len()
+                }
+            };
+        }
+        if sum == count {
+            return Ok(());
+        }
+        Err(wrong_count(references.len(), sum, count, "values"))
+    }
+}
+
+#[cold]
+fn wrong_count(references: usize, sum: usize, count: usize, values: &str) -> Notice {
+    Notice::error(format!(
+        "{references} value references but {count} in {values}: the variables have {sum} values \
+         together, an array as many as its dimension says; give exactly those"
+    ))
+}
