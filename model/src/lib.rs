@@ -27,10 +27,10 @@ pub use component::{
 pub use context::{Context, ContextError};
 pub use effect::{Effect, Group};
 pub use quantity::{Quantity, Shape, Structural, Variability, unit_on_axis};
-pub use system::{DerivativeError, DerivativeRoom, Past};
 pub use system::{
     AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, StepError, System,
     SystemSpec,
 };
+pub use system::{DerivativeError, DerivativeRoom, Past};
 pub use unit::{BASE_UNITS, Unit, UnitError};
 pub use variable::{Causality, DataType, SetError, Variable, VariableTable};
