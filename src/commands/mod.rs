@@ -2,6 +2,7 @@
 
 mod check;
 mod demo;
+mod gap_bench;
 pub(crate) mod identify;
 mod invert;
 mod list;
@@ -22,6 +23,7 @@ pub(crate) enum Command {
     List(list::List),
     Signal(signal::Signal),
     Demo(demo::Demo),
+    GapBench(gap_bench::GapBench),
 }
 
 impl Command {
@@ -36,6 +38,7 @@ impl Command {
             Self::List(command) => command.run(screen),
             Self::Signal(command) => command.run(screen),
             Self::Demo(command) => command.run(screen),
+            Self::GapBench(command) => command.run(screen),
         }
     }
 }

@@ -1,0 +1,509 @@
+//! The cases, as one table of families.
+
+use gap_machines::{Effect, Formula, Order, Random, Setting, Wish};
+
+use crate::error::Error;
+
+/// Sizes of a single effect, over the noise.
+pub const SIZES: [f64; 3] = [2.0, 6.0, 20.0];
+
+/// What cases of a family have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct Family {
+    /// Its name, as `--cases` takes it.
+    pub name: &'static str,
+    /// What it is about.
+    pub about: &'static str,
+    /// Cases of the full benchmark.
+    pub full: usize,
+    /// Cases of the short form.
+    pub short: usize,
+    content: Content,
+    setting: Setting,
+    /// Whether the model is an FMU.
+    is_black_box: bool,
+    axes: usize,
+}
+
+/// What is withheld.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Content {
+    /// Nothing.
+    None,
+    /// Nothing; model and machine are straight lines.
+    NoneLinear,
+    /// One effect of the list, all in turn.
+    Single,
+    /// The same, and the effect's own candidate is taken out of the library.
+    Removed,
+    /// One of the effects that are counted apart.
+    Apart,
+    /// One effect that is in nobody's library.
+    Stray,
+    /// So many effects of the list, different ones, of 6 or 20 σ.
+    Several(usize),
+    /// The weights of the model's plays are wrong.
+    WrongWeights,
+    /// The same and an effect of 6 or 20 σ.
+    WrongWeightsAndSingle,
+    /// The model is a straight line, the machine has hysteresis.
+    NoHysteresis,
+    /// One effect, 25 s of log at 10 kHz: for the time.
+    Long,
+}
+
+const OPEN: Family = Family {
+    name: "",
+    about: "",
+    full: 0,
+    short: 0,
+    content: Content::None,
+    setting: Setting::OpenLoop,
+    is_black_box: false,
+    axes: 1,
+};
+
+/// All families. A full benchmark has at least 500 cases without effect and 30 per effect and size.
+pub const FAMILIES: &[Family] = &[
+    Family {
+        name: "none",
+        about: "no effect, values off within tolerance",
+        full: 250,
+        short: 6,
+        ..OPEN
+    },
+    Family {
+        name: "none-linear",
+        about: "no effect, straight line",
+        full: 50,
+        short: 1,
+        content: Content::NoneLinear,
+        ..OPEN
+    },
+    Family {
+        name: "none-closed-loop",
+        about: "no effect, closed loop",
+        full: 60,
+        short: 1,
+        setting: Setting::ClosedLoop,
+        ..OPEN
+    },
+    Family {
+        name: "none-operation",
+        about: "no effect, log of production only",
+        full: 60,
+        short: 1,
+        setting: Setting::Operation,
+        ..OPEN
+    },
+    Family {
+        name: "none-black-box",
+        about: "no effect, the model is an FMU",
+        full: 60,
+        short: 1,
+        is_black_box: true,
+        ..OPEN
+    },
+    Family {
+        name: "none-two-axes",
+        about: "no effect, two axes",
+        full: 40,
+        short: 1,
+        axes: 2,
+        ..OPEN
+    },
+    Family {
+        name: "single",
+        about: "one effect",
+        full: 2340,
+        short: 13,
+        content: Content::Single,
+        ..OPEN
+    },
+    Family {
+        name: "removed",
+        about: "one effect, its own candidate removed",
+        full: 780,
+        short: 3,
+        content: Content::Removed,
+        ..OPEN
+    },
+    Family {
+        name: "unknown",
+        about: "an effect in nobody's library",
+        full: 210,
+        short: 3,
+        content: Content::Stray,
+        ..OPEN
+    },
+    Family {
+        name: "apart",
+        about: "noise, resolution, start of the record",
+        full: 90,
+        short: 1,
+        content: Content::Apart,
+        ..OPEN
+    },
+    Family {
+        name: "pair",
+        about: "two effects",
+        full: 200,
+        short: 2,
+        content: Content::Several(2),
+        ..OPEN
+    },
+    Family {
+        name: "triple",
+        about: "three effects",
+        full: 40,
+        short: 0,
+        content: Content::Several(3),
+        ..OPEN
+    },
+    Family {
+        name: "wrong-hysteresis",
+        about: "weights of the plays 30 % off",
+        full: 40,
+        short: 1,
+        content: Content::WrongWeights,
+        ..OPEN
+    },
+    Family {
+        name: "wrong-hysteresis-single",
+        about: "the same and one effect",
+        full: 78,
+        short: 0,
+        content: Content::WrongWeightsAndSingle,
+        ..OPEN
+    },
+    Family {
+        name: "no-hysteresis",
+        about: "straight line, the machine has hysteresis",
+        full: 60,
+        short: 1,
+        content: Content::NoHysteresis,
+        ..OPEN
+    },
+    Family {
+        name: "closed-loop",
+        about: "one effect, closed loop",
+        full: 150,
+        short: 1,
+        content: Content::Single,
+        setting: Setting::ClosedLoop,
+        ..OPEN
+    },
+    Family {
+        name: "operation",
+        about: "one effect, log of production only",
+        full: 156,
+        short: 1,
+        content: Content::Single,
+        setting: Setting::Operation,
+        ..OPEN
+    },
+    Family {
+        name: "black-box",
+        about: "one effect, the model is an FMU",
+        full: 156,
+        short: 1,
+        content: Content::Single,
+        is_black_box: true,
+        ..OPEN
+    },
+    Family {
+        name: "two-axes",
+        about: "one effect on one of two axes",
+        full: 156,
+        short: 1,
+        content: Content::Single,
+        axes: 2,
+        ..OPEN
+    },
+    Family {
+        name: "long",
+        about: "one effect, 25 s at 10 kHz",
+        full: 4,
+        short: 0,
+        content: Content::Long,
+        ..OPEN
+    },
+];
+
+/// What the diagnosis is told about the noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NoiseHint {
+    /// Its standard deviation, off by this factor.
+    Given(f64),
+    /// A record at rest.
+    Rest,
+    /// Nothing.
+    Nothing,
+}
+
+/// One machine and one question.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// A name that says nothing.
+    pub id: String,
+    /// Name of its family.
+    pub family: &'static str,
+    /// What is asked of the generator.
+    pub order: Order,
+    /// Whether the model is an FMU.
+    pub is_black_box: bool,
+    /// Candidates that are taken out of the library.
+    pub without: Vec<String>,
+    /// What is said about the noise.
+    pub noise: NoiseHint,
+}
+
+/// Which benchmark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Everything random follows from it.
+    pub seed: u64,
+    /// Whether it is the short form: fewer cases, shorter records.
+    pub is_short: bool,
+}
+
+impl Plan {
+    /// All cases in a random order, so that the first of them are a fair sample.
+    #[must_use]
+    pub fn cases(&self) -> Vec<Case> {
+        let mut all = Vec::new();
+        for (number, family) in FAMILIES.iter().enumerate() {
+            let count = if self.is_short { family.short } else { family.full };
+            all.extend((0..count).map(|index| self.case(family, number, index)));
+        }
+        let mut random = Random::new(self.seed, &[1]);
+        for last in (1..all.len()).rev() {
+            all.swap(last, random.below(last + 1));
+        }
+        all
+    }
+
+    fn case(&self, family: &Family, number: usize, index: usize) -> Case {
+        let mut random = Random::new(self.seed, &[2, number as u64, index as u64]);
+        let id = format!("{:08x}", random.next_u64() >> 32);
+        let (effects, wrong_weights, is_linear) = self.content(family, index, &mut random);
+        let is_removed = family.content == Content::Removed;
+        let without = effects
+            .iter()
+            .filter(|_| is_removed)
+            .map(|wish| wish.effect.name().to_owned())
+            .collect();
+        let is_apart = family.content == Content::Apart;
+        let noise = match if is_apart { 0 } else { random.below(3) } {
+            0 => NoiseHint::Given(random.between(0.95, 1.05)),
+            1 => NoiseHint::Rest,
+            _ => NoiseHint::Nothing,
+        };
+        let is_long = family.content == Content::Long;
+        let fast = is_long || (!self.is_short && random.unit() < 0.1);
+        let length = match (is_long, self.is_short) {
+            (true, _) => 1.75,
+            (false, true) => 0.5,
+            (false, false) => 1.0,
+        };
+        let order = Order {
+            seed: random.next_u64(),
+            effects,
+            setting: family.setting,
+            rate: if fast { 10_000.0 } else { 4000.0 },
+            length,
+            is_linear,
+            wrong_weights,
+            axes: family.axes,
+        };
+        let is_black_box = family.is_black_box;
+        Case { id, family: family.name, order, is_black_box, without, noise }
+    }
+
+    /// Effects, error of the weights, and whether the model is a straight line.
+    fn content(
+        &self,
+        family: &Family,
+        index: usize,
+        random: &mut Random,
+    ) -> (Vec<Wish>, f64, bool) {
+        match family.content {
+            Content::None => (Vec::new(), 0.0, false),
+            Content::NoneLinear => (Vec::new(), 0.0, true),
+            Content::Single | Content::Removed | Content::Long => {
+                (vec![self.turn(&listed(family.setting), index, &SIZES)], 0.0, false)
+            }
+            Content::Apart => {
+                let apart: Vec<_> = all_where(|effect| effect.is_apart());
+                (vec![self.turn(&apart, index, &SIZES)], 0.0, false)
+            }
+            Content::Stray => {
+                let stray = all_where(Effect::is_stray);
+                (vec![self.turn(&stray, index, &SIZES)], 0.0, false)
+            }
+            Content::Several(count) => (several(count, index, random), 0.0, false),
+            Content::WrongWeights => (Vec::new(), 0.3, false),
+            Content::WrongWeightsAndSingle => {
+                let others = all_where(|e| is_listed(e) && e != Effect::Hysteresis);
+                (vec![self.turn(&others, index, &SIZES[1..])], 0.3, false)
+            }
+            Content::NoHysteresis => {
+                let size = SIZES[index % SIZES.len()];
+                let formula = formula(index / SIZES.len());
+                (vec![Wish { effect: Effect::Hysteresis, formula, size }], 0.0, true)
+            }
+        }
+    }
+
+    /// Effects in turn, then sizes, then formulas.
+    fn turn(&self, effects: &[Effect], index: usize, sizes: &[f64]) -> Wish {
+        // The short form cannot have them all: it takes every other one, at changing sizes.
+        let place = if self.is_short { index * 2 + 1 } else { index };
+        let (at, round) = (place % effects.len(), place / effects.len());
+        let size = if self.is_short { index / 2 + 1 } else { round } % sizes.len();
+        let turn = if self.is_short { index } else { at + round / sizes.len() };
+        Wish { effect: effects[at], formula: formula(turn), size: sizes[size] }
+    }
+}
+
+fn formula(number: usize) -> Formula {
+    if number.is_multiple_of(2) { Formula::Other } else { Formula::Standard }
+}
+
+fn is_listed(effect: Effect) -> bool {
+    !effect.is_stray() && !effect.is_apart()
+}
+
+fn all_where(keep: impl Fn(Effect) -> bool) -> Vec<Effect> {
+    Effect::ALL.iter().copied().filter(|effect| keep(*effect)).collect()
+}
+
+fn listed(setting: Setting) -> Vec<Effect> {
+    let is_loop = setting == Setting::ClosedLoop;
+    all_where(|effect| is_listed(effect) && !(is_loop && effect.is_open_loop_only()))
+}
+
+/// Different effects, all of the same kind of formula.
+fn several(count: usize, index: usize, random: &mut Random) -> Vec<Wish> {
+    let mut left = listed(Setting::OpenLoop);
+    let formula = formula(index);
+    let mut wishes = Vec::new();
+    while wishes.len() < count && !left.is_empty() {
+        let effect = left.swap_remove(random.below(left.len()));
+        let size = SIZES[1 + random.below(2)];
+        // Two of one group are one answer; a pair shall be two.
+        let is_new =
+            |wish: &Wish| effect.group().is_none() || wish.effect.group() != effect.group();
+        if wishes.iter().all(is_new) {
+            wishes.push(Wish { effect, formula, size });
+        }
+    }
+    wishes
+}
+
+/// The cases that a text such as `200`, `single,none` or `pair:20` asks for.
+///
+/// # Errors
+/// A family that there is not, or a count that is none.
+pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> {
+    let Some(text) = text else { return Ok(cases) };
+    let refuse = |message: String| Error::Selection { text: text.to_owned(), message };
+    let mut limits: Vec<(Option<&str>, usize)> = Vec::new();
+    for item in text.split(',').map(str::trim) {
+        let (name, count) = item.split_once(':').map_or((item, None), |(n, c)| (n, Some(c)));
+        let number = |digits: &str| {
+            digits.parse::<usize>().map_err(|_| {
+                let names: Vec<_> = FAMILIES.iter().map(|family| family.name).collect();
+                refuse(format!(
+                    "\"{digits}\" is neither a number nor a family; write a number of cases, or \
+                     families with or without a number, as in pair:20; families are {}",
+                    names.join(", ")
+                ))
+            })
+        };
+        if FAMILIES.iter().any(|family| family.name == name) {
+            limits.push((Some(name), count.map_or(Ok(usize::MAX), number)?));
+        } else {
+            limits.push((None, number(item)?));
+        }
+    }
+    let has_families = limits.iter().any(|(name, _)| name.is_some());
+    let total = limits.iter().filter(|(name, _)| name.is_none()).map(|(_, n)| *n).min();
+    let mut kept = Vec::new();
+    for case in cases {
+        let limit = limits.iter_mut().find(|(name, _)| *name == Some(case.family));
+        let wanted = match limit {
+            Some((_, left)) if *left > 0 => {
+                *left -= 1;
+                true
+            }
+            Some(_) => false,
+            None => !has_families,
+        };
+        if wanted && kept.len() < total.unwrap_or(usize::MAX) {
+            kept.push(case);
+        }
+    }
+    Ok(kept)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::{BTreeMap, BTreeSet};
+
+    use super::*;
+
+    const FULL: Plan = Plan { seed: 1, is_short: false };
+
+    #[test]
+    fn the_full_benchmark_has_the_counts_that_its_figures_need() {
+        let cases = FULL.cases();
+        let none =
+            cases.iter().filter(|c| c.order.effects.is_empty() && c.order.wrong_weights == 0.0);
+        assert!(none.count() >= 500);
+        let mut per: BTreeMap<(&str, u64), [usize; 2]> = BTreeMap::new();
+        for case in cases.iter().filter(|c| c.family == "single") {
+            let wish = case.order.effects[0];
+            let key = (wish.effect.name(), wish.size as u64);
+            per.entry(key).or_default()[usize::from(wish.formula == Formula::Other)] += 1;
+        }
+        assert_eq!(per.len(), 26 * 3);
+        for (key, [standard, other]) in per {
+            assert!(standard + other >= 30 && other >= standard, "{key:?}: {standard} {other}");
+        }
+    }
+
+    #[test]
+    fn names_say_nothing_and_are_unique() {
+        let cases = FULL.cases();
+        let ids: BTreeSet<_> = cases.iter().map(|case| case.id.as_str()).collect();
+        assert_eq!(ids.len(), cases.len());
+        assert_ne!(cases[0].id, Plan { seed: 2, ..FULL }.cases()[0].id);
+        assert_eq!(cases, FULL.cases());
+    }
+
+    #[test]
+    fn the_removed_candidate_is_the_effects_own() {
+        for case in FULL.cases() {
+            let own: Vec<_> =
+                case.order.effects.iter().map(|w| w.effect.name().to_owned()).collect();
+            let expected = if case.family == "removed" { own } else { Vec::new() };
+            assert_eq!(case.without, expected);
+        }
+    }
+
+    #[test]
+    fn selections_take_numbers_and_families() {
+        let count = |text| select(FULL.cases(), Some(text)).map(|cases| cases.len());
+        assert_eq!(count("200").unwrap(), 200);
+        assert_eq!(count("pair:20").unwrap(), 20);
+        assert_eq!(count("pair:20,none").unwrap(), 270);
+        assert_eq!(count("pair:20, none,30").unwrap(), 30);
+        let message = count("pears").unwrap_err().to_string();
+        assert!(message.contains("pears") && message.contains("wrong-hysteresis"), "{message}");
+        assert!(count("pair:x").is_err());
+        // A smaller sample is the start of a larger one.
+        let first = select(FULL.cases(), Some("50")).unwrap();
+        assert_eq!(first[..], select(FULL.cases(), Some("60")).unwrap()[..50]);
+    }
+}

@@ -1,0 +1,244 @@
+//! Runs the cases: draws, asks, keeps the answers. A case that has been answered is not run again.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use gap_machines::Effect;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::answer::Answer;
+use crate::case::{Case, Plan};
+use crate::error::{Error, at};
+use crate::label::{Label, Miss};
+use crate::prepare::{Folders, Question, prepare, read_json, write_json};
+use crate::tool::Tool;
+
+/// How the cases are run.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Where everything lies.
+    pub folders: Folders,
+    /// Cases at the same time; 0: one per processor.
+    pub threads: usize,
+    /// Whether logs are kept once their case is answered.
+    pub keeps_logs: bool,
+    /// Whether a single effect is also repaired by a diagnosis that is told its name.
+    pub has_oracle: bool,
+}
+
+/// Truth and answer of one case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// The truth; `None` where no machine could be drawn.
+    pub label: Option<Label>,
+    /// The answer; `None` where the tool failed.
+    pub answer: Option<Answer>,
+    /// What went wrong, if anything did.
+    pub failure: Option<String>,
+    /// How long the diagnosis took, in s.
+    pub seconds: f64,
+    /// What the repaired model does on records that the diagnosis never saw.
+    pub realised: Option<Realised>,
+}
+
+/// Root mean squares over the records that nobody saw, without noise, in µm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Realised {
+    /// Of the re-tuned model.
+    pub before: f64,
+    /// Of the repaired model.
+    pub after: f64,
+    /// Of the model that was repaired by a diagnosis that was told the effect.
+    pub oracle: Option<f64>,
+}
+
+impl Realised {
+    /// Part of the gap's power that went.
+    #[must_use]
+    pub fn fraction(&self) -> f64 {
+        1.0 - (self.after / self.before).powi(2)
+    }
+}
+
+/// What a folder of a benchmark says about itself.
+#[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Head {
+    seed: u64,
+    is_short: bool,
+    version: String,
+}
+
+impl Head {
+    fn text(&self) -> String {
+        let form = if self.is_short { "short" } else { "full" };
+        format!("seed {}, {form} form, version {}", self.seed, self.version)
+    }
+}
+
+/// Runs cases and gives their outcomes in their order; `progress` is told how many of them are done.
+///
+/// # Errors
+/// The folder holds another benchmark, or a file cannot be written. A tool that fails is an outcome.
+pub fn run(
+    plan: Plan,
+    cases: &[Case],
+    settings: &Settings,
+    tool: &dyn Tool,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Result<Vec<Outcome>, Error> {
+    claim(plan, &settings.folders.root)?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(settings.threads)
+        .build()
+        .map_err(|_| Error::Threads(settings.threads))?;
+    let done = AtomicUsize::new(0);
+    pool.install(|| {
+        let outcomes = cases.par_iter().map(|case| {
+            let outcome = one(case, settings, tool);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            outcome
+        });
+        outcomes.collect()
+    })
+}
+
+/// Begins a folder, or makes sure that it holds the same benchmark.
+fn claim(plan: Plan, root: &Path) -> Result<(), Error> {
+    at(root, std::fs::create_dir_all(root))?;
+    let asked = Head {
+        seed: plan.seed,
+        is_short: plan.is_short,
+        version: env!("CARGO_PKG_VERSION").into(),
+    };
+    let path = root.join("plan.json");
+    match read_json::<Head>(&path)? {
+        None => write_json(&path, &asked),
+        Some(found) if found == asked => Ok(()),
+        Some(found) => Err(Error::OtherPlan {
+            path: root.to_path_buf(),
+            found: found.text(),
+            asked: asked.text(),
+        }),
+    }
+}
+
+fn one(case: &Case, settings: &Settings, tool: &dyn Tool) -> Result<Outcome, Error> {
+    let folders = &settings.folders;
+    let path = folders.truth(&case.id).join("outcome.json");
+    if let Some(outcome) = read_json::<Outcome>(&path)? {
+        return Ok(outcome);
+    }
+    let outcome = match prepare(case, folders, tool)? {
+        Err(message) => Outcome {
+            label: None,
+            answer: None,
+            failure: Some(message),
+            seconds: 0.0,
+            realised: None,
+        },
+        Ok((label, question)) => ask(case, label, &question, settings, tool),
+    };
+    let truth = folders.truth(&case.id);
+    at(&truth, std::fs::create_dir_all(&truth))?;
+    write_json(&path, &outcome)?;
+    if !settings.keeps_logs {
+        remove_logs(&folders.case(&case.id));
+        remove_logs(&truth);
+    }
+    Ok(outcome)
+}
+
+fn ask(
+    case: &Case,
+    label: Label,
+    question: &Question,
+    settings: &Settings,
+    tool: &dyn Tool,
+) -> Outcome {
+    let folder = settings.folders.case(&case.id);
+    let unseen = settings.folders.truth(&case.id).join("unseen.csv");
+    let begin = Instant::now();
+    let answer = diagnose(tool, &folder, &question.arguments, "gap.json", case.family == "long");
+    let seconds = begin.elapsed().as_secs_f64();
+    let mut realised = None;
+    let mut failure = answer.as_ref().err().cloned();
+    let is_repaired = answer.as_ref().is_ok_and(|a| a.verdict == "effects");
+    if is_repaired && !label.missed.is_empty() {
+        match simulate(tool, &folder.join(&question.repaired), &unseen) {
+            Err(message) => failure = Some(format!("repaired model: {message}")),
+            Ok(after) => {
+                let before = Miss::pooled(&label.missed);
+                let oracle = settings
+                    .has_oracle
+                    .then(|| told(&label, question, &folder, &unseen, tool))
+                    .flatten();
+                realised = Some(Realised { before, after, oracle });
+            }
+        }
+    }
+    Outcome { label: Some(label), answer: answer.ok(), failure, seconds, realised }
+}
+
+fn diagnose(
+    tool: &dyn Tool,
+    folder: &Path,
+    question: &[String],
+    file: &str,
+    is_alone: bool,
+) -> Result<Answer, String> {
+    let threads = if is_alone { "2" } else { "1" };
+    let mut arguments = question.to_vec();
+    let more = ["--json", file, "--seed", "1", "--threads", threads];
+    arguments.extend(more.map(str::to_owned));
+    tool.diagnose(folder, &arguments)?;
+    let path = folder.join(file);
+    let text = std::fs::read_to_string(&path)
+        .map_err(|error| format!("{file} was not written: {error}"))?;
+    Answer::parse(&text).map_err(|error| format!("{file}: {error}"))
+}
+
+/// The error of a model that was repaired with all candidates but the true one taken out.
+fn told(
+    label: &Label,
+    question: &Question,
+    folder: &Path,
+    unseen: &Path,
+    tool: &dyn Tool,
+) -> Option<f64> {
+    let [truth] = &label.effects[..] else { return None };
+    let mut arguments = question.arguments.clone();
+    let repaired = format!("told-{}", question.repaired);
+    for value in arguments.iter_mut().filter(|value| **value == question.repaired) {
+        *value = repaired.clone();
+    }
+    let listed = Effect::ALL.iter().filter(|effect| !effect.is_stray());
+    for other in listed.filter(|effect| effect.name() != truth.effect) {
+        arguments.extend(["--without".to_owned(), other.name().to_owned()]);
+    }
+    let answer = diagnose(tool, folder, &arguments, "told.json", false).ok()?;
+    if answer.verdict != "effects" {
+        return None;
+    }
+    simulate(tool, &folder.join(repaired), unseen).ok()
+}
+
+fn simulate(tool: &dyn Tool, model: &Path, log: &Path) -> Result<f64, String> {
+    let rms = Miss::pooled(&tool.simulate(model, log)?);
+    if !rms.is_finite() {
+        return Err("its run has no fit of y1".to_owned());
+    }
+    Ok(rms)
+}
+
+/// Logs are large and can be made again; what remains says all.
+fn remove_logs(folder: &Path) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for path in entries.flatten().map(|entry| entry.path()) {
+        if path.extension().is_some_and(|e| e == "csv" || e == "fmu") {
+            // What cannot be removed costs space and nothing else.
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}

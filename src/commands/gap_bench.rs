@@ -1,0 +1,104 @@
+//! `piezoloop gap-bench`: the withheld-effect benchmark of `diagnose`.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::Context;
+use clap::Args;
+use gap_bench::{Folders, Plan, Program, Scores, Settings};
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::{pages, progress};
+
+/// How well does diagnose name what a machine does and its model does not?
+///
+/// Machines with withheld effects are drawn, measured and diagnosed, each by a call of this program
+/// that sees the model and the logs and not the label. A benchmark that was stopped goes on where it
+/// was.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop gap-bench --short\n  piezoloop gap-bench --cases 300 -o bench\n  piezoloop gap-bench --cases pair:40,unknown --seed 2 -o bench-2"
+)]
+pub(crate) struct GapBench {
+    /// Fewer cases and shorter records
+    #[arg(long)]
+    short: bool,
+    /// A number of cases, or families with or without a number; the full benchmark takes hours
+    #[arg(long, value_name = "N|FAMILY[:N],…")]
+    cases: Option<String>,
+    /// Seed of the machines
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Cases at the same time; 0: one per processor
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// Also repair by a diagnosis that is told the effect, to compare with
+    #[arg(long)]
+    oracle: bool,
+    /// Keep the logs of all cases (a full benchmark needs tens of GB)
+    #[arg(long)]
+    keep: bool,
+    /// Another program to test, with the commands diagnose, pack and simulate
+    #[arg(long, value_name = "FILE")]
+    tool: Option<PathBuf>,
+    /// Folder for cases, labels, scores.json and index.html
+    #[arg(short = 'o', long = "out", value_name = "FOLDER", default_value = "gap-bench")]
+    out: PathBuf,
+}
+
+/// Longest time for one diagnosis.
+const PATIENCE: Duration = Duration::from_secs(900);
+
+/// The scores, and where they are.
+#[derive(Serialize)]
+struct Benchmarked {
+    page: PathBuf,
+    #[serde(flatten)]
+    scores: Scores,
+}
+
+impl GapBench {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let plan = Plan { seed: self.seed, is_short: self.short };
+        let cases = gap_bench::select(plan.cases(), self.cases.as_deref())?;
+        std::fs::create_dir_all(&self.out)
+            .with_context(|| format!("the folder {} cannot be made", self.out.display()))?;
+        let root = self.out.canonicalize()?;
+        let settings = Settings {
+            folders: Folders { root: root.clone() },
+            threads: self.threads,
+            keeps_logs: self.keep,
+            has_oracle: self.oracle,
+        };
+        let tool = Program { path: self.program()?, patience: PATIENCE };
+        let bar = progress::bar(screen, "diagnosing", cases.len() as u64);
+        let outcomes =
+            gap_bench::run(plan, &cases, &settings, &tool, &|done| bar.set_position(done as u64))?;
+        bar.finish_and_clear();
+        let scores = Scores::of(&outcomes);
+        let page = root.join("index.html");
+        let provenance = pages::provenance(&[])?.seed(self.seed);
+        scores.page().provenance(provenance).write_html(&page)?;
+        let json = serde_json::to_vec_pretty(&scores)?;
+        data::WholeFile::write_all_of(&root.join("scores.json"), &json)?;
+        screen.show(&Benchmarked { page, scores })
+    }
+
+    fn program(&self) -> anyhow::Result<PathBuf> {
+        match &self.tool {
+            Some(path) => path
+                .canonicalize()
+                .with_context(|| format!("--tool {}: there is no such program", path.display())),
+            None => std::env::current_exe().context("this program does not find itself; use --tool"),
+        }
+    }
+}
+
+impl Answer for Benchmarked {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        self.scores.write_text(out)?;
+        writeln!(out, "\n{}: written", self.page.display())
+    }
+}
