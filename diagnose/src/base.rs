@@ -197,6 +197,14 @@ impl Base {
         }
     }
 
+    /// Frequency of the first mode in Hz.
+    pub(crate) fn resonance(&self) -> Option<f64> {
+        match self.nodes.get(self.mode?)? {
+            Node::Component(mode) => mode.values.first().copied(),
+            _ => None,
+        }
+    }
+
     /// The chain with these effects in place.
     pub(crate) fn compose(&self, effects: &[&Formula]) -> Chain {
         let mut builder = Composer::new(self, effects);

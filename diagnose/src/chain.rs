@@ -288,8 +288,6 @@ impl ComponentNode {
         let mut state = vec![0.0; sizes.states];
         let mut outputs = vec![0.0; component.declaration().outputs.len()];
         let values = self.values_at(theta);
-        let bounds = component.declaration().parameters.iter();
-        let _ = bounds;
         component
             .prepare(&self.structure, &values, step, &mut coefficients)
             .map_err(|_| Failed)?;

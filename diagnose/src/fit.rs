@@ -36,8 +36,6 @@ pub(crate) struct Fitter<'a> {
 pub(crate) struct Fit {
     /// Coordinates of the parameters.
     pub(crate) theta: Vec<f64>,
-    /// `N_eff · ln(mean r²/σ²)` plus the priors.
-    pub(crate) cost: f64,
     /// Mean square of the training residual over the noise's.
     pub(crate) mean_square: f64,
     /// Standard deviation of each coordinate; `None` where it is at its bound or not seen.
@@ -246,7 +244,7 @@ impl<'a> Work<'a> {
         }
         let deviations = self.deviations(&point, &columns);
         let mean_square = point.squares / point.residual.len().max(1) as f64;
-        Ok(Fit { theta: point.theta, cost: point.cost, mean_square, deviations })
+        Ok(Fit { theta: point.theta, mean_square, deviations })
     }
 
     /// A better point, or nothing.

@@ -179,6 +179,8 @@ impl Formula {
 pub(crate) struct Family {
     pub(crate) effect: &'static Effect,
     pub(crate) formulas: Vec<Formula>,
+    /// What the formulas become where nothing of the effect itself is in them; they must be better.
+    pub(crate) null: Option<Formula>,
 }
 
 /// What formulas are written for.
@@ -198,6 +200,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) slope_power: f64,
     /// Residual of the re-tuned model at the rows of the fit, for the search for lines.
     pub(crate) lines: Vec<f64>,
+    /// Frequency of the model's first mode in Hz.
+    pub(crate) resonance: Option<f64>,
     /// Converters that may have rounded the command: steps over its range, phase.
     pub(crate) steps: Vec<(f64, f64)>,
 }
@@ -220,7 +224,7 @@ pub(crate) fn families(setting: &Setting<'_>, without: &[String]) -> Vec<Family>
 
 impl Family {
     pub(crate) fn new(effect: &'static Effect, formulas: Vec<Formula>) -> Self {
-        Self { effect, formulas }
+        Self { effect, formulas, null: None }
     }
 
     /// Adds the formula that takes the tolerance from the model's own parameters of this effect.

@@ -82,11 +82,9 @@ pub(crate) fn of(mut problem: Problem, request: &Request, count: &AtomicU64) -> 
     } else {
         Found {
             last: base.clone(),
-            best: base.clone(),
             base,
             rivals: Vec::new(),
             first: Vec::new(),
-            score: 0.0,
             alone: Vec::new(),
         }
     };
@@ -154,6 +152,7 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Settin
         steepest,
         slope_power,
         lines,
+        resonance: problem.base.resonance(),
         steps,
     }
 }

@@ -57,14 +57,10 @@ pub(crate) struct Found {
     pub(crate) base: Candidate,
     /// The model with the effects that are named; the re-tuned model where none is.
     pub(crate) last: Candidate,
-    /// The best set of effects that was found, whether or not it explains enough.
-    pub(crate) best: Candidate,
-    /// For each effect of `best`, all families in its place, best first (the effect itself among them).
+    /// For each effect of `last`, all families in its place, best first (the effect itself among them).
     pub(crate) rivals: Vec<Vec<Looked>>,
     /// The families of the first round, best first.
     pub(crate) first: Vec<Looked>,
-    /// Score of `best`.
-    pub(crate) score: f64,
     /// For each effect of `last`, the part of the held-out gap that comes back without it.
     pub(crate) alone: Vec<f64>,
 }
@@ -183,8 +179,32 @@ impl<'a> Search<'a> {
                 entry.best = Some(candidate);
             }
         }
+        for entry in &mut looked {
+            self.hold_against_null(from, &fixed, entry);
+        }
         sort(&mut looked);
         Ok(looked)
+    }
+
+    /// Drops a family whose formula is no better than what it becomes without the effect.
+    fn hold_against_null(&self, from: &Candidate, fixed: &[&Formula], entry: &mut Looked) {
+        let (Some(null), Some(best)) = (&self.library[entry.family].null, &entry.best) else {
+            return;
+        };
+        let mut with = fixed.to_vec();
+        with.push(null);
+        let chain = self.base.compose(&with);
+        let theta = self.carry(from, &chain, null, &null.starts[0]);
+        let fitted = self.fitter().fit(&chain, &theta).and_then(|fit| {
+            let judged = self.judge.judge(&chain, &fit.theta, self.data, self.sigma, self.count)?;
+            Ok((fit.mean_square, judged.held_out))
+        });
+        if let Ok((training, held_out)) = fitted {
+            let own = 0.5 * (best.fit.mean_square + best.judged.held_out);
+            if 0.5 * (training + held_out) < 1.1 * own {
+                entry.best = None;
+            }
+        }
     }
 
     /// First-order promise of a formula and its best start.
@@ -276,7 +296,6 @@ impl<'a> Search<'a> {
         let mut best = base.clone();
         let mut first = Vec::new();
         let mut rivals: Vec<Vec<Looked>> = Vec::new();
-        let mut is_current = false;
         while best.picks.len() < self.max_effects && has_gap(&best) {
             let looked = self.expand(&best)?;
             if first.is_empty() {
@@ -288,19 +307,17 @@ impl<'a> Search<'a> {
             }
             rivals.push(looked);
             best = next;
-            is_current = best.picks.len() == 1;
             if best.picks.len() > 1 {
                 best = self.reconsider(best, &mut rivals)?;
-                is_current = true;
             }
         }
-        best = self.eliminate(&base, best, &mut rivals, &mut is_current)?;
+        best = self.eliminate(&base, best, &mut rivals)?;
         let reached = score(&best);
         let power = explained(&base.judged, &best.judged);
         let is_named = !best.picks.is_empty() && reached >= EXPLAINED && power >= POWER;
         let last = if is_named { best.clone() } else { base.clone() };
         let alone = self.alone(&base, &last)?;
-        Ok(Found { base, last, best, rivals, first, score: reached, alone })
+        Ok(Found { base, last, rivals, first, alone })
     }
 
     /// Whether one more effect is believed.
@@ -371,7 +388,6 @@ impl<'a> Search<'a> {
         base: &Candidate,
         mut best: Candidate,
         rivals: &mut Vec<Vec<Looked>>,
-        _is_current: &mut bool,
     ) -> Result<Candidate, Failed> {
         let mut slot = 0;
         while best.picks.len() > 1 && slot < best.picks.len() {

@@ -14,17 +14,23 @@ const WEIGHT: &str = "{position}/{command}";
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     let memory = s.base.memory.clone().unwrap_or_else(|| generic(s));
     all.push(Family::new(&effects::CREEP, creep(s)));
-    all.push(Family::new(&effects::HYSTERESIS, hysteresis(s)));
+    let mut family = Family::new(&effects::HYSTERESIS, hysteresis(s));
+    // Plays whose weights all change alike are a gain, and no memory.
+    family.null = Some(gain());
+    all.push(family);
     all.push(Family::new(&effects::ASYMMETRY, asymmetry(s, &memory)));
     if s.base.memory.is_some() {
         all.push(Family::new(&effects::RATE_DEPENDENCE, rate(s, &memory)));
     }
     all.push(Family::new(&effects::POLARISATION_SATURATION, polarisation(s)));
-    let gain = Free::linear("gain", "1", -0.9, 4.0).step(1e-3);
-    let gain = Formula::new("gain").block(Slot::AfterMechanics, Block::Gain, vec![gain]).start(&[0.0]);
-    all.push(Family::new(&effects::ACTUATOR_GAIN, vec![gain]));
+    all.push(Family::new(&effects::ACTUATOR_GAIN, vec![gain()]));
     all.push(Family::new(&effects::SELF_HEATING, heating(s)));
     all.push(Family::new(&effects::INITIAL_STATE, initial(s, &memory)));
+}
+
+fn gain() -> Formula {
+    let gain = Free::linear("gain", "1", -0.9, 4.0).step(1e-3);
+    Formula::new("gain").block(Slot::AfterMechanics, Block::Gain, vec![gain]).start(&[0.0])
 }
 
 /// Thresholds over the amplitude of the command, closer together at small ones.

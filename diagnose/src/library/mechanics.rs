@@ -46,26 +46,46 @@ fn frequencies(s: &Setting<'_>, count: usize) -> Vec<f64> {
     (0..count).map(|k| low * (high / low).powf((k as f64 + 0.5) / count as f64)).collect()
 }
 
+/// A mode that the model lacks is lightly damped and lies apart from the model's own: a pair beside
+/// that one would be a shift of it, and a well damped one a lag.
 fn extra_mode(s: &Setting<'_>) -> Vec<Formula> {
-    let gain = Free::linear("gain", "1", -1.0, 1.0).step(1e-3);
-    let frequency = || Free::log("frequency", "Hz", 0.5 / s.length, 0.49 / s.sample).step(2e-3);
-    let damping = |name| Free::log(name, "1", 1e-3, 0.5);
-    let ratio = Free::linear("zero over pole", "1", 0.5, 2.0).step(2e-3);
-    vec![
-        Formula::new("parallel mode")
-            .block(Slot::AfterMechanics, Block::ParallelMode, vec![gain, frequency(), damping("damping")])
-            .starts(frequencies(s, 24).into_iter().map(|f| vec![0.02, f, 0.03]))
-            .screened(2),
-        Formula::new("pair of pole and zero")
-            .block(Slot::AfterMechanics, Block::PoleZero, vec![
-                frequency(),
-                damping("damping"),
-                ratio,
-                damping("damping of the zero"),
-            ])
-            .starts(frequencies(s, 24).into_iter().map(|f| vec![f, 0.02, 1.01, 0.02]))
-            .screened(3),
-    ]
+    let (low, high) = (0.5 / s.length, 0.49 / s.sample);
+    let bands = match s.resonance {
+        Some(own) => vec![(1.15 * own, high), (low, 0.87 * own)],
+        None => vec![(low, high)],
+    };
+    let damping = |name| Free::log(name, "1", 1e-3, 0.12);
+    let mut all = Vec::new();
+    for (low, high) in bands.into_iter().filter(|(low, high)| 1.1 * low < *high) {
+        let starts: Vec<f64> =
+            frequencies(s, 24).into_iter().filter(|f| *f > low && *f < high).collect();
+        let frequency = || Free::log("frequency", "Hz", low, high).step(2e-3);
+        let gain = Free::linear("gain", "1", -1.0, 1.0).step(1e-3);
+        let ratio = Free::linear("zero over pole", "1", 0.5, 2.0).step(2e-3);
+        all.push(
+            Formula::new("parallel mode")
+                .block(Slot::AfterMechanics, Block::ParallelMode, vec![
+                    gain,
+                    frequency(),
+                    damping("damping"),
+                ])
+                .starts(starts.iter().map(|f| vec![0.02, *f, 0.03]))
+                .screened(2),
+        );
+        all.push(
+            Formula::new("pair of pole and zero")
+                .block(Slot::AfterMechanics, Block::PoleZero, vec![
+                    frequency(),
+                    damping("damping"),
+                    ratio,
+                    damping("damping of the zero"),
+                ])
+                .starts(starts.iter().map(|f| vec![*f, 0.02, 1.01, 0.02]))
+                .screened(3),
+        );
+    }
+    all.retain(|f| !f.starts.is_empty());
+    all
 }
 
 fn duffing(s: &Setting<'_>) -> Vec<Formula> {
