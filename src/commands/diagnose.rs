@@ -1,0 +1,250 @@
+//! `piezoloop diagnose`: where a model and its machine differ, which effect it is, what it is worth.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+use data::WholeFile;
+use diagnose::{Diagnosis, Gap, Model, Noise, Observer, Request, Tolerance};
+use indicatif::ProgressBar;
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::commands::pack;
+use crate::inputs::{self, LogOptions};
+use crate::{pages, progress};
+
+/// Says which effect a model lacks, where the gap lies and how far it shrinks
+///
+/// The model is a blueprint (.toml, effects go in at their physical place) or any co-simulation FMU
+/// (effects go in before and behind it). Parameters are re-tuned under their tolerance first; what is
+/// named must hold on rows that were not used.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop diagnose --model plant.toml --log a.csv --log b.csv --map u=u1 --json gap.json --report gap.html\n  piezoloop diagnose --model plant.fmu --log a.csv --holdout b.csv --tune '*.frequency=0.02' --rest idle.csv\n  piezoloop diagnose --model plant.toml --log a.csv --repair repaired.toml"
+)]
+pub(crate) struct Diagnose {
+    /// The model: a blueprint, the name of a rig, or an FMU
+    #[arg(long, value_name = "MODEL")]
+    model: PathBuf,
+    /// A measured log, CSV (may be given several times)
+    #[arg(long = "log", value_name = "FILE", required = true)]
+    logs: Vec<PathBuf>,
+    /// A log that is only used to judge [default: the last 30 % of each record]
+    #[arg(long, value_name = "FILE")]
+    holdout: Vec<PathBuf>,
+    #[command(flatten)]
+    options: LogOptions,
+    /// Outputs to look at [default: all that the logs have]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    outputs: Vec<String>,
+    /// Parameters that may be off, with their tolerance (1 σ): GLOB=REL or NAME=+-ABS
+    #[arg(long, value_name = "NAME=TOLERANCE")]
+    tune: Vec<String>,
+    /// Relative tolerance (1 σ) of each output's gain
+    #[arg(long, value_name = "REL", default_value_t = 0.01)]
+    gain_tolerance: f64,
+    /// Standard deviation of the noise, in the log's unit [default: estimated]
+    #[arg(long, value_name = "[OUTPUT=]SIGMA", conflicts_with = "rest")]
+    noise: Vec<String>,
+    /// A record of the machine at rest
+    #[arg(long, value_name = "FILE")]
+    rest: Option<PathBuf>,
+    /// Most effects that are named per output
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    max_effects: usize,
+    /// Take an effect out of the library (may be given several times)
+    #[arg(long, value_name = "EFFECT")]
+    without: Vec<String>,
+    /// Write a page
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Write the repaired model, .toml or .fmu
+    #[arg(long, value_name = "FILE")]
+    repair: Option<PathBuf>,
+    /// Number of threads; 0: one per processor
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// Seed of the resampling
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Exit with 1 where the gap's rms over the output's range is larger
+    #[arg(long, value_name = "REL")]
+    fail_above: Option<f64>,
+    /// With --json: the file to write; none: standard output
+    #[arg(value_name = "GAP_JSON", requires = "json")]
+    json_file: Option<PathBuf>,
+}
+
+/// The gap, and what was written.
+#[derive(Serialize)]
+#[serde(transparent)]
+struct Diagnosed {
+    gap: Gap,
+    #[serde(skip)]
+    written: Vec<PathBuf>,
+    #[serde(skip)]
+    fails: bool,
+}
+
+/// Shows how far a diagnosis is.
+struct Bar(ProgressBar);
+
+impl Observer for Bar {
+    fn progress(&mut self, _stage: &'static str, done: usize, total: usize) {
+        self.0.set_length(total as u64);
+        self.0.set_position(done as u64);
+    }
+}
+
+impl Diagnose {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let answer = self.execute(screen)?;
+        let to_file = self.json_file.is_some();
+        let screen = Screen { json: screen.json && !to_file, quiet: screen.quiet };
+        screen.show(&answer)
+    }
+
+    fn execute(&self, screen: &Screen) -> anyhow::Result<Diagnosed> {
+        let read: Vec<&Path> = self.files().map(PathBuf::as_path).collect();
+        let outputs = [&self.report, &self.repair, &self.json_file];
+        for output in outputs.into_iter().flatten() {
+            inputs::not_over(output, &read)?;
+        }
+        let request = self.request()?;
+        let mut bar = Bar(progress::bar(screen, "diagnose", 1));
+        let diagnosis = diagnose::examine(&request, &mut bar);
+        bar.0.finish_and_clear();
+        let diagnosis = diagnosis?;
+        let mut written = Vec::new();
+        if let Some(file) = &self.json_file {
+            let text = serde_json::to_string_pretty(&diagnosis.gap)? + "\n";
+            WholeFile::write_all_of(file, text.as_bytes())
+                .with_context(|| format!("{} cannot be written", file.display()))?;
+            written.push(file.clone());
+        }
+        if let Some(page) = &self.report {
+            let files: Vec<(&str, &Path)> =
+                self.files().map(|path| ("input", path.as_path())).collect();
+            let provenance = pages::provenance(&files)?.seed(self.seed);
+            diagnosis.report().provenance(provenance).write_html(page)?;
+            written.push(page.clone());
+        }
+        if let Some(file) = &self.repair
+            && !diagnosis.gap.effects.is_empty()
+        {
+            self.write_repair(&diagnosis, file)?;
+            written.push(file.clone());
+        }
+        let fails = self.fail_above.is_some_and(|most| diagnosis.gap.shrink.relative_gap > most);
+        Ok(Diagnosed { gap: diagnosis.gap, written, fails })
+    }
+
+    /// All files that are read.
+    fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        let model = Some(&self.model).filter(|model| model.exists());
+        model.into_iter().chain(&self.logs).chain(&self.holdout).chain(&self.rest)
+    }
+
+    fn request(&self) -> anyhow::Result<Request> {
+        let logs = |paths: &[PathBuf]| {
+            paths.iter().map(|p| self.options.read(p)).collect::<anyhow::Result<Vec<_>>>()
+        };
+        let mut request = Request::new(self.model()?, logs(&self.logs)?);
+        request.holdout = logs(&self.holdout)?;
+        request.names = self.options.names()?;
+        request.outputs.clone_from(&self.outputs);
+        request.tolerances = self.tune.iter().map(|t| Tolerance::parse(t)).collect::<Result<_, _>>()?;
+        request.gain_tolerance = self.gain_tolerance;
+        request.noise = self.noise()?;
+        request.max_effects = self.max_effects;
+        request.without.clone_from(&self.without);
+        request.threads = self.threads;
+        request.seed = self.seed;
+        Ok(request)
+    }
+
+    fn is_fmu(&self) -> bool {
+        self.model.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu"))
+    }
+
+    fn model(&self) -> anyhow::Result<Model> {
+        if self.is_fmu() {
+            return Ok(Model::Fmu(self.model.clone()));
+        }
+        let checked = inputs::blueprint(&self.model)?.blueprint.check(components::COMPONENTS)?;
+        Ok(Model::Blueprint(Box::new(checked)))
+    }
+
+    fn noise(&self) -> anyhow::Result<Noise> {
+        if let Some(rest) = &self.rest {
+            return Ok(Noise::Rest(Box::new(self.options.read(rest)?)));
+        }
+        if self.noise.is_empty() {
+            return Ok(Noise::Estimated);
+        }
+        let mut all = Vec::new();
+        for text in &self.noise {
+            let (output, sigma) = match text.split_once('=') {
+                Some((output, sigma)) => (Some(output.trim().to_owned()), sigma),
+                None => (None, text.as_str()),
+            };
+            let Ok(sigma) = sigma.trim().parse() else {
+                bail!("--noise {text}: is no standard deviation; write SIGMA or OUTPUT=SIGMA, as in y=0.003");
+            };
+            all.push((output, sigma));
+        }
+        Ok(Noise::Given(all))
+    }
+
+    fn write_repair(&self, diagnosis: &Diagnosis, file: &Path) -> anyhow::Result<()> {
+        if self.is_fmu() {
+            bail!(
+                "{}: effects cannot be put around an FMU yet; diagnose the machine's blueprint (.toml) to get a repaired one, or take the effect's parameters from the JSON",
+                file.display()
+            );
+        }
+        let source = inputs::blueprint(&self.model)?;
+        let repaired = diagnosis.repair(&source.blueprint).map_err(|gaps| {
+            anyhow::anyhow!("{} is not written: {}", file.display(), gaps.join("; "))
+        })?;
+        repaired.check(components::COMPONENTS).with_context(|| {
+            format!("{} is not written: the repaired blueprint breaks a rule", file.display())
+        })?;
+        if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {
+            let text = repaired.to_toml();
+            let source = inputs::BlueprintText { text, blueprint: repaired };
+            pack::pack(&source, crate::commands::simulate::PACKED_WITH, &[], file)?;
+            return Ok(());
+        }
+        Ok(repaired.write(file)?)
+    }
+}
+
+impl Answer for Diagnosed {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let gap = &self.gap;
+        for warning in &gap.warnings {
+            writeln!(out, "note: {warning}")?;
+        }
+        writeln!(out, "{}", gap.sentence)?;
+        for effect in &gap.effects {
+            for (name, p) in &effect.parameters {
+                let deviation = p.std.map_or(String::new(), |s| format!(" ± {s:.2e}"));
+                writeln!(out, "  {name} = {:.6}{deviation} {}", p.value, p.unit)?;
+            }
+        }
+        if let Some(next) = &gap.next_experiment {
+            writeln!(out, "Next: {}.", next.sentence)?;
+        }
+        for file in &self.written {
+            writeln!(out, "{}: written", file.display())?;
+        }
+        Ok(())
+    }
+
+    fn exit_code(&self) -> u8 {
+        u8::from(self.fails)
+    }
+}
