@@ -1,6 +1,7 @@
 //! How the present outputs came about, so that it can be done again with other values.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use super::{StepError, System};
 use crate::Context;
@@ -20,7 +21,9 @@ pub struct Past {
     from: f64,
     /// Values of the inputs, in the order of the plan.
     inputs: Vec<f64>,
-    /// Slopes of the inputs in the step, by value reference.
+    /// An input had a slope in the step.
+    sloped: bool,
+    /// Slopes of the inputs in the step, by value reference; of no meaning where none had one.
     slopes: Vec<f64>,
     /// State and signals before the step.
     arena: Vec<f64>,
@@ -35,7 +38,8 @@ impl Past {
 
     /// Takes over everything of `other`, without allocating where the sizes agree.
     pub fn copy_from(&mut self, other: &Self) {
-        (self.rest, self.index, self.from) = (other.rest, other.index, other.from);
+        (self.rest, self.sloped) = (other.rest, other.sloped);
+        (self.index, self.from) = (other.index, other.from);
         self.inputs.clone_from(&other.inputs);
         self.slopes.clone_from(&other.slopes);
         self.arena.clone_from(&other.arena);
@@ -44,14 +48,14 @@ impl Past {
     /// Length of [`to_bytes`](Self::to_bytes).
     #[must_use]
     pub fn byte_len(&self) -> usize {
-        1 + 8 * (2 + self.inputs.len() + self.slopes.len() + self.arena.len())
+        2 + 8 * (2 + self.inputs.len() + self.slopes.len() + self.arena.len())
     }
 
     /// The past as bytes, little endian.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(self.byte_len());
-        bytes.push(u8::from(self.rest));
+        bytes.extend_from_slice(&[u8::from(self.rest), u8::from(self.sloped)]);
         bytes.extend_from_slice(&self.index.to_le_bytes());
         let numbers = self.inputs.iter().chain(&self.slopes).chain(&self.arena);
         for number in core::iter::once(&self.from).chain(numbers) {
@@ -66,7 +70,8 @@ impl Past {
         if bytes.len() != self.byte_len() {
             return None;
         }
-        let (rest, tail) = bytes.split_first()?;
+        let ([rest, sloped], tail) = bytes.split_first_chunk()?;
+        let (rest, sloped) = (*rest != 0, *sloped != 0);
         let mut words =
             tail.chunks_exact(8).map(|word| <[u8; 8]>::try_from(word).unwrap_or_default());
         let index = u64::from_le_bytes(words.next()?);
@@ -75,7 +80,8 @@ impl Past {
         let mut take = |count| numbers.by_ref().take(count).collect();
         let inputs = take(self.inputs.len());
         let slopes = take(self.slopes.len());
-        Some(Self { rest: *rest != 0, index, from, inputs, slopes, arena: take(self.arena.len()) })
+        let arena = take(self.arena.len());
+        Some(Self { rest, index, from, inputs, sloped, slopes, arena })
     }
 }
 
@@ -86,13 +92,13 @@ impl System {
         let plan = &self.plan;
         let inputs = plan.inputs.iter().map(|wire| self.context.cells[wire.variable]).collect();
         let width = plan.inputs.iter().map(|wire| wire.variable + 1).max().unwrap_or(0);
-        let arena = alloc::vec![0.0; self.context.cells.len() - plan.blocks[1]];
-        Past { rest: true, index: 0, from: 0.0, inputs, slopes: alloc::vec![0.0; width], arena }
+        let (slopes, arena) = (alloc::vec![0.0; width], alloc::vec![0.0; self.arena().len()]);
+        Past { rest: true, index: 0, from: 0.0, inputs, sloped: false, slopes, arena }
     }
 
     /// Notes that the outputs are those at rest under the present inputs.
     pub fn note_rest(&self, past: &mut Past) {
-        (past.rest, past.index, past.from) = (true, 0, 0.0);
+        (past.rest, past.index, past.from, past.sloped) = (true, 0, 0.0, false);
         past.slopes.fill(0.0);
         past.arena.fill(0.0);
         self.note_inputs(past);
@@ -104,12 +110,21 @@ impl System {
     #[inline]
     pub fn note_step(&self, past: &mut Past, from: f64, slopes: &[f64]) {
         (past.rest, past.index, past.from) = (false, self.context.index, from);
+        past.sloped = !slopes.is_empty();
+        if past.sloped {
+            let count = slopes.len().min(past.slopes.len());
+            let (sloped, held) = past.slopes.split_at_mut(count);
+            sloped.copy_from_slice(&slopes[..count]);
+            held.fill(0.0);
+        }
         self.note_inputs(past);
-        let count = slopes.len().min(past.slopes.len());
-        let (sloped, held) = past.slopes.split_at_mut(count);
-        sloped.copy_from_slice(&slopes[..count]);
-        held.fill(0.0);
-        past.arena.copy_from_slice(&self.context.cells[self.plan.blocks[1]..]);
+        past.arena.copy_from_slice(&self.context.cells[self.arena()]);
+    }
+
+    /// Where the context has state and signals: behind them is scratch.
+    #[inline]
+    fn arena(&self) -> Range<usize> {
+        self.plan.blocks[1]..self.context.cells.len() - self.plan.widest
     }
 
     #[inline]
@@ -137,15 +152,17 @@ impl System {
         let (start, end) = (self.context.start, self.time());
         if !past.rest {
             scratch.index = past.index;
-            scratch.cells[blocks[1]..].copy_from_slice(&past.arena);
+            scratch.cells[self.arena()].copy_from_slice(&past.arena);
             // The coefficients are still those of the step.
             scratch.dirty = false;
         }
         core::mem::swap(&mut self.context, scratch);
         let done = if past.rest {
             self.initialise(start)
-        } else {
+        } else if past.sloped {
             self.advance_along(end, past.from, &past.slopes).map(|_| ())
+        } else {
+            self.advance(end).map(|_| ())
         };
         core::mem::swap(&mut self.context, scratch);
         done
