@@ -29,7 +29,9 @@ pub use error::Error;
 pub use label::{Label, Miss, TrueEffect};
 pub use prepare::{Folders, Question, prepare};
 pub use run::{Outcome, Realised, Settings, run};
-pub use score::{Confusion, OfEffect, Removed, Scores, ShrinkPair, Single, Times, Verdicts};
+pub use score::{
+    Confusion, Failure, OfEffect, Removed, Scores, ShrinkPair, Single, Times, Verdicts,
+};
 pub use statistics::{Bin, Calibration, Rate, quantile};
 pub use target::{Figure, Goal};
 pub use text::CAUTION;

@@ -14,7 +14,8 @@ impl Scores {
         let mut page = Report::new("gap-bench", "The withheld-effect benchmark", self.verdict())
             .warning(CAUTION);
         if !self.failed.is_empty() {
-            page = page.warning(format!("The tool failed on {} cases.", self.failed.len()));
+            let cases: usize = self.failed.iter().map(|failure| failure.cases.len()).sum();
+            page = page.warning(format!("The tool failed on {cases} cases; see the last section."));
         }
         for figure in self.figures.iter().filter(|figure| figure.value.is_some()) {
             page = page.key_figure(key_figure(figure));
@@ -172,7 +173,14 @@ impl Scores {
                 row.seconds.into(),
             ]);
         }
-        let failed = self.failed.iter().map(|(case, message)| format!("{case}: {message}"));
+        let failed = self.failed.iter().map(|failure| {
+            format!(
+                "{} cases ({}, …): {}",
+                failure.cases.len(),
+                failure.cases.first().map_or("", String::as_str),
+                failure.message
+            )
+        });
         let all: Vec<String> = failed.chain(self.not_drawn.iter().cloned()).collect();
         let section = Section::new("Verdicts, times, failures").table(table);
         if all.is_empty() { section } else { section.list(all) }

@@ -160,11 +160,11 @@ fn ask(
     let folder = settings.folders.case(&case.id);
     let unseen = settings.folders.truth(&case.id).join("unseen.csv");
     let begin = Instant::now();
-    let answer = diagnose(tool, &folder, &question.arguments, "gap.json", case.family == "long");
+    let said = diagnose(tool, &folder, &question.arguments, "gap.json", case.family == "long");
     let seconds = begin.elapsed().as_secs_f64();
+    let Said { answer, mut failure } = said;
     let mut realised = None;
-    let mut failure = answer.as_ref().err().cloned();
-    let is_repaired = answer.as_ref().is_ok_and(|a| a.verdict == "effects");
+    let is_repaired = failure.is_none() && answer.as_ref().is_some_and(|a| a.verdict == "effects");
     if is_repaired && !label.missed.is_empty() {
         match simulate(tool, &folder.join(&question.repaired), &unseen) {
             Err(message) => failure = Some(format!("repaired model: {message}")),
@@ -178,7 +178,13 @@ fn ask(
             }
         }
     }
-    Outcome { label: Some(label), answer: answer.ok(), failure, seconds, realised }
+    Outcome { label: Some(label), answer, failure, seconds, realised }
+}
+
+/// What a diagnosis left: an answer, a complaint, or both where only the repair failed.
+struct Said {
+    answer: Option<Answer>,
+    failure: Option<String>,
 }
 
 fn diagnose(
@@ -187,16 +193,22 @@ fn diagnose(
     question: &[String],
     file: &str,
     is_alone: bool,
-) -> Result<Answer, String> {
+) -> Said {
     let threads = if is_alone { "2" } else { "1" };
     let mut arguments = question.to_vec();
     let more = ["--json", file, "--seed", "1", "--threads", threads];
     arguments.extend(more.map(str::to_owned));
-    tool.diagnose(folder, &arguments)?;
     let path = folder.join(file);
-    let text = std::fs::read_to_string(&path)
-        .map_err(|error| format!("{file} was not written: {error}"))?;
-    Answer::parse(&text).map_err(|error| format!("{file}: {error}"))
+    // An answer of an earlier call that was stopped is not this call's.
+    let _ = std::fs::remove_file(&path);
+    let failure = tool.diagnose(folder, &arguments).err();
+    let read = std::fs::read_to_string(&path)
+        .map_err(|error| format!("{file} was not written: {error}"))
+        .and_then(|text| Answer::parse(&text).map_err(|error| format!("{file}: {error}")));
+    match read {
+        Ok(answer) => Said { answer: Some(answer), failure },
+        Err(message) => Said { answer: None, failure: Some(failure.unwrap_or(message)) },
+    }
 }
 
 /// The error of a model that was repaired with all candidates but the true one taken out.
@@ -217,7 +229,11 @@ fn told(
     for other in listed.filter(|effect| effect.name() != truth.effect) {
         arguments.extend(["--without".to_owned(), other.name().to_owned()]);
     }
-    let answer = diagnose(tool, folder, &arguments, "told.json", false).ok()?;
+    let Said { answer: Some(answer), failure: None } =
+        diagnose(tool, folder, &arguments, "told.json", false)
+    else {
+        return None;
+    };
     if answer.verdict != "effects" {
         return None;
     }

@@ -19,8 +19,8 @@ use crate::target::{Figure, Goal};
 pub struct Scores {
     /// Cases with an answer.
     pub answered: usize,
-    /// Cases that the tool failed on, with what it said.
-    pub failed: Vec<(String, String)>,
+    /// What the tool failed on: the diagnosis, or only the repair.
+    pub failed: Vec<Failure>,
     /// Cases that no machine could be drawn for, with the reason.
     pub not_drawn: Vec<String>,
     /// The figures that have a goal.
@@ -41,6 +41,15 @@ pub struct Scores {
     pub shrinks: Vec<ShrinkPair>,
     /// How long one diagnosis takes.
     pub times: Times,
+}
+
+/// One complaint of the tool.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// What it said.
+    pub message: String,
+    /// Of which cases.
+    pub cases: Vec<String>,
 }
 
 /// Single effects of one family at one size.
@@ -169,23 +178,25 @@ impl Scores {
     #[must_use]
     pub fn of(outcomes: &[Outcome]) -> Self {
         let mut all = Vec::new();
-        let (mut failed, mut not_drawn) = (Vec::new(), Vec::new());
+        let mut not_drawn = Vec::new();
+        let mut failed: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         for outcome in outcomes {
             let Outcome { label, answer, failure, seconds, realised } = outcome;
-            match (label, answer) {
-                (None, _) => not_drawn.push(failure.clone().unwrap_or_default()),
-                (Some(label), None) => {
-                    failed.push((label.case.clone(), failure.clone().unwrap_or_default()));
-                }
-                (Some(label), Some(answer)) => {
-                    let (seconds, realised) = (*seconds, *realised);
-                    all.push(Judged { label, answer, seconds, realised });
-                    if let Some(failure) = failure {
-                        failed.push((label.case.clone(), failure.clone()));
-                    }
-                }
+            let Some(label) = label else {
+                not_drawn.push(failure.clone().unwrap_or_default());
+                continue;
+            };
+            if let Some(message) = failure {
+                failed.entry(message).or_default().push(label.case.clone());
+            }
+            if let Some(answer) = answer {
+                all.push(Judged { label, answer, seconds: *seconds, realised: *realised });
             }
         }
+        let failed: Vec<Failure> = failed
+            .into_iter()
+            .map(|(message, cases)| Failure { message: message.to_owned(), cases })
+            .collect();
         let shrinks = shrinks(&all);
         let calibration = calibration(&all);
         let times = times(&all);

@@ -173,7 +173,8 @@ fn failures_and_machines_that_could_not_be_drawn_are_listed_and_not_counted() {
     let not_drawn = Outcome { label: None, failure: Some("too large".into()), ..failed.clone() };
     let scores = Scores::of(&[failed, not_drawn]);
     assert_eq!(scores.answered, 0);
-    assert_eq!(scores.failed, [("c".to_owned(), "no such file".to_owned())]);
+    let failure = Failure { message: "no such file".into(), cases: vec!["c".into()] };
+    assert_eq!(scores.failed, [failure]);
     assert_eq!(scores.not_drawn, ["too large"]);
     assert!(scores.figures.iter().all(|f| f.is_met().is_none()));
 }

@@ -134,11 +134,11 @@ impl Scores {
         for reason in &self.not_drawn {
             writeln!(out, "  {reason}")?;
         }
-        if !self.failed.is_empty() {
-            writeln!(out, "\n{} cases where the tool failed:", self.failed.len())?;
-        }
-        for (case, message) in &self.failed {
-            writeln!(out, "  {case}: {message}")?;
+        for failure in &self.failed {
+            let cases = &failure.cases;
+            let first = cases.first().map_or("", String::as_str);
+            writeln!(out, "\nThe tool failed on {} cases, as {first}:", cases.len())?;
+            writeln!(out, "  {}", failure.message)?;
         }
         Ok(())
     }

@@ -125,7 +125,7 @@ impl Tool for Program {
     }
 
     fn diagnose(&self, folder: &Path, arguments: &[String]) -> Result<(), String> {
-        let mut all = vec!["--quiet".to_owned(), "diagnose".to_owned()];
+        let mut all = vec!["diagnose".to_owned()];
         all.extend_from_slice(arguments);
         self.call(folder, &all).map(|_| ())
     }
@@ -165,7 +165,7 @@ mod tests {
     #[test]
     fn errors_are_what_the_tool_said() {
         let folder = tempfile::tempdir().unwrap();
-        let tool = program(folder.path(), "echo \"error: no $3\" >&2; exit 2");
+        let tool = program(folder.path(), "echo \"error: no $2\" >&2; exit 2");
         let error = tool.diagnose(folder.path(), &["--model".into(), "m.toml".into()]);
         assert_eq!(error.unwrap_err(), "error: no --model");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
