@@ -85,6 +85,9 @@ pub enum Error {
         /// What is wrong and the way out.
         reason: String,
     },
+    /// An FMU in a process of its own failed; the message names it.
+    #[error("{0}")]
+    Worker(String),
     /// The record cannot be written.
     #[error("the record cannot be written: {0}")]
     Record(#[from] std::io::Error),

@@ -9,6 +9,7 @@ use modeldescription::variable::{Causality, Variable};
 use modeldescription::{FmiVersion, ModelDescription, Package};
 
 use crate::error::Error;
+use crate::isolate::{IsolatedSlave, Worker};
 use crate::problem::Problems;
 use crate::slave::{Address, Fmi2Slave, Fmi3Slave, Settings, Slave, numbers};
 
@@ -25,6 +26,8 @@ pub struct Fmu {
 enum Library {
     V2(Arc<v2::Library>),
     V3(Arc<v3::Library>),
+    /// Each instance in a process of its own, which loads the library.
+    Elsewhere(Worker),
 }
 
 /// What an instance is made with.
@@ -45,23 +48,39 @@ impl Fmu {
     /// A package that does not open, offers no co-simulation, has no library for this
     /// machine, or has one that does not load.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
-        let path = path.as_ref();
-        let failed = |reason: String| Error::Package { path: path.to_path_buf(), reason };
-        let package = Package::open(path)?;
-        let description = package.description();
-        if description.co_simulation.is_none() {
-            return Err(failed(
-                "the FMU offers no co-simulation, only model exchange; export it for co-simulation"
-                    .to_owned(),
-            ));
-        }
-        let description = Arc::new(description.clone());
+        let package = Fmu::package_of(path.as_ref())?;
+        let description = Arc::new(package.description().clone());
         let binary = package.binary()?;
         let library = match description.fmi_version {
             FmiVersion::V2 => Library::V2(Arc::new(v2::Library::load(&binary)?)),
             FmiVersion::V3 => Library::V3(Arc::new(v3::Library::load(&binary)?)),
         };
         Ok(Fmu { package: Arc::new(package), description, library })
+    }
+
+    /// Opens an FMU without loading its library: each instance runs in a process of its own. One
+    /// that crashes or hangs is an error that names it.
+    ///
+    /// # Errors
+    /// A package that does not open or offers no co-simulation.
+    pub fn open_isolated(path: impl AsRef<Path>, worker: &Worker) -> Result<Self, Error> {
+        let package = Fmu::package_of(path.as_ref())?;
+        let description = Arc::new(package.description().clone());
+        let library = Library::Elsewhere(worker.clone());
+        Ok(Fmu { package: Arc::new(package), description, library })
+    }
+
+    fn package_of(path: &Path) -> Result<Package, Error> {
+        let package = Package::open(path)?;
+        if package.description().co_simulation.is_none() {
+            return Err(Error::Package {
+                path: path.to_path_buf(),
+                reason: "the FMU offers no co-simulation, only model exchange; export it for \
+                         co-simulation"
+                    .to_owned(),
+            });
+        }
+        Ok(package)
     }
 
     /// The model description.
@@ -91,11 +110,13 @@ impl Fmu {
         &self.package
     }
 
-    /// Functions that the standard requires and this FMU's library lacks.
+    /// Functions that the standard requires and this FMU's library lacks; none are known of a
+    /// library that is loaded elsewhere.
     pub fn missing_functions(&self) -> &[&'static str] {
         match &self.library {
             Library::V2(library) => library.missing(),
             Library::V3(library) => library.missing(),
+            Library::Elsewhere(_) => &[],
         }
     }
 
@@ -117,6 +138,9 @@ impl Fmu {
             }
             Library::V3(library) => {
                 Box::new(Fmi3Slave::new(Arc::clone(library), description, package, settings)?)
+            }
+            Library::Elsewhere(worker) => {
+                Box::new(IsolatedSlave::new(worker, description, package, settings)?)
             }
         })
     }

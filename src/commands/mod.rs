@@ -9,8 +9,12 @@ mod list;
 pub(crate) mod pack;
 mod signal;
 pub(crate) mod simulate;
+mod system;
 
 use crate::answer::Screen;
+
+/// The command by which the tool starts itself for one FMU.
+const WORKER: &str = "fmu-worker";
 
 /// What the tool can do.
 #[derive(clap::Subcommand, Debug)]
@@ -19,11 +23,15 @@ pub(crate) enum Command {
     Invert(invert::Invert),
     Pack(pack::Pack),
     Simulate(simulate::Simulate),
+    System(system::System),
     Check(check::Check),
     List(list::List),
     Signal(signal::Signal),
     Demo(demo::Demo),
     GapBench(gap_bench::GapBench),
+    /// Runs one FMU for another process of this tool
+    #[command(name = WORKER, hide = true)]
+    FmuWorker,
 }
 
 impl Command {
@@ -34,6 +42,11 @@ impl Command {
             Self::Invert(command) => command.run(screen),
             Self::Pack(command) => command.run(screen),
             Self::Simulate(command) => command.run(screen),
+            Self::System(command) => command.run(screen),
+            Self::FmuWorker => {
+                cosim::isolate::serve()?;
+                Ok(0)
+            }
             Self::Check(command) => command.run(screen),
             Self::List(command) => command.run(screen),
             Self::Signal(command) => command.run(screen),

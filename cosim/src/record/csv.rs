@@ -1,10 +1,11 @@
 //! A record as a CSV file.
 
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use tempfile::NamedTempFile;
 
+use super::whole::Whole;
 use super::{Column, Recorder};
 
 /// Writes rows as they come: UTF-8, comma, decimal point, one header row; memory does not grow.
@@ -92,18 +93,15 @@ impl<W: Write> Recorder for CsvRecorder<W> {
 /// without it, nothing stays behind.
 pub struct CsvFile {
     rows: CsvRecorder<BufWriter<NamedTempFile>>,
-    path: PathBuf,
+    path: Whole,
 }
 
 impl CsvFile {
     /// Begins the file that will be at `path`.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let rows = CsvRecorder::new(BufWriter::new(NamedTempFile::new_in(folder)?));
-        Ok(CsvFile { rows, path: path.to_path_buf() })
+        let path = Whole::new(path);
+        let rows = CsvRecorder::new(BufWriter::new(path.temporary()?));
+        Ok(CsvFile { rows, path })
     }
 
     /// See [`CsvRecorder::with_units`].
@@ -121,22 +119,8 @@ impl CsvFile {
     /// Gives the file its name, in place of a file that has it.
     pub fn finish(self) -> io::Result<()> {
         let file = self.rows.into_inner()?.into_inner().map_err(io::IntoInnerError::into_error)?;
-        readable_by_others(file.as_file())?;
-        file.persist(&self.path)?;
-        Ok(())
+        self.path.persist(file)
     }
-}
-
-/// Temporary files are private; this one becomes a file like others.
-#[cfg(unix)]
-fn readable_by_others(file: &std::fs::File) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn readable_by_others(_: &std::fs::File) -> io::Result<()> {
-    Ok(())
 }
 
 impl Recorder for CsvFile {

@@ -4,10 +4,19 @@
 //! t_k until t_{k+1}.
 
 mod csv;
+mod file;
 mod memory;
+mod numpy;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod whole;
 
 pub use csv::{CsvFile, CsvRecorder};
+pub use file::RecordFile;
 pub use memory::{Memory, Series};
+pub use numpy::{NpyFile, NpzFile};
+#[cfg(feature = "parquet")]
+pub use parquet::ParquetFile;
 
 use std::io;
 

@@ -6,7 +6,7 @@ use modeldescription::FmiVersion;
 use modeldescription::variable::{Causality, DataType, Initial, Variability, Variable};
 
 /// A value of any type.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Value {
     /// A real number.
     Real(f64),

@@ -23,6 +23,8 @@ static Status model_step(Slave *slave, double step) {
     case 3: say(slave, WARNING, "this is odd"); break;
     case 4: return PENDING;
     case 5: return 17;
+    case 8: abort();
+    case 9: for (;;) step += 1e-9 * (volatile double){1.0};
     case 6:
         slave->callbacks.logger(slave->callbacks.environment, slave->name, WARNING, "logStatus",
                                 "%s: %d of %5.2f at %g s, %lu%%, %c %x %e %s", slave->name, -3,

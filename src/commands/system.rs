@@ -1,0 +1,338 @@
+//! `piezoloop system`: any number of FMUs, connected by a TOML or an SSP.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use clap::Args;
+use cosim::plan::Coupling;
+use cosim::{Ending, Fmu, InstanceOptions, Plan, Points, RecordFile, Run, Signal, Signals, Worker};
+use data::Log;
+use modeldescription::ModelDescription;
+use modeldescription::description::Unit;
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::inputs::{self, LogOptions};
+use crate::{fmus, progress};
+
+/// Runs any number of FMUs together, connected by a short TOML or by an SSP
+///
+/// The FMUs may be any vendor's, of FMI 2.0 and 3.0. An input table (a log) feeds the system's
+/// inputs; what is recorded goes to .csv, .npy, .npz or .parquet.
+#[derive(Args, Debug)]
+#[command(after_help = AFTER_HELP)]
+pub(crate) struct System {
+    /// The system: .toml, .ssp, .ssd or an unpacked SSP
+    file: PathBuf,
+    /// The input table, a log with a column for each input of the system
+    #[arg(long, value_name = "FILE")]
+    input: Option<PathBuf>,
+    /// Communication step in s [default: the system's, else the smallest that an FMU prefers or the
+    /// input table has]
+    #[arg(long, value_name = "S")]
+    step: Option<f64>,
+    /// End of the run in s [default: the system's, else that of the input table]
+    #[arg(long, value_name = "S")]
+    stop: Option<f64>,
+    /// Who steps when [default: the system's, else gauss-seidel]
+    #[arg(long, value_name = "NAME")]
+    algorithm: Option<Algorithm>,
+    /// Each FMU in a process of its own: one that crashes or hangs is an error that names it
+    #[arg(long)]
+    isolate: bool,
+    /// Longest time of one call to an FMU in s
+    #[arg(long, value_name = "S", default_value_t = 60.0, requires = "isolate")]
+    timeout: f64,
+    #[command(flatten)]
+    options: LogOptions,
+    /// Record the run in this file: .csv, .npy, .npz or .parquet
+    #[arg(short = 'o', long = "out", value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Write the system as an SSP 1.0 with its FMUs, and do not run it
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["out", "input"])]
+    export: Option<PathBuf>,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  piezoloop system loop.toml --input reference.csv -o run.csv
+  piezoloop system loop.ssp --stop 2 --isolate -o run.parquet
+  piezoloop system loop.toml --export loop.ssp
+
+A system in TOML:
+  name = \"closed loop\"
+  step = 1e-4                            # communication step in s
+  algorithm = \"gauss-seidel\"             # or jacobi, or iteration (algebraic loops are solved)
+  order = [\"controller\", \"plant\"]        # of gauss-seidel; else sources before targets
+
+  [fmus]
+  plant = \"plant.fmu\"
+  controller = { file = \"controller.fmu\", step = 1e-3, start = { \"k\" = 2.0 } }
+
+  [connections]                          # input = output
+  \"plant.command[1]\" = \"controller.command[1]\"
+  \"controller.measured[1]\" = { from = \"plant.position[1]\", factor = 1e-6, convert = false }
+
+  [inputs]                               # input = column of the input table
+  \"controller.reference[1]\" = \"reference[1]\"
+
+  [record]                               # column of the record = variable
+  position = \"plant.position[1]\"";
+
+/// Who steps when.
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+enum Algorithm {
+    /// One after the other, sources before targets
+    GaussSeidel,
+    /// All side by side: every connection delays by one step
+    Jacobi,
+    /// Algebraic loops are solved, with rollback of the FMUs' states
+    Iteration,
+}
+
+/// What was run.
+#[derive(Serialize)]
+struct Ran {
+    system: String,
+    fmus: Vec<String>,
+    algorithm: &'static str,
+    step_s: f64,
+    rows: usize,
+    start_s: f64,
+    stop_s: f64,
+    run: Option<PathBuf>,
+    notes: Vec<String>,
+}
+
+/// What was written.
+#[derive(Serialize)]
+struct Exported {
+    system: String,
+    fmus: Vec<String>,
+    ssp: PathBuf,
+}
+
+impl System {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let mut plan = Plan::read(&self.file)?;
+        match self.algorithm {
+            Some(Algorithm::GaussSeidel) => plan.master.coupling = Coupling::GaussSeidel,
+            Some(Algorithm::Jacobi) => plan.master.coupling = Coupling::Jacobi,
+            Some(Algorithm::Iteration) => plan.master.coupling = Coupling::Iteration,
+            None => {}
+        }
+        if let Some(ssp) = &self.export {
+            return screen.show(&self.export(&plan, ssp)?);
+        }
+        screen.show(&self.simulate(&plan, screen)?)
+    }
+
+    fn export(&self, plan: &Plan, ssp: &Path) -> anyhow::Result<Exported> {
+        inputs::not_over(ssp, &[&self.file])?;
+        let packages = plan
+            .fmus
+            .iter()
+            .map(|fmu| modeldescription::Package::open(&fmu.path))
+            .collect::<Result<Vec<_>, _>>()?;
+        let descriptions: Vec<&ModelDescription> =
+            packages.iter().map(modeldescription::Package::description).collect();
+        plan.export_ssp(ssp, &descriptions)?;
+        let fmus = plan.fmus.iter().map(|fmu| fmu.name.clone()).collect();
+        Ok(Exported { system: plan.name.clone(), fmus, ssp: ssp.to_path_buf() })
+    }
+
+    fn simulate(&self, plan: &Plan, screen: &Screen) -> anyhow::Result<Ran> {
+        let read: Vec<&Path> = self.input.iter().map(PathBuf::as_path).collect();
+        if let Some(out) = &self.out {
+            inputs::not_over(out, &[&read[..], &[self.file.as_path()]].concat())?;
+        }
+        let fmus = self.open(plan)?;
+        let descriptions: Vec<&ModelDescription> = fmus.iter().map(Fmu::description).collect();
+        let log = self.input.as_deref().map(|path| self.options.read(path)).transpose()?;
+        let columns = plan.columns();
+        if log.is_none() && !columns.is_empty() {
+            bail!(
+                "the system has the inputs {}; give a table with these columns by --input FILE",
+                columns.join(", ")
+            );
+        }
+        let (points, step) = self.points(plan, &descriptions, log.as_ref())?;
+        let table = self.table(plan, log.as_ref())?;
+        let units: Vec<(String, Unit)> = table
+            .columns
+            .iter()
+            .filter_map(|column| Some((column.name.clone(), column.unit.clone()?)))
+            .collect();
+        let slaves = plan
+            .fmus
+            .iter()
+            .zip(&fmus)
+            .map(|(planned, fmu)| fmu.instantiate(&planned.name, &InstanceOptions::default()))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut prepared = plan.prepare(slaves, step, &units)?;
+        let rows = points.steps() + 1;
+        let (start_s, stop_s) = (points.start(), points.stop());
+        let bar = progress::bar(screen, "run", rows as u64);
+        let mut recorder = Recording {
+            file: self.out.as_deref().map(RecordFile::create).transpose()?,
+            bar,
+            rows: 0,
+        };
+        let run = Run { record: 0, points, signals: &table, tolerance: None };
+        let outcome = prepared.system.run(&run, &*prepared.algorithm, &mut recorder);
+        recorder.bar.finish_and_clear();
+        let Recording { file, rows, .. } = recorder;
+        if let (Some(file), Some(out)) = (file, &self.out) {
+            file.finish().with_context(|| format!("{} cannot be written", out.display()))?;
+        }
+        let mut notes = prepared.notes;
+        match (outcome, &self.out) {
+            (Err(error), Some(out)) => {
+                bail!("{error}; the {rows} rows until then are in {}", out.display())
+            }
+            (Err(error), None) => return Err(error.into()),
+            (Ok(Some(Ending { slave, time })), _) => {
+                notes.push(format!("FMU `{slave}` asked for the end of the run at {time} s"));
+            }
+            (Ok(None), _) => {}
+        }
+        Ok(Ran {
+            system: plan.name.clone(),
+            fmus: plan.fmus.iter().map(|fmu| fmu.name.clone()).collect(),
+            algorithm: plan.master.coupling.name(),
+            step_s: step,
+            rows,
+            start_s,
+            stop_s,
+            run: self.out.clone(),
+            notes,
+        })
+    }
+
+    fn open(&self, plan: &Plan) -> anyhow::Result<Vec<Fmu>> {
+        if !self.isolate {
+            let open = |path: &Path| fmus::open(path).map(|opened| opened.fmu);
+            return plan.fmus.iter().map(|fmu| open(&fmu.path)).collect();
+        }
+        if !(self.timeout > 0.0 && self.timeout < 1e9) {
+            bail!("--timeout {}: give a time in s, greater than 0", self.timeout);
+        }
+        let timeout = Duration::from_secs_f64(self.timeout);
+        let worker = Worker::this_program(super::WORKER, timeout)
+            .context("this program does not find itself to start FMUs in their own processes")?;
+        let open = |path: &Path| Ok(Fmu::open_isolated(path, &worker)?);
+        plan.fmus.iter().map(|fmu| open(&fmu.path)).collect()
+    }
+
+    /// The communication points, and the step that FMUs' own steps are multiples of.
+    fn points(
+        &self,
+        plan: &Plan,
+        descriptions: &[&ModelDescription],
+        log: Option<&Log>,
+    ) -> anyhow::Result<(Points<'static>, f64)> {
+        let time = log.map(Log::time).unwrap_or_default();
+        let rows = time.windows(2).map(|pair| pair[1] - pair[0]).reduce(f64::min);
+        let own = plan.step(descriptions);
+        let found = match (plan.master.step, own, rows) {
+            (Some(stated), _, _) => Some(stated),
+            // A table on the FMUs' own grid, but for rounding, is that grid.
+            (_, Some(own), Some(rows)) if (rows - own).abs() <= 1e-6 * own => Some(own),
+            (_, Some(own), Some(rows)) => Some(own.min(rows)),
+            (_, own, rows) => own.or(rows),
+        };
+        let Some(step) = self.step.or(found) else {
+            bail!("the communication step is not known: neither the system nor its FMUs say one; give it with --step S")
+        };
+        let start = plan.master.start.or(time.first().copied()).unwrap_or(0.0);
+        let Some(stop) = self.stop.or(plan.master.stop).or(time.last().copied()) else {
+            bail!("the end of the run is not known: give it with --stop S");
+        };
+        Ok((Points::uniform(start, stop, step)?, step))
+    }
+
+    /// The input table, its columns under the names that the system knows.
+    fn table<'l>(&self, plan: &Plan, log: Option<&'l Log>) -> anyhow::Result<Signals<'l>> {
+        let Some(log) = log else { return Ok(Signals::default()) };
+        let [_] = log.records() else {
+            bail!(
+                "{}: an input table has one record, this file has {}; give them one by one",
+                log.origin(),
+                log.records().len()
+            );
+        };
+        let names = self.options.names()?;
+        let mut columns = Vec::new();
+        for name in plan.columns() {
+            let column = log.require(names.column(name).unwrap_or(name))?;
+            columns.push(Signal {
+                name: name.to_owned(),
+                unit: column.unit.as_ref().map(|unit| fmus::fmi_unit(&unit.text, &unit.unit)),
+                values: &column.values,
+            });
+        }
+        Ok(Signals { time: log.time(), columns })
+    }
+}
+
+/// Writes rows to the file, and moves the progress bar.
+struct Recording {
+    file: Option<RecordFile>,
+    bar: indicatif::ProgressBar,
+    rows: usize,
+}
+
+impl cosim::Recorder for Recording {
+    fn begin(
+        &mut self,
+        record: usize,
+        columns: &[cosim::record::Column],
+        rows: usize,
+    ) -> io::Result<()> {
+        self.file.as_mut().map_or(Ok(()), |file| file.begin(record, columns, rows))
+    }
+
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.rows += 1;
+        if !self.bar.is_hidden() {
+            self.bar.inc(1);
+        }
+        self.file.as_mut().map_or(Ok(()), |file| file.row(time, values))
+    }
+
+    fn end(&mut self) -> io::Result<()> {
+        self.file.as_mut().map_or(Ok(()), cosim::Recorder::end)
+    }
+}
+
+impl Answer for Ran {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        for note in &self.notes {
+            writeln!(out, "note: {note}")?;
+        }
+        writeln!(
+            out,
+            "{}: {} by {}, {} rows, {} s to {} s in steps of {} s",
+            self.system,
+            self.fmus.join(", "),
+            self.algorithm,
+            self.rows,
+            self.start_s,
+            self.stop_s,
+            self.step_s
+        )?;
+        match &self.run {
+            Some(run) => writeln!(out, "{}: written", run.display()),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Answer for Exported {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        writeln!(out, "{}: {}", self.system, self.fmus.join(", "))?;
+        writeln!(out, "{}: written", self.ssp.display())
+    }
+}
