@@ -1,4 +1,9 @@
 //! Blueprints of known machines. Each is a file of its own beside this one; this is their list.
+//!
+//! A machine of a paper is there twice. The *nominal* rig is what a controller may know; the *truth* is
+//! richer and of another hysteresis family, and was matched to what the paper tells of the machine
+//! without its method (`piezoloop list rigs --match`). Since then it is frozen by its hash: nothing
+//! may tune it to a method.
 
 /// A machine by name.
 #[derive(Clone, Copy, Debug)]
@@ -9,24 +14,77 @@ pub struct Rig {
     pub summary: &'static str,
     /// The blueprint's text.
     pub blueprint: &'static str,
+    /// SHA-256 of the text, in hexadecimal digits, of a truth that has been matched.
+    pub frozen: Option<&'static str>,
 }
 
 /// All rigs.
 pub const RIGS: &[Rig] = &[
     Rig {
+        name: "p0",
+        summary: "Laser beam steering, four axes and two detectors, as a controller may know it",
+        blueprint: include_str!("p0.toml"),
+        frozen: None,
+    },
+    Rig {
+        name: "p0-truth",
+        summary: "The same as a machine: asymmetric hysteresis, creep, modes, detectors with noise",
+        blueprint: include_str!("p0-truth.toml"),
+        frozen: Some("c28fdafdd56e368c0c18aac618d039874a55edb97dc45b4a451ee31381b4f242"),
+    },
+    Rig {
+        name: "p1",
+        summary: "PI P-752.21C nanopositioning stage, linear",
+        blueprint: include_str!("p1.toml"),
+        frozen: None,
+    },
+    Rig {
+        name: "p1-truth",
+        summary: "The same as a machine: Kuhnen hysteresis, creep, 40 Hz low-pass",
+        blueprint: include_str!("p1-truth.toml"),
+        frozen: Some("7202412982e2d58f7e49884c646052d7cbc27a1f166d4103154a87e76c813d59"),
+    },
+    Rig {
+        name: "p2",
+        summary: "Piezo bimorph with the Bouc-Wen model that the paper printed",
+        blueprint: include_str!("p2.toml"),
+        frozen: None,
+    },
+    Rig {
+        name: "p2-truth",
+        summary: "The same as a machine: plays that widen with the rate, creep, a light mode",
+        blueprint: include_str!("p2-truth.toml"),
+        frozen: Some("83e5f879dedb17cc8fc83d32ba71815b4d8f6a46e9d87a1617f4926b673140ad"),
+    },
+    Rig {
+        name: "p3",
+        summary: "P66X30 nanopositioning stage, linear",
+        blueprint: include_str!("p3.toml"),
+        frozen: None,
+    },
+    Rig {
+        name: "p3-truth",
+        summary: "The same as a machine: plays that widen with the rate, creep, strain gauge",
+        blueprint: include_str!("p3-truth.toml"),
+        frozen: Some("03ecc1f717f1cb98c0f0771c2ccb6ef1823078be13b4a1ce90cc9212299da2fb"),
+    },
+    Rig {
         name: "evc",
         summary: "Elliptical vibration cutting device, axes Y and Z, as the paper identified it",
         blueprint: include_str!("evc.toml"),
+        frozen: None,
     },
     Rig {
         name: "evc-truth",
         summary: "The same device as a machine to be identified: another hysteresis family, creep, noise",
         blueprint: include_str!("evc-truth.toml"),
+        frozen: Some("c30f0d2f5864725cd08472e4f53ce2c3893a8143b97065196cb33b330c34e2f2"),
     },
     Rig {
         name: "p885",
         summary: "PI P-885.91 stack in an amplified flexure, identified from a measured 1 Hz log",
         blueprint: include_str!("p885.toml"),
+        frozen: None,
     },
 ];
 
@@ -34,4 +92,35 @@ pub const RIGS: &[Rig] = &[
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Rig> {
     RIGS.iter().find(|rig| rig.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sha2::{Digest, Sha256};
+
+    #[test]
+    fn matched_truths_are_frozen() {
+        for rig in RIGS {
+            let hash: String =
+                Sha256::digest(rig.blueprint).iter().map(|byte| format!("{byte:02x}")).collect();
+            if rig.name.ends_with("-truth") {
+                assert_eq!(
+                    rig.frozen,
+                    Some(&*hash),
+                    "{} was changed after it was matched",
+                    rig.name
+                );
+            } else {
+                assert_eq!(rig.frozen, None, "{}", rig.name);
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_unique() {
+        for (at, rig) in RIGS.iter().enumerate() {
+            assert!(RIGS[..at].iter().all(|other| other.name != rig.name), "{}", rig.name);
+        }
+    }
 }

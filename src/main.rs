@@ -6,6 +6,7 @@ mod documentation;
 mod fmus;
 mod inputs;
 mod libraries;
+mod matching;
 mod pages;
 mod progress;
 mod window;

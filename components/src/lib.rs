@@ -71,6 +71,7 @@ pub static COMPONENTS: model::Registry = &[
     &coupling::DisplacementCoupling,
     &coupling::ModeCoupling,
     &coupling::OpticsJacobian,
+    &coupling::PsdPincushion,
     &environment::ThermalDrift,
     &environment::ThermalExpansion,
     &environment::Disturbance,

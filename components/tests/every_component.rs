@@ -72,6 +72,7 @@ const EXAMPLES: &[Example] = &[
     ("displacement-coupling", &[2.0, 4.0], &[0.0, 0.02, -0.03, 0.0]),
     ("mode-coupling", &[2.0, 4.0], &[0.0, 1e-3, 2e-3, 0.0, 480.0, 290.0, 0.02, 0.03]),
     ("optics-jacobian", &[2.0, 4.0], &[1.0, 0.02, -0.03, 0.9, 3.0, -2.0]),
+    ("psd-pincushion", &[2.0], &[0.01, 5000.0]),
     ("thermal-drift", &[], &[1e-3, 0.1, 100.0, 0.05, 1.0]),
     ("thermal-expansion", &[], &[0.02, 0.01, 20.0]),
     ("disturbance", &[], &[1.0]),

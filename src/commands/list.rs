@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::commands::signal;
+use crate::matching::{self, Figure};
 
 /// Lists the rigs, effects, models or signals that the tool knows
 #[derive(Args, Debug)]
@@ -20,6 +21,9 @@ pub(crate) struct List {
     /// Print the blueprint of this rig
     #[arg(long, value_name = "RIG")]
     show: Option<String>,
+    /// Compare the truth rigs with what the papers publish of their machines
+    #[arg(long = "match", conflicts_with = "show")]
+    matching: bool,
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +45,7 @@ enum Listing {
     Effects(Vec<EffectRow>),
     Models(Vec<ModelRow>),
     Signals(Vec<signal::Row>),
+    Match(Vec<Figure>),
     Text { name: &'static str, blueprint: &'static str },
 }
 
@@ -90,6 +95,10 @@ impl List {
             }
             (_, Some(_)) => {
                 anyhow::bail!("--show prints a rig's blueprint: use it with `list rigs`")
+            }
+            (What::Rigs, None) if self.matching => Listing::Match(matching::figures()?),
+            (_, None) if self.matching => {
+                anyhow::bail!("--match compares rigs: use it with `list rigs`")
             }
             (What::Rigs, None) => Listing::Rigs(
                 rigs::RIGS.iter().map(|r| RigRow { name: r.name, summary: r.summary }).collect(),
@@ -158,6 +167,30 @@ fn models() -> Vec<ModelRow> {
     components::COMPONENTS.iter().map(|c| row(c.declaration())).collect()
 }
 
+/// The table of figures, and the verdict on each rig.
+fn write_match(figures: &[Figure], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "{:10} {:58} {:>8} {:>8}  verdict", "rig", "figure", "paper", "ours")?;
+    for f in figures {
+        let ours = f.ours.map_or("-".to_owned(), |value| format!("{value:.3}"));
+        let verdict = match f.within {
+            Some(true) => "matched",
+            Some(false) => "not matched",
+            None => "not judged",
+        };
+        let note = if f.note.is_empty() { String::new() } else { format!(" ({})", f.note) };
+        let what = format!("{} [{}]", f.what, f.unit);
+        writeln!(out, "{:10} {what:58} {:>8} {ours:>8}  {verdict}{note}", f.rig, f.paper)?;
+    }
+    let count = |wanted: Option<bool>| figures.iter().filter(|f| f.within == wanted).count();
+    writeln!(
+        out,
+        "\n{} figures within 25 % of the paper's, {} beyond, {} not judged",
+        count(Some(true)),
+        count(Some(false)),
+        count(None)
+    )
+}
+
 impl Answer for Listing {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         match self {
@@ -171,6 +204,7 @@ impl Answer for Listing {
                     "\nShow one: piezoloop list rigs --show evc; pack one: piezoloop pack evc -o evc.fmu"
                 )
             }
+            Self::Match(figures) => write_match(figures, out),
             Self::Signals(rows) => signal::write_list(rows, out),
             Self::Effects(rows) => {
                 writeln!(out, "{:26} {:12} {:11} component types", "effect", "stage", "group")?;

@@ -8,8 +8,10 @@ mod displacement;
 mod jacobian;
 mod matrix;
 mod mode;
+mod pincushion;
 
 pub use command::CommandCoupling;
 pub use displacement::DisplacementCoupling;
 pub use jacobian::OpticsJacobian;
 pub use mode::ModeCoupling;
+pub use pincushion::PsdPincushion;
