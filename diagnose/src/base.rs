@@ -81,6 +81,12 @@ impl Base {
             gain_tolerance,
             is_white: true,
         };
+        if !blueprint.spec().connections.couplings.is_empty() {
+            let message = "couples its axes, and effects go in along one axis only; pack it \
+                           (piezoloop pack) and diagnose the FMU, whose inputs all act"
+                .to_owned();
+            return Err(Error::Model { model: name.clone(), message });
+        }
         let mut stages = Vec::new();
         for (index, (spec, said)) in axis.components.iter().zip(&told.components).enumerate() {
             let declaration = spec.component.declaration();
@@ -89,6 +95,14 @@ impl Base {
                 .is_some_and(|e| matches!(e.name, "sensor_noise" | "floor_vibration"));
             if is_noise || !spec.enabled {
                 continue;
+            }
+            if declaration.inputs.len() != 1 {
+                let message = format!(
+                    "axis[{number}].{} ({}) reads other signals than its axis' own; pack the \
+                     blueprint (piezoloop pack) and diagnose the FMU",
+                    spec.name, declaration.kind
+                );
+                return Err(Error::Model { model: name.clone(), message });
             }
             if declaration.conversion == Conversion::CommandToPosition {
                 base.actuator = base.nodes.len();
