@@ -87,6 +87,52 @@ impl Bare {
     }
 }
 
+/// The same loop by hand in fmpy, ns per step and FMU; `None` where there is no Python with it.
+fn fmpy(fmus: &common::Fmus) -> Option<f64> {
+    let workspace = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
+    let own = || workspace.join("target/python-env/bin/python");
+    let python = std::env::var_os("PIEZOLOOP_PYTHON").map_or_else(own, std::path::PathBuf::from);
+    let controller = fmus.pack("controller", &common::controller());
+    let plant = fmus.pack("integrator", &common::integrator());
+    let output =
+        std::process::Command::new(python).args(["-c", FMPY]).args([controller, plant]).output();
+    let text = String::from_utf8(output.ok()?.stdout).ok()?;
+    text.lines().find_map(|line| line.strip_prefix("ns ")?.parse().ok())
+}
+
+/// Best of some repeats, as here; the arrays of references are made once, as fmpy allows.
+const FMPY: &str = r#"
+import sys, time
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+def slave(path, name):
+    d = read_model_description(path, validate=False)
+    s = FMU2Slave(guid=d.guid, unzipDirectory=extract(path), instanceName=name,
+                  modelIdentifier=d.coSimulation.modelIdentifier)
+    s.instantiate()
+    s.setupExperiment(startTime=0.0)
+    s.enterInitializationMode()
+    s.exitInitializationMode()
+    return s
+best, steps, h = float("inf"), 20000, 1e-3
+c, p = slave(sys.argv[1], "c"), slave(sys.argv[2], "p")
+for _ in range(5):
+    for s in (c, p):
+        s.reset()
+        s.setupExperiment(startTime=0.0)
+        s.enterInitializationMode()
+        s.exitInitializationMode()
+    y, begin = [0.0], time.perf_counter_ns()
+    for k in range(steps):
+        c.setReal([0, 1], [1.0, y[0]])
+        c.doStep(k * h, h)
+        p.setReal([0], c.getReal([2]))
+        p.doStep(k * h, h)
+        y = p.getReal([1])
+    best = min(best, (time.perf_counter_ns() - begin) / (2 * steps))
+print("ns", best)
+"#;
+
 /// Best time of some repeats, ns per step and FMU.
 fn best(mut run: impl FnMut()) -> f64 {
     let nanoseconds = (0..REPEATS).map(|_| {
@@ -140,14 +186,18 @@ fn main() {
     let report = |name: &str, cost: f64| {
         println!("{name:<44} {cost:6.1} ns, {:6.1} ns over the FMU's own", cost - own);
     };
-    report(
-        "controller first, no record",
-        master(&fmus, Coupling::ControllerFirst, || Box::new(())),
-    );
+    let ours = master(&fmus, Coupling::ControllerFirst, || Box::new(()));
+    report("controller first, no record", ours);
     report("side by side, no record", master(&fmus, Coupling::SideBySide, || Box::new(())));
     let memory = || -> Box<dyn Recorder> { Box::new(Memory::new()) };
     report(
         "controller first, 3 columns in memory",
         master(&fmus, Coupling::ControllerFirst, memory),
     );
+    match fmpy(&fmus) {
+        Some(theirs) => {
+            println!("{:<44} {theirs:6.0} ns, {:6.1} times ours", "fmpy, by hand", theirs / ours);
+        }
+        None => println!("fmpy: skipped, no Python with fmpy (PIEZOLOOP_PYTHON not set)"),
+    }
 }
