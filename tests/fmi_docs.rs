@@ -1,0 +1,55 @@
+//! docs/fmi.md says what the code does.
+
+mod common;
+
+use common::packed::{CONTROLLER, PLANT};
+use common::succeed;
+use fmi_bindings::export::{Phase, v2};
+
+const PAGE: &str = include_str!("../docs/fmi.md");
+
+#[test]
+fn the_call_table_of_the_page_is_that_of_the_code() {
+    let rows: Vec<_> = PAGE
+        .lines()
+        .skip_while(|line| !line.starts_with("| function |"))
+        .skip(2)
+        .take_while(|line| line.starts_with('|'))
+        .collect();
+    let table: Vec<String> = v2::TABLE
+        .iter()
+        .map(|rule| {
+            let marks = Phase::ALL.map(|phase| if rule.allows(phase) { "x" } else { "." });
+            format!("| `{}` | {} |", rule.function, marks.join(" | "))
+        })
+        .collect();
+    assert_eq!(rows, table);
+}
+
+/// The reference result of the loop, for each coupling, as our master computes it.
+#[test]
+fn the_reference_result_of_the_page_is_that_of_the_master() {
+    let folder = tempfile::tempdir().expect("a folder");
+    succeed(&["pack", PLANT, "-o", "plant.fmu"], folder.path());
+    succeed(&["pack", CONTROLLER, "-o", "controller.fmu"], folder.path());
+    let mut text = String::from("time,reference[1],reference[2]\n");
+    for k in 0..2001 {
+        let t = f64::from(k) * 20e-6;
+        let wave = 1.0 - (2.0 * std::f64::consts::PI * 50.0 * t).cos();
+        text += &format!("{t},{wave},{}\n", 1.5 * wave);
+    }
+    std::fs::write(folder.path().join("reference.csv"), text).expect("the folder is writable");
+    for (coupling, name) in [("side-by-side", "Jacobi"), ("controller-first", "Gauss–Seidel")] {
+        let files = ["simulate", "--loop", "plant.fmu", "controller.fmu"];
+        let rest = ["--reference", "reference.csv", "--coupling", coupling, "-o", "run.csv"];
+        succeed(&[&files[..], &rest[..]].concat(), folder.path());
+        let run = std::fs::read_to_string(folder.path().join("run.csv")).expect("the run");
+        let mut rows = run.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let header = rows.next().expect("a header");
+        let position = header.iter().position(|n| *n == "position[1]").expect("the position");
+        let values: Vec<f64> = rows.map(|row| row[position].parse().expect("a number")).collect();
+        let cells = [250, 500, 1000, 2000].map(|row: usize| format!("{:.9}", values[row]));
+        let wanted = format!("| {name} | {} |", cells.join(" | "));
+        assert!(PAGE.lines().any(|line| line == wanted), "docs/fmi.md lacks: {wanted}");
+    }
+}
