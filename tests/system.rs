@@ -85,7 +85,7 @@ fn what_cannot_be_run_is_told() {
     fs::write(folder.join("loop.toml"), text.replace("plant.position[2]", "plant.positon[2]"))
         .expect("writable");
     let said = refuse(&table, folder);
-    assert!(said.contains("did you mean `position[2]`?"), "{said}");
+    assert!(said.contains("did you mean `position[2]` or"), "{said}");
     fs::write(folder.join("bad.ssp"), b"no archive").expect("writable");
     assert!(refuse(&["system", "bad.ssp"], folder).contains("no readable zip archive"));
     let help = piezoloop(&["system", "--help"], folder);
