@@ -5,8 +5,8 @@ mod common;
 
 use common::instance;
 use piezoloop_cosim::{
-    Coupling, Drive, Experiment, Fmu, Loop, LoopSettings, Memory, Points, Run, Signals, Value,
-    Wiring, simulate_with_inputs,
+    Coupling, Diagram, Drive, Experiment, Fmu, GaussSeidel, Loop, LoopSettings, Memory, Points,
+    Run, Selection, Signals, Value, Wiring, simulate_with_inputs,
 };
 
 fn integrator3(fmus: &common::Fmus) -> Fmu {
@@ -159,4 +159,62 @@ fn a_wrong_token_is_refused_with_the_words_of_the_fmu() {
         "{error}"
     );
     assert!(error.contains("this token is not mine: 100%"), "{error}");
+}
+
+/// y' = u, element by element; the elements that nothing feeds keep their start values.
+#[test]
+fn elements_of_arrays_are_fed_connected_and_recorded() {
+    let fmus = fmus_or_skip!();
+    let fmu = integrator3(&fmus);
+    let mut diagram = Diagram::new();
+    diagram
+        .add(instance(&fmu, "a"))
+        .add(instance(&fmu, "b"))
+        .feed("column", None, ("a", "u[2]"))
+        .start(("a", "u[3]"), 7.0)
+        .connect(("a", "y[2]"), ("b", "u[1]"))
+        .connect(("a", "y[3]"), ("b", "u[2]"))
+        .connect(("a", "y[1]"), ("b", "u[3]"));
+    for name in ["y[1]", "y[2]", "y[3]"] {
+        diagram.record(("a", name)).record(("b", name));
+    }
+    let mut system = diagram.build().expect("a system");
+    let signals = Signals::new(&[0.0]).with("column", &[5.0]);
+    let order = GaussSeidel::by_dependency(&system);
+    let mut memory = Memory::new();
+    for _ in 0..2 {
+        memory = Memory::new();
+        let points = Points::uniform(0.0, 2.0, 1.0).expect("points");
+        let run = Run { record: 0, points, signals: &signals, tolerance: None };
+        system.run(&run, &order, &mut memory).expect("a run");
+    }
+    let found = |name: &str| memory.values(name).expect(name).to_vec();
+    assert_eq!(found("a.y[1]"), [0.0, 1.0, 2.0]);
+    assert_eq!(found("a.y[2]"), [0.0, 5.0, 10.0]);
+    assert_eq!(found("a.y[3]"), [0.0, 7.0, 14.0]);
+    // Sources step first: b works with a's values at the end of the step.
+    assert_eq!(found("b.y[1]"), [0.0, 5.0, 15.0]);
+    assert_eq!(found("b.y[2]"), [0.0, 7.0, 21.0]);
+    assert_eq!(found("b.y[3]"), [0.0, 1.0, 3.0]);
+}
+
+#[test]
+fn what_is_no_element_is_told() {
+    let fmus = fmus_or_skip!();
+    let fmu = integrator3(&fmus);
+    let mut diagram = Diagram::new();
+    diagram.add(instance(&fmu, "a")).record(("a", "y")).record(("a", "y[4]")).record(("a", "z[1]"));
+    let error = diagram.build().err().expect("problems").to_string();
+    for words in [
+        "variable `y` of FMU `a` is of type array of Float64, but must be one number",
+        "array `y` of FMU `a` has no element `y[4]`: the array has 3 elements, counted from 1",
+        "FMU `a` has no variable `z[1]`",
+    ] {
+        assert!(error.contains(words), "{words} is not in\n{error}");
+    }
+    let slave = instance(&fmu, "a");
+    let selection = Selection::of(slave.description(), &["y[1]", "y[2]", "y[3]"]).expect("three");
+    let [run] = selection.runs() else { panic!("one call reads all three") };
+    assert!(run.array.as_ref().is_some_and(|array| array.is_whole()));
+    assert!(Selection::of(slave.description(), &["y[9]"]).is_err());
 }

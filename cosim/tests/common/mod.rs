@@ -7,7 +7,9 @@ use std::process::Command;
 use modeldescription::description::{BaseUnit, CoSimulation, LogCategory, Unit};
 use modeldescription::package::Platform;
 use modeldescription::structure::Unknown;
-use modeldescription::variable::{Causality, DataType, Initial, Start, Variability, Variable};
+use modeldescription::variable::{
+    Causality, DataType, Dimension, Initial, Start, Variability, Variable,
+};
 use modeldescription::{FmiVersion, ModelDescription, PackageBuilder};
 use piezoloop_cosim::{Fmu, InstanceOptions, Slave};
 
@@ -193,6 +195,12 @@ pub fn integrator3() -> ModelDescription {
         }
         variable
     };
+    let array = |name: &str, reference: u32, causality: Causality, start: &[f64]| {
+        let mut array = real(name, reference, causality, None);
+        array.dimensions = vec![Dimension::Size(3)];
+        array.start = Some(Start::Float(start.to_vec())).filter(|start| !start.is_empty());
+        array
+    };
     let mut description = described(
         "integrator3",
         vec![
@@ -210,10 +218,12 @@ pub fn integrator3() -> ModelDescription {
             number("i64", 17, DataType::Int64),
             number("u64", 18, DataType::UInt64),
             number("boolean", 19, DataType::Boolean),
+            array("u", 30, Input, &[1.0, 2.0, 3.0]),
+            array("y", 31, Output, &[]),
         ],
     );
     description.fmi_version = FmiVersion::V3;
-    let outputs = vec![Unknown::new(2)];
+    let outputs = vec![Unknown::new(2), Unknown::new(31)];
     description.structure.initial_unknowns.clone_from(&outputs);
     description.structure.outputs = outputs;
     description

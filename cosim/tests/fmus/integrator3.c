@@ -15,6 +15,7 @@ typedef void (*Logger)(void *environment, Status status, const char *category,
 typedef struct {
     double reals[4];
     double time;
+    double u[3], y[3]; /* arrays, value references 30 and 31: y' = u */
     float f32;
     int8_t i8;
     uint8_t u8;
@@ -56,6 +57,7 @@ EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token, co
     }
     Slave *slave = calloc(1, sizeof *slave);
     slave->state.reals[3] = 1.0;
+    for (int i = 0; i < 3; i++) slave->state.u[i] = i + 1;
     slave->logger = logger;
     slave->environment = environment;
     return slave;
@@ -86,6 +88,7 @@ EXPORT Status fmi3DoStep(void *c, double time, double step, bool forget, bool *e
     *terminate = s->i32 == 99;
     *reached = *terminate ? time + 0.5 * step : time + step;
     s->reals[2] += s->reals[3] * s->reals[1] * (*reached - time);
+    for (int i = 0; i < 3; i++) s->y[i] += s->u[i] * (*reached - time);
     s->time = *reached;
     return OK;
 }
@@ -95,8 +98,18 @@ EXPORT Status fmi3Terminate(void *c) {
     return OK;
 }
 
+/* The array that one reference and three values mean, if they do. */
+static double *array(Slave *slave, const uint32_t *vr, size_t n, size_t m) {
+    if (n != 1 || m != 3) return NULL;
+    return vr[0] == 30 ? slave->state.u : vr[0] == 31 ? slave->state.y : NULL;
+}
+
 EXPORT Status fmi3GetFloat64(void *c, const uint32_t *vr, size_t n, double *values, size_t m) {
     Slave *slave = c;
+    if (array(slave, vr, n, m)) {
+        memcpy(values, array(slave, vr, n, m), 3 * sizeof(double));
+        return OK;
+    }
     if (n != m) return fail(slave, "as many values as references, please");
     for (size_t k = 0; k < n; k++) {
         if (vr[k] < 1 || vr[k] > 3) return fail(slave, "no such Float64");
@@ -108,6 +121,10 @@ EXPORT Status fmi3GetFloat64(void *c, const uint32_t *vr, size_t n, double *valu
 EXPORT Status fmi3SetFloat64(void *c, const uint32_t *vr, size_t n, const double *values,
                              size_t m) {
     Slave *slave = c;
+    if (array(slave, vr, n, m)) {
+        memcpy(array(slave, vr, n, m), values, 3 * sizeof(double));
+        return OK;
+    }
     if (n != m) return fail(slave, "as many values as references, please");
     for (size_t k = 0; k < n; k++) {
         if (vr[k] < 1 || vr[k] > 3) return fail(slave, "no such Float64");
