@@ -30,7 +30,8 @@ pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> 
     effects.sort_by(|a, b| b.explained.total_cmp(&a.explained));
     let outcome = &outcomes[main];
     let maps = maps(outcome);
-    let stage = effects.iter().find(|e| e.output == outcome.problem.output).map(|e| e.stage.clone());
+    let stage =
+        effects.iter().find(|e| e.output == outcome.problem.output).map(|e| e.stage.clone());
     let place = maps.place(&outcome.problem.output, &outcome.problem.input, stage.as_deref());
     let mut warnings: Vec<String> =
         outcomes.iter().flat_map(|o| o.problem.warnings.clone()).collect();
@@ -130,7 +131,11 @@ fn scale_of(o: &Outcome, unit: &str) -> f64 {
 }
 
 /// Fitted parameters of effect number `slot`, named `effect.parameter`.
-pub(crate) fn parameters(o: &Outcome, candidate: &Candidate, slot: usize) -> BTreeMap<String, Estimate> {
+pub(crate) fn parameters(
+    o: &Outcome,
+    candidate: &Candidate,
+    slot: usize,
+) -> BTreeMap<String, Estimate> {
     let mut all = BTreeMap::new();
     let formulas = candidate.picks.iter().map(|(f, k)| &o.library[*f].formulas[*k]);
     let base = candidate.chain.parameters.iter().take_while(|p| p.is_base).count();
@@ -251,7 +256,11 @@ fn leftover(o: &Outcome, maps: &Maps<'_>) -> Leftover {
     Leftover {
         present: is_there,
         over_noise,
-        input_driven: if is_there { left.is_input_driven(left.before, &left.command()) } else { None },
+        input_driven: if is_there {
+            left.is_input_driven(left.before, &left.command())
+        } else {
+            None
+        },
         bands: if is_there { left.bands() } else { Vec::new() },
     }
 }
@@ -296,7 +305,10 @@ fn cautions(o: &Outcome) -> Vec<String> {
             o.problem.output, o.problem.unit, periods / noise.sigma
         ));
     }
-    if noise.source == "second differences" && o.verdict == Verdict::Unknown && o.found.base.judged.held_out < 4.0 * ADEQUATE {
+    if noise.source == "second differences"
+        && o.verdict == Verdict::Unknown
+        && o.found.base.judged.held_out < 4.0 * ADEQUATE
+    {
         all.push(format!(
             "{}: the noise was estimated from the logs, which is a lower bound; the gap is small against it: give --rest or --noise before you believe it",
             o.problem.output

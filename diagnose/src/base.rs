@@ -397,7 +397,8 @@ impl<'a> Composer<'a> {
             Node::BlackBox(fmu) => fmu.links = links,
             _ => {}
         }
-        let force = self.effects.iter().zip(&self.first).find_map(|(e, first)| Some((e.force?, first)));
+        let force =
+            self.effects.iter().zip(&self.first).find_map(|(e, first)| Some((e.force?, first)));
         if let (Some(((force, centre, half), &first)), Node::Component(mode), true) =
             (force, &node, self.base.mode == Some(k))
         {

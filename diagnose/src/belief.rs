@@ -9,9 +9,11 @@ pub(crate) const SET: f64 = 0.95;
 
 /// How much the odds of a rival fall with what it leaves: odds = times^−SHARPNESS.
 const SHARPNESS: f64 = 3.0;
-/// How much the logarithm of the odds falls with each coefficient more: a formula that can imitate many
-/// others says little when it fits.
+/// How much the logarithm of the odds falls with each coefficient more, among those that leave alike: a
+/// formula that can imitate many others says little when it fits no better.
 const ORDER: f64 = 1.2;
+/// Formulas leave alike up to this factor.
+const ALIKE: f64 = 1.25;
 /// Excess over the noise that is told from none.
 const SEEN: f64 = 0.02;
 
@@ -29,15 +31,17 @@ pub(crate) fn beliefs(outcome: &Outcome, looked: &[Looked], own: &Candidate) -> 
     let Some(best) = fitted.iter().map(|(_, c)| *c).min_by(|a, b| a.rank.total_cmp(&b.rank)) else {
         return Vec::new();
     };
+    let times = |c: &Candidate| ((excess(c) + SEEN) / (excess(best) + SEEN)).max(1.0);
+    let simplest =
+        fitted.iter().filter(|(_, c)| times(c) < ALIKE).map(|(_, c)| c.freedom).min().unwrap_or(0);
     let weights: Vec<f64> = fitted
         .iter()
         .map(|(_, c)| {
             // The right name leaves a small part of the gap where its formula is not the machine's: what
             // counts is how many times more a rival leaves, as far as the noise lets one see it.
-            let times = ((excess(c) + SEEN) / (excess(best) + SEEN)).max(1.0);
             let nominal = 0.5 * (c.rank - best.rank).max(0.0);
-            let order = ORDER * (c.freedom as f64 - best.freedom as f64);
-            (-(SHARPNESS * times.ln()).min(nominal) - order).exp()
+            let order = if times(c) < ALIKE { ORDER * (c.freedom - simplest) as f64 } else { 0.0 };
+            (-(SHARPNESS * times(c).ln()).min(nominal) - order).exp()
         })
         .collect();
     let total: f64 = weights.iter().sum();

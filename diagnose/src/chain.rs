@@ -288,9 +288,7 @@ impl ComponentNode {
         let mut state = vec![0.0; sizes.states];
         let mut outputs = vec![0.0; component.declaration().outputs.len()];
         let values = self.values_at(theta);
-        component
-            .prepare(&self.structure, &values, step, &mut coefficients)
-            .map_err(|_| Failed)?;
+        component.prepare(&self.structure, &values, step, &mut coefficients).map_err(|_| Failed)?;
         let mut pairs = x.iter().zip(out.iter_mut());
         let Some((u, y)) = pairs.next() else { return Ok(()) };
         component.rest(&coefficients, &[*u], &mut state, &mut outputs);

@@ -78,11 +78,7 @@ pub(crate) struct RecordRows {
 
 impl DataSet {
     /// Puts records on a grid; `step` `None`: one hit per row.
-    pub(crate) fn new(
-        records: Vec<RecordRows>,
-        aux: &[(String, bool)],
-        step: Option<f64>,
-    ) -> Self {
+    pub(crate) fn new(records: Vec<RecordRows>, aux: &[(String, bool)], step: Option<f64>) -> Self {
         let sample = records.iter().flat_map(|r| r.time.windows(2).map(|w| w[1] - w[0]));
         let shortest = sample.fold(f64::INFINITY, f64::min);
         let mut all = Self {

@@ -43,8 +43,12 @@ pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
     }
     use crate::gap::Verdict;
     let sentence = match o.verdict {
-        Verdict::Unknown => "Record the machine at rest (for --rest), then a multisine over the whole band and range: the first tells disturbance from effect, the second where the effect lies",
-        Verdict::InsufficientExcitation => "Record a multisine over the whole band at a tenth of the range or more, and a staircase",
+        Verdict::Unknown => {
+            "Record the machine at rest (for --rest), then a multisine over the whole band and range: the first tells disturbance from effect, the second where the effect lies"
+        }
+        Verdict::InsufficientExcitation => {
+            "Record a multisine over the whole band at a tenth of the range or more, and a staircase"
+        }
         _ => return None,
     };
     let item = menu(o).into_iter().next()?;
@@ -166,13 +170,17 @@ fn menu(o: &Outcome) -> Vec<Item> {
     let length = n as f64 * sample;
     let nyquist = 0.5 / sample;
     let mut all = Vec::new();
-    for (part, band) in [(0.9, (0.0, 0.4)), (0.2, (0.0, 0.4)), (0.9, (0.0, 0.05)), (0.2, (0.2, 0.8))] {
+    for (part, band) in
+        [(0.9, (0.0, 0.4)), (0.2, (0.0, 0.4)), (0.9, (0.0, 0.05)), (0.2, (0.2, 0.8))]
+    {
         let (from, to) = ((band.0 * nyquist).max(1.0 / length), band.1 * nyquist);
-        let name = format!("multisine {from:.3} to {to:.3} Hz at {:.0} % of the range", 100.0 * part);
+        let name =
+            format!("multisine {from:.3} to {to:.3} Hz at {:.0} % of the range", 100.0 * part);
         all.push(Item { name, command: multisine(n, sample, from, to, centre, part * half) });
     }
     for (part, periods) in [(0.95, 2.0), (0.3, 2.0), (0.95, 20.0), (0.95, 200.0)] {
-        let name = format!("triangle of {:.3} Hz at {:.0} % of the range", periods / length, 100.0 * part);
+        let name =
+            format!("triangle of {:.3} Hz at {:.0} % of the range", periods / length, 100.0 * part);
         let wave = |k: usize| {
             let phase = (k as f64 / n as f64 * periods).fract();
             centre + part * half * (1.0 - 4.0 * (phase - 0.5).abs())

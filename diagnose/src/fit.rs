@@ -160,7 +160,8 @@ impl<'a> Work<'a> {
         } else {
             chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect()
         };
-        let is_current = self.projector.as_ref().is_some_and(|(of, _)| *of == relevant(chain, &values));
+        let is_current =
+            self.projector.as_ref().is_some_and(|(of, _)| *of == relevant(chain, &values));
         if !is_current {
             let key = relevant(chain, &values);
             let projector = Projector::new(&chain.nuisances, values, self.fitter.data);
@@ -180,7 +181,8 @@ impl<'a> Work<'a> {
             return Err(Failed);
         }
         let count = residual.len().max(1) as f64;
-        let prior: f64 = self.chain().parameters.iter().zip(theta).map(|(p, q)| p.prior * q * q).sum();
+        let prior: f64 =
+            self.chain().parameters.iter().zip(theta).map(|(p, q)| p.prior * q * q).sum();
         let cost = self.fitter.effective() * (squares / count).max(1e-12).ln() + prior;
         Ok(Point { theta: theta.to_vec(), residual, squares, cost })
     }

@@ -30,9 +30,8 @@ pub(crate) fn problems(request: &Request, path: &Path) -> Result<Vec<Problem>, E
         return Err(Error::Model { model, message });
     }
     let first = &request.logs[0];
-    let fed: Vec<usize> = (0..inputs.len())
-        .filter(|k| inputs[*k].column(&request.names, first).is_some())
-        .collect();
+    let fed: Vec<usize> =
+        (0..inputs.len()).filter(|k| inputs[*k].column(&request.names, first).is_some()).collect();
     let Some(&main) = fed.first() else {
         let names: Vec<&str> = inputs.iter().map(Port::label).collect();
         return Err(Error::Log {
@@ -65,7 +64,9 @@ fn problem(
     let fmu = Fmu::open(path)?;
     let tuned = tuned(request, &fmu);
     let mut names = vec![inputs[input].name.clone()];
-    names.extend(inputs.iter().enumerate().filter(|(k, _)| *k != input).map(|(_, p)| p.name.clone()));
+    names.extend(
+        inputs.iter().enumerate().filter(|(k, _)| *k != input).map(|(_, p)| p.name.clone()),
+    );
     let slots = BTreeMap::from([
         (Slot::Command, 0),
         (Slot::Amplifier, 0),

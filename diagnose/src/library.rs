@@ -198,6 +198,8 @@ pub(crate) struct Setting<'a> {
     /// Greatest and root mean square slope of the command per second.
     pub(crate) steepest: f64,
     pub(crate) slope_power: f64,
+    /// Mean of the command's rate times its distance from the centre.
+    pub(crate) loop_power: f64,
     /// Residual of the re-tuned model at the rows of the fit, for the search for lines.
     pub(crate) lines: Vec<f64>,
     /// Frequency of the model's first mode in Hz.
@@ -216,7 +218,9 @@ pub(crate) fn families(setting: &Setting<'_>, without: &[String]) -> Vec<Family>
     for family in &mut all {
         family.add_release(setting.base);
         let is_white = setting.base.is_white;
-        family.formulas.retain(|f| !f.pieces.is_empty() || f.nuisance.is_some() || is_white || !f.releases.is_empty());
+        family.formulas.retain(|f| {
+            !f.pieces.is_empty() || f.nuisance.is_some() || is_white || !f.releases.is_empty()
+        });
     }
     all.retain(|f| !f.formulas.is_empty() && !without.iter().any(|name| name == f.effect.name));
     all

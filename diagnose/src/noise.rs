@@ -5,7 +5,10 @@ use std::ops::Range;
 /// Standard deviation of white noise from second differences: `median |Δ²y| / (0.6745·√6)`. Signals
 /// that move smoothly cancel; a lower bound where the noise is coloured. A reading that is rounded so
 /// coarsely that most second differences are zero gives the rounding's own `q/√12`.
-pub(crate) fn second_differences(y: &[f64], records: impl Iterator<Item = Range<usize>>) -> Option<f64> {
+pub(crate) fn second_differences(
+    y: &[f64],
+    records: impl Iterator<Item = Range<usize>>,
+) -> Option<f64> {
     let mut all: Vec<f64> = Vec::new();
     for rows in records {
         let y = &y[rows];
@@ -26,7 +29,10 @@ pub(crate) fn second_differences(y: &[f64], records: impl Iterator<Item = Range<
 
 /// The same of a residual, from its differences at the highest order that still sees the noise only:
 /// fourth differences, whose weights square to 70.
-pub(crate) fn fourth_differences(r: &[f64], records: impl Iterator<Item = Range<usize>>) -> Option<f64> {
+pub(crate) fn fourth_differences(
+    r: &[f64],
+    records: impl Iterator<Item = Range<usize>>,
+) -> Option<f64> {
     let mut all: Vec<f64> = Vec::new();
     for rows in records {
         let r = &r[rows];
@@ -82,7 +88,8 @@ pub(crate) fn periods(
 
 /// The shortest shift at which a signal repeats to a billionth of its range, at least three times.
 fn period_of(u: &[f64]) -> Option<usize> {
-    let (low, high) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let (low, high) =
+        u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let close = 1e-6 * (high - low);
     if !(close > 0.0) {
         return None;
@@ -111,10 +118,13 @@ mod tests {
     #[test]
     fn three_estimates_of_one_noise() {
         let n = 20_000;
-        let u: Vec<f64> = (0..n).map(|k| (std::f64::consts::TAU * (k % 1000) as f64 / 1000.0).sin()).collect();
+        let u: Vec<f64> =
+            (0..n).map(|k| (std::f64::consts::TAU * (k % 1000) as f64 / 1000.0).sin()).collect();
         let y: Vec<f64> = u.iter().zip(noise(n)).map(|(u, e)| 3.0 * u + 0.01 * e).collect();
         let all = || std::iter::once(0..n);
-        for sigma in [second_differences(&y, all()), fourth_differences(&y, all()), periods(&u, &y, all())] {
+        for sigma in
+            [second_differences(&y, all()), fourth_differences(&y, all()), periods(&u, &y, all())]
+        {
             assert!((sigma.unwrap() / 0.01 - 1.0).abs() < 0.05, "{sigma:?}");
         }
     }

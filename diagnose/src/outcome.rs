@@ -29,27 +29,33 @@ pub(crate) struct Outcome {
 }
 
 /// Diagnoses one output.
-pub(crate) fn of(mut problem: Problem, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
+pub(crate) fn of(
+    mut problem: Problem,
+    request: &Request,
+    count: &AtomicU64,
+) -> Result<Outcome, Error> {
     let judge = Judge::new(&problem.data);
     let model_error = |output: &str| Error::Model {
         model: output.to_owned(),
-        message: "the model cannot be simulated over these logs with its own parameters; check units \
+        message:
+            "the model cannot be simulated over these logs with its own parameters; check units \
                   and range of the command, and run `piezoloop simulate` for the details"
-            .to_owned(),
+                .to_owned(),
     };
     let mut sigma = problem.noise.sigma * problem.factor;
-    let search = |sigma: f64, library: &'_ [Family], problem: &'_ Problem| -> Result<Candidate, Error> {
-        let search = Search {
-            base: &problem.base,
-            data: &problem.data,
-            judge: &judge,
-            library,
-            sigma,
-            count,
-            max_effects: request.max_effects,
+    let search =
+        |sigma: f64, library: &'_ [Family], problem: &'_ Problem| -> Result<Candidate, Error> {
+            let search = Search {
+                base: &problem.base,
+                data: &problem.data,
+                judge: &judge,
+                library,
+                sigma,
+                count,
+                max_effects: request.max_effects,
+            };
+            search.retune().map_err(|_| model_error(&problem.output))
         };
-        search.retune().map_err(|_| model_error(&problem.output))
-    };
     let mut base = search(sigma, &[], &problem)?;
     if problem.noise.source == "second differences" {
         let rows = problem.data.records.iter().map(|r| r.rows.clone());
@@ -80,13 +86,7 @@ pub(crate) fn of(mut problem: Problem, request: &Request, count: &AtomicU64) -> 
     let found = if has_gap(&base) {
         search.run(base).map_err(|_| model_error(&problem.output))?
     } else {
-        Found {
-            last: base.clone(),
-            base,
-            rivals: Vec::new(),
-            first: Vec::new(),
-            alone: Vec::new(),
-        }
+        Found { last: base.clone(), base, rivals: Vec::new(), first: Vec::new(), alone: Vec::new() }
     };
     let verdict = if !found.last.picks.is_empty() {
         Verdict::Effects
@@ -124,17 +124,25 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Settin
         .fold(sample, f64::max);
     let rows: Vec<f64> = data.row_hit.iter().map(|h| data.command[*h as usize]).collect();
     let mut slopes: Vec<f64> = Vec::with_capacity(rows.len());
+    let mut loop_power = 0.0;
     for record in &data.records {
         let r = record.rows.clone();
         let pairs = rows[r.clone()].windows(2).zip(data.time[r].windows(2));
-        slopes.extend(pairs.map(|(u, t)| ((u[1] - u[0]) / (t[1] - t[0])).abs()));
+        for (u, t) in pairs {
+            let slope = ((u[1] - u[0]) / (t[1] - t[0])).abs();
+            slopes.push(slope);
+            loop_power += slope * (u[1] - data.command_span.centre).abs();
+        }
     }
+    loop_power /= slopes.len().max(1) as f64;
     let slope_power = slopes.iter().map(|s| s * s).sum::<f64>() / slopes.len().max(1) as f64;
     let steepest = slopes.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let longest = data.records.iter().max_by_key(|r| r.training.len());
     let lines = longest.map_or_else(Vec::new, |r| {
         let is_mains = |f: f64| {
-            [50.0, 60.0].iter().any(|m| (1..=6).any(|k| (f / (m * f64::from(k)) - 1.0).abs() < 0.01))
+            [50.0, 60.0]
+                .iter()
+                .any(|m| (1..=6).any(|k| (f / (m * f64::from(k)) - 1.0).abs() < 0.01))
         };
         let mut lines = spectrum::lines(&base.judged.residual[r.training.clone()], sample, 6);
         lines.retain(|f| !is_mains(*f));
@@ -151,6 +159,7 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Settin
         length,
         steepest,
         slope_power,
+        loop_power,
         lines,
         resonance: problem.base.resonance(),
         steps,

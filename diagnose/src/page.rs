@@ -71,8 +71,7 @@ fn place(gap: &Gap, o: &Outcome) -> Section {
         ];
         let mut table = Table::new("Bands where the gap lies", columns);
         for b in &p.bands {
-            let cells =
-                [b.hz[0], b.hz[1], 100.0 * b.share, b.over_noise_db[0], b.over_noise_db[1]];
+            let cells = [b.hz[0], b.hz[1], 100.0 * b.share, b.over_noise_db[0], b.over_noise_db[1]];
             table = table.row(cells);
         }
         section = section.table(table);
@@ -92,11 +91,14 @@ fn signals(mut section: Section, o: &Outcome) -> Section {
         let (before, after) =
             (in_unit(&o.found.base.judged.residual), in_unit(&o.found.last.judged.residual));
         let model: Vec<f64> = y.iter().zip(&before).map(|(y, r)| y - r).collect();
-        let mut figure = TimeSeries::new(format!("{}: {}", o.problem.output, record.name), &data.time[rows.clone()])
-            .measured("measured", unit, &y)
-            .model("model, re-tuned", unit, &model)
-            .panel("gap")
-            .residual("before", unit, &before);
+        let mut figure = TimeSeries::new(
+            format!("{}: {}", o.problem.output, record.name),
+            &data.time[rows.clone()],
+        )
+        .measured("measured", unit, &y)
+        .model("model, re-tuned", unit, &model)
+        .panel("gap")
+        .residual("before", unit, &before);
         if !o.found.last.picks.is_empty() {
             figure = figure.other("after", unit, &after);
         }
@@ -142,9 +144,17 @@ fn which(gap: &Gap) -> Section {
         );
         section = section.paragraph(text);
     }
-    let mut table = Table::new("Parameters of the effects", ["parameter", "value", "standard deviation", "unit"]);
+    let mut table = Table::new(
+        "Parameters of the effects",
+        ["parameter", "value", "standard deviation", "unit"],
+    );
     for (name, p) in gap.effects.iter().flat_map(|e| &e.parameters) {
-        table = table.row([name.as_str().into(), p.value.into(), Value::from(p.std), Value::from(p.unit.as_str())]);
+        table = table.row([
+            name.as_str().into(),
+            p.value.into(),
+            Value::from(p.std),
+            Value::from(p.unit.as_str()),
+        ]);
     }
     section.table(table)
 }
@@ -168,7 +178,10 @@ fn how_much(gap: &Gap) -> Section {
             Value::from(h.fraction.map(|f| 100.0 * f)),
         ]);
     }
-    let mut tuned = Table::new("Parameters re-tuned under their tolerance", ["parameter", "from", "to", "tolerance (1 σ)", "unit", "at its limit"]);
+    let mut tuned = Table::new(
+        "Parameters re-tuned under their tolerance",
+        ["parameter", "from", "to", "tolerance (1 σ)", "unit", "at its limit"],
+    );
     for (name, r) in &gap.retuned {
         tuned = tuned.row([
             Value::from(name.as_str()),
@@ -181,7 +194,10 @@ fn how_much(gap: &Gap) -> Section {
     }
     let left = &gap.leftover;
     let text = if left.present {
-        format!("Left: {:.2} times the noise's power. The formula of an effect is never quite the machine's; or something small is still missing.", left.over_noise)
+        format!(
+            "Left: {:.2} times the noise's power. The formula of an effect is never quite the machine's; or something small is still missing.",
+            left.over_noise
+        )
     } else {
         format!("Nothing is left: {:.2} times the noise's power.", left.over_noise)
     };
@@ -191,7 +207,16 @@ fn how_much(gap: &Gap) -> Section {
 fn tried(gap: &Gap) -> Section {
     let mut table = Table::new(
         "All candidates as the first effect, best first",
-        ["effect", "output", "formula", "score", "training / noise", "held out / noise", "probability", "named"],
+        [
+            "effect",
+            "output",
+            "formula",
+            "score",
+            "training / noise",
+            "held out / noise",
+            "probability",
+            "named",
+        ],
     );
     for c in &gap.candidates {
         table = table.row([

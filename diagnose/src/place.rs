@@ -205,7 +205,11 @@ impl Maps<'_> {
             early += mean_square(&r[..quarter]);
             late += mean_square(&r[r.len() - quarter..]);
             all += mean_square(r);
-            slow += mean_square(&r.chunks(r.len() / 8).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect::<Vec<_>>());
+            slow += mean_square(
+                &r.chunks(r.len() / 8)
+                    .map(|c| c.iter().sum::<f64>() / c.len() as f64)
+                    .collect::<Vec<_>>(),
+            );
         }
         if all <= 0.0 {
             return None;
@@ -226,8 +230,20 @@ impl Maps<'_> {
     /// residual.
     pub(crate) fn is_input_driven(&self, residual: &[f64], command: &[f64]) -> Option<bool> {
         let span = Span::of(command.iter().copied());
-        let shapes: [fn(f64, f64) -> f64; 4] =
-            [|z, _| z, |z, _| z * z, |z, _| z * z * z, |_, d| if d > 0.0 { 1.0 } else if d < 0.0 { -1.0 } else { 0.0 }];
+        let shapes: [fn(f64, f64) -> f64; 4] = [
+            |z, _| z,
+            |z, _| z * z,
+            |z, _| z * z * z,
+            |_, d| {
+                if d > 0.0 {
+                    1.0
+                } else if d < 0.0 {
+                    -1.0
+                } else {
+                    0.0
+                }
+            },
+        ];
         let mut best = None;
         for shape in shapes {
             let mut signal = Vec::with_capacity(command.len());

@@ -137,7 +137,11 @@ fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Problem>
 }
 
 /// Numbers of the outputs that are looked at.
-pub(crate) fn choose(request: &Request, model: &str, outputs: &[Port]) -> Result<Vec<usize>, Error> {
+pub(crate) fn choose(
+    request: &Request,
+    model: &str,
+    outputs: &[Port],
+) -> Result<Vec<usize>, Error> {
     let labels = || outputs.iter().map(Port::label).collect::<Vec<_>>().join(", ");
     for asked in &request.outputs {
         if !outputs.iter().any(|p| p.name == *asked || p.alias.as_deref() == Some(asked)) {
@@ -185,8 +189,7 @@ pub(crate) fn assemble(
 ) -> Result<Problem, Error> {
     let (u, y) = (&inputs[input], &outputs[output]);
     let aux = auxiliaries(request, inputs, outputs, input);
-    let names: Vec<(String, bool)> =
-        aux.iter().map(|a| (a.column.clone(), a.is_command)).collect();
+    let names: Vec<(String, bool)> = aux.iter().map(|a| (a.column.clone(), a.is_command)).collect();
     let mut records = Vec::new();
     let mut warnings = Vec::new();
     let logs = request.logs.iter().map(|log| (log, false));
@@ -318,7 +321,8 @@ fn auxiliaries(
                 .iter()
                 .enumerate()
                 .any(|(k, p)| k != input && p.column(&request.names, first) == Some(&c.name));
-            let is_command = of_input || looks_like_command(&c.name, c.unit.as_ref().map(|u| u.unit), &inputs[input]);
+            let is_command = of_input
+                || looks_like_command(&c.name, c.unit.as_ref().map(|u| u.unit), &inputs[input]);
             let is_warmth = c.unit.as_ref().is_some_and(|u| u.unit.exponents == KELVIN)
                 || c.name.to_lowercase().contains("temp");
             let apart = correlation(&c.values, command).abs() < 0.95;

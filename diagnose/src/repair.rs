@@ -58,7 +58,10 @@ pub(crate) fn repair(o: &Outcome, axis: usize, blueprint: &mut Blueprint) -> Gap
 }
 
 /// A name that the axis does not have yet.
-fn with_free_name(mut component: ComponentBlueprint, axis: &data::AxisBlueprint) -> ComponentBlueprint {
+fn with_free_name(
+    mut component: ComponentBlueprint,
+    axis: &data::AxisBlueprint,
+) -> ComponentBlueprint {
     let declared = components::find(&component.kind).map_or("effect", |c| c.declaration().name);
     let taken = |name: &str| {
         axis.components.iter().any(|c| {
@@ -146,19 +149,15 @@ fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<ComponentBlue
         (Block::ClampLow, &[low]) => {
             one(new("amplifier-clamp").value("low", low / u).value("high", far / u))
         }
-        (Block::ClampBoth(s), &[half]) => one(
-            new("amplifier-clamp")
-                .value("low", (s.centre - half) / u)
-                .value("high", (s.centre + half) / u),
-        ),
+        (Block::ClampBoth(s), &[half]) => one(new("amplifier-clamp")
+            .value("low", (s.centre - half) / u)
+            .value("high", (s.centre + half) / u)),
         (Block::Gain, &[gain]) => one(new("sensor-scale").value("gain", 1.0 + gain)),
-        (Block::PoleZero, &[pole, damping, ratio, zero_damping]) => one(
-            new("collocated-mode")
-                .value("frequency", pole)
-                .value("damping", damping)
-                .value("zero_frequency", pole * ratio)
-                .value("zero_damping", zero_damping),
-        ),
+        (Block::PoleZero, &[pole, damping, ratio, zero_damping]) => one(new("collocated-mode")
+            .value("frequency", pole)
+            .value("damping", damping)
+            .value("zero_frequency", pole * ratio)
+            .value("zero_damping", zero_damping)),
         // 1 − g + g·M is a pair of poles and zeros with the static gain 1.
         (Block::ParallelMode, &[gain, frequency, damping]) if gain < 1.0 => {
             let root = (1.0 - gain).sqrt();
@@ -169,18 +168,14 @@ fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<ComponentBlue
                 .value("zero_damping", damping * root))
         }
         (Block::Backlash, &[half]) => one(new("backlash").value("width", 2.0 * half / y)),
-        (Block::Polynomial { span, order: 3 }, &[square, cubic]) => one(
-            new("sensor-polynomial")
-                .value("quadratic", square)
-                .value("cubic", cubic)
-                .value("centre", span.centre / y)
-                .value("half_range", span.half / y),
-        ),
-        (Block::FeedThrough { scale, time }, &[value, rate]) => one(
-            new("crosstalk")
-                .value("gain", value / scale * u / y)
-                .value("rate_gain", rate * time / scale * u / y),
-        ),
+        (Block::Polynomial { span, order: 3 }, &[square, cubic]) => one(new("sensor-polynomial")
+            .value("quadratic", square)
+            .value("cubic", cubic)
+            .value("centre", span.centre / y)
+            .value("half_range", span.half / y)),
+        (Block::FeedThrough { scale, time }, &[value, rate]) => one(new("crosstalk")
+            .value("gain", value / scale * u / y)
+            .value("rate_gain", rate * time / scale * u / y)),
         (block, p) => creep(block, p).and_then(one),
     }
 }
@@ -190,5 +185,9 @@ fn creep(block: &Block, p: &[f64]) -> Option<ComponentBlueprint> {
     let mut elements = block.elements(p)?;
     elements.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (share, time): (Vec<f64>, Vec<f64>) = elements.into_iter().unzip();
-    Some(ComponentBlueprint::new("kelvin-voigt-creep").value("share", share).value("time_constant", time))
+    Some(
+        ComponentBlueprint::new("kelvin-voigt-creep")
+            .value("share", share)
+            .value("time_constant", time),
+    )
 }

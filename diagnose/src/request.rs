@@ -138,7 +138,9 @@ fn matches(pattern: &[u8], text: &[u8]) -> bool {
     match pattern.split_first() {
         None => text.is_empty(),
         Some((b'*', rest)) => (0..=text.len()).any(|at| matches(rest, &text[at..])),
-        Some((byte, rest)) => text.split_first().is_some_and(|(t, tail)| t == byte && matches(rest, tail)),
+        Some((byte, rest)) => {
+            text.split_first().is_some_and(|(t, tail)| t == byte && matches(rest, tail))
+        }
     }
 }
 

@@ -53,7 +53,8 @@ impl Judge {
         let mut stretches = Vec::new();
         for (k, record) in data.records.iter().enumerate() {
             let held_out = DataSet::held_out(record);
-            for (part, is_held_out) in [(record.training.clone(), false), (held_out.clone(), true)] {
+            for (part, is_held_out) in [(record.training.clone(), false), (held_out.clone(), true)]
+            {
                 let count = part.len() / length;
                 for b in 0..count.max(usize::from(!part.is_empty())) {
                     let from = part.start + b * length;
@@ -94,7 +95,9 @@ impl Judge {
                 .blocks
                 .iter()
                 .filter(|b| b.is_held_out == held)
-                .fold((0.0, 0.0), |(s, n), b| (s + square(&b.rows) * b.rows.len() as f64, n + b.rows.len() as f64));
+                .fold((0.0, 0.0), |(s, n), b| {
+                    (s + square(&b.rows) * b.rows.len() as f64, n + b.rows.len() as f64)
+                });
             if count > 0.0 { sum / count } else { f64::NAN }
         };
         let (mut held_out, training) = (mean(true), mean(false));
@@ -105,7 +108,9 @@ impl Judge {
         let mut log_band = 0.0;
         let mut terms = 0.0;
         for stretch in &self.stretches {
-            for power in spectrum::band_powers(&residual[stretch.clone()], &self.bands, data.sample_time()) {
+            for power in
+                spectrum::band_powers(&residual[stretch.clone()], &self.bands, data.sample_time())
+            {
                 if power.is_finite() {
                     log_band += power.max(BAND_FLOOR).ln();
                     terms += 1.0;
@@ -135,8 +140,8 @@ impl Judge {
         let mean = differences.iter().sum::<f64>() / n;
         let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0);
         // Neighbouring blocks are alike: the first lag widens the error.
-        let lag: f64 = differences.windows(2).map(|w| (w[0] - mean) * (w[1] - mean)).sum::<f64>()
-            / (n - 1.0);
+        let lag: f64 =
+            differences.windows(2).map(|w| (w[0] - mean) * (w[1] - mean)).sum::<f64>() / (n - 1.0);
         let rho = (lag / variance.max(f64::MIN_POSITIVE)).clamp(0.0, 0.9);
         let error = (variance * (1.0 + rho) / (1.0 - rho) / n).sqrt();
         if error > 0.0 { mean / error } else { 0.0 }

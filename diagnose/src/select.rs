@@ -22,7 +22,7 @@ const EXPLAINED: f64 = 0.6;
 /// Part of the held-out gap's power that the effects together must explain.
 const POWER: f64 = 0.5;
 /// Weight of the training rows in the rank; the rest is that of the held-out ones.
-const TRAINING: f64 = 0.7;
+const TRAINING: f64 = 0.5;
 /// Least part of the gap's power, or of the score, that each further effect must bring.
 const FURTHER: (f64, f64) = (0.08, 0.15);
 /// Loss of score below which an effect is dropped again.
@@ -170,7 +170,11 @@ impl<'a> Search<'a> {
             .collect();
         let mut looked: Vec<Looked> = families
             .iter()
-            .map(|(family, screening)| Looked { family: *family, screening: *screening, best: None })
+            .map(|(family, screening)| Looked {
+                family: *family,
+                screening: *screening,
+                best: None,
+            })
             .collect();
         for (k, candidate) in to_fit.iter().zip(fitted) {
             let Some(candidate) = candidate else { continue };
@@ -256,7 +260,11 @@ impl<'a> Search<'a> {
     }
 
     /// The whole set fitted again without the effect number `without`.
-    pub(crate) fn refit_without(&self, from: &Candidate, without: usize) -> Result<Candidate, Failed> {
+    pub(crate) fn refit_without(
+        &self,
+        from: &Candidate,
+        without: usize,
+    ) -> Result<Candidate, Failed> {
         let mut picks = from.picks.clone();
         picks.remove(without);
         self.refit(from, picks)
@@ -394,7 +402,8 @@ impl<'a> Search<'a> {
             let less = self.refit_without(&best, slot)?;
             let loss = self.judge.score(&base.judged, &best.judged)
                 - self.judge.score(&base.judged, &less.judged);
-            let linear = explained(&base.judged, &best.judged) - explained(&base.judged, &less.judged);
+            let linear =
+                explained(&base.judged, &best.judged) - explained(&base.judged, &less.judged);
             if loss < DROPPED && linear < DROPPED {
                 best = less;
                 rivals.remove(slot);

@@ -18,8 +18,7 @@ impl Bands {
     pub(crate) fn new(rows: usize, sample: f64) -> Self {
         let length = (rows.max(8) as f64) * sample;
         let (low, high) = (1.0 / length, 0.5 / sample);
-        let ends =
-            (0..=BANDS).map(|k| low * (high / low).powf(k as f64 / BANDS as f64)).collect();
+        let ends = (0..=BANDS).map(|k| low * (high / low).powf(k as f64 / BANDS as f64)).collect();
         Self { ends }
     }
 
@@ -160,7 +159,8 @@ mod tests {
             .map(|_| {
                 let mut sum = 0.0;
                 for _ in 0..12 {
-                    state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                    state =
+                        state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
                     sum += (state >> 11) as f64 / (1u64 << 53) as f64;
                 }
                 sum - 6.0
@@ -173,8 +173,9 @@ mod tests {
 
     #[test]
     fn a_line_is_found_where_it_is() {
-        let signal: Vec<f64> =
-            (0..3000).map(|k| (std::f64::consts::TAU * 33.37 * f64::from(k) * 1e-3).sin()).collect();
+        let signal: Vec<f64> = (0..3000)
+            .map(|k| (std::f64::consts::TAU * 33.37 * f64::from(k) * 1e-3).sin())
+            .collect();
         let noise = |k: usize| ((k * 7919) % 1000) as f64 * 1e-3 - 0.5;
         let signal: Vec<f64> = signal.iter().enumerate().map(|(k, s)| s + noise(k)).collect();
         let found = lines(&signal, 1e-3, 3);
@@ -184,7 +185,8 @@ mod tests {
     #[test]
     fn coherence_tells_driven_from_not_driven() {
         let u: Vec<f64> = (0..8000).map(|k| (f64::from(k * k % 4001) * 0.37).sin()).collect();
-        let other: Vec<f64> = (0..8000).map(|k| (f64::from(k * 31 % 3989).powi(2) * 0.11).sin()).collect();
+        let other: Vec<f64> =
+            (0..8000).map(|k| (f64::from(k * 31 % 3989).powi(2) * 0.11).sin()).collect();
         let driven: Vec<f64> = u.windows(2).map(|w| w[0] - 0.5 * w[1]).collect();
         assert!(coherence(&driven, &u).unwrap() > 0.9);
         assert!(coherence(&other, &u).unwrap() < 0.2);

@@ -4,9 +4,9 @@
 
 mod common;
 
+use common::diagnose_machine;
 use common::machine::Machine;
 use common::truth::Effect;
-use common::diagnose_machine;
 use piezoloop_diagnose::{Gap, Verdict};
 
 fn line(label: &str, gap: &Gap, truth: &str) -> bool {
@@ -24,7 +24,14 @@ fn line(label: &str, gap: &Gap, truth: &str) -> bool {
         .candidates
         .iter()
         .take(4)
-        .map(|c| format!("{} tr {:.2} ho {:.2}", c.effect, c.training.unwrap_or(0.0), c.holdout.unwrap_or(0.0)))
+        .map(|c| {
+            format!(
+                "{} tr {:.2} ho {:.2}",
+                c.effect,
+                c.training.unwrap_or(0.0),
+                c.holdout.unwrap_or(0.0)
+            )
+        })
         .collect();
     println!(
         "{} {label}: {:?} {} | left {:.2} before {:.2} sims {} | {}",

@@ -133,7 +133,10 @@ fn refusals_name_the_thing_and_the_way_out() {
     let mut wrong = request(&machine, machine.logs());
     wrong.without = vec!["crep".to_owned()];
     let message = diagnose(&wrong, &mut Silent).unwrap_err().to_string();
-    assert!(message.contains("--without crep") && message.contains("did you mean creep"), "{message}");
+    assert!(
+        message.contains("--without crep") && message.contains("did you mean creep"),
+        "{message}"
+    );
 
     let mut wrong = request(&machine, machine.logs());
     wrong.outputs = vec!["z".to_owned()];

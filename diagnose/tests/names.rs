@@ -17,8 +17,14 @@ fn gap_of(effect: Effect, size: f64, seed: u64, without: &[&str]) -> Gap {
 #[track_caller]
 fn is_named(effect: Effect, name: &str) {
     let gap = gap_of(effect, 6.0, 100 + effect as u64, &[]);
-    assert_eq!(gap.verdict, Verdict::Effects, "{}", gap.sentence);
-    assert_eq!(gap.effects[0].effect, name, "{}", gap.sentence);
+    let tried: Vec<_> = gap
+        .candidates
+        .iter()
+        .take(5)
+        .map(|c| (&c.effect, c.training, c.holdout, c.score))
+        .collect();
+    assert_eq!(gap.verdict, Verdict::Effects, "{} {tried:?}", gap.sentence);
+    assert_eq!(gap.effects[0].effect, name, "{} {tried:?}", gap.sentence);
     assert!(gap.effects[0].set.iter().any(|n| n == name));
     assert!(gap.shrink.fraction.unwrap() > 0.6, "{}", gap.sentence);
     let sum: f64 = gap.candidates.iter().map(|c| c.probability).sum();

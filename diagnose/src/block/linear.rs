@@ -80,9 +80,7 @@ fn add_element(share: f64, time: f64, w: Wires<'_>, out: &mut [f64]) {
 fn grid(shortest: f64, longest: f64) -> impl Iterator<Item = f64> {
     let decades = (longest / shortest).log10().max(0.5);
     let count = (2.0 * decades).round().max(1.0);
-    (0..count as usize).map(move |i| {
-        shortest * 10f64.powf(decades * (i as f64 + 0.5) / count)
-    })
+    (0..count as usize).map(move |i| shortest * 10f64.powf(decades * (i as f64 + 0.5) / count))
 }
 
 /// Share and time constant of each element of a creep block.
@@ -132,7 +130,12 @@ pub(super) fn aux(scale: f64, rate: bool, p: &[f64], w: Wires<'_>, out: &mut [f6
 pub(super) fn lagged_aux(scale: f64, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     let &[a, bandwidth] = p else { return };
     out.copy_from_slice(w.x);
-    add_element(a / scale, 1.0 / (core::f64::consts::TAU * bandwidth), Wires { x: w.aux, ..w }, out);
+    add_element(
+        a / scale,
+        1.0 / (core::f64::consts::TAU * bandwidth),
+        Wires { x: w.aux, ..w },
+        out,
+    );
 }
 
 pub(super) fn modal_aux(scale: f64, p: &[f64], w: Wires<'_>, out: &mut [f64]) {

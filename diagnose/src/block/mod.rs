@@ -24,9 +24,8 @@ pub(crate) struct Span {
 impl Span {
     /// The span of these values; half is 1 where they are constant.
     pub(crate) fn of(values: impl Iterator<Item = f64>) -> Self {
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        });
+        let (low, high) = values
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         let half = 0.5 * (high - low);
         if half > 0.0 && half.is_finite() {
             Self { centre: 0.5 * (high + low), half }
@@ -39,6 +38,16 @@ impl Span {
     pub(crate) fn unit(self, value: f64) -> f64 {
         (value - self.centre) / self.half
     }
+}
+
+/// What warms an actuator, over its mean in the log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Loss {
+    /// The square of the drive's rate, as in a resistance; the mean square.
+    Rate(f64),
+    /// The rate times the distance from the centre, as the area of loops: the same at every rate of a
+    /// loop, f·V²; mean, and the range.
+    Loops(f64, Span),
 }
 
 /// What a block reads.
@@ -149,13 +158,13 @@ pub(crate) enum Block {
     Heating {
         /// Range of the path.
         span: Span,
-        /// Mean square of the drive's rate.
-        power: f64,
+        /// What the power is proportional to.
+        loss: Loss,
     },
     /// The same as a change of gain.
     HeatingGain {
-        /// Mean square of the drive's rate.
-        power: f64,
+        /// What the power is proportional to.
+        loss: Loss,
     },
     /// A parallel mode with the static gain kept: gain, frequency in Hz, damping.
     ParallelMode,
@@ -241,8 +250,8 @@ impl Block {
             Self::LaggedPlays(memory) => memory::lagged_plays(memory, p, w, out),
             Self::RateMemory { memory, half } => memory::rate_memory(memory, *half, p, w, out),
             Self::StartMemory(memory) => memory::start_memory(memory, p, w, out),
-            Self::Heating { span, power } => motion::heating(Some(*span), *power, p, w, out),
-            Self::HeatingGain { power } => motion::heating(None, *power, p, w, out),
+            Self::Heating { span, loss } => motion::heating(Some(*span), *loss, p, w, out),
+            Self::HeatingGain { loss } => motion::heating(None, *loss, p, w, out),
             Self::Backlash => motion::backlash(p, w, out),
             Self::Dahl => motion::dahl(p, w, out),
         }

@@ -1,16 +1,10 @@
 //! Blocks of the mechanics and of heat.
 
-use super::{Span, Wires};
+use super::{Loss, Span, Wires};
 
-/// The warmth T of `τ T′ = P/mean − T` with the power P = drive′² grows from 0; it adds to the path
+/// The warmth T of `τ T′ = P/mean − T` with the power P of the losses grows from 0; it adds to the path
 /// in a range, or multiplies it.
-pub(super) fn heating(
-    span: Option<Span>,
-    power: f64,
-    p: &[f64],
-    w: Wires<'_>,
-    out: &mut [f64],
-) {
+pub(super) fn heating(span: Option<Span>, loss: Loss, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     let (&[growth, time], Some(&rest)) = (p, w.x.first()) else { return };
     let fraction = -(-w.step / time).exp_m1();
     let mut before = w.drive.first().copied().unwrap_or(0.0);
@@ -18,7 +12,11 @@ pub(super) fn heating(
     for ((y, x), u) in out.iter_mut().zip(w.x).zip(w.drive) {
         let rate = (u - before) / w.step;
         before = *u;
-        warmth += fraction * (rate * rate / power - warmth);
+        let power = match loss {
+            Loss::Rate(mean) => rate * rate / mean,
+            Loss::Loops(mean, span) => (rate * (u - span.centre)).abs() / mean,
+        };
+        warmth += fraction * (power - warmth);
         *y = match span {
             Some(span) => x + growth * span.half * warmth,
             None => x + growth * warmth * (x - rest),

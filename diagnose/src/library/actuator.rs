@@ -3,7 +3,7 @@
 use components::effects;
 
 use super::{Family, Formula, Free, Setting, Slot};
-use crate::block::{Block, Memory};
+use crate::block::{Block, Loss, Memory};
 
 /// Names of the parameters of a bank of plays.
 const WEIGHTS: [&str; 8] = [
@@ -53,51 +53,61 @@ fn creep(s: &Setting<'_>) -> Vec<Formula> {
     let share = |name| Free::log(name, "1", 1e-6, 0.8);
     let time = |name| Free::log(name, "s", shortest, longest);
     let times: Vec<f64> = (0..4)
-        .map(|k| shortest.max(s.length * 1e-3) * (longest / shortest.max(s.length * 1e-3)).powf((f64::from(k) + 0.5) / 4.0))
+        .map(|k| {
+            shortest.max(s.length * 1e-3)
+                * (longest / shortest.max(s.length * 1e-3)).powf((f64::from(k) + 0.5) / 4.0)
+        })
         .collect();
     let middle = [0.3, 0.1, 0.03, 0.01, 0.003].map(|k| k * s.length);
     vec![
         Formula::new("logarithmic")
-            .block(slot, Block::LogCreep { longest: 10.0 * s.length }, vec![
-                share("gain per decade"),
-                time("shortest time"),
-            ])
+            .block(
+                slot,
+                Block::LogCreep { longest: 10.0 * s.length },
+                vec![share("gain per decade"), time("shortest time")],
+            )
             .starts([1e-3, 1e-2].map(|k| vec![0.01, (k * s.length).max(2.0 * shortest)]))
             .screened(1),
         Formula::new("power law")
-            .block(slot, Block::PowerCreep { shortest, longest: 10.0 * s.length }, vec![
-                share("gain per decade"),
-                Free::linear("exponent", "1", -1.0, 1.0).step(0.02),
-            ])
+            .block(
+                slot,
+                Block::PowerCreep { shortest, longest: 10.0 * s.length },
+                vec![share("gain per decade"), Free::linear("exponent", "1", -1.0, 1.0).step(0.02)],
+            )
             .start(&[0.01, 0.0])
             .screened(1),
         Formula::new("one element")
             .block(slot, Block::FreeCreep(1), vec![share("share"), time("time constant")])
             .starts(middle.map(|t| vec![0.01, t])),
         Formula::new("two elements")
-            .block(slot, Block::FreeCreep(2), vec![
-                share("share 1"),
-                time("time constant 1"),
-                share("share 2"),
-                time("time constant 2"),
-            ])
-            .starts([vec![0.01, middle[1], 0.01, middle[4]], vec![0.01, middle[0], 0.01, middle[2]]]),
+            .block(
+                slot,
+                Block::FreeCreep(2),
+                vec![
+                    share("share 1"),
+                    time("time constant 1"),
+                    share("share 2"),
+                    time("time constant 2"),
+                ],
+            )
+            .starts([
+                vec![0.01, middle[1], 0.01, middle[4]],
+                vec![0.01, middle[0], 0.01, middle[2]],
+            ]),
         Formula::new("four elements")
-            .block(slot, Block::FixedCreep(times), vec![
-                share("share 1"),
-                share("share 2"),
-                share("share 3"),
-                share("share 4"),
-            ])
+            .block(
+                slot,
+                Block::FixedCreep(times),
+                vec![share("share 1"), share("share 2"), share("share 3"), share("share 4")],
+            )
             .start(&[0.005; 4]),
     ]
 }
 
 fn hysteresis(s: &Setting<'_>) -> Vec<Formula> {
     let slope = s.position.half / s.command.half;
-    let weight = |k: usize| {
-        Free::linear(WEIGHTS[k], WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope)
-    };
+    let weight =
+        |k: usize| Free::linear(WEIGHTS[k], WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope);
     let linear = || Free::linear("slope", WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope);
     let with = |name, count: usize, gain: bool| {
         let parameters = gain.then(linear).into_iter().chain((0..count).map(weight)).collect();
@@ -117,9 +127,8 @@ fn hysteresis(s: &Setting<'_>) -> Vec<Formula> {
 fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     let slot = Slot::AfterActuator;
     let slope = s.position.half / s.command.half;
-    let weight = |k: usize| {
-        Free::linear(WEIGHTS[k], WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope)
-    };
+    let weight =
+        |k: usize| Free::linear(WEIGHTS[k], WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope);
     let curvature = Free::linear("curvature", "1", -3.0, 3.0).step(0.01);
     let dead = |name| Free::linear(name, "1", -1.0, 1.0).step(1e-3);
     let skewed = |name, count: usize| {
@@ -140,7 +149,11 @@ fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
             .start(&[0.2])
             .start(&[-0.2]),
         Formula::new("dead zones behind the plays")
-            .block(slot, Block::DeadZones(s.position), vec![dead("slope above"), dead("slope below")])
+            .block(
+                slot,
+                Block::DeadZones(s.position),
+                vec![dead("slope above"), dead("slope below")],
+            )
             .start(&[0.0, 0.0]),
     ]
 }
@@ -157,19 +170,25 @@ fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
             .start(&[0.02 * unit])
             .start(&[0.2 * unit]),
         Formula::new("thresholds that grow in proportion, up to a limit")
-            .block(slot, Block::SaturatingPlays { memory: memory.clone(), steepest: s.steepest }, vec![
-                Free::linear("growth", "1", 0.0, 20.0).step(0.01),
-                Free::log("rate of half the growth", "1", 1e-3, 30.0),
-            ])
+            .block(
+                slot,
+                Block::SaturatingPlays { memory: memory.clone(), steepest: s.steepest },
+                vec![
+                    Free::linear("growth", "1", 0.0, 20.0).step(0.01),
+                    Free::log("rate of half the growth", "1", 1e-3, 30.0),
+                ],
+            )
             .start(&[0.3, 0.3])
             .start(&[0.3, 0.03]),
         Formula::new("plays that lag")
             .block(slot, Block::LaggedPlays(memory.clone()), vec![bandwidth])
             .starts(frequencies.into_iter().map(|f| vec![f])),
         Formula::new("loop that grows with the rate")
-            .block(slot, Block::RateMemory { memory: memory.clone(), half: s.command.half }, vec![
-                time(),
-            ])
+            .block(
+                slot,
+                Block::RateMemory { memory: memory.clone(), half: s.command.half },
+                vec![time()],
+            )
             .start(&[0.1 * unit]),
     ]
 }
@@ -184,12 +203,11 @@ fn polarisation(s: &Setting<'_>) -> Vec<Formula> {
             .start(&[0.02, 0.4])
             .start(&[0.02, -0.4]),
         Formula::new("hyperbolic tangent")
-            .block(Slot::AfterActuator, Block::Tanh(s.position), vec![Free::log(
-                "size over the half range",
-                "1",
-                0.3,
-                30.0,
-            )])
+            .block(
+                Slot::AfterActuator,
+                Block::Tanh(s.position),
+                vec![Free::log("size over the half range", "1", 0.3, 30.0)],
+            )
             .start(&[5.0])
             .start(&[2.0]),
     ]
@@ -202,15 +220,28 @@ fn heating(s: &Setting<'_>) -> Vec<Formula> {
     let time = || Free::log("time constant", "s", 20.0 * s.sample, 10.0 * s.length);
     let growth = || Free::linear("growth", "1", -1.0, 1.0).step(1e-3);
     let starts = || [0.3, 0.05].map(|k| vec![0.01, k * s.length]);
-    let power = s.slope_power;
-    vec![
-        Formula::new("growth with the drive's power")
-            .block(Slot::AfterMechanics, Block::Heating { span: s.position, power }, vec![growth(), time()])
-            .starts(starts()),
-        Formula::new("gain that changes with the drive's power")
-            .block(Slot::AfterMechanics, Block::HeatingGain { power }, vec![growth(), time()])
-            .starts(starts()),
-    ]
+    let mut all = Vec::new();
+    for (name, gain_name, loss) in [
+        (
+            "growth with the drive's loops",
+            "gain that changes with the drive's loops",
+            Loss::Loops(s.loop_power.max(f64::MIN_POSITIVE), s.command),
+        ),
+        (
+            "growth with the square of the drive's rate",
+            "gain that changes with the square of the drive's rate",
+            Loss::Rate(s.slope_power),
+        ),
+    ] {
+        let slot = Slot::AfterMechanics;
+        let growing = Block::Heating { span: s.position, loss };
+        all.push(Formula::new(name).block(slot, growing, vec![growth(), time()]).starts(starts()));
+        let gain = Block::HeatingGain { loss };
+        all.push(
+            Formula::new(gain_name).block(slot, gain, vec![growth(), time()]).starts(starts()),
+        );
+    }
+    all
 }
 
 fn initial(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {

@@ -18,7 +18,11 @@ fn delay(s: &Setting<'_>) -> Vec<Formula> {
     let longest = (50.0 * s.sample).min(0.1 * s.length);
     let time = Free::log("delay", "s", 0.01 * s.sample, longest).step(0.05);
     let starts = [0.3, 1.0, 3.0, 10.0].map(|k| vec![k * s.sample]);
-    vec![Formula::new("transport delay").block(Slot::Command, Block::Delay, vec![time]).starts(starts)]
+    vec![
+        Formula::new("transport delay")
+            .block(Slot::Command, Block::Delay, vec![time])
+            .starts(starts),
+    ]
 }
 
 fn clock() -> Vec<Formula> {
@@ -60,10 +64,11 @@ pub(super) fn lags(s: &Setting<'_>, slot: Slot) -> Vec<Formula> {
             .block(slot, Block::Lag(1), vec![bandwidth("bandwidth")])
             .starts(starts(1.0)),
         Formula::new("second order")
-            .block(slot, Block::Lag2, vec![
-                bandwidth("bandwidth"),
-                Free::log("damping", "1", 0.2, 3.0),
-            ])
+            .block(
+                slot,
+                Block::Lag2,
+                vec![bandwidth("bandwidth"), Free::log("damping", "1", 0.2, 3.0)],
+            )
             .starts(second)
             .screened(1),
         Formula::new("third order, equal poles")

@@ -64,22 +64,21 @@ fn extra_mode(s: &Setting<'_>) -> Vec<Formula> {
         let ratio = Free::linear("zero over pole", "1", 0.5, 2.0).step(2e-3);
         all.push(
             Formula::new("parallel mode")
-                .block(Slot::AfterMechanics, Block::ParallelMode, vec![
-                    gain,
-                    frequency(),
-                    damping("damping"),
-                ])
+                .block(
+                    Slot::AfterMechanics,
+                    Block::ParallelMode,
+                    vec![gain, frequency(), damping("damping")],
+                )
                 .starts(starts.iter().map(|f| vec![0.02, *f, 0.03]))
                 .screened(2),
         );
         all.push(
             Formula::new("pair of pole and zero")
-                .block(Slot::AfterMechanics, Block::PoleZero, vec![
-                    frequency(),
-                    damping("damping"),
-                    ratio,
-                    damping("damping of the zero"),
-                ])
+                .block(
+                    Slot::AfterMechanics,
+                    Block::PoleZero,
+                    vec![frequency(), damping("damping"), ratio, damping("damping of the zero")],
+                )
                 .starts(starts.iter().map(|f| vec![*f, 0.02, 1.01, 0.02]))
                 .screened(3),
         );
@@ -138,7 +137,8 @@ fn periodic(s: &Setting<'_>) -> Vec<Formula> {
     }
     let resolution = 0.5 / s.length;
     let formula = |name, harmonics| {
-        let frequency = Free::log("frequency", "Hz", resolution, 0.49 / s.sample).step(1e-3 * resolution);
+        let frequency =
+            Free::log("frequency", "Hz", resolution, 0.49 / s.sample).step(1e-3 * resolution);
         let mut f = Formula::new(name).starts(s.lines.iter().map(|f| vec![*f])).screened(0);
         f.parameters = vec![frequency];
         f.nuisance = Some(Nuisance::Lines { parameter: 0, harmonics });
@@ -158,7 +158,11 @@ fn coupling(s: &Setting<'_>) -> Vec<Formula> {
         let pair = vec![weight("weight"), weight("weight of the rate")];
         all.extend([
             Formula::new("static, before the mechanics")
-                .block(Slot::BeforeMechanics, Block::Aux { scale, rate: false }, vec![weight("weight")])
+                .block(
+                    Slot::BeforeMechanics,
+                    Block::Aux { scale, rate: false },
+                    vec![weight("weight")],
+                )
                 .aux(k)
                 .start(&[0.0]),
             Formula::new("static and rate")
@@ -166,15 +170,19 @@ fn coupling(s: &Setting<'_>) -> Vec<Formula> {
                 .aux(k)
                 .start(&[0.0, 0.0]),
             Formula::new("through a lag")
-                .block(Slot::AfterMechanics, Block::LaggedAux { scale }, vec![weight("weight"), bandwidth])
+                .block(
+                    Slot::AfterMechanics,
+                    Block::LaggedAux { scale },
+                    vec![weight("weight"), bandwidth],
+                )
                 .aux(k)
                 .starts(super::input::bandwidths(s).into_iter().map(|f| vec![0.01, f])),
             Formula::new("through a mode")
-                .block(Slot::AfterMechanics, Block::ModalAux { scale }, vec![
-                    weight("weight"),
-                    frequency,
-                    damping,
-                ])
+                .block(
+                    Slot::AfterMechanics,
+                    Block::ModalAux { scale },
+                    vec![weight("weight"), frequency, damping],
+                )
                 .aux(k)
                 .starts(frequencies(s, 16).into_iter().map(|f| vec![0.01, f, 0.05]))
                 .screened(2),

@@ -75,8 +75,8 @@ fn hum(s: &Setting<'_>) -> Vec<Formula> {
     let nyquist = 0.5 / s.sample;
     let formula = |name, mains: f64, harmonics: usize| {
         let width = (0.005 * mains).max(0.2 / s.length).min(0.02 * mains);
-        let frequency = Free::linear("frequency", "Hz", mains - width, mains + width)
-            .step(1e-3 / s.length);
+        let frequency =
+            Free::linear("frequency", "Hz", mains - width, mains + width).step(1e-3 / s.length);
         let mut f = Formula::new(name).start(&[mains]).screened(0);
         f.parameters = vec![frequency];
         f.nuisance = Some(Nuisance::Lines { parameter: 0, harmonics });

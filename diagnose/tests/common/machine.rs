@@ -144,8 +144,9 @@ impl Machine {
     /// Another axis' command.
     pub fn neighbour(&self, record: usize) -> Vec<f64> {
         let mut random = Normal::new(self.seed ^ (0x77 + record as u64));
-        let lines: Vec<(f64, f64)> =
-            (0..25).map(|k| (1.0 * 200f64.powf(f64::from(k) / 24.0), TAU * random.uniform())).collect();
+        let lines: Vec<(f64, f64)> = (0..25)
+            .map(|k| (1.0 * 200f64.powf(f64::from(k) / 24.0), TAU * random.uniform()))
+            .collect();
         (0..6000)
             .map(|k| {
                 let t = k as f64 / RATE;

@@ -6,8 +6,8 @@ pub mod machine;
 pub mod truth;
 
 use data::Log;
-use piezoloop_diagnose::{Gap, Model, Noise, Request, Silent};
 use machine::Machine;
+use piezoloop_diagnose::{Gap, Model, Noise, Request, Silent};
 
 /// Diagnoses logs of a machine.
 pub fn diagnose_machine(machine: &Machine, logs: Vec<Log>, without: &[&str]) -> Gap {

@@ -170,7 +170,10 @@ pub fn actuator(m: &Machine, v: &[f64], neighbour: &[f64], x: &mut Vec<f64>) {
                     for k in 0..v.len() {
                         let u = v[k.saturating_sub(1)];
                         p = (u - r).max((u + r).min(p));
-                        x[k] += 0.03 * s * (p - u) * ((u - 60.0) / 60.0 + 0.3 * ((u - 60.0) / 60.0).powi(3));
+                        x[k] += 0.03
+                            * s
+                            * (p - u)
+                            * ((u - 60.0) / 60.0 + 0.3 * ((u - 60.0) / 60.0).powi(3));
                     }
                 }
             }
@@ -184,7 +187,8 @@ pub fn actuator(m: &Machine, v: &[f64], neighbour: &[f64], x: &mut Vec<f64>) {
             Effect::InitialState => {
                 // The plays start at the other side.
                 for r in [5.0, 10.0, 16.0, 24.0, 34.0, 46.0, 60.0] {
-                    let (mut a, mut b) = ((v[0] - r).max((v[0] + r).min(0.0)), v[0] + r * s.min(1.0));
+                    let (mut a, mut b) =
+                        ((v[0] - r).max((v[0] + r).min(0.0)), v[0] + r * s.min(1.0));
                     for k in 0..v.len() {
                         let u = v[k.saturating_sub(1)];
                         a = (u - r).max((u + r).min(a));
@@ -239,7 +243,8 @@ pub fn output_side(m: &Machine, record: usize, u: &[f64], mut y: Vec<f64>, h: f6
             Effect::SelfHeating => {
                 let mut warm = 0.0;
                 for k in 1..y.len() {
-                    let p = ((u[k] - u[k - 1]) / 5.0).powi(2).min(9.0);
+                    // Losses of loops, a little steeper than the first power of the way.
+                    let p = ((u[k] - u[k - 1]).abs() * (u[k] - 55.0).abs() / 50.0).powf(1.1);
                     warm += 0.0015 * (p - warm);
                     y[k] += 2.0 * s * warm;
                 }
