@@ -244,7 +244,9 @@ impl System {
             (_, own, rows) => own.or(rows),
         };
         let Some(step) = self.step.or(found) else {
-            bail!("the communication step is not known: neither the system nor its FMUs say one; give it with --step S")
+            bail!(
+                "the communication step is not known: neither the system nor its FMUs say one; give it with --step S"
+            )
         };
         let start = plan.master.start.or(time.first().copied()).unwrap_or(0.0);
         let Some(stop) = self.stop.or(plan.master.stop).or(time.last().copied()) else {
