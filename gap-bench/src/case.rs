@@ -3,232 +3,10 @@
 use gap_machines::{Effect, Formula, Order, Random, Setting, Wish};
 
 use crate::error::Error;
+use crate::families::{Content, FAMILIES, Family};
 
 /// Sizes of a single effect, over the noise.
 pub const SIZES: [f64; 3] = [2.0, 6.0, 20.0];
-
-/// What cases of a family have in common.
-#[derive(Clone, Copy, Debug)]
-pub struct Family {
-    /// Its name, as `--cases` takes it.
-    pub name: &'static str,
-    /// What it is about.
-    pub about: &'static str,
-    /// Cases of the full benchmark.
-    pub full: usize,
-    /// Cases of the short form.
-    pub short: usize,
-    content: Content,
-    setting: Setting,
-    /// Whether the model is an FMU.
-    is_black_box: bool,
-    axes: usize,
-}
-
-/// What is withheld.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Content {
-    /// Nothing.
-    None,
-    /// Nothing; model and machine are straight lines.
-    NoneLinear,
-    /// One effect of the list, all in turn.
-    Single,
-    /// The same, and the effect's own candidate is taken out of the library.
-    Removed,
-    /// One of the effects that are counted apart.
-    Apart,
-    /// One effect that is in nobody's library.
-    Stray,
-    /// So many effects of the list, different ones, of 6 or 20 σ.
-    Several(usize),
-    /// The weights of the model's plays are wrong.
-    WrongWeights,
-    /// The same and an effect of 6 or 20 σ.
-    WrongWeightsAndSingle,
-    /// The model is a straight line, the machine has hysteresis.
-    NoHysteresis,
-    /// One effect, 25 s of log at 10 kHz: for the time.
-    Long,
-}
-
-const OPEN: Family = Family {
-    name: "",
-    about: "",
-    full: 0,
-    short: 0,
-    content: Content::None,
-    setting: Setting::OpenLoop,
-    is_black_box: false,
-    axes: 1,
-};
-
-/// All families. A full benchmark has at least 500 cases without effect and 30 per effect and size.
-pub const FAMILIES: &[Family] = &[
-    Family {
-        name: "none",
-        about: "no effect, values off within tolerance",
-        full: 250,
-        short: 6,
-        ..OPEN
-    },
-    Family {
-        name: "none-linear",
-        about: "no effect, straight line",
-        full: 50,
-        short: 1,
-        content: Content::NoneLinear,
-        ..OPEN
-    },
-    Family {
-        name: "none-closed-loop",
-        about: "no effect, closed loop",
-        full: 60,
-        short: 1,
-        setting: Setting::ClosedLoop,
-        ..OPEN
-    },
-    Family {
-        name: "none-operation",
-        about: "no effect, log of production only",
-        full: 60,
-        short: 1,
-        setting: Setting::Operation,
-        ..OPEN
-    },
-    Family {
-        name: "none-black-box",
-        about: "no effect, the model is an FMU",
-        full: 60,
-        short: 1,
-        is_black_box: true,
-        ..OPEN
-    },
-    Family {
-        name: "none-two-axes",
-        about: "no effect, two axes",
-        full: 40,
-        short: 1,
-        axes: 2,
-        ..OPEN
-    },
-    Family {
-        name: "single",
-        about: "one effect",
-        full: 2340,
-        short: 13,
-        content: Content::Single,
-        ..OPEN
-    },
-    Family {
-        name: "removed",
-        about: "one effect, its own candidate removed",
-        full: 780,
-        short: 3,
-        content: Content::Removed,
-        ..OPEN
-    },
-    Family {
-        name: "unknown",
-        about: "an effect in nobody's library",
-        full: 210,
-        short: 3,
-        content: Content::Stray,
-        ..OPEN
-    },
-    Family {
-        name: "apart",
-        about: "noise, resolution, start of the record",
-        full: 90,
-        short: 1,
-        content: Content::Apart,
-        ..OPEN
-    },
-    Family {
-        name: "pair",
-        about: "two effects",
-        full: 200,
-        short: 2,
-        content: Content::Several(2),
-        ..OPEN
-    },
-    Family {
-        name: "triple",
-        about: "three effects",
-        full: 40,
-        short: 0,
-        content: Content::Several(3),
-        ..OPEN
-    },
-    Family {
-        name: "wrong-hysteresis",
-        about: "weights of the plays 30 % off",
-        full: 40,
-        short: 1,
-        content: Content::WrongWeights,
-        ..OPEN
-    },
-    Family {
-        name: "wrong-hysteresis-single",
-        about: "the same and one effect",
-        full: 78,
-        short: 0,
-        content: Content::WrongWeightsAndSingle,
-        ..OPEN
-    },
-    Family {
-        name: "no-hysteresis",
-        about: "straight line, the machine has hysteresis",
-        full: 60,
-        short: 1,
-        content: Content::NoHysteresis,
-        ..OPEN
-    },
-    Family {
-        name: "closed-loop",
-        about: "one effect, closed loop",
-        full: 150,
-        short: 1,
-        content: Content::Single,
-        setting: Setting::ClosedLoop,
-        ..OPEN
-    },
-    Family {
-        name: "operation",
-        about: "one effect, log of production only",
-        full: 156,
-        short: 1,
-        content: Content::Single,
-        setting: Setting::Operation,
-        ..OPEN
-    },
-    Family {
-        name: "black-box",
-        about: "one effect, the model is an FMU",
-        full: 156,
-        short: 1,
-        content: Content::Single,
-        is_black_box: true,
-        ..OPEN
-    },
-    Family {
-        name: "two-axes",
-        about: "one effect on one of two axes",
-        full: 156,
-        short: 1,
-        content: Content::Single,
-        axes: 2,
-        ..OPEN
-    },
-    Family {
-        name: "long",
-        about: "one effect, 25 s at 10 kHz",
-        full: 4,
-        short: 0,
-        content: Content::Long,
-        ..OPEN
-    },
-];
 
 /// What the diagnosis is told about the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -286,7 +64,8 @@ impl Plan {
     fn case(&self, family: &Family, number: usize, index: usize) -> Case {
         let mut random = Random::new(self.seed, &[2, number as u64, index as u64]);
         let id = format!("{:08x}", random.next_u64() >> 32);
-        let (effects, wrong_weights, is_linear) = self.content(family, index, &mut random);
+        let (effects, wrong_weights, is_linear) =
+            self.content((family, number), index, &mut random);
         let is_removed = family.content == Content::Removed;
         let without = effects
             .iter()
@@ -303,7 +82,7 @@ impl Plan {
         let fast = is_long || (!self.is_short && random.unit() < 0.1);
         let length = match (is_long, self.is_short) {
             (true, _) => 1.75,
-            (false, true) => 0.5,
+            (false, true) => 0.4,
             (false, false) => 1.0,
         };
         let order = Order {
@@ -323,29 +102,35 @@ impl Plan {
     /// Effects, error of the weights, and whether the model is a straight line.
     fn content(
         &self,
-        family: &Family,
+        (family, number): (&Family, usize),
         index: usize,
         random: &mut Random,
     ) -> (Vec<Wish>, f64, bool) {
+        // The short form cannot have every effect in every family: each family begins elsewhere and
+        // takes every other one.
+        let turn = |effects: &[Effect], sizes: &[f64]| match self.is_short {
+            true => wish(effects, 7 * number + 2 * index, index + number, sizes),
+            false => wish(effects, index, 0, sizes),
+        };
         match family.content {
             Content::None => (Vec::new(), 0.0, false),
             Content::NoneLinear => (Vec::new(), 0.0, true),
             Content::Single | Content::Removed | Content::Long => {
-                (vec![self.turn(&listed(family.setting), index, &SIZES)], 0.0, false)
+                (vec![turn(&listed(family.setting), &SIZES)], 0.0, false)
             }
             Content::Apart => {
                 let apart: Vec<_> = all_where(|effect| effect.is_apart());
-                (vec![self.turn(&apart, index, &SIZES)], 0.0, false)
+                (vec![turn(&apart, &SIZES)], 0.0, false)
             }
             Content::Stray => {
                 let stray = all_where(Effect::is_stray);
-                (vec![self.turn(&stray, index, &SIZES)], 0.0, false)
+                (vec![turn(&stray, &SIZES)], 0.0, false)
             }
             Content::Several(count) => (several(count, index, random), 0.0, false),
             Content::WrongWeights => (Vec::new(), 0.3, false),
             Content::WrongWeightsAndSingle => {
                 let others = all_where(|e| is_listed(e) && e != Effect::Hysteresis);
-                (vec![self.turn(&others, index, &SIZES[1..])], 0.3, false)
+                (vec![turn(&others, &SIZES[1..])], 0.3, false)
             }
             Content::NoHysteresis => {
                 let size = SIZES[index % SIZES.len()];
@@ -354,16 +139,13 @@ impl Plan {
             }
         }
     }
+}
 
-    /// Effects in turn, then sizes, then formulas.
-    fn turn(&self, effects: &[Effect], index: usize, sizes: &[f64]) -> Wish {
-        // The short form cannot have them all: it takes every other one, at changing sizes.
-        let place = if self.is_short { index * 2 + 1 } else { index };
-        let (at, round) = (place % effects.len(), place / effects.len());
-        let size = if self.is_short { index / 2 + 1 } else { round } % sizes.len();
-        let turn = if self.is_short { index } else { at + round / sizes.len() };
-        Wish { effect: effects[at], formula: formula(turn), size: sizes[size] }
-    }
+/// Effects in turn, then sizes, then formulas; `shift` moves size and formula on.
+fn wish(effects: &[Effect], index: usize, shift: usize, sizes: &[f64]) -> Wish {
+    let (at, round) = (index % effects.len(), index / effects.len());
+    let size = sizes[(round + shift / 2) % sizes.len()];
+    Wish { effect: effects[at], formula: formula(at + round / sizes.len() + shift), size }
 }
 
 fn formula(number: usize) -> Formula {
@@ -490,6 +272,17 @@ mod tests {
             let expected = if case.family == "removed" { own } else { Vec::new() };
             assert_eq!(case.without, expected);
         }
+    }
+
+    #[test]
+    fn the_short_form_has_many_effects_sizes_and_both_formulas() {
+        let cases = Plan { seed: 1, is_short: true }.cases();
+        let wishes: Vec<Wish> = cases.iter().flat_map(|c| c.order.effects.clone()).collect();
+        let effects: BTreeSet<_> = wishes.iter().map(|wish| wish.effect).collect();
+        let sizes: BTreeSet<_> = wishes.iter().map(|wish| wish.size as u64).collect();
+        let other = wishes.iter().filter(|wish| wish.formula == Formula::Other).count();
+        assert!(effects.len() >= 20 && sizes.len() == 3, "{effects:?} {sizes:?}");
+        assert!(2 * other >= wishes.len() && other < wishes.len(), "{other} of {}", wishes.len());
     }
 
     #[test]

@@ -12,6 +12,7 @@
 mod answer;
 mod case;
 mod error;
+mod families;
 mod judge;
 mod label;
 mod page;
@@ -24,8 +25,9 @@ mod text;
 mod tool;
 
 pub use answer::{Answer, Leftover, Named, Shrink};
-pub use case::{Case, FAMILIES, Family, NoiseHint, Plan, SIZES, select};
+pub use case::{Case, NoiseHint, Plan, SIZES, select};
 pub use error::Error;
+pub use families::{FAMILIES, Family};
 pub use label::{Label, Miss, TrueEffect};
 pub use prepare::{Folders, Question, prepare};
 pub use run::{Outcome, Realised, Settings, run};

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::answer::Answer;
-use crate::case::{FAMILIES, SIZES};
+use crate::case::SIZES;
+use crate::families::FAMILIES;
 use crate::judge::{
     first, is_alarm, is_first, is_in_set, is_outside, is_right, truths_named, wrong_names,
 };
