@@ -120,7 +120,7 @@ const EXAMPLES: &[Example] = &[
     ),
     ("reference-lead", &[], &[1e-3, 1e-7, 0.5]),
     ("feedforward-gain", &[], &[15.0, 0.3]),
-    ("pid", &[], &[2.0, 300.0, 1e-4, 0.0, 120.0]),
+    ("pid", &[], &[2.0, 300.0, 1e-4, 0.0, 0.0, 120.0]),
 ];
 
 fn node((kind, structure, values): &Example) -> NodeSpec {

@@ -59,7 +59,7 @@ fn plant() -> System {
 fn controller() -> System {
     let mut values = hysteresis();
     values.component = find("inverse-prandtl-ishlinskii").expect("registered");
-    let pid = node("pid", "pid", &[], &[2.0, 300.0, 1e-4, 0.0, 120.0]);
+    let pid = node("pid", "pid", &[], &[2.0, 300.0, 1e-4, 0.0, 0.0, 120.0]);
     system(Kind::Controller, vec![axis("Y", vec![values, pid])])
 }
 
