@@ -88,6 +88,9 @@ pub const RIGS: &[Rig] = &[
     },
 ];
 
+/// Blueprint of a plant that has every effect at its default strength, switched off where it can be.
+pub const EFFECTS: &str = include_str!("effects.toml");
+
 /// The rig of this name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Rig> {

@@ -3,6 +3,8 @@
 mod answer;
 mod commands;
 mod documentation;
+mod effects;
+mod effects_docs;
 mod fmus;
 mod inputs;
 mod libraries;

@@ -2,6 +2,7 @@
 
 mod check;
 mod demo;
+mod effects_docs;
 mod gap_bench;
 pub(crate) mod identify;
 mod invert;
@@ -28,6 +29,8 @@ pub(crate) enum Command {
     List(list::List),
     Signal(signal::Signal),
     Demo(demo::Demo),
+    #[command(hide = true)]
+    EffectsDocs(effects_docs::EffectsDocs),
     GapBench(gap_bench::GapBench),
     /// Runs one FMU for another process of this tool
     #[command(name = WORKER, hide = true)]
@@ -51,6 +54,7 @@ impl Command {
             Self::List(command) => command.run(screen),
             Self::Signal(command) => command.run(screen),
             Self::Demo(command) => command.run(screen),
+            Self::EffectsDocs(command) => command.run(screen),
             Self::GapBench(command) => command.run(screen),
         }
     }

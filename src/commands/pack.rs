@@ -33,6 +33,10 @@ pub(crate) struct Pack {
     /// Version of the standard: 2 or 3
     #[arg(long, value_name = "VERSION", default_value = "2")]
     fmi: Version,
+    /// Add every effect of the library that the plant does not have, switched off: a start value
+    /// such as axis[1].backlash.enabled=true brings it in
+    #[arg(long)]
+    all_effects: bool,
     /// A shared library for a further platform (may be given several times)
     #[arg(long = "binary", value_name = "PLATFORM=FILE")]
     binaries: Vec<String>,
@@ -73,6 +77,10 @@ impl Pack {
         let mut source = inputs::blueprint(&self.blueprint)?;
         if let Some(step) = self.step {
             source.blueprint.step = step.into();
+            source.text = source.blueprint.to_toml();
+        }
+        if self.all_effects {
+            crate::effects::add_all(&mut source.blueprint)?;
             source.text = source.blueprint.to_toml();
         }
         let output = inputs::output(self.out.clone(), &source.blueprint.name, "fmu");
