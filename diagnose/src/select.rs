@@ -12,7 +12,7 @@ use crate::library::{Family, Formula};
 use crate::score::{Judge, Judged, explained};
 
 /// Families that are fitted after screening.
-const FITTED: usize = 9;
+const FITTED: usize = 7;
 /// Mean square over the noise's up to which nothing is left to explain.
 pub(crate) const ADEQUATE: f64 = 1.25;
 /// Factor by which an effect must cut what is left.

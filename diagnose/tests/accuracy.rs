@@ -126,3 +126,56 @@ fn pairs() {
     }
     println!("both and nothing else: {right} of {all}");
 }
+
+/// 25 s at 10 kHz on a native model with ten plays, a mode and two lags.
+#[test]
+#[ignore = "a measurement of time, not a check"]
+fn speed() {
+    use data::{Blueprint, Log};
+    use piezoloop_diagnose::{Model, Noise, Request, Silent};
+    let text = |extra: &str| {
+        format!(
+            "piezoloop = 1\nkind = \"plant\"\nname = \"evc\"\nstep = 1e-4\n[[axis]]\nname = \"Y\"\n\
+             command = {{ name = \"u\", unit = \"V\" }}\nposition = {{ name = \"y\", unit = \"um\" }}\n{extra}\
+             [[axis.component]]\ntype = \"amplifier-lag\"\nbandwidth = 3000\ntolerance = {{ bandwidth = 0.1 }}\n\
+             [[axis.component]]\ntype = \"prandtl-ishlinskii\"\nr = [0, 6, 12, 18, 24, 30, 36, 42, 48, 54]\n\
+             w = [0.01354, 0.0279, 0.001, 0.004014, 0.007765, 0, 0, 0, 0, 0]\ntolerance = {{ w = 0.05 }}\n\
+             [[axis.component]]\ntype = \"mode\"\nfrequency = 482.6\ndamping = 0.02\n\
+             tolerance = {{ frequency = 0.01, damping = 0.15 }}\n\
+             [[axis.component]]\ntype = \"sensor-lag\"\nbandwidth = 4000\ntolerance = {{ bandwidth = 0.1 }}\n"
+        )
+    };
+    let build = |extra: &str| {
+        Blueprint::parse(&text(extra), "evc").unwrap().check(components::COMPONENTS).unwrap()
+    };
+    let truth = build(
+        "[[axis.component]]\ntype = \"kelvin-voigt-creep\"\nshare = [0.01, 0.02]\ntime_constant = [0.2, 2]\n",
+    );
+    let mut system = truth.build();
+    let n = 250_000;
+    let u: Vec<f64> = (0..n)
+        .map(|k| {
+            let t = k as f64 * 1e-4;
+            let slow = ((t * 0.7).floor() * 37.0) % 60.0;
+            20.0 + slow + 20.0 * (t * t * 60.0).sin()
+        })
+        .collect();
+    let mut noise = common::machine::Normal::new(1);
+    system.set(0, u[0]).unwrap();
+    system.initialise(0.0).unwrap();
+    let mut y = Vec::with_capacity(n);
+    for k in 0..n {
+        y.push(system.get(1).unwrap() + 0.005 * noise.draw());
+        system.set(0, u[k]).unwrap();
+        system.advance((k + 1) as f64 * 1e-4).unwrap();
+    }
+    let mut log = Log::new("long.csv", (0..n).map(|k| k as f64 * 1e-4).collect()).unwrap();
+    log.add_column("u", Some("V"), u).unwrap();
+    log.add_column("y", Some("um"), y).unwrap();
+    let mut request = Request::new(Model::Blueprint(Box::new(build(""))), vec![log]);
+    request.noise = Noise::Given(vec![(None, 0.005)]);
+    request.threads = 2;
+    let begin = std::time::Instant::now();
+    let gap = piezoloop_diagnose::diagnose(&request, &mut Silent).unwrap();
+    line(&format!("25 s at 10 kHz: {:.1} s", begin.elapsed().as_secs_f64()), &gap, "creep");
+}
