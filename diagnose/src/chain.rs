@@ -218,7 +218,7 @@ impl<'a> Bench<'a> {
                 }
                 Node::Block { block, first, count, aux } => {
                     let p = natural(parameters, theta, *first, *count);
-                    let aux = self.data.aux.get(*aux).map_or(&x[..], |a| &a.hits[range.clone()]);
+                    let aux = self.data.aux.get(*aux).map_or(x, |a| &a.hits[range.clone()]);
                     let drive = &drive[range.clone()];
                     block.run(&p, Wires { x, drive, aux, step: self.data.step }, out);
                 }

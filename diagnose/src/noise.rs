@@ -91,7 +91,7 @@ fn period_of(u: &[f64]) -> Option<usize> {
     let (low, high) =
         u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let close = 1e-6 * (high - low);
-    if !(close > 0.0) {
+    if close.is_nan() || close <= 0.0 {
         return None;
     }
     (8..=u.len() / 3).find(|shift| {

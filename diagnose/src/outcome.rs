@@ -146,6 +146,18 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Settin
         };
         let mut lines = spectrum::lines(&base.judged.residual[r.training.clone()], sample, 6);
         lines.retain(|f| !is_mains(*f));
+        // A line that the command has, or a multiple of its strongest, is an answer to the command.
+        let scale = 1e3 / data.command_span.half;
+        let command: Vec<f64> = rows[r.training.clone()].iter().map(|u| u * scale).collect();
+        let driven = spectrum::lines(&command, sample, 40);
+        let resolution = 2.0 / (r.training.len() as f64 * sample);
+        lines.retain(|f| {
+            let is_multiple = driven.first().is_some_and(|d| {
+                let times = (f / d).round().max(1.0);
+                times <= 20.0 && (f - times * d).abs() < resolution
+            });
+            !is_multiple && driven.iter().all(|d| (f - d).abs() > resolution)
+        });
         lines
     });
     let steps = converter_steps(data, &rows, &base.judged.residual);

@@ -1,6 +1,7 @@
 //! How often the diagnosis is right on machines of this folder: a table, on demand.
 //!
 //! `cargo test --release -p piezoloop-diagnose --test accuracy -- --ignored --nocapture`
+#![allow(clippy::print_stdout)]
 
 mod common;
 

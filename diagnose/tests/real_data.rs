@@ -1,4 +1,5 @@
 //! Measured data: a piezo stack that a straight line cannot describe.
+#![allow(clippy::print_stdout)]
 
 use std::path::Path;
 

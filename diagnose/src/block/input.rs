@@ -5,7 +5,7 @@ use super::{Span, Wires};
 /// The signal at a place between its values, held at its ends.
 fn at(x: &[f64], place: f64) -> f64 {
     let (Some(&first), Some(&last)) = (x.first(), x.last()) else { return 0.0 };
-    if !(place > 0.0) {
+    if place.is_nan() || place <= 0.0 {
         return first;
     }
     let whole = place.floor();

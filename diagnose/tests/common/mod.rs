@@ -1,5 +1,6 @@
 //! A machine whose truth is known: plays, a mode, a sensor, and one or more effects with formulas that
 //! are not those of the library.
+#![allow(unreachable_pub, clippy::needless_range_loop, clippy::ptr_arg)]
 #![allow(dead_code)]
 
 pub mod machine;
