@@ -155,7 +155,8 @@ impl Diagnose {
         request.holdout = logs(&self.holdout)?;
         request.names = self.options.names()?;
         request.outputs.clone_from(&self.outputs);
-        request.tolerances = self.tune.iter().map(|t| Tolerance::parse(t)).collect::<Result<_, _>>()?;
+        request.tolerances =
+            self.tune.iter().map(|t| Tolerance::parse(t)).collect::<Result<_, _>>()?;
         request.gain_tolerance = self.gain_tolerance;
         request.noise = self.noise()?;
         request.max_effects = self.max_effects;
@@ -191,7 +192,9 @@ impl Diagnose {
                 None => (None, text.as_str()),
             };
             let Ok(sigma) = sigma.trim().parse() else {
-                bail!("--noise {text}: is no standard deviation; write SIGMA or OUTPUT=SIGMA, as in y=0.003");
+                bail!(
+                    "--noise {text}: is no standard deviation; write SIGMA or OUTPUT=SIGMA, as in y=0.003"
+                );
             };
             all.push((output, sigma));
         }

@@ -91,7 +91,9 @@ impl GapBench {
             Some(path) => path
                 .canonicalize()
                 .with_context(|| format!("--tool {}: there is no such program", path.display())),
-            None => std::env::current_exe().context("this program does not find itself; use --tool"),
+            None => {
+                std::env::current_exe().context("this program does not find itself; use --tool")
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod check;
 mod demo;
+mod diagnose;
 mod effects_docs;
 mod gap_bench;
 pub(crate) mod identify;
@@ -31,6 +32,7 @@ pub(crate) enum Command {
     Demo(demo::Demo),
     #[command(hide = true)]
     EffectsDocs(effects_docs::EffectsDocs),
+    Diagnose(diagnose::Diagnose),
     GapBench(gap_bench::GapBench),
     /// Runs one FMU for another process of this tool
     #[command(name = WORKER, hide = true)]
@@ -55,6 +57,7 @@ impl Command {
             Self::Signal(command) => command.run(screen),
             Self::Demo(command) => command.run(screen),
             Self::EffectsDocs(command) => command.run(screen),
+            Self::Diagnose(command) => command.run(screen),
             Self::GapBench(command) => command.run(screen),
         }
     }
