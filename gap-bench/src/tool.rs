@@ -1,7 +1,7 @@
 //! The tool under test, as a program of its own: it gets a case's folder, and no label.
 
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use serde::Deserialize;
@@ -82,16 +82,21 @@ impl Program {
             .stderr(create(err)?)
             .spawn()
             .map_err(|error| format!("{}: {error}", self.path.display()))?;
-        let is_success = self.wait(child)?;
+        let status = self.wait(child)?;
         let read = |path| std::fs::read_to_string(path).unwrap_or_default();
-        if is_success { Ok(read(out)) } else { Err(read(err).trim().to_owned()) }
+        if status.success() {
+            return Ok(read(out));
+        }
+        // A program that was killed or crashed may have said nothing.
+        let said = read(err).trim().to_owned();
+        Err(if said.is_empty() { format!("it ended without a word ({status})") } else { said })
     }
 
-    fn wait(&self, mut child: Child) -> Result<bool, String> {
+    fn wait(&self, mut child: Child) -> Result<ExitStatus, String> {
         let begin = Instant::now();
         loop {
             match child.try_wait() {
-                Ok(Some(status)) => return Ok(status.success()),
+                Ok(Some(status)) => return Ok(status),
                 Ok(None) if begin.elapsed() > self.patience => {
                     // It may have ended in between; either way it is over.
                     let _ = child.kill();
@@ -169,6 +174,14 @@ mod tests {
         let error = tool.diagnose(folder.path(), &["--model".into(), "m.toml".into()]);
         assert_eq!(error.unwrap_err(), "error: no --model");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_tool_that_dies_is_said_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let tool = program(folder.path(), "kill -9 $$");
+        let error = tool.diagnose(folder.path(), &[]).unwrap_err();
+        assert!(error.contains("without a word") && error.contains('9'), "{error}");
     }
 
     #[test]
