@@ -114,7 +114,7 @@ pub const FAMILIES: &[Family] = &[
         name: "single",
         about: "one effect",
         full: 2340,
-        short: 13,
+        short: 10,
         content: Content::Single,
         ..OPEN
     },
