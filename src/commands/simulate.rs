@@ -206,7 +206,7 @@ impl Simulate {
         }
         let (plant, controller) = (fmus::open(plant)?, fmus::open(controller)?);
         let log = self.options.read(reference)?;
-        let [record] = log.records() else {
+        let [_] = log.records() else {
             bail!(
                 "{}: a reference has one record, this file has {}; give them one by one",
                 log.origin(),
@@ -253,7 +253,6 @@ impl Simulate {
             return Err(broken_off(error, &memory, out)?);
         }
         outcome?;
-        let _ = record;
         let fits = self.tracking(&memory, &pairs)?;
         let notes = slow_plant(&plant.fmu, &controller.fmu);
         let name = format!("{} with {}", plant.name, controller.name);
@@ -269,10 +268,7 @@ impl Simulate {
                 "the window that is judged has no row of the run; choose another --rows or --drop"
             );
         };
-        for ((position, measured), (_, reference)) in
-            wiring.measurements.iter().zip(&wiring.references)
-        {
-            let _ = measured;
+        for ((position, _), (_, reference)) in wiring.measurements.iter().zip(&wiring.references) {
             let (Some(y), Some(r)) = (memory.values(position), memory.values(reference)) else {
                 continue;
             };
