@@ -42,6 +42,34 @@ fn run_save_run_restore_run_gives_the_same_bits() {
     }
 }
 
+/// As importers do that write a state at the end of a run and begin the next run with it.
+#[test]
+fn a_run_that_goes_on_from_a_state_has_its_own_stop_time() {
+    let fmu = Fmu::new(plant);
+    fmu.set_up(0.0, Some(1.0));
+    fmu.enter();
+    fmu.exit();
+    assert_eq!(fmu.step(0.0, 1.0), fmi2OK);
+    let state = fmu.save();
+    let bytes = fmu.bytes(state);
+    let read = |fmu: &Fmu| {
+        let mut state = null_mut();
+        assert_eq!(fmu.deserialize(&bytes, &mut state), fmi2OK);
+        assert_eq!(fmu.restore(state), fmi2OK);
+    };
+    let next = Fmu::new(plant);
+    read(&next);
+    assert_eq!(next.step(1.0, 0.5), fmi2OK, "no stop time was given: {}", next.last());
+    let other = Fmu::new(plant);
+    other.set_up(0.0, Some(1.25));
+    read(&other);
+    assert_eq!(other.step(1.0, 0.25), fmi2OK, "{}", other.last());
+    assert_eq!(other.step(1.25, 0.25), fmi2Error);
+    assert!(other.last().contains("stop time 1.25 s"), "{}", other.last());
+    assert_eq!(fmu.restore(state), fmi2OK);
+    assert_eq!(fmu.step(1.0, 0.5), fmi2Error, "this run still ends at 1 s");
+}
+
 #[test]
 fn a_state_brings_back_phase_and_time() {
     let fmu = Fmu::new(plant);

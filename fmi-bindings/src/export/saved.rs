@@ -28,11 +28,11 @@ pub(super) struct SavedState {
 
 const MAGIC: &[u8; 8] = b"PZLSTATE";
 /// Version of the layout below.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// magic, version, length of the whole, fingerprint.
 const HEAD: usize = 8 + 4 + 8 + 32;
-/// phase, flags, time, start, stop.
-const PROGRESS: usize = 1 + 1 + 8 + 8 + 8;
+/// phase, flags, time, start. The stop time is the importer's and stays with the instance.
+const PROGRESS: usize = 1 + 1 + 8 + 8;
 const CHECKSUM: usize = 8;
 
 const STALE: u8 = 1;
@@ -59,7 +59,7 @@ pub(super) fn to_bytes(snapshot: &Snapshot, fingerprint: &str) -> Vec<u8> {
     let flag = |on: bool, bit: u8| if on { bit } else { 0 };
     let flags = flag(stale, STALE) | flag(experiment.defined, DEFINED) | flag(sloped, SLOPED);
     bytes.extend_from_slice(&[phase as u8, flags]);
-    for number in [time, experiment.start, experiment.stop].iter().chain(&snapshot.slopes) {
+    for number in [time, experiment.start].iter().chain(&snapshot.slopes) {
         bytes.extend_from_slice(&number.to_le_bytes());
     }
     bytes.extend_from_slice(&snapshot.past.to_bytes());
@@ -139,14 +139,14 @@ impl<'a> Reader<'a> {
 
     fn snapshot(&mut self, like: &Snapshot) -> Option<Snapshot> {
         let [phase, flags] = *self.take(2)? else { return None };
-        let [time, start, stop] = [self.number()?, self.number()?, self.number()?];
+        let [time, start] = [self.number()?, self.number()?];
         let slopes = like.slopes.iter().map(|_| self.number()).collect::<Option<Vec<_>>>()?;
         let progress = Progress {
             phase: Phase::from_number(phase)?,
             stale: flags & STALE != 0,
             sloped: flags & SLOPED != 0,
             time,
-            experiment: Experiment { defined: flags & DEFINED != 0, start, stop },
+            experiment: Experiment { defined: flags & DEFINED != 0, start, stop: f64::INFINITY },
         };
         let past = like.past.with_bytes(self.take(like.past.byte_len())?)?;
         let context = like.context.with_bytes(self.bytes).ok()?;

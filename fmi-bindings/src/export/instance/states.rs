@@ -50,12 +50,15 @@ impl Instance {
         Ok(old)
     }
 
-    /// Goes back to a saved state, which stays saved.
+    /// Goes back to a saved state, which stays saved. The stop time is what the importer said of
+    /// this run and stays as it is: a run that goes on from a saved state may have another one.
     pub(in crate::export) fn restore(&mut self, state: &SavedState) -> Outcome {
         self.check_model(state)?;
         let Snapshot { progress, slopes, past, context } = &state.snapshot;
         self.system.restore(context).map_err(|error| Notice::error(error.to_string()))?;
+        let stop = self.progress.experiment.stop;
         self.progress = *progress;
+        self.progress.experiment.stop = stop;
         self.slopes.clone_from(slopes);
         self.past.copy_from(past);
         Ok(())
