@@ -22,6 +22,7 @@ pub mod random;
 pub mod sensor;
 pub mod solve;
 pub mod timing;
+pub mod turn;
 
 mod rules;
 #[cfg(test)]

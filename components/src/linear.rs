@@ -3,7 +3,7 @@
 
 use core::f64::consts::TAU;
 
-use libm::{cos, exp, expm1, fabs, round, sin, sqrt};
+use libm::{cos, exp, expm1, sin, sqrt};
 
 /// The part of the way to its input that a first-order lag of this bandwidth (Hz) goes in one
 /// period (s): `1 − exp(−2π·bandwidth·period)`, without cancellation for slow lags.
@@ -60,11 +60,19 @@ impl Transition {
 
 /// `x` to the nearest multiple of `resolution`, halves away from zero; values whose number of steps
 /// is no longer exact in double precision pass.
+#[inline]
 #[must_use]
 pub fn quantise(x: f64, resolution: f64) -> f64 {
     const EXACT: f64 = (1u64 << 53) as f64;
     let steps = x / resolution;
-    if fabs(steps) < EXACT { resolution * round(steps) } else { x }
+    if steps.abs() < EXACT {
+        let whole = steps as i64 as f64;
+        // The difference is exact.
+        let up = if (steps - whole).abs() >= 0.5 { 1.0_f64.copysign(steps) } else { 0.0 };
+        resolution * (whole + up)
+    } else {
+        x
+    }
 }
 
 #[cfg(test)]
@@ -95,6 +103,17 @@ mod tests {
             let expected = exp(-2.0 * damping * TAU * 40.0 * 1e-3);
             assert!((determinant / expected - 1.0).abs() < 1e-12, "zeta {damping}");
         }
+    }
+
+    #[test]
+    fn quantising_rounds_as_the_definition_does() {
+        let mut random = crate::testing::Random::new(9);
+        let edges = [0.0, -0.0, 0.5, -0.5, 1.5, 0.499_999_999_999_999_94, 4.5e15, 9.1e15, -2.5];
+        let drawn = (0..10_000).map(|_| random.between(-40.0, 40.0));
+        for x in edges.into_iter().chain(drawn) {
+            assert_eq!(quantise(x, 1.0), x.round(), "{x}");
+        }
+        assert!(quantise(f64::NAN, 1.0).is_nan());
     }
 
     #[test]

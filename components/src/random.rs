@@ -6,9 +6,9 @@
 //! Source: J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, Parallel random numbers: as easy as
 //! 1, 2, 3, SC 2011.
 
-use core::f64::consts::TAU;
+use libm::{log, sqrt};
 
-use libm::{cos, log, sqrt};
+use crate::turn;
 
 const MULTIPLIERS: [u32; 2] = [0xd251_1f53, 0xcd9e_8d57];
 const WEYL: [u32; 2] = [0x9e37_79b9, 0xbb67_ae85];
@@ -27,12 +27,13 @@ pub fn philox(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
     [a, b, c, d]
 }
 
-/// A normally distributed number of mean 0 and variance 1 (Box–Muller).
+/// Two independent normally distributed numbers of mean 0 and variance 1 (Box–Muller).
 ///
 /// `seed` is a parameter's value, `channel` tells the sources of one component apart, `count` is
 /// the number of the hit.
+#[inline]
 #[must_use]
-pub fn normal(seed: f64, channel: u32, count: u64) -> f64 {
+pub fn normals(seed: f64, channel: u32, count: u64) -> [f64; 2] {
     let seed = seed.to_bits();
     let counter = [count as u32, (count >> 32) as u32, channel, 0];
     let [a, b, c, d] = philox(counter, [seed as u32, (seed >> 32) as u32]);
@@ -40,7 +41,17 @@ pub fn normal(seed: f64, channel: u32, count: u64) -> f64 {
     let uniform = |high: u32, low: u32| {
         (((u64::from(high) << 32 | u64::from(low)) >> 11) + 1) as f64 / (1u64 << 53) as f64
     };
-    sqrt(-2.0 * log(uniform(a, b))) * cos(TAU * uniform(c, d))
+    let radius = sqrt(-2.0 * log(uniform(a, b)));
+    let [sin, cos] = turn::sin_cos(uniform(c, d));
+    [radius * cos, radius * sin]
+}
+
+/// The first of [`normals`].
+#[inline]
+#[must_use]
+pub fn normal(seed: f64, channel: u32, count: u64) -> f64 {
+    let [first, _] = normals(seed, channel, count);
+    first
 }
 
 #[cfg(test)]
@@ -82,6 +93,20 @@ mod tests {
             assert!((m4 / n - 3.0).abs() < 5.0 * (96.0 / n).sqrt());
             assert!((lag / n).abs() < 5.0 / n.sqrt());
         }
+    }
+
+    #[test]
+    fn the_two_numbers_of_a_draw_are_independent_and_alike() {
+        let (count, mut product, mut squares, mut power) = (100_000u64, 0.0, 0.0, 0.0);
+        for n in 0..count {
+            let [x, y] = normals(3.0, 7, n);
+            (product, squares, power) = (product + x * y, squares + x * x * y * y, power + y * y);
+        }
+        let n = count as f64;
+        // Five standard errors each: 1/√n, √8/√n, √2/√n.
+        assert!((product / n).abs() < 5.0 / n.sqrt());
+        assert!((squares / n - 1.0).abs() < 5.0 * (8.0 / n).sqrt());
+        assert!((power / n - 1.0).abs() < 5.0 * (2.0 / n).sqrt());
     }
 
     #[test]

@@ -45,6 +45,9 @@ pub struct Quantity {
     pub variability: Variability,
     /// Whether an identification may fit it.
     pub fit: bool,
+    /// Whether it is the seed of noise: the component then sees it mixed with its own place in the
+    /// model, so that two components never draw the same numbers.
+    pub is_seed: bool,
 }
 
 impl Quantity {
@@ -61,6 +64,7 @@ impl Quantity {
             shape: Shape::Scalar,
             variability: Variability::Fixed,
             fit: false,
+            is_seed: false,
         }
     }
     /// With this default.
@@ -91,6 +95,12 @@ impl Quantity {
     #[must_use]
     pub const fn tunable(mut self) -> Self {
         self.variability = Variability::Tunable;
+        self
+    }
+    /// Is the seed of noise.
+    #[must_use]
+    pub const fn seed(mut self) -> Self {
+        self.is_seed = true;
         self
     }
     /// May be fitted by an identification and varied by a diagnosis.

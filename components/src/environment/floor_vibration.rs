@@ -3,7 +3,7 @@
 //! `y = x + n(t)`, `n″ + 2ζω n′ + ω² n = ω²·(white noise)`
 //!
 //! * rms in position: standard deviation of n; frequency in Hz and damping: of the mode that shapes
-//!   it (floor 5–30 Hz, table 1–5 Hz); seed: any number, different for each instance.
+//!   it (floor 5–30 Hz, table 1–5 Hz); seed: any number, mixed with the component's place.
 //! * The noise is held over each step and its strength set so that the standard deviation is rms at
 //!   any period. It is a function of seed and step.
 //! * State: n and n′/ω, at rest 0: the noise builds up within 1/(ζω).
@@ -39,7 +39,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("rms", "{position}", "Standard deviation").min(0.0).fitted(),
         Quantity::new("frequency", "Hz", "Frequency of the mode").start(10.0).min(0.0),
         Quantity::new("damping", "1", "Damping ratio of the mode").start(0.1).min(0.0),
-        Quantity::new("seed", "1", "Seed of the noise").start(1.0),
+        Quantity::new("seed", "1", "Seed of the noise").start(1.0).seed(),
     ],
 };
 

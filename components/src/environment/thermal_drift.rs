@@ -8,7 +8,8 @@
 //! * rate in position per second; settling in position; time_constant in s; expansion in position
 //!   per K; temperature_change in K: may be changed during a run, and so serves as an input. t is
 //!   the time since the start.
-//! * State: g. At rest g has reached expansion·temperature_change.
+//! * State: g, and the part of the settling that is done. At rest g has reached
+//!   expansion·temperature_change. Exact at any period.
 //!
 //! Limits: one time constant.
 
@@ -59,7 +60,7 @@ impl Component for ThermalDrift {
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: 5, states: 1 }
+        Sizes { coefficients: 4, states: 2 }
     }
 
     fn prepare(
@@ -69,25 +70,23 @@ impl Component for ThermalDrift {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (
-            &[rate, settling, time_constant, expansion, change],
-            [slope, end, per_step, fraction, growth],
-        ) = (parameters, coefficients)
+        let (&[rate, settling, time_constant, expansion, change], [slope, end, fraction, growth]) =
+            (parameters, coefficients)
         else {
             return Err(WRONG_LENGTH);
         };
         require(time_constant > 0.0, "time_constant", time_constant, "must be above zero")?;
         (*slope, *end, *growth) = (rate * period, settling, expansion * change);
-        *per_step = -period / time_constant;
-        *fraction = -expm1(*per_step);
+        *fraction = -expm1(-period / time_constant);
         Ok(())
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[.., growth], &[x], [g], [y]) = (coefficients, inputs, state, outputs) else {
+        let (&[.., growth], &[x], [g, settled], [y]) = (coefficients, inputs, state, outputs)
+        else {
             return;
         };
-        *g = growth;
+        (*g, *settled) = (growth, 0.0);
         *y = x + *g;
     }
 
@@ -99,14 +98,14 @@ impl Component for ThermalDrift {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[slope, end, per_step, fraction, growth], &[x], [g], [y]) =
+        let (&[slope, end, fraction, growth], &[x], [g, settled], [y]) =
             (coefficients, inputs, state, outputs)
         else {
             return;
         };
         *g += fraction * (growth - *g);
-        let steps = tick.index as f64;
-        *y = x + slope * steps - end * expm1(per_step * steps) + *g;
+        *settled += fraction * (1.0 - *settled);
+        *y = x + slope * tick.index as f64 + end * *settled + *g;
     }
 }
 

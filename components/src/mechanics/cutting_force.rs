@@ -10,15 +10,16 @@
 //!
 //! Source: E. Shamoto, T. Moriwaki, CIRP Annals 43 (1994) 35–38 (the process).
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::TAU;
 
-use libm::{floor, sin};
+use libm::floor;
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::turn;
 
 /// The component `cutting-force`.
 pub struct CuttingForce;
@@ -92,12 +93,14 @@ impl Component for CuttingForce {
         };
         let turns = frequency * tick.time + phase / TAU;
         let part = turns - floor(turns);
-        *y = if part < duty { x + amplitude * sin(PI * part / duty) } else { x };
+        *y = if part < duty { x + amplitude * turn::sin(0.5 * part / duty) } else { x };
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::PI;
+
     use super::*;
     use crate::testing::Instance;
 

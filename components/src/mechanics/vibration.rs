@@ -9,7 +9,6 @@
 
 use core::f64::consts::TAU;
 
-use libm::sin;
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
     Violation,
@@ -17,6 +16,7 @@ use model::{
 
 use crate::effects;
 use crate::rules::WRONG_LENGTH;
+use crate::turn;
 
 /// The component `vibration`.
 pub struct Vibration;
@@ -60,6 +60,9 @@ impl Component for Vibration {
             return Err(WRONG_LENGTH);
         }
         coefficients.copy_from_slice(parameters);
+        // Phases in turns.
+        let phases = coefficients.len() / 3 * 2;
+        coefficients.iter_mut().skip(phases).for_each(|phase| *phase /= TAU);
         Ok(())
     }
 
@@ -81,7 +84,7 @@ impl Component for Vibration {
         let (frequency, rest) = coefficients.split_at(lines);
         let (amplitude, phase) = rest.split_at(lines);
         let lines = frequency.iter().zip(amplitude).zip(phase);
-        *y = lines.fold(x, |y, ((f, a), phase)| y + a * sin(TAU * f * tick.time + phase));
+        *y = lines.fold(x, |y, ((f, a), phase)| y + a * turn::sin(f * tick.time + phase));
     }
 }
 

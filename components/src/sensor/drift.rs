@@ -3,7 +3,7 @@
 //! `y = x + d`, `d_n = d_{n−1} + per_hour·√(T/3600 s)·(normal number n)`
 //!
 //! * per_hour in position: standard deviation after one hour; after t it is per_hour·√(t/1 h).
-//!   seed: any number, different for each instance.
+//!   seed: any number, mixed with the component's place.
 //! * State: d, at rest 0. The draws are functions of seed and step.
 //!
 //! Limits: no bound; steady and thermal drift are in `thermal-drift`.
@@ -36,7 +36,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("per_hour", "{position}", "Standard deviation after one hour")
             .min(0.0)
             .fitted(),
-        Quantity::new("seed", "1", "Seed of the walk").start(1.0),
+        Quantity::new("seed", "1", "Seed of the walk").start(1.0).seed(),
     ],
 };
 

@@ -10,7 +10,6 @@
 
 use core::f64::consts::TAU;
 
-use libm::sin;
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
     Violation,
@@ -18,6 +17,7 @@ use model::{
 
 use crate::effects;
 use crate::rules::WRONG_LENGTH;
+use crate::turn;
 
 /// The component `mains-hum`.
 pub struct MainsHum;
@@ -66,6 +66,10 @@ impl Component for MainsHum {
             return Err(WRONG_LENGTH);
         }
         coefficients.copy_from_slice(parameters);
+        // Phases in turns.
+        let (lines, _) = coefficients.split_at_mut(coefficients.len().saturating_sub(1));
+        let amplitudes = lines.len() / 2;
+        lines.iter_mut().skip(amplitudes).for_each(|phase| *phase /= TAU);
         Ok(())
     }
 
@@ -87,9 +91,10 @@ impl Component for MainsHum {
             return;
         };
         let (amplitude, phase) = lines.split_at(lines.len() / 2);
-        let turn = TAU * frequency * tick.time;
+        let turns = frequency * tick.time;
         let harmonics = (1u32..).zip(amplitude.iter().zip(phase));
-        *y = harmonics.fold(x, |y, (k, (a, phase))| y + a * sin(f64::from(k) * turn + phase));
+        *y =
+            harmonics.fold(x, |y, (k, (a, phase))| y + a * turn::sin(f64::from(k) * turns + phase));
     }
 }
 

@@ -4,7 +4,7 @@
 //!
 //! * initial in s: delay at the start; offset without unit: relative clock error (1e-6 to 1e-4; >
 //!   0: the signal arrives later and later); jitter in s: standard deviation of the independent
-//!   normal number n of each step; seed: any number, different for each instance.
+//!   normal number n of each step; seed: any number, mixed with the component's place.
 //! * d is kept between 0 and the structural setting `longest`. Between samples the input is
 //!   interpolated as in `delay`.
 //! * State: a ring of the past inputs. The jitter is a function of seed and step.
@@ -12,7 +12,6 @@
 //! Limits: a clock that runs ahead needs an `initial` to take from; after `longest` the delay
 //! stays.
 
-use libm::floor;
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
     Violation,
@@ -46,7 +45,7 @@ static DECLARATION: Declaration = Declaration {
             .start(0.0)
             .min(0.0)
             .fitted(),
-        Quantity::new("seed", "1", "Seed of the jitter").start(1.0),
+        Quantity::new("seed", "1", "Seed of the jitter").start(1.0).seed(),
     ],
 };
 
@@ -80,7 +79,7 @@ impl Component for ClockOffset {
 
     fn rest(&self, _coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[u], [y]) = (inputs, outputs) else { return };
-        state.fill(u);
+        Ring(state).rest(u);
         *y = u;
     }
 
@@ -96,10 +95,11 @@ impl Component for ClockOffset {
             return;
         };
         let jitter = if spread == 0.0 { 0.0 } else { spread * normal(seed, 0, tick.index) };
-        let most = state.len().saturating_sub(2) as f64;
+        let mut ring = Ring(state);
+        let most = ring.reach() as f64;
         let steps = between(0.0, most, first + growth * tick.index as f64 + jitter);
-        let mut ring = Ring { state, index: tick.index };
-        *y = ring.push(u, floor(steps), steps - floor(steps));
+        let whole = steps as usize as f64;
+        *y = ring.push(u, whole, steps - whole);
     }
 }
 

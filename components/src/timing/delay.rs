@@ -50,31 +50,42 @@ static DECLARATION: Declaration = Declaration {
 /// rounded to double precision must not leave a fraction of 1e-16 behind.
 const WHOLE: f64 = 1e-9;
 
-/// Cells that a ring needs for the structural setting `longest`: the delayed inputs, the present
-/// one, the one before the fraction, and one for the rounding of the ratio.
+/// Cells that a ring needs for the structural setting `longest`: its position, the delayed inputs,
+/// the present one, the one before the fraction, and one for the rounding of the ratio.
 pub(super) fn ring_size(structure: &[f64], period: f64) -> usize {
     let steps = ceil(structure.first().copied().unwrap_or(0.0) / period);
-    if steps.is_finite() { steps as usize + 3 } else { 3 }
+    if steps.is_finite() { steps as usize + 4 } else { 4 }
 }
 
-/// The past inputs; the one of hit n is in cell n mod length.
-pub(super) struct Ring<'a> {
-    pub(super) state: &'a mut [f64],
-    /// Number of the present hit.
-    pub(super) index: u64,
-}
+/// The past inputs: the place of the present one, then the cells.
+pub(super) struct Ring<'a>(pub(super) &'a mut [f64]);
 
 impl Ring<'_> {
+    /// Fills the ring with a held input.
+    pub(super) fn rest(&mut self, u: f64) {
+        self.0.fill(u);
+        self.0.iter_mut().take(1).for_each(|place| *place = 0.0);
+    }
+
+    /// Most whole steps that it goes back, with a fraction behind them.
+    pub(super) fn reach(&self) -> usize {
+        self.0.len().saturating_sub(3)
+    }
+
     /// Stores the present input and returns the one that lies `whole` steps and a fraction back.
+    #[inline]
     pub(super) fn push(&mut self, u: f64, whole: f64, fraction: f64) -> f64 {
-        let room = self.state.len();
-        let at = (self.index % room.max(1) as u64) as usize;
-        if let Some(cell) = self.state.get_mut(at) {
+        let Some((place, cells)) = self.0.split_first_mut() else { return u };
+        let room = cells.len();
+        let last = *place as usize;
+        let at = if last + 1 < room { last + 1 } else { 0 };
+        *place = at as f64;
+        if let Some(cell) = cells.get_mut(at) {
             *cell = u;
         }
         let whole = (whole as usize).min(room);
         let past = |steps: usize| {
-            (at + room).checked_sub(steps).and_then(|i| self.state.get(i % room.max(1)))
+            cells.get(if at >= steps { at - steps } else { (at + room).wrapping_sub(steps) })
         };
         let (Some(&newer), Some(&older)) = (past(whole), past(whole + 1)) else { return u };
         if fraction == 0.0 { newer } else { newer + fraction * (older - newer) }
@@ -117,7 +128,7 @@ impl Component for Delay {
 
     fn rest(&self, _coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[u], [y]) = (inputs, outputs) else { return };
-        state.fill(u);
+        Ring(state).rest(u);
         *y = u;
     }
 
@@ -125,12 +136,12 @@ impl Component for Delay {
         &self,
         coefficients: &[f64],
         state: &mut [f64],
-        tick: Tick,
+        _tick: Tick,
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
         let (&[whole, fraction], &[u], [y]) = (coefficients, inputs, outputs) else { return };
-        *y = Ring { state, index: tick.index }.push(u, whole, fraction);
+        *y = Ring(state).push(u, whole, fraction);
     }
 }
 

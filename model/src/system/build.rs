@@ -179,6 +179,7 @@ impl<'a> Builder<'a> {
             path: place,
             structure: node.structure.clone(),
             parameters: 0..0,
+            seeds: seeds(declaration, &node.structure),
             enabled: None,
             coefficients,
             state,
@@ -422,4 +423,18 @@ impl<'a> Builder<'a> {
         system.pristine = system.context.clone();
         Ok(system)
     }
+}
+
+/// Places of the seeds among the parameter values.
+fn seeds(declaration: &Declaration, structure: &[f64]) -> Vec<usize> {
+    let mut at = 0;
+    let mut found = Vec::new();
+    for (index, quantity) in declaration.parameters.iter().enumerate() {
+        let end = at + declaration.length(index, structure);
+        if quantity.is_seed {
+            found.extend(at..end);
+        }
+        at = end;
+    }
+    found
 }

@@ -1,6 +1,7 @@
 //! A built chain of components that steps on its own grid.
 
 mod build;
+mod cells;
 mod derivative;
 mod past;
 mod spec;
@@ -16,6 +17,7 @@ pub use spec::{
     AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, SystemSpec,
 };
 
+use self::cells::{Cells, own_seed};
 use crate::{
     Causality, Component, Context, ContextError, MAX_PORTS, SetError, Tick, Unit, VariableTable,
     Violation,
@@ -64,6 +66,8 @@ struct Node {
     structure: Vec<f64>,
     /// Its parameters in the values.
     parameters: Range<usize>,
+    /// Which of its parameters are seeds.
+    seeds: Vec<usize>,
     /// Value that switches it on; `None`: always on.
     enabled: Option<usize>,
     coefficients: Range<usize>,
@@ -220,7 +224,7 @@ impl System {
         let mut before = 0;
         for _ in 0..MOST_PASSES {
             cells.rest(plan);
-            let now = cells.fingerprint(plan.blocks);
+            let now = cells.fingerprint();
             if now == before {
                 return Ok(());
             }
@@ -254,7 +258,7 @@ impl System {
             for wire in &plan.inputs {
                 if let Some(slope) = slopes.get(wire.variable) {
                     let value = cells.values[wire.variable] + slope * (begin - from);
-                    cells.signals(plan.blocks)[wire.signal] = wire.unit.to_si(value);
+                    cells.signals[wire.signal] = wire.unit.to_si(value);
                 }
             }
         })
@@ -283,7 +287,7 @@ impl System {
             index += 1;
             let tick = Tick { index, time, period };
             for node in &plan.nodes {
-                cells.run(node, plan.blocks, Some(tick));
+                cells.step(node, tick);
             }
         }
         self.context.index = index;
@@ -363,9 +367,7 @@ impl System {
     }
 
     fn split(&mut self) -> (&Plan, Cells<'_>) {
-        let (_values, rest) = self.context.cells.split_at_mut(self.plan.blocks[0]);
-        let values = &*_values;
-        (&self.plan, Cells { values, rest })
+        (&self.plan, Cells::of(&mut self.context.cells, self.plan.blocks))
     }
 
     /// Computes the coefficients again where a parameter changed.
@@ -387,6 +389,9 @@ impl System {
                 si.iter_mut().zip(&values[range.clone()]).zip(&variables[range])
             {
                 *si = variable.si.to_si(*value);
+            }
+            for seed in &node.seeds {
+                si[*seed] = own_seed(si[*seed], &node.path);
             }
             let coefficients = &mut coefficients[node.coefficients.clone()];
             node.component
@@ -419,66 +424,6 @@ impl System {
             }
         }
         Ok(())
-    }
-}
-
-/// The blocks of a context while components run.
-struct Cells<'a> {
-    values: &'a [f64],
-    /// coefficients | state | signals
-    rest: &'a mut [f64],
-}
-
-impl Cells<'_> {
-    /// The signals.
-    fn signals(&mut self, blocks: [usize; 3]) -> &mut [f64] {
-        &mut self.rest[blocks[2] - blocks[0]..]
-    }
-
-    /// Puts every node at rest once, in the order of the path.
-    fn rest(&mut self, plan: &Plan) {
-        for node in &plan.nodes {
-            self.run(node, plan.blocks, None);
-        }
-    }
-
-    /// Sets the outputs of all nodes to zero, so that rest does not depend on what was before.
-    fn forget_outputs(&mut self, plan: &Plan) {
-        let signals = self.signals(plan.blocks);
-        for node in &plan.nodes {
-            signals[node.outputs.clone()].fill(0.0);
-        }
-    }
-
-    /// FNV-1a over the bits of all signals.
-    fn fingerprint(&mut self, blocks: [usize; 3]) -> u64 {
-        let mix = |hash: u64, x: &f64| (hash ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3);
-        self.signals(blocks).iter().fold(0xcbf2_9ce4_8422_2325, mix)
-    }
-
-    /// Steps a node, or puts it at rest where there is no tick.
-    #[inline]
-    fn run(&mut self, node: &Node, blocks: [usize; 3], tick: Option<Tick>) {
-        let (coefficients, rest) = self.rest.split_at_mut(blocks[1] - blocks[0]);
-        let (state, signals) = rest.split_at_mut(blocks[2] - blocks[1]);
-        let mut inputs = [0.0; MAX_PORTS];
-        for (input, signal) in inputs.iter_mut().zip(&node.inputs[..node.input_count]) {
-            *input = signals[*signal];
-        }
-        let inputs = &inputs[..node.input_count];
-        let outputs = &mut signals[node.outputs.clone()];
-        if node.enabled.is_some_and(|at| self.values[at] == 0.0) {
-            for (output, input) in outputs.iter_mut().zip(inputs).take(node.paths) {
-                *output = *input;
-            }
-            return;
-        }
-        let coefficients = &coefficients[node.coefficients.clone()];
-        let state = &mut state[node.state.clone()];
-        match tick {
-            Some(tick) => node.component.step(coefficients, state, tick, inputs, outputs),
-            None => node.component.rest(coefficients, inputs, state, outputs),
-        }
     }
 }
 
