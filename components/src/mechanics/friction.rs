@@ -21,14 +21,14 @@
 
 use core::f64::consts::TAU;
 
-use libm::{ceil, exp, fabs, fmax};
+use libm::{ceil, copysign, exp, fabs, fmax};
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, require, second_order};
-use crate::solve::rising;
+use crate::solve::newton;
 
 /// The component `friction`.
 pub struct Friction;
@@ -77,29 +77,36 @@ struct Law {
 }
 
 impl Law {
-    /// Bristle deflection after an implicit step at this velocity.
-    fn bristle(&self, z: f64, v: f64) -> f64 {
+    /// Bristle deflection after an implicit step at this velocity, and its slope over the velocity.
+    #[inline]
+    fn bristle(&self, z: f64, v: f64) -> [f64; 2] {
         let ratio = v / self.stribeck;
-        let g = self.presliding * (1.0 + self.excess * exp(-ratio * ratio));
-        (z + self.h * v) / (1.0 + self.h * fabs(v) / g)
+        let bell = self.presliding * self.excess * exp(-ratio * ratio);
+        let g = self.presliding + bell;
+        let (rate, growth) = (self.h / g, 2.0 * ratio / self.stribeck * bell / g);
+        let below = 1.0 + rate * fabs(v);
+        let deflection = (z + self.h * v) / below;
+        let slope = (self.h - deflection * rate * (copysign(1.0, v) + fabs(v) * growth)) / below;
+        [deflection, slope]
     }
 
     /// The velocity that solves the implicit step.
     fn velocity(&self, [x, v, z]: [f64; 3], u: f64) -> f64 {
         let (w, h) = (self.omega, self.h);
-        let stiffness = self.coulomb / self.presliding;
-        let friction = |velocity: f64| stiffness * self.bristle(z, velocity);
-        // Everything but friction is linear: slope·velocity = drive − ω²·friction(velocity).
+        let stiffness = w * w * self.coulomb / self.presliding;
+        // Everything but friction is linear: slope·velocity = drive − stiffness·bristle(velocity).
         let slope = 1.0 / h + 2.0 * self.damping * w + w * w * h;
         let drive = v / h + w * w * (u - x);
-        let residual = |velocity: f64| slope * velocity - drive + w * w * friction(velocity);
-        if residual(0.0) == 0.0 {
+        if stiffness * z == drive {
             return 0.0;
         }
         // |z| stays below its present value or the largest g: bounds of the solution.
-        let most = w * w * stiffness * fmax(fabs(z), self.presliding * (1.0 + self.excess));
+        let most = stiffness * fmax(fabs(z), self.presliding * (1.0 + self.excess));
         let bounds = [(drive - most) / slope, (drive + most) / slope];
-        rising(0.0, bounds, residual)
+        newton(bounds, v, |velocity| {
+            let [deflection, grows] = self.bristle(z, velocity);
+            [slope * velocity - drive + stiffness * deflection, slope + stiffness * grows]
+        })
     }
 }
 
@@ -166,7 +173,7 @@ impl Component for Friction {
         for _ in 0..count as usize {
             let velocity = law.velocity([*x, *v, *z], u);
             *x += h * velocity;
-            *z = law.bristle(*z, velocity);
+            [*z, _] = law.bristle(*z, velocity);
             *v = velocity;
         }
         *y = *x;
