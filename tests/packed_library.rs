@@ -5,7 +5,8 @@
 
 mod common;
 
-use common::packed::{CONTROLLER, Host, PLANT, Packed, copy, with};
+use common::packed::{CONTROLLER, Host, PLANT, Packed, compile_library, copy, with};
+use common::{refuse, succeed};
 use std::process::Command;
 
 const BOTH: [&str; 2] = [PLANT, CONTROLLER];
@@ -157,6 +158,53 @@ fn a_library_with_the_resources_of_the_other_kind_is_refused() {
         assert!(said.starts_with("refused: fmi2Instantiate: "), "{said}");
         assert!(said.contains("kind = "), "{said}");
     }
+}
+
+/// As somebody does who has libraries for an older Linux.
+#[test]
+fn a_library_that_is_given_takes_the_place_of_the_tools_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (blueprint, version) in [(PLANT, "2"), (CONTROLLER, "3")] {
+        let fmu = Packed::new(blueprint, version);
+        let mut other = std::fs::read(fmu.library()).expect("a library");
+        other.extend(b"another build");
+        std::fs::write(folder.path().join("other.so"), &other).expect("written");
+        for platform in ["linux64", "x86_64-linux"] {
+            let binary = format!("{platform}=other.so");
+            let arguments = ["pack", blueprint, "--fmi", version, "--binary", &binary];
+            let said = succeed(&[&arguments[..], &["-o", "x.fmu"]].concat(), folder.path());
+            let of_version = if version == "2" { "linux64" } else { "x86_64-linux" };
+            assert!(said.contains(&format!("for {of_version}, ")), "{said}");
+            let packed = modeldescription::Package::open(folder.path().join("x.fmu"));
+            let packed = packed.expect("an FMU");
+            let library = packed.binary().expect("a library");
+            assert!(std::fs::read(library).expect("a library") == other, "{platform}");
+        }
+    }
+}
+
+#[test]
+fn a_library_that_would_not_serve_is_refused() {
+    let (plant, controller) = (Packed::new(PLANT, "2"), Packed::new(CONTROLLER, "2"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let trivial = folder.path().join("trivial.so");
+    compile_library("trivial.c", &trivial);
+    let path = |file: &std::path::Path| file.to_str().expect("UTF-8").to_owned();
+    for (platform, file, words) in [
+        ("linux64", path(&controller.library()), ["that of a controller", "piezoloop_plant"]),
+        ("win64", path(&plant.library()), ["Elf", "not PE for x86_64"]),
+        ("aarch64-linux", path(&plant.library()), ["X86_64", "not ELF for aarch64"]),
+        ("linux64", path(&trivial), ["no library of Piezoloop", "piezoloop_plant"]),
+        ("linux64", path(&plant.file), ["no library", "shared library"]),
+    ] {
+        let binary = format!("{platform}={file}");
+        let said = refuse(&["pack", PLANT, "--binary", &binary, "-o", "x.fmu"], folder.path());
+        assert!(words.iter().all(|word| said.contains(word)), "{words:?}: {said}");
+        assert!(said.contains(&binary) && !folder.path().join("x.fmu").exists(), "{said}");
+    }
+    let twice = format!("linux64={}", path(&plant.library()));
+    let arguments = ["pack", PLANT, "--binary", &twice, "--binary", &twice, "-o", "x.fmu"];
+    assert!(refuse(&arguments, folder.path()).contains("one library per platform"));
 }
 
 #[test]

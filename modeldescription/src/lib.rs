@@ -46,7 +46,7 @@ pub mod variable;
 mod write;
 pub mod xml;
 
-pub use check::{check, check_description, check_model, required_functions};
+pub use check::{check, check_description, check_library, check_model, required_functions};
 pub use description::{FmiVersion, ModelDescription};
 pub use package::{Package, PackageBuilder, PackageError};
 pub use problem::{Problem, Severity};

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use modeldescription::FmiVersion;
 use modeldescription::describe::{About, describe};
 use modeldescription::description::{CoSimulation, Interface};
 use modeldescription::package::{PackageBuilder, Platform};
+use modeldescription::{FmiVersion, ModelDescription, check_library};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
@@ -37,7 +37,8 @@ pub(crate) struct Pack {
     /// such as axis[1].backlash.enabled=true brings it in
     #[arg(long)]
     all_effects: bool,
-    /// A shared library for a further platform (may be given several times)
+    /// A shared library of this tool for a further platform, or for this one in the place of that
+    /// which the tool carries (may be given several times)
     #[arg(long = "binary", value_name = "PLATFORM=FILE")]
     binaries: Vec<String>,
 }
@@ -85,12 +86,13 @@ impl Pack {
         }
         let output = inputs::output(self.out.clone(), &source.blueprint.name, "fmu");
         inputs::not_over(&output, &[&self.blueprint])?;
-        let extra = further_binaries(&self.binaries)?;
+        let binaries: Vec<_> =
+            self.binaries.iter().map(|text| Binary::read(text)).collect::<Result<_, _>>()?;
         let version = match self.fmi {
             Version::Two => FmiVersion::V2,
             Version::Three => FmiVersion::V3,
         };
-        pack(&source, version, &extra, &output)
+        pack(&source, version, &binaries, &output)
     }
 }
 
@@ -98,13 +100,15 @@ impl Pack {
 pub(crate) fn pack(
     source: &inputs::BlueprintText,
     version: FmiVersion,
-    further: &[(String, Vec<u8>)],
+    given: &[Binary],
     output: &Path,
 ) -> anyhow::Result<Packed> {
     let system = source.blueprint.check(components::COMPONENTS)?.build();
-    let (library, kind) = match system.kind() {
-        model::Kind::Plant => (&libraries::PLANT, "plant"),
-        model::Kind::Controller => (&libraries::CONTROLLER, "controller"),
+    let (library, kind, icon): (_, _, &[u8]) = match system.kind() {
+        model::Kind::Plant => (&libraries::PLANT, "plant", include_bytes!("../icons/plant.png")),
+        model::Kind::Controller => {
+            (&libraries::CONTROLLER, "controller", include_bytes!("../icons/controller.png"))
+        }
     };
     let mut about = About::new(version, system.name(), co_simulation(&system), system.period());
     let categories = fmi_bindings::export::LOG_CATEGORIES;
@@ -115,11 +119,23 @@ pub(crate) fn pack(
     about.license = Some("MIT OR Apache-2.0 (the shared library)".to_owned());
     let description = describe(system.variables(), &about)?;
     let mut package = PackageBuilder::new(&description)?;
-    package.binary(libraries::PLATFORM, library.bytes.to_vec())?;
-    let mut platforms = vec![libraries::PLATFORM.to_owned()];
-    for (platform, bytes) in further {
-        package.binary(platform, bytes.clone())?;
-        platforms.push(platform.clone());
+    let mut platforms = Vec::new();
+    let carried = Platform::from_name(libraries::PLATFORM);
+    if !given.iter().any(|binary| Some(binary.platform) == carried) {
+        let folder = carried.map_or(libraries::PLATFORM, |platform| platform.folder(version));
+        package.binary(folder, library.bytes.to_vec())?;
+        platforms.push(folder.to_owned());
+    }
+    for binary in given {
+        binary.check(kind, &description)?;
+        let folder = binary.platform.folder(version);
+        package
+            .binary(folder, binary.bytes.clone())
+            .with_context(|| format!("--binary {}: give one library per platform", binary.text))?;
+        platforms.push(folder.to_owned());
+    }
+    if version == FmiVersion::V2 {
+        package.entry("model.png", icon.to_vec())?;
     }
     package.resource("blueprint.toml", source.text.clone().into_bytes())?;
     let notice =
@@ -162,29 +178,53 @@ fn co_simulation(system: &model::System) -> CoSimulation {
     }
 }
 
-/// Reads the libraries of `--binary PLATFORM=FILE`.
-fn further_binaries(given: &[String]) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
-    let mut all = Vec::new();
-    for text in given {
-        let Some((platform, file)) = text.split_once('=') else {
+/// A library given with `--binary`.
+pub(crate) struct Binary {
+    /// As it was given, for messages.
+    text: String,
+    platform: Platform,
+    bytes: Vec<u8>,
+}
+
+impl Binary {
+    /// Reads `PLATFORM=FILE`.
+    fn read(text: &str) -> anyhow::Result<Self> {
+        let Some((name, file)) = text.split_once('=') else {
             bail!("--binary {text}: write PLATFORM=FILE, as in win64=piezoloop_plant.dll");
         };
-        if Platform::from_name(platform).is_none() {
+        let Some(platform) = Platform::from_name(name) else {
             bail!(
-                "--binary {text}: \"{platform}\" is no platform of FMI; use linux64, win64, darwin64, \
+                "--binary {text}: \"{name}\" is no platform of FMI; use linux64, win64, darwin64, \
                  aarch64-linux, …"
             );
-        }
-        if platform == libraries::PLATFORM {
-            bail!(
-                "--binary {text}: the FMU carries a library for {platform} already; leave it out"
-            );
-        }
+        };
         let bytes = std::fs::read(file)
             .with_context(|| format!("--binary {text}: {file} cannot be read"))?;
-        all.push((platform.to_owned(), bytes));
+        Ok(Self { text: text.to_owned(), platform, bytes })
     }
-    Ok(all)
+
+    /// Whether it is this tool's library of the kind that the FMU needs, for the platform that was
+    /// said.
+    fn check(&self, kind: &str, description: &ModelDescription) -> anyhow::Result<()> {
+        if let Some(fault) = check_library(&self.bytes, self.platform, description).first() {
+            bail!("--binary {}: {fault}", self.text);
+        }
+        // Each library carries this sentence, which it says when it finds the other's blueprint.
+        let holds = |kind: &str| {
+            let sentence = format!("this is the binary of a {kind}");
+            self.bytes.windows(sentence.len()).any(|part| part == sentence.as_bytes())
+        };
+        if holds(kind) {
+            return Ok(());
+        }
+        let what = ["plant", "controller"].into_iter().find(|other| holds(other));
+        bail!(
+            "--binary {}: the file is {}; a {kind} needs piezoloop_{kind}, built from the sources of \
+             this tool",
+            self.text,
+            what.map_or("no library of Piezoloop".to_owned(), |what| format!("that of a {what}"))
+        )
+    }
 }
 
 impl Answer for Packed {

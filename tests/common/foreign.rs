@@ -1,4 +1,4 @@
-//! A second Python environment, with foreign tools that not every machine can have.
+//! Further Python environments, with foreign tools that not every machine can have.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -10,27 +10,32 @@ use super::root;
 /// The interpreter with the foreign tools, or `None` with a line that says why tests are skipped.
 pub(crate) fn python() -> Option<&'static Path> {
     static MADE: OnceLock<Option<PathBuf>> = OnceLock::new();
-    MADE.get_or_init(|| match environment() {
-        Ok(interpreter) => Some(interpreter),
-        Err(reason) => {
-            println!("SKIPPED: no environment with foreign tools: {reason}");
-            None
-        }
-    })
-    .as_deref()
+    MADE.get_or_init(|| environment("foreign")).as_deref()
 }
 
-fn environment() -> Result<PathBuf, String> {
-    if let Some(given) = std::env::var_os("PIEZOLOOP_FOREIGN_PYTHON") {
+/// The interpreter with the packages of `tests/python/requirements-<name>.txt`, made once under
+/// `target/`; or `None` with a line that says why tests are skipped. The variable
+/// `PIEZOLOOP_<NAME>_PYTHON` may name an interpreter that has them.
+pub(crate) fn environment(name: &str) -> Option<PathBuf> {
+    let made = make(name);
+    if let Err(reason) = &made {
+        println!("SKIPPED: no environment of requirements-{name}.txt: {reason}");
+    }
+    made.ok()
+}
+
+fn make(name: &str) -> Result<PathBuf, String> {
+    if let Some(given) = std::env::var_os(format!("PIEZOLOOP_{}_PYTHON", name.to_uppercase())) {
         return Ok(PathBuf::from(given));
     }
-    let requirements = root().join("tests/python/requirements-foreign.txt");
+    let requirements = root().join(format!("tests/python/requirements-{name}.txt"));
     let base = root().join("tests/python/requirements.txt");
     let text = |path: &Path| fs::read_to_string(path).map_err(|e| e.to_string());
     let wanted = text(&base)? + &text(&requirements)?;
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().ok_or("no target folder")?;
-    let folder = target.join("python-foreign");
-    let lock = File::create(target.join("python-foreign.lock")).map_err(|e| e.to_string())?;
+    let folder = target.join(format!("python-{name}"));
+    let lock =
+        File::create(target.join(format!("python-{name}.lock"))).map_err(|e| e.to_string())?;
     lock.lock().map_err(|e| e.to_string())?;
     let interpreter = folder.join("bin/python");
     let stamp = folder.join("requirements.txt");

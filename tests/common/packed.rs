@@ -62,6 +62,16 @@ impl Packed {
         found.unwrap_or_else(|| panic!("no variable {name}")).value_reference.to_string()
     }
 
+    /// Numbers of input and output values in FMI 3.0, where arrays have several.
+    pub(crate) fn array_values(&self) -> [&'static str; 2] {
+        if self.name() == "evc" { ["2", "2"] } else { ["4", "6"] }
+    }
+
+    /// Puts another library in the place of its own.
+    pub(crate) fn exchange_library(&self, library: &Path) {
+        fs::copy(library, self.library()).expect("a copy");
+    }
+
     /// The internal period in s.
     pub(crate) fn period(&self) -> f64 {
         let experiment = self.package.description().default_experiment.as_ref();
@@ -131,6 +141,24 @@ impl Host {
         Self { program, _folder: folder }
     }
 
+    /// Compiles it with the address, leak and undefined-behaviour sanitizers; `None` with a line
+    /// that says why, where the compiler has none.
+    pub(crate) fn sanitized(source: &str) -> Option<Self> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let program = folder.path().join("host");
+        let empty = folder.path().join("empty.c");
+        fs::write(&empty, "int main(void) { return 0; }").expect("written");
+        let flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"];
+        let tried = Command::new("cc").args(flags).arg(&empty).arg("-o").arg(&program).status();
+        if !tried.is_ok_and(|status| status.success()) {
+            println!("SKIPPED: the C compiler has no sanitizers (Debian: libgcc-12-dev)");
+            return None;
+        }
+        let link = ["-rdynamic", "-ldl", "-lm", "-lpthread"];
+        compile(source, &[&flags[..], &link[..]].concat(), &program);
+        Some(Self { program, _folder: folder })
+    }
+
     /// Runs it; the environment is such that a panic would ask for a backtrace.
     pub(crate) fn output(&self, arguments: &[String]) -> Output {
         let mut command = Command::new(&self.program);
@@ -141,8 +169,9 @@ impl Host {
     /// Runs it under valgrind, which must find neither a wrong access nor a leak.
     pub(crate) fn run_under_valgrind(&self, arguments: &[String]) -> String {
         let mut command = Command::new("valgrind");
-        command.args(["-q", "--leak-check=full", "--show-leak-kinds=definite,indirect"]);
-        command.arg("--errors-for-leak-kinds=definite,indirect").arg("--error-exitcode=9");
+        command.args(["-q", "--leak-check=full", "--show-leak-kinds=definite,indirect,possible"]);
+        command.arg("--errors-for-leak-kinds=definite,indirect,possible");
+        command.arg("--error-exitcode=9");
         well(&command.arg(&self.program).args(arguments).output().expect("valgrind starts"))
     }
 
@@ -150,6 +179,18 @@ impl Host {
     pub(crate) fn run(&self, arguments: &[String]) -> String {
         well(&self.output(arguments))
     }
+}
+
+/// The seed of random calls: `PIEZOLOOP_SEED`, else always the same.
+pub(crate) fn seed() -> String {
+    std::env::var("PIEZOLOOP_SEED").unwrap_or_else(|_| "20".to_owned())
+}
+
+/// The arguments of `fuzz2.c` and `fuzz3.c`.
+pub(crate) fn random_calls(fmu: &Packed, version: &str, rounds: &str) -> Vec<String> {
+    let variables = fmu.package.description().variables.len().to_string();
+    let arguments = with(fmu.arguments(), &[&variables, &seed(), rounds]);
+    if version == "3" { with(arguments, &fmu.array_values()) } else { arguments }
 }
 
 /// What a host printed that ended well.

@@ -18,7 +18,7 @@ use std::path::Path;
 pub use functions::required_functions;
 
 use crate::description::{FmiVersion, Line, ModelDescription, TypeDefinition, Unit};
-use crate::package::{Limits, PackageError};
+use crate::package::{Limits, PackageError, Platform};
 use crate::problem::{Problem, Topic};
 use crate::read::{self, ParseError};
 use crate::variable::{Properties, Variable};
@@ -65,6 +65,17 @@ pub fn check_model(description: &ModelDescription) -> Vec<Problem> {
     references::check(&mut checker);
     structure::check(&mut checker);
     checker.problems
+}
+
+/// What is wrong with a shared library that should serve an FMU of this description on a platform: a
+/// sentence each, with the rule and the way out. No code of the library runs.
+pub fn check_library(
+    library: &[u8],
+    platform: Platform,
+    description: &ModelDescription,
+) -> Vec<String> {
+    let faults = binary::faults(library, platform, &required_functions(description));
+    faults.into_iter().map(|(found, rule, way)| format!("{found}; {rule}: {way}")).collect()
 }
 
 /// The description under examination and what was found so far.
