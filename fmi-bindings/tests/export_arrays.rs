@@ -242,3 +242,28 @@ fn directional_derivatives_are_spread_out() {
     let arrays = Arrays::ready(plant);
     assert_eq!(arrays.derivative(&[POSITION], &[1], &[1.0], 2).0, fmi3Error);
 }
+
+#[test]
+fn slopes_of_outputs_are_spread_out() {
+    let slopes = |arrays: &Arrays, references: &[u32], count: usize| {
+        let (mut values, orders) = (vec![f64::NAN; count], vec![1; references.len()]);
+        let (r, v) = (references.as_ptr(), values.as_mut_ptr());
+        let (n, o) = (references.len(), orders.as_ptr());
+        let status = unsafe { v3::fmi3GetOutputDerivatives(arrays.fmu, r, n, o, v, count) };
+        (status, values)
+    };
+    let arrays = Arrays::ready(plant);
+    assert_eq!(slopes(&arrays, &[POSITION], 2), (fmi3OK, vec![0.0; 2]));
+    assert_eq!(arrays.set(&[COMMAND], &[3.0, -1.0]), fmi3OK);
+    assert_eq!(arrays.step(0.0, PERIOD), fmi3OK);
+    let position = arrays.get(&[POSITION], 2).1;
+    let wanted = position.iter().map(|y| y / PERIOD).collect::<Vec<_>>();
+    assert_eq!(slopes(&arrays, &[POSITION], 2), (fmi3OK, wanted));
+    for (references, count, part) in
+        [(&[POSITION][..], 1, "but 1 in values"), (&[COMMAND], 2, "is no Real output")]
+    {
+        let arrays = Arrays::ready(plant);
+        assert_eq!(slopes(&arrays, references, count).0, fmi3Error);
+        assert!(arrays.last().contains(part), "{}", arrays.last());
+    }
+}

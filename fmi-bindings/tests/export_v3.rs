@@ -307,7 +307,7 @@ fn call(function: &str, fmu: &Fmu3, state: fmi3FMUState) -> fmi3Status {
             "fmi3GetNumberOfEventIndicators" => v3::fmi3GetNumberOfEventIndicators(i, &mut size),
             "fmi3GetNumberOfContinuousStates" => v3::fmi3GetNumberOfContinuousStates(i, &mut size),
             "fmi3EnterStepMode" => v3::fmi3EnterStepMode(i),
-            "fmi3GetOutputDerivatives" => v3::fmi3GetOutputDerivatives(i, &2, 1, &1, real, 1),
+            "fmi3GetOutputDerivatives" => v3::fmi3GetOutputDerivatives(i, &2, 1, &1, real, 2),
             "fmi3DoStep" => fmu.step(0.0, 1e-3),
             "fmi3ActivateModelPartition" => v3::fmi3ActivateModelPartition(i, 0, 0.0),
             other => panic!("the test does not call {other}"),

@@ -33,4 +33,4 @@ pub use system::{
 };
 pub use system::{DerivativeError, DerivativeRoom, Past};
 pub use unit::{BASE_UNITS, Unit, UnitError};
-pub use variable::{Causality, DataType, SetError, Variable, VariableTable};
+pub use variable::{Causality, DataType, Gate, SetError, Variable, VariableTable};

@@ -61,10 +61,43 @@ pub struct Variable {
     pub initial_dependencies: Option<Vec<u32>>,
 }
 
+/// What has to be known about a variable each time it is read or set.
+#[derive(Clone, Copy, Debug)]
+pub struct Gate {
+    /// Its type.
+    pub data_type: DataType,
+    /// Its causality.
+    pub causality: Causality,
+    /// Values that can be set lie between these two; none does for an output.
+    least: f64,
+    greatest: f64,
+}
+
+impl Gate {
+    fn of(variable: &Variable) -> Self {
+        let (least, greatest) = match variable.causality {
+            // An input may pass its bounds: they tell what the machine is made for.
+            Causality::Input => (f64::MIN, f64::MAX),
+            Causality::Output => (f64::INFINITY, f64::NEG_INFINITY),
+            _ => (variable.min.max(f64::MIN), variable.max.min(f64::MAX)),
+        };
+        let Variable { data_type, causality, .. } = *variable;
+        Self { data_type, causality, least, greatest }
+    }
+
+    /// Whether this value can be set: a finite number, of a parameter one within its bounds.
+    #[inline]
+    #[must_use]
+    pub fn takes(&self, value: f64) -> bool {
+        (self.least..=self.greatest).contains(&value)
+    }
+}
+
 /// All variables of a system, by value reference.
 #[derive(Clone, Debug, Default)]
 pub struct VariableTable {
     variables: Vec<Variable>,
+    gates: Vec<Gate>,
 }
 
 /// Why a value was refused.
@@ -106,7 +139,15 @@ impl VariableTable {
     /// The table of these variables; value references are the indices.
     #[must_use]
     pub fn new(variables: Vec<Variable>) -> Self {
-        Self { variables }
+        let gates = variables.iter().map(Gate::of).collect();
+        Self { variables, gates }
+    }
+
+    /// What has to be known about the variable with this value reference to read or set it.
+    #[inline]
+    #[must_use]
+    pub fn gate(&self, reference: u32) -> Option<&Gate> {
+        self.gates.get(reference as usize)
     }
 
     /// All variables, in the order of their value references.

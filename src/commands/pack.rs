@@ -172,6 +172,7 @@ fn co_simulation(system: &model::System) -> CoSimulation {
             ..Interface::new(system.name())
         },
         can_handle_variable_communication_step_size: true,
+        max_output_derivative_order: 1,
         can_interpolate_inputs: true,
         fixed_internal_step_size: Some(system.period()),
         ..CoSimulation::default()

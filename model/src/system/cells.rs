@@ -5,19 +5,35 @@ use crate::{MAX_PORTS, Tick};
 
 /// Values, coefficients, state and signals, cut once per call.
 pub(super) struct Cells<'a> {
-    pub(super) values: &'a [f64],
+    values: &'a [f64],
     coefficients: &'a [f64],
     state: &'a mut [f64],
-    pub(super) signals: &'a mut [f64],
+    signals: &'a mut [f64],
 }
 
 impl<'a> Cells<'a> {
     /// The blocks of these cells, beginning where `blocks` says.
+    #[inline(always)]
     pub(super) fn of(cells: &'a mut [f64], blocks: [usize; 3]) -> Self {
         let (values, rest) = cells.split_at_mut(blocks[0]);
         let (coefficients, rest) = rest.split_at_mut(blocks[1] - blocks[0]);
         let (state, signals) = rest.split_at_mut(blocks[2] - blocks[1]);
         Self { values, coefficients, state, signals }
+    }
+
+    /// Feeds the signals of the inputs with their values.
+    #[inline(always)]
+    pub(super) fn read_inputs(&mut self, plan: &Plan) {
+        for (wire, value) in plan.inputs.iter().zip(self.values) {
+            self.signals[wire.signal] = wire.unit.to_si(*value);
+        }
+    }
+
+    /// As [`read_inputs`](Self::read_inputs), `elapsed` seconds along the slopes.
+    pub(super) fn move_inputs(&mut self, plan: &Plan, slopes: &[f64], elapsed: f64) {
+        for ((wire, value), slope) in plan.inputs.iter().zip(self.values).zip(slopes) {
+            self.signals[wire.signal] = wire.unit.to_si(value + slope * elapsed);
+        }
     }
 
     /// Puts every node at rest once, in the order of the path.
@@ -30,7 +46,7 @@ impl<'a> Cells<'a> {
     }
 
     /// Steps a node.
-    #[inline]
+    #[inline(always)]
     pub(super) fn step(&mut self, node: &Node, tick: Tick) {
         self.call(node, |node, coefficients, state, inputs, outputs| {
             node.component.step(coefficients, state, tick, inputs, outputs);

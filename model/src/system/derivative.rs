@@ -74,7 +74,7 @@ impl fmt::Display for DerivativeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unknown { .. } => {
-                f.write_str("is no Real output; only those have directional derivatives")
+                f.write_str("is no Real output; only those have derivatives")
             }
             Self::Known { at_rest: true, .. } => {
                 f.write_str("is neither a Real input nor a Real parameter; differentiate by one of those")
@@ -144,6 +144,31 @@ impl System {
         for (position, reference) in unknowns.iter().enumerate() {
             let slope = self.output(*reference).map_or(0.0, |at| room.outputs[at].slope);
             write(position, slope);
+        }
+        Ok(())
+    }
+
+    /// The slope of outputs in time, in their unit per second: `(y_n − y_{n−1})/period`, that of the
+    /// straight line through their values at the last two hits. At rest, and as long as there was no
+    /// hit, it is 0. `write` gets position and slope of each of the `unknowns`.
+    ///
+    /// It allocates nothing and changes nothing but `room`.
+    ///
+    /// # Errors
+    /// [`DerivativeError`]; nothing is written then.
+    pub fn output_slopes(
+        &mut self,
+        room: &mut DerivativeRoom,
+        past: &Past,
+        unknowns: &[u32],
+        mut write: impl FnMut(usize, f64),
+    ) -> Result<(), DerivativeError> {
+        self.check_unknowns(unknowns)?;
+        let moved = self.one_hit_before(&mut room.scratch, past).map_err(DerivativeError::Step)?;
+        for (position, reference) in unknowns.iter().enumerate() {
+            let at = *reference as usize;
+            let change = self.context.cells[at] - room.scratch.cells[at];
+            write(position, if moved { change / self.plan.period } else { 0.0 });
         }
         Ok(())
     }

@@ -5,6 +5,7 @@ mod cells;
 mod derivative;
 mod past;
 mod spec;
+mod step;
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -17,9 +18,8 @@ pub use spec::{
     AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, SystemSpec,
 };
 
-use self::cells::{Cells, own_seed};
 use crate::{
-    Causality, Component, Context, ContextError, MAX_PORTS, SetError, Tick, Unit, VariableTable,
+    Causality, Component, Context, ContextError, MAX_PORTS, SetError, Unit, VariableTable,
     Violation,
 };
 
@@ -45,9 +45,11 @@ pub(crate) struct Plan {
     period: f64,
     variables: VariableTable,
     nodes: Vec<Node>,
-    /// Input variables and the signals that they feed.
+    /// Input variables and the signals that they feed. The variables are the first of the table, in
+    /// this order.
     inputs: Vec<Wire>,
-    /// Output variables and the signals that they show.
+    /// Output variables and the signals that they show. The variables follow the inputs, in this
+    /// order.
     outputs: Vec<Wire>,
     /// Where the blocks of the context's cells begin: coefficients, state, signals.
     blocks: [usize; 3],
@@ -87,9 +89,6 @@ struct Wire {
     signal: usize,
     unit: Unit,
 }
-
-/// Passes over the chain within which signals that are read back must settle at rest.
-const MOST_PASSES: usize = 1000;
 
 /// Why a step could not be done. The message names what and how to mend it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,145 +153,57 @@ impl System {
     }
 
     /// The value of a variable in its own unit.
+    #[inline]
     #[must_use]
     pub fn get(&self, reference: u32) -> Option<f64> {
-        let index = reference as usize;
-        (index < self.plan.variables.len()).then(|| self.context.cells[index])
+        self.context.cells[..self.plan.blocks[0]].get(reference as usize).copied()
     }
 
-    /// Sets an input or a parameter, in its own unit. A parameter takes effect at the next step.
+    /// Sets an input or a parameter, in its own unit. A parameter takes effect at the next hit.
     ///
     /// # Errors
     /// [`SetError`]; nothing is changed then.
+    #[inline]
     pub fn set(&mut self, reference: u32, value: f64) -> Result<(), SetError> {
-        self.check(reference, value)?;
-        let cell = &mut self.context.cells[reference as usize];
-        let is_input =
-            self.plan.variables.as_slice()[reference as usize].causality == Causality::Input;
-        if !is_input && cell.to_bits() != value.to_bits() {
-            self.context.dirty = true;
+        match self.plan.variables.gate(reference) {
+            Some(gate) if gate.takes(value) => {
+                let cell = &mut self.context.cells[reference as usize];
+                if gate.causality != Causality::Input && cell.to_bits() != value.to_bits() {
+                    self.context.dirty = true;
+                }
+                *cell = value;
+                Ok(())
+            }
+            _ => Err(self.not_settable(reference, value)),
         }
-        *cell = value;
-        Ok(())
+    }
+
+    /// Why [`set`](Self::set) does not take this value.
+    #[cold]
+    fn not_settable(&self, reference: u32, value: f64) -> SetError {
+        let count = self.plan.variables.len() as u32;
+        let Some(variable) = self.plan.variables.get(reference) else {
+            return SetError::Unknown { reference, count };
+        };
+        if variable.causality == Causality::Output {
+            return SetError::NotSettable { reference };
+        }
+        if !value.is_finite() {
+            return SetError::NotFinite { reference, value };
+        }
+        SetError::OutOfRange { reference, value, min: variable.min, max: variable.max }
     }
 
     /// Whether [`set`](Self::set) would take this value.
     ///
     /// # Errors
     /// As [`set`](Self::set).
+    #[inline]
     pub fn check(&self, reference: u32, value: f64) -> Result<(), SetError> {
-        let count = self.plan.variables.len() as u32;
-        let Some(variable) = self.plan.variables.get(reference) else {
-            return Err(SetError::Unknown { reference, count });
-        };
-        if variable.causality == Causality::Output {
-            return Err(SetError::NotSettable { reference });
+        match self.plan.variables.gate(reference) {
+            Some(gate) if gate.takes(value) => Ok(()),
+            _ => Err(self.not_settable(reference, value)),
         }
-        if !value.is_finite() {
-            return Err(SetError::NotFinite { reference, value });
-        }
-        let (min, max) = (variable.min, variable.max);
-        if variable.causality != Causality::Input && !(min..=max).contains(&value) {
-            return Err(SetError::OutOfRange { reference, value, min, max });
-        }
-        Ok(())
-    }
-
-    /// Puts the system at rest under its present inputs at time `start`: computes the coefficients,
-    /// the state of a machine whose inputs were held forever, and the outputs. It may be called
-    /// again with other inputs or parameters before the first step.
-    ///
-    /// # Errors
-    /// [`StepError::Parameters`] where the parameters break a rule as a set.
-    pub fn initialise(&mut self, start: f64) -> Result<(), StepError> {
-        (self.context.start, self.context.index) = (start, 0);
-        self.context.dirty = true;
-        self.prepare()?;
-        self.read_inputs();
-        self.settle()?;
-        self.write_outputs()
-    }
-
-    /// Puts every node at rest; where a signal is read back, until all signals stay as they are.
-    fn settle(&mut self) -> Result<(), StepError> {
-        let (plan, mut cells) = self.split();
-        if !plan.reads_back {
-            cells.rest(plan);
-            return Ok(());
-        }
-        cells.forget_outputs(plan);
-        let mut before = 0;
-        for _ in 0..MOST_PASSES {
-            cells.rest(plan);
-            let now = cells.fingerprint();
-            if now == before {
-                return Ok(());
-            }
-            before = now;
-        }
-        Err(StepError::NoRest)
-    }
-
-    /// Performs every hit with `t_n ≤ time + 1e-9·period`, with the present inputs. Returns how many.
-    ///
-    /// # Errors
-    /// [`StepError`]: parameters that break a rule, or an output that is not finite.
-    pub fn advance(&mut self, time: f64) -> Result<u64, StepError> {
-        self.hits(time, |_, _, _| ())
-    }
-
-    /// As [`advance`](Self::advance), with inputs that move on straight lines: at time `t` the input
-    /// with value reference `i` is `u_i + slopes[i]·(t − from)`, `u_i` being the value that was set
-    /// and the slope in its unit per second. Hit `n` takes the inputs as they are at `t_{n-1}`, as
-    /// if they were set there. Inputs without a slope here are held.
-    ///
-    /// # Errors
-    /// As [`advance`](Self::advance).
-    pub fn advance_along(
-        &mut self,
-        time: f64,
-        from: f64,
-        slopes: &[f64],
-    ) -> Result<u64, StepError> {
-        self.hits(time, |plan, cells, begin| {
-            for wire in &plan.inputs {
-                if let Some(slope) = slopes.get(wire.variable) {
-                    let value = cells.values[wire.variable] + slope * (begin - from);
-                    cells.signals[wire.signal] = wire.unit.to_si(value);
-                }
-            }
-        })
-    }
-
-    /// Performs the hits up to `time`; `before` is called before each with its begin in s.
-    fn hits(
-        &mut self,
-        time: f64,
-        before: impl Fn(&Plan, &mut Cells<'_>, f64),
-    ) -> Result<u64, StepError> {
-        self.prepare()?;
-        self.read_inputs();
-        let (start, period) = (self.context.start, self.plan.period);
-        // Far from zero, a billionth of a period is less than what adding up times loses.
-        let limit = time + (1e-9 * period).max(4.0 * f64::EPSILON * time.abs());
-        let first = self.context.index;
-        let mut index = first;
-        let (plan, mut cells) = self.split();
-        loop {
-            let time = start + (index + 1) as f64 * period;
-            if time > limit || !limit.is_finite() {
-                break;
-            }
-            before(plan, &mut cells, start + index as f64 * period);
-            index += 1;
-            let tick = Tick { index, time, period };
-            for node in &plan.nodes {
-                cells.step(node, tick);
-            }
-        }
-        self.context.index = index;
-        self.write_outputs()?;
-        Ok(index - first)
     }
 
     /// Back to the state right after building.
@@ -364,66 +275,6 @@ impl System {
             None => fmt::write(&mut text, format_args!("{error}")),
         };
         text
-    }
-
-    fn split(&mut self) -> (&Plan, Cells<'_>) {
-        (&self.plan, Cells::of(&mut self.context.cells, self.plan.blocks))
-    }
-
-    /// Computes the coefficients again where a parameter changed.
-    fn prepare(&mut self) -> Result<(), StepError> {
-        if !self.context.dirty {
-            return Ok(());
-        }
-        let blocks = self.plan.blocks;
-        let (values, rest) = self.context.cells.split_at_mut(blocks[0]);
-        let (coefficients, scratch) = rest.split_at_mut(blocks[1] - blocks[0]);
-        // The last cells are scratch for the SI values of one node.
-        let scratch_start = scratch.len() - self.plan.widest;
-        let scratch = &mut scratch[scratch_start..];
-        let variables = self.plan.variables.as_slice();
-        for (number, node) in self.plan.nodes.iter().enumerate() {
-            let range = node.parameters.clone();
-            let si = &mut scratch[..range.len()];
-            for ((si, value), variable) in
-                si.iter_mut().zip(&values[range.clone()]).zip(&variables[range])
-            {
-                *si = variable.si.to_si(*value);
-            }
-            for seed in &node.seeds {
-                si[*seed] = own_seed(si[*seed], &node.path);
-            }
-            let coefficients = &mut coefficients[node.coefficients.clone()];
-            node.component
-                .prepare(&node.structure, si, self.plan.period, coefficients)
-                .map_err(|violation| StepError::Parameters { node: number, violation })?;
-        }
-        self.context.dirty = false;
-        Ok(())
-    }
-
-    fn read_inputs(&mut self) {
-        let signals = self.plan.blocks[2];
-        for wire in &self.plan.inputs {
-            let value = wire.unit.to_si(self.context.cells[wire.variable]);
-            self.context.cells[signals + wire.signal] = value;
-        }
-    }
-
-    fn write_outputs(&mut self) -> Result<(), StepError> {
-        let signals = self.plan.blocks[2];
-        for wire in &self.plan.outputs {
-            let value = wire.unit.from_si(self.context.cells[signals + wire.signal]);
-            self.context.cells[wire.variable] = value;
-        }
-        for wire in &self.plan.outputs {
-            let value = self.context.cells[wire.variable];
-            if !value.is_finite() {
-                let reference = wire.variable as u32;
-                return Err(StepError::NotFinite { reference, value, time: self.time() });
-            }
-        }
-        Ok(())
     }
 }
 

@@ -1,5 +1,7 @@
 //! The variables as FMI 3.0 shows them: arrays where the model has `name[1]`, `name[2]`, …
 
+use std::ops::Range;
+
 use model::{DataType, VariableTable};
 
 use super::Instance;
@@ -10,7 +12,7 @@ use crate::export::phase::Phase;
 /// interface without: the value references are the model's own.
 #[derive(Default)]
 pub(super) struct Layout {
-    /// By value reference: where its elements begin in `elements`, and how many there are; none
+    /// By value reference: where its elements begin and end in `elements`; nowhere
     /// where the model's variable is an element of an array, but not the first.
     spans: Vec<(usize, usize)>,
     elements: Vec<u32>,
@@ -27,7 +29,8 @@ impl Layout {
         };
         for bundle in table.bundles() {
             let reference = bundle.elements[0];
-            layout.spans[reference as usize] = (layout.elements.len(), bundle.elements.len());
+            let first = layout.elements.len();
+            layout.spans[reference as usize] = (first, first + bundle.elements.len());
             for (number, element) in (1..).zip(&bundle.elements) {
                 layout.homes[*element as usize] = (reference, bundle.is_array.then_some(number));
             }
@@ -36,11 +39,17 @@ impl Layout {
         layout
     }
 
+    /// Where the elements of the variable with this value reference are; nowhere if there is no
+    /// such variable.
+    #[inline]
+    fn span(&self, reference: u32) -> Range<usize> {
+        self.spans.get(reference as usize).map_or(0..0, |(start, end)| *start..*end)
+    }
+
     /// The elements of the variable with this value reference; none if there is no such variable.
     #[inline]
     fn elements(&self, reference: u32) -> &[u32] {
-        let (start, count) = self.spans.get(reference as usize).copied().unwrap_or_default();
-        &self.elements[start..start + count]
+        &self.elements[self.span(reference)]
     }
 
     /// Where the model's variable is found.
@@ -108,25 +117,20 @@ impl Instance {
                 return Err(self.unknown(*reference, self.type_name(wanted)));
             }
             for element in self.layout.elements(*reference) {
-                let value = read(at);
-                self.settable(*element, wanted, value)?;
-                self.system.check(*element, value).map_err(|error| self.not_set(&error))?;
+                if !self.takes(*element, wanted, read(at)) {
+                    return Err(self.not_taken(*element, wanted, read(at)));
+                }
                 at += 1;
             }
         }
         at = 0;
         for reference in references {
-            for element in self.layout.elements(*reference) {
-                // Checked above.
-                if let Err(error) = self.system.set(*element, read(at)) {
-                    return Err(self.not_set(&error));
-                }
+            for place in self.layout.span(*reference) {
+                self.put(self.layout.elements[place], read(at))?;
                 at += 1;
             }
         }
-        if self.progress.phase != Phase::Step {
-            self.progress.stale = true;
-        }
+        self.follow();
         Ok(())
     }
 
@@ -147,6 +151,23 @@ impl Instance {
             .and_then(|()| {
                 self.directional_derivative(&lists.knowns, seed, &lists.unknowns, write)
             });
+        self.lists = lists;
+        done
+    }
+
+    /// As [`output_slopes`](Self::output_slopes), of variables that may be arrays: one order for
+    /// each variable, one slope for each element.
+    pub(in crate::export) fn output_slopes_of_arrays(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        count: usize,
+        write: impl FnMut(usize, f64),
+    ) -> Outcome {
+        let mut lists = std::mem::take(&mut self.lists);
+        let done = self
+            .spread(references, count, "values", &mut lists.unknowns)
+            .and_then(|()| self.output_slopes(&lists.unknowns, orders, write));
         self.lists = lists;
         done
     }
@@ -179,10 +200,10 @@ impl Instance {
             sum += match self.layout.elements(*reference) {
                 [] if wanted == DataType::Real && self.time_reference == Some(*reference) => 1,
                 [] => return Err(self.unknown(*reference, self.type_name(wanted))),
-                [first, rest @ ..] => {
-                    self.typed(*first, wanted)?;
-                    1 + rest.len()
+                [first, ..] if self.gate(*first, wanted).is_none() => {
+                    return Err(self.mismatch(*first, wanted));
                 }
+                elements => elements.len(),
             };
         }
         if sum == count {

@@ -1,4 +1,4 @@
-//! Directional derivatives.
+//! Directional derivatives, and slopes of outputs in time.
 
 use model::DerivativeError;
 
@@ -25,6 +25,26 @@ impl Instance {
         }
         let Self { system, room, past, .. } = self;
         let done = system.directional_derivative(room, past, (knowns, seed), unknowns, write);
+        done.map_err(|error| self.no_derivative(&error))
+    }
+
+    /// The slope of outputs in time, in their unit per second: that of the straight line through
+    /// their values at the last two hits of the internal grid, 0 before the first hit. `write` gets
+    /// position and slope of each.
+    pub(in crate::export) fn output_slopes(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        write: impl FnMut(usize, f64),
+    ) -> Outcome {
+        if let Some(order) = orders.iter().find(|order| **order != 1) {
+            return Err(Notice::error(format!(
+                "derivative of order {order}: outputs have a slope (maxOutputDerivativeOrder = 1); \
+                 give order 1"
+            )));
+        }
+        let Self { system, room, past, .. } = self;
+        let done = system.output_slopes(room, past, references, write);
         done.map_err(|error| self.no_derivative(&error))
     }
 

@@ -248,49 +248,55 @@ impl Instance {
     }
 
     /// Advances from the communication point `time` by `step`, both in s.
+    #[inline(always)]
     pub(super) fn do_step(&mut self, time: f64, step: f64) -> Outcome {
-        if !(step > 0.0 && step.is_finite()) {
-            return Err(Notice::error(format!(
-                "communication step size {step} s; give a finite one greater than 0"
-            )));
+        let Progress { time: now, experiment, sloped, .. } = self.progress;
+        let (end, stop) = (time + step, experiment.stop);
+        let near = tolerance(now, step);
+        // No comparison holds for NaN, and the last one not for an infinite step.
+        let sound = step > 0.0
+            && time >= now - near
+            && time <= now + near
+            && end <= stop + tolerance(stop, step)
+            && f64::EPSILON * end.abs() <= 0.01 * self.system.period();
+        if !sound {
+            return Err(self.no_step(time, step));
         }
-        let now = self.progress.time;
-        // The range holds neither NaN nor infinity.
-        let near = now - tolerance(now, step)..=now + tolerance(now, step);
-        if !near.contains(&time) {
-            return Err(Notice::error(format!(
-                "communication point {time} s, but the instance is at {now} s; step from there, \
-                 or set the FMU state of that time"
-            )));
+        let slopes = if sloped { &self.slopes[..] } else { &[] };
+        if let Err(error) = self.system.advance_noted(end, time, slopes, &mut self.past) {
+            return Err(self.explain(&error));
         }
-        let end = time + step;
-        let stop = self.progress.experiment.stop;
-        if end > stop + tolerance(stop, step) {
-            return Err(Notice::error(format!(
-                "the step from {time} s by {step} s ends at {end} s, past the stop time {stop} s; \
-                 step up to it, or set up the experiment without a stop time"
-            )));
-        }
-        let period = self.system.period();
-        if f64::EPSILON * end.abs() > 0.01 * period {
-            return Err(Notice::error(format!(
-                "the step from {time} s by {step} s ends at {end} s, where double precision no \
-                 longer resolves the internal step of {period} s; simulate nearer to time 0"
-            )));
-        }
-        let done = if self.progress.sloped {
-            self.system.note_step(&mut self.past, time, &self.slopes);
-            self.system.advance_along(end, time, &self.slopes)
-        } else {
-            self.system.note_step(&mut self.past, time, &[]);
-            self.system.advance(end)
-        };
-        done.map_err(|error| self.explain(&error))?;
         self.progress.time = end;
-        if self.progress.sloped {
+        if sloped {
             self.slopes.fill(0.0);
             self.progress.sloped = false;
         }
         Ok(())
+    }
+
+    /// Why there is no such step.
+    #[cold]
+    fn no_step(&self, time: f64, step: f64) -> Notice {
+        let Progress { time: now, experiment, .. } = self.progress;
+        let (end, stop, near) = (time + step, experiment.stop, tolerance(now, step));
+        Notice::error(if !(step > 0.0 && step.is_finite()) {
+            format!("communication step size {step} s; give a finite one greater than 0")
+        } else if !(now - near..=now + near).contains(&time) {
+            format!(
+                "communication point {time} s, but the instance is at {now} s; step from there, \
+                 or set the FMU state of that time"
+            )
+        } else if end > stop + tolerance(stop, step) {
+            format!(
+                "the step from {time} s by {step} s ends at {end} s, past the stop time {stop} s; \
+                 step up to it, or set up the experiment without a stop time"
+            )
+        } else {
+            format!(
+                "the step from {time} s by {step} s ends at {end} s, where double precision no \
+                 longer resolves the internal step of {} s; simulate nearer to time 0",
+                self.system.period()
+            )
+        })
     }
 }

@@ -1,6 +1,6 @@
 //! Getting and setting.
 
-use model::{Causality, DataType, SetError, Variable};
+use model::{Causality, DataType, Gate, SetError, Variable};
 
 use super::Instance;
 use crate::export::guard::{Notice, Outcome};
@@ -8,6 +8,7 @@ use crate::export::phase::Phase;
 
 impl Instance {
     /// Reads values of one type; `write` gets position and value. Nothing is written on failure.
+    #[inline]
     pub(in crate::export) fn get(
         &mut self,
         wanted: DataType,
@@ -18,58 +19,84 @@ impl Instance {
             self.settle()?;
         }
         for reference in references {
-            match self.system.variables().get(*reference) {
-                Some(variable) if variable.data_type == wanted => {}
-                None if wanted == DataType::Real && self.time_reference == Some(*reference) => {}
-                found => return Err(self.mismatch(found, *reference, wanted)),
+            if self.gate(*reference, wanted).is_none() {
+                return Err(self.mismatch(*reference, wanted));
             }
         }
         for (at, reference) in references.iter().enumerate() {
-            let value = self.system.get(*reference);
-            write(at, value.unwrap_or(self.progress.time));
+            write(at, self.system.get(*reference).unwrap_or(f64::NAN));
         }
         Ok(())
     }
 
     /// Sets values of one type; `read` gives the value at a position. Nothing is set on failure.
+    #[inline]
     pub(in crate::export) fn set(
         &mut self,
         wanted: DataType,
         references: &[u32],
         read: impl Fn(usize) -> f64,
     ) -> Outcome {
-        // A single value is checked when it is set.
-        if references.len() > 1 {
-            for (at, reference) in references.iter().enumerate() {
-                self.settable(*reference, wanted, read(at))?;
-                self.system.check(*reference, read(at)).map_err(|error| self.not_set(&error))?;
+        for (at, reference) in references.iter().enumerate() {
+            if !self.takes(*reference, wanted, read(at)) {
+                return Err(self.not_taken(*reference, wanted, read(at)));
             }
         }
         for (at, reference) in references.iter().enumerate() {
-            let value = read(at);
-            self.settable(*reference, wanted, value)?;
-            self.system
-                .set(*reference, value)
-                .map_err(|error| Notice::error(self.system.explain_set(&error)))?;
+            self.put(*reference, read(at))?;
         }
-        if self.progress.phase != Phase::Step {
-            self.progress.stale = true;
-        }
+        self.follow();
         Ok(())
     }
 
-    /// Whether the variable has this type and may be set now; its value is not looked at.
+    /// What a variable with this reference and type admits.
     #[inline]
-    pub(super) fn settable(&self, reference: u32, wanted: DataType, value: f64) -> Outcome {
-        let variable = self.typed(reference, wanted)?;
-        if variable.causality != Causality::FixedParameter || self.phase() != Phase::Step {
-            return Ok(());
+    pub(super) fn gate(&self, reference: u32, wanted: DataType) -> Option<&Gate> {
+        self.system.variables().gate(reference).filter(|gate| gate.data_type == wanted)
+    }
+
+    /// Whether a variable has this type and may be set to this value now.
+    #[inline]
+    pub(super) fn takes(&self, reference: u32, wanted: DataType, value: f64) -> bool {
+        self.gate(reference, wanted).is_some_and(|gate| {
+            let fixed = gate.causality == Causality::FixedParameter;
+            gate.takes(value) && !(fixed && self.progress.phase == Phase::Step)
+        })
+    }
+
+    /// Sets what [`takes`](Self::takes) has admitted.
+    #[inline]
+    pub(super) fn put(&mut self, reference: u32, value: f64) -> Outcome {
+        match self.system.set(reference, value) {
+            Ok(()) => Ok(()),
+            Err(error) => Err(self.not_set(&error)),
         }
-        let problem = format!(
-            "{value} comes too late: a fixed parameter is set before the simulation; reset the \
-             instance and set it then"
-        );
-        Err(self.refused(variable, reference, &problem))
+    }
+
+    /// Outputs follow from now on what was set, where there was no step yet.
+    #[inline]
+    pub(super) fn follow(&mut self) {
+        self.progress.stale |= self.progress.phase != Phase::Step;
+    }
+
+    /// Why [`takes`](Self::takes) refuses.
+    #[cold]
+    pub(super) fn not_taken(&self, reference: u32, wanted: DataType, value: f64) -> Notice {
+        let variable = match self.typed(reference, wanted) {
+            Ok(variable) => variable,
+            Err(notice) => return notice,
+        };
+        if variable.causality == Causality::FixedParameter && self.phase() == Phase::Step {
+            let problem = format!(
+                "{value} comes too late: a fixed parameter is set before the simulation; reset \
+                 the instance and set it then"
+            );
+            return self.refused(variable, reference, &problem);
+        }
+        match self.system.check(reference, value) {
+            Err(error) => self.not_set(&error),
+            Ok(()) => self.refused(variable, reference, &format!("{value} cannot be set")),
+        }
     }
 
     /// Gives inputs a slope, in their unit per second, in the next step. Nothing is set on failure.
@@ -100,22 +127,17 @@ impl Instance {
     }
 
     /// The variable with this reference and type.
-    #[inline]
     pub(super) fn typed(&self, reference: u32, wanted: DataType) -> Result<&Variable, Notice> {
         match self.system.variables().get(reference) {
             Some(variable) if variable.data_type == wanted => Ok(variable),
-            found => Err(self.mismatch(found, reference, wanted)),
+            _ => Err(self.mismatch(reference, wanted)),
         }
     }
 
-    /// A variable that was found is of another type; else there is none with this reference.
+    /// The variable with this reference is of another type, or there is none.
     #[cold]
-    fn mismatch(&self, found: Option<&Variable>, reference: u32, wanted: DataType) -> Notice {
-        let wanted = self.type_name(wanted);
-        match found {
-            Some(variable) => self.of_other_type(variable, reference, wanted),
-            None => self.unknown(reference, wanted),
-        }
+    pub(super) fn mismatch(&self, reference: u32, wanted: DataType) -> Notice {
+        self.unknown(reference, self.type_name(wanted))
     }
 
     fn of_other_type(&self, variable: &Variable, reference: u32, wanted: &str) -> Notice {

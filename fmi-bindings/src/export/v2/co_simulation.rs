@@ -28,20 +28,22 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     unsafe { call(c, &SET_REAL_INPUT_DERIVATIVES, body) }
 }
 
-/// Not offered: `maxOutputDerivativeOrder` is 0.
+/// The slopes of Real outputs in time, in their unit per second: `(y_n − y_{n−1})/h` of the last two
+/// hits of the internal grid, 0 before the first hit. Only order 1 is offered.
 pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     c: fmi2Component,
-    _vr: *const fmi2ValueReference,
+    vr: *const fmi2ValueReference,
     nvr: usize,
-    _order: *const fmi2Integer,
-    _value: *mut fmi2Real,
+    order: *const fmi2Integer,
+    value: *mut fmi2Real,
 ) -> fmi2Status {
-    let body = |_: &mut Instance| match nvr {
-        0 => Ok(()),
-        _ => Err(Notice::error(
-            "derivatives of outputs are not offered (maxOutputDerivativeOrder = 0); take \
-             differences of the outputs at communication points",
-        )),
+    let body = |instance: &mut Instance| {
+        // SAFETY: the caller's arrays of `nvr` elements.
+        let (vr, order, room) = unsafe {
+            (array(vr, nvr, "vr")?, array(order, nvr, "order")?, Room::new(value, nvr, "value")?)
+        };
+        // SAFETY: positions are those of `vr`.
+        instance.output_slopes(vr, order, |at, slope| unsafe { room.write(at, slope) })
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, &GET_REAL_OUTPUT_DERIVATIVES, body) }

@@ -11,21 +11,29 @@ pub unsafe extern "C" fn fmi3EnterStepMode(instance: fmi3Instance) -> fmi3Status
     unsafe { never(instance, &ENTER_STEP_MODE) }
 }
 
-/// Not offered: `maxOutputDerivativeOrder` is 0.
+/// The slopes of Float64 outputs in time, in their unit per second, one for each element:
+/// `(y_n − y_{n−1})/h` of the last two hits of the internal grid, 0 before the first hit. Only order
+/// 1 is offered.
 pub unsafe extern "C" fn fmi3GetOutputDerivatives(
     instance: fmi3Instance,
-    _valueReferences: *const fmi3ValueReference,
+    valueReferences: *const fmi3ValueReference,
     nValueReferences: usize,
-    _orders: *const fmi3Int32,
-    _values: *mut fmi3Float64,
-    _nValues: usize,
+    orders: *const fmi3Int32,
+    values: *mut fmi3Float64,
+    nValues: usize,
 ) -> fmi3Status {
-    let body = |_: &mut Instance| match nValueReferences {
-        0 => Ok(()),
-        _ => Err(Notice::error(
-            "derivatives of outputs are not offered (maxOutputDerivativeOrder = 0); take \
-             differences of the outputs at communication points",
-        )),
+    let body = |instance: &mut Instance| {
+        // SAFETY: the caller's arrays.
+        let (references, orders, room) = unsafe {
+            (
+                array(valueReferences, nValueReferences, "valueReferences")?,
+                array(orders, nValueReferences, "orders")?,
+                Room::new(values, nValues, "values")?,
+            )
+        };
+        // SAFETY: positions are less than `nValues`, which is the number of elements.
+        let write = |at, slope| unsafe { room.write(at, slope) };
+        instance.output_slopes_of_arrays(references, orders, nValues, write)
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(instance, &GET_OUTPUT_DERIVATIVES, body) }

@@ -5,7 +5,7 @@
 //! element has in FMI 2.0; the references of the other elements are unknown. All other variables are
 //! scalars with the references of FMI 2.0; the independent variable `time`, which FMI 3.0 demands,
 //! has the reference behind the last of them ([`time_reference`]). Not offered, and refused with a
-//! message: event mode, clocks, structural parameters, adjoint derivatives, derivatives by time.
+//! message: event mode, clocks, structural parameters, adjoint derivatives.
 //! Declined, as the standard has it: early return (a step always goes to its end) and intermediate
 //! update (the callback is never called).
 //!

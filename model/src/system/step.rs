@@ -1,0 +1,215 @@
+//! Rest and steps: what runs at each communication step, and allocates nothing.
+
+use super::cells::{Cells, own_seed};
+use super::{Past, Plan, StepError, System};
+use crate::Tick;
+
+/// Passes over the chain within which signals that are read back must settle at rest.
+const MOST_PASSES: usize = 1000;
+
+impl System {
+    /// Puts the system at rest under its present inputs at time `start`: computes the coefficients,
+    /// the state of a machine whose inputs were held forever, and the outputs. It may be called
+    /// again with other inputs or parameters before the first step.
+    ///
+    /// # Errors
+    /// [`StepError::Parameters`] where the parameters break a rule as a set.
+    pub fn initialise(&mut self, start: f64) -> Result<(), StepError> {
+        (self.context.start, self.context.index) = (start, 0);
+        self.context.dirty = true;
+        self.prepare()?;
+        self.settle()?;
+        self.show()
+    }
+
+    /// Puts every node at rest; where a signal is read back, until all signals stay as they are.
+    fn settle(&mut self) -> Result<(), StepError> {
+        let (plan, mut cells) = self.split();
+        cells.read_inputs(plan);
+        if !plan.reads_back {
+            cells.rest(plan);
+            return Ok(());
+        }
+        cells.forget_outputs(plan);
+        let mut before = 0;
+        for _ in 0..MOST_PASSES {
+            cells.rest(plan);
+            let now = cells.fingerprint();
+            if now == before {
+                return Ok(());
+            }
+            before = now;
+        }
+        Err(StepError::NoRest)
+    }
+
+    /// Performs every hit with `t_n ≤ time + 1e-9·period`, with the present inputs. Returns how many.
+    /// Without a hit nothing changes.
+    ///
+    /// # Errors
+    /// [`StepError`]: parameters that break a rule, or an output that is not finite.
+    pub fn advance(&mut self, time: f64) -> Result<u64, StepError> {
+        self.hits(time, 0.0, &[], None)
+    }
+
+    /// As [`advance`](Self::advance), with inputs that move on straight lines: at time `t` the input
+    /// with value reference `i` is `u_i + slopes[i]·(t − from)`, `u_i` being the value that was set
+    /// and the slope in its unit per second. Hit `n` takes the inputs as they are at `t_{n-1}`, as
+    /// if they were set there. Inputs without a slope here are held.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn advance_along(
+        &mut self,
+        time: f64,
+        from: f64,
+        slopes: &[f64],
+    ) -> Result<u64, StepError> {
+        self.hits(time, from, slopes, None)
+    }
+
+    /// As [`advance_along`](Self::advance_along), and notes in `past` what the step began with.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    #[inline]
+    pub fn advance_noted(
+        &mut self,
+        time: f64,
+        from: f64,
+        slopes: &[f64],
+        past: &mut Past,
+    ) -> Result<u64, StepError> {
+        if slopes.is_empty() {
+            self.hits(time, from, &[], Some(past))
+        } else {
+            self.hits_along(time, from, slopes, past)
+        }
+    }
+
+    /// Apart from the rest, so that steps with held inputs are short.
+    #[cold]
+    fn hits_along(
+        &mut self,
+        time: f64,
+        from: f64,
+        slopes: &[f64],
+        past: &mut Past,
+    ) -> Result<u64, StepError> {
+        self.hits(time, from, slopes, Some(past))
+    }
+
+    /// Performs the hits up to `time`.
+    #[inline(always)]
+    fn hits(
+        &mut self,
+        time: f64,
+        from: f64,
+        slopes: &[f64],
+        past: Option<&mut Past>,
+    ) -> Result<u64, StepError> {
+        let (start, period) = (self.context.start, self.plan.period);
+        // Far from zero, a billionth of a period is less than what adding up times loses.
+        let (near, far) = (1e-9 * period, 4.0 * f64::EPSILON * time.abs());
+        let limit = time + if near > far { near } else { far };
+        let first = self.context.index;
+        // The cast through a signed number is one instruction.
+        let at = |index: u64| start + index as i64 as f64 * period;
+        let mut next = at(first + 1);
+        // Neither holds for NaN, and a limit of infinity would never be reached.
+        if !(next <= limit && limit <= f64::MAX) {
+            if let Some(past) = past {
+                past.note_idle();
+            }
+            return Ok(0);
+        }
+        if self.context.dirty {
+            self.prepare()?;
+        }
+        if let Some(past) = past {
+            self.note_step(past, from, slopes);
+        }
+        let (plan, mut cells) = self.split();
+        cells.read_inputs(plan);
+        let mut index = first;
+        loop {
+            if !slopes.is_empty() {
+                cells.move_inputs(plan, slopes, at(index) - from);
+            }
+            index += 1;
+            let tick = Tick { index, time: next, period };
+            for node in &plan.nodes {
+                cells.step(node, tick);
+            }
+            next = at(index + 1);
+            if next > limit {
+                break;
+            }
+        }
+        self.context.index = index;
+        self.show()?;
+        Ok(index - first)
+    }
+
+    /// Shows the signals as values of the outputs.
+    #[inline(always)]
+    fn show(&mut self) -> Result<(), StepError> {
+        let (values, rest) = self.context.cells.split_at_mut(self.plan.blocks[0]);
+        let signals = &rest[self.plan.blocks[2] - self.plan.blocks[0]..];
+        let outputs = values[self.plan.inputs.len()..].iter_mut().zip(&self.plan.outputs);
+        let mut finite = true;
+        for (value, wire) in outputs {
+            *value = wire.unit.from_si(signals[wire.signal]);
+            finite &= value.abs() <= f64::MAX;
+        }
+        if finite { Ok(()) } else { Err(self.not_finite()) }
+    }
+
+    /// The first output that is not finite.
+    #[cold]
+    fn not_finite(&self) -> StepError {
+        let value = |variable: usize| self.context.cells[variable];
+        let mut outputs = self.plan.outputs.iter().map(|wire| wire.variable);
+        let variable = outputs.find(|output| !value(*output).is_finite()).unwrap_or(0);
+        StepError::NotFinite {
+            reference: variable as u32,
+            value: value(variable),
+            time: self.time(),
+        }
+    }
+
+    /// Computes the coefficients from the parameters.
+    #[cold]
+    fn prepare(&mut self) -> Result<(), StepError> {
+        let blocks = self.plan.blocks;
+        let (values, rest) = self.context.cells.split_at_mut(blocks[0]);
+        let (coefficients, scratch) = rest.split_at_mut(blocks[1] - blocks[0]);
+        // The last cells are scratch for the SI values of one node.
+        let scratch_start = scratch.len() - self.plan.widest;
+        let scratch = &mut scratch[scratch_start..];
+        let variables = self.plan.variables.as_slice();
+        for (number, node) in self.plan.nodes.iter().enumerate() {
+            let range = node.parameters.clone();
+            let si = &mut scratch[..range.len()];
+            for ((si, value), variable) in
+                si.iter_mut().zip(&values[range.clone()]).zip(&variables[range])
+            {
+                *si = variable.si.to_si(*value);
+            }
+            for seed in &node.seeds {
+                si[*seed] = own_seed(si[*seed], &node.path);
+            }
+            let coefficients = &mut coefficients[node.coefficients.clone()];
+            node.component
+                .prepare(&node.structure, si, self.plan.period, coefficients)
+                .map_err(|violation| StepError::Parameters { node: number, violation })?;
+        }
+        self.context.dirty = false;
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn split(&mut self) -> (&Plan, Cells<'_>) {
+        (&self.plan, Cells::of(&mut self.context.cells, self.plan.blocks))
+    }
+}
