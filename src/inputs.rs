@@ -18,12 +18,16 @@ pub(crate) struct LogOptions {
     /// Sample rate in Hz, for logs without a time column or with an index in its place
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub(crate) rate: Option<f64>,
+    /// The group of a measurement file (MDF, TDMS), or the length of arrays (MAT, npz), to read
+    #[arg(long, value_name = "NAME")]
+    pub(crate) group: Option<String>,
 }
 
 impl LogOptions {
     /// Reads a log.
     pub(crate) fn read(&self, path: &Path) -> anyhow::Result<Log> {
-        let mut options = ReadOptions { rate: self.rate, ..ReadOptions::default() };
+        let mut options =
+            ReadOptions { rate: self.rate, group: self.group.clone(), ..ReadOptions::default() };
         for unit in &self.unit {
             options.add_unit(unit)?;
         }

@@ -25,8 +25,8 @@ pub use blueprint::{
 };
 pub use fit::{Fit, FitError};
 pub use log::{
-    Column, ColumnHeader, ColumnUnit, Log, LogWriter, ReadOptions, Record, SampleTime, UnitPlace,
-    sidecar_of,
+    Column, ColumnHeader, ColumnUnit, Finding, Log, LogWriter, Quality, ReadOptions, Record,
+    SampleTime, UnitPlace, sidecar_of,
 };
 pub use name_map::NameMap;
 pub use nearest::nearest;

@@ -9,6 +9,8 @@ pub struct Problem {
     pub file: String,
     /// Line, from 1; `None` where the problem is the whole file's.
     pub line: Option<usize>,
+    /// Row of data, from 1, in a file that has no lines.
+    pub row: Option<usize>,
     /// Key or column, as in `axis[1].hysteresis.w[3]`; empty where there is none.
     pub place: String,
     /// The value as it was given; empty where there is none.
@@ -33,6 +35,12 @@ impl Problem {
     #[must_use]
     pub fn line(mut self, line: usize) -> Self {
         self.line = Some(line);
+        self
+    }
+    /// In this row of data, from 1.
+    #[must_use]
+    pub fn row(mut self, row: usize) -> Self {
+        self.row = Some(row);
         self
     }
     /// At this key or in this column.
@@ -70,6 +78,9 @@ impl fmt::Display for Problem {
             write!(f, ":{line}")?;
         }
         f.write_str(": ")?;
+        if let Some(row) = self.row {
+            write!(f, "row {row}: ")?;
+        }
         match (self.place.is_empty(), self.value.is_empty()) {
             (true, true) => {}
             (true, false) => write!(f, "{}: ", self.value)?,
@@ -92,10 +103,10 @@ pub struct Problems {
 }
 
 impl Problems {
-    /// These problems, sorted by line; those without a line come last.
+    /// These problems, sorted by line or row; those without come last.
     #[must_use]
     pub fn new(mut list: Vec<Problem>) -> Self {
-        list.sort_by_key(|problem| problem.line.unwrap_or(usize::MAX));
+        list.sort_by_key(|problem| problem.line.or(problem.row).unwrap_or(usize::MAX));
         Self { list, omitted: 0 }
     }
     /// Says that `omitted` further problems were found and not kept.

@@ -313,3 +313,59 @@ fn logs_made_in_code_keep_the_same_rules() {
     }
     assert_eq!(log.columns().len(), 1);
 }
+
+mod quality {
+    use piezoloop_data::{Log, Quality, ReadOptions};
+
+    /// A noisy sine with a line per sample, after `change`.
+    fn log(change: impl Fn(usize, f64) -> f64, skip: &[usize]) -> Log {
+        let mut text = String::from("time,y [um]\n");
+        let mut state = 7_u64;
+        for k in 0..2000_usize {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let noise = (state >> 40) as f64 / (1 << 24) as f64 - 0.5;
+            let y = (k as f64 * 0.01).sin() + 1e-3 * noise;
+            if !skip.contains(&k) {
+                text += &format!("{},{}\n", k as f64 * 1e-3, change(k, y));
+            }
+        }
+        Log::parse(text.as_bytes(), "log.csv", &ReadOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn a_clean_log_has_no_findings() {
+        assert_eq!(log(|_, y| y, &[]).quality(), []);
+    }
+
+    #[test]
+    fn missing_rows_are_counted_at_their_line() {
+        let found = log(|_, y| y, &[100, 101, 102]).quality();
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].quality, Quality::Missing(3));
+        // The header is line 1, so row 99 is line 101.
+        assert!(found[0].to_string().starts_with("log.csv:101: time = 0.099: 3 rows are missing"));
+    }
+
+    #[test]
+    fn outliers_are_found_and_steps_are_not() {
+        let found = log(|k, y| if k == 500 { y + 0.5 } else { y }, &[]).quality();
+        assert_eq!(found.len(), 1);
+        assert_eq!((found[0].rows.clone(), found[0].place.as_str()), (500..501, "log.csv:502"));
+        assert!(matches!(found[0].quality, Quality::Outlier(by) if by > 100.0));
+        assert_eq!(log(|k, y| if k >= 500 { y + 0.5 } else { y }, &[]).quality(), []);
+    }
+
+    #[test]
+    fn saturated_and_stuck_samples_are_told_apart() {
+        let found = log(|_, y| y.min(0.9), &[]).quality();
+        assert!(found.len() >= 3 && found.iter().all(|f| f.quality == Quality::Saturated));
+        let found = log(|k, y| if (700..760).contains(&k) { 0.25 } else { y }, &[]).quality();
+        assert!(found.iter().any(|f| f.quality == Quality::Stuck && f.rows == (700..760)));
+    }
+
+    #[test]
+    fn a_held_command_is_not_doubtful() {
+        let found = log(|k, _| (k / 200) as f64, &[]).quality();
+        assert_eq!(found, []);
+    }
+}

@@ -8,6 +8,7 @@ mod gap_bench;
 pub(crate) mod identify;
 mod invert;
 mod list;
+mod log;
 pub(crate) mod pack;
 mod signal;
 pub(crate) mod simulate;
@@ -28,6 +29,7 @@ pub(crate) enum Command {
     System(system::System),
     Check(check::Check),
     List(list::List),
+    Log(log::Log),
     Signal(signal::Signal),
     Demo(demo::Demo),
     #[command(hide = true)]
@@ -54,6 +56,7 @@ impl Command {
             }
             Self::Check(command) => command.run(screen),
             Self::List(command) => command.run(screen),
+            Self::Log(command) => command.run(screen),
             Self::Signal(command) => command.run(screen),
             Self::Demo(command) => command.run(screen),
             Self::EffectsDocs(command) => command.run(screen),

@@ -8,11 +8,15 @@ pub(super) fn parse(cell: &[u8]) -> Result<f64, Broken> {
     let cell = cell.trim_ascii();
     // The standard library's parser takes texts; a cell that is no text is no number either.
     let number = std::str::from_utf8(cell).ok().and_then(|text| text.parse::<f64>().ok());
+    number.map_or_else(|| other(cell), check)
+}
+
+/// The number itself, where a log can hold it.
+pub(super) fn check(number: f64) -> Result<f64, Broken> {
     match number {
-        Some(number) if number.is_finite() => Ok(number),
-        Some(number) if number.is_nan() => Err(GAP),
-        Some(_) => Err(("is not finite", "give a finite number, or leave the row out")),
-        None => other(cell),
+        _ if number.is_finite() => Ok(number),
+        _ if number.is_nan() => Err(GAP),
+        _ => Err(("is not finite", "give a finite number, or leave the row out")),
     }
 }
 

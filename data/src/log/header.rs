@@ -73,8 +73,8 @@ pub(super) fn split(cell: &str) -> (&str, Option<&str>) {
 /// What is known about the columns beside the header.
 pub(super) struct Context<'a> {
     pub(super) file: &'a str,
-    /// Line of the header.
-    pub(super) line: usize,
+    /// Line of the header, where the file has lines.
+    pub(super) line: Option<usize>,
     pub(super) options: &'a ReadOptions,
     /// Nearest first.
     pub(super) datasets: &'a [Dataset],
@@ -82,7 +82,11 @@ pub(super) struct Context<'a> {
 
 impl Context<'_> {
     fn problem(&self, place: &str, rule: impl Into<String>, way_out: impl Into<String>) -> Problem {
-        Problem::new(self.file, rule, way_out).line(self.line).at(place)
+        let problem = Problem::new(self.file, rule, way_out).at(place);
+        match self.line {
+            Some(line) => problem.line(line),
+            None => problem,
+        }
     }
 
     /// Sample rate for logs without times: the caller's goes before that of a dataset.

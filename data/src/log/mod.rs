@@ -3,7 +3,10 @@
 //! Row k of a log: the inputs u_k act from t_k until t_{k+1} (zero-order hold); the outputs y_k are
 //! read at t_k, before u_k acts.
 //!
-//! A file is CSV: UTF-8, commas, decimal points, one header row. `time` in s grows strictly inside
+//! Files of other programs are read where the feature `formats` is on: Parquet, NumPy (`.npy`,
+//! `.npz`), MATLAB 5 (`.mat`), MDF 4 (`.mf4`) and TDMS; `docs/files.md` says which and through what.
+//!
+//! A text is CSV: UTF-8, commas, decimal points, one header row. `time` in s grows strictly inside
 //! a record; a column `record` (or `realization`) of whole numbers separates records, and time may
 //! start again there. Units come, the first that is found, from the caller's list
 //! ([`ReadOptions::units`]), the header (`y [um]`), a file `<name>.dataset.toml` beside the log, or a
@@ -19,9 +22,13 @@
 
 mod cell;
 mod dataset;
+mod formats;
 mod header;
+mod lines;
+mod quality;
 mod read;
 mod rows;
+mod table;
 mod write;
 
 use std::collections::BTreeMap;
@@ -30,22 +37,37 @@ use std::path::Path;
 
 use model::{Unit, UnitError};
 
+use lines::Lines;
+
 pub use dataset::sidecar_of;
+pub use quality::{Finding, Quality};
 pub use rows::SampleTime;
 pub use write::{ColumnHeader, LogWriter, UnitPlace};
 
 use crate::{Problem, Problems, nearest};
 
 /// Measured or simulated time series.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Log {
     /// File, for messages.
     origin: String,
     time: Vec<f64>,
+    lines: Lines,
     columns: Vec<Column>,
     records: Vec<Record>,
     /// Whether the records are numbered in the file.
     is_numbered: bool,
+}
+
+/// Logs are equal where they hold the same; the lines on which it stands do not count.
+impl PartialEq for Log {
+    fn eq(&self, other: &Self) -> bool {
+        self.origin == other.origin
+            && self.time == other.time
+            && self.columns == other.columns
+            && self.records == other.records
+            && self.is_numbered == other.is_numbered
+    }
 }
 
 /// One signal of a [`Log`].
@@ -86,9 +108,23 @@ pub struct ReadOptions {
     pub rate: Option<f64>,
     /// Units by column, as texts; they go before those of the file.
     pub units: BTreeMap<String, String>,
+    /// Which group of a measurement file (MDF, TDMS) or which length of arrays (MAT, npz) is the
+    /// log, where there are several.
+    pub group: Option<String>,
 }
 
 impl ReadOptions {
+    fn check(&self, origin: &str) -> Result<(), Problems> {
+        match self.rate.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
+            Some(rate) => {
+                let way_out = "give a positive number of Hz";
+                let problem = Problem::new(origin, "is no sample rate", way_out);
+                Err(problem.at("--rate").value(rate).into())
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Takes a unit as a command line gives it, `y=um`.
     ///
     /// # Errors
@@ -193,7 +229,8 @@ impl Log {
                 last = *time;
             }
         }
-        Ok(Self { origin: origin.into(), time, columns: Vec::new(), records, is_numbered })
+        let (lines, columns) = (Lines::default(), Vec::new());
+        Ok(Self { origin: origin.into(), time, lines, columns, records, is_numbered })
     }
 
     /// Adds a column at the end.
@@ -237,6 +274,15 @@ impl Log {
     #[must_use]
     pub fn origin(&self) -> &str {
         &self.origin
+    }
+    /// Where row `row` (from 0) stands in its file: `log.csv:12`, or `log.mat: row 11`.
+    #[must_use]
+    pub fn place_of(&self, row: usize) -> String {
+        match self.lines.at(row) {
+            Some(table::Place::Line(line)) => format!("{}:{line}", self.origin),
+            Some(table::Place::Row(number)) => format!("{}: row {number}", self.origin),
+            None => format!("{}: row {}", self.origin, row + 1),
+        }
     }
     /// Number of rows.
     #[must_use]

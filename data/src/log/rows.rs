@@ -108,6 +108,7 @@ impl Log {
         Self {
             origin: self.origin.clone(),
             time: self.time[rows.clone()].to_vec(),
+            lines: self.lines.from(rows.start),
             columns: columns.collect(),
             records: records.collect(),
             is_numbered: self.is_numbered,

@@ -1,0 +1,149 @@
+//! NumPy's `.npy` and `.npz`, by crates `npyz` and `zip`.
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use npyz::{DType, Endianness, NpyHeader, Order, TypeChar, TypeStr};
+use zip::ZipArchive;
+
+use super::tables::{Group, Raw};
+use super::{Refusal, broken};
+
+/// One array: its fields by name, or its columns as `column[1]`, ….
+pub(super) fn array(path: &Path) -> Result<Vec<Group>, Refusal> {
+    let file = File::open(path).map_err(|error| broken("npy", error))?;
+    let columns = columns("column", BufReader::new(file))?;
+    Ok(vec![Group { name: "array".into(), columns }])
+}
+
+/// Arrays by name; those of one length are one group, named by that length.
+pub(super) fn archive(path: &Path) -> Result<Vec<Group>, Refusal> {
+    let file = File::open(path).map_err(|error| broken("npz", error))?;
+    let mut archive =
+        ZipArchive::new(BufReader::new(file)).map_err(|error| broken("npz", error))?;
+    let mut groups: Vec<Group> = Vec::new();
+    for at in 0..archive.len() {
+        let entry = archive.by_index(at).map_err(|error| broken("npz", error))?;
+        let name = entry.name().map_err(|error| broken("npz", error))?.into_owned();
+        let Some(name) = name.strip_suffix(".npy") else { continue };
+        let columns = columns(name, entry)?;
+        let Some(rows) = columns.first().map(|raw| raw.values.len()) else { continue };
+        let length = rows.to_string();
+        match groups.iter_mut().find(|group| group.name == length) {
+            Some(group) => group.columns.extend(columns),
+            None => groups.push(Group { name: length, columns }),
+        }
+    }
+    Ok(groups)
+}
+
+/// A scalar type: where it begins in an item, and how it is read.
+struct Scalar {
+    name: String,
+    offset: usize,
+    size: usize,
+    kind: TypeChar,
+    is_big: bool,
+}
+
+/// The columns of an array; none where it is a scalar or holds no numbers.
+fn columns(name: &str, mut bytes: impl Read) -> Result<Vec<Raw>, Refusal> {
+    let header = NpyHeader::from_reader(&mut bytes).map_err(|error| broken(name, error))?;
+    let (rows, wide) = match *header.shape() {
+        [rows] => (rows, 1),
+        [rows, wide] => (rows, wide),
+        _ => return Ok(Vec::new()),
+    };
+    let (scalars, item) = match header.dtype() {
+        DType::Plain(plain) => match scalar(name.to_owned(), 0, &plain) {
+            Some(scalar) => (vec![scalar], plain.num_bytes()),
+            None => return Ok(Vec::new()),
+        },
+        DType::Record(fields) => fields_of(&fields),
+        DType::Array(..) => return Ok(Vec::new()),
+    };
+    let Some(item) = item.filter(|item| *item > 0 && !scalars.is_empty()) else {
+        return Ok(Vec::new());
+    };
+    let too_large = || broken(name, "its shape is larger than its data");
+    let (rows, wide) =
+        (to_usize(rows).ok_or_else(too_large)?, to_usize(wide).ok_or_else(too_large)?);
+    let count = rows.checked_mul(wide).and_then(|n| n.checked_mul(item)).ok_or_else(too_large)?;
+    // Memory follows what the file holds, not what its header says.
+    let mut data = Vec::new();
+    let limit = u64::try_from(count).map_err(|_| too_large())?;
+    bytes.take(limit).read_to_end(&mut data).map_err(|error| broken(name, error))?;
+    if data.len() != count {
+        return Err(broken(name, format!("{} of its {count} bytes are there", data.len())));
+    }
+    let by_column = header.order() == Order::Fortran;
+    let mut columns = Vec::new();
+    for scalar in &scalars {
+        for column in 0..wide {
+            let item_at =
+                |row: usize| if by_column { column * rows + row } else { row * wide + column };
+            let cells = (0..rows).map(|row| {
+                let start = item_at(row) * item + scalar.offset;
+                number(&data[start..start + scalar.size], scalar)
+            });
+            let title = match wide {
+                1 => scalar.name.clone(),
+                _ => format!("{}[{}]", scalar.name, column + 1),
+            };
+            columns.push(Raw::new(title, None, cells.collect()));
+        }
+    }
+    Ok(columns)
+}
+
+fn to_usize(count: u64) -> Option<usize> {
+    usize::try_from(count).ok()
+}
+
+/// The numbers among the fields of an item, and the item's size where it is known.
+fn fields_of(fields: &[npyz::Field]) -> (Vec<Scalar>, Option<usize>) {
+    let mut scalars = Vec::new();
+    let mut offset = 0;
+    for field in fields {
+        let Some(size) = field.dtype.num_bytes() else { return (Vec::new(), None) };
+        if let DType::Plain(plain) = &field.dtype {
+            scalars.extend(scalar(field.name.clone(), offset, plain));
+        }
+        offset += size;
+    }
+    (scalars, Some(offset))
+}
+
+fn scalar(name: String, offset: usize, plain: &TypeStr) -> Option<Scalar> {
+    let kind = plain.type_char();
+    let size = plain.num_bytes()?;
+    let is_number = match kind {
+        TypeChar::Bool => size == 1,
+        TypeChar::Int | TypeChar::Uint => matches!(size, 1 | 2 | 4 | 8),
+        TypeChar::Float => matches!(size, 4 | 8),
+        _ => false,
+    };
+    let is_big = plain.endianness() == Endianness::Big;
+    is_number.then_some(Scalar { name, offset, size, kind, is_big })
+}
+
+/// A number from its bytes.
+fn number(bytes: &[u8], scalar: &Scalar) -> f64 {
+    let mut word = [0; 8];
+    let word = &mut word[..bytes.len()];
+    word.copy_from_slice(bytes);
+    if scalar.is_big {
+        word.reverse();
+    }
+    let unsigned = word.iter().rev().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte));
+    match (scalar.kind, scalar.size) {
+        (TypeChar::Float, 4) => f64::from(f32::from_bits(unsigned as u32)),
+        (TypeChar::Float, _) => f64::from_bits(unsigned),
+        (TypeChar::Int, size) => {
+            let unused = 64 - 8 * size as u32;
+            ((unsigned << unused) as i64 >> unused) as f64
+        }
+        _ => unsigned as f64,
+    }
+}

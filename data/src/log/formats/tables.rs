@@ -1,0 +1,119 @@
+//! From the columns of a file to a log.
+
+use super::Refusal;
+use crate::log::dataset::Dataset;
+use crate::log::header::Context;
+use crate::log::table::{Place, Table};
+use crate::log::{Log, ReadOptions};
+use crate::{Problems, nearest};
+
+/// Columns of one length.
+#[derive(Debug, Default)]
+pub(super) struct Group {
+    /// Name by which a user chooses it.
+    pub(super) name: String,
+    /// The columns; that of time, if there is one, has the name `time` or what the file calls it.
+    pub(super) columns: Vec<Raw>,
+}
+
+/// A column as the file has it.
+#[derive(Debug)]
+pub(super) struct Raw {
+    pub(super) name: String,
+    pub(super) unit: Option<String>,
+    pub(super) values: Vec<f64>,
+}
+
+impl Raw {
+    pub(super) fn new(name: impl Into<String>, unit: Option<String>, values: Vec<f64>) -> Self {
+        let unit = unit.filter(|unit| !unit.trim().is_empty());
+        Self { name: name.into(), unit, values }
+    }
+}
+
+impl Group {
+    fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.values.len())
+    }
+
+    fn time(&self) -> Option<&Raw> {
+        self.columns.iter().find(|column| column.name == "time")
+    }
+
+    /// The log: names, units and rows under the same rules as those of a text.
+    pub(super) fn log(
+        self,
+        origin: &str,
+        options: &ReadOptions,
+        datasets: &[Dataset],
+    ) -> Result<Log, Problems> {
+        let cells: Vec<String> = self.columns.iter().map(Raw::header).collect();
+        let context = Context { file: origin, line: None, options, datasets };
+        let (heads, problems) = context.heads(&cells);
+        if !problems.is_empty() {
+            return Err(Problems::new(problems));
+        }
+        let mut table = Table::new(origin, heads, context.rate());
+        for row in 0..self.rows() {
+            let cells = self.columns.iter().map(|column| column.values[row]);
+            table.numbers(cells, Place::Row(row + 1));
+        }
+        table.finish()
+    }
+}
+
+impl Raw {
+    /// Name and unit as the header of a text has them.
+    fn header(&self) -> String {
+        match &self.unit {
+            Some(unit) => format!("{} [{unit}]", self.name),
+            None => self.name.clone(),
+        }
+    }
+}
+
+/// The group that is meant: that of the name; without one, all groups with the same times, or the
+/// only one.
+pub(super) fn choose(groups: Vec<Group>, name: Option<&str>) -> Result<Group, Refusal> {
+    let mut groups: Vec<Group> = groups.into_iter().filter(|group| group.rows() > 0).collect();
+    if let Some(name) = name {
+        let names: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
+        let at = groups.iter().position(|group| group.name == name).ok_or_else(|| {
+            let near = nearest(name, names.iter().map(String::as_str))
+                .map_or_else(String::new, |near| format!("did you mean \"{near}\"? "));
+            let rule = format!("has no group \"{name}\" with numbers");
+            (rule, format!("{near}its groups are {}", names.join(", ")))
+        })?;
+        return Ok(groups.swap_remove(at));
+    }
+    let mut merged: Vec<Group> = Vec::new();
+    for group in groups {
+        match merged.iter_mut().find(|other| same_times(other, &group)) {
+            Some(other) => {
+                other.columns.extend(group.columns.into_iter().filter(|raw| raw.name != "time"));
+            }
+            None => merged.push(group),
+        }
+    }
+    match merged.len() {
+        0 => Err((
+            "has no columns of real numbers".into(),
+            "save one-dimensional arrays of numbers, one per signal".into(),
+        )),
+        1 => Ok(merged.swap_remove(0)),
+        _ => {
+            let list = merged.iter().map(|g| format!("\"{}\" ({} rows)", g.name, g.rows()));
+            let list = list.collect::<Vec<_>>().join(", ");
+            let rule = format!("has {} groups with different times: {list}", merged.len());
+            Err((rule, "choose one: --group NAME".into()))
+        }
+    }
+}
+
+/// Whether two groups were sampled at the same times, by the bit.
+fn same_times(left: &Group, right: &Group) -> bool {
+    match (left.time(), right.time()) {
+        (Some(left), Some(right)) => left.values == right.values && left.unit == right.unit,
+        _ => false,
+    }
+}

@@ -1,0 +1,170 @@
+//! `piezoloop log`: what a log holds, what is doubtful about it, and the same as CSV.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::Args;
+use data::{Log as Measured, SampleTime, UnitPlace};
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::inputs::LogOptions;
+
+/// Findings that are printed per log; JSON has all of them.
+const MOST_SHOWN: usize = 20;
+
+/// Says what logs hold and which samples are doubtful, and converts them to CSV
+///
+/// Reads CSV, Parquet, NumPy (.npy, .npz), MATLAB 5 (.mat), MDF 4 (.mf4) and TDMS. Looks for missing
+/// rows, outliers, saturation and stuck readings, and names their lines. Nothing is repaired. The
+/// exit code is 1 where samples are doubtful.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop log measured.csv\n  piezoloop log bench.mf4 --group Scope --unit y=um -o measured.csv"
+)]
+pub(crate) struct Log {
+    /// Logs of any format that is read
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    #[command(flatten)]
+    options: LogOptions,
+    /// Also write the log as this CSV file, with units beside it
+    #[arg(short = 'o', long = "out", value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Described {
+    logs: Vec<One>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    written: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct One {
+    path: PathBuf,
+    rows: usize,
+    records: Vec<Record>,
+    columns: Vec<Column>,
+    findings: Vec<Doubt>,
+}
+
+#[derive(Serialize)]
+struct Record {
+    record: i64,
+    rows: usize,
+    start_s: f64,
+    end_s: f64,
+    /// `null` where the rows are not equally spaced.
+    sample_rate_hz: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Column {
+    name: String,
+    unit: Option<String>,
+    min: f64,
+    max: f64,
+}
+
+#[derive(Serialize)]
+struct Doubt {
+    column: String,
+    record: i64,
+    place: String,
+    rows: usize,
+    message: String,
+}
+
+impl Log {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        if self.out.is_some() && self.logs.len() > 1 {
+            anyhow::bail!("-o writes one log, {} are given; convert each alone", self.logs.len());
+        }
+        let mut logs = Vec::new();
+        for path in &self.logs {
+            let log = self.options.read(path)?;
+            if let Some(out) = &self.out {
+                log.write(out, UnitPlace::Sidecar)?;
+            }
+            logs.push(describe(path.clone(), &log));
+        }
+        screen.show(&Described { logs, written: self.out })
+    }
+}
+
+fn describe(path: PathBuf, log: &Measured) -> One {
+    let records = log.records().iter().map(|record| {
+        let time = &log.time()[record.rows.clone()];
+        let grid = log.sample_time(record, SampleTime::TOLERANCE);
+        Record {
+            record: record.id,
+            rows: time.len(),
+            start_s: time.first().copied().unwrap_or_default(),
+            end_s: time.last().copied().unwrap_or_default(),
+            sample_rate_hz: grid.ok().map(|grid| 1.0 / grid.period),
+        }
+    });
+    let columns = log.columns().iter().map(|column| Column {
+        name: column.name.clone(),
+        unit: column.unit.as_ref().map(|unit| unit.text.clone()),
+        min: column.values.iter().copied().fold(f64::INFINITY, f64::min),
+        max: column.values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    });
+    let findings = log.quality().into_iter().map(|finding| Doubt {
+        message: finding.to_string(),
+        column: finding.column,
+        record: finding.record,
+        place: finding.place,
+        rows: finding.rows.len(),
+    });
+    One {
+        path,
+        rows: log.len(),
+        records: records.collect(),
+        columns: columns.collect(),
+        findings: findings.collect(),
+    }
+}
+
+impl Answer for Described {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        for log in &self.logs {
+            writeln!(out, "{}: {} rows", log.path.display(), log.rows)?;
+            for record in &log.records {
+                let Record { record, rows, start_s, end_s, .. } = record;
+                let rate = match record_rate(log, *record) {
+                    Some(rate) => format!("{rate} Hz"),
+                    None => "not equally spaced".to_owned(),
+                };
+                writeln!(out, "  record {record}: {rows} rows, {start_s} s to {end_s} s, {rate}")?;
+            }
+            for Column { name, unit, min, max } in &log.columns {
+                let unit = unit.as_deref().unwrap_or("(no unit)");
+                writeln!(out, "  {name}: {min} to {max} {unit}")?;
+            }
+            for doubt in log.findings.iter().take(MOST_SHOWN) {
+                writeln!(out, "{}", doubt.message)?;
+            }
+            match log.findings.len() {
+                0 => writeln!(out, "  no doubtful samples")?,
+                count if count > MOST_SHOWN => {
+                    writeln!(out, "… and {} more; --json has all", count - MOST_SHOWN)?;
+                }
+                _ => {}
+            }
+        }
+        match &self.written {
+            Some(path) => writeln!(out, "written: {}", path.display()),
+            None => Ok(()),
+        }
+    }
+
+    fn exit_code(&self) -> u8 {
+        u8::from(self.logs.iter().any(|log| !log.findings.is_empty()))
+    }
+}
+
+fn record_rate(log: &One, id: i64) -> Option<f64> {
+    log.records.iter().find(|record| record.record == id)?.sample_rate_hz
+}

@@ -1,0 +1,126 @@
+//! Logs in other programs' formats, written by these programs: every number is read by the bit,
+//! and what cannot be read is refused with a way out.
+
+mod common;
+
+use std::path::Path;
+use std::process::Command;
+
+use common::foreign;
+use data::{Log, ReadOptions};
+
+fn written() -> Option<tempfile::TempDir> {
+    let python = foreign::python()?;
+    let folder = tempfile::tempdir().unwrap();
+    let script = common::root().join("tests/python/write_logs.py");
+    let made = Command::new(python).arg(script).arg(folder.path()).output().unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    Some(folder)
+}
+
+fn read(folder: &Path, name: &str) -> Result<Log, String> {
+    Log::read(&folder.join(name), &ReadOptions::default()).map_err(|problems| problems.to_string())
+}
+
+#[test]
+fn every_format_gives_the_same_numbers() {
+    let Some(folder) = written() else { return };
+    let reference = read(folder.path(), "reference.csv").unwrap();
+    for name in [
+        "plain.mat",
+        "packed.mat",
+        "plain.npz",
+        "packed.npz",
+        "fields.npy",
+        "snappy.parquet",
+        "gzip.parquet",
+        "zstd.parquet",
+        "none.parquet",
+        "units.parquet",
+        "plain.mf4",
+        "plain.tdms",
+    ] {
+        let log = read(folder.path(), name).unwrap_or_else(|error| panic!("{error}"));
+        assert!(log.time() == reference.time(), "{name}: other times");
+        for column in reference.columns() {
+            let same = log.column(&column.name).unwrap().values == column.values;
+            assert!(same, "{name}: {} has other values", column.name);
+        }
+        let units = matches!(name, "units.parquet" | "plain.mf4" | "plain.tdms");
+        let unit = |name| log.column(name).unwrap().unit.as_ref().map(|unit| unit.text.as_str());
+        assert_eq!(unit("u"), units.then_some("V"), "{name}");
+        assert_eq!(unit("y"), units.then_some("um"), "{name}");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_refused_with_a_way_out() {
+    let Some(folder) = written() else { return };
+    for (name, rule, way_out) in [
+        ("structure.mat", "structures and timeseries are not read", "save plain arrays"),
+        ("lengths.mat", "groups with different times: \"1000\" (1000 rows), \"100\"", "--group"),
+        ("rates.mf4", "groups with different times", "--group"),
+        ("packed.mf4", "compressed MDF 4", "asammdf"),
+        ("old.mdf", "older MDF", "asammdf"),
+        ("gap.parquet", "row 6: y = NaN: is a gap", "leave the row out"),
+        ("cut.npy", "bytes are there", "whole"),
+        ("objects.npy", "no columns of real numbers", "arrays of numbers"),
+    ] {
+        let error = read(folder.path(), name).expect_err(name);
+        assert!(error.contains(rule) && error.contains(way_out), "{name}: {error}");
+        assert!(error.contains(name), "{error}");
+    }
+}
+
+#[test]
+fn a_group_is_chosen_by_name() {
+    let Some(folder) = written() else { return };
+    let options = |group: &str| ReadOptions { group: Some(group.into()), ..Default::default() };
+    let path = folder.path().join("lengths.mat");
+    assert_eq!(Log::read(&path, &options("1000")).unwrap().len(), 1000);
+    let error = Log::read(&path, &options("1001")).unwrap_err().to_string();
+    assert!(error.contains("its groups are 1000, 100"), "{error}");
+}
+
+/// Every prefix and many damaged copies of each file end in a log or an error.
+#[test]
+fn damaged_files_end_in_an_error() {
+    let Some(folder) = written() else { return };
+    // Readers of other makes announce their panics; here they are expected.
+    let announce = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
+    let names =
+        ["packed.mat", "packed.npz", "fields.npy", "zstd.parquet", "plain.mf4", "plain.tdms"];
+    let (mut read_anyway, mut refused) = (0, 0);
+    for name in names {
+        let whole = std::fs::read(folder.path().join(name)).unwrap();
+        let damaged = folder.path().join(format!("damaged-{name}"));
+        let mut state = 12345_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize
+        };
+        for round in 0..60 {
+            let mut bytes = whole.clone();
+            if round % 2 == 0 {
+                bytes.truncate(random() % whole.len());
+            } else {
+                for _ in 0..8 {
+                    // The first kilobytes hold the structure.
+                    let at = random() % whole.len().min(4096);
+                    bytes[at] = random() as u8;
+                }
+            }
+            std::fs::write(&damaged, bytes).unwrap();
+            match Log::read(&damaged, &ReadOptions::default()) {
+                Ok(_) => read_anyway += 1,
+                Err(_) => refused += 1,
+            }
+        }
+    }
+    std::panic::set_hook(announce);
+    println!("{read_anyway} damaged files were read, {refused} refused");
+    assert!(refused > 100);
+}

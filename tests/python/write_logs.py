@@ -1,0 +1,73 @@
+"""Writes one log in every format that the tool reads, by the tools that users have."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+from asammdf import MDF, Signal
+from nptdms import ChannelObject, GroupObject, RootObject, TdmsWriter
+from scipy.io import savemat
+
+folder = Path(sys.argv[1])
+rows, rate = 1000, 2000.0
+time = np.arange(rows) / rate
+u = 5.0 * np.sin(2 * np.pi * 10.0 * time)
+counts = np.arange(rows, dtype=np.int16) * 3 - 700
+y = 0.1 * u + 0.01 * np.cos(time * 333.0)
+
+with open(folder / "reference.csv", "w") as out:
+    out.write("time,u [V],y [um],counts\n")
+    for row in zip(time, u, y, counts):
+        out.write(",".join(repr(v.item()) for v in row) + "\n")
+
+savemat(folder / "plain.mat", {"time": time, "u": u, "y": y, "counts": counts, "rate": rate})
+savemat(folder / "packed.mat", {"time": time, "u": u, "y": y, "counts": counts},
+        do_compression=True)
+savemat(folder / "structure.mat", {"log": {"time": time, "u": u}})
+savemat(folder / "lengths.mat", {"time": time, "u": u, "slow": u[::10]})
+np.savez(folder / "plain.npz", time=time, u=u, y=y, counts=counts)
+np.savez_compressed(folder / "packed.npz", time=time, u=u, y=y, counts=counts)
+table = np.empty(rows, dtype=[("time", "<f8"), ("u", ">f8"), ("y", "<f8"), ("counts", "<i2")])
+table["time"], table["u"], table["y"], table["counts"] = time, u, y, counts
+np.save(folder / "fields.npy", table)
+np.save(folder / "cut.npy", table)
+(folder / "cut.npy").write_bytes((folder / "cut.npy").read_bytes()[:5000])
+np.save(folder / "objects.npy", np.array([{}, {}], dtype=object))
+
+frame = pd.DataFrame({"time": time, "u": u, "y": y, "counts": counts})
+for compression in ["snappy", "gzip", "zstd", "none"]:
+    frame.to_parquet(folder / f"{compression}.parquet", compression=compression,
+                     row_group_size=300)
+fields = pa.Table.from_pandas(frame, preserve_index=False)
+fields = fields.replace_schema_metadata({"unit:u": "V", "unit:y": "um"})
+pq.write_table(fields, folder / "units.parquet")
+frame.loc[5, "y"] = None
+frame.to_parquet(folder / "gap.parquet")
+
+with MDF(version="4.10") as mdf:
+    signals = [Signal(u, time, unit="V", name="u"), Signal(y, time, unit="um", name="y"),
+               Signal(counts, time, name="counts")]
+    mdf.append(signals, comment="fast")
+    mdf.save(folder / "plain.mf4", compression=0, overwrite=True)
+    mdf.save(folder / "packed.mf4", compression=2, overwrite=True)
+    mdf.append([Signal(u[::10], time[::10], unit="V", name="slow")])
+    mdf.save(folder / "rates.mf4", compression=0, overwrite=True)
+with MDF(version="3.30") as mdf:
+    mdf.append([Signal(u, time, unit="V", name="u")])
+    mdf.save(folder / "old.mdf", compression=0, overwrite=True)
+
+with TdmsWriter(folder / "plain.tdms") as writer:
+    def channel(name, data, unit=None):
+        properties = {"wf_increment": 1 / rate, "wf_start_offset": 0.0}
+        if unit:
+            properties["unit_string"] = unit
+        return ChannelObject("scope", name, data, properties=properties)
+
+    # Two segments, as a recorder writes them.
+    for half in (slice(0, 400), slice(400, None)):
+        writer.write_segment([RootObject(), GroupObject("scope"),
+                              channel("u", u[half], "V"), channel("y", y[half], "um"),
+                              channel("counts", counts[half])])
