@@ -1,0 +1,88 @@
+//! Stop operators, the command and its rate: the memory of hysteresis without a feedback of outputs.
+//!
+//! ```text
+//! z_i(t) = E_{r_i}[u(t) − u(t−1) + z_i(t−1)],  E_r[x] = min(max(x, −r), r),  r_i = i·u_max/(n + 1)
+//! inputs: [z_1 … z_n, u, u̇],  u̇ = (u(t) − u(t−1))/T
+//! ```
+//!
+//! The paper prints r_i = i/((n + 1)|u|max), whose unit is not that of a command. At the start
+//! z_i = E_r[u], as for a command that rose from 0.
+//!
+//! Each input is divided by a fixed width, so that all are of order one: stops and command by u_max,
+//! the rate by `rate_scale`.
+//!
+//! Source: LS-SVM with stop operators tuned by particle swarm, eqs. (17)-(19).
+
+/// Number and range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stops {
+    /// Number of stop operators n.
+    pub count: usize,
+    /// Greatest command u_max.
+    pub range: f64,
+    /// Sample time T in s.
+    pub period: f64,
+    /// What the rate is divided by, in commands per s.
+    pub rate_scale: f64,
+}
+
+impl Stops {
+    pub(super) fn dimension(&self) -> usize {
+        self.count + 2
+    }
+
+    pub(super) fn memory(&self) -> usize {
+        self.count + 1
+    }
+
+    fn threshold(&self, index: usize) -> f64 {
+        (index + 1) as f64 * self.range / (self.count + 1) as f64
+    }
+
+    pub(super) fn rest(&self, u: f64, memory: &mut [f64]) {
+        let Some((last, stops)) = memory.split_last_mut() else { return };
+        *last = u;
+        for (i, z) in stops.iter_mut().enumerate() {
+            let r = self.threshold(i);
+            *z = u.clamp(-r, r);
+        }
+    }
+
+    pub(super) fn step(&self, u: f64, memory: &mut [f64], z: &mut [f64]) {
+        let Some((last, stops)) = memory.split_last_mut() else { return };
+        let Some((stops_out, [u_out, rate_out])) = z.split_last_chunk_mut::<2>() else { return };
+        let change = u - *last;
+        *last = u;
+        for (i, (stop, out)) in stops.iter_mut().zip(stops_out).enumerate() {
+            let r = self.threshold(i);
+            *stop = (*stop + change).max(-r).min(r);
+            *out = *stop / self.range;
+        }
+        *u_out = u / self.range;
+        *rate_out = change / self.period / self.rate_scale;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Features;
+    use super::*;
+
+    #[test]
+    fn a_stop_is_the_command_less_its_play() {
+        let stops = Stops { count: 3, range: 4.0, period: 0.5, rate_scale: 2.0 };
+        let u: Vec<f64> = (0..60).map(|k| 2.0 + 2.0 * libm::sin(0.4 * f64::from(k))).collect();
+        let all = Features::Stops(stops).of_record(&u, &u);
+        for (i, r) in [1.0, 2.0, 3.0].into_iter().enumerate() {
+            let mut play = u[0] - u[0].clamp(-r, r);
+            for (k, u) in u.iter().enumerate() {
+                play = (u - r).max((u + r).min(play));
+                assert!((all[5 * k + i] - (u - play) / 4.0).abs() < 1e-12);
+            }
+        }
+        for k in 1..u.len() {
+            assert_eq!(all[5 * k + 3], u[k] / 4.0);
+            assert!((all[5 * k + 4] - (u[k] - u[k - 1])).abs() < 1e-12);
+        }
+    }
+}

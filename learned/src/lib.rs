@@ -1,0 +1,36 @@
+//! Models learned from data: least-squares support vector machines and Gaussian processes.
+//!
+//! * [`KernelSum`]: the function that they all are, evaluated without allocation.
+//! * [`lssvm`]: training, cross-validation, leave-one-out, pruning.
+//! * [`Compressor`]: fewer centres for the same function.
+//! * [`gp`]: training by marginal likelihood, predictive variance.
+//! * [`features`]: from signals to inputs, step by step, as in real time.
+//! * [`tune`]: searches for the settings: grid, particle swarm, annealing, simplex.
+//!
+//! Without the feature `train` only what runs in real time is there.
+
+#[cfg(feature = "train")]
+mod compress;
+#[cfg(feature = "train")]
+mod error;
+pub mod features;
+#[cfg(feature = "train")]
+pub mod gp;
+mod kernel_sum;
+#[cfg(feature = "train")]
+pub mod lssvm;
+mod simd;
+#[cfg(feature = "train")]
+mod solve;
+#[cfg(all(test, feature = "train"))]
+mod testing;
+#[cfg(feature = "train")]
+pub mod tune;
+
+#[cfg(feature = "train")]
+pub use compress::Compressor;
+#[cfg(feature = "train")]
+pub use error::Error;
+pub use kernel_sum::KernelSum;
+#[cfg(feature = "train")]
+pub use solve::Route;
