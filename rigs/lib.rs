@@ -91,6 +91,30 @@ pub const RIGS: &[Rig] = &[
 /// Blueprint of a plant that has every effect at its default strength, switched off where it can be.
 pub const EFFECTS: &str = include_str!("effects.toml");
 
+/// A record: the values of one specimen with their sources, apart from the components that take them.
+/// A blueprint's component takes them by `record = "p-752-21c"`.
+#[derive(Clone, Copy, Debug)]
+pub struct Record {
+    /// Name, as blueprints write it.
+    pub name: &'static str,
+    /// Its text.
+    pub text: &'static str,
+}
+
+/// All records.
+pub const RECORDS: &[Record] = &[
+    Record { name: "p-752-21c", text: include_str!("records/p-752-21c.toml") },
+    Record { name: "t434-a4-201", text: include_str!("records/t434-a4-201.toml") },
+    Record { name: "evc-y", text: include_str!("records/evc-y.toml") },
+    Record { name: "evc-z", text: include_str!("records/evc-z.toml") },
+];
+
+/// The record of this name.
+#[must_use]
+pub fn record(name: &str) -> Option<&'static Record> {
+    RECORDS.iter().find(|record| record.name == name)
+}
+
 /// The rig of this name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Rig> {
@@ -116,6 +140,36 @@ mod tests {
                 );
             } else {
                 assert_eq!(rig.frozen, None, "{}", rig.name);
+            }
+        }
+    }
+
+    /// Each value belongs to a parameter of a component, and fits it: unit, bounds, length.
+    #[test]
+    fn records_fit_the_components_that_they_name() {
+        for file in RECORDS {
+            let record = data::ParameterRecord::parse(file.text, file.name)
+                .unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(record.name, file.name);
+            for (kind, values) in &record.components {
+                let component = components::find(kind).unwrap_or_else(|| panic!("{kind}"));
+                let text = format!(
+                    "piezoloop = 1\nkind = \"plant\"\nname = \"t\"\nstep = 1e-4\n[[axis]]\n\
+                     name = \"x\"\ncommand = {{ unit = \"V\" }}\nposition = {{ unit = \"um\" }}\n\
+                     [[axis.component]]\ntype = \"{kind}\"\nrecord = \"{}\"\n",
+                    file.name
+                );
+                let blueprint = data::Blueprint::parse(&text, "test").expect("reads");
+                let given: Vec<_> =
+                    blueprint.axes[0].components[0].values.iter().map(|(name, _)| name).collect();
+                assert_eq!(given, values.iter().map(|v| &v.name).collect::<Vec<_>>());
+                // What is still wrong is what the record does not say, and the rest of the axis.
+                let problems = blueprint.check(components::COMPONENTS).err();
+                for problem in problems.iter().flat_map(|p| p.as_slice()) {
+                    let mine = values.iter().any(|v| problem.place.ends_with(&v.name));
+                    assert!(!mine, "{}: {problem}", file.name);
+                }
+                let _ = component.declaration();
             }
         }
     }

@@ -17,7 +17,10 @@ A component with an *effect* can be switched off by its start value `enabled`. T
 effect shows the position over the command of an axis of 0.1 um/V without (measured colour) and with it \
 at its default strength (`rigs/effects.toml`): the last of ten loops of 0 to 100 V at 20 Hz. \
 *Default strength* is the greatest and the rms change of the position over all ten loops, in percent \
-of the stroke of 10 um; for a hysteresis model that against the straight line through its stroke.\n";
+of the stroke of 10 um; for a hysteresis model that against the straight line through its stroke.\n\n\
+*In a rig* is the same at the strength that the effect has in the truth rig of a machine: the change of \
+axis 1 when it is left out, over ten loops of the whole command range of 500 internal steps each (the \
+other axes a quarter of a loop ahead), in percent of the stroke.\n";
 
 /// Internal step, loops and hits of a loop of the trial.
 const PERIOD: f64 = 1e-4;
@@ -29,9 +32,14 @@ pub(crate) fn pages() -> anyhow::Result<BTreeMap<String, String>> {
     let library = effects::library()?;
     let mut pages = BTreeMap::new();
     let mut text = String::from(HEAD);
+    text.push_str(&catalogue());
+    let machines = machines()?;
     for component in components::COMPONENTS {
         let declaration = component.declaration();
         text.push_str(&section(declaration));
+        for machine in &machines {
+            text.push_str(&machine.without(declaration)?);
+        }
         let Some(trial) = trial(&library, declaration.kind)? else { continue };
         let file = format!("effects/{}.svg", declaration.kind);
         let _ = writeln!(
@@ -95,6 +103,203 @@ fn section(d: &Declaration) -> String {
         );
     }
     text
+}
+
+/// Which components stand for which effect of the signal path.
+fn catalogue() -> String {
+    let mut text = String::from(
+        "\n## Effects of the signal path and their components\n\n| effect | components | \
+         remark |\n|---|---|---|\n",
+    );
+    for (effect, kinds, remark) in CATALOGUE {
+        let link = |kind: &&str| format!("[{kind}](#{kind})");
+        let kinds: Vec<_> = kinds.iter().map(link).collect();
+        let _ = writeln!(text, "| {effect} | {} | {remark} |", kinds.join(", "));
+    }
+    text
+}
+
+/// Effect, component types, remark; in the order of the signal path.
+const CATALOGUE: &[(&str, &[&str], &str)] = &[
+    ("transport delay: computing, hold, bus", &["delay"], ""),
+    ("sample-clock offset and jitter", &["clock-offset"], ""),
+    ("quantisation of the command", &["dac-quantisation"], ""),
+    (
+        "amplifier lag of first order, R_out C",
+        &["amplifier-lag", "amplifier-rc"],
+        "`amplifier-rc` from resistance and capacitance, with the motional current",
+    ),
+    ("amplifier of second order, LC", &["amplifier-second-order"], ""),
+    ("current limit, slew rate", &["amplifier-slew", "amplifier-rc"], ""),
+    ("average current limit, foldback", &["amplifier-foldback"], ""),
+    ("voltage limits", &["amplifier-clamp"], "hard or soft"),
+    (
+        "integral nonlinearity and offset of converter and amplifier",
+        &["amplifier-nonlinearity"],
+        "",
+    ),
+    ("voltage, charge and current of the actuator", &["piezo-charge"], "outputs; changes nothing"),
+    ("hysteresis", &["prandtl-ishlinskii", "preisach", "bouc-wen", "duhem", "dahl"], ""),
+    (
+        "asymmetric hysteresis",
+        &["modified-prandtl-ishlinskii", "generalised-play", "bouc-wen"],
+        "`bouc-wen` by its `delta`",
+    ),
+    (
+        "rate-dependent hysteresis",
+        &["rate-dependent-play", "grpi", "mpi", "dynamic-prandtl-ishlinskii"],
+        "",
+    ),
+    ("unknown past, remanence", &["remanence"], ""),
+    ("creep", &["logarithmic-creep", "kelvin-voigt-creep", "fractional-creep"], ""),
+    ("saturation of the polarisation", &["polarisation-saturation"], ""),
+    ("gain of the actuator, d33", &["actuator-gain"], ""),
+    ("gain over temperature", &["actuator-temperature"], ""),
+    ("ageing, depolarisation", &["actuator-ageing"], ""),
+    ("self-heating", &["self-heating"], ""),
+    ("load force, blocking force", &["load-force"], "input `force[i]`"),
+    ("external stiffness, payload mass", &["loaded-mode"], "gain and resonance move together"),
+    ("stiffness over the position", &["position-stiffness"], ""),
+    ("mode, damping", &["mode"], ""),
+    ("second mode, non-collocated pair", &["mode-pair", "collocated-mode"], ""),
+    ("stiffness over the amplitude", &["duffing"], ""),
+    ("backlash, loose preload", &["backlash"], ""),
+    ("friction, stick-slip", &["friction"], ""),
+    (
+        "cutting force",
+        &["cutting-force", "load-force"],
+        "in position once per ellipse, or as a force from outside",
+    ),
+    ("vibration at fixed frequencies", &["vibration"], ""),
+    (
+        "phase and amplitude error of an ellipse",
+        &["mode", "loaded-mode", "delay"],
+        "one on each axis, with its own values",
+    ),
+    ("static cross-coupling", &["command-coupling", "displacement-coupling"], ""),
+    ("dynamic cross-coupling, shared mode", &["mode-coupling"], ""),
+    ("optics: coordinates from several axes", &["optics-jacobian"], ""),
+    (
+        "Abbe, rotation and cosine error",
+        &["displacement-coupling", "sensor-polynomial"],
+        "the rotation's share of the neighbour; the cosine as the quadratic term",
+    ),
+    (
+        "thermal growth",
+        &["thermal-drift", "thermal-expansion"],
+        "the second from an input `temperature`",
+    ),
+    ("disturbance from a log", &["disturbance"], "input `disturbance[i]`"),
+    (
+        "floor vibration, beam turbulence, mirror wobble",
+        &["floor-vibration"],
+        "noise through a mode",
+    ),
+    (
+        "sensor bandwidth, anti-alias filter",
+        &["sensor-lag", "sensor-second-order", "sensor-butterworth"],
+        "",
+    ),
+    (
+        "sensor gain and offset, background light",
+        &["sensor-scale"],
+        "background b of the sum: gain 1/(1 + b)",
+    ),
+    ("sensor nonlinearity", &["sensor-polynomial"], ""),
+    ("pincushion of a position-sensitive detector", &["psd-pincushion"], ""),
+    ("quad-cell saturation", &["sensor-quad-cell"], ""),
+    ("sensor noise, white and 1/f", &["sensor-noise"], ""),
+    ("sensor drift", &["sensor-drift"], ""),
+    ("mains hum", &["mains-hum"], ""),
+    ("ground loop, amplifier-sensor crosstalk", &["crosstalk"], ""),
+    ("quantisation of the reading", &["sensor-quantisation"], ""),
+    (
+        "differences of controller or firmware",
+        &["pid", "reference-lead", "feedforward-gain"],
+        "no effect of the plant: feed the controller with the measured position and compare its command first",
+    ),
+];
+
+/// A truth rig and its first axis over the loops.
+struct Machine {
+    name: &'static str,
+    blueprint: Blueprint,
+    positions: Vec<f64>,
+    stroke: f64,
+}
+
+/// All truth rigs.
+fn machines() -> anyhow::Result<Vec<Machine>> {
+    let mut machines = Vec::new();
+    for rig in rigs::RIGS.iter().filter(|rig| rig.frozen.is_some()) {
+        let blueprint = Blueprint::parse(rig.blueprint, rig.name)?;
+        let positions = loops(&blueprint)?;
+        let fold =
+            |start: f64, pick: fn(f64, f64) -> f64| positions.iter().copied().fold(start, pick);
+        let stroke = fold(f64::NEG_INFINITY, f64::max) - fold(f64::INFINITY, f64::min);
+        machines.push(Machine { name: rig.name, blueprint, positions, stroke });
+    }
+    Ok(machines)
+}
+
+impl Machine {
+    /// What it is without this component, where it has one that can be left out.
+    fn without(&self, declaration: &Declaration) -> anyhow::Result<String> {
+        let mut blueprint = self.blueprint.clone();
+        let mut count = 0;
+        let axis = blueprint.axes.first_mut().map_or(&mut [][..], |axis| &mut axis.components);
+        let couplings = blueprint.couplings.iter_mut().map(|c| &mut c.component);
+        for component in axis.iter_mut().chain(couplings) {
+            if component.kind == declaration.kind && component.enabled {
+                (component.enabled, count) = (false, count + 1);
+            }
+        }
+        if count == 0 || !declaration.can_be_disabled() {
+            return Ok(String::new());
+        }
+        let (greatest, rms) = change(&self.positions, &loops(&blueprint)?, self.stroke);
+        let (greatest, rms) = (percent(greatest), percent(rms));
+        Ok(format!("In `{}`: {greatest} at most, {rms} rms.\n\n", self.name))
+    }
+}
+
+/// Position of axis 1 over ten loops of the whole range of its command.
+fn loops(blueprint: &Blueprint) -> anyhow::Result<Vec<f64>> {
+    let mut system = blueprint.check(components::COMPONENTS)?.build();
+    let variables = system.variables();
+    let inputs =
+        variables.as_slice().iter().zip(0u32..).filter(|(v, _)| {
+            v.causality == model::Causality::Input && v.name.starts_with("command[")
+        });
+    let inputs: Vec<(u32, f64, f64)> = inputs.map(|(v, r)| (r, v.min, v.max)).collect();
+    let y = variables.find("position[1]").context("an axis has a position")?;
+    let period = system.period();
+    system.initialise(0.0).map_err(|e| anyhow!(system.explain(&e)))?;
+    let mut positions = Vec::with_capacity(LOOPS * LOOP);
+    for n in 0..LOOPS * LOOP {
+        positions.push(system.get(y).context("in the table")?);
+        for (axis, (reference, low, high)) in inputs.iter().enumerate() {
+            let ahead = if axis == 0 { 0.0 } else { 0.25 * TAU };
+            let part = 0.5 - 0.5 * (TAU * n as f64 / LOOP as f64 + ahead).cos();
+            let command = low + (high - low) * part;
+            system.set(*reference, command).map_err(|e| anyhow!(system.explain_set(&e)))?;
+        }
+        let end = (n + 1) as f64 * period;
+        system.advance(end).map_err(|e| anyhow!(system.explain(&e)))?;
+    }
+    Ok(positions)
+}
+
+/// Greatest and rms difference in percent of a stroke.
+fn change(with: &[f64], without: &[f64], stroke: f64) -> (f64, f64) {
+    let errors = with.iter().zip(without).map(|(a, b)| a - b);
+    let greatest = errors.clone().map(f64::abs).fold(0.0, f64::max);
+    let square = errors.map(|e| e * e).sum::<f64>() / with.len().max(1) as f64;
+    (100.0 * greatest / stroke, 100.0 * square.sqrt() / stroke)
+}
+
+fn percent(x: f64) -> String {
+    if x >= 1e-3 { format!("{x:.3} %") } else { format!("{x:.1e} %") }
 }
 
 /// What an effect does to a loop.
@@ -167,11 +372,8 @@ fn run(blueprint: &Blueprint) -> anyhow::Result<(Vec<f64>, Vec<f64>)> {
 impl Trial {
     fn new(command: Vec<f64>, without: Vec<f64>, with: Vec<f64>) -> Self {
         const STROKE: f64 = 10.0;
-        let errors = with.iter().zip(&without).map(|(a, b)| a - b);
-        let greatest = errors.clone().map(f64::abs).fold(0.0, f64::max);
-        let square = errors.map(|e| e * e).sum::<f64>() / with.len().max(1) as f64;
-        let percent = |x: f64| 100.0 * x / STROKE;
-        Self { command, without, with, greatest: percent(greatest), rms: percent(square.sqrt()) }
+        let (greatest, rms) = change(&with, &without, STROKE);
+        Self { command, without, with, greatest, rms }
     }
 
     fn figure(&self, declaration: &Declaration) -> String {
@@ -207,6 +409,34 @@ mod tests {
             let kind = component.declaration().kind;
             let trial = trial(&library, kind).unwrap_or_else(|e| panic!("{kind}: {e:#}"));
             assert!(trial.is_none_or(|t| t.greatest > 1e-3), "{kind} changes nothing");
+        }
+    }
+
+    /// Each effect of a truth rig changes its output; by how much its section states, and
+    /// `docs_are_current` holds it to that.
+    #[test]
+    fn every_effect_of_a_truth_rig_acts() {
+        for machine in machines().unwrap_or_else(|e| panic!("{e:#}")) {
+            for component in components::COMPONENTS {
+                let declaration = component.declaration();
+                let told = machine.without(declaration).unwrap_or_else(|e| panic!("{e:#}"));
+                let idle = told.contains(": 0.0e0 % at most");
+                assert!(!idle, "{} in {} changes nothing", declaration.kind, machine.name);
+            }
+        }
+    }
+
+    #[test]
+    fn the_catalogue_has_every_component_of_a_plant_and_no_other() {
+        let listed: Vec<&str> = CATALOGUE.iter().flat_map(|row| row.1).copied().collect();
+        for kind in &listed {
+            assert!(components::find(kind).is_some(), "{kind} is no component");
+        }
+        for component in components::COMPONENTS {
+            let declaration = component.declaration();
+            let of_plant = declaration.stage != model::Stage::Control
+                && declaration.conversion != Conversion::PositionToCommand;
+            assert!(!of_plant || listed.contains(&declaration.kind), "{}", declaration.kind);
         }
     }
 }

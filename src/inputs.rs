@@ -42,7 +42,7 @@ impl LogOptions {
 
 /// A blueprint with the text that it was read from.
 pub(crate) struct BlueprintText {
-    /// As it stands in the file.
+    /// As it stands in the file; with the values of records put in.
     pub(crate) text: String,
     /// What it says.
     pub(crate) blueprint: Blueprint,
@@ -67,6 +67,8 @@ pub(crate) fn blueprint(what: &Path) -> anyhow::Result<BlueprintText> {
         }
     };
     let blueprint = Blueprint::parse(&text, &origin)?;
+    // A text that is carried away must not need a record.
+    let text = if blueprint.records().is_empty() { text } else { blueprint.to_toml() };
     Ok(BlueprintText { text, blueprint })
 }
 

@@ -24,6 +24,7 @@ pub mod solve;
 pub mod timing;
 pub mod turn;
 
+mod quantiser;
 mod rules;
 #[cfg(test)]
 mod testing;
@@ -32,17 +33,19 @@ mod testing;
 pub static COMPONENTS: model::Registry = &[
     &timing::Delay,
     &timing::ClockOffset,
-    &timing::DacQuantisation,
+    &timing::DAC_QUANTISATION,
     &amplifier::AmplifierLag,
     &amplifier::AmplifierSecondOrder,
     &amplifier::AmplifierRc,
     &amplifier::AmplifierSlew,
+    &amplifier::AmplifierFoldback,
     &amplifier::AmplifierClamp,
     &amplifier::AmplifierNonlinearity,
     &amplifier::PiezoCharge,
     &actuator::PolarisationSaturation,
     &actuator::ActuatorGain,
     &actuator::ActuatorTemperature,
+    &actuator::ActuatorAgeing,
     &actuator::SelfHeating,
     &hysteresis::PrandtlIshlinskii,
     &hysteresis::ModifiedPrandtlIshlinskii,
@@ -55,6 +58,7 @@ pub static COMPONENTS: model::Registry = &[
     &hysteresis::Grpi,
     &hysteresis::Mpi,
     &hysteresis::DynamicPrandtlIshlinskii,
+    &actuator::Remanence,
     &creep::KelvinVoigtCreep,
     &creep::LogarithmicCreep,
     &creep::FractionalCreep,
@@ -64,6 +68,7 @@ pub static COMPONENTS: model::Registry = &[
     &mechanics::CollocatedMode,
     &mechanics::LoadedMode,
     &mechanics::Duffing,
+    &mechanics::PositionStiffness,
     &mechanics::Friction,
     &mechanics::Backlash,
     &mechanics::CuttingForce,
@@ -87,11 +92,14 @@ pub static COMPONENTS: model::Registry = &[
     &sensor::SensorDrift,
     &sensor::MainsHum,
     &sensor::Crosstalk,
-    &sensor::SensorQuantisation,
+    &sensor::SENSOR_QUANTISATION,
     &hysteresis::InversePrandtlIshlinskii,
     &hysteresis::InverseModifiedPrandtlIshlinskii,
     &hysteresis::InverseGeneralisedPlay,
+    &hysteresis::InversePreisach,
     &hysteresis::INVERSE_BOUC_WEN,
+    &hysteresis::INVERSE_DUHEM,
+    &hysteresis::INVERSE_DAHL,
     &hysteresis::INVERSE_RATE_DEPENDENT_PLAY,
     &hysteresis::INVERSE_GRPI,
     &hysteresis::INVERSE_MPI,

@@ -58,6 +58,54 @@ impl Transition {
     }
 }
 
+/// A second-order low-pass with a static gain, exact while its input is held: what amplifiers,
+/// sensors and modes have in common. Its state is `(x, x′/ω)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SecondOrder {
+    transition: Transition,
+    gain: f64,
+}
+
+impl SecondOrder {
+    /// Number of coefficients.
+    pub const COEFFICIENTS: usize = 4;
+
+    /// For a natural frequency in Hz, a damping ratio ζ > 0, a static gain and a period in s.
+    #[must_use]
+    pub fn new(frequency: f64, damping: f64, gain: f64, period: f64) -> Self {
+        Self { transition: Transition::new(frequency, damping, period), gain }
+    }
+
+    /// As coefficients of a component.
+    #[must_use]
+    pub fn to_array(self) -> [f64; Self::COEFFICIENTS] {
+        let Transition { same, cross, rate } = self.transition;
+        [same, cross, rate, self.gain]
+    }
+
+    /// From coefficients of a component.
+    #[inline]
+    #[must_use]
+    pub fn of([same, cross, rate, gain]: [f64; Self::COEFFICIENTS]) -> Self {
+        Self { transition: Transition { same, cross, rate }, gain }
+    }
+
+    /// Settles under a held input and returns x.
+    pub fn rest(&self, input: f64, [x, v]: &mut [f64; 2]) -> f64 {
+        (*x, *v) = (self.gain * input, 0.0);
+        *x
+    }
+
+    /// Goes on by a period and returns x.
+    #[inline]
+    pub fn step(&self, input: f64, [x, v]: &mut [f64; 2]) -> f64 {
+        let target = self.gain * input;
+        let (e, rate) = self.transition.apply(*x - target, *v);
+        (*x, *v) = (target + e, rate);
+        *x
+    }
+}
+
 /// `x` to the nearest multiple of `resolution`, halves away from zero; values whose number of steps
 /// is no longer exact in double precision pass.
 #[inline]

@@ -20,14 +20,16 @@ const EXAMPLES: &[Example] = &[
     ("dac-quantisation", &[], &[0.01]),
     ("amplifier-lag", &[], &[800.0, 1.1]),
     ("amplifier-second-order", &[], &[900.0, 0.7, 1.0]),
-    ("amplifier-rc", &[], &[100.0, 1e-6, 0.05, 1.1]),
+    ("amplifier-rc", &[], &[100.0, 1e-6, 0.05, 1.1, 2e-6]),
     ("amplifier-slew", &[], &[5000.0]),
+    ("amplifier-foldback", &[], &[0.02, 0.1, 1e-6, 0.5]),
     ("amplifier-clamp", &[], &[-20.0, 120.0, 2.0]),
     ("amplifier-nonlinearity", &[], &[0.1, 1e-3, -2e-3, 50.0, 70.0]),
-    ("piezo-charge", &[], &[1.8e-6, 2.0]),
+    ("piezo-charge", &[], &[1.8e-6, 2e-6]),
     ("polarisation-saturation", &[], &[0.02, 50.0, 70.0]),
     ("actuator-gain", &[], &[0.05, 0.3]),
     ("actuator-temperature", &[], &[0.002, 35.0, 20.0]),
+    ("actuator-ageing", &[], &[0.03, 10.0]),
     ("self-heating", &[], &[0.02, 1e-6, 50.0, 20.0, 1e-3, 0.01, 1.0, 1.0]),
     ("prandtl-ishlinskii", &[3.0], &[0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.3]),
     (
@@ -55,6 +57,7 @@ const EXAMPLES: &[Example] = &[
         &[2.0, 4.0],
         &[0.0, 12.0, 0.05, 0.01, -1e-8, -1e-8, 1e-8, 1e-8, 1e-13, 1e-13, 1e-13, 1e-13, 0.3],
     ),
+    ("remanence", &[], &[0.5, 40.0]),
     ("kelvin-voigt-creep", &[2.0], &[0.02, 0.03, 0.1, 5.0]),
     ("logarithmic-creep", &[0.01, 1e4], &[0.015, 0.1]),
     ("fractional-creep", &[1e-3, 100.0], &[0.05]),
@@ -64,6 +67,7 @@ const EXAMPLES: &[Example] = &[
     ("collocated-mode", &[], &[482.6, 0.02, 350.0, 0.03]),
     ("loaded-mode", &[], &[482.6, 0.02, 0.3, 0.05, 1e4]),
     ("duffing", &[], &[482.6, 0.02, 0.02, 5.0]),
+    ("position-stiffness", &[], &[482.6, 0.02, 0.1, 0.05, 3.0, 5.0]),
     ("friction", &[], &[482.6, 0.02, 0.05, 0.07, 0.01, 100.0]),
     ("backlash", &[], &[0.05]),
     ("cutting-force", &[], &[0.1, 100.0, 0.3, 0.5]),
@@ -102,7 +106,10 @@ const EXAMPLES: &[Example] = &[
             3.0,
         ],
     ),
+    ("inverse-preisach", &[6.0], &[0.5, 1.0, 0.2, 0.1, 0.3, 0.7, -20.0, 120.0, 0.3]),
     ("inverse-bouc-wen", &[], &[0.06, 0.2, 0.02, 0.01, 0.002, 1.0, 0.3, -20.0, 150.0]),
+    ("inverse-duhem", &[], &[0.06, 0.04, 0.05, 0.3, -20.0, 150.0]),
+    ("inverse-dahl", &[], &[0.06, 0.4, 20.0, 0.3, -20.0, 150.0]),
     (
         "inverse-rate-dependent-play",
         &[2.0],
@@ -246,6 +253,7 @@ fn examples_are_within_the_declared_bounds_and_units() {
 #[test]
 fn rest_is_an_equilibrium() {
     let moves_on = [
+        "actuator-ageing",
         "cutting-force",
         "vibration",
         "thermal-drift",

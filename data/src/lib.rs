@@ -21,7 +21,7 @@ mod whole_file;
 
 pub use blueprint::{
     AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, CouplingBlueprint,
-    SignalBlueprint, Value,
+    ParameterRecord, RecordValue, SignalBlueprint, Value,
 };
 pub use fit::{Fit, FitError};
 pub use log::{

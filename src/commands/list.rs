@@ -1,4 +1,4 @@
-//! `piezoloop list`: rigs, effects, models.
+//! `piezoloop list`: rigs, records, effects, models, signals.
 
 use std::io::{self, Write};
 
@@ -10,7 +10,7 @@ use crate::answer::{Answer, Screen};
 use crate::commands::signal;
 use crate::matching::{self, Figure};
 
-/// Lists the rigs, effects, models or signals that the tool knows
+/// Lists the rigs, records, effects, models or signals that the tool knows
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop list rigs\n  piezoloop list rigs --show evc > evc.toml\n  piezoloop list models --json"
@@ -18,8 +18,8 @@ use crate::matching::{self, Figure};
 pub(crate) struct List {
     /// What to list
     what: What,
-    /// Print the blueprint of this rig
-    #[arg(long, value_name = "RIG")]
+    /// Print the blueprint of this rig, or this record
+    #[arg(long, value_name = "NAME")]
     show: Option<String>,
     /// Compare the truth rigs with what the papers publish of their machines
     #[arg(long = "match", conflicts_with = "show")]
@@ -30,6 +30,8 @@ pub(crate) struct List {
 enum What {
     /// Blueprints of known machines
     Rigs,
+    /// Values of known specimens with their sources, for a component's key `record`
+    Records,
     /// Physical effects by their fixed identifiers
     Effects,
     /// Component types that a blueprint may use
@@ -42,6 +44,7 @@ enum What {
 #[serde(untagged)]
 enum Listing {
     Rigs(Vec<RigRow>),
+    Records(Vec<RecordRow>),
     Effects(Vec<EffectRow>),
     Models(Vec<ModelRow>),
     Signals(Vec<signal::Row>),
@@ -53,6 +56,13 @@ enum Listing {
 struct RigRow {
     name: &'static str,
     summary: &'static str,
+}
+
+#[derive(Serialize)]
+struct RecordRow {
+    name: &'static str,
+    description: String,
+    components: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -93,8 +103,18 @@ impl List {
                 })?;
                 Listing::Text { name: rig.name, blueprint: rig.blueprint }
             }
+            (What::Records, Some(name)) => {
+                let record = rigs::record(name).with_context(|| {
+                    let known: Vec<_> = rigs::RECORDS.iter().map(|r| r.name).collect();
+                    format!("no record is named \"{name}\"; known are {}", known.join(", "))
+                })?;
+                Listing::Text { name: record.name, blueprint: record.text }
+            }
             (_, Some(_)) => {
-                anyhow::bail!("--show prints a rig's blueprint: use it with `list rigs`")
+                anyhow::bail!(
+                    "--show prints a rig's blueprint or a record: use it with `list rigs` or `list \
+                     records`"
+                )
             }
             (What::Rigs, None) if self.matching => Listing::Match(matching::figures()?),
             (_, None) if self.matching => {
@@ -103,12 +123,22 @@ impl List {
             (What::Rigs, None) => Listing::Rigs(
                 rigs::RIGS.iter().map(|r| RigRow { name: r.name, summary: r.summary }).collect(),
             ),
+            (What::Records, None) => Listing::Records(records()?),
             (What::Effects, None) => Listing::Effects(effects()),
             (What::Models, None) => Listing::Models(models()),
             (What::Signals, None) => Listing::Signals(signal::list()),
         };
         screen.show(&listing)
     }
+}
+
+fn records() -> anyhow::Result<Vec<RecordRow>> {
+    let row = |file: &'static rigs::Record| {
+        let record = data::ParameterRecord::parse(file.text, file.name)?;
+        let components = record.components.into_iter().map(|(kind, _)| kind).collect();
+        Ok(RecordRow { name: file.name, description: record.description, components })
+    };
+    rigs::RECORDS.iter().map(row).collect()
 }
 
 fn effects() -> Vec<EffectRow> {
@@ -202,6 +232,17 @@ impl Answer for Listing {
                 writeln!(
                     out,
                     "\nShow one: piezoloop list rigs --show evc; pack one: piezoloop pack evc -o evc.fmu"
+                )
+            }
+            Self::Records(rows) => {
+                for row in rows {
+                    let components = row.components.join(", ");
+                    writeln!(out, "{:14} {}: values for {components}", row.name, row.description)?;
+                }
+                writeln!(
+                    out,
+                    "\nA component takes them by `record = \"p-752-21c\"`; show one: piezoloop list \
+                     records --show p-752-21c"
                 )
             }
             Self::Match(figures) => write_match(figures, out),

@@ -1,6 +1,7 @@
 //! The high-voltage amplifier.
 
 mod clamp;
+mod foldback;
 mod lag;
 mod nonlinearity;
 mod piezo_charge;
@@ -9,6 +10,7 @@ mod second_order;
 mod slew;
 
 pub use clamp::AmplifierClamp;
+pub use foldback::AmplifierFoldback;
 pub use lag::AmplifierLag;
 pub use nonlinearity::AmplifierNonlinearity;
 pub use piezo_charge::PiezoCharge;

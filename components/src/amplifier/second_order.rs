@@ -13,7 +13,7 @@ use model::{
 };
 
 use crate::effects;
-use crate::linear::Transition;
+use crate::linear::SecondOrder;
 use crate::rules::{WRONG_LENGTH, second_order};
 
 /// The component `amplifier-second-order`.
@@ -45,7 +45,7 @@ impl Component for AmplifierSecondOrder {
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: 4, states: 2 }
+        Sizes { coefficients: SecondOrder::COEFFICIENTS, states: 2 }
     }
 
     fn prepare(
@@ -55,22 +55,23 @@ impl Component for AmplifierSecondOrder {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (&[frequency, damping, gain], [same, cross, rate, factor]) = (parameters, coefficients)
+        let (&[frequency, damping, gain], Ok(values)) =
+            (parameters, <&mut [f64; 4]>::try_from(coefficients))
         else {
             return Err(WRONG_LENGTH);
         };
         second_order(frequency, damping, period)?;
-        let t = Transition::new(frequency, damping, period);
-        (*same, *cross, *rate, *factor) = (t.same, t.cross, t.rate, gain);
+        *values = SecondOrder::new(frequency, damping, gain, period).to_array();
         Ok(())
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[.., gain], &[u], [x, v], [y]) = (coefficients, inputs, state, outputs) else {
+        let (&[a, b, c, d], &[u], Ok(state), [y]) =
+            (coefficients, inputs, state.try_into(), outputs)
+        else {
             return;
         };
-        (*x, *v) = (gain * u, 0.0);
-        *y = *x;
+        *y = SecondOrder::of([a, b, c, d]).rest(u, state);
     }
 
     fn step(
@@ -81,15 +82,12 @@ impl Component for AmplifierSecondOrder {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[same, cross, rate, gain], &[u], [x, v], [y]) =
-            (coefficients, inputs, state, outputs)
+        let (&[a, b, c, d], &[u], Ok(state), [y]) =
+            (coefficients, inputs, state.try_into(), outputs)
         else {
             return;
         };
-        let target = gain * u;
-        let (e, scaled_rate) = Transition { same, cross, rate }.apply(*x - target, *v);
-        (*x, *v) = (target + e, scaled_rate);
-        *y = *x;
+        *y = SecondOrder::of([a, b, c, d]).step(u, state);
     }
 }
 

@@ -18,7 +18,7 @@ use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
-use super::duhem::advance;
+use super::duhem::Law;
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
 
@@ -37,17 +37,20 @@ static DECLARATION: Declaration = Declaration {
     inputs: &[Input::PATH],
     outputs: &[Output::PATH],
     structure: &[],
-    parameters: &[
-        Quantity::new("gain", "{position}/{command}", "Slope of the centre line").fitted(),
-        Quantity::new("height", "{position}", "Half height of the major loop").min(0.0).fitted(),
-        Quantity::new("length", "{command}", "Way in which a branch closes 63 % of its distance")
-            .min(0.0)
-            .fitted(),
-        Quantity::new("offset", "{position}", "Position at zero command in the virgin state")
-            .start(0.0)
-            .fitted(),
-    ],
+    parameters: &PARAMETERS,
 };
+
+/// Its parameters.
+pub(super) const PARAMETERS: [Quantity; 4] = [
+    Quantity::new("gain", "{position}/{command}", "Slope of the centre line").fitted(),
+    Quantity::new("height", "{position}", "Half height of the major loop").min(0.0).fitted(),
+    Quantity::new("length", "{command}", "Way in which a branch closes 63 % of its distance")
+        .min(0.0)
+        .fitted(),
+    Quantity::new("offset", "{position}", "Position at zero command in the virgin state")
+        .start(0.0)
+        .fitted(),
+];
 
 impl Component for Dahl {
     fn declaration(&self) -> &'static Declaration {
@@ -75,12 +78,12 @@ impl Component for Dahl {
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[k, half, rate, zero], &[u], [e, last], [y]) = (coefficients, inputs, state, outputs)
+        let (Some(law), &[u], [e, last], [y]) = (Law::of(coefficients), inputs, state, outputs)
         else {
             return;
         };
-        (*e, *last) = (advance(0.0, u, rate, half), u);
-        *y = zero + k * u + *e;
+        (*e, *last) = (law.advance(0.0, u), u);
+        *y = law.offset + law.slope * u + *e;
     }
 
     fn step(
@@ -91,14 +94,12 @@ impl Component for Dahl {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[k, half, rate, zero], &[u], [e, last], [y]) = (coefficients, inputs, state, outputs)
+        let (Some(law), &[u], [e, last], [y]) = (Law::of(coefficients), inputs, state, outputs)
         else {
             return;
         };
-        if u != *last {
-            (*e, *last) = (advance(*e, u - *last, rate, half), u);
-        }
-        *y = zero + k * u + *e;
+        (*e, *last) = (law.advance(*e, u - *last), u);
+        *y = law.offset + law.slope * u + *e;
     }
 }
 

@@ -40,23 +40,57 @@ static DECLARATION: Declaration = Declaration {
     inputs: &[Input::PATH],
     outputs: &[Output::PATH],
     structure: &[],
-    parameters: &[
-        Quantity::new("slope", "{position}/{command}", "Slope of the centre line").fitted(),
-        Quantity::new("initial", "{position}/{command}", "Slope right after a reversal").fitted(),
-        Quantity::new("decay", "1/{command}", "How fast a branch joins the major loop")
-            .min(0.0)
-            .fitted(),
-        Quantity::new("offset", "{position}", "Position at zero command in the virgin state")
-            .start(0.0)
-            .fitted(),
-    ],
+    parameters: &PARAMETERS,
 };
 
-/// Deviation from the centre line after the command moved monotonically by `change`; it tends to
-/// `−half` when rising and to `half` when falling.
-pub(super) fn advance(e: f64, change: f64, decay: f64, half: f64) -> f64 {
-    let target = if change > 0.0 { -half } else { half };
-    target + (e - target) * exp(-decay * fabs(change))
+/// Its parameters.
+pub(super) const PARAMETERS: [Quantity; 4] = [
+    Quantity::new("slope", "{position}/{command}", "Slope of the centre line").fitted(),
+    Quantity::new("initial", "{position}/{command}", "Slope right after a reversal").fitted(),
+    Quantity::new("decay", "1/{command}", "How fast a branch joins the major loop")
+        .min(0.0)
+        .fitted(),
+    Quantity::new("offset", "{position}", "Position at zero command in the virgin state")
+        .start(0.0)
+        .fitted(),
+];
+
+/// The law of Duhem and Dahl by its coefficients: the deviation e from a straight centre line tends
+/// to `−half` when rising and to `half` when falling.
+pub(super) struct Law {
+    pub(super) slope: f64,
+    half: f64,
+    decay: f64,
+    pub(super) offset: f64,
+}
+
+impl Law {
+    #[inline]
+    pub(super) fn of(coefficients: &[f64]) -> Option<Self> {
+        let &[slope, half, decay, offset] = coefficients else { return None };
+        Some(Self { slope, half, decay, offset })
+    }
+
+    /// Deviation after the command moved monotonically by `change`.
+    #[inline]
+    pub(super) fn advance(&self, e: f64, change: f64) -> f64 {
+        if change == 0.0 {
+            return e;
+        }
+        let target = if change > 0.0 { -self.half } else { self.half };
+        target + (e - target) * exp(-self.decay * fabs(change))
+    }
+
+    /// Position after a step to `u`; the state stays.
+    pub(super) fn frozen(&self, state: &[f64], u: f64) -> f64 {
+        let &[e, last] = state else { return 0.0 };
+        self.offset + self.slope * u + self.advance(e, u - last)
+    }
+
+    /// Least slope of a branch: on the major loop, right after a reversal.
+    pub(super) fn least_slope(&self) -> f64 {
+        self.slope - self.decay * (self.half + fabs(self.half))
+    }
 }
 
 impl Component for Duhem {
@@ -85,12 +119,12 @@ impl Component for Duhem {
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[k, half, rate, zero], &[u], [e, last], [y]) = (coefficients, inputs, state, outputs)
+        let (Some(law), &[u], [e, last], [y]) = (Law::of(coefficients), inputs, state, outputs)
         else {
             return;
         };
-        (*e, *last) = (advance(0.0, u, rate, half), u);
-        *y = zero + k * u + *e;
+        (*e, *last) = (law.advance(0.0, u), u);
+        *y = law.offset + law.slope * u + *e;
     }
 
     fn step(
@@ -101,14 +135,12 @@ impl Component for Duhem {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[k, half, rate, zero], &[u], [e, last], [y]) = (coefficients, inputs, state, outputs)
+        let (Some(law), &[u], [e, last], [y]) = (Law::of(coefficients), inputs, state, outputs)
         else {
             return;
         };
-        if u != *last {
-            (*e, *last) = (advance(*e, u - *last, rate, half), u);
-        }
-        *y = zero + k * u + *e;
+        (*e, *last) = (law.advance(*e, u - *last), u);
+        *y = law.offset + law.slope * u + *e;
     }
 }
 

@@ -8,6 +8,7 @@ mod bouc_wen;
 mod bouc_wen_inverse;
 mod dahl;
 mod duhem;
+mod duhem_inverse;
 mod dynamic_prandtl_ishlinskii;
 mod generalised_play;
 mod grpi;
@@ -16,6 +17,7 @@ mod modified_prandtl_ishlinskii;
 mod mpi;
 mod prandtl_ishlinskii;
 mod preisach;
+mod preisach_inverse;
 mod rate;
 mod rate_dependent_play;
 
@@ -23,6 +25,7 @@ pub use bouc_wen::BoucWen;
 pub use bouc_wen_inverse::INVERSE_BOUC_WEN;
 pub use dahl::Dahl;
 pub use duhem::Duhem;
+pub use duhem_inverse::{INVERSE_DAHL, INVERSE_DUHEM};
 pub use dynamic_prandtl_ishlinskii::{
     DynamicPrandtlIshlinskii, INVERSE as INVERSE_DYNAMIC_PRANDTL_ISHLINSKII,
 };
@@ -35,4 +38,5 @@ pub use modified_prandtl_ishlinskii::{
 pub use mpi::{INVERSE as INVERSE_MPI, Mpi};
 pub use prandtl_ishlinskii::PrandtlIshlinskii;
 pub use preisach::Preisach;
+pub use preisach_inverse::InversePreisach;
 pub use rate_dependent_play::{INVERSE as INVERSE_RATE_DEPENDENT_PLAY, RateDependentPlay};

@@ -45,17 +45,21 @@ static DECLARATION: Declaration = Declaration {
     effect: Some(&effects::HYSTERESIS),
     inputs: &[Input::PATH],
     outputs: &[Output::PATH],
-    structure: &[Structural::count("relays", "Number of relays, N*(N + 1)/2", 1, 32_896)],
-    parameters: &[
-        Quantity::new("mu", "{position}", "Weight of each relay, row by row")
-            .min(0.0)
-            .per(0)
-            .fitted(),
-        Quantity::new("low", "{command}", "Command below which all relays are off"),
-        Quantity::new("high", "{command}", "Command from which on all relays are on"),
-        OFFSET,
-    ],
+    structure: &STRUCTURE,
+    parameters: &PARAMETERS,
 };
+
+/// Its structure.
+pub(super) const STRUCTURE: [Structural; 1] =
+    [Structural::count("relays", "Number of relays, N*(N + 1)/2", 1, 32_896)];
+
+/// Its parameters.
+pub(super) const PARAMETERS: [Quantity; 4] = [
+    Quantity::new("mu", "{position}", "Weight of each relay, row by row").min(0.0).per(0).fitted(),
+    Quantity::new("low", "{command}", "Command below which all relays are off"),
+    Quantity::new("high", "{command}", "Command from which on all relays are on"),
+    OFFSET,
+];
 
 /// Number of levels of this many relays; their triangle may be incomplete.
 fn levels(relays: usize) -> usize {
@@ -85,16 +89,16 @@ fn accumulate(mu: &[f64], levels: usize, table: &mut [f64]) {
 }
 
 /// `low | levels per command | offset | table`.
-struct Parts<'a> {
-    low: f64,
-    per_command: f64,
-    offset: f64,
+pub(super) struct Parts<'a> {
+    pub(super) low: f64,
+    pub(super) per_command: f64,
+    pub(super) offset: f64,
     table: &'a [f64],
-    levels: usize,
+    pub(super) levels: usize,
 }
 
 impl Parts<'_> {
-    fn new(coefficients: &[f64], states: usize) -> Option<Parts<'_>> {
+    pub(super) fn new(coefficients: &[f64], states: usize) -> Option<Parts<'_>> {
         let (&[low, per_command, offset], table) = coefficients.split_first_chunk::<3>()?;
         Some(Parts { low, per_command, offset, table, levels: (states / 2).checked_sub(3)? })
     }
@@ -114,26 +118,27 @@ impl Parts<'_> {
 
 /// The stack of extrema: `depth | unused | (level, output) …`. Even entries are minima, the first
 /// one the level 0 with all relays off; odd ones are maxima; the last one is the present command.
-struct Stack<'a> {
+pub(super) struct Stack<'a> {
     depth: &'a mut f64,
     entries: &'a mut [[f64; 2]],
 }
 
 impl Stack<'_> {
-    fn new(state: &mut [f64]) -> Option<Stack<'_>> {
+    pub(super) fn new(state: &mut [f64]) -> Option<Stack<'_>> {
         let (head, entries) = state.split_first_chunk_mut::<2>()?;
         let (entries, _) = entries.as_chunks_mut::<2>();
         let [depth, _] = head;
         Some(Stack { depth, entries })
     }
 
-    /// Moves to a level and returns the relays' sum.
-    fn advance(&mut self, level: f64, parts: &Parts<'_>) -> f64 {
+    /// Where the stack would end at a level, and the relays' sum there.
+    #[inline]
+    fn find(&self, level: f64, parts: &Parts<'_>) -> (usize, f64) {
         let mut top = (*self.depth as usize).min(self.entries.len().saturating_sub(1));
         let entry = |i: usize| self.entries.get(i).copied().unwrap_or_default();
         let [present, output] = entry(top);
         if level == present {
-            return output;
+            return (top, output);
         }
         let rising = level > present;
         if rising == top.is_multiple_of(2) {
@@ -149,6 +154,23 @@ impl Stack<'_> {
             Some([from, output]) if rising => output + parts.sum(level, from),
             Some([from, output]) => output - parts.sum(from, level),
         };
+        (top, output)
+    }
+
+    /// The relays' sum at a level; the stack stays.
+    pub(super) fn peek(&self, level: f64, parts: &Parts<'_>) -> f64 {
+        self.find(level, parts).1
+    }
+
+    /// The present level.
+    pub(super) fn level(&self) -> f64 {
+        self.entries.get(*self.depth as usize).map_or(0.0, |[level, _]| *level)
+    }
+
+    /// Moves to a level and returns the relays' sum.
+    #[inline]
+    pub(super) fn advance(&mut self, level: f64, parts: &Parts<'_>) -> f64 {
+        let (top, output) = self.find(level, parts);
         if let Some(entry) = self.entries.get_mut(top) {
             *entry = [level, output];
         }

@@ -14,16 +14,14 @@
 //! Source: A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, Wiley 1979, ch. 4; M. Hochbruck, A.
 //! Ostermann, Exponential integrators, Acta Numerica 19 (2010) 209–286.
 
-use core::f64::consts::TAU;
-
-use libm::{ceil, sqrt};
+use libm::sqrt;
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
+use super::substeps::SubSteps;
 use crate::effects;
 use crate::hysteresis::play::between;
-use crate::linear::Transition;
 use crate::rules::{WRONG_LENGTH, require, second_order};
 
 /// The component `duffing`.
@@ -83,13 +81,19 @@ fn equilibrium(u: f64, hardening: f64, reference: f64) -> f64 {
     x
 }
 
+/// `sub-steps | hardening | reference`.
+fn split(coefficients: &[f64]) -> Option<(SubSteps, f64, f64)> {
+    let (&steps, &[hardening, reference]) = coefficients.split_first_chunk()? else { return None };
+    Some((SubSteps::of(steps), hardening, reference))
+}
+
 impl Component for Duffing {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: 9, states: 2 }
+        Sizes { coefficients: SubSteps::COEFFICIENTS + 2, states: 2 }
     }
 
     fn prepare(
@@ -99,32 +103,22 @@ impl Component for Duffing {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (&[frequency, damping, hardening, reference], values) = (parameters, coefficients)
+        let (&[frequency, damping, hardening, reference], Some((steps, [h, r]))) =
+            (parameters, coefficients.split_first_chunk_mut())
         else {
             return Err(WRONG_LENGTH);
         };
         second_order(frequency, damping, period)?;
         require(reference > 0.0, "reference", reference, "must be above zero")?;
         let stiffest = sqrt(1.0 + 3.0 * hardening * REACH * REACH);
-        let count = ceil(TAU * frequency * period * stiffest / 0.05);
-        require(
-            count <= 10_000.0,
-            "frequency",
-            frequency,
-            "is too high for the internal step; shorten `step` in the blueprint",
-        )?;
-        let full = Transition::new(frequency, damping, period / count);
-        let half = Transition::new(frequency, damping, 0.5 * period / count);
-        let [a, b, c, d, e, f, h, r, n] = values else { return Err(WRONG_LENGTH) };
-        (*a, *b, *c) = (full.same, full.cross, full.rate);
-        (*d, *e, *f) = (half.same, half.cross, half.rate);
-        (*h, *r, *n) = (hardening, reference, count);
+        *steps = SubSteps::new(frequency, damping, stiffest, period)?.to_array();
+        (*h, *r) = (hardening, reference);
         Ok(())
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[.., hardening, reference, _], &[u], [x, v], [y]) =
-            (coefficients, inputs, state, outputs)
+        let (Some((_, hardening, reference)), &[u], [x, v], [y]) =
+            (split(coefficients), inputs, state, outputs)
         else {
             return;
         };
@@ -140,21 +134,12 @@ impl Component for Duffing {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[a, b, c, d, e, f, hardening, reference, count], &[u], [x, v], [y]) =
-            (coefficients, inputs, state, outputs)
+        let (Some((steps, hardening, reference)), &[u], Ok(state), [y]) =
+            (split(coefficients), inputs, state.try_into(), outputs)
         else {
             return;
         };
-        let full = Transition { same: a, cross: b, rate: c };
-        let half = Transition { same: d, cross: e, rate: f };
-        for _ in 0..count as usize {
-            let target = u - cubic(*x, hardening, reference);
-            let (middle, _) = half.apply(*x - target, *v);
-            let target = u - cubic(target + middle, hardening, reference);
-            let (deviation, rate) = full.apply(*x - target, *v);
-            (*x, *v) = (target + deviation, rate);
-        }
-        *y = *x;
+        *y = steps.advance(u, state, |x| cubic(x, hardening, reference));
     }
 }
 

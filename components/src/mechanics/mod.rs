@@ -9,6 +9,8 @@ mod load_force;
 mod loaded_mode;
 mod mode;
 mod mode_pair;
+mod position_stiffness;
+mod substeps;
 mod vibration;
 
 pub use backlash::Backlash;
@@ -20,4 +22,5 @@ pub use load_force::LoadForce;
 pub use loaded_mode::LoadedMode;
 pub use mode::Mode;
 pub use mode_pair::ModePair;
+pub use position_stiffness::PositionStiffness;
 pub use vibration::Vibration;

@@ -20,6 +20,6 @@ pub use mains_hum::MainsHum;
 pub use noise::SensorNoise;
 pub use polynomial::SensorPolynomial;
 pub use quad_cell::SensorQuadCell;
-pub use quantisation::SensorQuantisation;
+pub use quantisation::SENSOR_QUANTISATION;
 pub use scale::SensorScale;
 pub use second_order::SensorSecondOrder;

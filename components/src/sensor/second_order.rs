@@ -10,7 +10,7 @@ use model::{
 };
 
 use crate::effects;
-use crate::linear::Transition;
+use crate::linear::SecondOrder;
 use crate::rules::{WRONG_LENGTH, second_order};
 
 /// The component `sensor-second-order`.
@@ -43,7 +43,7 @@ impl Component for SensorSecondOrder {
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: 4, states: 2 }
+        Sizes { coefficients: SecondOrder::COEFFICIENTS, states: 2 }
     }
 
     fn prepare(
@@ -53,21 +53,23 @@ impl Component for SensorSecondOrder {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (&[frequency, damping], [same, cross, rate, gain]) = (parameters, coefficients) else {
+        let (&[frequency, damping], Ok(values)) =
+            (parameters, <&mut [f64; 4]>::try_from(coefficients))
+        else {
             return Err(WRONG_LENGTH);
         };
         second_order(frequency, damping, period)?;
-        let t = Transition::new(frequency, damping, period);
-        (*same, *cross, *rate, *gain) = (t.same, t.cross, t.rate, 1.0);
+        *values = SecondOrder::new(frequency, damping, 1.0, period).to_array();
         Ok(())
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[.., gain], &[u], [x, v], [y]) = (coefficients, inputs, state, outputs) else {
+        let (&[a, b, c, d], &[u], Ok(state), [y]) =
+            (coefficients, inputs, state.try_into(), outputs)
+        else {
             return;
         };
-        (*x, *v) = (gain * u, 0.0);
-        *y = *x;
+        *y = SecondOrder::of([a, b, c, d]).rest(u, state);
     }
 
     fn step(
@@ -78,15 +80,12 @@ impl Component for SensorSecondOrder {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[same, cross, rate, gain], &[u], [x, v], [y]) =
-            (coefficients, inputs, state, outputs)
+        let (&[a, b, c, d], &[u], Ok(state), [y]) =
+            (coefficients, inputs, state.try_into(), outputs)
         else {
             return;
         };
-        let target = gain * u;
-        let (e, scaled_rate) = Transition { same, cross, rate }.apply(*x - target, *v);
-        (*x, *v) = (target + e, scaled_rate);
-        *y = *x;
+        *y = SecondOrder::of([a, b, c, d]).step(u, state);
     }
 }
 

@@ -7,16 +7,13 @@
 //!
 //! Limits: ideal steps; the range is not its matter.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Conversion, Declaration, Input, Output, Quantity, Stage};
 
 use crate::effects;
-use crate::linear::quantise;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::quantiser::Quantiser;
 
 /// The component `dac-quantisation`.
-pub struct DacQuantisation;
+pub static DAC_QUANTISATION: Quantiser = Quantiser { declaration: &DECLARATION };
 
 static DECLARATION: Declaration = Declaration {
     kind: "dac-quantisation",
@@ -38,72 +35,3 @@ static DECLARATION: Declaration = Declaration {
     .min(0.0)
     .fitted()],
 };
-
-impl Component for DacQuantisation {
-    fn declaration(&self) -> &'static Declaration {
-        &DECLARATION
-    }
-
-    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: 1, states: 0 }
-    }
-
-    fn prepare(
-        &self,
-        _structure: &[f64],
-        parameters: &[f64],
-        _period: f64,
-        coefficients: &mut [f64],
-    ) -> Result<(), Violation> {
-        let (&[resolution], [step]) = (parameters, coefficients) else { return Err(WRONG_LENGTH) };
-        let rule = "must be above zero; set enabled = false for no steps";
-        require(resolution > 0.0, "resolution", resolution, rule)?;
-        *step = resolution;
-        Ok(())
-    }
-
-    fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
-        let (&[resolution], &[x], [y]) = (coefficients, inputs, outputs) else { return };
-        *y = quantise(x, resolution);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::testing::{Instance, Random};
-
-    #[test]
-    fn rounds_to_the_nearest_step() {
-        let mut converter = Instance::new(&DacQuantisation, &[], &[0.25], 1e-3).unwrap();
-        for (x, y) in [(0.0, 0.0), (0.12, 0.0), (0.13, 0.25), (-0.13, -0.25), (7.3, 7.25)] {
-            assert_eq!(converter.step(&[x]), y);
-        }
-    }
-
-    #[test]
-    fn the_error_has_the_variance_of_a_uniform_distribution() {
-        let mut converter = Instance::new(&DacQuantisation, &[], &[0.25], 1e-3).unwrap();
-        let signal = Random::new(3).signal(-9.0, 9.0, 20_000);
-        let sum: f64 = signal.iter().map(|x| (converter.step(&[*x]) - x).powi(2)).sum();
-        let ratio = sum / 20_000.0 / (0.25 * 0.25 / 12.0);
-        assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
-    }
-
-    #[test]
-    fn values_beyond_all_steps_pass() {
-        let mut converter = Instance::new(&DacQuantisation, &[], &[1e-300], 1e-3).unwrap();
-        assert_eq!(converter.step(&[1e9]), 1e9);
-    }
-}

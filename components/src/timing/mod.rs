@@ -5,5 +5,5 @@ mod dac_quantisation;
 mod delay;
 
 pub use clock_offset::ClockOffset;
-pub use dac_quantisation::DacQuantisation;
+pub use dac_quantisation::DAC_QUANTISATION;
 pub use delay::Delay;

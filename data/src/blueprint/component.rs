@@ -8,7 +8,7 @@ use super::{AxisBlueprint, ComponentBlueprint, Value, frame, structure};
 use crate::nearest::did_you_mean;
 
 /// Keys of a component that are not quantities.
-const KEYS: [&str; 5] = ["type", "name", "enabled", "tolerance", "note"];
+const KEYS: [&str; 6] = ["type", "name", "record", "enabled", "tolerance", "note"];
 
 pub(super) fn chain<'a>(
     checker: &mut Checker<'_>,

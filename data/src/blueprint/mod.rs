@@ -16,6 +16,11 @@
 //! r = [0, 6, 12]                      # in the quantity's unit on this axis
 //! w = [0.01354, 0.0279, 0]
 //!
+//! [[axis.component]]
+//! type = "mode"
+//! record = "p-752-21c"                # values of a specimen; keys beside it go before them
+//! damping = 0.03
+//!
 //! [[coupling]]                        # only where axes are coupled
 //! type = "displacement-coupling"
 //! axes = ["Y", "Z"]                   # rows and columns of the matrix, by name
@@ -35,6 +40,7 @@ mod frame;
 mod measure;
 mod origin;
 mod read;
+mod record;
 mod structure;
 mod write;
 
@@ -43,6 +49,7 @@ use std::path::Path;
 
 use model::{Kind, Registry, System, SystemSpec};
 use origin::Origin;
+pub use record::{ParameterRecord, RecordValue};
 
 use crate::{Problem, Problems, WholeFile};
 
@@ -243,6 +250,13 @@ impl Blueprint {
             Problem::new(path.display().to_string(), rule, "check the folder and its permissions")
                 .into()
         })
+    }
+
+    /// Names of the records whose values it took when it was read. [`to_toml`](Self::to_toml) writes
+    /// the values themselves, so that its text needs no record.
+    #[must_use]
+    pub fn records(&self) -> &[String] {
+        &self.origin.records
     }
 
     /// Checks everything that is said against the components of `registry`.

@@ -12,6 +12,8 @@ pub(super) struct Origin {
     pub(super) lines: HashMap<String, usize>,
     /// Problems that were found while reading, with their key paths.
     pub(super) problems: Vec<(String, Problem)>,
+    /// Records whose values were taken.
+    pub(super) records: Vec<String>,
 }
 
 impl PartialEq for Origin {

@@ -10,7 +10,8 @@ use toml::de::{DeTable, DeValue};
 
 use super::origin::{Origin, Place};
 use super::{
-    AxisBlueprint, Blueprint, ComponentBlueprint, CouplingBlueprint, FORMAT, SignalBlueprint, Value,
+    AxisBlueprint, Blueprint, ComponentBlueprint, CouplingBlueprint, FORMAT, SignalBlueprint,
+    Value, record,
 };
 use crate::nearest::did_you_mean;
 use crate::toml_text::{self, Lines, shown};
@@ -22,8 +23,7 @@ type Spot<'a, 'i> = &'a Spanned<DeValue<'i>>;
 pub(super) fn parse(text: &str, origin: &str) -> Result<Blueprint, Problems> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let document = toml_text::parse(text, origin)?;
-    let origin = Origin { file: origin.into(), ..Origin::default() };
-    let mut reader = Reader { lines: Lines::new(text), origin };
+    let mut reader = Reader::new(text, origin);
     let (mut blueprint, format) = reader.blueprint(document.get_ref());
     if format.is_some_and(|format| format != FORMAT) {
         // Everything else would be noise: another format has other keys.
@@ -34,13 +34,43 @@ pub(super) fn parse(text: &str, origin: &str) -> Result<Blueprint, Problems> {
     Ok(blueprint)
 }
 
-struct Reader {
+/// Reads tables of a text and notes what is wrong in them.
+pub(super) struct Reader {
     lines: Lines,
     origin: Origin,
 }
 
 impl Reader {
-    fn note(&mut self, place: &Place, value: &str, rule: impl Into<String>, way_out: &str) {
+    pub(super) fn new(text: &str, origin: &str) -> Self {
+        let origin = Origin { file: origin.into(), ..Origin::default() };
+        Self { lines: Lines::new(text), origin }
+    }
+
+    /// What messages call the text.
+    pub(super) fn file(&self) -> &str {
+        &self.origin.file
+    }
+
+    /// Everything that was noted; `None` where nothing was.
+    pub(super) fn problems(self) -> Option<Problems> {
+        let all: Vec<_> = self.origin.problems.into_iter().map(|(_, problem)| problem).collect();
+        (!all.is_empty()).then(|| Problems::new(all))
+    }
+
+    /// Notes that a component took values of this record.
+    pub(super) fn took_record(&mut self, name: &str) {
+        if !self.origin.records.iter().any(|known| known == name) {
+            self.origin.records.push(name.into());
+        }
+    }
+
+    pub(super) fn note(
+        &mut self,
+        place: &Place,
+        value: &str,
+        rule: impl Into<String>,
+        way_out: &str,
+    ) {
         let mut problem =
             Problem::new(&self.origin.file, rule, way_out).at(&place.shown).value(value);
         problem.line = self.origin.line(&place.key);
@@ -48,7 +78,7 @@ impl Reader {
     }
 
     /// The items of a table in the order of the file, their lines noted.
-    fn items<'a, 'i>(
+    pub(super) fn items<'a, 'i>(
         &mut self,
         table: &'a DeTable<'i>,
         place: &Place,
@@ -119,7 +149,7 @@ impl Reader {
         Kind::Plant
     }
 
-    fn text(&mut self, value: Spot<'_, '_>, place: &Place) -> String {
+    pub(super) fn text(&mut self, value: Spot<'_, '_>, place: &Place) -> String {
         if let Some(text) = value.get_ref().as_str() {
             return text.to_string();
         }
@@ -129,7 +159,7 @@ impl Reader {
     }
 
     /// A text that must not be empty where it is given.
-    fn name(&mut self, value: Spot<'_, '_>, place: &Place) -> String {
+    pub(super) fn name(&mut self, value: Spot<'_, '_>, place: &Place) -> String {
         let text = self.text(value, place);
         if text.is_empty() && !self.origin.is_spoilt(&place.key) {
             self.note(place, "\"\"", "is empty", "give a text or leave the key out");
@@ -137,7 +167,7 @@ impl Reader {
         text
     }
 
-    fn value(&mut self, value: Spot<'_, '_>, place: &Place) -> Option<Value> {
+    pub(super) fn value(&mut self, value: Spot<'_, '_>, place: &Place) -> Option<Value> {
         let number = match value.get_ref() {
             DeValue::String(text) => return Some(Value::Text(text.to_string())),
             DeValue::Array(items) => return Some(self.list(items, place)),
@@ -277,11 +307,13 @@ impl Reader {
 
     fn component_of(&mut self, items: Vec<(&str, Spot<'_, '_>, Place)>) -> ComponentBlueprint {
         let mut component = ComponentBlueprint::new("");
+        let mut record = None;
         for (key, value, place) in items {
             match key {
                 "type" => component.kind = self.name(value, &place),
                 "name" => component.name = self.name(value, &place),
                 "note" => component.note = self.text(value, &place),
+                "record" => record = Some((self.name(value, &place), place)),
                 "enabled" => component.enabled = self.switch(value, &place),
                 "tolerance" => component.tolerance = self.tolerance(value, &place),
                 _ => {
@@ -290,6 +322,9 @@ impl Reader {
                     }
                 }
             }
+        }
+        if let Some((name, place)) = record.filter(|(name, _)| !name.is_empty()) {
+            record::fill(self, &mut component, &name, &place);
         }
         component
     }
