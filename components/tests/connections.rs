@@ -119,7 +119,7 @@ fn optics_turn_angles_into_coordinates_and_change_the_unit() {
     let optics = node("optics-jacobian", "optics", &[2.0, 4.0], &values);
     let couplings = vec![coupling(optics, None)];
     let motion_units = vec![Some("1".into()); 2];
-    let connections = Connections { couplings, motion_units, inputs: vec![] };
+    let connections = Connections { couplings, motion_units, ..Connections::default() };
     let mut system = build(axes, connections).expect("valid");
     let unit = |name: &str| system.variables().get(vr(&system, name)).expect("known").unit.clone();
     assert_eq!(unit("axis[1].gain.gain"), "1/V");

@@ -20,8 +20,8 @@ mod toml_text;
 mod whole_file;
 
 pub use blueprint::{
-    AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, CouplingBlueprint,
-    ParameterRecord, RecordValue, SignalBlueprint, Value,
+    AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, ConnectionBlueprint,
+    CouplingBlueprint, ParameterRecord, RecordValue, SignalBlueprint, Value,
 };
 pub use fit::{Fit, FitError};
 pub use log::{

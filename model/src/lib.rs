@@ -28,8 +28,8 @@ pub use context::{Context, ContextError};
 pub use effect::{Effect, Group};
 pub use quantity::{Quantity, Shape, Structural, Variability, unit_on_axis};
 pub use system::{
-    AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, StepError, System,
-    SystemSpec,
+    AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, PortSpec,
+    StepError, System, SystemSpec,
 };
 pub use system::{DerivativeError, DerivativeRoom, Past};
 pub use unit::{BASE_UNITS, Unit, UnitError};

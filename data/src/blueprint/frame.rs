@@ -6,7 +6,7 @@ use model::{AxisSpec, Connections, Kind, SystemSpec, Unit};
 
 use super::check::{Checker, Draft, DraftAxis};
 use super::origin::Place;
-use super::{AxisBlueprint, SignalBlueprint, component, coupling};
+use super::{AxisBlueprint, SignalBlueprint, component, connection, coupling};
 
 /// Short names that a log or a model uses otherwise.
 const TAKEN: [&str; 4] = ["time", "record", "realization", "enable"];
@@ -53,6 +53,7 @@ pub(super) fn draft(checker: &mut Checker<'_>) -> Draft {
     }
     coupling::system_inputs(checker, &mut aliases, &mut connections.inputs);
     let couplings = coupling::all(checker, &specs, &mut connections);
+    connection::all(checker, &specs, &mut connections.ports);
     if couplings.len() < blueprint.couplings.len() {
         axes.iter_mut().for_each(|axis| axis.has_gaps = true);
     }

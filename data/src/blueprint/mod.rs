@@ -26,6 +26,11 @@
 //! axes = ["Y", "Z"]                   # rows and columns of the matrix, by name
 //! after = "mechanics"                 # on every coupled axis; default: behind the last mechanics
 //! matrix = [[0, 0.01], [0.02, 0]]
+//!
+//! [[connection]]                      # only where a port reads another signal than its own
+//! from = "Y.displacement"             # axis and signal: command, voltage, displacement, position,
+//!                                     # an input on demand, or an output such as charge
+//! to = "Z.disturbance.disturbance"    # axis, component and port; both measure the same
 //! ```
 //!
 //! An axis may name the inputs that its components ask for (`force = { name = "f", unit = "mN" }`,
@@ -35,6 +40,7 @@
 mod build;
 mod check;
 mod component;
+mod connection;
 mod coupling;
 mod frame;
 mod measure;
@@ -77,6 +83,8 @@ pub struct Blueprint {
     pub axes: Vec<AxisBlueprint>,
     /// The couplings between them.
     pub couplings: Vec<CouplingBlueprint>,
+    /// Ports that read another signal than their own.
+    pub connections: Vec<ConnectionBlueprint>,
     /// File and lines, for messages.
     origin: Origin,
 }
@@ -147,6 +155,15 @@ pub struct CouplingBlueprint {
     pub after: String,
 }
 
+/// A port that reads another signal than its own.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ConnectionBlueprint {
+    /// Axis and signal, as in `Y.displacement`.
+    pub from: String,
+    /// Axis, component and port, as in `Z.load.force`.
+    pub to: String,
+}
+
 /// A value as a file says it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
@@ -189,6 +206,7 @@ impl Blueprint {
             temperature: SignalBlueprint::default(),
             axes: Vec::new(),
             couplings: Vec::new(),
+            connections: Vec::new(),
             origin: Origin::default(),
         }
     }
@@ -205,6 +223,13 @@ impl Blueprint {
     pub fn coupling(mut self, axes: &[&str], component: ComponentBlueprint) -> Self {
         let axes = axes.iter().map(|name| (*name).to_string()).collect();
         self.couplings.push(CouplingBlueprint { component, axes, after: String::new() });
+        self
+    }
+
+    /// With this connection from `axis.signal` to `axis.component.port`.
+    #[must_use]
+    pub fn connection(mut self, from: &str, to: &str) -> Self {
+        self.connections.push(ConnectionBlueprint { from: from.into(), to: to.into() });
         self
     }
 

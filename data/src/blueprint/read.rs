@@ -10,8 +10,8 @@ use toml::de::{DeTable, DeValue};
 
 use super::origin::{Origin, Place};
 use super::{
-    AxisBlueprint, Blueprint, ComponentBlueprint, CouplingBlueprint, FORMAT, SignalBlueprint,
-    Value, record,
+    AxisBlueprint, Blueprint, ComponentBlueprint, ConnectionBlueprint, CouplingBlueprint, FORMAT,
+    SignalBlueprint, Value, record,
 };
 use crate::nearest::did_you_mean;
 use crate::toml_text::{self, Lines, shown};
@@ -112,6 +112,7 @@ impl Reader {
                 "temperature" => blueprint.temperature = self.signal(value, &place),
                 "axis" => blueprint.axes = self.axes(value, &place),
                 "coupling" => blueprint.couplings = self.couplings(value, &place),
+                "connection" => blueprint.connections = self.connections(value, &place),
                 _ => self.unknown(key, &place, &KEYS),
             }
         }
@@ -287,6 +288,23 @@ impl Reader {
         CouplingBlueprint { component: self.component_of(rest), axes, after }
     }
 
+    fn connections(&mut self, value: Spot<'_, '_>, place: &Place) -> Vec<ConnectionBlueprint> {
+        let tables = self.tables(value, place, "[[connection]]");
+        let mut connections = Vec::with_capacity(tables.len());
+        for (table, place) in tables {
+            let mut connection = ConnectionBlueprint::default();
+            for (key, value, place) in self.items(table, &place) {
+                match key {
+                    "from" => connection.from = self.name(value, &place),
+                    "to" => connection.to = self.name(value, &place),
+                    _ => self.unknown(key, &place, &["from", "to"]),
+                }
+            }
+            connections.push(connection);
+        }
+        connections
+    }
+
     /// A list of texts.
     fn texts(&mut self, value: Spot<'_, '_>, place: &Place) -> Vec<String> {
         let items = value.get_ref().as_array();
@@ -361,7 +379,7 @@ impl Reader {
     }
 }
 
-const KEYS: [&str; 9] = [
+const KEYS: [&str; 10] = [
     "piezoloop",
     "kind",
     "name",
@@ -371,6 +389,7 @@ const KEYS: [&str; 9] = [
     "temperature",
     "axis",
     "coupling",
+    "connection",
 ];
 const AXIS_KEYS: [&str; 9] = [
     "name",

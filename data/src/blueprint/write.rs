@@ -32,6 +32,11 @@ pub(super) fn to_toml(blueprint: &Blueprint) -> String {
         text_line(&mut text, "after", &coupling.after);
         write_component(&mut text, &coupling.component);
     }
+    for connection in &blueprint.connections {
+        text.push_str("\n[[connection]]\n");
+        line(&mut text, "from", &quoted(&connection.from));
+        line(&mut text, "to", &quoted(&connection.to));
+    }
     text
 }
 

@@ -2,6 +2,7 @@
 
 mod chains;
 mod inputs;
+mod ports;
 mod variables;
 
 use alloc::collections::BTreeSet;
@@ -30,6 +31,7 @@ enum Domain {
 pub(super) fn build(spec: &SystemSpec) -> Result<System, Vec<BuildError>> {
     let mut builder = Builder::new(spec);
     builder.check_frame();
+    builder.check_ports();
     builder.declare_inputs();
     builder.chains();
     builder.connect_back();
@@ -80,6 +82,8 @@ struct Builder<'a> {
     /// For each node, which of its ports act on the outputs at rest.
     at_rest: Vec<[bool; MAX_PORTS]>,
     read_back: Vec<ReadBack>,
+    /// Outputs of components by axis and name.
+    published: Vec<(usize, &'static str, usize)>,
     coefficients: usize,
     states: usize,
 }
@@ -99,6 +103,7 @@ impl<'a> Builder<'a> {
             dependencies: vec![BTreeSet::new()],
             at_rest: Vec::new(),
             read_back: Vec::new(),
+            published: Vec::new(),
             coefficients: 0,
             states: 0,
         }
@@ -216,11 +221,23 @@ impl<'a> Builder<'a> {
                 }
                 Source::Axis(name) | Source::Each(name) => {
                     for axis in site.axes {
-                        let found = self.axis_signal(axis + 1, name);
+                        let (axis, name) =
+                            self.redirected(place, *axis, port.name).unwrap_or((*axis, name));
+                        let found = self.read(axis, name);
                         let slot = add(found.unwrap_or(ZERO), port.at_rest) - 1;
                         if found.is_none() {
-                            self.later(declaration, place, *axis, name, slot);
+                            self.later(declaration, place, axis, name, slot);
                         }
+                    }
+                }
+                Source::System(_)
+                    if let [axis] = site.axes
+                        && let Some((axis, name)) = self.redirected(place, *axis, port.name) =>
+                {
+                    let found = self.read(axis, name);
+                    let slot = add(found.unwrap_or(ZERO), port.at_rest) - 1;
+                    if found.is_none() {
+                        self.later(declaration, place, axis, name, slot);
                     }
                 }
                 Source::System(name) => {
@@ -236,6 +253,25 @@ impl<'a> Builder<'a> {
         (inputs, at_rest, count)
     }
 
+    /// What a port of the component at `place` is connected to.
+    fn redirected(&self, place: &str, axis: usize, port: &str) -> Option<(usize, &'static str)> {
+        let component = place.strip_prefix(&format!("axis[{}].", axis + 1))?;
+        self.connected(axis, component, port)
+    }
+
+    /// A signal that is there already: an input, a point of the path, a published output.
+    fn read(&self, axis: usize, name: &str) -> Option<usize> {
+        let published = || {
+            let mut all = self.published.iter();
+            all.find(|(at, known, _)| (*at, *known) == (axis, name)).map(|(_, _, signal)| *signal)
+        };
+        let system = || {
+            let mut all = self.system_inputs.iter();
+            all.find(|(known, _)| *known == name).map(|(_, signal)| *signal)
+        };
+        self.axis_signal(axis + 1, name).or_else(published).or_else(system)
+    }
+
     /// Notes that a port of the node that comes next reads a point that is not built yet.
     fn later(
         &mut self,
@@ -245,7 +281,8 @@ impl<'a> Builder<'a> {
         name: &'static str,
         slot: usize,
     ) {
-        if self.spec.kind == Kind::Plant && POINTS.contains(&name) {
+        let comes = POINTS.contains(&name) || self.publishes(axis, name);
+        if self.spec.kind == Kind::Plant && comes {
             self.read_back.push(ReadBack { node: self.nodes.len(), slot, axis, name });
         } else {
             self.unreadable(declaration, place, name);
@@ -273,6 +310,7 @@ impl<'a> Builder<'a> {
         if self.outputs.iter().any(|(v, _)| v.name == name) {
             self.error(place, format!("{name} is published twice; keep one such component"));
         }
+        self.published.push((*axis, output.name, signal));
         let unit = site.units.of(published.unit);
         let description = format!("{}, axis {}", published.description, self.spec.axes[*axis].name);
         let mut variable = output_variable(name, description, unit);
@@ -286,10 +324,9 @@ impl<'a> Builder<'a> {
     /// Connects the ports that read points behind them, and completes what depends on what at rest.
     fn connect_back(&mut self) {
         for port in &self.read_back {
-            let signals = &self.ends[port.axis].signals;
             // A path without a conversion has no voltage; its end has been refused.
-            let found = signals.iter().find(|(name, _)| *name == port.name);
-            self.nodes[port.node].inputs[port.slot] = found.map_or(ZERO, |(_, signal)| *signal);
+            let found = self.read(port.axis, port.name);
+            self.nodes[port.node].inputs[port.slot] = found.unwrap_or(ZERO);
         }
         let mut grows = !self.read_back.is_empty();
         while grows {

@@ -15,7 +15,8 @@ use core::ops::Range;
 pub use derivative::{DerivativeError, DerivativeRoom};
 pub use past::Past;
 pub use spec::{
-    AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, SystemSpec,
+    AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, PortSpec,
+    SystemSpec,
 };
 
 use crate::{

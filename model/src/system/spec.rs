@@ -65,7 +65,7 @@ pub struct SystemSpec {
     pub connections: Connections,
 }
 
-/// Couplings between axes, the units that they ask for, and inputs on demand.
+/// Couplings between axes, the units that they ask for, inputs on demand, and connected ports.
 #[derive(Clone, Default)]
 pub struct Connections {
     /// The couplings; those at the same place act in this order.
@@ -75,6 +75,24 @@ pub struct Connections {
     pub motion_units: Vec<Option<String>>,
     /// What is said about inputs on demand; one that no component reads is refused.
     pub inputs: Vec<InputSpec>,
+    /// Ports that read another signal than the one of their own axis and name.
+    pub ports: Vec<PortSpec>,
+}
+
+/// A port of a component that reads another signal than its own.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PortSpec {
+    /// Axis of the component, as an index from 0.
+    pub axis: usize,
+    /// Name of the component.
+    pub component: String,
+    /// Name of its port; not the signal path.
+    pub port: String,
+    /// Axis of the signal, as an index from 0.
+    pub from: usize,
+    /// The signal there: `command`, `voltage`, `displacement`, `position`, an input on demand, or an
+    /// output that one of its components publishes. It must measure the same as what the port reads.
+    pub signal: String,
 }
 
 /// One coupling: a component between axes.

@@ -8,7 +8,9 @@ use alloc::vec::Vec;
 use super::variables::input_variable;
 use super::{Builder, Wire};
 use crate::quantity::unit_on_axis;
-use crate::{Causality, DEMANDED_INPUTS, DataType, DemandedInput, Kind, Source, Unit, Variable};
+use crate::{
+    Causality, DEMANDED_INPUTS, DataType, DemandedInput, Input, Kind, Source, Unit, Variable,
+};
 
 impl Builder<'_> {
     pub(super) fn declare_inputs(&mut self) {
@@ -139,27 +141,37 @@ impl Builder<'_> {
 
     /// Whether a component on this axis, or a coupling of it, reads its signal `name`.
     fn axis_reads(&self, axis: usize, name: &str) -> bool {
-        let own = self.spec.axes[axis].components.iter();
+        let mut own = self.spec.axes[axis].components.iter();
+        let own = own.any(|node| {
+            let mut inputs = node.component.declaration().inputs.iter();
+            inputs.any(|port| {
+                matches!(port.source, Source::Axis(n) if n == name)
+                    && self.connected(axis, &node.name, port.name).is_none()
+            })
+        });
         let couplings = &self.spec.connections.couplings;
-        let shared = couplings.iter().filter(|c| c.axes.contains(&axis)).map(|c| &c.node);
-        own.chain(shared).any(|node| {
-            let inputs = node.component.declaration().inputs.iter();
-            inputs
-                .map(|port| port.source)
-                .any(|source| matches!(source, Source::Axis(n) | Source::Each(n) if n == name))
-        })
+        let mut shared = couplings.iter().filter(|c| c.axes.contains(&axis)).map(|c| &c.node);
+        let shared = shared.any(|node| {
+            let mut inputs = node.component.declaration().inputs.iter();
+            inputs.any(|port| matches!(port.source, Source::Axis(n) | Source::Each(n) if n == name))
+        });
+        own || shared || self.is_connected(axis, name)
     }
 
     /// Whether any component reads the system's input `name`.
     fn system_reads(&self, name: &str) -> bool {
-        let own = self.spec.axes.iter().flat_map(|axis| &axis.components);
-        let mut all = own.chain(self.spec.connections.couplings.iter().map(|c| &c.node));
-        all.any(|node| {
-            let inputs = node.component.declaration().inputs.iter();
-            inputs
-                .map(|port| port.source)
-                .any(|source| matches!(source, Source::System(n) if n == name))
-        })
+        let reads = |port: &Input| matches!(port.source, Source::System(n) if n == name);
+        let own = self.spec.axes.iter().zip(0..).any(|(axis, number)| {
+            axis.components.iter().any(|node| {
+                let mut inputs = node.component.declaration().inputs.iter();
+                inputs.any(|port| {
+                    reads(port) && self.connected(number, &node.name, port.name).is_none()
+                })
+            })
+        });
+        let mut couplings = self.spec.connections.couplings.iter();
+        let shared = couplings.any(|c| c.node.component.declaration().inputs.iter().any(reads));
+        own || shared || (0..self.spec.axes.len()).any(|axis| self.is_connected(axis, name))
     }
 
     fn refuse_unread_inputs(&mut self) {
