@@ -16,6 +16,13 @@
 //! t_{k+m} on (delay m). Where it comes before its target in [`GaussSeidel`], they act on the target
 //! over \[t_k, t_{k+m}\] (delay 0), as of a sampled controller that holds its command. It sees a
 //! faster slave's outputs at t_k, or, if that comes before it, at t_{k+1}.
+//!
+//! [`Iteration`] wants one step for all slaves of a loop, and refuses others: over the long step
+//! \[t_k, t_{k+m}\] the slow slave's output at its end would have to agree with inputs that it takes at
+//! m communication points, of which the faster ones hold m values and it can take one, so that there
+//! is no equation to solve without saying how the fast values become one. Give the loop one step, or
+//! break it where the delay harms least, with [`GaussSeidel`]. Slaves outside of loops may have any
+//! step.
 
 mod gauss_seidel;
 mod iteration;

@@ -174,7 +174,10 @@ fn start(worker: &Worker) -> io::Result<(Socket, Child)> {
 #[cfg(not(unix))]
 fn start(_: &Worker) -> io::Result<(Socket, Child)> {
     let _ = (Command::new(""), Stdio::null());
-    Err(io::Error::other("FMUs in processes of their own need Unix"))
+    Err(io::Error::other(
+        "FMUs in processes of their own need sockets between processes as Unix has them; run them in \
+         this process, without isolation",
+    ))
 }
 
 /// The exit status, if the process ends in time; else it is killed.

@@ -21,7 +21,10 @@ pub fn serve() -> io::Result<()> {
 /// Always.
 #[cfg(not(unix))]
 pub fn serve() -> io::Result<()> {
-    Err(io::Error::other("FMUs in processes of their own need Unix"))
+    Err(io::Error::other(
+        "FMUs in processes of their own need sockets between processes as Unix has them; run them in \
+         the master's process",
+    ))
 }
 
 /// A worker whose FMU hangs does not outlive a master that was killed.

@@ -75,6 +75,7 @@ impl Lists {
 impl Instance {
     /// Reads variables of one type, arrays spread out; `write` gets position and value. Nothing is
     /// written on failure.
+    #[inline]
     pub(in crate::export) fn get_arrays(
         &mut self,
         wanted: DataType,
@@ -85,7 +86,7 @@ impl Instance {
         if self.progress.stale && self.progress.phase == Phase::Initialization {
             self.settle()?;
         }
-        self.measure(wanted, references, count)?;
+        self.measure(wanted, references, count, true)?;
         let mut at = 0;
         for reference in references {
             if self.time_reference == Some(*reference) {
@@ -103,6 +104,7 @@ impl Instance {
 
     /// Sets variables of one type, arrays spread out; `read` gives the value at a position. Nothing
     /// is set on failure.
+    #[inline]
     pub(in crate::export) fn set_arrays(
         &mut self,
         wanted: DataType,
@@ -110,18 +112,21 @@ impl Instance {
         count: usize,
         read: impl Fn(usize) -> f64,
     ) -> Outcome {
-        self.measure(wanted, references, count)?;
         let mut at = 0;
         for reference in references {
-            if self.time_reference == Some(*reference) {
-                return Err(self.unknown(*reference, self.type_name(wanted)));
+            let elements = self.layout.elements(*reference);
+            if elements.is_empty() || elements.len() > count - at {
+                return self.measure(wanted, references, count, false);
             }
-            for element in self.layout.elements(*reference) {
+            for element in elements {
                 if !self.takes(*element, wanted, read(at)) {
                     return Err(self.not_taken(*element, wanted, read(at)));
                 }
                 at += 1;
             }
+        }
+        if at < count {
+            return self.measure(wanted, references, count, false);
         }
         at = 0;
         for reference in references {
@@ -193,12 +198,23 @@ impl Instance {
         Err(wrong_count(references.len(), list.len(), count, values))
     }
 
-    /// Whether the variables have this type and, together, this number of values.
-    fn measure(&self, wanted: DataType, references: &[u32], count: usize) -> Outcome {
+    /// Whether the variables have this type and, together, this number of values; time is only read.
+    fn measure(
+        &self,
+        wanted: DataType,
+        references: &[u32],
+        count: usize,
+        to_read: bool,
+    ) -> Outcome {
         let mut sum = 0;
         for reference in references {
             sum += match self.layout.elements(*reference) {
-                [] if wanted == DataType::Real && self.time_reference == Some(*reference) => 1,
+                [] if to_read
+                    && wanted == DataType::Real
+                    && self.time_reference == Some(*reference) =>
+                {
+                    1
+                }
                 [] => return Err(self.unknown(*reference, self.type_name(wanted))),
                 [first, ..] if self.gate(*first, wanted).is_none() => {
                     return Err(self.mismatch(*first, wanted));

@@ -1,0 +1,89 @@
+/* y = 2 u in C with all that our FMUs do at a call of the same kind: the state, pointers, references
+   and values are checked; a step checks its size, its begin and its end against the stop time and
+   against what double precision resolves, walks a fixed internal grid, converts V to SI and SI to um,
+   and checks the result. A refusal says why. What C can leave out: tables, because its one component,
+   its two variables and its units are known when it is compiled, and a guard against unwinding.
+   Includes of the standard come before. */
+#ifndef CAREFUL_H
+#define CAREFUL_H
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { INSTANTIATED = 1, INITIALIZATION = 2, STEP = 4, TERMINATED = 8, FAILED = 16 };
+enum { INPUT = 0, OUTPUT = 1 };
+#define VOLT 1.0
+#define MICROMETRE 1e-6
+
+struct careful {
+    int state;
+    double start, time, stop, period;
+    double u, y, gain;
+    long hits;
+    void (*tell)(void *callback, void *environment, const char *message);
+    void *callback, *environment;
+};
+
+static struct careful *careful_new(void) {
+    struct careful *it = calloc(1, sizeof *it);
+    if (it) {
+        it->state = INSTANTIATED;
+        it->period = 1e-3;
+        it->stop = INFINITY;
+        it->gain = 2e-6;
+    }
+    return it;
+}
+
+/* False, for the caller to return. */
+__attribute__((cold, noinline)) static int refused(struct careful *it, const char *call,
+                                                   const char *why, double value) {
+    char message[200];
+    snprintf(message, sizeof message, "%s: %s: %g", call, why, value);
+    it->state = FAILED;
+    if (it->tell) it->tell(it->callback, it->environment, message);
+    return 0;
+}
+
+static inline int careful_set(struct careful *it, const char *call, const unsigned vr[], size_t n,
+                              const double value[]) {
+    if (!(it->state & (INSTANTIATED | INITIALIZATION | STEP)))
+        return refused(it, call, "not allowed in state", it->state);
+    if (n && (!vr || !value)) return refused(it, call, "null pointer", 0);
+    for (size_t k = 0; k < n; ++k) {
+        if (vr[k] != INPUT) return refused(it, call, "no input", vr[k]);
+        if (!isfinite(value[k])) return refused(it, call, "no finite number", value[k]);
+    }
+    for (size_t k = 0; k < n; ++k) it->u = value[k];
+    return 1;
+}
+
+static inline int careful_get(struct careful *it, const char *call, const unsigned vr[], size_t n,
+                              double value[]) {
+    if (!(it->state & (INITIALIZATION | STEP | TERMINATED | FAILED)))
+        return refused(it, call, "not allowed in state", it->state);
+    if (n && (!vr || !value)) return refused(it, call, "null pointer", 0);
+    for (size_t k = 0; k < n; ++k)
+        if (vr[k] > OUTPUT) return refused(it, call, "unknown reference", vr[k]);
+    for (size_t k = 0; k < n; ++k) value[k] = vr[k] == OUTPUT ? it->y : it->u;
+    return 1;
+}
+
+static inline int careful_step(struct careful *it, const char *call, double time, double size) {
+    if (it->state != STEP) return refused(it, call, "not allowed in state", it->state);
+    if (!(size > 0) || !isfinite(size)) return refused(it, call, "step size", size);
+    double near = 1e-9 * fabs(it->time) + 1e-5 * size, end = time + size;
+    if (!(fabs(time - it->time) <= near)) return refused(it, call, "communication point", time);
+    if (end > it->stop + near) return refused(it, call, "past the stop time", end);
+    if (2.3e-16 * fabs(end) > 0.01 * it->period) return refused(it, call, "resolution", end);
+    double y = it->y, limit = end + fmax(1e-9 * it->period, 8.9e-16 * fabs(end));
+    while (it->start + (double)(it->hits + 1) * it->period <= limit) {
+        y = it->gain * (it->u * VOLT) / MICROMETRE;
+        ++it->hits;
+    }
+    if (!isfinite(y)) return refused(it, call, "output", y);
+    it->y = y;
+    it->time = end;
+    return 1;
+}
+#endif
