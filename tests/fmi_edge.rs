@@ -36,7 +36,7 @@ fn row(name: &str, figures: &Value) {
 /// A library of `tests/c` and its arguments.
 fn in_c(source: &str, folder: &Path) -> Vec<String> {
     let library = folder.join(source).with_extension("so");
-    compile_library(source, &library);
+    compile_library(source, &[], &library);
     let library = library.to_str().expect("UTF-8").to_owned();
     [library.as_str(), "x", "x", "1e-3", "0", "1"].map(str::to_owned).into()
 }

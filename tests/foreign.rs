@@ -82,6 +82,50 @@ fn the_loop_in_fmpy_ssp_is_ours_with_its_delays() {
     our_run("side-by-side", "plant.fmu", "controller.fmu", folder.path());
     let python = common::python::python();
     print!("{}", foreign::script(&python, "loop_in_fmpy_ssp.py", &[], folder.path()));
+    // The system file that our tool writes serves as well as one that is written by hand.
+    write_system(folder.path(), ["", ""]);
+    succeed(&["system", "loop.toml", "--export", "ours.ssp"], folder.path());
+    print!("{}", foreign::script(&python, "loop_in_fmpy_ssp.py", &["ours.ssp"], folder.path()));
+}
+
+/// The loop as a system in loop.toml, with further settings of controller and plant.
+fn write_system(folder: &Path, further: [&str; 2]) {
+    let connected = |to: &str, from: &str| {
+        (1..3).map(|i| format!("\"{to}[{i}]\" = \"{from}[{i}]\"\n")).collect::<String>()
+    };
+    let text = format!(
+        "name = \"loop\"\nstep = 20e-6\nalgorithm = \"jacobi\"\n[fmus]\n\
+         controller = {{ file = \"controller.fmu\"{} }}\nplant = {{ file = \"plant.fmu\"{} }}\n\
+         [connections]\n{}{}[inputs]\n{}[record]\n{}",
+        further[0],
+        further[1],
+        connected("plant.command", "controller.command"),
+        connected("controller.measured", "plant.position"),
+        connected("controller.reference", "reference"),
+        connected("position", "plant.position"),
+    );
+    fs::write(folder.join("loop.toml"), text).expect("the folder is writable");
+}
+
+#[test]
+fn pyssp_standard_finds_our_systems_compliant() {
+    let Some(python) = foreign::python() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    write_system(
+        folder.path(),
+        [
+            ", start = { \"axis[1].pid.kp\" = 3.0 }",
+            ", start = { \"axis[1].mechanics.damping\" = 0.01 }",
+        ],
+    );
+    for version in ["2", "3"] {
+        succeed(&["pack", PLANT, "--fmi", version, "-o", "plant.fmu"], folder.path());
+        succeed(&["pack", CONTROLLER, "--fmi", version, "-o", "controller.fmu"], folder.path());
+        let file = format!("loop{version}.ssp");
+        succeed(&["system", "loop.toml", "--export", &file], folder.path());
+        let said = foreign::script(python, "ssp_in_pyssp.py", &[&file], folder.path());
+        assert_eq!(said, format!("pyssp-standard, {file}: compliant\n"));
+    }
 }
 
 /// PythonFMU's libraries do not name the interpreter that they need, so it is loaded before.

@@ -68,7 +68,27 @@ fn a_host_that_exports_the_same_names_reaches_each_librarys_own_functions() {
     let alone = plain.run(&plant.arguments()) + &plain.run(&controller.arguments());
     let mut both = plant.arguments();
     both.extend(controller.arguments());
-    assert_eq!(Host::new("namesakes.c").run(&both), alone);
+    let host = Host::new("namesakes.c");
+    assert_eq!(host.run(&both), alone);
+
+    // A library that calls itself by name is caught by this host, unless it is linked as ours are.
+    let folder = tempfile::tempdir().expect("a folder");
+    let library = folder.path().join("calls_by_name.so");
+    let path = library.to_str().expect("UTF-8");
+    let with_it = with(plant.arguments(), &[path, "x", "x", "1e-3", "0", "1"]);
+    compile_library("calls_by_name.c", &[], &library);
+    let output = host.output(&with_it);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("the host's fmi2SetReal was reached"), "{said}");
+    compile_library("calls_by_name.c", &["-Wl,-Bsymbolic"], &library);
+    host.run(&with_it);
+
+    // Nor is there any place in ours that could be bound to somebody else's function.
+    for fmu in [&plant, &controller] {
+        let places = tool("readelf", &["-r", "-W"], &fmu.library());
+        assert!(places.contains("R_") && !places.contains("fmi"), "{places}");
+    }
 }
 
 #[test]
@@ -188,7 +208,7 @@ fn a_library_that_would_not_serve_is_refused() {
     let (plant, controller) = (Packed::new(PLANT, "2"), Packed::new(CONTROLLER, "2"));
     let folder = tempfile::tempdir().expect("a folder");
     let trivial = folder.path().join("trivial.so");
-    compile_library("trivial.c", &trivial);
+    compile_library("trivial.c", &[], &trivial);
     let path = |file: &std::path::Path| file.to_str().expect("UTF-8").to_owned();
     for (platform, file, words) in [
         ("linux64", path(&controller.library()), ["that of a controller", "piezoloop_plant"]),

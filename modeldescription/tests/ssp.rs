@@ -375,9 +375,15 @@ fn damaged_files_never_panic() {
 /// A Python that has this module, from the tests' environment or the one that is named.
 fn python(module: &str) -> Option<PathBuf> {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
-    let own = workspace.join("target/python-env/bin/python");
-    let named = std::env::var_os("PIEZOLOOP_PYTHON").map(PathBuf::from);
-    [named, Some(own)].into_iter().flatten().find(|python| {
+    let own = |name: &str| Some(workspace.join(format!("target/{name}/bin/python")));
+    let named = |name: &str| std::env::var_os(name).map(PathBuf::from);
+    let all = [
+        named("PIEZOLOOP_PYTHON"),
+        named("PIEZOLOOP_FOREIGN_PYTHON"),
+        own("python-env"),
+        own("python-foreign"),
+    ];
+    all.into_iter().flatten().find(|python| {
         let import = format!("import {module}");
         Command::new(python).args(["-c", &import]).output().is_ok_and(|o| o.status.success())
     })
@@ -385,7 +391,7 @@ fn python(module: &str) -> Option<PathBuf> {
 
 fn read_by(module: &str, script: &str) {
     let Some(python) = python(module) else {
-        println!("skipped: no Python with {module} (PIEZOLOOP_PYTHON not set)");
+        println!("SKIPPED: no Python with {module}; the tests of the tool make one below target/");
         return;
     };
     let folder = tempfile::tempdir().unwrap();

@@ -128,9 +128,10 @@ fn compile(source: &str, arguments: &[&str], to: &Path) {
     assert!(output.status.success(), "{source}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// Compiles a shared library of `tests/c` into a file.
-pub(crate) fn compile_library(source: &str, to: &Path) {
-    compile(source, &["-shared", "-fPIC", "-fvisibility=hidden", "-lm"], to);
+/// Compiles a shared library of `tests/c` with further arguments into a file.
+pub(crate) fn compile_library(source: &str, further: &[&str], to: &Path) {
+    let arguments = ["-shared", "-fPIC", "-fvisibility=hidden", "-lm"];
+    compile(source, &[&arguments[..], further].concat(), to);
 }
 
 impl Host {

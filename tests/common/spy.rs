@@ -15,7 +15,7 @@ use super::packed::compile_library;
 /// Packs the spy into a folder. Its record is where `SPY_RECORD` says when the importer runs.
 pub(crate) fn pack(folder: &Path) -> PathBuf {
     let library = folder.join("spy.so");
-    compile_library("spy.c", &library);
+    compile_library("spy.c", &[], &library);
     let mut description = ModelDescription::new(FmiVersion::V2, "spy", "spy");
     let mut co_simulation = CoSimulation::new("spy");
     co_simulation.can_handle_variable_communication_step_size = true;

@@ -3,8 +3,11 @@
 fmpy.ssp is Jacobi with a step of delay on *every* connection, those from the system's inputs too,
 and records a row at t_k after the step from t_k. So its references are given one step ahead, and
 its row k is compared with our row k + 1.
+
+With an argument that file, written by our tool, is the system; else it is written here.
 """
 
+import sys
 import zipfile
 
 import numpy as np
@@ -52,10 +55,12 @@ description = f"""<?xml version="1.0" encoding="UTF-8"?>
  xmlns:ssc="{root}/SystemStructureCommon" name="loop" version="1.0"><ssd:System name="loop">
 {connectors(named("reference"), named("position"))}<ssd:Elements>{elements}</ssd:Elements>
 <ssd:Connections>{connections}</ssd:Connections></ssd:System></ssd:SystemStructureDescription>"""
-with zipfile.ZipFile("loop.ssp", "w") as archive:
-    archive.writestr("SystemStructure.ssd", description)
-    for name in ("plant", "controller"):
-        archive.write(f"{name}.fmu", f"resources/{name}.fmu")
+system = sys.argv[1] if len(sys.argv) > 1 else "by_hand.ssp"
+if system == "by_hand.ssp":
+    with zipfile.ZipFile(system, "w") as archive:
+        archive.writestr("SystemStructure.ssd", description)
+        for name in ("plant", "controller"):
+            archive.write(f"{name}.fmu", f"resources/{name}.fmu")
 
 reference, ours = read_csv("reference.csv"), read_csv("run.csv")
 last = len(reference) - 1
@@ -64,9 +69,9 @@ ahead = {
     for name in named("reference")
 }
 assert all(reference[name][0] == 0.0 for name in named("reference")), "fmpy.ssp begins with zeros"
-run = simulate_ssp("loop.ssp", stop_time=reference["time"][-1], step_size=step, input=ahead)
+run = simulate_ssp(system, stop_time=reference["time"][-1], step_size=step, input=ahead)
 for name in named("position"):
     want = ours[name][1:]
     difference = np.abs(run[name][: len(want)] - want).max() / np.ptp(want)
     assert np.ptp(want) > 1.0 and difference <= 1e-9, (name, difference)
-    print(f"fmpy.ssp: {name} differs by {difference:g} of its range")
+    print(f"fmpy.ssp, {system}: {name} differs by {difference:g} of its range")

@@ -206,7 +206,7 @@ pub(crate) fn python() -> Option<PathBuf> {
         .is_ok_and(|output| output.status.success());
     assert!(has_fmpy || !is_named, "{} has no fmpy", python.display());
     if !has_fmpy {
-        println!("skipped: no Python with fmpy; PIEZOLOOP_PYTHON may name one");
+        println!("SKIPPED: no Python with fmpy; PIEZOLOOP_PYTHON may name one");
     }
     has_fmpy.then_some(python)
 }
