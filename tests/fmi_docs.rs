@@ -4,26 +4,29 @@ mod common;
 
 use common::packed::{CONTROLLER, PLANT};
 use common::succeed;
-use fmi_bindings::export::{Phase, v2};
+use fmi_bindings::export::{Phase, Rule, v2, v3};
 
 const PAGE: &str = include_str!("../docs/fmi.md");
+const PAGE_3: &str = include_str!("../docs/fmi3.md");
+
+/// The call table of a page, and that of the code.
+fn tables(page: &str, code: &[Rule]) -> [Vec<String>; 2] {
+    let rows = page.lines().skip_while(|line| !line.starts_with("| function | Instantiated"));
+    let rows = rows.skip(2).take_while(|line| line.starts_with('|'));
+    let of_code = code.iter().map(|rule| {
+        let marks = Phase::ALL.map(|phase| if rule.allows(phase) { "x" } else { "." });
+        format!("| `{}` | {} |", rule.function, marks.join(" | "))
+    });
+    [rows.map(str::to_owned).collect(), of_code.collect()]
+}
 
 #[test]
-fn the_call_table_of_the_page_is_that_of_the_code() {
-    let rows: Vec<_> = PAGE
-        .lines()
-        .skip_while(|line| !line.starts_with("| function |"))
-        .skip(2)
-        .take_while(|line| line.starts_with('|'))
-        .collect();
-    let table: Vec<String> = v2::TABLE
-        .iter()
-        .map(|rule| {
-            let marks = Phase::ALL.map(|phase| if rule.allows(phase) { "x" } else { "." });
-            format!("| `{}` | {} |", rule.function, marks.join(" | "))
-        })
-        .collect();
-    assert_eq!(rows, table);
+fn the_call_tables_of_the_pages_are_those_of_the_code() {
+    for (page, code, rows) in [(PAGE, v2::TABLE, 41), (PAGE_3, v3::TABLE, 71)] {
+        let [page, code] = tables(page, code);
+        assert_eq!(page, code);
+        assert_eq!(page.len(), rows);
+    }
 }
 
 /// The reference result of the loop, for each coupling, as our master computes it.

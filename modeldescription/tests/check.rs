@@ -288,7 +288,9 @@ fn each_defect_of_the_description_is_found() {
     for (defect, from, to, says) in MATRIX {
         assert_eq!(xml.matches(from).count(), 1, "{defect}: {from}");
         let changed = xml.replacen(from, to, 1);
-        assert_found(defect, &check_description(changed.as_bytes()), says);
+        let found = check_description(changed.as_bytes());
+        assert_found(defect, &found, says);
+        assert!(found[0].line.is_some(), "{defect}: {}", found[0]);
         let packed = with_description(&valid(&stage(FmiVersion::V2)).to_bytes().unwrap(), &changed);
         assert_found(defect, &problems_of_bytes(&packed), says);
     }

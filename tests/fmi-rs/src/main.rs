@@ -111,8 +111,10 @@ fn simulate_2(run: &Run, folder: &Path, xml: &Path) -> Outcome<()> {
         initial_fmu_state_file: run.load.clone(),
         final_fmu_state_file: run.save.clone(),
     };
-    let recorder =
-        Arc::new(sim::fmi2::recorder::Recorder::new(Trajectories::new(description.clone(), outputs)));
+    let recorder = Arc::new(sim::fmi2::recorder::Recorder::new(Trajectories::new(
+        description.clone(),
+        outputs,
+    )));
     let input = StaticInput::new(csv::read_csv(File::open(run.input)?, description)?, TOLERANCE);
     cs::simulate(&settings, Some(Arc::new(input)), recorder.clone())?;
     csv::write_csv(&recorder.trajectories.borrow(), run.output)?;
@@ -150,8 +152,10 @@ fn simulate_3(run: &Run, folder: &Path, xml: &Path) -> Outcome<()> {
         initial_fmu_state_file: run.load.clone(),
         final_fmu_state_file: run.save.clone(),
     };
-    let recorder =
-        Arc::new(sim::fmi3::recorder::Recorder::new(Trajectories::new(description.clone(), outputs)));
+    let recorder = Arc::new(sim::fmi3::recorder::Recorder::new(Trajectories::new(
+        description.clone(),
+        outputs,
+    )));
     let input = StaticInput::new(csv::read_csv(File::open(run.input)?, description)?, TOLERANCE);
     cs::simulate(&settings, Some(Arc::new(input)), recorder.clone())?;
     csv::write_csv(&recorder.trajectories.borrow(), run.output)?;
