@@ -16,6 +16,9 @@ pub(crate) trait Answer: Serialize {
     }
 }
 
+/// Stands for the standard output where `--json` takes a file.
+pub(crate) const STANDARD_OUTPUT: &str = "-";
+
 /// How results are shown.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Screen {

@@ -15,9 +15,10 @@ mod pages;
 mod progress;
 mod window;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 /// Closes the loop between a piezo-actuated machine and its model.
 #[derive(Parser, Debug)]
@@ -27,10 +28,11 @@ use clap::Parser;
 )]
 struct Cli {
     /// Print the result as JSON
-    #[arg(long, global = true)]
-    json: bool,
+    // A path like that of `diagnose --json FILE`, which takes the place of this one there.
+    #[arg(long, global = true, num_args = 0, default_missing_value = answer::STANDARD_OUTPUT)]
+    json: Option<PathBuf>,
     /// Print nothing but errors
-    #[arg(long, short, global = true, conflicts_with = "json")]
+    #[arg(long, short, global = true)]
     quiet: bool,
     #[command(subcommand)]
     command: commands::Command,
@@ -44,7 +46,12 @@ const VERSION: &str = match env!("PIEZOLOOP_COMMIT").as_bytes() {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let screen = answer::Screen { json: cli.json, quiet: cli.quiet };
+    let json = cli.json.as_deref() == Some(Path::new(answer::STANDARD_OUTPUT));
+    if json && cli.quiet {
+        let message = "the argument '--json' cannot be used with '--quiet': it prints the result";
+        Cli::command().error(clap::error::ErrorKind::ArgumentConflict, message).exit();
+    }
+    let screen = answer::Screen { json, quiet: cli.quiet };
     match cli.command.run(&screen) {
         Ok(code) => ExitCode::from(code),
         Err(error) => {

@@ -10,7 +10,7 @@ use diagnose::{Diagnosis, Gap, Model, Noise, Observer, Request, Tolerance};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
+use crate::answer::{Answer, STANDARD_OUTPUT, Screen};
 use crate::commands::pack;
 use crate::inputs::{self, LogOptions};
 use crate::{pages, progress};
@@ -57,6 +57,9 @@ pub(crate) struct Diagnose {
     /// Take an effect out of the library (may be given several times)
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
+    /// Write the answer as JSON; without FILE to the standard output
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = STANDARD_OUTPUT)]
+    json: Option<PathBuf>,
     /// Write a page
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -72,9 +75,6 @@ pub(crate) struct Diagnose {
     /// Exit with 1 where the gap's rms over the output's range is larger
     #[arg(long, value_name = "REL")]
     fail_above: Option<f64>,
-    /// With --json: the file to write; none: standard output
-    #[arg(value_name = "GAP_JSON", requires = "json")]
-    json_file: Option<PathBuf>,
 }
 
 /// The gap, and what was written.
@@ -101,14 +101,12 @@ impl Observer for Bar {
 impl Diagnose {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let answer = self.execute(screen)?;
-        let to_file = self.json_file.is_some();
-        let screen = Screen { json: screen.json && !to_file, quiet: screen.quiet };
         screen.show(&answer)
     }
 
     fn execute(&self, screen: &Screen) -> anyhow::Result<Diagnosed> {
         let read: Vec<&Path> = self.files().map(PathBuf::as_path).collect();
-        let outputs = [&self.report, &self.repair, &self.json_file];
+        let outputs = [self.json_file(), self.report.as_deref(), self.repair.as_deref()];
         for output in outputs.into_iter().flatten() {
             inputs::not_over(output, &read)?;
         }
@@ -118,11 +116,11 @@ impl Diagnose {
         bar.0.finish_and_clear();
         let diagnosis = diagnosis?;
         let mut written = Vec::new();
-        if let Some(file) = &self.json_file {
+        if let Some(file) = self.json_file() {
             let text = serde_json::to_string_pretty(&diagnosis.gap)? + "\n";
             WholeFile::write_all_of(file, text.as_bytes())
                 .with_context(|| format!("{} cannot be written", file.display()))?;
-            written.push(file.clone());
+            written.push(file.to_owned());
         }
         if let Some(page) = &self.report {
             let files: Vec<(&str, &Path)> =
@@ -139,6 +137,10 @@ impl Diagnose {
         }
         let fails = self.fail_above.is_some_and(|most| diagnosis.gap.shrink.relative_gap > most);
         Ok(Diagnosed { gap: diagnosis.gap, written, fails })
+    }
+
+    fn json_file(&self) -> Option<&Path> {
+        self.json.as_deref().filter(|file| *file != Path::new(STANDARD_OUTPUT))
     }
 
     /// All files that are read.
