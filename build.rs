@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Package, library name, and the variable that overrides and passes on its path.
-const LIBRARIES: [(&str, &str, &str); 2] = [
+const LIBRARIES: [(&str, &str, &str); 3] = [
     ("piezoloop-fmu-plant", "piezoloop_plant", "PIEZOLOOP_PLANT_LIBRARY"),
     ("piezoloop-fmu-controller", "piezoloop_controller", "PIEZOLOOP_CONTROLLER_LIBRARY"),
+    ("piezoloop-fmu-wrap", "piezoloop_wrap", "PIEZOLOOP_WRAP_LIBRARY"),
 ];
 
 /// Set by the outer Cargo; inherited they would make the nested one use its folders or wrappers.

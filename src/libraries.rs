@@ -14,6 +14,9 @@ pub(crate) const PLANT: Library =
 pub(crate) const CONTROLLER: Library =
     Library { bytes: include_bytes!(env!("PIEZOLOOP_CONTROLLER_LIBRARY")) };
 
+/// The repaired FMU's library.
+pub(crate) const WRAP: Library = Library { bytes: include_bytes!(env!("PIEZOLOOP_WRAP_LIBRARY")) };
+
 /// The FMI 2.0 folder of the platform that the tool was built for.
 pub(crate) const PLATFORM: &str = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
     "linux64"

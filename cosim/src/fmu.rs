@@ -98,6 +98,18 @@ impl Fmu {
         Ok(found.map_err(Problems::from)?.variable)
     }
 
+    /// Where the value of a variable, or of an element of an array, is found: value reference, place
+    /// in the variable from 0, number of values of the variable.
+    ///
+    /// # Errors
+    /// There is no such variable or element.
+    pub fn place(&self, name: &str) -> Result<(u32, usize, usize), Error> {
+        let found = Address::find(&self.description.model_name, &self.description, name);
+        let found = found.map_err(Problems::from)?;
+        let (index, size) = found.element.map_or((0, 1), |e| (e.index, e.size));
+        Ok((found.variable.value_reference, index, size))
+    }
+
     /// The names of the numbers of one causality as a system connects and records them, an array by
     /// its elements.
     pub fn names(&self, causality: Causality) -> Vec<String> {

@@ -120,7 +120,7 @@ pub(crate) fn estimate(o: &Outcome, p: &Parameter, q: f64, deviation: Option<f64
 }
 
 /// SI per unit of a formula's parameter, which is kept in SI.
-fn scale_of(o: &Outcome, unit: &str) -> f64 {
+pub(crate) fn scale_of(o: &Outcome, unit: &str) -> f64 {
     let (u, y) = (o.problem.command_factor, o.problem.factor);
     match unit {
         "{command}" | "{command}/s" => u,

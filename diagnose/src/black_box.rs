@@ -12,11 +12,15 @@ use crate::error::Error;
 #[derive(Clone)]
 pub(crate) struct BlackBox {
     shared: Arc<Shared>,
+    times: Arc<Times>,
     /// Parameters: name, value, and which coordinate moves it.
     pub(crate) parameters: Vec<(String, f64)>,
     /// Links to the chain's parameters; `index` counts `parameters`.
     pub(crate) links: Vec<Link>,
 }
+
+/// Times of the rows of each record, by the record's first row.
+pub(crate) type Times = std::collections::BTreeMap<usize, Vec<f64>>;
 
 struct Shared {
     fmu: Fmu,
@@ -26,8 +30,6 @@ struct Shared {
     units: (model::Unit, model::Unit),
     /// Instances that are not in use.
     idle: Mutex<Vec<Box<dyn Slave>>>,
-    /// Times of the rows of each record, by the record's first row.
-    times: std::collections::BTreeMap<usize, Vec<f64>>,
 }
 
 impl BlackBox {
@@ -37,11 +39,16 @@ impl BlackBox {
         inputs: Vec<String>,
         output: String,
         units: (model::Unit, model::Unit),
-        times: std::collections::BTreeMap<usize, Vec<f64>>,
+        times: Times,
     ) -> Self {
         let idle = Mutex::new(Vec::new());
-        let shared = Shared { fmu, inputs, output, units, idle, times };
-        Self { shared: Arc::new(shared), parameters: Vec::new(), links: Vec::new() }
+        let shared = Arc::new(Shared { fmu, inputs, output, units, idle });
+        Self { shared, times: Arc::new(times), parameters: Vec::new(), links: Vec::new() }
+    }
+
+    /// The same for records with these times.
+    pub(crate) fn over(&self, times: Times) -> Self {
+        Self { times: Arc::new(times), ..self.clone() }
     }
 
     fn take(&self) -> Result<Box<dyn Slave>, Error> {
@@ -77,10 +84,10 @@ impl BlackBox {
         let shared = &*self.shared;
         let mut slave = self.take()?;
         let empty = Vec::new();
-        let times = shared.times.get(&record.rows.start).unwrap_or(&empty);
+        let times = self.times.get(&record.rows.start).unwrap_or(&empty);
         let names: Vec<&str> = shared.inputs.iter().map(String::as_str).collect();
-        let inputs = selection(&*slave, &names)?;
-        let output = selection(&*slave, &[&shared.output])?;
+        let inputs = Selection::of(slave.description(), &names)?;
+        let output = Selection::of(slave.description(), &[&shared.output])?;
         let (Some(&start), stop) = (times.first(), times.last().copied()) else { return Ok(()) };
         let experiment = Experiment { start, stop, tolerance: None };
         slave.setup(&experiment)?;
@@ -122,15 +129,4 @@ impl BlackBox {
         }
         Ok(())
     }
-}
-
-fn selection(slave: &dyn Slave, names: &[&str]) -> Result<Selection, Error> {
-    let mut selection = Selection::default();
-    for name in names {
-        if let Some(variable) = slave.description().variable(name) {
-            let added = selection.add(slave.name(), variable);
-            added.map_err(|p| cosim::Error::from(cosim::Problems::from(p)))?;
-        }
-    }
-    Ok(selection)
 }

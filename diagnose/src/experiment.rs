@@ -1,10 +1,13 @@
 //! What to measure next: the signal of a menu that separates two rivals best (T-optimal).
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::belief;
+use crate::block::Span;
+use crate::chain::{Chain, Node};
 use crate::data_set::{DataSet, RecordRows};
 use crate::fit::Fitter;
 use crate::gap::NextExperiment;
@@ -63,14 +66,18 @@ fn experiment(
     predicted_gain: Option<f64>,
 ) -> NextExperiment {
     let scale = o.problem.command_factor;
+    let n = item.command.len();
     let values = item.command.iter().map(|u| u / scale).collect();
+    let mut columns = BTreeMap::from([(o.problem.input.clone(), values)]);
+    let neighbours = o.problem.data.aux.iter().enumerate().filter(|(_, aux)| aux.is_command);
+    columns.extend(neighbours.map(|(k, aux)| (aux.name.clone(), beside(o, k, n))));
     NextExperiment {
         sentence,
         separates,
         signal: item.name,
         predicted_gain,
         period: Some(o.problem.data.sample_time()),
-        columns: BTreeMap::from([(o.problem.input.clone(), values)]),
+        columns,
     }
 }
 
@@ -106,11 +113,11 @@ fn separate(
 /// Expected misfit of the rival `b` on a record that `a` makes, with b's parameters profiled under what
 /// the training rows say about them.
 fn gain(o: &Outcome, a: &Candidate, b: &Candidate, item: &Item) -> Option<f64> {
-    let data = record(o, item)?;
+    let data = record(o, item);
     let count = std::sync::atomic::AtomicU64::new(0);
     let fitter = Fitter { data: &data, sigma: o.sigma, count: &count };
-    let left = fitter.linearise(&a.chain, &a.fit.theta).ok()?;
-    let right = fitter.linearise(&b.chain, &b.fit.theta).ok()?;
+    let left = fitter.linearise(&over(&a.chain, &data), &a.fit.theta).ok()?;
+    let right = fitter.linearise(&over(&b.chain, &data), &b.fit.theta).ok()?;
     // Both residuals are of the same measured zeros: their difference is that of the models.
     let apart: Vec<f64> = right.residual.iter().zip(&left.residual).map(|(x, y)| x - y).collect();
     let thinned = data.time.len() as f64 / apart.len().max(1) as f64;
@@ -131,29 +138,72 @@ fn gain(o: &Outcome, a: &Candidate, b: &Candidate, item: &Item) -> Option<f64> {
     Some((dot(&apart, &apart) - gradient.dot(&step)).max(0.0))
 }
 
+/// A chain over other records.
+fn over(chain: &Chain, data: &DataSet) -> Chain {
+    let mut chain = chain.clone();
+    let times = || data.records.iter().map(|r| (r.rows.start, data.time[r.rows.clone()].to_vec()));
+    for node in &mut chain.nodes {
+        if let Node::BlackBox(fmu) = node {
+            *fmu = fmu.over(times().collect());
+        }
+    }
+    chain
+}
+
+/// What is played on a neighbour's command; anything else stays where it was in the middle.
+fn beside(o: &Outcome, number: usize, n: usize) -> Vec<f64> {
+    let (aux, sample) = (&o.problem.data.aux[number], o.problem.data.sample_time());
+    let Span { centre, half } = aux.span;
+    if !aux.is_command {
+        return vec![centre; n];
+    }
+    let (from, to) = (1.0 / (n as f64 * sample), 0.2 / sample);
+    multisine(n, sample, (from, to), (centre, 0.9 * half), 77 + number as u64)
+}
+
 /// A record of the signal with a measured output of zero.
-fn record(o: &Outcome, item: &Item) -> Option<DataSet> {
+fn record(o: &Outcome, item: &Item) -> DataSet {
     let source = &o.problem.data;
     let sample = source.sample_time();
     let n = item.command.len();
-    let first = source.records.first()?;
-    let aux = source.aux.iter().map(|a| {
-        let mut random = Random::new(77);
-        (0..n).map(|_| a.span.centre + a.span.half * (2.0 * random.uniform() - 1.0)).collect()
-    });
+    let aux = (0..source.aux.len()).map(|k| beside(o, k, n));
+    let others = source.records.first().map_or(0, |first| first.others.len());
     let rows = RecordRows {
         name: item.name.clone(),
         time: (0..n).map(|k| k as f64 * sample).collect(),
         command: item.command.clone(),
         y: vec![0.0; n],
         aux: aux.collect(),
-        others: vec![vec![0.0; n]; first.others.len()],
+        others: vec![vec![0.0; n]; others],
         training: 1.0,
     };
     let names: Vec<(String, bool)> =
         source.aux.iter().map(|a| (a.name.clone(), a.is_command)).collect();
-    // A black box knows the times of its own records only.
-    o.problem.base.is_white.then(|| DataSet::new(vec![rows], &names, Some(source.step)))
+    DataSet::new(vec![rows], &names, o.problem.base.is_white.then_some(source.step))
+}
+
+/// The signal as a log without readings: time, command, and what is played beside it (in SI units).
+pub(crate) fn csv(o: &Outcome, next: &NextExperiment) -> Option<String> {
+    let period = next.period?;
+    let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\"\""));
+    let unit = |name: &str| match name == o.problem.input {
+        true => format!(" [{}]", o.problem.command_unit),
+        false => String::new(),
+    };
+    let names = next.columns.keys().map(|name| quoted(&format!("{name}{}", unit(name))));
+    let mut text =
+        std::iter::once("time [s]".to_owned()).chain(names).collect::<Vec<_>>().join(",");
+    text.push('\n');
+    let rows = next.columns.values().map(Vec::len).max()?;
+    for row in 0..rows {
+        text += &(row as f64 * period).to_string();
+        for values in next.columns.values() {
+            text.push(',');
+            text += &values.get(row).map_or_else(String::new, f64::to_string);
+        }
+        text.push('\n');
+    }
+    Some(text)
 }
 
 /// Signals within the range of the command that the logs used, and of the machine.
@@ -176,7 +226,8 @@ fn menu(o: &Outcome) -> Vec<Item> {
         let (from, to) = ((band.0 * nyquist).max(1.0 / length), band.1 * nyquist);
         let name =
             format!("multisine {from:.3} to {to:.3} Hz at {:.0} % of the range", 100.0 * part);
-        all.push(Item { name, command: multisine(n, sample, from, to, centre, part * half) });
+        let command = multisine(n, sample, (from, to), (centre, part * half), 2024);
+        all.push(Item { name, command });
     }
     for (part, periods) in [(0.95, 2.0), (0.3, 2.0), (0.95, 20.0), (0.95, 200.0)] {
         let name =
@@ -193,12 +244,46 @@ fn menu(o: &Outcome) -> Vec<Item> {
     let stairs = |k: usize| centre + half * steps[k * steps.len() / n];
     all.push(Item { name: "staircase with holds".into(), command: (0..n).map(stairs).collect() });
     all.push(Item { name: "hold in the middle".into(), command: vec![centre; n] });
-    all
+    let steepest = steepest(data);
+    all.into_iter().map(|item| item.no_steeper(steepest, sample, centre)).collect()
+}
+
+/// Steepest command of the logs, per second.
+fn steepest(data: &DataSet) -> f64 {
+    let of = |rows: Range<usize>| {
+        let at = |k: usize| data.command[data.row_hit[k] as usize];
+        let slope = move |k: usize| (at(k) - at(k - 1)).abs() / (data.time[k] - data.time[k - 1]);
+        (rows.start + 1..rows.end).map(slope).fold(0.0, f64::max)
+    };
+    data.records.iter().map(|r| of(r.rows.clone())).fold(0.0, f64::max)
+}
+
+impl Item {
+    /// The signal, made smaller about the middle where it is steeper than any command of the logs: the
+    /// machine is only asked for what it has done before.
+    fn no_steeper(mut self, most: f64, sample: f64, centre: f64) -> Self {
+        let own = self.command.windows(2).map(|w| (w[1] - w[0]).abs() / sample).fold(0.0, f64::max);
+        if own > most && most > 0.0 {
+            let part = most / own;
+            self.command.iter_mut().for_each(|u| *u = centre + part * (*u - centre));
+            self.name += &format!(
+                ", made smaller to {:.0} % so that it is no steeper than the logs",
+                100.0 * part
+            );
+        }
+        self
+    }
 }
 
 /// Random phases, crest factor as it comes, scaled to the half width.
-fn multisine(n: usize, sample: f64, from: f64, to: f64, centre: f64, half: f64) -> Vec<f64> {
-    let mut random = Random::new(2024);
+fn multisine(
+    n: usize,
+    sample: f64,
+    (from, to): (f64, f64),
+    (centre, half): (f64, f64),
+    seed: u64,
+) -> Vec<f64> {
+    let mut random = Random::new(seed);
     let length = n as f64 * sample;
     let lines: Vec<(f64, f64)> = (0..LINES)
         .map(|k| {

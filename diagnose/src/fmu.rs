@@ -21,8 +21,7 @@ pub(crate) fn problems(request: &Request, path: &Path) -> Result<Vec<Problem>, E
     let description = fmu.description();
     let model = description.model_name.clone();
     let ports = |causality: Causality| -> Vec<Port> {
-        let all = description.variables.iter();
-        all.filter(|v| v.causality == causality && is_real(v)).map(|v| port(v, &fmu)).collect()
+        numbers(&fmu, causality).iter().map(|v| port(v, &fmu)).collect()
     };
     let (inputs, outputs) = (ports(Causality::Input), ports(Causality::Output));
     if inputs.is_empty() {
@@ -108,9 +107,11 @@ fn problem(
     Ok(problem)
 }
 
-fn is_real(variable: &Variable) -> bool {
-    matches!(variable.data_type, DataType::Float64 | DataType::Float32)
-        && variable.dimensions.is_empty()
+/// The real numbers of one causality, an array by its elements.
+fn numbers(fmu: &Fmu, causality: Causality) -> Vec<Variable> {
+    let names = fmu.names(causality);
+    let all = names.iter().filter_map(|name| fmu.variable(name).ok());
+    all.filter(|v| matches!(v.data_type, DataType::Float64 | DataType::Float32)).collect()
 }
 
 fn port(variable: &Variable, fmu: &Fmu) -> Port {
@@ -134,8 +135,7 @@ fn parse(text: &str) -> Result<Unit, UnitError> {
 /// Parameters that the request says may be off.
 fn tuned(request: &Request, fmu: &Fmu) -> Vec<BaseParameter> {
     let mut all = Vec::new();
-    let parameters = fmu.description().variables.iter();
-    for v in parameters.filter(|v| v.causality == Causality::Parameter && is_real(v)) {
+    for v in &numbers(fmu, Causality::Parameter) {
         let Some(value) = start_of(v) else { continue };
         let (deviation, has_tolerance) = tolerance(&v.name, value, None, &request.tolerances);
         if !has_tolerance {

@@ -8,6 +8,7 @@
 //! [`diagnose`] gives the answer as [`Gap`], the content of `gap.json`.
 
 mod answer;
+mod around;
 mod base;
 mod belief;
 mod black_box;
@@ -37,6 +38,7 @@ mod spectrum;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+pub use around::Repaired;
 pub use error::Error;
 pub use gap::{
     BandShare, Estimate, Gap, HeldOut, Leftover, NamedEffect, NextExperiment, NoiseFloor,
@@ -52,25 +54,66 @@ pub struct Diagnosis {
     outcomes: Vec<outcome::Outcome>,
 }
 
+/// What was written beside the page.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Files<'a> {
+    /// The repaired model.
+    pub repair: Option<&'a std::path::Path>,
+    /// What the repaired model leaves out, one sentence each.
+    pub notes: &'a [String],
+    /// The signal of the next experiment.
+    pub experiment: Option<&'a std::path::Path>,
+}
+
 impl Diagnosis {
     /// The page; the caller adds its provenance.
     #[must_use]
-    pub fn report(&self) -> report::Report {
-        page::report(self)
+    pub fn report(&self, files: &Files<'_>) -> report::Report {
+        page::report(self, files)
+    }
+
+    /// The signal of the next experiment as a log without readings, to be played; none where nothing
+    /// is undecided.
+    #[must_use]
+    pub fn next_experiment_csv(&self) -> Option<String> {
+        let next = self.gap.next_experiment.as_ref()?;
+        let own = |o: &&outcome::Outcome| next.columns.contains_key(&o.problem.input);
+        experiment::csv(self.outcomes.iter().find(own)?, next)
+    }
+
+    /// The FMU that was diagnosed with the effects around it; `library` is the platform and the bytes
+    /// of the library for repaired FMUs.
+    ///
+    /// # Errors
+    /// [`Error`]: an FMU that cannot be put into another one.
+    pub fn repair_fmu(
+        &self,
+        file: &std::path::Path,
+        names: &data::NameMap,
+        library: (&str, &[u8]),
+    ) -> Result<Repaired, Error> {
+        let fmu = cosim::Fmu::open(file)?;
+        let archive = match file.is_dir() {
+            true => file.join("modelDescription.xml"),
+            false => file.to_path_buf(),
+        };
+        let sha256 = report::InputFile::read("original", archive)?.sha256;
+        let (repair, notes) = around::repair(&self.outcomes, &fmu, names, &sha256)?;
+        around::pack(fmu.package(), &repair, notes, library)
     }
 
     /// The blueprint that was diagnosed with re-tuned values and the effects in place. Disturbances of a
     /// record (drift, hum, lines) are no part of a model and stay out.
     ///
-    /// # Errors
-    /// What cannot be written as components, one sentence each.
-    pub fn repair(&self, blueprint: &data::Blueprint) -> Result<data::Blueprint, Vec<String>> {
+    /// Beside it what stays out of it, one sentence each.
+    #[must_use]
+    pub fn repair(&self, blueprint: &data::Blueprint) -> (data::Blueprint, Vec<String>) {
         let mut repaired = blueprint.clone();
-        let mut gaps = Vec::new();
+        let mut notes = Vec::new();
         for outcome in &self.outcomes {
-            gaps.extend(repair::repair(outcome, outcome.problem.axis, &mut repaired));
+            notes.extend(repair::repair(outcome, outcome.problem.axis, &mut repaired));
         }
-        if gaps.is_empty() { Ok(repaired) } else { Err(gaps) }
+        (repaired, notes)
     }
 }
 

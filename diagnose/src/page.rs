@@ -1,15 +1,18 @@
 //! The answer as a page: the sentence first, then where, which, how much, what next.
 
+use std::collections::BTreeMap;
+
 use report::{
     Axis, Column, KeyFigure, Report, Role, Section, Spectrum, Table, TimeSeries, Value,
-    Verdict as Word,
+    Verdict as Word, XyLoop,
 };
 
-use crate::Diagnosis;
-use crate::gap::{Gap, Verdict};
+use crate::gap::{Estimate, Gap, Verdict};
 use crate::outcome::Outcome;
+use crate::spectrum::{self, Bands};
+use crate::{Diagnosis, Files};
 
-pub(crate) fn report(diagnosis: &Diagnosis) -> Report {
+pub(crate) fn report(diagnosis: &Diagnosis, files: &Files<'_>) -> Report {
     let gap = &diagnosis.gap;
     let verdict = match gap.verdict {
         Verdict::Adequate => Word::pass(&gap.sentence),
@@ -25,7 +28,11 @@ pub(crate) fn report(diagnosis: &Diagnosis) -> Report {
     for outcome in &diagnosis.outcomes {
         page = page.section(place(gap, outcome));
     }
-    page.section(which(gap)).section(how_much(gap)).section(tried(gap)).section(next(gap))
+    page.section(which(gap))
+        .section(how_much(gap))
+        .section(tried(gap))
+        .section(next(diagnosis, files))
+        .section(use_it(gap, files))
 }
 
 fn figures(mut page: Report, gap: &Gap) -> Report {
@@ -76,7 +83,7 @@ fn place(gap: &Gap, o: &Outcome) -> Section {
         }
         section = section.table(table);
     }
-    signals(section, o)
+    over_command(map(signals(section, o), o), o)
 }
 
 /// Measured, simulated and what is left, record by record; spectra before and after.
@@ -143,6 +150,13 @@ fn which(gap: &Gap) -> Section {
             known.map_or("", |k| k.signature)
         );
         section = section.paragraph(text);
+        if let Some(k) = known {
+            let mut items = vec![format!("To be sure: {}", k.experiment)];
+            if !k.confused_with.is_empty() {
+                items.push(format!("Easily taken for it: {}", k.confused_with.join(", ")));
+            }
+            section = section.list(items);
+        }
     }
     let mut table = Table::new(
         "Parameters of the effects",
@@ -216,6 +230,7 @@ fn tried(gap: &Gap) -> Section {
             "held out / noise",
             "probability",
             "named",
+            "parameters",
         ],
     );
     for c in &gap.candidates {
@@ -228,21 +243,155 @@ fn tried(gap: &Gap) -> Section {
             Value::from(c.holdout),
             c.probability.into(),
             c.accepted.into(),
+            list(&c.parameters).into(),
         ]);
     }
     Section::new("Candidates").table(table)
 }
 
-fn next(gap: &Gap) -> Section {
-    let section = Section::new("What to do next");
-    let section = match &gap.next_experiment {
-        Some(e) => section.paragraph(format!("{}.", e.sentence)),
-        None => section.paragraph("Nothing is undecided that a measurement could decide."),
+/// Parameters in one line.
+fn list(parameters: &BTreeMap<String, Estimate>) -> String {
+    let one = |(name, p): (&String, &Estimate)| {
+        let short = name.split_once('.').map_or(name.as_str(), |(_, short)| short);
+        let unit = if p.unit == "1" { "" } else { p.unit.as_str() };
+        format!("{} = {} {unit}", short.replace('_', " "), report::format_number(p.value, 4))
+            .trim_end()
+            .to_owned()
     };
-    if gap.effects.is_empty() {
-        return section;
+    parameters.iter().map(one).collect::<Vec<_>>().join("; ")
+}
+
+fn next(diagnosis: &Diagnosis, files: &Files<'_>) -> Section {
+    let gap = &diagnosis.gap;
+    let section = Section::new("What to do next");
+    let Some(e) = &gap.next_experiment else {
+        let check = "Nothing is undecided that a measurement could decide. Record the machine once more \
+                     under another signal, and hold the repaired model against that log.";
+        return section.paragraph(check);
+    };
+    let mut section = section.paragraph(format!("{}.", e.sentence));
+    if let Some(gain) = e.predicted_gain {
+        section = section.paragraph(format!(
+            "Predicted gain: the wrong one of {} would be off by {} noise variances in sum, with its \
+             own parameters, an offset and whatever else belongs to each record fitted anew.",
+            e.separates.join(" and "),
+            report::format_number(gain, 3)
+        ));
+    }
+    if let Some(file) = files.experiment {
+        section = section.paragraph(format!("The signal to play is in {}.", file.display()));
+    }
+    let unit = |name: &str| {
+        let own = diagnosis.outcomes.iter().find(|o| o.problem.input == name);
+        own.map_or("1", |o| o.problem.command_unit.as_str())
+    };
+    if let (Some(period), Some(rows)) = (e.period, e.columns.values().map(Vec::len).max()) {
+        let time: Vec<f64> = (0..rows).map(|k| k as f64 * period).collect();
+        let mut figure = TimeSeries::new(format!("Signal to play: {}", e.signal), &time);
+        for (name, values) in &e.columns {
+            figure = figure.reference(name.as_str(), unit(name), values);
+        }
+        section = section.figure(figure);
     }
     section
-        .paragraph("The repaired model takes the place of the old one; diagnose it against a log that was not used here:")
-        .code("piezoloop diagnose … --repair repaired.toml\npiezoloop diagnose --model repaired.toml --log new.csv")
+}
+
+fn use_it(gap: &Gap, files: &Files<'_>) -> Section {
+    let mut section = Section::new("The repaired model");
+    if gap.effects.is_empty() && gap.verdict != crate::gap::Verdict::Retune {
+        return section.paragraph("There is nothing to repair.");
+    }
+    let Some(file) = files.repair else {
+        return section
+            .paragraph(
+                "Run the diagnosis again with --repair to get the model with the effects in place:",
+            )
+            .code("piezoloop diagnose … --repair repaired.fmu");
+    };
+    let name = file.display();
+    if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu"))
+        && gap.provenance.kind == "black box"
+    {
+        section = section
+            .paragraph(format!(
+                "{name} takes the original FMU's place: the same inputs, outputs and parameters, and \
+                 the original inside, untouched. Each effect can be switched off before the \
+                 simulation starts; with all of them off the outputs are the original's, bit by bit."
+            ))
+            .code(format!(
+                "from fmpy import simulate_fmu\nsimulate_fmu(\"{name}\", start_values={{{}}})",
+                switches(gap)
+            ));
+    } else {
+        section = section.paragraph(format!(
+            "{name} has the effects in place, as components whose names begin with found_, or in the \
+             component that they change."
+        ));
+    }
+    if !files.notes.is_empty() {
+        section = section.list(files.notes.iter().cloned());
+    }
+    section
+        .paragraph("Hold it against a log that was not used here before you trust it:")
+        .code(format!("piezoloop diagnose --model {name} --log new.csv"))
+}
+
+fn switches(gap: &Gap) -> String {
+    let mut names: Vec<String> =
+        gap.effects.iter().map(|e| format!("\"{}.enabled\": True", e.effect)).collect();
+    names.push("\"retune.enabled\": True".to_owned());
+    names.join(", ")
+}
+
+/// Level of the gap over the noise, record by record and band by band, before and after.
+fn map(mut section: Section, o: &Outcome) -> Section {
+    let data = &o.problem.data;
+    let sample = data.sample_time();
+    let longest = data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
+    let bands = Bands::new(longest, sample);
+    if bands.ends.len() < 2 {
+        return section;
+    }
+    let centre = |k: usize| (bands.ends[k] * bands.ends[k + 1]).sqrt();
+    let axis = || Axis::new("over the noise", "dB");
+    for record in &data.records {
+        let level = |all: &[f64]| -> (Vec<f64>, Vec<f64>) {
+            let powers = spectrum::band_powers(&all[record.rows.clone()], &bands, sample);
+            let known = powers.iter().enumerate().filter(|(_, p)| p.is_finite() && **p > 0.0);
+            known.map(|(k, p)| (centre(k), 10.0 * p.log10())).unzip()
+        };
+        let title = format!("{}: gap over the noise by band, {}", o.problem.output, record.name);
+        let (f, before) = level(&o.found.base.judged.residual);
+        let mut figure =
+            Spectrum::new(title, axis()).linear().trace(Role::Residual, "before", &f, &before);
+        if !o.found.last.picks.is_empty() {
+            let (f, after) = level(&o.found.last.judged.residual);
+            figure = figure.trace(Role::Other, "after", &f, &after);
+        }
+        section = section.figure(figure.limit(0.0, "noise"));
+    }
+    section
+}
+
+/// The gap over the command: loops are memory or lag, lines are maps.
+fn over_command(section: Section, o: &Outcome) -> Section {
+    let data = &o.problem.data;
+    let command: Vec<f64> =
+        data.row_hit.iter().map(|h| data.command[*h as usize] / o.problem.command_factor).collect();
+    let scale = o.sigma / o.problem.factor;
+    let in_unit = |all: &[f64]| all.iter().map(|r| r * scale).collect::<Vec<f64>>();
+    let title = format!("{}: gap over the command, all records", o.problem.output);
+    let mut figure = XyLoop::new(
+        title,
+        Axis::new(o.problem.input.as_str(), o.problem.command_unit.as_str()),
+        Axis::new("gap", o.problem.unit.as_str()),
+    )
+    .line(Role::Residual, "before", &command, &in_unit(&o.found.base.judged.residual));
+    if !o.found.last.picks.is_empty() {
+        let after = in_unit(&o.found.last.judged.residual);
+        figure = figure.line(Role::Other, "after", &command, &after);
+    }
+    section.figure(figure.caption(
+        "A loop means memory or lag, a line that is the same both ways a static map, a cloud a disturbance.",
+    ))
 }

@@ -1,25 +1,33 @@
 //! The blueprint with the effects in place.
 
-use data::{Blueprint, ComponentBlueprint, Value};
+use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
 
 use crate::block::Block;
-use crate::library::Piece;
+use crate::chain::Force;
+use crate::library::{Formula, Piece, Slot};
 use crate::outcome::Outcome;
 use crate::select::Candidate;
 
-/// What a repair could not write, one sentence each.
-pub(crate) type Gaps = Vec<String>;
+/// One change of an axis.
+#[derive(Clone)]
+enum Change {
+    /// A component before the one that had this number.
+    Insert { place: usize, slot: Slot, component: ComponentBlueprint },
+    /// Another component in the place of the one that had this number.
+    Replace { place: usize, component: ComponentBlueprint },
+}
 
-/// Writes the re-tuned values and the effects of one axis (from 1) into a blueprint.
-pub(crate) fn repair(o: &Outcome, axis: usize, blueprint: &mut Blueprint) -> Gaps {
-    let mut gaps = Vec::new();
+/// Writes the re-tuned values and the effects of one axis (from 1) into a blueprint; what stays out
+/// of it, one sentence each.
+pub(crate) fn repair(o: &Outcome, axis: usize, blueprint: &mut Blueprint) -> Vec<String> {
+    let mut notes = Vec::new();
     let last = &o.found.last;
-    let Some(target) = blueprint.axes.get_mut(axis - 1) else { return gaps };
-    let spec_of = o.problem.base.components.clone();
-    retune(o, last, target, &spec_of);
-    let base = last.chain.parameters.iter().take_while(|p| p.is_base).count();
-    let mut first = base;
-    let mut inserts: Vec<(usize, ComponentBlueprint)> = Vec::new();
+    let spec_of = &o.problem.base.components;
+    let Some(target) = blueprint.axes.get_mut(axis - 1) else { return notes };
+    retune(o, last, target, spec_of);
+    let given = blueprint.clone();
+    let mut first = last.chain.parameters.iter().take_while(|p| p.is_base).count();
+    let mut changes: Vec<Change> = Vec::new();
     for (family, number) in &last.picks {
         let effect = o.library[*family].effect.name;
         let formula = &o.library[*family].formulas[*number];
@@ -27,41 +35,227 @@ pub(crate) fn repair(o: &Outcome, axis: usize, blueprint: &mut Blueprint) -> Gap
             .map(|k| last.chain.parameters[k].value(last.fit.theta[k]))
             .collect();
         first += formula.parameters.len();
-        let mut at = 0;
-        let mut is_written = !formula.releases.is_empty();
-        for piece in &formula.pieces {
-            let own = &values[at..at + piece.count];
-            at += piece.count;
-            let node = o.problem.base.slots.get(&piece.slot).copied().unwrap_or(0);
-            let place = spec_of.get(node).copied().unwrap_or(target.components.len());
-            if let Some(components) = components(o, piece, own) {
-                is_written = true;
-                for component in components {
-                    inserts.push((place, component.note(&format!("{effect}, found by diagnosis"))));
+        // What changes the actuator or a mode builds on what was changed there before.
+        let axis_now = &apply(&given, axis, &changes).axes[axis - 1].clone();
+        let Some(own) = write(o, effect, formula, &values, (&given.axes[axis - 1], axis_now))
+        else {
+            if formula.releases.is_empty() {
+                notes.push(crate::around::stays_out(effect, formula));
+            }
+            continue;
+        };
+        let mut tried = changes.clone();
+        tried.retain(|c| !own.iter().any(|o| is_same_place(c, o)));
+        tried.extend(own);
+        match apply(&given, axis, &tried).check(components::COMPONENTS) {
+            Ok(_) => changes = tried,
+            Err(problems) => notes.push(format!(
+                "{effect} ({}) stays out of the repaired blueprint, whose components do not take these values: {problems}",
+                formula.name
+            )),
+        }
+    }
+    *blueprint = apply(&given, axis, &changes);
+    notes
+}
+
+fn is_same_place(a: &Change, b: &Change) -> bool {
+    match (a, b) {
+        (Change::Replace { place: a, .. }, Change::Replace { place: b, .. }) => a == b,
+        _ => false,
+    }
+}
+
+/// The blueprint with these changes of one axis.
+fn apply(given: &Blueprint, axis: usize, changes: &[Change]) -> Blueprint {
+    let mut blueprint = given.clone();
+    let Some(target) = blueprint.axes.get_mut(axis - 1) else { return blueprint };
+    let mut inserts = Vec::new();
+    for change in changes {
+        match change {
+            Change::Replace { place, component } => {
+                if let Some(old) = target.components.get_mut(*place) {
+                    *old = component.clone();
                 }
             }
-        }
-        if !is_written {
-            gaps.push(format!(
-                "{effect} ({}): there is no component of this formula that could be written; take the values from the JSON",
-                formula.name
-            ));
+            Change::Insert { place, slot, component } => {
+                inserts.push((*place, *slot, component.clone()));
+            }
         }
     }
-    // From the back, so that places stay right.
-    inserts.sort_by_key(|(place, _)| *place);
-    for (place, component) in inserts.into_iter().rev() {
+    inserts.sort_by_key(|(place, slot, _)| (*place, *slot));
+    for (count, (place, _, component)) in inserts.into_iter().enumerate() {
         let component = with_free_name(component, target);
-        target.components.insert(place.min(target.components.len()), component);
+        target.components.insert((place + count).min(target.components.len()), component);
     }
-    gaps
+    blueprint
+}
+
+/// The changes that make an effect; none where nothing in the registry does what it does.
+fn write(
+    o: &Outcome,
+    effect: &str,
+    formula: &Formula,
+    values: &[f64],
+    (given, now): (&AxisBlueprint, &AxisBlueprint),
+) -> Option<Vec<Change>> {
+    let base = &o.problem.base;
+    let note = format!("{effect}, found by diagnosis");
+    let place_of =
+        |node: usize| base.components.get(node).copied().unwrap_or(given.components.len());
+    if let Some(force) = formula.force {
+        let place = place_of(base.mode?);
+        let old = now.components.get(place_now(given, now, place)?)?;
+        let component = forced(o, force, values, old)?.note(&note);
+        return Some(vec![Change::Replace { place, component }]);
+    }
+    let mut all = Vec::new();
+    let mut at = 0;
+    for piece in &formula.pieces {
+        let own = &values[at..at + piece.count];
+        at += piece.count;
+        let node = base.slots.get(&piece.slot).copied().unwrap_or(0);
+        let actuator = place_of(base.actuator);
+        let old = now.components.get(place_now(given, now, actuator)?)?;
+        if let Some(component) = actuator_with(o, &piece.block, own, old) {
+            all.push(Change::Replace { place: actuator, component: component.note(&note) });
+            continue;
+        }
+        for component in components(o, piece, own)? {
+            let component = component.note(&note);
+            all.push(Change::Insert { place: place_of(node), slot: piece.slot, component });
+        }
+    }
+    (!all.is_empty()).then_some(all)
+}
+
+/// Where the component that had this number is now: components have unique names.
+fn place_now(given: &AxisBlueprint, now: &AxisBlueprint, place: usize) -> Option<usize> {
+    let inserted = now.components.len() - given.components.len();
+    let old = given.components.get(place)?;
+    let same = |c: &ComponentBlueprint| c.kind == old.kind && c.name == old.name;
+    let range = place..=place + inserted;
+    range.clone().find(|k| now.components.get(*k).is_some_and(same)).or_else(|| range.last())
+}
+
+/// A mode with another force, where a component has it.
+fn forced(
+    o: &Outcome,
+    (force, centre, half): (Force, f64, f64),
+    p: &[f64],
+    mode: &ComponentBlueprint,
+) -> Option<ComponentBlueprint> {
+    let gain = mode.get("gain").and_then(number).unwrap_or(1.0);
+    let y = o.problem.factor;
+    let new = |kind: &str| {
+        let mut component = ComponentBlueprint::new(kind);
+        component.name.clone_from(&mode.name);
+        for name in ["frequency", "damping"] {
+            component.set(name, mode.get(name)?.clone());
+        }
+        Some(component)
+    };
+    match (force, p) {
+        // The component hardens about zero, with a static gain of 1.
+        (Force::Cubic, &[cubic]) if centre.abs() < 0.1 * half && gain == 1.0 => {
+            Some(new("duffing")?.value("hardening", cubic).value("reference", half / y))
+        }
+        // Dahl's law is LuGre's without a difference between static and sliding friction.
+        (Force::Friction, &[size, distance]) if gain == 1.0 => Some(
+            new("friction")?
+                .value("coulomb", size / y)
+                .value("stiction", size / y)
+                .value("presliding", distance / y)
+                .value("stribeck", half / y),
+        ),
+        _ => None,
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Number(number) => Some(*number),
+        _ => None,
+    }
+}
+
+/// The actuator with plays of its own, or with thresholds that grow with the rate.
+fn actuator_with(
+    o: &Outcome,
+    block: &Block,
+    p: &[f64],
+    old: &ComponentBlueprint,
+) -> Option<ComponentBlueprint> {
+    let (u, y) = (o.problem.command_factor, o.problem.factor);
+    let plays = Plays::of(old)?;
+    let mut component = match block {
+        Block::Plays { bank, gain } => {
+            let (linear, weights) = p.split_at(usize::from(*gain));
+            let factor = output_gain(o);
+            let weight = |w: f64| factor * w * u / y;
+            let sum: f64 = weights.iter().sum();
+            let mut all = plays;
+            all.add(0.0, weight(linear.first().copied().unwrap_or(0.0) - sum));
+            bank.iter().zip(weights).for_each(|(r, w)| all.add(r / u, weight(*w)));
+            let (r, w): (Vec<f64>, Vec<f64>) = all.pairs.into_iter().unzip();
+            ComponentBlueprint::new("prandtl-ishlinskii").value("r", r).value("w", w)
+        }
+        Block::RatePlays(_) => {
+            let &[time] = p else { return None };
+            let (straight, wide): (Vec<_>, Vec<_>) =
+                plays.pairs.into_iter().partition(|(r, _)| *r == 0.0);
+            let (r, w): (Vec<f64>, Vec<f64>) = wide.into_iter().unzip();
+            ComponentBlueprint::new("rate-dependent-play")
+                .value("r", r)
+                .value("w", w)
+                .value("gain", straight.iter().map(|(_, w)| w).sum::<f64>())
+                .value("rate", time)
+        }
+        _ => return None,
+    };
+    component.name.clone_from(&old.name);
+    if let Some(offset) = old.get("offset") {
+        component.set("offset", offset.clone());
+    }
+    Some(component)
+}
+
+/// Plays of an actuator: threshold and weight, in the axis' units.
+struct Plays {
+    pairs: Vec<(f64, f64)>,
+}
+
+impl Plays {
+    fn of(component: &ComponentBlueprint) -> Option<Self> {
+        let array = |name: &str| match component.get(name)? {
+            Value::List(all) => all.iter().map(number).collect::<Option<Vec<f64>>>(),
+            one => Some(vec![number(one)?]),
+        };
+        let pairs = match component.kind.as_str() {
+            "prandtl-ishlinskii" => array("r")?.into_iter().zip(array("w")?).collect(),
+            "actuator-gain" => vec![(0.0, number(component.get("gain")?)?)],
+            _ => return None,
+        };
+        Some(Self { pairs })
+    }
+
+    fn add(&mut self, r: f64, w: f64) {
+        match self.pairs.binary_search_by(|(own, _)| own.total_cmp(&r)) {
+            Ok(at) => self.pairs[at].1 += w,
+            Err(at) => self.pairs.insert(at, (r, w)),
+        }
+    }
+}
+
+/// The re-tuned factor of the output.
+fn output_gain(o: &Outcome) -> f64 {
+    let last = &o.found.last;
+    let gain = last.chain.parameters.iter().position(|p| p.is_base && p.name == "output.gain");
+    gain.map_or(1.0, |k| 1.0 + o.problem.base.gain_tolerance * last.fit.theta[k])
 }
 
 /// A name that the axis does not have yet.
-fn with_free_name(
-    mut component: ComponentBlueprint,
-    axis: &data::AxisBlueprint,
-) -> ComponentBlueprint {
+fn with_free_name(mut component: ComponentBlueprint, axis: &AxisBlueprint) -> ComponentBlueprint {
     let declared = components::find(&component.kind).map_or("effect", |c| c.declaration().name);
     let taken = |name: &str| {
         axis.components.iter().any(|c| {
@@ -80,7 +274,7 @@ fn with_free_name(
 }
 
 /// Re-tuned and released parameters, and the output's gain in the actuator.
-fn retune(o: &Outcome, last: &Candidate, axis: &mut data::AxisBlueprint, spec_of: &[usize]) {
+fn retune(o: &Outcome, last: &Candidate, axis: &mut AxisBlueprint, spec_of: &[usize]) {
     let base = &o.problem.base;
     for (node, place) in spec_of.iter().enumerate() {
         let Some(crate::chain::Node::Component(component)) = base.nodes.get(node) else { continue };
@@ -94,8 +288,7 @@ fn retune(o: &Outcome, last: &Candidate, axis: &mut data::AxisBlueprint, spec_of
             }
         }
         let declaration = component.component.declaration();
-        let gain = last.chain.parameters.iter().position(|p| p.is_base && p.name == "output.gain");
-        let factor = gain.map_or(1.0, |k| 1.0 + base.gain_tolerance * last.fit.theta[k]);
+        let factor = output_gain(o);
         let mut at = 0;
         for (k, quantity) in declaration.parameters.iter().enumerate() {
             let length = declaration.length(k, &component.structure);
@@ -106,7 +299,9 @@ fn retune(o: &Outcome, last: &Candidate, axis: &mut data::AxisBlueprint, spec_of
             let scale = if is_gain { factor } else { 1.0 };
             let old = &component.values[at..at + length];
             let new = &values[at..at + length];
-            if scale != 1.0 || old.iter().zip(new).any(|(a, b)| a != b) {
+            // As numbers, for those that are built anew from them.
+            let is_read = node == base.actuator || base.mode == Some(node);
+            if is_read || scale != 1.0 || old.iter().zip(new).any(|(a, b)| a != b) {
                 let own: Vec<f64> = new.iter().map(|v| unit.from_si(scale * v)).collect();
                 let value = if matches!(quantity.shape, model::Shape::Scalar) {
                     Value::Number(own[0])
@@ -141,6 +336,10 @@ fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<ComponentBlue
         (Block::Lag2, &[frequency, damping]) => {
             let kind = if is_sensor { "sensor-second-order" } else { "amplifier-second-order" };
             one(new(kind).value("frequency", frequency).value("damping", damping))
+        }
+        // The phase of the steps is not the converter's: it is that of its zero.
+        (Block::Quantiser(span), &[steps, _]) => {
+            one(new("dac-quantisation").value("resolution", 2.0 * span.half / steps / u))
         }
         (Block::Slew, &[rate]) => one(new("amplifier-slew").value("rate", rate / u)),
         (Block::ClampHigh, &[high]) => {

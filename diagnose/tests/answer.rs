@@ -6,7 +6,7 @@ use common::machine::{Machine, blueprint};
 use common::truth::Effect;
 use components::COMPONENTS;
 use data::{Blueprint, Log};
-use piezoloop_diagnose::{Error, Model, Noise, Request, Silent, diagnose, examine};
+use piezoloop_diagnose::{Error, Files, Model, Noise, Request, Silent, diagnose, examine};
 
 fn request(machine: &Machine, logs: Vec<Log>) -> Request {
     let mut request = Request::new(Model::Blueprint(Box::new(blueprint())), logs);
@@ -30,7 +30,7 @@ fn the_repaired_blueprint_no_longer_lacks_the_effect() {
     let machine = Machine::new(32, 1.0).with(Effect::Creep, 10.0);
     let first = examine(&request(&machine, machine.logs()), &mut Silent).unwrap();
     assert_eq!(first.gap.effects[0].effect, "creep");
-    let repaired: Blueprint = first.repair(blueprint().blueprint()).unwrap();
+    let repaired: Blueprint = first.repair(blueprint().blueprint()).0;
     let text = repaired.to_toml();
     assert!(text.contains("kelvin-voigt-creep"), "{text}");
     let checked = repaired.check(COMPONENTS).unwrap();
@@ -45,7 +45,7 @@ fn the_repaired_blueprint_no_longer_lacks_the_effect() {
 fn the_page_has_the_sentence_and_the_candidates() {
     let machine = Machine::new(33, 1.0).with(Effect::MainsHum, 6.0);
     let diagnosis = examine(&request(&machine, machine.logs()), &mut Silent).unwrap();
-    let page = diagnosis.report().to_html().unwrap();
+    let page = diagnosis.report(&Files::default()).to_html().unwrap();
     assert!(page.contains("mains hum"), "the sentence names it");
     assert!(page.contains("All candidates as the first effect"));
 }

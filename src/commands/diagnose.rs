@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use data::WholeFile;
-use diagnose::{Diagnosis, Gap, Model, Noise, Observer, Request, Tolerance};
+use diagnose::{Diagnosis, Files, Gap, Model, Noise, Observer, Request, Tolerance, Verdict};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
 use crate::answer::{Answer, STANDARD_OUTPUT, Screen};
 use crate::commands::pack;
 use crate::inputs::{self, LogOptions};
-use crate::{pages, progress};
+use crate::{libraries, pages, progress};
 
 /// Says which effect a model lacks, where the gap lies and how far it shrinks
 ///
@@ -66,6 +66,9 @@ pub(crate) struct Diagnose {
     /// Write the repaired model, .toml or .fmu
     #[arg(long, value_name = "FILE")]
     repair: Option<PathBuf>,
+    /// Write the signal of the next experiment, CSV to be played, where one is proposed
+    #[arg(long, value_name = "FILE")]
+    next_experiment: Option<PathBuf>,
     /// Number of threads; 0: one per processor
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
@@ -84,6 +87,9 @@ struct Diagnosed {
     gap: Gap,
     #[serde(skip)]
     written: Vec<PathBuf>,
+    /// What the repaired model leaves out.
+    #[serde(skip)]
+    notes: Vec<String>,
     #[serde(skip)]
     fails: bool,
 }
@@ -106,10 +112,16 @@ impl Diagnose {
 
     fn execute(&self, screen: &Screen) -> anyhow::Result<Diagnosed> {
         let read: Vec<&Path> = self.files().map(PathBuf::as_path).collect();
-        let outputs = [self.json_file(), self.report.as_deref(), self.repair.as_deref()];
+        let outputs = [
+            self.json_file(),
+            self.report.as_deref(),
+            self.repair.as_deref(),
+            self.next_experiment.as_deref(),
+        ];
         for output in outputs.into_iter().flatten() {
             inputs::not_over(output, &read)?;
         }
+        self.check_repair()?;
         let request = self.request()?;
         let mut bar = Bar(progress::bar(screen, "diagnose", 1));
         let diagnosis = diagnose::examine(&request, &mut bar);
@@ -122,21 +134,44 @@ impl Diagnose {
                 .with_context(|| format!("{} cannot be written", file.display()))?;
             written.push(file.to_owned());
         }
+        let mut notes = Vec::new();
+        if let Some(file) = &self.repair {
+            if matches!(diagnosis.gap.verdict, Verdict::Effects | Verdict::Retune) {
+                notes = self.write_repair(&diagnosis, file)?;
+                written.push(file.clone());
+            } else {
+                notes.push(format!(
+                    "{} is not written: there is no effect to add and no parameter to re-tune",
+                    file.display()
+                ));
+            }
+        }
+        let mut experiment = None;
+        if let Some(file) = &self.next_experiment {
+            match diagnosis.next_experiment_csv() {
+                Some(text) => {
+                    WholeFile::write_all_of(file, text.as_bytes())
+                        .with_context(|| format!("{} cannot be written", file.display()))?;
+                    written.push(file.clone());
+                    experiment = Some(file.as_path());
+                }
+                None => notes.push(format!(
+                    "{} is not written: nothing is undecided that a measurement could decide",
+                    file.display()
+                )),
+            }
+        }
+        let repair = self.repair.as_deref().filter(|file| written.iter().any(|w| w == file));
+        let files = Files { repair, notes: &notes, experiment };
         if let Some(page) = &self.report {
-            let files: Vec<(&str, &Path)> =
+            let read: Vec<(&str, &Path)> =
                 self.files().map(|path| ("input", path.as_path())).collect();
-            let provenance = pages::provenance(&files)?.seed(self.seed);
-            diagnosis.report().provenance(provenance).write_html(page)?;
+            let provenance = pages::provenance(&read)?.seed(self.seed);
+            diagnosis.report(&files).provenance(provenance).write_html(page)?;
             written.push(page.clone());
         }
-        if let Some(file) = &self.repair
-            && !diagnosis.gap.effects.is_empty()
-        {
-            self.write_repair(&diagnosis, file)?;
-            written.push(file.clone());
-        }
         let fails = self.fail_above.is_some_and(|most| diagnosis.gap.shrink.relative_gap > most);
-        Ok(Diagnosed { gap: diagnosis.gap, written, fails })
+        Ok(Diagnosed { gap: diagnosis.gap, written, notes, fails })
     }
 
     fn json_file(&self) -> Option<&Path> {
@@ -203,17 +238,47 @@ impl Diagnose {
         Ok(Noise::Given(all))
     }
 
-    fn write_repair(&self, diagnosis: &Diagnosis, file: &Path) -> anyhow::Result<()> {
-        if self.is_fmu() {
-            bail!(
-                "{}: effects cannot be put around an FMU yet; diagnose the machine's blueprint (.toml) to get a repaired one, or take the effect's parameters from the JSON",
+    /// Whether the repaired model can be of the kind that is asked for.
+    fn check_repair(&self) -> anyhow::Result<()> {
+        let Some(file) = &self.repair else { return Ok(()) };
+        let is = |ending| file.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
+        match (is("fmu"), is("toml")) {
+            (true, _) => Ok(()),
+            (_, true) if self.is_fmu() => bail!(
+                "--repair {}: an FMU has no blueprint that effects could be written into; give a \
+                 name that ends in .fmu, and effects are put around it",
                 file.display()
-            );
+            ),
+            (_, true) => Ok(()),
+            _ => bail!(
+                "--repair {}: the ending says what is written; give one in .toml or .fmu",
+                file.display()
+            ),
+        }
+    }
+
+    /// Writes an FMU with the diagnosed one inside.
+    fn write_around(&self, diagnosis: &Diagnosis, file: &Path) -> anyhow::Result<Vec<String>> {
+        let library = (libraries::PLATFORM, libraries::WRAP.bytes);
+        let names = self.options.names()?;
+        let mut repaired = diagnosis.repair_fmu(&self.model, &names, library)?;
+        let notice = b"The shared library of this FMU is licensed under MIT or Apache-2.0, at your option.\n\
+            The FMU in resources/inner belongs to whoever made it.\n";
+        let package = &mut repaired.package;
+        package.license("license.txt", notice.to_vec())?;
+        package.license("LICENSE-MIT.txt", include_bytes!("../../LICENSE-MIT").to_vec())?;
+        package.license("LICENSE-APACHE.txt", include_bytes!("../../LICENSE-APACHE").to_vec())?;
+        package.write(file)?;
+        Ok(repaired.notes)
+    }
+
+    /// Writes the repaired model; what stays out of it, one sentence each.
+    fn write_repair(&self, diagnosis: &Diagnosis, file: &Path) -> anyhow::Result<Vec<String>> {
+        if self.is_fmu() {
+            return self.write_around(diagnosis, file);
         }
         let source = inputs::blueprint(&self.model)?;
-        let repaired = diagnosis.repair(&source.blueprint).map_err(|gaps| {
-            anyhow::anyhow!("{} is not written: {}", file.display(), gaps.join("; "))
-        })?;
+        let (repaired, notes) = diagnosis.repair(&source.blueprint);
         repaired.check(components::COMPONENTS).with_context(|| {
             format!("{} is not written: the repaired blueprint breaks a rule", file.display())
         })?;
@@ -221,9 +286,10 @@ impl Diagnose {
             let text = repaired.to_toml();
             let source = inputs::BlueprintText { text, blueprint: repaired };
             pack::pack(&source, crate::commands::simulate::PACKED_WITH, &[], file)?;
-            return Ok(());
+            return Ok(notes);
         }
-        Ok(repaired.write(file)?)
+        repaired.write(file)?;
+        Ok(notes)
     }
 }
 
@@ -242,6 +308,9 @@ impl Answer for Diagnosed {
         }
         if let Some(next) = &gap.next_experiment {
             writeln!(out, "Next: {}.", next.sentence)?;
+        }
+        for note in &self.notes {
+            writeln!(out, "note: {note}")?;
         }
         for file in &self.written {
             writeln!(out, "{}: written", file.display())?;

@@ -4,6 +4,7 @@
 pub(crate) mod foreign;
 pub(crate) mod packed;
 pub(crate) mod python;
+pub(crate) mod repaired;
 pub(crate) mod spy;
 
 use std::path::{Path, PathBuf};

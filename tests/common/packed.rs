@@ -31,6 +31,11 @@ impl Packed {
         Self { package: Package::open(&file).expect("a sound FMU"), file, _folder: folder }
     }
 
+    /// A file that is there already; the folder goes with it.
+    pub(crate) fn of(file: PathBuf, folder: tempfile::TempDir) -> Self {
+        Self { package: Package::open(&file).expect("a sound FMU"), file, _folder: folder }
+    }
+
     /// Its shared library for this machine.
     pub(crate) fn library(&self) -> PathBuf {
         self.package.binary().expect("a library for this machine")

@@ -110,7 +110,7 @@ fn category(status: Status) -> &'static CStr {
 /// The text as the logger must get it: `#` doubled, because `#12#` means the variable with value
 /// reference 12; where it is a `printf` format, `%` doubled, so that it has no directives whatever
 /// an importer does with it.
-fn finished(message: &str, is_format: bool) -> CString {
+pub(super) fn finished(message: &str, is_format: bool) -> CString {
     let mut text = Vec::with_capacity(message.len() + 16);
     for byte in message.bytes() {
         match byte {

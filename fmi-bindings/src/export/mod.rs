@@ -22,6 +22,7 @@ mod saved;
 mod state_calls;
 pub mod v2;
 pub mod v3;
+pub mod wrap;
 
 use std::path::Path;
 

@@ -22,13 +22,22 @@ macro_rules! forward {
 #[macro_export]
 macro_rules! export_fmi2 {
     ($factory:path) => {
+        $crate::fmi2_symbols! { $crate::export::v2, $factory, }
+    };
+}
+
+/// The functions of FMI 2.0 as a module has them, which takes the extra argument at instantiation.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! fmi2_symbols {
+    ($edge:path, $($factory:path,)?) => {
         /// The functions of FMI 2.0.
         #[allow(non_snake_case, clippy::missing_safety_doc, clippy::too_many_arguments)]
         mod fmi2_symbols {
             use ::std::ffi::c_char;
             use $crate::fmi2::*;
 
-            $crate::forward! { $crate::export::v2:
+            $crate::forward! { $edge:
                 fmi2GetTypesPlatform() -> *const c_char;
                 fmi2GetVersion() -> *const c_char;
                 fmi2SetDebugLogging(c: fmi2Component, loggingOn: fmi2Boolean, nCategories: usize, categories: *const fmi2String) -> fmi2Status;
@@ -46,9 +55,10 @@ macro_rules! export_fmi2 {
                 loggingOn: fmi2Boolean,
             ) -> fmi2Component {
                 $crate::export::install_panic_hook();
+                use $edge as edge;
                 unsafe {
-                    $crate::export::v2::fmi2Instantiate(
-                        $factory,
+                    edge::fmi2Instantiate(
+                        $($factory,)?
                         instanceName,
                         fmuType,
                         fmuGUID,
@@ -60,7 +70,7 @@ macro_rules! export_fmi2 {
                 }
             }
 
-            $crate::forward! { $crate::export::v2:
+            $crate::forward! { $edge:
                 fmi2FreeInstance(c: fmi2Component);
                 fmi2SetupExperiment(c: fmi2Component, toleranceDefined: fmi2Boolean, tolerance: fmi2Real, startTime: fmi2Real, stopTimeDefined: fmi2Boolean, stopTime: fmi2Real) -> fmi2Status;
                 fmi2EnterInitializationMode(c: fmi2Component) -> fmi2Status;

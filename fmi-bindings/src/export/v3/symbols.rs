@@ -6,13 +6,22 @@
 #[macro_export]
 macro_rules! export_fmi3 {
     ($factory:path) => {
+        $crate::fmi3_symbols! { $crate::export::v3, $factory, }
+    };
+}
+
+/// The functions of FMI 3.0 as a module has them, which takes the extra argument at instantiation.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! fmi3_symbols {
+    ($edge:path, $($factory:path,)?) => {
         /// The functions of FMI 3.0.
         #[allow(non_snake_case, clippy::missing_safety_doc, clippy::too_many_arguments)]
         mod fmi3_symbols {
             use ::std::ffi::c_char;
             use $crate::fmi3::*;
 
-            $crate::forward! { $crate::export::v3:
+            $crate::forward! { $edge:
                 fmi3GetVersion() -> *const c_char;
                 fmi3SetDebugLogging(instance: fmi3Instance, loggingOn: fmi3Boolean, nCategories: usize, categories: *const fmi3String) -> fmi3Status;
                 fmi3InstantiateModelExchange(instanceName: fmi3String, instantiationToken: fmi3String, resourcePath: fmi3String, visible: fmi3Boolean, loggingOn: fmi3Boolean, instanceEnvironment: fmi3InstanceEnvironment, logMessage: Option<fmi3LogMessageCallback>) -> fmi3Instance;
@@ -35,9 +44,10 @@ macro_rules! export_fmi3 {
                 intermediateUpdate: Option<fmi3IntermediateUpdateCallback>,
             ) -> fmi3Instance {
                 $crate::export::install_panic_hook();
+                use $edge as edge;
                 unsafe {
-                    $crate::export::v3::fmi3InstantiateCoSimulation(
-                        $factory,
+                    edge::fmi3InstantiateCoSimulation(
+                        $($factory,)?
                         instanceName,
                         instantiationToken,
                         resourcePath,
@@ -54,7 +64,7 @@ macro_rules! export_fmi3 {
                 }
             }
 
-            $crate::forward! { $crate::export::v3:
+            $crate::forward! { $edge:
                 fmi3InstantiateScheduledExecution(instanceName: fmi3String, instantiationToken: fmi3String, resourcePath: fmi3String, visible: fmi3Boolean, loggingOn: fmi3Boolean, instanceEnvironment: fmi3InstanceEnvironment, logMessage: Option<fmi3LogMessageCallback>, clockUpdate: Option<fmi3ClockUpdateCallback>, lockPreemption: Option<fmi3LockPreemptionCallback>, unlockPreemption: Option<fmi3UnlockPreemptionCallback>) -> fmi3Instance;
                 fmi3FreeInstance(instance: fmi3Instance);
                 fmi3EnterInitializationMode(instance: fmi3Instance, toleranceDefined: fmi3Boolean, tolerance: fmi3Float64, startTime: fmi3Float64, stopTimeDefined: fmi3Boolean, stopTime: fmi3Float64) -> fmi3Status;

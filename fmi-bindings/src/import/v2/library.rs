@@ -14,49 +14,49 @@ use crate::fmi2::*;
 /// without which nothing can be simulated must be there; an absent other one is an error only when
 /// it is needed, and [`Library::missing`] names it.
 pub struct Library {
-    pub(super) functions: Functions,
+    pub(crate) functions: Functions,
     missing: Vec<&'static str>,
     /// A call returned *Fatal*: none of its instances may be called again.
-    pub(super) dead: AtomicBool,
+    pub(crate) dead: AtomicBool,
     // Last, so that it is dropped when no pointer into it is left.
     binary: Binary,
 }
 
 /// The table of functions. Names are the header's without `fmi2`.
-pub(super) struct Functions {
-    pub(super) instantiate: fmi2InstantiateTYPE,
-    pub(super) free_instance: fmi2FreeInstanceTYPE,
-    pub(super) setup_experiment: fmi2SetupExperimentTYPE,
-    pub(super) enter_initialization_mode: fmi2EnterInitializationModeTYPE,
-    pub(super) exit_initialization_mode: fmi2ExitInitializationModeTYPE,
-    pub(super) get_real: fmi2GetRealTYPE,
-    pub(super) set_real: fmi2SetRealTYPE,
-    pub(super) do_step: fmi2DoStepTYPE,
+pub(crate) struct Functions {
+    pub(crate) instantiate: fmi2InstantiateTYPE,
+    pub(crate) free_instance: fmi2FreeInstanceTYPE,
+    pub(crate) setup_experiment: fmi2SetupExperimentTYPE,
+    pub(crate) enter_initialization_mode: fmi2EnterInitializationModeTYPE,
+    pub(crate) exit_initialization_mode: fmi2ExitInitializationModeTYPE,
+    pub(crate) get_real: fmi2GetRealTYPE,
+    pub(crate) set_real: fmi2SetRealTYPE,
+    pub(crate) do_step: fmi2DoStepTYPE,
 
-    pub(super) set_debug_logging: Option<fmi2SetDebugLoggingTYPE>,
-    pub(super) terminate: Option<fmi2TerminateTYPE>,
-    pub(super) reset: Option<fmi2ResetTYPE>,
-    pub(super) get_integer: Option<fmi2GetIntegerTYPE>,
-    pub(super) get_boolean: Option<fmi2GetBooleanTYPE>,
-    pub(super) get_string: Option<fmi2GetStringTYPE>,
-    pub(super) set_integer: Option<fmi2SetIntegerTYPE>,
-    pub(super) set_boolean: Option<fmi2SetBooleanTYPE>,
-    pub(super) set_string: Option<fmi2SetStringTYPE>,
-    pub(super) get_fmu_state: Option<fmi2GetFMUstateTYPE>,
-    pub(super) set_fmu_state: Option<fmi2SetFMUstateTYPE>,
-    pub(super) free_fmu_state: Option<fmi2FreeFMUstateTYPE>,
-    pub(super) serialized_fmu_state_size: Option<fmi2SerializedFMUstateSizeTYPE>,
-    pub(super) serialize_fmu_state: Option<fmi2SerializeFMUstateTYPE>,
-    pub(super) deserialize_fmu_state: Option<fmi2DeSerializeFMUstateTYPE>,
-    pub(super) get_directional_derivative: Option<fmi2GetDirectionalDerivativeTYPE>,
-    pub(super) set_real_input_derivatives: Option<fmi2SetRealInputDerivativesTYPE>,
-    pub(super) get_real_output_derivatives: Option<fmi2GetRealOutputDerivativesTYPE>,
-    pub(super) cancel_step: Option<fmi2CancelStepTYPE>,
-    pub(super) get_status: Option<fmi2GetStatusTYPE>,
-    pub(super) get_real_status: Option<fmi2GetRealStatusTYPE>,
-    pub(super) get_integer_status: Option<fmi2GetIntegerStatusTYPE>,
-    pub(super) get_boolean_status: Option<fmi2GetBooleanStatusTYPE>,
-    pub(super) get_string_status: Option<fmi2GetStringStatusTYPE>,
+    pub(crate) set_debug_logging: Option<fmi2SetDebugLoggingTYPE>,
+    pub(crate) terminate: Option<fmi2TerminateTYPE>,
+    pub(crate) reset: Option<fmi2ResetTYPE>,
+    pub(crate) get_integer: Option<fmi2GetIntegerTYPE>,
+    pub(crate) get_boolean: Option<fmi2GetBooleanTYPE>,
+    pub(crate) get_string: Option<fmi2GetStringTYPE>,
+    pub(crate) set_integer: Option<fmi2SetIntegerTYPE>,
+    pub(crate) set_boolean: Option<fmi2SetBooleanTYPE>,
+    pub(crate) set_string: Option<fmi2SetStringTYPE>,
+    pub(crate) get_fmu_state: Option<fmi2GetFMUstateTYPE>,
+    pub(crate) set_fmu_state: Option<fmi2SetFMUstateTYPE>,
+    pub(crate) free_fmu_state: Option<fmi2FreeFMUstateTYPE>,
+    pub(crate) serialized_fmu_state_size: Option<fmi2SerializedFMUstateSizeTYPE>,
+    pub(crate) serialize_fmu_state: Option<fmi2SerializeFMUstateTYPE>,
+    pub(crate) deserialize_fmu_state: Option<fmi2DeSerializeFMUstateTYPE>,
+    pub(crate) get_directional_derivative: Option<fmi2GetDirectionalDerivativeTYPE>,
+    pub(crate) set_real_input_derivatives: Option<fmi2SetRealInputDerivativesTYPE>,
+    pub(crate) get_real_output_derivatives: Option<fmi2GetRealOutputDerivativesTYPE>,
+    pub(crate) cancel_step: Option<fmi2CancelStepTYPE>,
+    pub(crate) get_status: Option<fmi2GetStatusTYPE>,
+    pub(crate) get_real_status: Option<fmi2GetRealStatusTYPE>,
+    pub(crate) get_integer_status: Option<fmi2GetIntegerStatusTYPE>,
+    pub(crate) get_boolean_status: Option<fmi2GetBooleanStatusTYPE>,
+    pub(crate) get_string_status: Option<fmi2GetStringStatusTYPE>,
 }
 
 impl Library {
@@ -88,6 +88,15 @@ impl Library {
     /// without them.
     pub fn missing(&self) -> &[&'static str] {
         &self.missing
+    }
+
+    /// Any function of the library.
+    ///
+    /// # Safety
+    /// As for [`Binary::function`].
+    pub(crate) unsafe fn function<F: Copy>(&self, name: &str) -> Option<F> {
+        // SAFETY: promised by the caller.
+        unsafe { self.binary.function(name) }
     }
 
     /// The loaded file.

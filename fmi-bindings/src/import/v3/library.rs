@@ -13,57 +13,57 @@ use crate::fmi3::*;
 /// As for FMI 2.0, those without which nothing can be simulated must be there; an absent other one
 /// is an error only when it is needed.
 pub struct Library {
-    pub(super) functions: Functions,
+    pub(crate) functions: Functions,
     missing: Vec<&'static str>,
     /// A call returned *Fatal*: none of its instances may be called again.
-    pub(super) dead: AtomicBool,
+    pub(crate) dead: AtomicBool,
     // Last, so that it is dropped when no pointer into it is left.
     binary: Binary,
 }
 
 /// The table of functions. Names are the header's without `fmi3`.
-pub(super) struct Functions {
-    pub(super) instantiate_co_simulation: fmi3InstantiateCoSimulationTYPE,
-    pub(super) free_instance: fmi3FreeInstanceTYPE,
-    pub(super) enter_initialization_mode: fmi3EnterInitializationModeTYPE,
-    pub(super) exit_initialization_mode: fmi3ExitInitializationModeTYPE,
-    pub(super) get_float64: fmi3GetFloat64TYPE,
-    pub(super) set_float64: fmi3SetFloat64TYPE,
-    pub(super) do_step: fmi3DoStepTYPE,
+pub(crate) struct Functions {
+    pub(crate) instantiate_co_simulation: fmi3InstantiateCoSimulationTYPE,
+    pub(crate) free_instance: fmi3FreeInstanceTYPE,
+    pub(crate) enter_initialization_mode: fmi3EnterInitializationModeTYPE,
+    pub(crate) exit_initialization_mode: fmi3ExitInitializationModeTYPE,
+    pub(crate) get_float64: fmi3GetFloat64TYPE,
+    pub(crate) set_float64: fmi3SetFloat64TYPE,
+    pub(crate) do_step: fmi3DoStepTYPE,
 
-    pub(super) set_debug_logging: Option<fmi3SetDebugLoggingTYPE>,
-    pub(super) terminate: Option<fmi3TerminateTYPE>,
-    pub(super) reset: Option<fmi3ResetTYPE>,
-    pub(super) get_float32: Option<fmi3GetFloat32TYPE>,
-    pub(super) set_float32: Option<fmi3SetFloat32TYPE>,
-    pub(super) get_int8: Option<fmi3GetInt8TYPE>,
-    pub(super) set_int8: Option<fmi3SetInt8TYPE>,
-    pub(super) get_uint8: Option<fmi3GetUInt8TYPE>,
-    pub(super) set_uint8: Option<fmi3SetUInt8TYPE>,
-    pub(super) get_int16: Option<fmi3GetInt16TYPE>,
-    pub(super) set_int16: Option<fmi3SetInt16TYPE>,
-    pub(super) get_uint16: Option<fmi3GetUInt16TYPE>,
-    pub(super) set_uint16: Option<fmi3SetUInt16TYPE>,
-    pub(super) get_int32: Option<fmi3GetInt32TYPE>,
-    pub(super) set_int32: Option<fmi3SetInt32TYPE>,
-    pub(super) get_uint32: Option<fmi3GetUInt32TYPE>,
-    pub(super) set_uint32: Option<fmi3SetUInt32TYPE>,
-    pub(super) get_int64: Option<fmi3GetInt64TYPE>,
-    pub(super) set_int64: Option<fmi3SetInt64TYPE>,
-    pub(super) get_uint64: Option<fmi3GetUInt64TYPE>,
-    pub(super) set_uint64: Option<fmi3SetUInt64TYPE>,
-    pub(super) get_boolean: Option<fmi3GetBooleanTYPE>,
-    pub(super) set_boolean: Option<fmi3SetBooleanTYPE>,
-    pub(super) get_string: Option<fmi3GetStringTYPE>,
-    pub(super) set_string: Option<fmi3SetStringTYPE>,
-    pub(super) get_fmu_state: Option<fmi3GetFMUStateTYPE>,
-    pub(super) set_fmu_state: Option<fmi3SetFMUStateTYPE>,
-    pub(super) free_fmu_state: Option<fmi3FreeFMUStateTYPE>,
-    pub(super) serialized_fmu_state_size: Option<fmi3SerializedFMUStateSizeTYPE>,
-    pub(super) serialize_fmu_state: Option<fmi3SerializeFMUStateTYPE>,
-    pub(super) deserialize_fmu_state: Option<fmi3DeserializeFMUStateTYPE>,
-    pub(super) get_directional_derivative: Option<fmi3GetDirectionalDerivativeTYPE>,
-    pub(super) get_output_derivatives: Option<fmi3GetOutputDerivativesTYPE>,
+    pub(crate) set_debug_logging: Option<fmi3SetDebugLoggingTYPE>,
+    pub(crate) terminate: Option<fmi3TerminateTYPE>,
+    pub(crate) reset: Option<fmi3ResetTYPE>,
+    pub(crate) get_float32: Option<fmi3GetFloat32TYPE>,
+    pub(crate) set_float32: Option<fmi3SetFloat32TYPE>,
+    pub(crate) get_int8: Option<fmi3GetInt8TYPE>,
+    pub(crate) set_int8: Option<fmi3SetInt8TYPE>,
+    pub(crate) get_uint8: Option<fmi3GetUInt8TYPE>,
+    pub(crate) set_uint8: Option<fmi3SetUInt8TYPE>,
+    pub(crate) get_int16: Option<fmi3GetInt16TYPE>,
+    pub(crate) set_int16: Option<fmi3SetInt16TYPE>,
+    pub(crate) get_uint16: Option<fmi3GetUInt16TYPE>,
+    pub(crate) set_uint16: Option<fmi3SetUInt16TYPE>,
+    pub(crate) get_int32: Option<fmi3GetInt32TYPE>,
+    pub(crate) set_int32: Option<fmi3SetInt32TYPE>,
+    pub(crate) get_uint32: Option<fmi3GetUInt32TYPE>,
+    pub(crate) set_uint32: Option<fmi3SetUInt32TYPE>,
+    pub(crate) get_int64: Option<fmi3GetInt64TYPE>,
+    pub(crate) set_int64: Option<fmi3SetInt64TYPE>,
+    pub(crate) get_uint64: Option<fmi3GetUInt64TYPE>,
+    pub(crate) set_uint64: Option<fmi3SetUInt64TYPE>,
+    pub(crate) get_boolean: Option<fmi3GetBooleanTYPE>,
+    pub(crate) set_boolean: Option<fmi3SetBooleanTYPE>,
+    pub(crate) get_string: Option<fmi3GetStringTYPE>,
+    pub(crate) set_string: Option<fmi3SetStringTYPE>,
+    pub(crate) get_fmu_state: Option<fmi3GetFMUStateTYPE>,
+    pub(crate) set_fmu_state: Option<fmi3SetFMUStateTYPE>,
+    pub(crate) free_fmu_state: Option<fmi3FreeFMUStateTYPE>,
+    pub(crate) serialized_fmu_state_size: Option<fmi3SerializedFMUStateSizeTYPE>,
+    pub(crate) serialize_fmu_state: Option<fmi3SerializeFMUStateTYPE>,
+    pub(crate) deserialize_fmu_state: Option<fmi3DeserializeFMUStateTYPE>,
+    pub(crate) get_directional_derivative: Option<fmi3GetDirectionalDerivativeTYPE>,
+    pub(crate) get_output_derivatives: Option<fmi3GetOutputDerivativesTYPE>,
 }
 
 impl Library {
@@ -95,6 +95,15 @@ impl Library {
     /// without them.
     pub fn missing(&self) -> &[&'static str] {
         &self.missing
+    }
+
+    /// Any function of the library.
+    ///
+    /// # Safety
+    /// As for [`Binary::function`].
+    pub(crate) unsafe fn function<F: Copy>(&self, name: &str) -> Option<F> {
+        // SAFETY: promised by the caller.
+        unsafe { self.binary.function(name) }
     }
 
     /// The loaded file.

@@ -1,0 +1,195 @@
+//! A block of the search as one that steps.
+
+use surround::Block as Around;
+
+use crate::block::{Block, Loss, Span};
+use crate::library::Piece;
+use crate::outcome::Outcome;
+
+/// The block that does step by step what this one does over a whole signal; none for what belongs
+/// to a record and not to the machine.
+pub(crate) fn around(o: &Outcome, piece: &Piece) -> Option<Around> {
+    let zero = o.problem.data.aux.get(piece.aux).map_or(0.0, |aux| {
+        // A neighbour at zero changes nothing; a temperature not where it was.
+        if aux.is_command { 0.0 } else { aux.span.centre }
+    });
+    stepping(&piece.block, zero)
+}
+
+/// The same without its outcome; `zero` is the value of the auxiliary signal that changes nothing.
+fn stepping(block: &Block, zero: f64) -> Option<Around> {
+    Some(match block {
+        Block::Delay => Around::Delay,
+        Block::Quantiser(Span { half, .. }) => Around::Rounding { half: *half },
+        Block::Lag(order) => Around::Lag { order: *order },
+        Block::Lag2 => Around::SecondOrder,
+        Block::Slew => Around::Slew,
+        Block::SoftSlew => Around::SoftSlew,
+        Block::ClampHigh => Around::LimitAbove,
+        Block::ClampLow => Around::LimitBelow,
+        Block::ClampBoth(span) => Around::Limits { centre: span.centre },
+        Block::SoftHigh => Around::SoftLimitAbove,
+        Block::Tanh(Span { centre, half }) => Around::Tanh { centre: *centre, half: *half },
+        Block::Sigmoid(Span { centre, half }) => Around::SCurve { centre: *centre, half: *half },
+        Block::Gain => Around::Gain,
+        Block::LogCreep { longest } => Around::LogCreep { longest: *longest },
+        Block::PowerCreep { shortest, longest } => {
+            Around::PowerCreep { shortest: *shortest, longest: *longest }
+        }
+        Block::FixedCreep(times) => Around::FixedCreep { times: times.clone() },
+        Block::FreeCreep(_) => Around::Creep,
+        Block::Plays { bank, gain } => Around::Plays { r: bank.clone(), slope: *gain },
+        Block::SkewedPlays { bank, span } => {
+            Around::SkewedPlays { r: bank.clone(), centre: span.centre, half: span.half }
+        }
+        Block::CurvedPlays { memory, span } => Around::CurvedPlays {
+            r: memory.r.clone(),
+            w: memory.w.clone(),
+            centre: span.centre,
+            half: span.half,
+        },
+        Block::DeadZones(Span { centre, half }) => {
+            Around::DeadZones { centre: *centre, half: *half }
+        }
+        Block::Heating { span, loss } => Around::Heating { half: span.half, loss: losses(*loss) },
+        Block::HeatingGain { loss } => Around::HeatingGain { loss: losses(*loss) },
+        Block::ParallelMode => Around::ParallelMode,
+        Block::PoleZero => Around::PoleZero,
+        Block::Backlash => Around::Backlash,
+        Block::Dahl => Around::Dahl,
+        Block::Polynomial { span, .. } => {
+            Around::Polynomial { centre: span.centre, half: span.half }
+        }
+        Block::Sine(Span { centre, half }) => Around::Sine { centre: *centre, half: *half },
+        Block::Aux { scale, .. } => Around::Auxiliary { scale: *scale, zero },
+        Block::LaggedAux { scale } => Around::LaggedAuxiliary { scale: *scale, zero },
+        Block::ModalAux { scale } => Around::ModalAuxiliary { scale: *scale, zero },
+        Block::FeedThrough { scale, time } => Around::FeedThrough { scale: *scale, time: *time },
+        // Between two clocks, of the start of a record, or of plays inside a white box.
+        _ => return None,
+    })
+}
+
+fn losses(loss: Loss) -> surround::Loss {
+    match loss {
+        Loss::Rate(mean) => surround::Loss::Rate { mean },
+        Loss::Loops(mean, span) => surround::Loss::Loops { mean, centre: span.centre },
+    }
+}
+
+/// Whether a block reads an auxiliary signal.
+pub(crate) fn reads_auxiliary(block: &Around) -> bool {
+    matches!(
+        block,
+        Around::Auxiliary { .. } | Around::LaggedAuxiliary { .. } | Around::ModalAuxiliary { .. }
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::block::{Memory, Wires};
+
+    const STEP: f64 = 1e-4;
+
+    /// All blocks that go around an FMU, with parameters at which they act.
+    fn all() -> Vec<(Block, Vec<f64>)> {
+        let span = Span { centre: 0.5, half: 2.0 };
+        let memory = Memory { r: vec![0.2, 0.7], w: vec![0.3, 0.1] };
+        let loss = Loss::Rate(1e4);
+        let loops = Loss::Loops(1e3, span);
+        vec![
+            (Block::Delay, vec![3.4 * STEP]),
+            (Block::Delay, vec![0.2 * STEP]),
+            (Block::Quantiser(span), vec![40.0, 0.3]),
+            (Block::Lag(1), vec![300.0]),
+            (Block::Lag(3), vec![700.0]),
+            (Block::Lag2, vec![400.0, 0.6]),
+            (Block::Slew, vec![900.0]),
+            (Block::ClampHigh, vec![1.2]),
+            (Block::ClampLow, vec![-0.2]),
+            (Block::ClampBoth(span), vec![0.9]),
+            (Block::SoftHigh, vec![1.2, 0.2]),
+            (Block::Tanh(span), vec![0.8]),
+            (Block::Sigmoid(span), vec![0.1, 0.2]),
+            (Block::Gain, vec![0.13]),
+            (Block::LogCreep { longest: 1.0 }, vec![0.02, 1e-3]),
+            (Block::PowerCreep { shortest: 1e-3, longest: 1.0 }, vec![0.02, 0.3]),
+            (Block::FixedCreep(vec![0.01, 0.1]), vec![0.02, 0.03]),
+            (Block::FreeCreep(2), vec![0.02, 0.01, 0.05, 0.2]),
+            (Block::Plays { bank: vec![0.2, 0.5], gain: false }, vec![0.3, -0.1]),
+            (Block::Plays { bank: vec![0.2, 0.5], gain: true }, vec![0.4, 0.3, -0.1]),
+            (Block::SkewedPlays { bank: vec![0.2, 0.5], span }, vec![0.3, -0.1]),
+            (Block::CurvedPlays { memory, span }, vec![0.4]),
+            (Block::DeadZones(span), vec![0.2, -0.1]),
+            (Block::Heating { span, loss }, vec![0.1, 0.05]),
+            (Block::HeatingGain { loss: loops }, vec![0.1, 0.05]),
+            (Block::ParallelMode, vec![0.1, 600.0, 0.03]),
+            (Block::PoleZero, vec![500.0, 0.02, 1.1, 0.03]),
+            (Block::Backlash, vec![0.3]),
+            (Block::Dahl, vec![0.1, 0.2]),
+            (Block::Polynomial { span, order: 4 }, vec![0.1, -0.2, 0.05]),
+            (Block::Aux { scale: 2.0, rate: false }, vec![0.3]),
+            (Block::Aux { scale: 2.0, rate: true }, vec![0.3, 0.1]),
+            (Block::LaggedAux { scale: 2.0 }, vec![0.3, 200.0]),
+            (Block::ModalAux { scale: 2.0 }, vec![0.3, 200.0, 0.05]),
+            (Block::FeedThrough { scale: 2.0, time: 1e-3 }, vec![0.3, 0.2]),
+        ]
+    }
+
+    fn signal(seed: f64) -> Vec<f64> {
+        let at = |n: usize| {
+            let t = n as f64 * STEP;
+            1.5 * (40.0 * t + seed).sin() + (311.0 * t * (1.0 + seed)).sin() + 0.2 * seed
+        };
+        (0..4000).map(at).collect()
+    }
+
+    #[test]
+    fn a_stepping_block_does_what_the_fitted_one_does() {
+        let (x, drive, aux) = (signal(0.1), signal(0.7), signal(1.3));
+        for (block, p) in all() {
+            let mut whole = vec![0.0; x.len()];
+            block.run(&p, Wires { x: &x, drive: &drive, aux: &aux, step: STEP }, &mut whole);
+            let around = stepping(&block, 0.0).expect("it goes around an FMU");
+            if let Some(count) = around.parameters() {
+                assert_eq!(count, p.len(), "{around:?}");
+            }
+            let mut state = surround::State::default();
+            let mut changed = false;
+            for n in 0..x.len() {
+                let w = surround::Wires { x: x[n], drive: drive[n], aux: aux[n] };
+                let y = match n {
+                    0 => around.rest(&p, w, &mut state),
+                    _ => around.step(&p, w, n as f64 * STEP, STEP, &mut state),
+                };
+                assert!((y - whole[n]).abs() < 1e-9, "{around:?} at {n}: {y} and {}", whole[n]);
+                changed |= (y - x[n]).abs() > 1e-3;
+            }
+            assert!(changed, "{around:?} does nothing in this test");
+        }
+    }
+
+    #[test]
+    fn a_saved_state_goes_on_to_the_same_bits() {
+        let (x, drive, aux) = (signal(0.1), signal(0.7), signal(1.3));
+        for (block, p) in all() {
+            let around = stepping(&block, 0.0).expect("it goes around an FMU");
+            let wires = |n: usize| surround::Wires { x: x[n], drive: drive[n], aux: aux[n] };
+            let mut state = surround::State::default();
+            around.rest(&p, wires(0), &mut state);
+            for n in 1..1000 {
+                around.step(&p, wires(n), n as f64 * STEP, STEP, &mut state);
+            }
+            let mut numbers = Vec::new();
+            state.save(&mut numbers);
+            let mut other = surround::State::load(&mut numbers.into_iter()).expect("it reads");
+            for n in 1000..1500 {
+                let t = n as f64 * STEP;
+                let a = around.step(&p, wires(n), t, STEP, &mut state);
+                let b = around.step(&p, wires(n), t, STEP, &mut other);
+                assert_eq!(a.to_bits(), b.to_bits(), "{around:?} at {n}");
+            }
+        }
+    }
+}

@@ -1,0 +1,420 @@
+//! The repair of a black box: effects around the FMU, as a [`Repair`] and as a package.
+
+mod block;
+mod package;
+
+use cosim::Fmu;
+use data::NameMap;
+use modeldescription::variable::Causality;
+use surround::{Change, Effect, Original, Parameter, Piece, Port, Repair, Side, Variable};
+
+use crate::answer::scale_of;
+use crate::error::Error;
+use crate::library::{Formula, Slot};
+use crate::outcome::Outcome;
+pub use package::Repaired;
+pub(crate) use package::pack;
+
+/// Place of the re-tuned gain, behind everything.
+const LAST: u32 = 1000;
+
+/// Puts the repair together; beside it what stays out of it, one sentence each.
+pub(crate) fn repair(
+    outcomes: &[Outcome],
+    fmu: &Fmu,
+    names: &NameMap,
+    sha256: &str,
+) -> Result<(Repair, Vec<String>), Error> {
+    let mut maker = Maker::new(outcomes, fmu, names, sha256)?;
+    let mut order: Vec<usize> = (0..outcomes.len()).collect();
+    let size = |k: &usize| outcomes[*k].found.base.judged.held_out;
+    order.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
+    for k in &order {
+        maker.effects(&outcomes[*k])?;
+    }
+    for (rank, k) in order.iter().enumerate() {
+        maker.retune(&outcomes[*k], rank == 0)?;
+    }
+    maker.finish()
+}
+
+struct Maker<'a> {
+    outcomes: &'a [Outcome],
+    fmu: &'a Fmu,
+    names: &'a NameMap,
+    repair: Repair,
+    next: u32,
+    notes: Vec<String>,
+}
+
+impl<'a> Maker<'a> {
+    fn new(
+        outcomes: &'a [Outcome],
+        fmu: &'a Fmu,
+        names: &'a NameMap,
+        sha256: &str,
+    ) -> Result<Self, Error> {
+        let description = fmu.description();
+        let co_simulation = description.co_simulation.as_ref();
+        let step =
+            outcomes.iter().map(|o| o.problem.data.sample_time()).fold(f64::INFINITY, f64::min);
+        let own_step = co_simulation
+            .and_then(|cs| cs.fixed_internal_step_size)
+            .or_else(|| description.default_experiment.and_then(|e| e.step_size));
+        let any_step =
+            co_simulation.is_some_and(|cs| cs.can_handle_variable_communication_step_size);
+        let divide = any_step || own_step.is_none_or(|own| own <= step * (1.0 + 1e-6));
+        let sizes = [Causality::Input, Causality::Output, Causality::Parameter]
+            .into_iter()
+            .flat_map(|causality| fmu.names(causality))
+            .filter_map(|name| fmu.place(&name).ok())
+            .filter(|(_, index, size)| *index == 0 && *size > 1)
+            .map(|(reference, _, size)| (reference, size))
+            .collect();
+        let original = Original {
+            fmi: description.fmi_version.text().to_owned(),
+            identifier: co_simulation
+                .map(|c| c.common.model_identifier.clone())
+                .unwrap_or_default(),
+            token: description.instantiation_token.clone(),
+            sha256: sha256.to_owned(),
+        };
+        let repair = Repair {
+            format: surround::FORMAT,
+            token: String::new(),
+            step,
+            divide,
+            original,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            changes: Vec::new(),
+            effects: Vec::new(),
+            sizes,
+        };
+        let last = description.variables.iter().map(|v| v.value_reference).max().unwrap_or(0);
+        let next = last.checked_add(1).filter(|next| u32::MAX - next > 10_000);
+        Ok(Self { outcomes, fmu, names, repair, next: next.unwrap_or(0), notes: Vec::new() })
+    }
+
+    /// A value reference that no variable has.
+    fn reference(&mut self) -> u32 {
+        let taken =
+            |r: u32| self.fmu.description().variables.iter().any(|v| v.value_reference == r);
+        while taken(self.next) {
+            self.next += 1;
+        }
+        self.next += 1;
+        self.next - 1
+    }
+
+    /// The number of an input or output, which is added where it is new.
+    fn port(&mut self, name: &str, is_input: bool, unit: &str) -> Result<usize, Error> {
+        let ports = if is_input { &self.repair.inputs } else { &self.repair.outputs };
+        if let Some(at) = ports.iter().position(|p| p.name == name) {
+            return Ok(at);
+        }
+        let (variable, element) = self.variable(name)?;
+        let parsed = model::Unit::parse(unit).unwrap_or(model::Unit::ONE);
+        let port = Port {
+            name: name.to_owned(),
+            variable,
+            element,
+            own: false,
+            unit: unit.to_owned(),
+            factor: parsed.factor,
+            offset: parsed.offset,
+        };
+        let ports = if is_input { &mut self.repair.inputs } else { &mut self.repair.outputs };
+        ports.push(port);
+        Ok(ports.len() - 1)
+    }
+
+    /// The whole variable of a name, and the place of the name in it.
+    fn variable(&self, name: &str) -> Result<(Variable, usize), Error> {
+        let (reference, element, size) = self.fmu.place(name)?;
+        let description = self.fmu.description();
+        let told = description.variables.iter().find(|v| {
+            v.value_reference == reference && (v.name == name || !v.dimensions.is_empty())
+        });
+        let start = told.and_then(|v| v.start.as_ref()?.numbers());
+        let start: Vec<f64> =
+            start.into_iter().flatten().map(modeldescription::variable::Number::as_f64).collect();
+        let start = match start.len() {
+            n if n == size => start,
+            1 => vec![start[0]; size],
+            _ => vec![0.0; size],
+        };
+        Ok((Variable { reference, start }, element))
+    }
+
+    /// The auxiliary signal of a column: another input of the FMU, or a new one.
+    fn auxiliary(&mut self, o: &Outcome, number: usize) -> Result<usize, Error> {
+        let aux = &o.problem.data.aux[number];
+        let inputs = self.fmu.names(Causality::Input);
+        let column = |input: &str| self.names.column(input).unwrap_or(input) == aux.name;
+        if let Some(name) = inputs.iter().find(|input| column(input)) {
+            let variable = self.fmu.variable(name)?;
+            let unit = self.fmu.description().properties(&variable).unit;
+            return self.port(name, true, &unit.unwrap_or_else(|| "1".to_owned()));
+        }
+        let mut name = plain(&aux.name);
+        while self.fmu.description().variable(&name).is_some() {
+            name.push('_');
+        }
+        if let Some(at) = self.repair.inputs.iter().position(|p| p.name == name) {
+            return Ok(at);
+        }
+        let start = if aux.is_command { 0.0 } else { aux.span.centre };
+        let reference = self.reference();
+        self.notes.push(format!(
+            "the repaired FMU has one input more, {name}: the column {} in SI units, at rest {start}",
+            aux.name
+        ));
+        self.repair.inputs.push(Port {
+            name,
+            variable: Variable { reference, start: vec![start] },
+            element: 0,
+            own: true,
+            unit: "1".to_owned(),
+            factor: 1.0,
+            offset: 0.0,
+        });
+        Ok(self.repair.inputs.len() - 1)
+    }
+
+    /// A name for an effect's variables that neither the FMU nor the repair has.
+    fn name(&self, wanted: &str, o: &Outcome) -> String {
+        let is_taken = |name: &str| {
+            let head = format!("{name}.");
+            let variables = &self.fmu.description().variables;
+            self.repair.effects.iter().any(|e| e.name == name)
+                || variables.iter().any(|v| v.name.starts_with(&head))
+        };
+        let with_output = format!("{wanted}_{}", plain(&o.problem.output));
+        let mut tried = vec![wanted.to_owned()];
+        if self.outcomes.len() > 1 {
+            tried.push(with_output);
+        }
+        let numbered = (2..).map(|k| format!("{wanted}_{k}"));
+        let all = tried.into_iter().chain(numbered);
+        all.into_iter().find(|name| !is_taken(name)).unwrap_or_else(|| wanted.to_owned())
+    }
+
+    /// The named effects of one output.
+    fn effects(&mut self, o: &Outcome) -> Result<(), Error> {
+        let last = &o.found.last;
+        let mut first = last.chain.parameters.iter().take_while(|p| p.is_base).count();
+        for (family, number) in &last.picks {
+            let name = o.library[*family].effect.name;
+            let formula = &o.library[*family].formulas[*number];
+            let values: Vec<f64> = (first..first + formula.parameters.len())
+                .map(|k| last.chain.parameters[k].value(last.fit.theta[k]))
+                .collect();
+            first += formula.parameters.len();
+            self.effect(o, name, formula, &values)?;
+        }
+        Ok(())
+    }
+
+    fn effect(
+        &mut self,
+        o: &Outcome,
+        name: &str,
+        formula: &Formula,
+        values: &[f64],
+    ) -> Result<(), Error> {
+        let mut blocks = Vec::new();
+        for (piece, place) in formula.pieces.iter().zip(places(formula)) {
+            let Some(block) = block::around(o, piece) else { continue };
+            let slot = Slot::ALL.iter().position(|s| *s == piece.slot).unwrap_or(0) as u32;
+            let is_input = o.problem.base.slots.get(&piece.slot) == Some(&0);
+            let drive = self.port(&o.problem.input, true, &o.problem.command_unit)?;
+            let port = match is_input {
+                true => drive,
+                false => self.port(&o.problem.output, false, &o.problem.unit)?,
+            };
+            let auxiliary =
+                block::reads_auxiliary(&block).then(|| self.auxiliary(o, piece.aux)).transpose()?;
+            let side = if is_input { Side::Input } else { Side::Output };
+            let parameters = place.collect();
+            blocks.push(Piece { side, port, drive, auxiliary, place: slot, parameters, block });
+        }
+        if blocks.is_empty() && formula.releases.is_empty() {
+            self.notes.push(stays_out(name, formula));
+            return Ok(());
+        }
+        let is_before = |p: &Piece| p.side == Side::Input;
+        let known = self.repair.effects.iter().any(|e| {
+            e.name == name
+                && e.blocks.iter().any(|b| {
+                    blocks.iter().any(|p| p.port == b.port && is_before(b) && is_before(p))
+                })
+        });
+        if known {
+            self.notes.push(format!(
+                "{name} before the FMU was found for {} as well; it is there once, as for the output with the larger gap",
+                o.problem.output
+            ));
+            return Ok(());
+        }
+        let own = self.name(name, o);
+        let mut effect = Effect {
+            name: own,
+            description: format!("{}: {}", name.replace('_', " "), formula.name),
+            enabled: true,
+            reference: self.reference(),
+            parameters: Vec::new(),
+            blocks,
+        };
+        for (free, value) in formula.parameters.iter().zip(values) {
+            let factor = scale_of(o, free.unit);
+            let start = value / factor;
+            let min = free.log.then(|| start.min(free.low / factor));
+            let unit = model::unit_on_axis(free.unit, &o.problem.command_unit, &o.problem.unit);
+            effect.parameters.push(Parameter {
+                name: plain(free.name),
+                description: format!("{}: {}", effect.name, free.name),
+                unit,
+                factor,
+                start,
+                min,
+                max: None,
+                reference: self.reference(),
+            });
+        }
+        let number = self.repair.effects.len();
+        for k in &formula.releases {
+            self.change(o, *k, number, &mut effect)?;
+        }
+        self.repair.effects.push(effect);
+        Ok(())
+    }
+
+    /// A parameter of the FMU that an effect, or the re-tune, changes.
+    fn change(
+        &mut self,
+        o: &Outcome,
+        base: usize,
+        number: usize,
+        effect: &mut Effect,
+    ) -> Result<(), Error> {
+        let told = &o.problem.base.parameters[base];
+        let last = &o.found.last;
+        let at = last.chain.parameters.iter().position(|p| p.is_base && p.name == told.name);
+        let Some(at) = at else { return Ok(()) };
+        let (variable, element) = self.variable(&told.name)?;
+        let parameter = effect.parameters.len();
+        effect.parameters.push(Parameter {
+            name: format!("change_of_{}", plain(&told.name)),
+            description: format!("is added to {}", told.name),
+            unit: told.unit.clone(),
+            factor: 1.0,
+            start: told.deviation * last.fit.theta[at],
+            min: None,
+            max: None,
+            reference: self.reference(),
+        });
+        self.repair.changes.push(Change { variable, element, effect: number, parameter });
+        Ok(())
+    }
+
+    /// Parameters that were re-tuned under their tolerance; those of the FMU itself once.
+    fn retune(&mut self, o: &Outcome, with_parameters: bool) -> Result<(), Error> {
+        let last = &o.found.last;
+        let name = self.name("retune", o);
+        let mut effect = Effect {
+            name,
+            description: "Parameters of the original, re-tuned under their tolerance".to_owned(),
+            enabled: true,
+            reference: self.reference(),
+            parameters: Vec::new(),
+            blocks: Vec::new(),
+        };
+        let number = self.repair.effects.len();
+        let released: Vec<usize> = last
+            .picks
+            .iter()
+            .flat_map(|(f, k)| o.library[*f].formulas[*k].releases.clone())
+            .collect();
+        for (k, p) in o.problem.base.parameters.iter().enumerate() {
+            if with_parameters && p.has_tolerance && !released.contains(&k) {
+                self.change(o, k, number, &mut effect)?;
+            }
+        }
+        let gain = last.chain.parameters.iter().position(|p| p.is_base && p.name == "output.gain");
+        if let Some(k) = gain {
+            let drive = self.port(&o.problem.input, true, &o.problem.command_unit)?;
+            let port = self.port(&o.problem.output, false, &o.problem.unit)?;
+            let parameters = vec![effect.parameters.len()];
+            effect.parameters.push(Parameter {
+                name: "gain".to_owned(),
+                description: format!("factor of {}", o.problem.output),
+                unit: "1".to_owned(),
+                factor: 1.0,
+                start: 1.0 + o.problem.base.gain_tolerance * last.fit.theta[k],
+                min: None,
+                max: None,
+                reference: self.reference(),
+            });
+            let (block, side) = (surround::Block::Factor, Side::Output);
+            let piece =
+                Piece { side, port, drive, auxiliary: None, place: LAST, parameters, block };
+            effect.blocks.push(piece);
+        }
+        self.repair.effects.push(effect);
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<(Repair, Vec<String>), Error> {
+        let file = |repair: &Repair| {
+            repair.check().and_then(|()| repair.to_toml()).map_err(|e| Error::Model {
+                model: self.fmu.description().model_name.clone(),
+                message: format!("cannot be repaired: {e}"),
+            })
+        };
+        let text = file(&self.repair)?;
+        let print = report::InputFile::of_bytes("repair", surround::FILE, text.as_bytes());
+        self.repair.token = print.sha256[..32].to_owned();
+        Ok((self.repair, self.notes))
+    }
+}
+
+/// The parameters that each piece of a formula takes.
+fn places(formula: &Formula) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+    formula.pieces.iter().scan(0, |at, piece| {
+        let range = *at..*at + piece.count;
+        *at = range.end;
+        Some(range)
+    })
+}
+
+/// Why an effect is no part of a repaired model.
+pub(crate) fn stays_out(effect: &str, formula: &Formula) -> String {
+    let why = if formula.nuisance.is_some() {
+        "a disturbance with a phase or course of its own in each record, which no model predicts"
+    } else if effect == "clock_offset" {
+        "it lies between two clocks and not in the machine"
+    } else if effect == "initial_state" {
+        "it belongs to the start of each record and not to the machine"
+    } else {
+        "there is no block or component of this formula"
+    };
+    format!("{effect} ({}) stays out of the repaired model: {why}", formula.name)
+}
+
+/// A text as a part of a structured name.
+fn plain(text: &str) -> String {
+    let mut name = String::new();
+    for c in text.chars() {
+        if c.is_ascii_alphanumeric() {
+            name.push(c);
+        } else if !name.ends_with('_') && c != '\'' {
+            name.push('_');
+        }
+    }
+    let name = name.trim_matches('_').to_owned();
+    if name.starts_with(|c: char| c.is_ascii_digit()) || name.is_empty() {
+        return format!("x{name}");
+    }
+    name
+}

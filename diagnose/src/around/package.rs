@@ -1,0 +1,259 @@
+//! The package of a repaired FMU.
+
+use std::path::Path;
+
+use modeldescription::description::{BaseUnit, Line, LogCategory, Unit};
+use modeldescription::structure::Unknown;
+use modeldescription::variable::{
+    Causality, DataType, Initial, Number, Start, Variability, Variable,
+};
+use modeldescription::{FmiVersion, ModelDescription, Package, PackageBuilder, PackageError};
+use surround::Repair;
+
+use crate::error::Error;
+
+/// A repaired FMU, to be written.
+pub struct Repaired {
+    /// The package; the caller adds licences and writes it.
+    pub package: PackageBuilder,
+    /// What stays out of it, and what else its user should know, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Packs a repair around an FMU.
+pub(crate) fn pack(
+    original: &Package,
+    repair: &Repair,
+    mut notes: Vec<String>,
+    library: (&str, &[u8]),
+) -> Result<Repaired, Error> {
+    let failed = |message: String| Error::Model {
+        model: original.path().display().to_string(),
+        message: format!("cannot be repaired: {message}"),
+    };
+    let description = describe(original.description(), repair).map_err(&failed)?;
+    let told = |e: PackageError| failed(e.to_string());
+    let mut package = PackageBuilder::new(&description).map_err(told)?;
+    let (platform, bytes) = library;
+    package.binary(platform, bytes.to_vec()).map_err(told)?;
+    let text = repair.to_toml().map_err(|e| failed(e.to_string()))?;
+    package.resource(surround::FILE, text.into_bytes()).map_err(told)?;
+    for (path, content) in files(original.folder()).map_err(|e| failed(e.to_string()))? {
+        package.resource(&format!("inner/{path}"), content).map_err(told)?;
+    }
+    let page = page(&description, repair);
+    package.documentation("index.html", page.into_bytes()).map_err(told)?;
+    let others: Vec<String> =
+        original.platforms().into_iter().filter(|p| !is_same(p, platform)).collect();
+    if !others.is_empty() {
+        notes.push(format!(
+            "the original also runs on {}; the repaired FMU carries the library for {platform} only",
+            others.join(", ")
+        ));
+    }
+    Ok(Repaired { package, notes })
+}
+
+/// Whether a folder of binaries is of this platform, in either version's name.
+fn is_same(folder: &str, platform: &str) -> bool {
+    let of = modeldescription::package::Platform::from_name;
+    folder == platform
+        || of(folder).is_some_and(|a| {
+            of(platform).is_some_and(|b| a.folder(FmiVersion::V3) == b.folder(FmiVersion::V3))
+        })
+}
+
+/// All files of a folder with their paths in it, sorted.
+fn files(folder: &Path) -> std::io::Result<Vec<(String, Vec<u8>)>> {
+    let mut all = Vec::new();
+    let mut open = vec![(folder.to_path_buf(), String::new())];
+    while let Some((folder, head)) = open.pop() {
+        for entry in std::fs::read_dir(&folder)? {
+            let entry = entry?;
+            let path = format!("{head}{}", entry.file_name().to_string_lossy());
+            if entry.file_type()?.is_dir() {
+                open.push((entry.path(), format!("{path}/")));
+            } else {
+                all.push((path, std::fs::read(entry.path())?));
+            }
+        }
+    }
+    all.sort();
+    Ok(all)
+}
+
+/// The original's description with the variables of the repair.
+fn describe(original: &ModelDescription, repair: &Repair) -> Result<ModelDescription, String> {
+    let mut d = original.clone();
+    let clocked = |v: &Variable| v.data_type == DataType::Clock || !v.clocks.is_empty();
+    if let Some(v) = d.variables.iter().find(|v| clocked(v)) {
+        return Err(format!("it has clocks ({}), which need event mode", v.name));
+    }
+    let Some(cs) = &mut d.co_simulation else {
+        return Err("it offers no co-simulation".to_owned());
+    };
+    cs.common.model_identifier = identifier(&cs.common.model_identifier);
+    cs.common.source_files.clear();
+    cs.common.provides_directional_derivatives = false;
+    cs.common.provides_adjoint_derivatives = false;
+    cs.can_interpolate_inputs = false;
+    cs.can_run_asynchronously = false;
+    cs.max_output_derivative_order = 0;
+    cs.recommended_intermediate_input_smoothness = 0;
+    cs.provides_intermediate_update = false;
+    cs.might_return_early_from_do_step = false;
+    cs.can_return_early_after_intermediate_update = false;
+    cs.has_event_mode = false;
+    cs.provides_evaluate_discrete_states = false;
+    (d.model_exchange, d.scheduled_execution) = (None, None);
+    d.number_of_event_indicators = None;
+    d.instantiation_token.clone_from(&repair.token);
+    d.generation_tool = Some(format!("Piezoloop {}", env!("CARGO_PKG_VERSION")));
+    d.generation_date_and_time = None;
+    let names: Vec<&str> = repair.effects.iter().map(|e| e.name.as_str()).collect();
+    let told = d.description.take().filter(|t| !t.is_empty());
+    let told = told.unwrap_or_else(|| d.model_name.clone());
+    d.description = Some(format!("{told} (repaired: {})", names.join(", ")));
+    d.log_categories.push(LogCategory {
+        name: "repair".to_owned(),
+        description: Some("What the repair around the original says".to_owned()),
+        line: Line::default(),
+    });
+    add_variables(&mut d, repair);
+    restructure(&mut d, repair);
+    Ok(d)
+}
+
+/// A C identifier for the repaired FMU's library.
+fn identifier(original: &str) -> String {
+    let base: String = original.chars().take(100).collect();
+    format!("{base}_repaired")
+}
+
+fn add_variables(d: &mut ModelDescription, repair: &Repair) {
+    for effect in &repair.effects {
+        let mut enabled =
+            Variable::new(format!("{}.enabled", effect.name), effect.reference, DataType::Boolean);
+        enabled.description = Some(format!("Whether it acts. {}", effect.description));
+        enabled.start = Some(Start::Boolean(vec![effect.enabled]));
+        parameter(d, enabled);
+        for p in &effect.parameters {
+            let mut v = Variable::new(
+                format!("{}.{}", effect.name, p.name),
+                p.reference,
+                DataType::Float64,
+            );
+            v.description = Some(p.description.clone());
+            v.start = Some(Start::Float(vec![p.start]));
+            v.properties.unit = unit(d, &p.unit);
+            v.properties.min = p.min.map(Number::Float);
+            v.properties.max = p.max.map(Number::Float);
+            parameter(d, v);
+        }
+    }
+    for input in repair.inputs.iter().filter(|input| input.own) {
+        let mut v = Variable::new(input.name.clone(), input.variable.reference, DataType::Float64);
+        v.causality = Causality::Input;
+        v.description = Some("Auxiliary signal of an effect, in SI units".to_owned());
+        v.start = Some(Start::Float(input.variable.start.clone()));
+        d.variables.push(v);
+    }
+}
+
+fn parameter(d: &mut ModelDescription, mut v: Variable) {
+    v.causality = Causality::Parameter;
+    v.stated_variability = Some(Variability::Fixed);
+    v.stated_initial = Some(Initial::Exact);
+    d.variables.push(v);
+}
+
+/// The name of a unit, which is declared where it is not yet; none for a plain number.
+fn unit(d: &mut ModelDescription, text: &str) -> Option<String> {
+    if text == "1" || text.is_empty() {
+        return None;
+    }
+    if d.unit(text).is_some() {
+        return Some(text.to_owned());
+    }
+    let parsed = model::Unit::parse(text).ok()?;
+    let [kg, m, s, a, k, mol, cd, rad] = parsed.exponents.map(i32::from);
+    let (factor, offset) = (parsed.factor, parsed.offset);
+    d.units.push(Unit {
+        name: text.to_owned(),
+        base: Some(BaseUnit { kg, m, s, a, k, mol, cd, rad, factor, offset }),
+        display_units: Vec::new(),
+        line: Line::default(),
+    });
+    Some(text.to_owned())
+}
+
+/// Outputs with effects depend on whatever they may; wrong lists of initial unknowns are put right.
+fn restructure(d: &mut ModelDescription, repair: &Repair) {
+    let touched: Vec<u32> = repair.outputs.iter().map(|p| p.variable.reference).collect();
+    let positions = (0..d.variables.len())
+        .filter(|k| touched.contains(&d.variables[*k].value_reference))
+        .filter(|k| d.variables[*k].causality == Causality::Output);
+    let touched: Vec<u32> = positions.filter_map(|k| d.reference_to(k)).collect();
+    for unknown in d.structure.outputs.iter_mut().chain(&mut d.structure.initial_unknowns) {
+        if touched.contains(&unknown.variable) {
+            (unknown.dependencies, unknown.dependency_kinds) = (None, None);
+        }
+    }
+    let version = d.fmi_version;
+    let computed = |v: &Variable| {
+        matches!(v.initial(version), Some(Initial::Approx | Initial::Calculated))
+            && matches!(v.causality, Causality::Output | Causality::CalculatedParameter)
+    };
+    let wanted: Vec<u32> = (0..d.variables.len())
+        .filter(|k| computed(&d.variables[*k]))
+        .filter_map(|k| d.reference_to(k))
+        .collect();
+    let told: Vec<u32> = d.structure.initial_unknowns.iter().map(|u| u.variable).collect();
+    let has_states = !d.structure.derivatives.is_empty() || !d.structure.clocked_states.is_empty();
+    if !has_states && told != wanted {
+        d.structure.initial_unknowns = wanted.into_iter().map(Unknown::new).collect();
+    }
+}
+
+/// What people see.
+fn page(d: &ModelDescription, repair: &Repair) -> String {
+    let escape = |text: &str| {
+        text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    };
+    let mut rows = String::new();
+    for effect in &repair.effects {
+        let name = escape(&effect.name);
+        let about = escape(&effect.description);
+        rows += &format!(
+            "<tr><td><code>{name}.enabled</code></td><td>{}</td><td></td><td>{about}</td></tr>\n",
+            effect.enabled
+        );
+        for p in &effect.parameters {
+            rows += &format!(
+                "<tr><td><code>{name}.{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                escape(&p.name),
+                p.start,
+                escape(&p.unit),
+                escape(&p.description)
+            );
+        }
+    }
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\n\
+         <style>body{{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}}\
+         table{{border-collapse:collapse}}td,th{{border:1px solid #ccc;padding:.3em .6em;\
+         text-align:left}}</style></head><body>\n<h1>{title}, repaired</h1>\n\
+         <p>This FMU is the original, which lies untouched in <code>resources/inner</code> (SHA-256 \
+         of its archive: <code>{sha}</code>), with effects before and behind it that a diagnosis \
+         against measured logs has found. It takes the original's place: its inputs, outputs and \
+         parameters are here under the same names.</p>\n\
+         <p>Each effect has a switch; with all of them off, this FMU gives the original's outputs bit \
+         by bit. Communication steps longer than {step} s are divided where effects are on.</p>\n\
+         <table><tr><th>Variable</th><th>Start</th><th>Unit</th><th>Meaning</th></tr>\n{rows}</table>\n\
+         <p>Not offered, whatever the original offers: directional derivatives, derivatives by time, \
+         event mode, model exchange.</p>\n</body></html>\n",
+        title = escape(&d.model_name),
+        sha = escape(&repair.original.sha256),
+        step = repair.step,
+    )
+}

@@ -1,0 +1,736 @@
+//! The functions of FMI 2.0 of a repaired FMU, in the order of the header.
+//!
+//! # Safety
+//! As [`export::v2`](crate::export::v2).
+#![allow(
+    non_snake_case,
+    non_upper_case_globals,
+    clippy::missing_safety_doc,
+    clippy::too_many_arguments
+)]
+
+use std::ffi::{CStr, CString, c_void};
+
+use super::core::{
+    Answer, Around, CATEGORY, Code, DISCARD, ERROR, OK, Original, Saved, Wrapped, call as guarded,
+    send, state,
+};
+use super::file::{Files, PLATFORM_V2};
+use crate::export::arguments::{Room, array, text, texts};
+use crate::export::guard::{self, Notice};
+use crate::export::log::Sink;
+use crate::export::resources::Location;
+use crate::fmi2::*;
+use crate::import::v2::Library;
+
+pub use crate::export::v2::{fmi2GetTypesPlatform, fmi2GetVersion};
+
+/// The original.
+struct Inner {
+    component: fmi2Component,
+    library: Library,
+    /// Whether the host promises not to go back before the current point.
+    no_way_back: fmi2Boolean,
+    /// What the original was given; some keep the pointer.
+    _callbacks: Option<Box<fmi2CallbackFunctions>>,
+}
+
+type Instance = Wrapped<Inner>;
+
+impl Drop for Inner {
+    fn drop(&mut self) {
+        // SAFETY: an instance of this library, never used again.
+        unsafe { (self.library.functions.free_instance)(self.component) }
+    }
+}
+
+impl Original for Inner {
+    fn get(&mut self, references: &[u32], values: &mut [f64]) -> Code {
+        let get = self.library.functions.get_real;
+        // SAFETY: the instance is alive, both arrays have this length.
+        unsafe { get(self.component, references.as_ptr(), references.len(), values.as_mut_ptr()).0 }
+    }
+
+    fn set(&mut self, references: &[u32], values: &[f64]) -> Code {
+        let set = self.library.functions.set_real;
+        // SAFETY: the instance is alive, both arrays have this length.
+        unsafe { set(self.component, references.as_ptr(), references.len(), values.as_ptr()).0 }
+    }
+
+    fn step(&mut self, time: f64, step: f64) -> (Code, bool) {
+        let do_step = self.library.functions.do_step;
+        // SAFETY: the instance is alive.
+        (unsafe { do_step(self.component, time, step, self.no_way_back).0 }, true)
+    }
+}
+
+/// One call.
+///
+/// # Safety
+/// As all functions here.
+unsafe fn call(
+    c: fmi2Component,
+    function: &str,
+    body: impl FnOnce(&mut Instance) -> Answer,
+) -> fmi2Status {
+    // SAFETY: the contract of all functions here.
+    fmi2Status(unsafe { guarded(c, function, body) })
+}
+
+impl Instance {
+    /// Calls a function of the original that the repair does not touch.
+    ///
+    /// # Safety
+    /// `F` is the type of the function, and `body` calls it as the host called this one.
+    unsafe fn pass<F: Copy>(
+        &mut self,
+        function: &str,
+        body: impl FnOnce(F, fmi2Component) -> fmi2Status,
+    ) -> Answer {
+        // SAFETY: promised by the caller.
+        match unsafe { self.original.library.function::<F>(function) } {
+            Some(found) => Ok(body(found, self.original.component).0),
+            None => Err(missing(function)),
+        }
+    }
+}
+
+fn missing(function: &str) -> Notice {
+    Notice::error(format!(
+        "the original's library has no {function}, though the standard requires it"
+    ))
+}
+
+/// Functions that go through as they are.
+macro_rules! pass {
+    ($($(#[$what:meta])* $function:ident: $kind:ty = ($($argument:ident: $type:ty),*);)*) => {
+        $(
+            $(#[$what])*
+            pub unsafe extern "C" fn $function(c: fmi2Component, $($argument: $type),*) -> fmi2Status {
+                const NAME: &str = stringify!($function);
+                let body = |w: &mut Instance| {
+                    // SAFETY: the function's own type, and the host's own arguments.
+                    unsafe { w.pass::<$kind>(NAME, |f, inner| f(inner, $($argument),*)) }
+                };
+                // SAFETY: the contract of all functions here.
+                unsafe { call(c, NAME, body) }
+            }
+        )*
+    };
+}
+
+/// Functions that are not offered.
+macro_rules! never {
+    ($($(#[$what:meta])* $function:ident($($argument:ident: $type:ty),*) = $why:literal;)*) => {
+        $(
+            $(#[$what])*
+            pub unsafe extern "C" fn $function(c: fmi2Component, $($argument: $type),*) -> fmi2Status {
+                let body = |_: &mut Instance| Err(Notice::error($why));
+                // SAFETY: the contract of all functions here.
+                unsafe { call(c, stringify!($function), body) }
+            }
+        )*
+    };
+}
+
+/// Switches debug logging of the original; the repair's own messages always go out.
+pub unsafe extern "C" fn fmi2SetDebugLogging(
+    c: fmi2Component,
+    loggingOn: fmi2Boolean,
+    nCategories: usize,
+    categories: *const fmi2String,
+) -> fmi2Status {
+    let body = |w: &mut Instance| {
+        // SAFETY: the caller's array of texts.
+        let all = unsafe { texts(categories, nCategories, "categories")? };
+        let passed: Vec<_> = all.iter().filter(|n| **n != CATEGORY).map(|n| n.as_ptr()).collect();
+        if passed.is_empty() && !all.is_empty() {
+            return Ok(OK);
+        }
+        let set = w.original.library.functions.set_debug_logging;
+        let Some(set) = set else { return Err(missing("fmi2SetDebugLogging")) };
+        // SAFETY: the instance is alive, the texts are the host's.
+        Ok(unsafe { set(w.original.component, loggingOn, passed.len(), passed.as_ptr()).0 })
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, "fmi2SetDebugLogging", body) }
+}
+
+/// Makes an instance of the original and puts the effects around it.
+pub unsafe fn fmi2Instantiate(
+    instanceName: fmi2String,
+    fmuType: fmi2Type,
+    fmuGUID: fmi2String,
+    fmuResourceLocation: fmi2String,
+    functions: *const fmi2CallbackFunctions,
+    visible: fmi2Boolean,
+    loggingOn: fmi2Boolean,
+) -> fmi2Component {
+    // SAFETY: the caller's texts and its structure, which is copied.
+    let (name, token, uri, callbacks) = unsafe {
+        (text(instanceName), text(fmuGUID), text(fmuResourceLocation), functions.as_ref().copied())
+    };
+    let sink = match callbacks {
+        Some(fmi2CallbackFunctions { logger: Some(callback), componentEnvironment, .. }) => {
+            Sink::V2 { callback, environment: componentEnvironment }
+        }
+        _ => Sink::None,
+    };
+    let made = guard::without_instance(|| {
+        if fmuType != fmi2CoSimulation {
+            return Err(Notice::error("a repaired FMU offers co-simulation only"));
+        }
+        let location = uri.map_or(Location::None, |uri| Location::Uri(uri.to_bytes()));
+        let files = Files::read(location, "2.0", token)?;
+        // SAFETY: the host's own texts.
+        let original = unsafe { inner(&files, name, callbacks.map(Box::new), visible, loggingOn)? };
+        Ok(Box::new(Wrapped::new(original, files.surround, sink, name.unwrap_or(c"").into())))
+    });
+    match made {
+        Ok(instance) => Box::into_raw(instance).cast::<c_void>(),
+        Err(notice) => {
+            let message = format!("fmi2Instantiate: {}", notice.message);
+            send(sink, name.unwrap_or(c""), ERROR, &message);
+            std::ptr::null_mut()
+        }
+    }
+}
+
+/// Loads and instantiates the original.
+///
+/// # Safety
+/// The callbacks are the host's.
+unsafe fn inner(
+    files: &Files,
+    name: Option<&CStr>,
+    mut callbacks: Option<Box<fmi2CallbackFunctions>>,
+    visible: fmi2Boolean,
+    logging_on: fmi2Boolean,
+) -> Result<Inner, Notice> {
+    let library = Library::load(&files.library(PLATFORM_V2))
+        .map_err(|e| Notice::error(format!("the original inside: {e}")))?;
+    if let Some(callbacks) = &mut callbacks {
+        // A step is over when the function returns, here as in the original.
+        callbacks.stepFinished = None;
+    }
+    let pointer: *const fmi2CallbackFunctions =
+        callbacks.as_deref().map_or(std::ptr::null(), std::ptr::from_ref);
+    let (token, resources): (CString, CString) = (files.token()?, files.resources_uri()?);
+    // SAFETY: texts end with a zero byte; the callbacks live as long as the instance.
+    let component = unsafe {
+        (library.functions.instantiate)(
+            name.map_or(std::ptr::null(), CStr::as_ptr),
+            fmi2CoSimulation,
+            token.as_ptr(),
+            resources.as_ptr(),
+            pointer,
+            visible,
+            logging_on,
+        )
+    };
+    if component.is_null() {
+        return Err(Notice::error(format!(
+            "the original inside, {}, makes no instance; its own message, if it has any, stands \
+             before this one",
+            library.path().display()
+        )));
+    }
+    Ok(Inner { component, library, no_way_back: fmi2False, _callbacks: callbacks })
+}
+
+/// Frees an instance, its states, and the original.
+pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
+    if c.is_null() {
+        return;
+    }
+    let freed = guard::without_instance(|| {
+        // SAFETY: it came from `Box::into_raw`, as the caller promises.
+        let mut instance = unsafe { Box::from_raw(c.cast::<Instance>()) };
+        for saved in std::mem::take(&mut instance.saved) {
+            // SAFETY: a state of this instance that is not freed.
+            unsafe { drop_state(&mut instance, saved) };
+        }
+        drop(instance);
+        Ok(())
+    });
+    // Nobody is left who could be told.
+    drop(freed);
+}
+
+pass! {
+    /// Goes through.
+    fmi2SetupExperiment: fmi2SetupExperimentTYPE = (toleranceDefined: fmi2Boolean, tolerance: fmi2Real, startTime: fmi2Real, stopTimeDefined: fmi2Boolean, stopTime: fmi2Real);
+}
+
+/// Brings effects on parameters to the original and goes through.
+pub unsafe extern "C" fn fmi2EnterInitializationMode(c: fmi2Component) -> fmi2Status {
+    let body = |w: &mut Instance| {
+        let code = w.before_entering();
+        if code >= DISCARD {
+            return Ok(code);
+        }
+        let enter = w.original.library.functions.enter_initialization_mode;
+        // SAFETY: the instance is alive.
+        let code = code.max(unsafe { enter(w.original.component).0 });
+        if code < DISCARD {
+            w.entered();
+        }
+        Ok(code)
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, "fmi2EnterInitializationMode", body) }
+}
+
+/// Brings effects to rest and goes through.
+pub unsafe extern "C" fn fmi2ExitInitializationMode(c: fmi2Component) -> fmi2Status {
+    let body = |w: &mut Instance| {
+        let code = w.before_leaving();
+        if code >= DISCARD {
+            return Ok(code);
+        }
+        let exit = w.original.library.functions.exit_initialization_mode;
+        // SAFETY: the instance is alive.
+        let code = code.max(unsafe { exit(w.original.component).0 });
+        if code >= DISCARD {
+            return Ok(code);
+        }
+        Ok(code.max(w.left()))
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, "fmi2ExitInitializationMode", body) }
+}
+
+pass! {
+    /// Goes through.
+    fmi2Terminate: fmi2TerminateTYPE = ();
+}
+
+/// Goes through; effects go back to their start values.
+pub unsafe extern "C" fn fmi2Reset(c: fmi2Component) -> fmi2Status {
+    let body = |w: &mut Instance| {
+        let Some(reset) = w.original.library.functions.reset else {
+            return Err(missing("fmi2Reset"));
+        };
+        // SAFETY: the instance is alive.
+        let code = unsafe { reset(w.original.component).0 };
+        w.was_reset();
+        Ok(code)
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, "fmi2Reset", body) }
+}
+
+/// Reads Real variables.
+pub unsafe extern "C" fn fmi2GetReal(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2Real,
+) -> fmi2Status {
+    let body = |w: &mut Instance| {
+        // SAFETY: the caller's arrays of `nvr` elements.
+        let references = unsafe { array(vr, nvr, "vr")? };
+        if !w.is_ours(references) {
+            // SAFETY: the host's own arguments.
+            return Ok(unsafe {
+                (w.original.library.functions.get_real)(w.original.component, vr, nvr, value).0
+            });
+        }
+        let mut values = vec![0.0; nvr];
+        let code = w.get(references, &mut values)?;
+        // SAFETY: the caller's room for `nvr` values.
+        let room = unsafe { Room::new(value, nvr, "value")? };
+        // SAFETY: positions are below `nvr`.
+        values.iter().enumerate().for_each(|(at, v)| unsafe { room.write(at, *v) });
+        Ok(code)
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, "fmi2GetReal", body) }
+}
+
+pass! {
+    /// Goes through.
+    fmi2GetInteger: fmi2GetIntegerTYPE = (vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Integer);
+}
+
+/// Reads Boolean variables.
+pub unsafe extern "C" fn fmi2GetBoolean(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2Boolean,
+) -> fmi2Status {
+    const NAME: &str = "fmi2GetBoolean";
+    let body = |w: &mut Instance| {
+        // SAFETY: the caller's arrays of `nvr` elements.
+        let (references, room) =
+            unsafe { (array(vr, nvr, "vr")?, Room::new(value, nvr, "value")?) };
+        let is_flag = |r: &u32| w.surround.is_flag(*r);
+        let passed: Vec<u32> = references.iter().copied().filter(|r| !is_flag(r)).collect();
+        let mut inner = vec![fmi2False; passed.len()];
+        let mut code = OK;
+        if !passed.is_empty() || nvr == 0 {
+            // SAFETY: the function's own type; both arrays have this length.
+            code = unsafe {
+                w.pass::<fmi2GetBooleanTYPE>(NAME, |f, c| {
+                    f(c, passed.as_ptr(), passed.len(), inner.as_mut_ptr())
+                })?
+            };
+        }
+        let mut inner = inner.into_iter();
+        for (at, reference) in references.iter().enumerate() {
+            let own = w.surround.get(*reference).filter(|_| w.surround.is_flag(*reference));
+            let value = match own {
+                Some(value) => fmi2Boolean::from(value != 0.0),
+                None => inner.next().unwrap_or(fmi2False),
+            };
+            // SAFETY: the position is below `nvr`.
+            unsafe { room.write(at, value) };
+        }
+        Ok(code)
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, NAME, body) }
+}
+
+pass! {
+    /// Goes through.
+    fmi2GetString: fmi2GetStringTYPE = (vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2String);
+}
+
+/// Sets Real variables.
+pub unsafe extern "C" fn fmi2SetReal(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2Real,
+) -> fmi2Status {
+    let body = |w: &mut Instance| {
+        // SAFETY: the caller's arrays of `nvr` elements.
+        let references = unsafe { array(vr, nvr, "vr")? };
+        if !w.is_ours(references) {
+            w.touch();
+            // SAFETY: the host's own arguments.
+            return Ok(unsafe {
+                (w.original.library.functions.set_real)(w.original.component, vr, nvr, value).0
+            });
+        }
+        // SAFETY: the caller's arrays of `nvr` elements.
+        w.set(references, unsafe { array(value, nvr, "value")? })
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, "fmi2SetReal", body) }
+}
+
+/// Sets Integer variables of the original.
+pub unsafe extern "C" fn fmi2SetInteger(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2Integer,
+) -> fmi2Status {
+    const NAME: &str = "fmi2SetInteger";
+    let body = |w: &mut Instance| {
+        w.touch();
+        // SAFETY: the function's own type, and the host's own arguments.
+        unsafe { w.pass::<fmi2SetIntegerTYPE>(NAME, |f, inner| f(inner, vr, nvr, value)) }
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, NAME, body) }
+}
+
+/// Sets Boolean variables.
+pub unsafe extern "C" fn fmi2SetBoolean(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2Boolean,
+) -> fmi2Status {
+    const NAME: &str = "fmi2SetBoolean";
+    let body = |w: &mut Instance| {
+        // SAFETY: the caller's arrays of `nvr` elements.
+        let (references, values) = unsafe { (array(vr, nvr, "vr")?, array(value, nvr, "value")?) };
+        let (mut passed, mut inner) = (Vec::new(), Vec::new());
+        for (reference, value) in references.iter().zip(values) {
+            if w.surround.is_flag(*reference) {
+                w.set_flag(*reference, *value != fmi2False)?;
+            } else {
+                passed.push(*reference);
+                inner.push(*value);
+            }
+        }
+        if passed.is_empty() && nvr > 0 {
+            return Ok(OK);
+        }
+        w.touch();
+        // SAFETY: the function's own type; both arrays have this length.
+        unsafe {
+            w.pass::<fmi2SetBooleanTYPE>(NAME, |f, c| {
+                f(c, passed.as_ptr(), passed.len(), inner.as_ptr())
+            })
+        }
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, NAME, body) }
+}
+
+pass! {
+    /// Goes through.
+    fmi2SetString: fmi2SetStringTYPE = (vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2String);
+}
+
+/// Saves the state of the original and of the effects.
+pub unsafe extern "C" fn fmi2GetFMUstate(
+    c: fmi2Component,
+    FMUstate: *mut fmi2FMUstate,
+) -> fmi2Status {
+    const NAME: &str = "fmi2GetFMUstate";
+    let body = |w: &mut Instance| {
+        // SAFETY: the host's own pointer.
+        let place = unsafe { FMUstate.as_mut() };
+        let place = place.ok_or_else(|| Notice::error("the place of the state is null"))?;
+        let old = if place.is_null() { None } else { Some(state(*place)?) };
+        // SAFETY: a state of this instance.
+        let mut inner = old.map_or(std::ptr::null_mut(), |saved| unsafe { (*saved).inner });
+        // SAFETY: the function's own type; the pointer is null or a state of the original.
+        let code = unsafe { w.pass::<fmi2GetFMUstateTYPE>(NAME, |f, c| f(c, &raw mut inner))? };
+        if code >= DISCARD {
+            return Ok(code);
+        }
+        let saved = Saved { inner, around: w.around() };
+        match old {
+            // SAFETY: a state of this instance, and the only reference to it.
+            Some(old) => unsafe { *old = saved },
+            None => {
+                let new = Box::into_raw(Box::new(saved));
+                w.saved.push(new);
+                *place = new.cast();
+            }
+        }
+        Ok(code)
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, NAME, body) }
+}
+
+/// Goes back to a saved state.
+pub unsafe extern "C" fn fmi2SetFMUstate(c: fmi2Component, FMUstate: fmi2FMUstate) -> fmi2Status {
+    const NAME: &str = "fmi2SetFMUstate";
+    let body = |w: &mut Instance| {
+        let saved = state(FMUstate)?;
+        // SAFETY: a state of this instance.
+        let (inner, around) = unsafe { ((*saved).inner, (*saved).around.clone()) };
+        // SAFETY: the function's own type and a state of the original.
+        let code = unsafe { w.pass::<fmi2SetFMUstateTYPE>(NAME, |f, c| f(c, inner))? };
+        if code < DISCARD {
+            w.restore(&around)?;
+        }
+        Ok(code)
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, NAME, body) }
+}
+
+/// Frees a state that is in no list any more.
+///
+/// # Safety
+/// `saved` is a state of this instance that is not freed.
+unsafe fn drop_state(w: &mut Instance, saved: *mut Saved) -> Code {
+    // SAFETY: it came from `Box::into_raw`, as the caller promises.
+    let mut saved = unsafe { Box::from_raw(saved) };
+    let Some(free) = w.original.library.functions.free_fmu_state else { return OK };
+    // SAFETY: a state of the original.
+    unsafe { free(w.original.component, &raw mut saved.inner).0 }
+}
+
+/// Frees a saved state; null is ignored.
+pub unsafe extern "C" fn fmi2FreeFMUstate(
+    c: fmi2Component,
+    FMUstate: *mut fmi2FMUstate,
+) -> fmi2Status {
+    let body = |w: &mut Instance| {
+        // SAFETY: the host's own pointer.
+        let Some(place) = (unsafe { FMUstate.as_mut() }).filter(|p| !p.is_null()) else {
+            return Ok(OK);
+        };
+        let saved = state(*place)?;
+        w.saved.retain(|s| *s != saved);
+        *place = std::ptr::null_mut();
+        // SAFETY: a state of this instance, in no list any more.
+        Ok(unsafe { drop_state(w, saved) })
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, "fmi2FreeFMUstate", body) }
+}
+
+/// Number of bytes of the original's state.
+///
+/// # Safety
+/// `inner` is a state of the original.
+unsafe fn inner_size(w: &mut Instance, inner: fmi2FMUstate) -> Result<(Code, usize), Notice> {
+    let mut size = 0;
+    // SAFETY: the function's own type and a state of the original.
+    let code = unsafe {
+        w.pass::<fmi2SerializedFMUstateSizeTYPE>("fmi2SerializedFMUstateSize", |f, c| {
+            f(c, inner, &raw mut size)
+        })?
+    };
+    Ok((code, size))
+}
+
+/// Number of bytes of a saved state.
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
+    c: fmi2Component,
+    FMUstate: fmi2FMUstate,
+    size: *mut usize,
+) -> fmi2Status {
+    let body = |w: &mut Instance| {
+        let saved = state(FMUstate)?;
+        // SAFETY: a state of this instance; the host's room for one number.
+        unsafe {
+            let (code, inner) = inner_size(w, (*saved).inner)?;
+            Room::new(size, 1, "size")?.write(0, (&(*saved).around).byte_len() + inner);
+            Ok(code)
+        }
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, "fmi2SerializedFMUstateSize", body) }
+}
+
+/// A saved state as bytes.
+pub unsafe extern "C" fn fmi2SerializeFMUstate(
+    c: fmi2Component,
+    FMUstate: fmi2FMUstate,
+    serializedState: *mut fmi2Byte,
+    size: usize,
+) -> fmi2Status {
+    const NAME: &str = "fmi2SerializeFMUstate";
+    let body = |w: &mut Instance| {
+        let saved = state(FMUstate)?;
+        // SAFETY: a state of this instance.
+        let (inner, around) = unsafe { ((*saved).inner, (*saved).around.clone()) };
+        // SAFETY: a state of the original.
+        let (code, length) = unsafe { inner_size(w, inner)? };
+        let head = around.byte_len();
+        if size < head + length {
+            return Err(Notice::error(format!("{size} bytes are too few for {}", head + length)));
+        }
+        let mut bytes = vec![0; head + length];
+        let behind = bytes[head..].as_mut_ptr().cast::<fmi2Byte>();
+        // SAFETY: the function's own type; the room has this length.
+        let done = unsafe {
+            w.pass::<fmi2SerializeFMUstateTYPE>(NAME, |f, c| f(c, inner, behind, length))?
+        };
+        around.write(&w.surround.repair().token, &mut bytes);
+        // SAFETY: the host's room has `size` bytes, which is not less.
+        unsafe {
+            let room = Room::new(serializedState.cast::<u8>(), size, "serializedState")?;
+            bytes.iter().enumerate().for_each(|(at, b)| room.write(at, *b));
+        }
+        Ok(code.max(done))
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, NAME, body) }
+}
+
+/// A saved state from bytes; it is not yet the current one.
+pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
+    c: fmi2Component,
+    serializedState: *const fmi2Byte,
+    size: usize,
+    FMUstate: *mut fmi2FMUstate,
+) -> fmi2Status {
+    const NAME: &str = "fmi2DeSerializeFMUstate";
+    let body = |w: &mut Instance| {
+        // SAFETY: the host's array of `size` bytes and its pointer.
+        let (bytes, place) = unsafe {
+            (array(serializedState.cast::<u8>(), size, "serializedState")?, FMUstate.as_mut())
+        };
+        let place = place.ok_or_else(|| Notice::error("the place of the state is null"))?;
+        let token = &w.surround.repair().token;
+        let (around, at) = Around::read(token, bytes).ok_or_else(|| {
+            Notice::error("the bytes are no state of this FMU, or they are damaged")
+        })?;
+        let mut inner: fmi2FMUstate = std::ptr::null_mut();
+        let behind = &bytes[at..];
+        // SAFETY: the function's own type; the bytes have this length.
+        let code = unsafe {
+            w.pass::<fmi2DeSerializeFMUstateTYPE>(NAME, |f, c| {
+                f(c, behind.as_ptr().cast(), behind.len(), &raw mut inner)
+            })?
+        };
+        if code < DISCARD {
+            if !place.is_null() {
+                let old = state(*place)?;
+                w.saved.retain(|s| *s != old);
+                // SAFETY: a state of this instance, in no list any more.
+                unsafe { drop_state(w, old) };
+            }
+            let new = Box::into_raw(Box::new(Saved { inner, around }));
+            w.saved.push(new);
+            *place = new.cast();
+        }
+        Ok(code)
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, NAME, body) }
+}
+
+never! {
+    /// Not offered.
+    fmi2GetDirectionalDerivative(_vUnknown_ref: *const fmi2ValueReference, _nUnknown: usize, _vKnown_ref: *const fmi2ValueReference, _nKnown: usize, _dvKnown: *const fmi2Real, _dvUnknown: *mut fmi2Real) = "directional derivatives are not offered through a repair; take differences between saved states";
+    /// Not offered.
+    fmi2EnterEventMode() = "model exchange is not offered";
+    /// Not offered.
+    fmi2NewDiscreteStates(_fmi2eventInfo: *mut fmi2EventInfo) = "model exchange is not offered";
+    /// Not offered.
+    fmi2EnterContinuousTimeMode() = "model exchange is not offered";
+    /// Not offered.
+    fmi2CompletedIntegratorStep(_noSetFMUStatePriorToCurrentPoint: fmi2Boolean, _enterEventMode: *mut fmi2Boolean, _terminateSimulation: *mut fmi2Boolean) = "model exchange is not offered";
+    /// Not offered.
+    fmi2SetTime(_time: fmi2Real) = "model exchange is not offered";
+    /// Not offered.
+    fmi2SetContinuousStates(_x: *const fmi2Real, _nx: usize) = "model exchange is not offered";
+    /// Not offered.
+    fmi2GetDerivatives(_derivatives: *mut fmi2Real, _nx: usize) = "model exchange is not offered";
+    /// Not offered.
+    fmi2GetEventIndicators(_eventIndicators: *mut fmi2Real, _ni: usize) = "model exchange is not offered";
+    /// Not offered.
+    fmi2GetContinuousStates(_x: *mut fmi2Real, _nx: usize) = "model exchange is not offered";
+    /// Not offered.
+    fmi2GetNominalsOfContinuousStates(_x_nominal: *mut fmi2Real, _nx: usize) = "model exchange is not offered";
+    /// Not offered.
+    fmi2SetRealInputDerivatives(_vr: *const fmi2ValueReference, _nvr: usize, _order: *const fmi2Integer, _value: *const fmi2Real) = "derivatives of inputs are not offered (canInterpolateInputs = false)";
+    /// Not offered.
+    fmi2GetRealOutputDerivatives(_vr: *const fmi2ValueReference, _nvr: usize, _order: *const fmi2Integer, _value: *mut fmi2Real) = "derivatives of outputs are not offered (maxOutputDerivativeOrder = 0)";
+}
+
+/// Computes one communication step.
+pub unsafe extern "C" fn fmi2DoStep(
+    c: fmi2Component,
+    currentCommunicationPoint: fmi2Real,
+    communicationStepSize: fmi2Real,
+    noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
+) -> fmi2Status {
+    let body = |w: &mut Instance| {
+        w.original.no_way_back = noSetFMUStatePriorToCurrentPoint;
+        Ok(w.step(currentCommunicationPoint, communicationStepSize))
+    };
+    // SAFETY: the contract of all functions here.
+    unsafe { call(c, "fmi2DoStep", body) }
+}
+
+pass! {
+    /// Goes through.
+    fmi2CancelStep: fmi2CancelStepTYPE = ();
+    /// Goes through.
+    fmi2GetStatus: fmi2GetStatusTYPE = (s: fmi2StatusKind, value: *mut fmi2Status);
+    /// Goes through.
+    fmi2GetRealStatus: fmi2GetRealStatusTYPE = (s: fmi2StatusKind, value: *mut fmi2Real);
+    /// Goes through.
+    fmi2GetIntegerStatus: fmi2GetIntegerStatusTYPE = (s: fmi2StatusKind, value: *mut fmi2Integer);
+    /// Goes through.
+    fmi2GetBooleanStatus: fmi2GetBooleanStatusTYPE = (s: fmi2StatusKind, value: *mut fmi2Boolean);
+    /// Goes through.
+    fmi2GetStringStatus: fmi2GetStringStatusTYPE = (s: fmi2StatusKind, value: *mut fmi2String);
+}

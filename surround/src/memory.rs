@@ -1,0 +1,47 @@
+//! Blocks of plays.
+
+use crate::block::{Block, Wires};
+
+/// One play: `max(u − r, min(u + r, p))`.
+#[inline]
+fn play(r: f64, u: f64, p: f64) -> f64 {
+    (u - r).max((u + r).min(p))
+}
+
+/// One step of a block of plays.
+pub(crate) fn step(block: &Block, p: &[f64], w: Wires, z: &mut [f64]) -> f64 {
+    let u = w.drive;
+    match block {
+        Block::Plays { r, slope } => {
+            let (linear, weights) = p.split_at(usize::from(*slope).min(p.len()));
+            let mut y = w.x + linear.first().map_or(0.0, |g| g * u);
+            for ((r, weight), z) in r.iter().zip(weights).zip(z) {
+                *z = play(*r, u, *z);
+                y += weight * (*z - u);
+            }
+            y
+        }
+        Block::SkewedPlays { r, centre, half } => {
+            let place = (u - centre) / half;
+            let mut y = w.x;
+            for ((r, weight), z) in r.iter().zip(p).zip(z) {
+                *z = play(*r, u, *z);
+                y += weight * (*z - u) * place;
+            }
+            y
+        }
+        Block::CurvedPlays { r, w: weights, centre, half } => {
+            let place = (u - centre) / half;
+            let curvature = p.first().copied().unwrap_or(0.0);
+            let mut y = w.x;
+            for ((r, weight), z) in r.iter().zip(weights).zip(z.chunks_exact_mut(2)) {
+                let wide = (r + curvature * r * place).max(0.0);
+                z[0] = (u - wide).max((u + wide).min(z[0]));
+                z[1] = play(*r, u, z[1]);
+                y += weight * (z[0] - z[1]);
+            }
+            y
+        }
+        _ => w.x,
+    }
+}

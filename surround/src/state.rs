@@ -1,0 +1,36 @@
+//! What a block remembers.
+
+use std::collections::VecDeque;
+
+/// State of one block. Everything that changes is in here, so that saving is copying.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Numbers, as many as the block wants.
+    pub(crate) z: Vec<f64>,
+    /// Time since the start in s and value, oldest first; of delays only.
+    pub(crate) past: VecDeque<(f64, f64)>,
+}
+
+impl State {
+    /// Writes all numbers, for a saved state.
+    pub fn save(&self, into: &mut Vec<f64>) {
+        into.push(self.z.len() as f64);
+        into.extend(&self.z);
+        into.push(self.past.len() as f64);
+        into.extend(self.past.iter().flat_map(|(t, v)| [*t, *v]));
+    }
+
+    /// Reads what [`save`](Self::save) wrote; `None` where it is something else.
+    pub fn load(from: &mut impl Iterator<Item = f64>) -> Option<Self> {
+        let z = (0..count(from)?).map(|_| from.next()).collect::<Option<_>>()?;
+        let past =
+            (0..count(from)?).map(|_| Some((from.next()?, from.next()?))).collect::<Option<_>>()?;
+        Some(Self { z, past })
+    }
+}
+
+/// A number of elements; absurd ones are none.
+fn count(from: &mut impl Iterator<Item = f64>) -> Option<usize> {
+    let n = from.next()?;
+    (n >= 0.0 && n.fract() == 0.0 && n < 1e8).then_some(n as usize)
+}
