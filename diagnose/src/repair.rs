@@ -197,6 +197,8 @@ fn actuator_with(
             let mut all = plays;
             all.add(0.0, weight(linear.first().copied().unwrap_or(0.0) - sum));
             bank.iter().zip(weights).for_each(|(r, w)| all.add(r / u, weight(*w)));
+            let command: Vec<f64> = o.problem.data.command.iter().map(|v| v / u).collect();
+            all.no_negative(&command);
             let (r, w): (Vec<f64>, Vec<f64>) = all.pairs.into_iter().unzip();
             ComponentBlueprint::new("prandtl-ishlinskii").value("r", r).value("w", w)
         }
@@ -244,6 +246,57 @@ impl Plays {
             Ok(at) => self.pairs[at].1 += w,
             Err(at) => self.pairs.insert(at, (r, w)),
         }
+    }
+}
+
+impl Plays {
+    /// Where weights are negative, which no component takes: the weights of zero and above that come
+    /// nearest under this command, by least squares.
+    fn no_negative(&mut self, command: &[f64]) {
+        const ROWS: usize = 20_000;
+        const SWEEPS: usize = 20_000;
+        if self.pairs.iter().all(|(_, w)| *w >= 0.0) {
+            return;
+        }
+        let n = self.pairs.len();
+        let mut states = vec![0.0_f64; n];
+        let mut normal = vec![vec![0.0; n]; n];
+        let mut target = vec![0.0; n];
+        let stride = command.len().div_ceil(ROWS).max(1);
+        for (k, u) in command.iter().enumerate() {
+            for (state, (r, _)) in states.iter_mut().zip(&self.pairs) {
+                *state = (u - r).max((u + r).min(*state));
+            }
+            if k % stride != 0 {
+                continue;
+            }
+            let y: f64 = states.iter().zip(&self.pairs).map(|(p, (_, w))| p * w).sum();
+            for i in 0..n {
+                target[i] += states[i] * y;
+                for j in 0..n {
+                    normal[i][j] += states[i] * states[j];
+                }
+            }
+        }
+        // One weight after the other to its best value, which converges as the problem is convex.
+        let mut w: Vec<f64> = self.pairs.iter().map(|(_, w)| w.max(0.0)).collect();
+        for _ in 0..SWEEPS {
+            let mut change = 0.0_f64;
+            for i in 0..n {
+                if normal[i][i] <= 0.0 {
+                    continue;
+                }
+                let others: f64 = (0..n).filter(|j| *j != i).map(|j| normal[i][j] * w[j]).sum();
+                let best = ((target[i] - others) / normal[i][i]).max(0.0);
+                change = change.max((best - w[i]).abs());
+                w[i] = best;
+            }
+            if change < 1e-12 {
+                break;
+            }
+        }
+        self.pairs.iter_mut().zip(w).for_each(|(pair, w)| pair.1 = w);
+        self.pairs.retain(|(r, w)| *w > 0.0 || *r == 0.0);
     }
 }
 
