@@ -61,3 +61,40 @@ fn log_to_loop() {
         assert!(folder.path().join(file).is_file(), "{file}");
     }
 }
+
+#[test]
+fn gap() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = run("05_gap", folder.path());
+    println!("{said}");
+    let lacks = "The model lacks delay (timing, 100 %) and creep (actuator, 100 %)";
+    assert_eq!(said.matches(lacks).count(), 2, "as a blueprint and as an FMU");
+    let errors: Vec<f64> = said
+        .lines()
+        .filter_map(|line| line.split_once("rows 1 to 12000: rmse "))
+        .map(|(_, rest)| rest.split_once(" um").expect("a unit").0.parse().expect("a number"))
+        .collect();
+    let &[before, white, black] = errors.as_slice() else { panic!("{errors:?}") };
+    assert!(before > 0.5 && white < 2.2e-3 && black < 2.2e-3, "{errors:?}");
+    for file in ["gap.json", "gap.html", "repaired.toml", "gap_fmu.html", "repaired.fmu"] {
+        assert!(folder.path().join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
+fn measured_gaps() {
+    for (example, word) in
+        [("06_pea_p885", "hysteresis"), ("08_piezo_stage_closedloop", "bandwidth")]
+    {
+        let folder = tempfile::tempdir().expect("a folder");
+        let said = run(example, folder.path());
+        println!("{said}");
+        if said.starts_with("SKIPPED") {
+            continue;
+        }
+        assert!(said.contains(word), "{said}");
+        for file in ["gap.json", "gap.html", "repaired.toml"] {
+            assert!(folder.path().join(file).is_file(), "{file}");
+        }
+    }
+}

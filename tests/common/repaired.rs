@@ -106,3 +106,14 @@ pub(crate) fn effects(gap: &Value) -> Vec<&str> {
     let all = gap["effects"].as_array().expect("effects");
     all.iter().filter_map(|e| e["effect"].as_str()).collect()
 }
+
+/// Writes `rest.csv`: the machine at rest, with the columns of the other logs.
+pub(crate) fn write_rest(folder: &Path) {
+    fs::write(folder.join("truth.toml"), truth()).expect("the folder is writable");
+    commands(&folder.join("command.csv"), "command[1]", |_| 50.0);
+    succeed(&["simulate", "truth.toml", "--log", "command.csv", "-o", "run.csv"], folder);
+    let run = fs::read_to_string(folder.join("run.csv")).expect("a run");
+    let (_, rows) = run.split_once('\n').expect("a header");
+    fs::write(folder.join("rest.csv"), format!("time [s],u [V],x [um]\n{rows}"))
+        .expect("the folder is writable");
+}

@@ -785,7 +785,8 @@ pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
         // SAFETY: a state of this instance; the host's room for one number.
         unsafe {
             let (code, inner) = inner_size(w, (*saved).inner)?;
-            Room::new(size, 1, "size")?.write(0, (&(*saved).around).byte_len() + inner);
+            let around = &(*saved).around;
+            Room::new(size, 1, "size")?.write(0, around.byte_len() + inner);
             Ok(code)
         }
     };

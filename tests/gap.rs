@@ -1,0 +1,213 @@
+//! The interface of `piezoloop diagnose`: flags as they are documented, exit codes, the same bytes
+//! for any number of threads, every answer valid by the schema, the page in a real browser.
+#![cfg(target_os = "linux")]
+#![allow(clippy::print_stdout)]
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use common::repaired::{measure, write_rest};
+use common::{piezoloop, python, refuse, root, succeed};
+
+const STAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/blueprints/stage.toml");
+const LOGS: [&str; 4] = ["--log", "multisine.csv", "--log", "stairs.csv"];
+
+fn diagnose<'a>(model: &'a str, further: &[&'a str]) -> Vec<&'a str> {
+    [&["diagnose", "--model", model][..], &LOGS[..], further].concat()
+}
+
+/// Holds JSON files against the schema with a foreign validator, and looks for what is no number.
+fn validate(files: &[&str], folder: &Path) {
+    let schema = root().join("docs/gap.schema.json");
+    let code = r#"
+import json, sys
+from jsonschema import Draft202012Validator
+def no_constant(text):
+    raise ValueError(text + " is no JSON")
+schema = json.load(open(sys.argv[1]))
+Draft202012Validator.check_schema(schema)
+validator = Draft202012Validator(schema)
+for name in sys.argv[2:]:
+    gap = json.load(open(name), parse_constant=no_constant)
+    problems = [f"{list(e.absolute_path)}: {e.message[:200]}" for e in validator.iter_errors(gap)]
+    assert not problems, (name, problems)
+    print(name, gap["verdict"])
+"#;
+    let mut arguments = vec![schema.to_str().expect("UTF-8")];
+    arguments.extend(files);
+    print!("{}", python::script(code, &arguments, folder));
+}
+
+#[test]
+fn all_flags_work_as_documented_and_every_answer_is_valid() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    measure(at);
+    write_rest(at);
+    succeed(&["pack", STAGE, "-o", "stage.fmu"], at);
+    let map = ["--map", "u=u", "--map", "x=x"];
+    // All at once, a file behind --json.
+    let all = [
+        "--holdout",
+        "stairs.csv",
+        "--unit",
+        "u=V",
+        "--outputs",
+        "x",
+        "--tune",
+        "*.bandwidth=0.02",
+        "--tune",
+        "axis[1].mechanics.frequency=+-6",
+        "--gain-tolerance",
+        "0.02",
+        "--noise",
+        "x=0.002",
+        "--max-effects",
+        "2",
+        "--without",
+        "friction",
+        "--without",
+        "backlash",
+        "--json",
+        "white.json",
+        "--report",
+        "gap.html",
+        "--repair",
+        "repaired.toml",
+        "--threads",
+        "1",
+        "--seed",
+        "3",
+        "--fail-above",
+        "0.9",
+        "--next-experiment",
+        "next.csv",
+    ];
+    let said = succeed(&diagnose(STAGE, &[&map[..], &all[..]].concat()), at);
+    assert!(said.contains("white.json: written"), "{said}");
+    for file in ["white.json", "gap.html", "repaired.toml"] {
+        assert!(at.join(file).is_file(), "{file}");
+    }
+    let gap = fs::read_to_string(at.join("white.json")).expect("a file");
+    let gap: serde_json::Value = serde_json::from_str(&gap).expect("JSON");
+    assert_eq!(gap["provenance"]["seed"], 3);
+    assert_eq!(gap["provenance"]["without"], serde_json::json!(["friction", "backlash"]));
+    // The other spelling, and other data: the same bytes whatever the number of threads.
+    let black = ["--map", "command[1]=u", "--map", "position[1]=x"];
+    for (threads, file) in [("1", "--json=one.json"), ("2", "--json=two.json")] {
+        succeed(&diagnose("stage.fmu", &[&black[..], &[file, "--threads", threads]].concat()), at);
+    }
+    let read = |name: &str| fs::read(at.join(name)).expect("a file");
+    assert!(read("one.json") == read("two.json"), "one thread and two give the same bytes");
+    // A record at rest, and a log that says nothing.
+    let rest = ["--rest", "rest.csv", "--json", "rest.json"];
+    succeed(&diagnose("stage.fmu", &[&black[..], &rest[..]].concat()), at);
+    let quiet = ["diagnose", "--model", "stage.fmu", "--log", "rest.csv", "--json", "quiet.json"];
+    succeed(&[&quiet[..], &black[..], &["--noise", "0.002"]].concat(), at);
+    validate(&["white.json", "one.json", "rest.json", "quiet.json"], at);
+}
+
+#[test]
+fn exit_codes_tell_the_verdict_from_bad_input() {
+    let folder = tempfile::tempdir().expect("a folder");
+    measure(folder.path());
+    let map = ["--map", "u=u", "--map", "x=x", "--max-effects", "1", "--noise", "0.002"];
+    let fails = piezoloop(
+        &diagnose(STAGE, &[&map[..], &["--fail-above", "0.001"]].concat()),
+        folder.path(),
+    );
+    assert_eq!(fails.status.code(), Some(1), "{}", String::from_utf8_lossy(&fails.stdout));
+    let said = String::from_utf8_lossy(&fails.stdout);
+    assert!(said.contains("The model lacks"), "the answer is given all the same: {said}");
+    for bad in [
+        &["--tune", "nonsense"][..],
+        &["--without", "crep"],
+        &["--noise", "-1"],
+        &["--outputs", "z"],
+        &["--holdout", "none.csv"],
+        &["--repair", "repaired.zip"],
+        &["--json", "multisine.csv"],
+    ] {
+        let message = refuse(&diagnose(STAGE, &[&map[..6], bad].concat()), folder.path());
+        let output = piezoloop(&diagnose(STAGE, &[&map[..6], bad].concat()), folder.path());
+        assert_eq!(output.status.code(), Some(2), "{bad:?}: {message}");
+        println!("{}: {}", bad.join(" "), message.lines().next().unwrap_or_default());
+    }
+}
+
+/// What a browser does with the page: counts errors and requests, and switches every curve off and
+/// on again.
+const PROBE: &str = r#"
+<script>
+window.problems = [];
+window.addEventListener("error", (e) => window.problems.push(String(e.message)));
+const told = console.error;
+console.error = (...all) => { window.problems.push(all.join(" ")); told(...all); };
+window.addEventListener("load", () => setTimeout(() => {
+  const figures = document.querySelectorAll("figure .live");
+  let toggled = 0;
+  for (const button of document.querySelectorAll("figure button")) {
+    if (!button.hasAttribute("aria-pressed")) continue;
+    const before = button.getAttribute("aria-pressed");
+    button.click();
+    if (button.getAttribute("aria-pressed") !== before) toggled += 1;
+    button.click();
+    if (button.getAttribute("aria-pressed") !== before) window.problems.push("a toggle does not come back");
+  }
+  const requests = performance.getEntriesByType("resource").length;
+  document.title = `figures ${figures.length} toggled ${toggled} requests ${requests} problems ${window.problems.join("|")}`;
+}, 1500));
+</script>
+"#;
+
+#[test]
+fn the_page_lives_in_a_real_browser_without_errors_and_without_a_network() {
+    let Some(browser) =
+        ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"]
+            .into_iter()
+            .find(|path| Path::new(path).exists())
+    else {
+        println!("SKIPPED: no Chromium for the page (Debian: apt install chromium)");
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    measure(folder.path());
+    let further = ["--map", "u=u", "--map", "x=x", "--noise", "0.002", "--report", "gap.html"];
+    succeed(&diagnose(STAGE, &further), folder.path());
+    let page = fs::read_to_string(folder.path().join("gap.html")).expect("the page");
+    for words in
+        ["The model lacks", "Candidates", "What to do next", "The repaired model", "@media print"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"), "nothing from outside");
+    // The probe must be allowed by the page's policy, which this copy goes without.
+    let start = page.find("<meta http-equiv=\"Content-Security-Policy\"");
+    let open = start.map_or(page.clone(), |at| {
+        let end = at + page[at..].find('>').expect("the element ends") + 1;
+        format!("{}{}", &page[..at], &page[end..])
+    });
+    let probed = open.replacen("</head>", &format!("{PROBE}</head>"), 1);
+    fs::write(folder.path().join("probed.html"), probed).expect("the folder is writable");
+    let output = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"])
+        .args(["--virtual-time-budget=20000", "--timeout=60000", "--dump-dom"])
+        .arg(format!("file://{}", folder.path().join("probed.html").display()))
+        .output()
+        .expect("the browser starts");
+    let dom = String::from_utf8_lossy(&output.stdout);
+    let title = dom.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
+    let title = title.map_or("", |(title, _)| title);
+    println!("{title}");
+    let number = |word: &str| -> u32 {
+        let (_, rest) = title.split_once(word).unwrap_or_else(|| panic!("no {word} in {title:?}"));
+        rest.split_whitespace().next().and_then(|n| n.parse().ok()).expect("a number")
+    };
+    assert!(number("figures ") >= 5, "{title}");
+    assert!(number("toggled ") >= 5, "{title}");
+    assert_eq!(number("requests "), 0, "{title}");
+    assert!(title.trim().ends_with("problems"), "{title}");
+}
