@@ -143,6 +143,12 @@ fn exit_codes_tell_the_verdict_from_bad_input() {
 const PROBE: &str = r#"
 <script>
 window.problems = [];
+// A browser without a screen shows nothing: each figure counts as seen at once.
+window.IntersectionObserver = class {
+  constructor(seen) { this.seen = seen; }
+  observe(target) { this.seen([{ isIntersecting: true, target }]); }
+  unobserve() {}
+};
 window.addEventListener("error", (e) => window.problems.push(String(e.message)));
 const told = console.error;
 console.error = (...all) => { window.problems.push(all.join(" ")); told(...all); };

@@ -3,12 +3,24 @@
 use std::collections::VecDeque;
 
 /// State of one block. Everything that changes is in here, so that saving is copying.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct State {
     /// Numbers, as many as the block wants.
     pub(crate) z: Vec<f64>,
     /// Time since the start in s and value, oldest first; of delays only.
     pub(crate) past: VecDeque<(f64, f64)>,
+}
+
+impl Clone for State {
+    fn clone(&self) -> Self {
+        Self { z: self.z.clone(), past: self.past.clone() }
+    }
+
+    // Keeps its room: a state is copied in each step.
+    fn clone_from(&mut self, source: &Self) {
+        self.z.clone_from(&source.z);
+        self.past.clone_from(&source.past);
+    }
 }
 
 impl State {

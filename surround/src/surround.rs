@@ -82,6 +82,8 @@ pub struct Surround {
     backup: Vec<State>,
     /// Signals at the ports in SI: before the blocks, and as the original gets them.
     drives: Vec<f64>,
+    /// Room for signals of inputs and outputs.
+    scratch: [Vec<f64>; 3],
     is_running: bool,
     /// Time since the start in s.
     time: f64,
@@ -119,6 +121,7 @@ impl Surround {
             states: Vec::new(),
             backup: Vec::new(),
             drives: vec![0.0; repair.inputs.len()],
+            scratch: Default::default(),
             is_running: false,
             time: 0.0,
             repair,
@@ -416,7 +419,9 @@ impl Surround {
         for variable in &mut self.inputs {
             variable.inner.clone_from(&variable.shown);
         }
-        let signals: Vec<f64> = (0..self.repair.inputs.len()).map(|k| self.input(k)).collect();
+        let mut signals = std::mem::take(&mut self.scratch[0]);
+        signals.clear();
+        signals.extend((0..self.repair.inputs.len()).map(|k| self.input(k)));
         self.drives.clone_from(&signals);
         self.run(Side::Input, dt, &signals);
         for (k, port) in self.repair.inputs.iter().enumerate().filter(|(_, p)| !p.own) {
@@ -427,6 +432,7 @@ impl Surround {
                 v.inner[port.element] = (self.drives[k] - port.offset) / port.factor;
             }
         }
+        self.scratch[0] = signals;
     }
 
     /// The signal of an input in SI, as the host sets it.
@@ -439,14 +445,17 @@ impl Surround {
     /// Runs the blocks of the outputs; a `dt` of 0 is rest.
     fn behind(&mut self, dt: f64) {
         self.pass_outputs();
-        let auxiliary: Vec<f64> = (0..self.repair.inputs.len()).map(|k| self.input(k)).collect();
+        let [mut auxiliary, mut signals, mut before] = std::mem::take(&mut self.scratch);
+        auxiliary.clear();
+        auxiliary.extend((0..self.repair.inputs.len()).map(|k| self.input(k)));
         let of = |p: usize, all: &[Whole], told: &Port| {
             let variable = all.iter().find(|v| v.ports.contains(&p));
             variable.map_or(0.0, |v| v.inner[told.element] * told.factor + told.offset)
         };
         let ports = self.repair.outputs.iter().enumerate();
-        let mut signals: Vec<f64> = ports.map(|(k, told)| of(k, &self.outputs, told)).collect();
-        let before = signals.clone();
+        signals.clear();
+        signals.extend(ports.map(|(k, told)| of(k, &self.outputs, told)));
+        before.clone_from(&signals);
         let (t, drives) = (self.time, &self.drives);
         for (link, state) in self.links.iter().zip(&mut self.states) {
             let piece = &link.piece;
@@ -464,6 +473,7 @@ impl Surround {
                 v.shown[port.element] = (signals[k] - port.offset) / port.factor;
             }
         }
+        self.scratch = [auxiliary, signals, before];
     }
 
     fn run(&mut self, side: Side, dt: f64, auxiliary: &[f64]) {
