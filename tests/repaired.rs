@@ -28,7 +28,8 @@ import numpy as np
 from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 first, second, u, y, step = sys.argv[1:]
-out = {"problems": [str(p) for p in validate_fmu(second)], "rms": {}, "off": {}, "same": True}
+known = [str(p) for p in validate_fmu(first)]
+out = {"problems": [str(p) for p in validate_fmu(second) if str(p) not in known], "rms": {}, "off": {}, "same": True}
 own = {v.name for v in read_model_description(first).modelVariables}
 off = {v.name: False for v in read_model_description(second).modelVariables
        if v.name.endswith(".enabled") and v.name not in own}
@@ -40,7 +41,7 @@ for name in ("multisine", "stairs"):
         result = simulate_fmu(fmu, stop_time=t[-1], step_size=float(step),
                               output_interval=float(step), input=table, output=[y],
                               start_values=start)
-        return result[y][:len(t)]
+        return result[y].reshape(len(result))[:len(t)]
     before, after, without = run(first, {}), run(second, {}), run(second, off)
     rms = lambda r: float(np.sqrt(np.mean((r - r.mean()) ** 2)))
     out["rms"][name] = [rms(reading - before), rms(reading - after)]
@@ -88,7 +89,9 @@ fn our_stage_repaired(version: &str) {
     let named = effects(&gap);
     assert!(named.contains(&"creep"), "{named:?}");
     let folder = fmu.file.parent().expect("a folder");
-    let out = compare("stage.fmu", "repaired.fmu", PLANT_PORTS, folder);
+    // What is two scalars in FMI 2.0 is two arrays of one element in FMI 3.0.
+    let ports = if version == "3" { ("command", "position") } else { PLANT_PORTS };
+    let out = compare("stage.fmu", "repaired.fmu", ports, folder);
     assert_nearer(&out, 2e-3);
     let checked = piezoloop(&["check", "repaired.fmu"], folder);
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stdout));
@@ -262,12 +265,13 @@ fmu.setReal([ref["u"]], [10.0])
 fmu.exitInitializationMode()
 first = fmu.getReal([ref["y"], ref["u"], ref["gain"]])
 assert first[1:] == [10.0, 0.1], first
-assert abs(first[0] - 1.0) < 0.1, first
+# At rest the creep of a tenth is over.
+assert abs(first[0] - 1.1) < 0.02, first
 fmu.setReal([ref["gain"], ref["u"]], [0.2, 20.0])
 for k in range(2000):
     fmu.doStep(k * 5e-4, 5e-4)
 last = fmu.getReal([ref["y"], ref["u"], ref["gain"]])
-assert last[1:] == [20.0, 0.2] and abs(last[0] - 4.0) < 0.4, last
+assert last[1:] == [20.0, 0.2] and abs(last[0] - 4.4) < 0.1, last
 assert fmu.getBoolean([ref["fast"]]) == [1]
 assert fmu.getInteger([ref["steps"]]) == [2000]
 assert b"I am me" in fmu.getString([ref["label"]])[0]
@@ -329,8 +333,9 @@ fn an_fmu_of_pythonfmu_is_repaired() {
     measure_lag(folder.path());
     // A stage of Python is slow: a short record, and the effects that are in the machine.
     let log = fs::read_to_string(folder.path().join("multisine.csv")).expect("a log");
-    let short: Vec<&str> = log.lines().take(401).collect();
-    fs::write(folder.path().join("short.csv"), short.join("\n")).expect("the folder is writable");
+    let short: Vec<&str> = log.lines().skip(1).take(400).collect();
+    let short = format!("time,u,x\n{}\n", short.join("\n"));
+    fs::write(folder.path().join("short.csv"), short).expect("the folder is writable");
     let known = json(&["list", "effects"], folder.path());
     let names = known.as_array().expect("effects").iter().filter_map(|e| e["name"].as_str());
     let mut arguments = vec![
