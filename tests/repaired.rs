@@ -236,7 +236,7 @@ const C_STAGE: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 fn a_c_fmu_is_repaired_with_all_its_types_and_its_gaps() {
     let folder = tempfile::tempdir().expect("a folder");
     let library = folder.path().join("stage.so");
-    compile_library("stage.c", &library);
+    compile_library("stage.c", &[], &library);
     let description = ModelDescription::parse(C_STAGE.as_bytes()).expect("a description");
     let mut package = PackageBuilder::new(&description).expect("a package");
     package.binary("linux64", fs::read(&library).expect("the library")).expect("its place");
