@@ -52,7 +52,7 @@ impl Addresses {
         let short = std::fs::read_to_string(&carried)
             .ok()
             .and_then(|text| Blueprint::parse(&text, "blueprint.toml").ok())
-            .and_then(|blueprint| blueprint.check(components::COMPONENTS).ok())
+            .and_then(|blueprint| blueprint.check(learned::COMPONENTS).ok())
             .map(|checked| {
                 let system = checked.build();
                 let variables = system.variables().as_slice().iter();

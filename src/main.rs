@@ -13,6 +13,7 @@ mod libraries;
 mod matching;
 mod pages;
 mod progress;
+mod reproduce;
 mod window;
 
 use std::path::{Path, PathBuf};

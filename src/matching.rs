@@ -60,14 +60,14 @@ pub(crate) fn figures() -> anyhow::Result<Vec<Figure>> {
 }
 
 /// A built rig.
-fn rig(name: &str) -> anyhow::Result<System> {
+pub(crate) fn rig(name: &str) -> anyhow::Result<System> {
     let rig = rigs::find(name).with_context(|| format!("there is no rig {name}"))?;
     let blueprint = Blueprint::parse(rig.blueprint, rig.name)?;
-    Ok(blueprint.check(components::COMPONENTS)?.build())
+    Ok(blueprint.check(learned::COMPONENTS)?.build())
 }
 
 /// Sets the command of an axis, from 1.
-fn command(system: &mut System, axis: usize, value: f64) -> anyhow::Result<()> {
+pub(crate) fn command(system: &mut System, axis: usize, value: f64) -> anyhow::Result<()> {
     let reference = variable(system, &format!("command[{axis}]"))?;
     system.set(reference, value).map_err(|error| anyhow!(system.explain_set(&error)))
 }
@@ -76,13 +76,13 @@ fn variable(system: &System, name: &str) -> anyhow::Result<u32> {
     system.variables().find(name).with_context(|| format!("{} has no {name}", system.name()))
 }
 
-fn position(system: &System, axis: usize) -> anyhow::Result<f64> {
+pub(crate) fn position(system: &System, axis: usize) -> anyhow::Result<f64> {
     let reference = variable(system, &format!("position[{axis}]"))?;
     system.get(reference).context("a variable of the table")
 }
 
 /// At rest under these commands: the positions of all axes.
-fn rest(system: &mut System, commands: &[f64]) -> anyhow::Result<Vec<f64>> {
+pub(crate) fn rest(system: &mut System, commands: &[f64]) -> anyhow::Result<Vec<f64>> {
     for (axis, value) in (1..).zip(commands) {
         command(system, axis, *value)?;
     }
@@ -91,7 +91,12 @@ fn rest(system: &mut System, commands: &[f64]) -> anyhow::Result<Vec<f64>> {
 }
 
 /// The position of `axis` at t = n·period while its command is `u`; row n is read before u[n] acts.
-fn response(system: &mut System, axis: usize, u: &[f64], period: f64) -> anyhow::Result<Vec<f64>> {
+pub(crate) fn response(
+    system: &mut System,
+    axis: usize,
+    u: &[f64],
+    period: f64,
+) -> anyhow::Result<Vec<f64>> {
     system.reset();
     command(system, axis, u.first().copied().unwrap_or(0.0))?;
     system.initialise(0.0).map_err(|error| anyhow!(system.explain(&error)))?;
@@ -106,18 +111,18 @@ fn response(system: &mut System, axis: usize, u: &[f64], period: f64) -> anyhow:
 }
 
 /// A paper's signal: its only channel and its sample time.
-fn signal(name: &str, settings: &[(&str, f64)]) -> anyhow::Result<(Vec<f64>, f64)> {
+pub(crate) fn signal(name: &str, settings: &[(&str, f64)]) -> anyhow::Result<(Vec<f64>, f64)> {
     let signal = signals::lookup(name)?.generate(settings)?;
     let channel = signal.channels.first().context("a signal has a channel")?;
     Ok((channel.values.clone(), signal.period))
 }
 
-fn extremes(values: &[f64]) -> (f64, f64) {
+pub(crate) fn extremes(values: &[f64]) -> (f64, f64) {
     let fold = |start: f64, pick: fn(f64, f64) -> f64| values.iter().copied().fold(start, pick);
     (fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max))
 }
 
-fn rms(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+pub(crate) fn rms(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = values.len().max(1) as f64;
     (values.map(|x| x * x).sum::<f64>() / count).sqrt()
 }
@@ -158,7 +163,7 @@ fn p0() -> anyhow::Result<Vec<Figure>> {
         ("hysteresis model without D, frequency-varying signal", 2.25),
         ("LS-SVM with D, test 1", 0.925),
     ] {
-        all.push(Figure::open(RIG, what, "%", paper, "needs the LS-SVM identification"));
+        all.push(Figure::open(RIG, what, "%", paper, "piezoloop reproduce p0 shows it"));
     }
     Ok(all)
 }
@@ -186,7 +191,7 @@ fn p1() -> anyhow::Result<Vec<Figure>> {
         });
     }
     for (what, paper) in [("Preisach, signal G", 1.337), ("LS-SVM NARX, signal G", 0.166)] {
-        all.push(Figure::open(RIG, what, "um", paper, "needs that identification"));
+        all.push(Figure::open(RIG, what, "um", paper, "piezoloop reproduce p1 shows it"));
     }
     Ok(all)
 }
@@ -220,7 +225,7 @@ fn p2() -> anyhow::Result<Vec<Figure>> {
         "LS-SVM model III, training",
         "%",
         1.05,
-        "needs that identification",
+        "piezoloop reproduce p2 shows it",
     ));
     Ok(all)
 }

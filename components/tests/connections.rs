@@ -11,7 +11,7 @@ const T: f64 = 1e-4;
 fn node(kind: &str, name: &str, structure: &[f64], values: &[f64]) -> NodeSpec {
     let component = find(kind).unwrap_or_else(|| panic!("{kind} is not registered"));
     let (structure, values) = (structure.to_vec(), values.to_vec());
-    NodeSpec { component, name: name.into(), structure, values, enabled: true }
+    NodeSpec { component: component.into(), name: name.into(), structure, values, enabled: true }
 }
 
 fn axis(name: &str, components: Vec<NodeSpec>) -> AxisSpec {

@@ -134,7 +134,7 @@ fn node((kind, structure, values): &Example) -> NodeSpec {
     let component = find(kind).unwrap_or_else(|| panic!("{kind} is not registered"));
     let name = component.declaration().name.to_string();
     let (structure, values) = (structure.to_vec(), values.to_vec());
-    NodeSpec { component, name, structure, values, enabled: true }
+    NodeSpec { component: component.into(), name, structure, values, enabled: true }
 }
 
 /// The input ports of an instance; those of a coupling for two axes.

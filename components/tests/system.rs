@@ -11,7 +11,7 @@ const T: f64 = 1e-4;
 
 fn node(kind: &str, name: &str, structure: &[f64], values: &[f64]) -> NodeSpec {
     NodeSpec {
-        component: find(kind).unwrap_or_else(|| panic!("{kind} is not registered")),
+        component: find(kind).unwrap_or_else(|| panic!("{kind} is not registered")).into(),
         name: name.into(),
         structure: structure.to_vec(),
         values: values.to_vec(),
@@ -58,7 +58,7 @@ fn plant() -> System {
 
 fn controller() -> System {
     let mut values = hysteresis();
-    values.component = find("inverse-prandtl-ishlinskii").expect("registered");
+    values.component = find("inverse-prandtl-ishlinskii").expect("registered").into();
     let pid = node("pid", "pid", &[], &[2.0, 300.0, 1e-4, 0.0, 0.0, 120.0]);
     system(Kind::Controller, vec![axis("Y", vec![values, pid])])
 }

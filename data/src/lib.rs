@@ -21,7 +21,7 @@ mod whole_file;
 
 pub use blueprint::{
     AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, ConnectionBlueprint,
-    CouplingBlueprint, ParameterRecord, RecordValue, SignalBlueprint, Value,
+    CouplingBlueprint, ParameterRecord, RecordValue, SignalBlueprint, Value, npy_of,
 };
 pub use fit::{Fit, FitError};
 pub use log::{

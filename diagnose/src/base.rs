@@ -167,7 +167,7 @@ impl Base {
             self.memory = memory_of(&values);
         }
         self.nodes.push(Node::Component(ComponentNode {
-            component: spec.component,
+            component: spec.component.clone(),
             structure: spec.structure.clone(),
             values,
             links: Vec::new(),

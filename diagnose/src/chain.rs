@@ -5,7 +5,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use model::{Component, Tick};
+use model::{ComponentRef, Tick};
 
 use crate::black_box::BlackBox;
 use crate::block::{Block, Wires};
@@ -55,7 +55,7 @@ pub(crate) struct Link {
 /// A component of the blueprint.
 #[derive(Clone)]
 pub(crate) struct ComponentNode {
-    pub(crate) component: &'static dyn Component,
+    pub(crate) component: ComponentRef,
     pub(crate) structure: Vec<f64>,
     /// Parameters in SI.
     pub(crate) values: Vec<f64>,
@@ -282,7 +282,7 @@ impl ComponentNode {
     }
 
     fn run(&self, theta: &[f64], x: &[f64], step: f64, out: &mut [f64]) -> Result<(), Failed> {
-        let component = self.component;
+        let component = &self.component;
         let sizes = component.sizes(&self.structure, step);
         let mut coefficients = vec![0.0; sizes.coefficients];
         let mut state = vec![0.0; sizes.states];

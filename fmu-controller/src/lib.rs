@@ -15,7 +15,7 @@ fmi_bindings::export_fmi3!(crate::controller);
 fn controller(resources: &Path) -> Result<System, String> {
     let file = resources.join(export::BLUEPRINT);
     let checked = Blueprint::read(&file)
-        .and_then(|blueprint| blueprint.check(components::COMPONENTS))
+        .and_then(|blueprint| blueprint.check(learned::COMPONENTS))
         .map_err(|problems| problems.to_string())?;
     if checked.blueprint().kind != Kind::Controller {
         return Err(format!(

@@ -18,6 +18,7 @@ mod fit;
 mod identification;
 mod identify;
 mod judge;
+pub mod learned;
 mod observer;
 mod plant;
 mod record;

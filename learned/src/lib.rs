@@ -1,5 +1,6 @@
 //! Models learned from data: least-squares support vector machines and Gaussian processes.
 //!
+//! * [`COMPONENTS`]: the list of all component types, with those that run learned tables.
 //! * [`KernelSum`]: the function that they all are, evaluated without allocation.
 //! * [`lssvm`]: training, cross-validation, leave-one-out, pruning.
 //! * [`Compressor`]: fewer centres for the same function.
@@ -9,6 +10,7 @@
 //!
 //! Without the feature `train` only what runs in real time is there.
 
+mod components;
 #[cfg(feature = "train")]
 mod compress;
 #[cfg(feature = "train")]
@@ -27,6 +29,7 @@ mod testing;
 #[cfg(feature = "train")]
 pub mod tune;
 
+pub use components::COMPONENTS;
 #[cfg(feature = "train")]
 pub use compress::Compressor;
 #[cfg(feature = "train")]

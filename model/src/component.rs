@@ -1,8 +1,9 @@
 //! A component: one physical effect or one control law.
 
+use alloc::string::String;
 use core::fmt;
 
-use crate::{Effect, Quantity, Structural};
+use crate::{ComponentRef, Effect, Quantity, Structural, Table};
 
 /// Most input or output ports of one component.
 pub const MAX_PORTS: usize = 8;
@@ -329,9 +330,23 @@ impl fmt::Display for Violation {
 /// Contract of the calls: [`prepare`](Self::prepare) once before anything else and again after a
 /// tunable parameter changed; [`rest`](Self::rest) once at the start; then [`step`](Self::step) at
 /// each hit. No call allocates or panics.
-pub trait Component: Sync {
+pub trait Component: Send + Sync {
     /// What is declared about it.
     fn declaration(&self) -> &'static Declaration;
+
+    /// Whether it runs a learned table (the blueprint's key `table`).
+    fn takes_table(&self) -> bool {
+        false
+    }
+
+    /// The component of this declaration and structure that runs `table`.
+    ///
+    /// # Errors
+    /// Why the table does not fit, and the way out.
+    fn with_table(&self, structure: &[f64], table: &Table) -> Result<ComponentRef, String> {
+        let (_, _) = (structure, table);
+        Err(alloc::format!("{} takes no table; leave it out", self.declaration().kind))
+    }
 
     /// Room for an instance with this structure at this period (s).
     fn sizes(&self, structure: &[f64], period: f64) -> Sizes;

@@ -16,6 +16,7 @@ mod context;
 mod effect;
 mod quantity;
 mod system;
+mod table;
 mod unit;
 mod variable;
 
@@ -32,5 +33,6 @@ pub use system::{
     StepError, System, SystemSpec,
 };
 pub use system::{DerivativeError, DerivativeRoom, Past};
+pub use table::{ComponentRef, Table};
 pub use unit::{BASE_UNITS, Unit, UnitError};
 pub use variable::{Causality, DataType, Gate, SetError, Variable, VariableTable};

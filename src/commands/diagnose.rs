@@ -211,7 +211,7 @@ impl Diagnose {
         if self.is_fmu() {
             return Ok(Model::Fmu(self.model.clone()));
         }
-        let checked = inputs::blueprint(&self.model)?.blueprint.check(components::COMPONENTS)?;
+        let checked = inputs::blueprint(&self.model)?.blueprint.check(learned::COMPONENTS)?;
         Ok(Model::Blueprint(Box::new(checked)))
     }
 
@@ -279,7 +279,7 @@ impl Diagnose {
         }
         let source = inputs::blueprint(&self.model)?;
         let (repaired, notes) = diagnosis.repair(&source.blueprint);
-        repaired.check(components::COMPONENTS).with_context(|| {
+        repaired.check(learned::COMPONENTS).with_context(|| {
             format!("{} is not written: the repaired blueprint breaks a rule", file.display())
         })?;
         if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {

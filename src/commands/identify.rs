@@ -289,7 +289,7 @@ fn join(axes: &[AxisResult]) -> anyhow::Result<CheckedBlueprint> {
         }
         whole.axes.extend(other.axes.iter().cloned());
     }
-    Ok(whole.check(components::COMPONENTS)?)
+    Ok(whole.check(learned::COMPONENTS)?)
 }
 
 /// Internal step of an axis' plant, as text.

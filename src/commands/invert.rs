@@ -56,7 +56,7 @@ impl Invert {
     /// Makes and writes the controller.
     pub(crate) fn execute(&self) -> anyhow::Result<Inverted> {
         inputs::not_over(&self.out, &[&self.plant])?;
-        let plant = inputs::blueprint(&self.plant)?.blueprint.check(components::COMPONENTS)?;
+        let plant = inputs::blueprint(&self.plant)?.blueprint.check(learned::COMPONENTS)?;
         let settings = ControlSettings {
             name: self.name.clone(),
             period: self.period,
@@ -69,7 +69,7 @@ impl Invert {
             for axis in &mut controller.axes {
                 axis.components.retain(|component| component.kind == "pid");
             }
-            controller.check(components::COMPONENTS)?;
+            controller.check(learned::COMPONENTS)?;
         }
         controller.write(&self.out)?;
         let period_s = inversion.controller.spec().period;

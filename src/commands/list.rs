@@ -146,7 +146,7 @@ fn effects() -> Vec<EffectRow> {
         name: effect.name,
         stage: effect.stage.name(),
         group: effect.group.map(group_name),
-        components: components::COMPONENTS
+        components: learned::COMPONENTS
             .iter()
             .map(|c| c.declaration())
             .filter(|d| d.effect.is_some_and(|e| e.name == effect.name))
@@ -194,7 +194,7 @@ fn models() -> Vec<ModelRow> {
             })
             .collect(),
     };
-    components::COMPONENTS.iter().map(|c| row(c.declaration())).collect()
+    learned::COMPONENTS.iter().map(|c| row(c.declaration())).collect()
 }
 
 /// The table of figures, and the verdict on each rig.

@@ -10,6 +10,7 @@ mod invert;
 mod list;
 mod log;
 pub(crate) mod pack;
+mod reproduce;
 mod signal;
 pub(crate) mod simulate;
 mod system;
@@ -36,6 +37,7 @@ pub(crate) enum Command {
     EffectsDocs(effects_docs::EffectsDocs),
     Diagnose(diagnose::Diagnose),
     GapBench(gap_bench::GapBench),
+    Reproduce(reproduce::Reproduce),
     /// Runs one FMU for another process of this tool
     #[command(name = WORKER, hide = true)]
     FmuWorker,
@@ -62,6 +64,7 @@ impl Command {
             Self::EffectsDocs(command) => command.run(screen),
             Self::Diagnose(command) => command.run(screen),
             Self::GapBench(command) => command.run(screen),
+            Self::Reproduce(command) => command.run(screen),
         }
     }
 }

@@ -103,7 +103,8 @@ pub(crate) fn pack(
     given: &[Binary],
     output: &Path,
 ) -> anyhow::Result<Packed> {
-    let system = source.blueprint.check(components::COMPONENTS)?.build();
+    let checked = source.blueprint.check(learned::COMPONENTS)?;
+    let system = checked.build();
     let (library, kind, icon): (_, _, &[u8]) = match system.kind() {
         model::Kind::Plant => (&libraries::PLANT, "plant", include_bytes!("../icons/plant.png")),
         model::Kind::Controller => {
@@ -138,6 +139,9 @@ pub(crate) fn pack(
         package.entry("model.png", icon.to_vec())?;
     }
     package.resource("blueprint.toml", source.text.clone().into_bytes())?;
+    for (name, bytes) in checked.table_files() {
+        package.resource(&name, bytes)?;
+    }
     let notice =
         b"The shared library of this FMU is licensed under MIT or Apache-2.0, at your option.\n\
         The model in resources/blueprint.toml belongs to whoever made it.\n";

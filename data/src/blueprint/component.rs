@@ -1,10 +1,12 @@
 //! The check of the components of an axis.
 
-use model::{AxisSpec, Component, Declaration, NodeSpec, Quantity, Shape, unit_on_axis};
+use model::{
+    AxisSpec, Component, ComponentRef, Declaration, NodeSpec, Quantity, Shape, unit_on_axis,
+};
 
 use super::check::{Checker, DraftAxis, DraftNode};
 use super::origin::Place;
-use super::{AxisBlueprint, ComponentBlueprint, Value, frame, structure};
+use super::{AxisBlueprint, ComponentBlueprint, TABLE, Value, frame, structure};
 use crate::nearest::did_you_mean;
 
 /// Keys of a component that are not quantities.
@@ -98,7 +100,7 @@ impl Member<'_> {
         name: String,
     ) -> DraftNode {
         let before = checker.problems.len();
-        self.check_keys(checker);
+        self.check_keys(checker, component.takes_table());
         self.check_tolerances(checker);
         let counts = structure::counts(checker, self);
         let lengths = |index| counts.get(index).copied().flatten();
@@ -118,9 +120,42 @@ impl Member<'_> {
             let harmless = quantity.start.unwrap_or(0.0).max(quantity.min).min(quantity.max);
             values.extend((0..length).map(|k| found.get(k).copied().flatten().unwrap_or(harmless)));
         }
+        let is_whole = counts.iter().all(Option::is_some);
+        let component = self.with_table(checker, component, &structure, is_whole);
         let node = NodeSpec { component, name, structure, values, enabled: self.given.enabled };
         let is_clean = checker.problems.len() == before && !self.was_spoilt(checker);
         DraftNode { node, is_clean }
+    }
+
+    /// The component with its table, where it runs one and the structure is known.
+    fn with_table(
+        &self,
+        checker: &mut Checker<'_>,
+        component: &'static dyn Component,
+        structure: &[f64],
+        is_whole: bool,
+    ) -> ComponentRef {
+        let place = self.place.child(TABLE);
+        if !component.takes_table() || checker.is_spoilt(&place.key) {
+            return component.into();
+        }
+        let Some(Value::Text(name)) = self.given.get(TABLE) else {
+            let way_out = "give the file of its learned table, as in \"hysteresis.npy\"";
+            checker.report(&place, "", "is missing: this component runs a table", way_out);
+            return component.into();
+        };
+        let shown = format!("{name:?}");
+        let refusal = match checker.blueprint.table(name) {
+            Ok(_) if !is_whole => return component.into(),
+            Ok(table) => match component.with_table(structure, &table) {
+                Ok(loaded) => return loaded,
+                Err(text) => text,
+            },
+            Err((rule, way_out)) => format!("{rule}; {way_out}"),
+        };
+        let (rule, way_out) = refusal.rsplit_once("; ").unwrap_or((&refusal, ""));
+        checker.report(&place, &shown, rule, way_out);
+        component.into()
     }
 
     /// Whether a key of this component was wrong already when the file was read.
@@ -137,8 +172,9 @@ impl Member<'_> {
         settings.chain(self.declaration.parameters.iter().map(|q| q.name)).collect()
     }
 
-    fn check_keys(&self, checker: &mut Checker<'_>) {
-        let known = self.names();
+    fn check_keys(&self, checker: &mut Checker<'_>, takes_table: bool) {
+        let mut known = self.names();
+        known.extend(takes_table.then_some(TABLE));
         for (name, _) in &self.given.values {
             if known.contains(&name.as_str()) {
                 continue;

@@ -201,7 +201,7 @@ fn one(
     let given = flat(checker, &given.component, &place, numbers.len());
     let mut coupling = CouplingSpec {
         node: model::NodeSpec {
-            component,
+            component: component.into(),
             name: name.clone(),
             structure: Vec::new(),
             values: Vec::new(),

@@ -48,19 +48,23 @@ mod origin;
 mod read;
 mod record;
 mod structure;
+mod table;
 mod write;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use model::{Kind, Registry, System, SystemSpec};
+use model::{Kind, Registry, System, SystemSpec, Table};
 use origin::Origin;
 pub use record::{ParameterRecord, RecordValue};
+pub use table::npy_of;
 
 use crate::{Problem, Problems, WholeFile};
 
 /// Number of the file format, the value of the key `piezoloop`.
 const FORMAT: f64 = 1.0;
+/// A component's key for its learned table.
+const TABLE: &str = "table";
 
 /// A plant or a controller as a file says it: unchecked.
 ///
@@ -85,6 +89,8 @@ pub struct Blueprint {
     pub couplings: Vec<CouplingBlueprint>,
     /// Ports that read another signal than their own.
     pub connections: Vec<ConnectionBlueprint>,
+    /// Tables in memory by the name that components give; others are files beside the blueprint.
+    pub tables: BTreeMap<String, Table>,
     /// File and lines, for messages.
     origin: Origin,
 }
@@ -207,6 +213,7 @@ impl Blueprint {
             axes: Vec::new(),
             couplings: Vec::new(),
             connections: Vec::new(),
+            tables: BTreeMap::new(),
             origin: Origin::default(),
         }
     }
@@ -402,6 +409,20 @@ impl CheckedBlueprint {
     #[must_use]
     pub fn blueprint(&self) -> &Blueprint {
         &self.blueprint
+    }
+    /// The files of all tables that its components run, by name, as they lie beside the blueprint.
+    #[must_use]
+    pub fn table_files(&self) -> Vec<(String, Vec<u8>)> {
+        let components = self.blueprint.axes.iter().flat_map(|axis| &axis.components);
+        let mut files = BTreeMap::new();
+        for component in components {
+            if let Some(Value::Text(name)) = component.get(TABLE)
+                && let Ok(table) = self.blueprint.table(name)
+            {
+                files.insert(name.clone(), table::npy_of(&table));
+            }
+        }
+        files.into_iter().collect()
     }
     /// What it says, with every value in the unit of its quantity on its axis.
     #[must_use]

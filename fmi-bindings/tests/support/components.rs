@@ -200,7 +200,13 @@ pub(super) fn axis(name: &str, components: Vec<NodeSpec>) -> AxisSpec {
 
 pub(super) fn node(component: &'static dyn Component, values: &[f64], enabled: bool) -> NodeSpec {
     let name = component.declaration().name.into();
-    NodeSpec { component, name, structure: vec![], values: values.to_vec(), enabled }
+    NodeSpec {
+        component: component.into(),
+        name,
+        structure: vec![],
+        values: values.to_vec(),
+        enabled,
+    }
 }
 
 fn plant_with(gain: f64) -> System {

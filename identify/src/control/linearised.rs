@@ -3,7 +3,7 @@
 
 use components::actuator::ActuatorGain;
 use components::hysteresis::play::Plays;
-use model::{AxisSpec, Connections, Conversion, Kind, NodeSpec, System, SystemSpec};
+use model::{AxisSpec, ComponentRef, Connections, Conversion, Kind, NodeSpec, System, SystemSpec};
 
 /// Longest step response that is simulated, in samples.
 const LONGEST: usize = 1 << 17;
@@ -158,7 +158,7 @@ pub(crate) fn linear_axis(axis: &AxisSpec, shift: f64) -> AxisSpec {
         match node.component.declaration().kind {
             "prandtl-ishlinskii" => {
                 let slope = values(node, "w").iter().sum();
-                node.component = &ActuatorGain;
+                node.component = ComponentRef::Static(&ActuatorGain);
                 node.structure = Vec::new();
                 node.values = vec![slope, 0.0];
             }

@@ -2,7 +2,7 @@
 
 pub(crate) mod delay;
 mod least_squares;
-mod levenberg_marquardt;
+pub(crate) mod levenberg_marquardt;
 pub(crate) mod linear_part;
 pub(crate) mod response;
 pub(crate) mod weights;

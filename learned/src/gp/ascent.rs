@@ -12,6 +12,8 @@ use crate::lssvm::Samples;
 const MEMORY: usize = 8;
 /// Greatest change of a logarithm in one step.
 const LONGEST: f64 = 2.0;
+/// Least ln(σ_n/σ_f).
+const LEAST_NOISE: f64 = -10.0;
 /// Range of the logarithms about the start.
 const REACH: f64 = 14.0;
 
@@ -61,6 +63,9 @@ pub(super) fn ascend(
                 .map(|((x, d), o)| (x + step * d).clamp(o - REACH, o + REACH))
                 .collect();
             count += 1;
+            let mut probe = probe;
+            // Less noise than this leaves a matrix that double precision cannot solve.
+            probe[1] = probe[1].max(probe[0] + LEAST_NOISE);
             // A matrix that is not positive definite is a step too far.
             match likelihood(samples, &parameters(&probe)) {
                 Ok(found) if found.value >= best.value + 1e-4 * step * slope => {

@@ -180,7 +180,7 @@ impl<'a> Builder<'a> {
         self.parameters.push(parameters);
         self.at_rest.push(at_rest);
         self.nodes.push(Node {
-            component: node.component,
+            component: node.component.clone(),
             path: place,
             structure: node.structure.clone(),
             parameters: 0..0,

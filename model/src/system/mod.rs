@@ -20,7 +20,7 @@ pub use spec::{
 };
 
 use crate::{
-    Causality, Component, Context, ContextError, MAX_PORTS, SetError, Unit, VariableTable,
+    Causality, ComponentRef, Context, ContextError, MAX_PORTS, SetError, Unit, VariableTable,
     Violation,
 };
 
@@ -63,7 +63,7 @@ pub(crate) struct Plan {
 /// An instance of a component.
 #[derive(Clone)]
 struct Node {
-    component: &'static dyn Component,
+    component: ComponentRef,
     /// `axis[1].hysteresis`, for messages.
     path: String,
     structure: Vec<f64>,

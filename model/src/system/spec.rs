@@ -4,7 +4,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 
-use crate::Component;
+use crate::ComponentRef;
 
 /// What a system stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +19,7 @@ pub enum Kind {
 #[derive(Clone)]
 pub struct NodeSpec {
     /// Its type.
-    pub component: &'static dyn Component,
+    pub component: ComponentRef,
     /// Its name on the axis.
     pub name: String,
     /// Structural settings, in the order of the declaration.

@@ -1,0 +1,100 @@
+//! The linear part behind a learned hysteresis.
+//!
+//! ```text
+//! y(t) = Σ b_i h(t−i) − Σ a_j y(t−j)
+//! ```
+//!
+//! The equation error gives the start, the error of the simulation the result.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::error::Error;
+use crate::fit::levenberg_marquardt::{Unknown, minimise};
+
+/// A rational transfer function in the backward shift.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arx {
+    /// b_0, b_1, …
+    pub b: Vec<f64>,
+    /// a_1, a_2, …
+    pub a: Vec<f64>,
+}
+
+impl Arx {
+    /// Fits `zeros` + 1 numerator and `poles` denominator coefficients.
+    ///
+    /// # Errors
+    /// [`Error::NoSolution`] where the record does not determine them.
+    pub fn fit(input: &[f64], output: &[f64], zeros: usize, poles: usize) -> Result<Self, Error> {
+        let start = Self::by_equation_error(input, output, zeros, poles)?;
+        let unknowns: Vec<Unknown> = start
+            .b
+            .iter()
+            .chain(&start.a)
+            .map(|x| Unknown { start: *x, lower: x - 4.0, upper: x + 4.0 })
+            .collect();
+        let of = |p: &[f64]| Self { b: p[..=zeros].to_vec(), a: p[zeros + 1..].to_vec() };
+        let residuals = |p: &[f64]| {
+            let run = of(p).simulate(input, output[0]);
+            Ok(run.iter().zip(output).map(|(s, y)| (s - y).clamp(-1e3, 1e3)).collect())
+        };
+        let before = super::rms_difference(&start.simulate(input, output[0]), output);
+        let Ok(minimum) = minimise(&unknowns, residuals, |_| ()) else { return Ok(start) };
+        let fitted = of(&minimum.parameters);
+        let after = super::rms_difference(&fitted.simulate(input, output[0]), output);
+        Ok(if after < before || before.is_nan() { fitted } else { start })
+    }
+
+    fn by_equation_error(
+        input: &[f64],
+        output: &[f64],
+        zeros: usize,
+        poles: usize,
+    ) -> Result<Self, Error> {
+        let first = zeros.max(poles);
+        let rows = input.len().min(output.len()).saturating_sub(first);
+        let at = |i: usize, k: usize| match k.checked_sub(zeros + 1) {
+            None => input[first + i - k],
+            Some(j) => -output[first + i - j - 1],
+        };
+        let matrix = DMatrix::from_fn(rows, zeros + 1 + poles, at);
+        let right = DVector::from_fn(rows, |i, _| output[first + i]);
+        let solution = matrix.svd(true, true).solve(&right, 1e-12).ok();
+        let Some(p) = solution.filter(|p| p.iter().all(|x| x.is_finite())) else {
+            return Err(Error::NoSolution { reason: "the record does not move the linear part" });
+        };
+        let all = p.as_slice();
+        Ok(Self { b: all[..=zeros].to_vec(), a: all[zeros + 1..].to_vec() })
+    }
+
+    /// The response to `input` of a system that rested at `y0` under the first input.
+    #[must_use]
+    pub fn simulate(&self, input: &[f64], y0: f64) -> Vec<f64> {
+        let mut output: Vec<f64> = Vec::with_capacity(input.len());
+        let first = input.first().copied().unwrap_or(0.0);
+        for t in 0..input.len() {
+            let past = |i: usize| t.checked_sub(i).map_or(first, |k| input[k]);
+            let before = |j: usize| t.checked_sub(j).map_or(y0, |k| output[k]);
+            let forward: f64 = self.b.iter().enumerate().map(|(i, b)| b * past(i)).sum();
+            let back: f64 = self.a.iter().zip(1..).map(|(a, j)| a * before(j)).sum();
+            output.push((forward - back).clamp(-1e9, 1e9));
+        }
+        output
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_coefficients_of_a_known_system_are_found() {
+        let truth = Arx { b: vec![0.2, -0.1], a: vec![-1.2, 0.3] };
+        let input: Vec<f64> = (0..400).map(|t| (0.002 * f64::from(t * t)).sin()).collect();
+        let output = truth.simulate(&input, 0.0);
+        let found = Arx::fit(&input, &output, 1, 2).unwrap();
+        for (a, b) in found.b.iter().chain(&found.a).zip(truth.b.iter().chain(&truth.a)) {
+            assert!((a - b).abs() < 1e-6, "{found:?}");
+        }
+    }
+}

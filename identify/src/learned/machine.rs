@@ -1,0 +1,204 @@
+//! A kernel machine over features of the command.
+
+use learned::features::Features;
+use learned::lssvm::{LsSvm, Pruned, Pruning, Report, Samples, Settings, prune};
+use learned::{Compressor, KernelSum};
+
+use super::rms_difference;
+
+/// A range that is mapped onto 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// Becomes 0.
+    pub low: f64,
+    /// Becomes 1.
+    pub high: f64,
+}
+
+impl Span {
+    /// 0 to 1, which leaves numbers as they are.
+    pub const UNIT: Self = Self { low: 0.0, high: 1.0 };
+
+    /// From the least to the greatest of these numbers.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Self {
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if high > low { Self { low, high } } else { Self::UNIT }
+    }
+
+    fn inward(self, x: f64) -> f64 {
+        (x - self.low) / (self.high - self.low)
+    }
+
+    fn outward(self, x: f64) -> f64 {
+        self.low + x * (self.high - self.low)
+    }
+}
+
+/// What comes before and behind a machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// From the command to inputs; it sees the scaled command.
+    pub features: Features,
+    /// How the command is scaled.
+    pub command: Span,
+    /// How the output is scaled.
+    pub output: Span,
+    /// What each input is divided by before σ.
+    pub widths: Vec<f64>,
+}
+
+/// How inputs are scaled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recipe {
+    /// As the features give them.
+    Plain,
+    /// Each divided by its standard deviation over all records.
+    Standardised,
+}
+
+/// A trained machine in its frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machine {
+    /// What comes before and behind it.
+    pub frame: Frame,
+    /// The machine over inputs divided by the widths.
+    pub machine: LsSvm,
+}
+
+impl Frame {
+    /// A frame for these records of command and output.
+    #[must_use]
+    pub fn new(
+        features: Features,
+        command: Span,
+        output: Span,
+        recipe: Recipe,
+        records: &[(&[f64], &[f64])],
+    ) -> Self {
+        let widths = vec![1.0; features.dimension()];
+        let mut frame = Self { features, command, output, widths };
+        if recipe == Recipe::Standardised {
+            let (inputs, _) = frame.raw(records);
+            let d = frame.widths.len();
+            let count = (inputs.len() / d).max(1) as f64;
+            for k in 0..d {
+                let values = || inputs.iter().skip(k).step_by(d);
+                let mean = values().sum::<f64>() / count;
+                let variance = values().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
+                // An input that never moves carries nothing.
+                frame.widths[k] = if variance > 1e-24 { variance.sqrt() } else { 1.0 };
+            }
+        }
+        frame
+    }
+
+    /// The samples of these records.
+    ///
+    /// # Errors
+    /// As [`Samples::new`].
+    pub fn samples(&self, records: &[(&[f64], &[f64])]) -> Result<Samples, learned::Error> {
+        let (inputs, outputs) = self.raw(records);
+        Samples::new(self.features.dimension(), inputs, outputs)
+    }
+
+    fn raw(&self, records: &[(&[f64], &[f64])]) -> (Vec<f64>, Vec<f64>) {
+        let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
+        for (command, output) in records {
+            let u: Vec<f64> = command.iter().map(|u| self.command.inward(*u)).collect();
+            let y: Vec<f64> = output.iter().map(|y| self.output.inward(*y)).collect();
+            // A late feature belongs to an earlier output.
+            let delay = self.features.delay();
+            let d = self.widths.len();
+            let all = self.features.of_record(&u, &y);
+            inputs.extend_from_slice(all.get(delay * d..).unwrap_or(&[]));
+            outputs.extend_from_slice(&y[..y.len().saturating_sub(delay)]);
+        }
+        for (x, k) in inputs.iter_mut().zip((0..self.widths.len()).cycle()) {
+            *x /= self.widths[k];
+        }
+        (inputs, outputs)
+    }
+
+    /// The machine's function over features that are not divided.
+    #[must_use]
+    pub fn kernel_sum(&self, machine: &LsSvm) -> KernelSum {
+        let sigma = machine.sigma2.sqrt();
+        let widths: Vec<f64> = self.widths.iter().map(|w| w * sigma).collect();
+        let d = self.widths.len();
+        let centres: Vec<f64> =
+            machine.centres.iter().enumerate().map(|(i, x)| x * self.widths[i % d]).collect();
+        KernelSum::new(d, &centres, &machine.weights, &widths, machine.bias)
+    }
+
+    /// The response of a machine from rest with output `y0`.
+    #[must_use]
+    pub fn simulate(&self, machine: &LsSvm, command: &[f64], y0: f64) -> Vec<f64> {
+        let mut u: Vec<f64> = command.iter().map(|u| self.command.inward(*u)).collect();
+        let delay = self.features.delay();
+        // The delay is taken out: the last command is held.
+        u.extend(std::iter::repeat_n(u.last().copied().unwrap_or(0.0), delay));
+        let f = self.kernel_sum(machine);
+        let y = self.features.simulate(&f, &u, self.output.inward(y0), 1e3);
+        y[delay..].iter().map(|y| self.output.outward(*y)).collect()
+    }
+}
+
+impl Machine {
+    /// Trains on records of command and output.
+    ///
+    /// # Errors
+    /// As [`LsSvm::train`].
+    pub fn train(
+        frame: Frame,
+        records: &[(&[f64], &[f64])],
+        settings: Settings,
+    ) -> Result<(Self, Report), learned::Error> {
+        let (machine, report) = LsSvm::train(&frame.samples(records)?, settings)?;
+        Ok((Self { frame, machine }, report))
+    }
+
+    /// The response from rest with output `y0`, in simulation mode.
+    #[must_use]
+    pub fn simulate(&self, command: &[f64], y0: f64) -> Vec<f64> {
+        self.frame.simulate(&self.machine, command, y0)
+    }
+
+    /// Prunes as Algorithm 1 of the laser beam paper, judged by the simulation of the first record.
+    ///
+    /// # Errors
+    /// As [`prune`].
+    pub fn prune(
+        frame: Frame,
+        records: &[(&[f64], &[f64])],
+        settings: Settings,
+        pruning: Pruning,
+    ) -> Result<(Self, Pruned), learned::Error> {
+        let judge = |machine: &LsSvm| frame.error(machine, records);
+        let pruned = prune(&frame.samples(records)?, settings, pruning, judge)?;
+        Ok((Self { machine: pruned.model.clone(), frame }, pruned))
+    }
+
+    /// The fewest centres whose simulation errs at most `limit`; `None` where even `most` do not.
+    #[must_use]
+    pub fn compress(&self, records: &[(&[f64], &[f64])], most: usize, limit: f64) -> Option<Self> {
+        let judge = |machine: &LsSvm| self.frame.error(machine, records);
+        let machine = Compressor::new(&self.machine, most).smallest(limit, judge)?;
+        Some(Self { frame: self.frame.clone(), machine })
+    }
+}
+
+impl Frame {
+    /// Root mean square error of the simulations of all records, each from its first output.
+    fn error(&self, machine: &LsSvm, records: &[(&[f64], &[f64])]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for (command, output) in records {
+            let Some(first) = output.first() else { continue };
+            let run = self.simulate(machine, command, *first);
+            sum += rms_difference(&run, output).powi(2) * output.len() as f64;
+            count += output.len();
+        }
+        (sum / count.max(1) as f64).sqrt()
+    }
+}

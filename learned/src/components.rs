@@ -1,0 +1,335 @@
+//! Components that run learned tables in real time.
+//!
+//! Each evaluates `y = bias + Σ w_i exp(−Σ_k (x_ik − z_k)²/s_k²)` on its own sample time; between its
+//! samples the output is held. A table has one row more than support vectors: the first row is the
+//! bias and the widths s_k, each other one a weight and a support vector.
+//!
+//! At rest the output is where a hundred steps with the input held lead to.
+
+mod declarations;
+
+use model::{Component, ComponentRef, Declaration, Sizes, Table, Tick, Violation};
+
+use crate::KernelSum;
+use crate::features::{Derivatives, Features, Narx, Stops};
+
+/// All component types: those of the library, then those that run learned tables.
+pub static COMPONENTS: model::Registry = &ALL;
+
+const OWN: [&dyn Component; 6] = [
+    &declarations::LSSVM_NARX,
+    &declarations::LSSVM_STOPS,
+    &declarations::GAUSSIAN_PROCESS,
+    &declarations::LSSVM_INVERSE,
+    &declarations::LSSVM_STOPS_INVERSE,
+    &declarations::GP_INVERSE,
+];
+const LIBRARY: usize = components::COMPONENTS.len();
+
+static ALL: [&dyn Component; LIBRARY + OWN.len()] = {
+    let mut all = [OWN[0]; LIBRARY + OWN.len()];
+    let mut at = 0;
+    while at < all.len() {
+        all[at] = if at < LIBRARY { components::COMPONENTS[at] } else { OWN[at - LIBRARY] };
+        at += 1;
+    }
+    all
+};
+
+/// Steps that lead to rest.
+const STEPS_TO_REST: usize = 100;
+/// How far beyond its range an output may go, in ranges.
+const BEYOND: f64 = 1.0;
+
+/// A kind of learned component without its table.
+struct Family {
+    declaration: &'static Declaration,
+    /// Takes positions and gives commands.
+    inverse: bool,
+    /// The inputs that the structure (without its sample time, which comes first) asks for.
+    features: fn(f64, &[f64]) -> Option<Features>,
+}
+
+/// A learned component with its table.
+struct Loaded {
+    family: &'static Family,
+    features: Features,
+    sum: KernelSum,
+}
+
+fn narx(_period: f64, structure: &[f64]) -> Option<Features> {
+    let &[commands, outputs] = structure else { return None };
+    Some(Features::Narx(Narx { commands: commands as usize, outputs: outputs as usize }))
+}
+
+fn stops(period: f64, structure: &[f64]) -> Option<Features> {
+    let &[count, range, rate_scale] = structure else { return None };
+    Some(Features::Stops(Stops { count: count as usize, range, period, rate_scale }))
+}
+
+fn derivatives(_period: f64, structure: &[f64]) -> Option<Features> {
+    let &[dimension, half, cutoff] = structure else { return None };
+    Derivatives::new(dimension as usize, half as usize, cutoff, [1.0; 4]).map(Features::Derivatives)
+}
+
+impl Family {
+    fn load(&'static self, structure: &[f64], table: &Table) -> Result<Loaded, String> {
+        let features = structure
+            .split_first()
+            .and_then(|(period, rest)| (self.features)(*period, rest))
+            .ok_or("the structure does not give a set of inputs; inputs are 2, 6, 9 or 12")?;
+        let (d, columns) = (features.dimension(), table.columns());
+        if columns != d + 1 || table.rows() < 2 {
+            return Err(format!(
+                "the table has {} rows of {columns} numbers, but this structure takes {d} inputs: {} \
+                 numbers in each row, in at least 2 rows; give the table that belongs to it",
+                table.rows(),
+                d + 1
+            ));
+        }
+        if let Some(at) = table.values().iter().position(|x| !x.is_finite()) {
+            return Err(format!(
+                "row {}, column {} of the table is no finite number; train it again",
+                at / columns + 1,
+                at % columns + 1
+            ));
+        }
+        let (head, rows) = table.values().split_at(columns);
+        if let Some(at) = head[1..].iter().position(|width| *width <= 0.0) {
+            return Err(format!(
+                "width {} in the table's first row is {}, but must be positive; train it again",
+                at + 1,
+                head[at + 1]
+            ));
+        }
+        let weights: Vec<f64> = rows.chunks_exact(columns).map(|row| row[0]).collect();
+        let centres: Vec<f64> =
+            rows.chunks_exact(columns).flat_map(|row| row[1..].iter().copied()).collect();
+        let sum = KernelSum::new(d, &centres, &weights, &head[1..], head[0]);
+        Ok(Loaded { family: self, features, sum })
+    }
+}
+
+impl Component for &'static Family {
+    fn declaration(&self) -> &'static Declaration {
+        self.declaration
+    }
+
+    fn takes_table(&self) -> bool {
+        true
+    }
+
+    fn with_table(&self, structure: &[f64], table: &Table) -> Result<ComponentRef, String> {
+        Ok(ComponentRef::shared(self.load(structure, table)?))
+    }
+
+    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
+        Sizes::default()
+    }
+
+    fn prepare(
+        &self,
+        _structure: &[f64],
+        _parameters: &[f64],
+        _period: f64,
+        _coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        let rule = "must be given: the file of the learned table, as in table = \"hysteresis.npy\"";
+        Err(Violation { quantity: "table", index: None, value: 0.0, rule })
+    }
+
+    fn rest(&self, _: &[f64], _: &[f64], _: &mut [f64], outputs: &mut [f64]) {
+        outputs.fill(0.0);
+    }
+
+    fn step(&self, _: &[f64], _: &mut [f64], _: Tick, _: &[f64], outputs: &mut [f64]) {
+        outputs.fill(0.0);
+    }
+}
+
+/// Steps from one sample to the next, and the two ranges.
+struct Coefficients {
+    ratio: u64,
+    input: [f64; 2],
+    output: [f64; 2],
+}
+
+fn read(coefficients: &[f64]) -> Option<Coefficients> {
+    let &[ratio, a, b, c, d] = coefficients else { return None };
+    Some(Coefficients { ratio: ratio as u64, input: [a, b], output: [c, d] })
+}
+
+impl Loaded {
+    /// One sample: from the scaled input to the scaled output.
+    fn sample(&self, x: f64, state: &mut [f64]) -> f64 {
+        let d = self.features.dimension();
+        let (memory, room) = state.split_at_mut(self.features.memory());
+        let Some((z, room)) = room.split_at_mut_checked(d) else { return 0.0 };
+        self.features.step(x, memory, z);
+        let y = self.sum.value(z, room).clamp(-BEYOND, 1.0 + BEYOND);
+        self.features.output(y, memory);
+        y
+    }
+}
+
+impl Component for Loaded {
+    fn declaration(&self) -> &'static Declaration {
+        self.family.declaration
+    }
+
+    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
+        // Memory, input, room, held output.
+        let states = self.features.memory() + 2 * self.features.dimension() + 1;
+        Sizes { coefficients: 5, states }
+    }
+
+    fn prepare(
+        &self,
+        structure: &[f64],
+        parameters: &[f64],
+        period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        let (&[command_low, command_high, position_low, position_high], [sample, ..]) =
+            (parameters, structure)
+        else {
+            return Err(Violation {
+                quantity: "sample_time",
+                index: None,
+                value: 0.0,
+                rule: "this component was given a wrong number of values",
+            });
+        };
+        let ratio = libm::round(sample / period);
+        if ratio < 1.0 || libm::fabs(sample / period - ratio) > 1e-6 * ratio {
+            let rule = "must be a whole number of internal steps; choose the model's step so";
+            return Err(Violation { quantity: "sample_time", index: None, value: *sample, rule });
+        }
+        let ranges = [
+            ("command_high", command_low, command_high),
+            ("position_high", position_low, position_high),
+        ];
+        for (quantity, low, high) in ranges {
+            if high <= low {
+                let rule = "must be greater than the lower end of the range";
+                return Err(Violation { quantity, index: None, value: high, rule });
+            }
+        }
+        let command = [command_low, command_high - command_low];
+        let position = [position_low, position_high - position_low];
+        let [input, output] =
+            if self.family.inverse { [position, command] } else { [command, position] };
+        let [a, b] = input;
+        let [c, d] = output;
+        coefficients.copy_from_slice(&[ratio, a, b, c, d]);
+        Ok(())
+    }
+
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
+        let (Some(c), &[u], [y]) = (read(coefficients), inputs, outputs) else { return };
+        let Some((held, state)) = state.split_last_mut() else { return };
+        let x = (u - c.input[0]) / c.input[1];
+        let memory = self.features.memory();
+        // Where the way to rest begins: both ranges in proportion.
+        self.features.rest(x, x.clamp(0.0, 1.0), &mut state[..memory]);
+        for _ in 0..STEPS_TO_REST {
+            *held = self.sample(x, state);
+        }
+        *y = c.output[0] + c.output[1] * *held;
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        let (Some(c), &[u], [y]) = (read(coefficients), inputs, outputs) else { return };
+        let Some((held, state)) = state.split_last_mut() else { return };
+        if tick.index.is_multiple_of(c.ratio.max(1)) {
+            *held = self.sample((u - c.input[0]) / c.input[1], state);
+        }
+        *y = c.output[0] + c.output[1] * *held;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NARX: [f64; 3] = [5e-3, 1.0, 1.0];
+    const RANGES: [f64; 4] = [0.0, 150.0, -1e-4, 1e-4];
+
+    /// Two support vectors over u(t), u(t−1), y(t−1).
+    fn table() -> Table {
+        let rows = [0.2, 1.0, 1.5, 2.0, 0.4, 0.9, 0.8, 0.5, -0.3, 0.1, 0.2, 0.1];
+        Table::new(4, rows.to_vec()).unwrap()
+    }
+
+    fn loaded() -> ComponentRef {
+        declarations::LSSVM_NARX.with_table(&NARX, &table()).unwrap()
+    }
+
+    #[test]
+    fn a_sample_is_the_kernel_sum_of_the_features_and_is_held_between() {
+        let component = loaded();
+        let period = 1e-3;
+        let sizes = component.sizes(&NARX, period);
+        let (mut k, mut state) = (vec![0.0; sizes.coefficients], vec![0.0; sizes.states]);
+        component.prepare(&NARX, &RANGES, period, &mut k).unwrap();
+        let mut y = [0.0];
+        component.rest(&k, &[0.0], &mut state, &mut y);
+        let rows = table();
+        let f = |z: [f64; 3]| {
+            let v = rows.values();
+            0.2 + (1..3)
+                .map(|i| {
+                    let row = &v[4 * i..4 * i + 4];
+                    let squares = (0..3).map(|j| ((row[j + 1] - z[j]) / v[j + 1]).powi(2));
+                    row[0] * (-squares.sum::<f64>()).exp()
+                })
+                .sum::<f64>()
+        };
+        let mut last = (y[0] + 1e-4) / 2e-4;
+        assert!((f([0.0, 0.0, last]) - last).abs() < 1e-12, "no rest");
+        let mut before = 0.0;
+        for index in 1..=40_u64 {
+            let u = 3.0 * index as f64;
+            let tick = Tick { index, time: period * index as f64, period };
+            component.step(&k, &mut state, tick, &[u], &mut y);
+            if index % 5 == 0 {
+                let now = f([u / 150.0, before / 150.0, last]);
+                (last, before) = (now, u);
+            }
+            assert!((y[0] - (-1e-4 + 2e-4 * last)).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_told_with_the_numbers() {
+        let family = &declarations::LSSVM_NARX;
+        let text = family.with_table(&[5e-3, 2.0, 1.0], &table()).err().unwrap();
+        assert!(text.contains("4 inputs") && text.contains("3 rows of 4"), "{text}");
+        let mut broken = table().values().to_vec();
+        broken[6] = f64::NAN;
+        let text = family.with_table(&NARX, &Table::new(4, broken).unwrap()).err().unwrap();
+        assert!(text.contains("row 2, column 3"), "{text}");
+        assert!(family.prepare(&NARX, &RANGES, 1e-3, &mut []).is_err());
+        let component = loaded();
+        let mut k = [0.0; 5];
+        let violation = component.prepare(&NARX, &RANGES, 2e-3, &mut k).unwrap_err();
+        assert_eq!(violation.quantity, "sample_time");
+        assert!(component.prepare(&NARX, &[0.0, 0.0, 0.0, 1.0], 1e-3, &mut k).is_err());
+    }
+
+    #[test]
+    fn kinds_are_unique_in_the_whole_list() {
+        for (at, c) in COMPONENTS.iter().enumerate() {
+            let kind = c.declaration().kind;
+            assert!(COMPONENTS[..at].iter().all(|other| other.declaration().kind != kind));
+        }
+        assert!(COMPONENTS.len() > OWN.len() + 50);
+    }
+}

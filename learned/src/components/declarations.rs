@@ -1,0 +1,183 @@
+//! What is declared about the learned components.
+
+use model::{Conversion, Declaration, Effect, Input, Output, Quantity, Stage, Structural};
+
+use super::Family;
+
+const SAMPLE_TIME: Structural = Structural {
+    name: "sample_time",
+    unit: "s",
+    description: "Sample time of the learned model, a whole number of internal steps",
+    start: None,
+    min: 1e-9,
+    max: 1e3,
+    integer: false,
+};
+
+/// A count that must be given.
+const fn count(name: &'static str, description: &'static str, min: f64, max: f64) -> Structural {
+    Structural { name, unit: "1", description, start: None, min, max, integer: true }
+}
+
+const NARX: &[Structural] = &[
+    SAMPLE_TIME,
+    count("past_inputs", "Number of past inputs, beside the present one", 0.0, 100.0),
+    count("past_outputs", "Number of the model's own past outputs", 0.0, 100.0),
+];
+const STOPS: &[Structural] = &[
+    SAMPLE_TIME,
+    count("stops", "Number of stop operators", 0.0, 1000.0),
+    Structural::real("range", "1", "Greatest scaled input of the stops", 1.0, 1e-9, 1e9),
+    Structural::real("rate_scale", "1/s", "What the scaled rate is divided by", 1.0, 1e-12, 1e12),
+];
+const DERIVATIVES: &[Structural] = &[
+    SAMPLE_TIME,
+    count("inputs", "Number of inputs: 2, 6, 9 or 12", 2.0, 12.0),
+    count("half", "Half length of the low-pass, in samples: it delays by as many", 0.0, 1000.0),
+    Structural::real(
+        "cutoff",
+        "1",
+        "Cut-off of the low-pass in cycles per sample",
+        0.25,
+        1e-6,
+        0.5,
+    ),
+];
+
+const PARAMETERS: &[Quantity] = &[
+    Quantity::new("command_low", "{command}", "Command that is 0 in the table").start(0.0),
+    Quantity::new("command_high", "{command}", "Command that is 1 in the table"),
+    Quantity::new("position_low", "{position}", "Position that is 0 in the table").start(0.0),
+    Quantity::new("position_high", "{position}", "Position that is 1 in the table"),
+];
+
+const NARX_SOURCE: &str = "Laser beam pointing with LS-SVM models of four piezo axes, eqs. (1)-(8), \
+                           (12)";
+const STOPS_SOURCE: &str = "LS-SVM with stop operators tuned by particle swarm, eqs. (17)-(19)";
+const GP_SOURCE: &str = "Gaussian process with high-dimensional input, eqs. (8), (10), (13)-(19)";
+
+const NARX_EQUATION: &str = "y(t) = bias + sum(w[i]*exp(-|x[i] - z|^2)); z = [u(t), u(t-1), ..., \
+                             y(t-1), ...], scaled";
+const STOPS_EQUATION: &str = "y(t) = bias + sum(w[i]*exp(-|x[i] - z|^2)); z = [stops of u, u, u'], \
+                              scaled";
+const GP_EQUATION: &str = "y(t) = mean + sum(w[i]*exp(-|x[i] - z|^2)); z = [u, u', u'', u'''] about \
+                           t minus the delay, scaled";
+
+const fn plant(
+    kind: &'static str,
+    summary: &'static str,
+    equation: &'static str,
+    reference: &'static str,
+    structure: &'static [Structural],
+    effect: &'static Effect,
+) -> Declaration {
+    Declaration {
+        kind,
+        name: "hysteresis",
+        summary,
+        equation,
+        reference,
+        stage: Stage::Actuator,
+        conversion: Conversion::CommandToPosition,
+        effect: Some(effect),
+        inputs: &[Input::PATH],
+        outputs: &[Output::PATH],
+        structure,
+        parameters: PARAMETERS,
+    }
+}
+
+const fn inverse(
+    kind: &'static str,
+    summary: &'static str,
+    equation: &'static str,
+    reference: &'static str,
+    structure: &'static [Structural],
+) -> Declaration {
+    Declaration {
+        kind,
+        name: "feedforward",
+        summary,
+        equation,
+        reference,
+        stage: Stage::Control,
+        conversion: Conversion::PositionToCommand,
+        effect: None,
+        inputs: &[Input::PATH],
+        outputs: &[Output::PATH],
+        structure,
+        parameters: PARAMETERS,
+    }
+}
+
+use components::effects::HYSTERESIS;
+
+pub(super) static LSSVM_NARX: &Family = &Family {
+    declaration: &plant(
+        "lssvm-narx",
+        "Hysteresis learned by an LS-SVM over past commands and its own past outputs",
+        NARX_EQUATION,
+        NARX_SOURCE,
+        NARX,
+        &HYSTERESIS,
+    ),
+    inverse: false,
+    features: super::narx,
+};
+pub(super) static LSSVM_STOPS: &Family = &Family {
+    declaration: &plant(
+        "lssvm-stops",
+        "Hysteresis learned by an LS-SVM over stop operators, the command and its rate",
+        STOPS_EQUATION,
+        STOPS_SOURCE,
+        STOPS,
+        &HYSTERESIS,
+    ),
+    inverse: false,
+    features: super::stops,
+};
+pub(super) static GAUSSIAN_PROCESS: &Family = &Family {
+    declaration: &plant(
+        "gaussian-process",
+        "Hysteresis learned by a Gaussian process over the command and its derivatives",
+        GP_EQUATION,
+        GP_SOURCE,
+        DERIVATIVES,
+        &HYSTERESIS,
+    ),
+    inverse: false,
+    features: super::derivatives,
+};
+pub(super) static LSSVM_INVERSE: &Family = &Family {
+    declaration: &inverse(
+        "lssvm-inverse",
+        "Inverse learned by an LS-SVM over past positions and its own past commands",
+        NARX_EQUATION,
+        NARX_SOURCE,
+        NARX,
+    ),
+    inverse: true,
+    features: super::narx,
+};
+pub(super) static LSSVM_STOPS_INVERSE: &Family = &Family {
+    declaration: &inverse(
+        "lssvm-stops-inverse",
+        "Inverse learned by an LS-SVM over stop operators, the position and its rate",
+        STOPS_EQUATION,
+        STOPS_SOURCE,
+        STOPS,
+    ),
+    inverse: true,
+    features: super::stops,
+};
+pub(super) static GP_INVERSE: &Family = &Family {
+    declaration: &inverse(
+        "gp-inverse",
+        "Inverse learned by a Gaussian process over the position and its derivatives",
+        GP_EQUATION,
+        GP_SOURCE,
+        DERIVATIVES,
+    ),
+    inverse: true,
+    features: super::derivatives,
+};
