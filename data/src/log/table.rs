@@ -16,6 +16,7 @@ pub(super) enum Place {
     /// Line of a text, from 1.
     Line(usize),
     /// Row of a table without lines, from 1.
+    #[cfg_attr(not(feature = "formats"), expect(dead_code, reason = "texts have lines"))]
     Row(usize),
 }
 
@@ -109,6 +110,7 @@ impl<'a> Table<'a> {
     }
 
     /// Takes a row of numbers, as many as there are columns.
+    #[cfg(feature = "formats")]
     pub(super) fn numbers(&mut self, row: impl Iterator<Item = f64>, place: Place) {
         self.cells.clear();
         self.cells.extend(row);
