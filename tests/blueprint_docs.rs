@@ -29,13 +29,14 @@ fn the_record_of_the_page_fills_a_component_of_a_blueprint_beside_it() {
     fs::write(folder.path().join("my-stage.toml"), examples()[1]).unwrap();
     let plant = "piezoloop = 1\nkind = \"plant\"\nname = \"stage\"\nstep = \"20 us\"\n[[axis]]\nname = \"X\"\n\
                  command = { name = \"u\", unit = \"V\" }\nposition = { name = \"y\", unit = \"um\" }\n\
+                 [[axis.component]]\ntype = \"actuator-gain\"\ngain = 0.1\n\
                  [[axis.component]]\ntype = \"mode\"\nrecord = \"my-stage.toml\"\n";
     fs::write(folder.path().join("stage.toml"), plant).unwrap();
     succeed(&["pack", "stage.toml", "-o", "stage.fmu"], folder.path());
     let wrong = plant.replace("my-stage.toml", "no-stage.toml");
     fs::write(folder.path().join("stage.toml"), wrong).unwrap();
     let said = refuse(&["pack", "stage.toml", "-o", "stage.fmu"], folder.path());
-    assert!(said.contains("stage.toml:12") && said.contains("no-stage.toml"), "{said}");
+    assert!(said.contains("stage.toml:14") && said.contains("no-stage.toml"), "{said}");
 }
 
 #[test]
