@@ -9,6 +9,7 @@ mod effects;
 mod effects_docs;
 mod fmus;
 mod inputs;
+mod interrupt;
 mod libraries;
 mod matching;
 mod pages;

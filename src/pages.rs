@@ -90,21 +90,36 @@ pub(crate) fn sections(axis: &AxisResult) -> Vec<Section> {
                 .figure(series),
         );
     }
-    let mut table =
-        Table::new("Structures that were tried", ["structure", "held-out rmse", "taken", "why"]);
+    if let Some(section) = comparison(axis) {
+        all.push(section);
+    }
+    let columns =
+        ["structure", "fitted, % of range", "held out, % of range", "numbers", "s", "taken", "why"];
+    let mut table = Table::new("Structures that were tried", columns);
     for candidate in &id.candidates {
-        let rmse =
-            candidate.held_out_rmse.map_or("failed".to_owned(), |e| format!("{e:.5} {unit}"));
-        let taken = if candidate.accepted { "yes" } else { "" };
+        let percent = |part: Option<f64>| {
+            part.map_or("failed".to_owned(), |part| format!("{:.3}", 100.0 * part))
+        };
         table = table.row([
             candidate.structure.clone(),
-            rmse,
-            taken.to_owned(),
+            percent(candidate.fitted_nrmse),
+            percent(candidate.held_out_nrmse),
+            candidate.parameters.to_string(),
+            format!("{:.1}", candidate.seconds),
+            if candidate.accepted { "yes" } else { "" }.to_owned(),
             candidate.reason.clone(),
         ]);
     }
-    let mut parameters =
-        Table::new("Parameters", ["parameter", "value", "standard deviation", "unit", "the data"]);
+    let columns = [
+        "parameter",
+        "value",
+        "standard deviation",
+        "unit",
+        "the data",
+        "goes with",
+        "correlation",
+    ];
+    let mut parameters = Table::new("Parameters", columns);
     for p in &id.parameters {
         parameters = parameters.row::<report::Value>([
             p.name.as_str().into(),
@@ -112,10 +127,100 @@ pub(crate) fn sections(axis: &AxisResult) -> Vec<Section> {
             p.deviation.into(),
             p.unit.as_str().into(),
             verdict_of(p.verdict).into(),
+            p.correlated.as_ref().map_or("", |c| c.with.as_str()).into(),
+            p.correlated.as_ref().map(|c| c.coefficient).into(),
         ]);
     }
     all.push(Section::new(format!("Model of axis {}", axis.name)).table(table).table(parameters));
     all
+}
+
+/// Every method's best structure on the held-out rows of the first record: residuals over the command,
+/// over time, and their spectra.
+fn comparison(axis: &AxisResult) -> Option<Section> {
+    let (fit, record) = (axis.identification.records.first()?, axis.records.first()?);
+    let unit = axis.identification.unit.as_str();
+    let rows = fit.held_out.rows;
+    let span = rows.first..rows.end;
+    let name = format!("Axis {}: residuals of all methods, held-out rows", axis.name);
+    let time: Vec<f64> = span.clone().map(|k| record.time(k)).collect();
+    let mut series = TimeSeries::new(name, &time);
+    let mut loops = XyLoop::new(
+        format!("Axis {}: residual over the command, held-out rows", axis.name),
+        Axis::new("command", &axis.command_unit),
+        Axis::new("measured − model", unit),
+    );
+    let mut spectra = Table::new(
+        "Amplitude of the residual at the strongest frequencies of the position",
+        ["method", "frequency in Hz", "amplitude"],
+    );
+    let frequencies = strongest(&record.output()[span.clone()], record.period());
+    let mut seen: Vec<&str> = Vec::new();
+    for candidate in axis.identification.candidates.iter().rev() {
+        let (Some(method), Some(simulation)) = (candidate.method, candidate.simulations.first())
+        else {
+            continue;
+        };
+        if seen.contains(&method) {
+            continue;
+        }
+        seen.push(method);
+        let errors: Vec<f64> = span.clone().map(|k| record.output()[k] - simulation[k]).collect();
+        let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+        let errors: Vec<f64> = errors.iter().map(|e| e - mean).collect();
+        series = series.other(method, unit, &errors);
+        loops = loops.model(method, &record.input()[span.clone()], &errors);
+        for &frequency in &frequencies {
+            let amplitude = amplitude(&errors, frequency * record.period());
+            spectra =
+                spectra.row::<report::Value>([method.into(), frequency.into(), amplitude.into()]);
+        }
+    }
+    let heading = format!("Methods compared, axis {}", axis.name);
+    Some(Section::new(heading).figure(loops).figure(series).table(spectra))
+}
+
+/// Amplitude of `values` at a frequency in parts of the sample rate, with Hann's window.
+fn amplitude(values: &[f64], frequency: f64) -> f64 {
+    let count = values.len().max(1) as f64;
+    let (mut real, mut imaginary) = (0.0, 0.0);
+    for (k, value) in values.iter().enumerate() {
+        let k = k as f64;
+        let window = 1.0 - (std::f64::consts::TAU * k / count).cos();
+        let (sin, cos) = (std::f64::consts::TAU * frequency * k).sin_cos();
+        real += window * value * cos;
+        imaginary += window * value * sin;
+    }
+    2.0 * real.hypot(imaginary) / count
+}
+
+/// The frequencies, in Hz, of the highest peaks of a signal's spectrum, ascending; at most five.
+fn strongest(values: &[f64], period: f64) -> Vec<f64> {
+    const LINES: usize = 400;
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count.max(1.0);
+    let centred: Vec<f64> = values.iter().map(|v| v - mean).collect();
+    // Lines of the window's width, denser at the low end, where machines move.
+    let most = (0.5 * count).min(f64::from(u32::MAX));
+    let ratio = most.max(2.0).powf(1.0 / LINES as f64);
+    let mut lines: Vec<usize> =
+        (0..=LINES).map(|i| ratio.powi(i as i32).round() as usize).collect();
+    lines.dedup();
+    let mut peaks: Vec<(f64, f64)> = lines
+        .iter()
+        .map(|line| *line as f64 / count)
+        .map(|frequency| (amplitude(&centred, frequency), frequency / period))
+        .collect();
+    peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut found: Vec<f64> = Vec::new();
+    for (_, frequency) in peaks {
+        let apart = found.iter().all(|f| (frequency / f - 1.0).abs() > 0.2);
+        if apart && found.len() < 5 {
+            found.push(frequency);
+        }
+    }
+    found.sort_by(f64::total_cmp);
+    found
 }
 
 fn verdict_of(verdict: identify::Verdict) -> &'static str {

@@ -6,8 +6,10 @@ mod common;
 
 use common::{json, measured, succeed};
 
-/// Largest held-out error, rmse over range, in %.
-const LIMIT: f64 = 0.8;
+/// Largest error on the held-out half, rmse over range, in %.
+const HELD_OUT: f64 = 0.4;
+/// The same on the other record.
+const OTHER: f64 = 0.45;
 
 #[test]
 fn the_identified_stack_follows_the_measured_one() {
@@ -28,7 +30,9 @@ fn the_identified_stack_follows_the_measured_one() {
         "--output",
         "y",
         "--model",
-        "prandtl-ishlinskii",
+        "curved-prandtl-ishlinskii",
+        "--rest",
+        "0",
         "--drop",
         "2",
         "-o",
@@ -41,7 +45,7 @@ fn the_identified_stack_follows_the_measured_one() {
     println!("  straight line (baseline) {:.3} %", percent("baseline_held_out"));
     println!("  identified plant         {:.3} %", percent("held_out"));
     assert!(percent("baseline_held_out") > 5.0, "the log has no hysteresis to speak of");
-    assert!(percent("held_out") <= LIMIT);
+    assert!(percent("held_out") <= HELD_OUT);
 
     succeed(&["pack", "plant.toml", "-o", "plant.fmu"], folder.path());
     let run = json(
@@ -52,5 +56,5 @@ fn the_identified_stack_follows_the_measured_one() {
     let error = fit["nrmse_percent"].as_f64().expect("a figure");
     println!("rows 5051 to 6050 of test_ff.csv, never seen, by the packed FMU: {error:.3} %");
     assert_eq!((fit["first_row"].as_u64(), fit["last_row"].as_u64()), (Some(5051), Some(6050)));
-    assert!(error <= LIMIT);
+    assert!(error <= OTHER);
 }

@@ -21,6 +21,15 @@ pub enum Error {
         /// What was found.
         reason: &'static str,
     },
+    /// A method that does not exist.
+    #[error("\"{name}\" is no method; there are {}", names())]
+    NoMethod {
+        /// The name.
+        name: String,
+    },
+    /// The caller asked to stop before there was a result.
+    #[error("stopped before there was a model; let it run until the first one is fitted")]
+    Stopped,
     /// The output falls where the input rises.
     #[error(
         "{record}: \"{output}\" falls where \"{input}\" rises (gain {gain:.4e}), and the model's \
@@ -179,6 +188,10 @@ pub struct NotInvertible {
     pub place: String,
     /// The reason, and the way out.
     pub reason: String,
+}
+
+fn names() -> String {
+    crate::methods::methods().map(|(name, _)| name).collect::<Vec<_>>().join(", ")
 }
 
 fn list<T: std::fmt::Display>(problems: &[T]) -> String {

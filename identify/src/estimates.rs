@@ -4,9 +4,12 @@ use data::AxisBlueprint;
 use model::unit_on_axis;
 
 use crate::fit::delay::Delay;
+use crate::fit::least_squares::Partner;
 use crate::fit::linear_part::Deviations;
+use crate::fit::operator::{self, Fit, Operator};
+use crate::fit::response::LinearPart;
 use crate::fit::weights::{Fitted, independent_samples};
-use crate::identification::{Estimate, Verdict};
+use crate::identification::{Correlation, Estimate, Verdict};
 use crate::settings::Plan;
 
 /// Relative standard deviation from which a parameter is uncertain.
@@ -21,29 +24,73 @@ pub(crate) fn of(
     deviations: Deviations,
     independent: f64,
 ) -> Vec<Estimate> {
-    let at_bound = delay.value <= 0.0 || delay.value >= plan.longest_delay;
-    let mut all = vec![estimate("delay.delay", delay.value, "s", Some(delay.deviation), at_bound)];
-    if let Some(bandwidth) = fitted.linear.bandwidth {
+    let linear = LinearPart { delay: delay.value, ..fitted.linear };
+    let deviations = Deviations { delay: Some(delay.deviation), ..deviations };
+    let mut all = of_linear_part(plan, &linear, deviations);
+    let unit = unit_on_axis("{position}/{command}", &axis.command.unit, &axis.position.unit);
+    let noise = noise(fitted, independent);
+    let name = |index: usize| format!("hysteresis.w[{}]", index + 1);
+    for (index, (&weight, variance)) in fitted.weights.iter().zip(&fitted.variance).enumerate() {
+        let deviation = variance.map(|v| (v * noise).sqrt());
+        let mut weight = estimate(&name(index), weight, &unit, deviation, deviation.is_none());
+        if plan.thresholds.get(index).is_some_and(|r| *r >= plan.half_range) {
+            weight.verdict = Verdict::NotExcited;
+        }
+        weight.correlated = correlation(fitted.partner.get(index), name);
+        all.push(weight);
+    }
+    all
+}
+
+/// The estimates of any method's fit.
+pub(crate) fn of_operator(
+    plan: &Plan,
+    axis: &AxisBlueprint,
+    operator: &Operator<'_>,
+    fit: &Fit,
+) -> Vec<Estimate> {
+    let mut all = of_linear_part(plan, &fit.solved.linear, fit.deviations);
+    let unit = |unit: &str| unit_on_axis(unit, &axis.command.unit, &axis.position.unit);
+    let shapes = operator.method.shape(operator.scene);
+    for (index, (shape, value)) in shapes.iter().zip(&fit.solved.shape).enumerate() {
+        let deviation = fit.shape_deviation.get(index).copied().flatten();
+        let mut one =
+            estimate(&shape.name, *value, &unit(shape.unit), deviation, deviation.is_none());
+        one.correlated = correlation(fit.shape_partner.get(index), |i| shapes[i].name.to_string());
+        all.push(one);
+    }
+    let names = operator.method.weights(operator.scene).names;
+    let noise = operator::noise(&fit.solved, shapes.len());
+    for (index, (weight, (name, of))) in fit.solved.weights.iter().zip(&names).enumerate() {
+        let deviation = fit.solved.variance[index].map(|v| (v * noise).sqrt());
+        let mut one = estimate(name, *weight, &unit(of), deviation, deviation.is_none());
+        one.correlated = correlation(fit.solved.partner.get(index), |i| names[i].0.clone());
+        all.push(one);
+    }
+    all
+}
+
+fn of_linear_part(plan: &Plan, linear: &LinearPart, deviations: Deviations) -> Vec<Estimate> {
+    let at_bound = linear.delay <= 0.0 || linear.delay >= plan.longest_delay;
+    let mut all = vec![estimate("delay.delay", linear.delay, "s", deviations.delay, at_bound)];
+    if let Some(bandwidth) = linear.bandwidth {
         let deviation = deviations.bandwidth;
         all.push(estimate("amplifier.bandwidth", bandwidth, "Hz", deviation, deviation.is_none()));
     }
-    if let Some(mode) = fitted.linear.mode {
+    if let Some(mode) = linear.mode {
         let (frequency, damping) = (deviations.frequency, deviations.damping);
         all.push(estimate("mode.frequency", mode.frequency, "Hz", frequency, frequency.is_none()));
         all.push(estimate("mode.damping", mode.damping, "1", damping, damping.is_none()));
     }
-    let unit = unit_on_axis("{position}/{command}", &axis.command.unit, &axis.position.unit);
-    let noise = noise(fitted, independent);
-    for (index, (&weight, variance)) in fitted.weights.iter().zip(&fitted.variance).enumerate() {
-        let deviation = variance.map(|v| (v * noise).sqrt());
-        let name = format!("hysteresis.w[{}]", index + 1);
-        let mut weight = estimate(&name, weight, &unit, deviation, deviation.is_none());
-        if plan.thresholds.get(index).is_some_and(|r| *r >= plan.half_range) {
-            weight.verdict = Verdict::NotExcited;
-        }
-        all.push(weight);
-    }
     all
+}
+
+fn correlation(
+    partner: Option<&Option<Partner>>,
+    name: impl Fn(usize) -> String,
+) -> Option<Correlation> {
+    let (index, coefficient) = (*partner?)?;
+    Some(Correlation { with: name(index), coefficient })
 }
 
 /// Root mean square of the weights' deviations over that of the weights; `None` where the weights
@@ -75,5 +122,6 @@ fn estimate(
         Some(deviation) if deviation < UNCERTAIN * value.abs() => Verdict::Determined,
         _ => Verdict::Uncertain,
     };
-    Estimate { name: name.to_owned(), value, unit: unit.to_owned(), deviation, verdict }
+    let (name, unit) = (name.to_owned(), unit.to_owned());
+    Estimate { name, value, unit, deviation, verdict, correlated: None }
 }

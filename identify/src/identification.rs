@@ -15,6 +15,10 @@ pub struct Identification {
     pub unit: String,
     /// What the figures mean.
     pub rules: &'static str,
+    /// Name of the method of the plant.
+    pub method: &'static str,
+    /// Whether the caller stopped before every method was tried.
+    pub stopped: bool,
     /// Agreement with each record.
     pub records: Vec<RecordFit>,
     /// The model structures that were tried, the simplest first.
@@ -27,7 +31,7 @@ pub struct Identification {
 pub const RULES: &str = "simulation mode: the plant is built from its blueprint, starts at rest \
     under the record's first command and never sees the measured position; each figure's own \
     constant offset is fitted to its rows and stated; no drift is removed; rows held out take no \
-    part in any fit of parameters, and only decide whether a lag or a mode is kept";
+    part in any fit of parameters, and only decide which of the tried structures is returned";
 
 /// Agreement with one record.
 #[derive(Clone, Debug, Serialize)]
@@ -54,17 +58,33 @@ pub struct RecordFit {
 }
 
 /// A model structure that was tried.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Candidate {
+    /// Name of its method; none for a straight line.
+    pub method: Option<&'static str>,
     /// Its components in the order of the signal path.
     pub structure: String,
     /// Root mean square error of the simulation over all rows held out, an offset per record taken
     /// out; `None` where the fit failed.
     pub held_out_rmse: Option<f64>,
+    /// The same in parts of the range of the rows held out, the largest of all records.
+    pub held_out_nrmse: Option<f64>,
+    /// The same on the rows fitted on.
+    pub fitted_nrmse: Option<f64>,
+    /// Numbers that were fitted.
+    pub parameters: usize,
+    /// Time that the fit took, in s.
+    pub seconds: f64,
     /// Whether it is the plant that was returned.
     pub accepted: bool,
     /// Why, or why not.
     pub reason: String,
+    /// The plant; `None` where the fit failed.
+    #[serde(skip)]
+    pub plant: Option<CheckedBlueprint>,
+    /// Simulated position of every row of each record, without offset; empty where the fit failed.
+    #[serde(skip)]
+    pub simulations: Vec<Vec<f64>>,
 }
 
 /// A fitted parameter.
@@ -80,6 +100,17 @@ pub struct Estimate {
     pub deviation: Option<f64>,
     /// What the data say about it.
     pub verdict: Verdict,
+    /// The other parameter that its error goes with most; `None` where there is none to name.
+    pub correlated: Option<Correlation>,
+}
+
+/// A correlation with another parameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Correlation {
+    /// Its name.
+    pub with: String,
+    /// Correlation coefficient, from −1 to 1.
+    pub coefficient: f64,
 }
 
 /// What the data say about a parameter.

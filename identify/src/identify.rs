@@ -1,15 +1,19 @@
 //! From records to a plant: baseline, hysteresis with delay, linear parts, and the choice.
 
+use std::time::Instant;
+
 use data::CheckedBlueprint;
 
 use crate::error::{Error, Problem};
 use crate::estimates;
 use crate::fit::delay::{self, Delay};
 use crate::fit::linear_part::{self, Deviations, Structure};
+use crate::fit::operator::Operator;
 use crate::fit::response::LinearPart;
 use crate::fit::weights::{Fitted, Task, independent_samples, mean};
-use crate::identification::{Candidate, Identification, RULES, RecordFit};
+use crate::identification::{Candidate, Estimate, Identification, RULES, RecordFit, Verdict};
 use crate::judge::{compare, simulate};
+use crate::methods::{Method, Scene};
 use crate::observer::Observer;
 use crate::plant::{Actuator, Plant};
 use crate::record::{Record, Rows};
@@ -17,6 +21,8 @@ use crate::settings::{Dynamics, Plan, Settings, Target};
 
 /// Relative fall of the held-out error from which a linear part is kept.
 pub const SIGNIFICANT_FALL: f64 = 0.10;
+/// Name of the static model's method.
+const STATIC: &str = "prandtl-ishlinskii";
 /// Correlation of input and output below which the output is taken to fall where the input rises.
 const CLEARLY_NEGATIVE: f64 = -0.3;
 
@@ -29,8 +35,12 @@ const CLEARLY_NEGATIVE: f64 = -0.3;
 ///    one with the least held-out error is kept if that is at least 10 % below the error
 ///    without it ([`SIGNIFICANT_FALL`]); among structures that do not differ so much the simpler one
 ///    is returned.
+/// 4. The other methods that were asked for, each with the linear parts found so far as its start,
+///    the simplest first, by the same rule. Methods that are named are not compared with the static
+///    model: the best of them is returned.
 ///
-/// Every error is that of the plant that is returned, simulated ([`RULES`]).
+/// Every error is that of the plant that is returned, simulated ([`RULES`]). Where the observer asks to
+/// stop, the best of what is finished is returned.
 ///
 /// # Errors
 /// [`Error`], with all problems of records and settings at once.
@@ -47,35 +57,44 @@ pub fn identify(
     let delayed_line = session.delayed_line()?;
     let (static_model, static_fit) = session.static_model()?;
     let mut candidates = vec![
-        candidate(&baseline, "the baseline, for comparison"),
-        candidate(
+        session.candidate(&baseline, "the baseline, for comparison"),
+        session.candidate(
             &delayed_line,
             "for comparison: at one frequency and amplitude a delay passes for hysteresis",
         ),
-        candidate(&static_model, "the simplest model with hysteresis"),
+        session.candidate(&static_model, "the simplest model with hysteresis"),
     ];
     let mut best = static_model;
-    if session.plan.dynamics == Dynamics::Automatic {
-        session.linear_parts(&static_fit, &mut best, &mut candidates)?;
+    let mut stopped = session.observer.stopped();
+    if session.plan.dynamics == Dynamics::Automatic && !stopped {
+        match session.linear_parts(&static_fit, &mut best, &mut candidates) {
+            Ok(()) => {}
+            Err(Error::Stopped) => stopped = true,
+            Err(error) => return Err(error),
+        }
+    }
+    if !stopped {
+        stopped = session.other_methods(&mut best, &mut candidates)?;
     }
     let chosen = best.structure.clone();
     for candidate in &mut candidates {
         candidate.accepted = candidate.structure == chosen;
     }
-    Ok(session.result(baseline, best, candidates))
+    Ok(session.result(baseline, best, candidates, stopped))
 }
 
 /// A model with its simulations.
 #[derive(Clone)]
 struct Tried {
+    method: Option<&'static str>,
     structure: String,
     plant: CheckedBlueprint,
     simulations: Vec<Vec<f64>>,
     /// Over all rows held out, in the position's unit.
     held_out_rmse: f64,
-    fitted: Fitted,
-    delay: Delay,
-    deviations: Deviations,
+    linear: LinearPart,
+    parameters: Vec<Estimate>,
+    seconds: f64,
 }
 
 struct Session<'a> {
@@ -116,7 +135,14 @@ impl<'a> Session<'a> {
 
     fn with_gain(&self, task: &Task<'_>, fitted: Fitted, delay: Delay) -> Result<Tried, Error> {
         let gain = fitted.weights.first().copied().unwrap_or(0.0);
-        self.tried(task, Actuator::Linear { gain }, fitted, delay, Deviations::default())
+        let deviations = Deviations::default();
+        let actuator = Actuator::Linear { gain };
+        let offset = mean(&fitted.offsets);
+        let mut tried =
+            self.tried(None, &actuator, offset, fitted.linear, deviations, task.substeps)?;
+        // The weight is the gain here; its deviation means little in a model that does not fit.
+        tried.parameters = self.estimates(&fitted, delay, deviations);
+        Ok(tried)
     }
 
     fn static_model(&mut self) -> Result<(Tried, Fitted), Error> {
@@ -145,18 +171,14 @@ impl<'a> Session<'a> {
                 Ok(tried) => tried,
                 // A structure that the data do not support is no reason to return nothing.
                 Err(error @ Error::NoSolution { .. }) => {
-                    candidates.push(Candidate {
-                        structure: name_of(structure).to_owned(),
-                        held_out_rmse: None,
-                        accepted: false,
-                        reason: error.to_string(),
-                    });
+                    let method = Some(STATIC);
+                    candidates.push(failed(method, name_of(structure).to_owned(), &error));
                     continue;
                 }
                 Err(error) => return Err(error),
             };
             if mode {
-                with_mode = tried.fitted.linear;
+                with_mode = tried.linear;
             }
             let fall = 1.0 - tried.held_out_rmse / best.held_out_rmse;
             let needed = 100.0 * SIGNIFICANT_FALL;
@@ -166,7 +188,7 @@ impl<'a> Session<'a> {
                 "held-out error {:+.1} % against {against} ({needed} % less is needed)",
                 -100.0 * fall
             );
-            candidates.push(candidate(&tried, &reason));
+            candidates.push(self.candidate(&tried, &reason));
             if fall >= SIGNIFICANT_FALL {
                 *best = tried;
             }
@@ -182,6 +204,9 @@ impl<'a> Session<'a> {
         let mut report = |done, total| observer.progress(stage, done, total);
         let (fitted, deviations) =
             linear_part::fit(&mut task, structure, longest, known, &mut report)?;
+        if self.observer.stopped() {
+            return Err(Error::Stopped);
+        }
         let deviation = deviations.delay.unwrap_or(f64::INFINITY);
         let delay = Delay { value: fitted.linear.delay, deviation };
         self.with_plays(&task, fitted, delay, deviations)
@@ -197,25 +222,30 @@ impl<'a> Session<'a> {
         let (r, w) = (task.thresholds.clone(), fitted.weights.clone());
         let relative_deviation = estimates::relative_deviation(&fitted);
         let actuator = Actuator::Plays { r: &r, w: &w, relative_deviation };
-        self.tried(task, actuator, fitted, delay, deviations)
+        let (offset, linear) = (mean(&fitted.offsets), fitted.linear);
+        let mut tried =
+            self.tried(Some(STATIC), &actuator, offset, linear, deviations, task.substeps)?;
+        tried.parameters = self.estimates(&fitted, delay, deviations);
+        Ok(tried)
+    }
+
+    fn estimates(&self, fitted: &Fitted, delay: Delay, deviations: Deviations) -> Vec<Estimate> {
+        let independent = independent_samples(&fitted.residual);
+        estimates::of(&self.plan, &self.target.axis, fitted, delay, deviations, independent)
     }
 
     fn tried(
         &self,
-        task: &Task<'_>,
-        actuator: Actuator<'_>,
-        fitted: Fitted,
-        delay: Delay,
+        method: Option<&'static str>,
+        actuator: &Actuator<'_>,
+        offset: f64,
+        linear: LinearPart,
         deviations: Deviations,
+        substeps: usize,
     ) -> Result<Tried, Error> {
-        let structure = describe(&actuator, &fitted.linear);
-        let plant = Plant {
-            actuator,
-            offset: mean(&fitted.offsets),
-            linear: fitted.linear,
-            deviations,
-            step: task.period / task.substeps as f64,
-        };
+        let structure = describe(actuator, &linear);
+        let step = self.plan.period / substeps as f64;
+        let plant = Plant { actuator: actuator.clone(), offset, linear, deviations, step };
         let names: Vec<&str> = self.records.iter().map(Record::name).collect();
         let description = format!("{structure}, identified from {}", names.join(", "));
         let plant = plant.blueprint(self.target, self.records, description)?;
@@ -225,7 +255,145 @@ impl<'a> Session<'a> {
             .map(|record| simulate(&plant, record))
             .collect::<Result<Vec<_>, _>>()?;
         let held_out_rmse = self.pooled(&simulations);
-        Ok(Tried { structure, plant, simulations, held_out_rmse, fitted, delay, deviations })
+        let parameters = Vec::new();
+        Ok(Tried {
+            method,
+            structure,
+            plant,
+            simulations,
+            held_out_rmse,
+            linear,
+            parameters,
+            seconds: 0.0,
+        })
+    }
+
+    /// Tries the other methods, the simplest first. Whether the observer stopped it.
+    fn other_methods(
+        &mut self,
+        best: &mut Tried,
+        candidates: &mut Vec<Candidate>,
+    ) -> Result<bool, Error> {
+        let scene = self.scene();
+        let known = best.linear;
+        let mut first = self.plan.named;
+        for method in self.plan.methods.clone() {
+            if method.name() == STATIC {
+                first = false;
+                continue;
+            }
+            if self.observer.stopped() {
+                return Ok(true);
+            }
+            let started = Instant::now();
+            let mut tried = match self.method(method, &scene, known) {
+                Ok(tried) => tried,
+                Err(Error::Stopped) => return Ok(true),
+                // A method that the data do not support is no reason to return nothing.
+                Err(error) => {
+                    candidates.push(failed(Some(method.name()), method.name().to_owned(), &error));
+                    continue;
+                }
+            };
+            tried.seconds = started.elapsed().as_secs_f64();
+            let fall = 1.0 - tried.held_out_rmse / best.held_out_rmse;
+            let open = self.open_shape(&tried, method, &scene);
+            let mut reason = format!(
+                "held-out error {:+.1} % against {} ({:.0} % less is needed)",
+                -100.0 * fall,
+                best.method.unwrap_or(STATIC),
+                100.0 * SIGNIFICANT_FALL
+            );
+            if !open.is_empty() {
+                reason += &format!("; the records do not determine {}", open.join(", "));
+            }
+            candidates.push(self.candidate(&tried, &reason));
+            if first || self.plan.named && fall > 0.0 {
+                *best = tried;
+                first = false;
+            } else if open.is_empty() && fall >= SIGNIFICANT_FALL {
+                *best = tried;
+            }
+        }
+        Ok(false)
+    }
+
+    /// Parameters of the shape, and weights of any sign, that the records leave uncertain: a model that rests on them fits these
+    /// records and need not fit others.
+    fn open_shape(&self, tried: &Tried, method: &dyn Method, scene: &Scene) -> Vec<String> {
+        let weights = method.weights(scene);
+        let free = weights.names.into_iter().take(weights.free).map(|(name, _)| name);
+        let shapes = method.shape(scene).into_iter().map(|s| s.name.into_owned());
+        let named: Vec<String> = shapes.chain(free).collect();
+        let uncertain = |p: &&Estimate| p.verdict == Verdict::Uncertain;
+        let of_shape = |p: &&Estimate| named.contains(&p.name);
+        tried.parameters.iter().filter(uncertain).filter(of_shape).map(|p| p.name.clone()).collect()
+    }
+
+    fn scene(&self) -> Scene {
+        let rows = || self.records.iter().zip(&self.plan.fitted);
+        let duration = rows().map(|(_, rows)| rows.len() as f64 * self.plan.period);
+        let span = |column: fn(&Record) -> &[f64]| {
+            let part = |(record, rows): (&'a Record, &Rows)| rows.of(column(record));
+            let values = || rows().flat_map(part).copied();
+            [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+        };
+        let (command, position) = (span(Record::input), span(Record::output));
+        Scene {
+            command,
+            position,
+            zero: zero(command, position),
+            duration: duration.fold(0.0, f64::max),
+            thresholds: self.plan.thresholds.clone(),
+            levels: self.plan.levels,
+        }
+    }
+
+    fn method(
+        &mut self,
+        method: &'static dyn Method,
+        scene: &Scene,
+        known: LinearPart,
+    ) -> Result<Tried, Error> {
+        let operator = Operator {
+            method,
+            scene,
+            records: self.records,
+            rows: &self.plan.fitted,
+            period: self.plan.period,
+            substeps: linear_part::substeps(&known, self.plan.period),
+        };
+        let (longest, search) = (self.plan.longest_delay, self.plan.search);
+        let fit = operator.fit(known, longest, search, self.observer)?;
+        let solved = &fit.solved;
+        let chain = method.chain(scene, &solved.shape, &solved.weights, solved.offset);
+        let actuator = Actuator::Chain(&chain);
+        let (linear, deviations) = (solved.linear, fit.deviations);
+        let name = Some(method.name());
+        let substeps = operator.substeps;
+        let mut tried = self.tried(name, &actuator, solved.offset, linear, deviations, substeps)?;
+        tried.parameters = estimates::of_operator(&self.plan, &self.target.axis, &operator, &fit);
+        Ok(tried)
+    }
+
+    fn candidate(&self, tried: &Tried, reason: &str) -> Candidate {
+        let worst = |rows: &[Rows]| {
+            let each = self.records.iter().zip(rows).zip(&tried.simulations);
+            each.map(|((r, rows), s)| compare(r.output(), s, *rows).nrmse).fold(0.0, f64::max)
+        };
+        Candidate {
+            method: tried.method,
+            structure: tried.structure.clone(),
+            held_out_rmse: Some(tried.held_out_rmse),
+            held_out_nrmse: Some(worst(&self.plan.judged)),
+            fitted_nrmse: Some(worst(&self.plan.fitted)),
+            parameters: tried.parameters.len(),
+            seconds: tried.seconds,
+            accepted: false,
+            reason: reason.to_owned(),
+            plant: Some(tried.plant.clone()),
+            simulations: tried.simulations.clone(),
+        }
     }
 
     /// Root mean square error over all rows held out.
@@ -241,15 +409,13 @@ impl<'a> Session<'a> {
         (sum / count.max(1) as f64).sqrt()
     }
 
-    fn result(self, baseline: Tried, best: Tried, candidates: Vec<Candidate>) -> Identification {
-        let parameters = estimates::of(
-            &self.plan,
-            &self.target.axis,
-            &best.fitted,
-            best.delay,
-            best.deviations,
-            independent_samples(&best.fitted.residual),
-        );
+    fn result(
+        self,
+        baseline: Tried,
+        best: Tried,
+        candidates: Vec<Candidate>,
+        stopped: bool,
+    ) -> Identification {
         let records = (0..self.records.len())
             .map(|k| {
                 let (fitted, judged) = (self.plan.fitted[k], self.plan.judged[k]);
@@ -261,9 +427,11 @@ impl<'a> Session<'a> {
             plant: best.plant,
             unit: self.target.axis.position.unit.clone(),
             rules: RULES,
+            method: best.method.unwrap_or(STATIC),
+            stopped,
             records,
             candidates,
-            parameters,
+            parameters: best.parameters,
         }
     }
 }
@@ -293,12 +461,25 @@ fn record_fit(
     }
 }
 
-fn candidate(tried: &Tried, reason: &str) -> Candidate {
+/// Position at zero command on the line from the least to the greatest command and position.
+fn zero([low, high]: [f64; 2], [bottom, top]: [f64; 2]) -> f64 {
+    bottom - low * (top - bottom) / (high - low)
+}
+
+/// A candidate whose fit failed.
+fn failed(method: Option<&'static str>, structure: String, error: &Error) -> Candidate {
     Candidate {
-        structure: tried.structure.clone(),
-        held_out_rmse: Some(tried.held_out_rmse),
+        method,
+        structure,
+        held_out_rmse: None,
+        held_out_nrmse: None,
+        fitted_nrmse: None,
+        parameters: 0,
+        seconds: 0.0,
         accepted: false,
-        reason: reason.to_owned(),
+        reason: error.to_string(),
+        plant: None,
+        simulations: Vec::new(),
     }
 }
 
@@ -312,15 +493,25 @@ fn name_of(structure: Structure) -> &'static str {
 }
 
 fn describe(actuator: &Actuator<'_>, linear: &LinearPart) -> String {
-    match actuator {
-        Actuator::Linear { .. } if linear.delay > 0.0 => "delay, actuator-gain".to_owned(),
-        Actuator::Linear { .. } => "actuator-gain".to_owned(),
+    let parts = match actuator {
+        Actuator::Linear { .. } if linear.delay > 0.0 => return "delay, actuator-gain".to_owned(),
+        Actuator::Linear { .. } => return "actuator-gain".to_owned(),
         Actuator::Plays { .. } => {
             let structure =
                 Structure { lag: linear.bandwidth.is_some(), mode: linear.mode.is_some() };
-            name_of(structure).to_owned()
+            return name_of(structure).to_owned();
         }
-    }
+        Actuator::Chain(parts) => parts,
+    };
+    let kinds = |parts: &[data::ComponentBlueprint]| {
+        parts.iter().map(|part| part.kind.clone()).collect::<Vec<_>>()
+    };
+    let mut all = vec!["delay".to_owned()];
+    all.extend(linear.bandwidth.map(|_| "amplifier-lag".to_owned()));
+    all.extend(kinds(&parts.hysteresis));
+    all.extend(linear.mode.map(|_| "mode".to_owned()));
+    all.extend(kinds(&parts.reading));
+    all.join(", ")
 }
 
 /// A log whose output falls where its input rises is told apart from one that cannot be fitted.

@@ -1,5 +1,6 @@
 //! The fit of a plant to a record, in simulation mode: the plant is built from its blueprint, starts
-//! at rest under the record's first input and is never told the measured output.
+//! at rest under the record's first input
+//! (or the one it rested under before) and is never told the measured output.
 
 use data::CheckedBlueprint;
 use serde::Serialize;
@@ -42,8 +43,10 @@ pub fn simulate(plant: &CheckedBlueprint, record: &Record) -> Result<Vec<f64>, E
         })
     };
     let (command, position) = (find("command[1]")?, find("position[1]")?);
-    let Some(&first) = record.input().first() else { return Ok(Vec::new()) };
-    system.set(command, first).map_err(|e| model(system.explain_set(&e)))?;
+    if record.is_empty() {
+        return Ok(Vec::new());
+    }
+    system.set(command, record.rest()).map_err(|e| model(system.explain_set(&e)))?;
     system.initialise(record.start()).map_err(|e| model(system.explain(&e)))?;
     let mut positions = Vec::with_capacity(record.len());
     positions.push(system.get(position).unwrap_or(f64::NAN));

@@ -1,8 +1,8 @@
 //! From a measured log to a blueprint, and from a plant to its controller.
 //!
 //! * [`Record`]: what one axis was told and what it did, checked; [`records_of`] takes them from a log.
-//! * [`identify`]: records → plant, by non-negative least squares for the hysteresis and an
-//!   output-error fit for the linear parts. The [`Identification`] carries the plant's blueprint
+//! * [`identify`]: records → plant. The static Prandtl–Ishlinskii model by non-negative least squares
+//!   with an output-error fit for the linear parts, and every other hysteresis model of [`methods`]. The [`Identification`] carries the plant's blueprint
 //!   and the evidence: figures in simulation mode on rows that were held out, the straight line they
 //!   compare with, and what the data say about each parameter.
 //! * [`simulate`] and [`compare`]: the fit of any plant to any record.
@@ -19,6 +19,7 @@ mod identification;
 mod identify;
 mod judge;
 pub mod learned;
+mod methods;
 mod observer;
 mod plant;
 mod record;
@@ -28,9 +29,14 @@ mod testing;
 
 pub use control::{ControlSettings, Inversion, LoopFigures, LoopRun, invert, simulate_loop};
 pub use error::{Error, NotInvertible, Problem, SettingsProblem};
-pub use identification::{Candidate, Estimate, Identification, RULES, RecordFit, Verdict};
+pub use fit::operator::Search;
+pub use fit::swarm::Swarm;
+pub use identification::{
+    Candidate, Correlation, Estimate, Identification, RULES, RecordFit, Verdict,
+};
 pub use identify::{SIGNIFICANT_FALL, identify};
 pub use judge::{Figures, compare, simulate};
+pub use methods::methods;
 pub use observer::{Observer, Silent};
 pub use record::{Columns, Record, Rows, records_of};
-pub use settings::{Dynamics, Settings, Target};
+pub use settings::{Dynamics, Methods, Settings, Target};

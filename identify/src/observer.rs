@@ -6,6 +6,11 @@ pub trait Observer {
     fn progress(&mut self, stage: &'static str, done: usize, total: usize) {
         let _ = (stage, done, total);
     }
+
+    /// Whether the work is to end now. What is finished by then is returned.
+    fn stopped(&self) -> bool {
+        false
+    }
 }
 
 /// An observer that listens to nothing.

@@ -7,6 +7,7 @@ use model::Kind;
 use crate::error::Error;
 use crate::fit::linear_part::Deviations;
 use crate::fit::response::LinearPart;
+use crate::methods::Chain;
 use crate::record::Record;
 use crate::settings::Target;
 
@@ -17,6 +18,8 @@ pub(crate) enum Actuator<'a> {
     Linear { gain: f64 },
     /// A Prandtl–Ishlinskii model.
     Plays { r: &'a [f64], w: &'a [f64], relative_deviation: Option<f64> },
+    /// Another method's components, offset included.
+    Chain(&'a Chain),
 }
 
 /// A plant with one axis.
@@ -66,27 +69,33 @@ impl Plant<'_> {
             let lag = ComponentBlueprint::new("amplifier-lag").value("bandwidth", bandwidth);
             chain.push(tolerance(lag, "bandwidth", bandwidth, self.deviations.bandwidth));
         }
-        chain.push(match &self.actuator {
-            Actuator::Linear { gain } => ComponentBlueprint::new("actuator-gain")
-                .value("gain", *gain)
-                .value("offset", self.offset),
+        match &self.actuator {
+            Actuator::Linear { gain } => chain.push(
+                ComponentBlueprint::new("actuator-gain")
+                    .value("gain", *gain)
+                    .value("offset", self.offset),
+            ),
             Actuator::Plays { r, w, relative_deviation } => {
                 let plays = ComponentBlueprint::new("prandtl-ishlinskii")
                     .value("r", *r)
                     .value("w", *w)
                     .value("offset", self.offset);
-                match relative_deviation {
+                chain.push(match relative_deviation {
                     Some(relative) => plays.tolerance("w", *relative),
                     None => plays,
-                }
+                });
             }
-        });
+            Actuator::Chain(parts) => chain.extend(parts.hysteresis.iter().cloned()),
+        }
         if let Some(shape) = linear.mode {
             let mode = ComponentBlueprint::new("mode")
                 .value("frequency", shape.frequency)
                 .value("damping", shape.damping);
             let mode = tolerance(mode, "frequency", shape.frequency, self.deviations.frequency);
             chain.push(tolerance(mode, "damping", shape.damping, self.deviations.damping));
+        }
+        if let Actuator::Chain(parts) = &self.actuator {
+            chain.extend(parts.reading.iter().cloned());
         }
         chain
     }

@@ -1,5 +1,7 @@
 //! One record: what one axis was told and what it did, sampled uniformly.
 
+use std::path::Path;
+
 use data::{Log, Problems};
 use serde::Serialize;
 
@@ -23,6 +25,7 @@ pub struct Record {
     output_name: String,
     input: Vec<f64>,
     output: Vec<f64>,
+    rest: Option<f64>,
 }
 
 /// The columns of a record as they are given.
@@ -82,10 +85,24 @@ impl Record {
                 output_name: columns.output_name.to_owned(),
                 input: input.to_vec(),
                 output: output.to_vec(),
+                rest: None,
             }),
             Some(Err(problem)) => Err(vec![problem]),
             None => Err(problems),
         }
+    }
+
+    /// The same record of a machine that rested under this command before the first row; without it
+    /// the machine is taken to have rested under the first row's command.
+    #[must_use]
+    pub fn rested_at(self, command: f64) -> Self {
+        Self { rest: Some(command), ..self }
+    }
+
+    /// The command under which the machine rested before the first row.
+    #[must_use]
+    pub fn rest(&self) -> f64 {
+        self.rest.or(self.input.first().copied()).unwrap_or(0.0)
     }
 
     /// Name for messages.
@@ -212,10 +229,13 @@ pub fn records_of(
     let mut problems = Vec::new();
     for part in log.records() {
         let rows = part.rows.clone();
+        // The file's name is enough to tell records apart; its folders make tables unreadable.
+        let file = Path::new(log.origin()).file_name();
+        let file = file.map_or_else(|| log.origin().into(), |name| name.to_string_lossy());
         let name = if log.records().len() > 1 {
-            format!("{}, record {} (from row {})", log.origin(), part.id, rows.start + 1)
+            format!("{file}, record {} (from row {})", part.id, rows.start + 1)
         } else {
-            log.origin().to_owned()
+            file.into_owned()
         };
         let found = Record::new(Columns {
             name: &name,

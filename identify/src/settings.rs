@@ -3,6 +3,8 @@
 use data::AxisBlueprint;
 
 use crate::error::{Error, Problem, SettingsProblem};
+use crate::fit::operator::Search;
+use crate::methods::{self, METHODS, Method};
 use crate::record::{Record, Rows, common_period};
 
 /// Choices of an identification; [`Settings::default`] suits a log of some periods of a large slow
@@ -24,6 +26,24 @@ pub struct Settings {
     pub least_slope: f64,
     /// Which linear parts are looked for.
     pub dynamics: Dynamics,
+    /// Which hysteresis models are tried.
+    pub methods: Methods,
+    /// Levels of a Preisach model.
+    pub levels: usize,
+    /// How the shape of a hysteresis is searched.
+    pub search: Search,
+}
+
+/// Which hysteresis models are tried.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Methods {
+    /// The static Prandtl–Ishlinskii model only.
+    #[default]
+    PrandtlIshlinskii,
+    /// All that are sensible for the records ([`methods`](crate::methods) lists them).
+    Sensible,
+    /// These, by name; the best of them is returned.
+    Named(Vec<String>),
 }
 
 /// Which linear parts are looked for beside the delay.
@@ -46,6 +66,9 @@ impl Default for Settings {
             longest_delay: None,
             least_slope: 0.01,
             dynamics: Dynamics::Automatic,
+            methods: Methods::PrandtlIshlinskii,
+            levels: 20,
+            search: Search::LevenbergMarquardt,
         }
     }
 }
@@ -72,7 +95,7 @@ const FEWEST_JUDGED: usize = 20;
 const MOST_PLAYS: usize = 4096;
 
 /// Settings that fit the records, with every choice made.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct Plan {
     pub(crate) period: f64,
     pub(crate) thresholds: Vec<f64>,
@@ -84,6 +107,11 @@ pub(crate) struct Plan {
     pub(crate) dynamics: Dynamics,
     /// Half the range of the command in the rows fitted on.
     pub(crate) half_range: f64,
+    pub(crate) methods: Vec<&'static dyn Method>,
+    /// Whether the best of the methods is returned and not the static model.
+    pub(crate) named: bool,
+    pub(crate) levels: usize,
+    pub(crate) search: Search,
 }
 
 impl Settings {
@@ -122,7 +150,25 @@ impl Settings {
             least_slope: self.least_slope * slope,
             dynamics: self.dynamics,
             half_range,
+            methods: self.chosen()?,
+            named: matches!(self.methods, Methods::Named(_)),
+            levels: self.levels,
+            search: self.search,
         })
+    }
+
+    /// The methods that are tried beside the static model.
+    fn chosen(&self) -> Result<Vec<&'static dyn Method>, Error> {
+        match &self.methods {
+            Methods::PrandtlIshlinskii => Ok(Vec::new()),
+            Methods::Sensible => Ok(METHODS.iter().copied().skip(1).collect()),
+            Methods::Named(names) => {
+                let find = |name: &String| {
+                    methods::find(name).ok_or_else(|| Error::NoMethod { name: name.clone() })
+                };
+                names.iter().map(find).collect()
+            }
+        }
     }
 
     /// Rows fitted on and rows held out.
@@ -168,6 +214,12 @@ impl Settings {
             self.least_slope,
             "lies between 0 and 1, both excluded; 0.01 lets the inverse be 100 times as steep as \
              the mean",
+        );
+        require(
+            (2..=60).contains(&self.levels),
+            "levels",
+            self.levels as f64,
+            "a Preisach model of 2 to 60 levels (3 to 1830 relays) is fitted; 20 suit most logs",
         );
         if let Some(longest) = self.longest_delay {
             require(

@@ -168,6 +168,8 @@ impl Stage<'_> {
             "identify",
             "--log",
             "measured.csv",
+            "--model",
+            "prandtl-ishlinskii",
             "--input",
             "u_y",
             "--output",

@@ -6,18 +6,20 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, Log, SignalBlueprint};
-use identify::{Columns, Dynamics, Identification, Observer, Record, Settings, Target};
+use identify::{
+    Dynamics, Identification, Methods, Observer, Record, Search, Settings, Swarm, Target,
+};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
-use crate::{pages, progress};
+use crate::{interrupt, pages, progress};
 
 /// Identifies a plant from a measured log
 ///
-/// Weights of the hysteresis, delay and offset are fitted on the first part of each record; amplifier
-/// lag and mode are added where the data show them. All figures are of the plant that is written,
-/// in simulation mode, on the part of the log that the fit did not see.
+/// Every hysteresis model is fitted on the first part of each record, with delay, offset, and amplifier
+/// lag and mode where the data show them; the best on the rest is written. All figures are of plants
+/// as they are written, in simulation mode. Ctrl-C ends the search; the best so far is written.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop identify --log model_1hz_3v6.csv --input u --output y --model prandtl-ishlinskii --drop 2 -o plant.toml\n  piezoloop identify --log stage.csv --input u_y --output y --input u_z --output z --unit y=um --unit z=um -o stage.toml --report stage.html"
@@ -32,9 +34,25 @@ pub(crate) struct Identify {
     /// Column of the position; once per axis, in the order of the inputs
     #[arg(long = "output", value_name = "COLUMN", required = true)]
     outputs: Vec<String>,
-    /// What is fitted
-    #[arg(long, value_name = "MODEL", default_value = "prandtl-ishlinskii")]
-    model: Model,
+    /// What is fitted (may be given several times) [default: every hysteresis model, and the best is
+    /// written]
+    #[arg(long = "model", value_name = "MODEL", value_parser = model_names())]
+    models: Vec<String>,
+    /// Write the plant of every model that was tried to this folder, one file each
+    #[arg(long, value_name = "FOLDER")]
+    all: Option<PathBuf>,
+    /// The command under which the machine rested before each record [default: the record's first]
+    #[arg(long, allow_negative_numbers = true, value_name = "COMMAND")]
+    rest: Option<f64>,
+    /// Search the shapes by particle swarm and not by Levenberg-Marquardt
+    #[arg(long)]
+    swarm: bool,
+    /// Seed of the particle swarm
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Threads of the particle swarm; the result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: usize,
     /// Number of plays
     #[arg(long, value_name = "N", default_value_t = 30)]
     plays: usize,
@@ -63,11 +81,11 @@ pub(crate) struct Identify {
     report: Option<PathBuf>,
 }
 
-/// What can be fitted.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-enum Model {
-    /// Static Prandtl-Ishlinskii hysteresis, with delay, amplifier lag and mode where they show
-    PrandtlIshlinskii,
+/// What can be fitted, as the command line takes it.
+fn model_names() -> clap::builder::PossibleValuesParser {
+    let values =
+        identify::methods().map(|(name, help)| clap::builder::PossibleValue::new(name).help(help));
+    values.collect::<Vec<_>>().into()
 }
 
 /// The result: one identification per axis.
@@ -109,6 +127,9 @@ impl Identify {
         inputs::not_over(&self.out, &logs)?;
         let (plant, result) = self.work(screen)?;
         plant.blueprint().write(&self.out)?;
+        if let Some(folder) = &self.all {
+            write_all(folder, &result)?;
+        }
         if let Some(page) = &self.report {
             let report = pages::identification(&result, &logs)?;
             report.write_html(page)?;
@@ -132,8 +153,15 @@ impl Identify {
             let output_column = names.column(output).unwrap_or(output);
             let command_unit = unit(&logs, input_column, "V", &mut notes)?;
             let position_unit = unit(&logs, output_column, "um", &mut notes)?;
-            let records =
-                records(&logs, (input_column, &command_unit), (output_column, &position_unit))?;
+            let columns =
+                ((input_column, command_unit.as_str()), (output_column, position_unit.as_str()));
+            let mut records = Vec::new();
+            for log in &logs {
+                records.extend(identify::records_of(log, columns.0, columns.1)?);
+            }
+            if let Some(command) = self.rest {
+                records = records.into_iter().map(|record| record.rested_at(command)).collect();
+            }
             let target = Target {
                 model: self.model_name(),
                 source: self.source(),
@@ -148,6 +176,7 @@ impl Identify {
 
     /// Identifies the axes side by side; the first one moves the progress bar.
     fn identify_all(&self, tasks: Vec<Task>, screen: &Screen) -> anyhow::Result<Vec<AxisResult>> {
+        interrupt::listen()?;
         let settings = self.settings();
         let one = |task: Task, observer: &mut dyn Observer| -> anyhow::Result<AxisResult> {
             let Task { name, records, target, command_unit } = task;
@@ -157,8 +186,7 @@ impl Identify {
         std::thread::scope(|scope| {
             let mut tasks = tasks.into_iter();
             let first = tasks.next();
-            let others: Vec<_> =
-                tasks.map(|task| scope.spawn(|| one(task, &mut identify::Silent))).collect();
+            let others: Vec<_> = tasks.map(|task| scope.spawn(|| one(task, &mut Quiet))).collect();
             let mut all: Vec<anyhow::Result<AxisResult>> =
                 first.into_iter().map(|task| one(task, &mut Bar::new(screen))).collect();
             for other in others {
@@ -171,8 +199,15 @@ impl Identify {
     }
 
     fn settings(&self) -> Settings {
-        let Model::PrandtlIshlinskii = self.model;
+        let methods = match self.models.as_slice() {
+            [] => Methods::Sensible,
+            [one] if one == "prandtl-ishlinskii" => Methods::PrandtlIshlinskii,
+            names => Methods::Named(names.to_vec()),
+        };
+        let swarm = Swarm { seed: self.seed, threads: self.threads, ..Swarm::default() };
         Settings {
+            methods,
+            search: if self.swarm { Search::ParticleSwarm(swarm) } else { Search::default() },
             plays: self.plays,
             drop: self.drop,
             hold_out: self.hold_out,
@@ -240,35 +275,21 @@ fn axis(input: &str, output: &str, command_unit: &str, position_unit: &str) -> A
     }
 }
 
-/// The records of all logs for one axis.
-fn records(
-    logs: &[Log],
-    (input, command_unit): (&str, &str),
-    (output, position_unit): (&str, &str),
-) -> anyhow::Result<Vec<Record>> {
-    let mut all = Vec::new();
-    for log in logs {
-        let commands = log.convert(input, command_unit)?;
-        let positions = log.convert(output, position_unit)?;
-        for record in log.records() {
-            let file = Path::new(log.origin()).file_name();
-            let file = file.map_or_else(|| log.origin().into(), |f| f.to_string_lossy());
-            let name = match log.records().len() {
-                1 => file.into_owned(),
-                _ => format!("{file}, record {}", record.id),
-            };
-            let columns = Columns {
-                name: &name,
-                time: &log.time()[record.rows.clone()],
-                input_name: input,
-                input: &commands[record.rows.clone()],
-                output_name: output,
-                output: &positions[record.rows.clone()],
-            };
-            all.push(Record::new(columns).map_err(identify::Error::Unsuitable)?);
+/// Writes the plant of each model that was tried, `<axis>-<model>.toml`; of several structures of one
+/// model the last, which is the richest.
+fn write_all(folder: &Path, result: &Identified) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| {
+        format!("{} cannot be made; name a folder to write to", folder.display())
+    })?;
+    for axis in &result.axes {
+        for candidate in &axis.identification.candidates {
+            let Some(plant) = &candidate.plant else { continue };
+            let model = candidate.method.unwrap_or("line");
+            let file = folder.join(format!("{}-{model}.toml", identifier(&axis.name)));
+            plant.blueprint().write(&file)?;
         }
     }
-    Ok(all)
+    Ok(())
 }
 
 /// One blueprint with the axes of all.
@@ -297,6 +318,15 @@ fn step(axis: &AxisResult) -> String {
     format!("{} s", axis.identification.plant.spec().period)
 }
 
+/// Shows nothing, and stops where the user asks to.
+struct Quiet;
+
+impl Observer for Quiet {
+    fn stopped(&self) -> bool {
+        interrupt::asked()
+    }
+}
+
 /// Shows the stages of an identification on a terminal.
 struct Bar(indicatif::ProgressBar);
 
@@ -307,6 +337,10 @@ impl Bar {
 }
 
 impl Observer for Bar {
+    fn stopped(&self) -> bool {
+        interrupt::asked()
+    }
+
     fn progress(&mut self, stage: &'static str, done: usize, total: usize) {
         self.0.set_message(stage);
         self.0.set_length(total as u64);
@@ -328,17 +362,28 @@ impl Answer for Identified {
         for axis in &self.axes {
             let id = &axis.identification;
             writeln!(out, "axis {}", axis.name)?;
-            writeln!(out, "  {:40} {:>14}  verdict", "structure tried", "held-out rmse")?;
+            writeln!(
+                out,
+                "  {:48} {:>9} {:>9} {:>7}  verdict",
+                "structure tried", "fitted", "held out", "numbers"
+            )?;
             for candidate in &id.candidates {
-                let rmse = candidate
-                    .held_out_rmse
-                    .map_or_else(|| "failed".to_owned(), |e| format!("{e:.5} {}", id.unit));
+                let percent = |part: Option<f64>| {
+                    part.map_or_else(|| "failed".to_owned(), |e| format!("{:.3} %", 100.0 * e))
+                };
                 let mark = if candidate.accepted { "taken: " } else { "" };
                 writeln!(
                     out,
-                    "  {:40} {rmse:>14}  {mark}{}",
-                    candidate.structure, candidate.reason
+                    "  {:48} {:>9} {:>9} {:>7}  {mark}{}",
+                    candidate.structure,
+                    percent(candidate.fitted_nrmse),
+                    percent(candidate.held_out_nrmse),
+                    candidate.parameters,
+                    candidate.reason
                 )?;
+            }
+            if id.stopped {
+                writeln!(out, "  stopped: the best of what was finished is taken")?;
             }
             for record in &id.records {
                 let (held, line) = (&record.held_out, &record.baseline_held_out);

@@ -35,7 +35,12 @@ pub(crate) struct Solution {
     pub(crate) x: Vec<f64>,
     /// For each unknown that is not at its bound, its variance for residuals of unit variance.
     pub(crate) variance: Vec<Option<f64>>,
+    /// For each such unknown, the other one it is correlated with most, and that correlation.
+    pub(crate) partner: Vec<Option<Partner>>,
 }
+
+/// The index of another unknown and the correlation with it.
+pub(crate) type Partner = (usize, f64);
 
 impl Reduced {
     /// An empty system of this many unknowns.
@@ -70,27 +75,41 @@ impl Reduced {
     ///
     /// # Errors
     /// [`Error::NoSolution`] where the method does not reach a point that is optimal.
-    pub(crate) fn solve_non_negative(mut self) -> Result<Solution, Error> {
+    pub(crate) fn solve_non_negative(self) -> Result<Solution, Error> {
+        self.solve(0)
+    }
+
+    /// min ‖A x − b‖ where the first `free` unknowns have any sign and the others are ≥ 0.
+    ///
+    /// The free ones are eliminated exactly: the rows of R below them are the problem in which each
+    /// other column and the right-hand side is orthogonal to theirs.
+    ///
+    /// # Errors
+    /// [`Error::NoSolution`] where the method does not reach a point that is optimal.
+    pub(crate) fn solve(mut self, free: usize) -> Result<Solution, Error> {
         self.reduce();
+        let free = free.min(self.columns);
+        if free > 0 {
+            self.factor = core::mem::replace(&mut self.factor, DMatrix::zeros(0, 0)).qr().r();
+        }
         let (matrix, target) = self.split();
         if !matrix.iter().chain(target.iter()).all(|v| v.is_finite()) {
             return Err(Error::no_solution("the regressors hold a value that is not finite"));
         }
-        let lengths: Vec<f64> = matrix.column_iter().map(|c| c.norm()).collect();
-        let longest = lengths.iter().copied().fold(0.0, f64::max);
-        let used: Vec<usize> =
-            (0..self.columns).filter(|&i| lengths[i] > EMPTY_COLUMN * longest).collect();
-        let mut x = vec![0.0; self.columns];
-        if !used.is_empty() {
-            let scaled = DMatrix::from_fn(matrix.nrows(), used.len(), |i, j| {
-                matrix[(i, used[j])] / lengths[used[j]]
-            });
-            let solution = lawson_hanson(&scaled, &target)?;
-            check_optimality(&scaled, &target, &solution)?;
-            for (&i, value) in used.iter().zip(&solution) {
-                x[i] = value / lengths[i];
-            }
+        let rows = matrix.nrows();
+        let first = free.min(rows);
+        let lower = matrix.view((first, free), (rows - first, self.columns - free)).into_owned();
+        let bounded = bounded(&lower, &target.rows(first, rows - first).into_owned())?;
+        let mut x = vec![0.0; free];
+        if free > 0 {
+            let coupled = matrix.view((0, free), (first, bounded.len()));
+            let right = target.rows(0, first) - coupled * DVector::from_column_slice(&bounded);
+            let own = matrix.view((0, 0), (first, free)).into_owned();
+            let threshold = EMPTY_COLUMN * own.amax();
+            let solved = own.svd(true, true).solve(&right, threshold);
+            x.copy_from_slice(solved.map_err(Error::no_solution)?.as_slice());
         }
+        x.extend(bounded);
         Ok(finish(&matrix, x))
     }
 
@@ -100,6 +119,26 @@ impl Reduced {
             self.factor.column(self.columns).into_owned(),
         )
     }
+}
+
+/// min ‖A x − b‖ with x ≥ 0, columns without information left at zero.
+fn bounded(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Result<Vec<f64>, Error> {
+    let lengths: Vec<f64> = matrix.column_iter().map(|c| c.norm()).collect();
+    let longest = lengths.iter().copied().fold(0.0, f64::max);
+    let used: Vec<usize> =
+        (0..lengths.len()).filter(|&i| lengths[i] > EMPTY_COLUMN * longest).collect();
+    let mut x = vec![0.0; lengths.len()];
+    if !used.is_empty() {
+        let scaled = DMatrix::from_fn(matrix.nrows(), used.len(), |i, j| {
+            matrix[(i, used[j])] / lengths[used[j]]
+        });
+        let solution = lawson_hanson(&scaled, target)?;
+        check_optimality(&scaled, target, &solution)?;
+        for (&i, value) in used.iter().zip(&solution) {
+            x[i] = value / lengths[i];
+        }
+    }
+    Ok(x)
 }
 
 /// Runs the active-set method on columns of unit length.
@@ -140,17 +179,36 @@ fn check_optimality(matrix: &DMatrix<f64>, target: &DVector<f64>, x: &[f64]) -> 
 /// The variances at a solution; an unknown at zero counts as bound.
 fn finish(matrix: &DMatrix<f64>, x: Vec<f64>) -> Solution {
     let free: Vec<usize> = (0..x.len()).filter(|&i| x[i] != 0.0).collect();
-    let mut variance = vec![None; x.len()];
-    if !free.is_empty() {
-        let columns = DMatrix::from_fn(matrix.nrows(), free.len(), |i, j| matrix[(i, free[j])]);
-        let gram = columns.tr_mul(&columns);
-        if let Some(inverse) = gram.try_inverse() {
-            for (k, &i) in free.iter().enumerate() {
-                variance[i] = Some(inverse[(k, k)]).filter(|v| v.is_finite() && *v >= 0.0);
-            }
-        }
+    let (variance, partner) = spread(matrix, &free);
+    Solution { x, variance, partner }
+}
+
+/// Diagonal of (JᵀJ)⁻¹ over the columns `free`, and for each the greatest correlation with another.
+pub(crate) fn spread(
+    matrix: &DMatrix<f64>,
+    free: &[usize],
+) -> (Vec<Option<f64>>, Vec<Option<Partner>>) {
+    let (mut variance, mut partner) = (vec![None; matrix.ncols()], vec![None; matrix.ncols()]);
+    // Columns of unit length: the inverse then does not suffer from different units.
+    let columns = matrix.select_columns(free);
+    let lengths: Vec<f64> = columns.column_iter().map(|c| c.norm()).collect();
+    let scaled = DMatrix::from_fn(columns.nrows(), free.len(), |i, j| columns[(i, j)] / lengths[j]);
+    let Some(inverse) = (!free.is_empty()).then(|| scaled.tr_mul(&scaled).try_inverse()).flatten()
+    else {
+        return (variance, partner);
+    };
+    for (k, &i) in free.iter().enumerate() {
+        let own = inverse[(k, k)];
+        variance[i] = Some(own / lengths[k].powi(2)).filter(|v| v.is_finite() && *v >= 0.0);
+        partner[i] = (0..free.len())
+            .filter(|&other| other != k)
+            .map(|other| {
+                (free[other], inverse[(k, other)] / (own * inverse[(other, other)]).sqrt())
+            })
+            .filter(|(_, correlation)| correlation.is_finite())
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     }
-    Solution { x, variance }
+    (variance, partner)
 }
 
 #[cfg(test)]

@@ -11,6 +11,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
 
+use super::least_squares::{Partner, spread};
+
 /// One parameter: start and bounds, scaled so that a change of 1 is a large one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Unknown {
@@ -26,14 +28,23 @@ pub(crate) struct Minimum {
     pub(crate) parameters: Vec<f64>,
     /// Diagonal of (JᵀJ)⁻¹; `None` where a parameter is at a bound or has no effect.
     pub(crate) variance: Vec<Option<f64>>,
+    /// For each parameter, the other one it is correlated with most.
+    pub(crate) partner: Vec<Option<Partner>>,
 }
 
 /// Step of the forward differences.
 const DIFFERENCE: f64 = 1e-6;
-/// Most iterations; a problem of a few parameters needs 10 to 30.
-const ITERATIONS: usize = 100;
-/// Relative fall of the sum of squares below which the search has converged.
-const TOLERANCE: f64 = 1e-8;
+/// When a search ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ending {
+    /// Most iterations; a problem of a few parameters needs 10 to 30.
+    pub(crate) iterations: usize,
+    /// Relative fall of the sum of squares below which the search has converged.
+    pub(crate) tolerance: f64,
+}
+
+/// To the last digit that matters to a delay or a frequency.
+pub(crate) const PATIENT: Ending = Ending { iterations: 100, tolerance: 1e-8 };
 /// Damping beyond which no step helps any more.
 const DAMPING_LIMIT: f64 = 1e12;
 
@@ -43,13 +54,14 @@ const DAMPING_LIMIT: f64 = 1e12;
 /// What `residuals` returns, and [`Error::NoSolution`] where the search has not converged.
 pub(crate) fn minimise(
     unknowns: &[Unknown],
+    ending: Ending,
     mut residuals: impl FnMut(&[f64]) -> Result<Vec<f64>, Error>,
     mut report: impl FnMut(usize),
 ) -> Result<Minimum, Error> {
     let mut at: Vec<f64> = unknowns.iter().map(|u| u.start.clamp(u.lower, u.upper)).collect();
     let mut residual = DVector::from_vec(residuals(&at)?);
     let mut damping = 1e-3;
-    for iteration in 0..ITERATIONS {
+    for iteration in 0..ending.iterations {
         report(iteration);
         let jacobian = jacobian(unknowns, &at, &residual, &mut residuals)?;
         let gradient = jacobian.tr_mul(&residual);
@@ -70,12 +82,12 @@ pub(crate) fn minimise(
             }
             damping *= 10.0;
         }
-        if !moved || before - residual.norm_squared() <= TOLERANCE * before {
-            let variance = variances(&jacobian, &free);
-            return Ok(Minimum { parameters: at, variance });
+        if !moved || before - residual.norm_squared() <= ending.tolerance * before {
+            let (variance, partner) = spread(&jacobian, &free);
+            return Ok(Minimum { parameters: at, variance, partner });
         }
     }
-    Err(Error::no_solution("the search for the linear part has not converged"))
+    Err(Error::no_solution("the search has not converged"))
 }
 
 fn jacobian(
@@ -132,17 +144,6 @@ fn step(
     Some(next)
 }
 
-fn variances(jacobian: &DMatrix<f64>, free: &[usize]) -> Vec<Option<f64>> {
-    let mut variance = vec![None; jacobian.ncols()];
-    let columns = jacobian.select_columns(free);
-    if let Some(inverse) = columns.tr_mul(&columns).try_inverse() {
-        for (k, &j) in free.iter().enumerate() {
-            variance[j] = Some(inverse[(k, k)]).filter(|v| v.is_finite() && *v >= 0.0);
-        }
-    }
-    variance
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,7 +155,8 @@ mod tests {
     #[test]
     fn finds_the_minimum_of_rosenbrocks_valley() {
         let valley = |p: &[f64]| Ok(vec![10.0 * (p[1] - p[0] * p[0]), 1.0 - p[0]]);
-        let minimum = minimise(&[free(-1.2), free(1.0)], valley, |_| {}).expect("converges");
+        let minimum =
+            minimise(&[free(-1.2), free(1.0)], PATIENT, valley, |_| {}).expect("converges");
         assert!(minimum.parameters.iter().all(|p| (p - 1.0).abs() < 1e-6), "{minimum:?}");
     }
 
@@ -162,7 +164,7 @@ mod tests {
     fn stops_at_a_bound_and_gives_no_variance_there() {
         let line = |p: &[f64]| Ok(vec![p[0] - 3.0, p[1] + 1.0]);
         let bounded = Unknown { start: 0.0, lower: -1.0, upper: 2.0 };
-        let minimum = minimise(&[bounded, free(0.5)], line, |_| {}).expect("converges");
+        let minimum = minimise(&[bounded, free(0.5)], PATIENT, line, |_| {}).expect("converges");
         assert_eq!(minimum.parameters[0], 2.0);
         assert!((minimum.parameters[1] + 1.0).abs() < 1e-6);
         assert_eq!(minimum.variance[0], None);
@@ -171,6 +173,6 @@ mod tests {
     #[test]
     fn an_error_of_the_model_ends_the_search() {
         let fails = |_: &[f64]| Err(Error::no_solution("as told"));
-        assert!(minimise(&[free(0.0)], fails, |_| {}).is_err());
+        assert!(minimise(&[free(0.0)], PATIENT, fails, |_| {}).is_err());
     }
 }

@@ -10,8 +10,9 @@
 use core::f64::consts::TAU;
 
 use crate::error::Error;
+use crate::record::Rows;
 
-use super::levenberg_marquardt::{Unknown, minimise};
+use super::levenberg_marquardt::{PATIENT, Unknown, minimise};
 use super::response::{LinearPart, ModeShape};
 use super::weights::{Fitted, Task, independent_samples};
 
@@ -65,7 +66,8 @@ pub(crate) fn fit(
     let coordinates = Coordinates { structure, period: task.period };
     let unknowns = coordinates.unknowns(&start, longest_delay, &frequencies(task));
     let residuals = |p: &[f64]| task.solve(coordinates.linear(p)).map(|fitted| fitted.residual);
-    let minimum = minimise(&unknowns, residuals, |iteration| report(iteration, 100))?;
+    let report = |iteration| report(iteration, PATIENT.iterations);
+    let minimum = minimise(&unknowns, PATIENT, residuals, report)?;
     let fitted = task.solve(coordinates.linear(&minimum.parameters))?;
     let degrees = independent_samples(&fitted.residual) - minimum.parameters.len() as f64;
     let noise = fitted.sum_of_squares / degrees.max(1.0);
@@ -76,7 +78,7 @@ pub(crate) fn fit(
 }
 
 /// Internal steps per sample: more than one only where the mode's input changes within a sample.
-fn substeps(linear: &LinearPart, period: f64) -> usize {
+pub(crate) fn substeps(linear: &LinearPart, period: f64) -> usize {
     match (linear.bandwidth, linear.mode) {
         (Some(_), Some(mode)) => {
             (STEPS_PER_CYCLE * mode.frequency * period).ceil().clamp(1.0, MOST_SUBSTEPS) as usize
@@ -87,9 +89,14 @@ fn substeps(linear: &LinearPart, period: f64) -> usize {
 
 /// Lowest and highest frequency that can be seen in the rows fitted on.
 fn frequencies(task: &Task<'_>) -> (f64, f64) {
-    let rows = task.rows.iter().map(|r| r.len()).max().unwrap_or(0).max(2);
-    let lowest = FEWEST_PERIODS / (rows as f64 * task.period);
-    let highest = HIGHEST / task.period;
+    visible(&task.rows, task.period)
+}
+
+/// Lowest and highest frequency that can be seen in these rows.
+pub(crate) fn visible(rows: &[Rows], period: f64) -> (f64, f64) {
+    let longest = rows.iter().map(Rows::len).max().unwrap_or(0).max(2);
+    let lowest = FEWEST_PERIODS / (longest as f64 * period);
+    let highest = HIGHEST / period;
     (lowest.min(0.5 * highest), highest)
 }
 
@@ -152,13 +159,18 @@ fn candidates(structure: Structure, grid: &[f64], known: &LinearPart) -> Vec<Lin
 /// Between the parameters and the coordinates of the search: delay in samples, the rest as natural
 /// logarithms.
 #[derive(Clone, Copy)]
-struct Coordinates {
-    structure: Structure,
-    period: f64,
+pub(crate) struct Coordinates {
+    pub(crate) structure: Structure,
+    pub(crate) period: f64,
 }
 
 impl Coordinates {
-    fn unknowns(&self, at: &LinearPart, longest_delay: f64, range: &(f64, f64)) -> Vec<Unknown> {
+    pub(crate) fn unknowns(
+        &self,
+        at: &LinearPart,
+        longest_delay: f64,
+        range: &(f64, f64),
+    ) -> Vec<Unknown> {
         let (low, high) = (range.0.ln(), range.1.ln());
         let longest = longest_delay / self.period;
         let mut unknowns =
@@ -175,7 +187,7 @@ impl Coordinates {
         unknowns
     }
 
-    fn linear(&self, p: &[f64]) -> LinearPart {
+    pub(crate) fn linear(&self, p: &[f64]) -> LinearPart {
         let mut values = p.iter().copied();
         let mut next = || values.next().unwrap_or(0.0);
         let delay = next() * self.period;
@@ -187,7 +199,7 @@ impl Coordinates {
         LinearPart { delay, bandwidth, mode }
     }
 
-    fn deviations(&self, at: &LinearPart, deviations: &[Option<f64>]) -> Deviations {
+    pub(crate) fn deviations(&self, at: &LinearPart, deviations: &[Option<f64>]) -> Deviations {
         let mut values = deviations.iter().copied();
         let mut next = |scale: f64| values.next().flatten().map(|d| d * scale);
         let delay = next(self.period);

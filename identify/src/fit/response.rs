@@ -27,7 +27,7 @@ pub(crate) struct ModeShape {
 }
 
 /// One component with one path input, ready to run.
-struct Part {
+pub(crate) struct Part {
     component: &'static dyn Component,
     coefficients: Vec<f64>,
     state: Vec<f64>,
@@ -36,7 +36,9 @@ struct Part {
 }
 
 impl Part {
-    fn new(
+    /// # Errors
+    /// [`Error::Model`] where the component refuses its parameters.
+    pub(crate) fn new(
         component: &'static dyn Component,
         structure: &[f64],
         parameters: &[f64],
@@ -53,14 +55,21 @@ impl Part {
         Ok(Self { component, coefficients, state: vec![0.0; sizes.states], period, index: 0 })
     }
 
-    fn rest(&mut self, input: f64) -> f64 {
+    /// What the component remembers.
+    pub(crate) fn state(&self) -> &[f64] {
+        &self.state
+    }
+
+    /// The output at rest under this input.
+    pub(crate) fn rest(&mut self, input: f64) -> f64 {
         let mut output = [input];
         self.index = 0;
         self.component.rest(&self.coefficients, &[input], &mut self.state, &mut output);
         output[0]
     }
 
-    fn step(&mut self, input: f64) -> f64 {
+    /// The output after a step under this input.
+    pub(crate) fn step(&mut self, input: f64) -> f64 {
         let mut output = [input];
         self.index += 1;
         let time = self.index as f64 * self.period;
@@ -71,12 +80,13 @@ impl Part {
 }
 
 /// The response of each play to `input` held over `period`: one column per threshold, and one row
-/// per sample, read before the sample's input acts. The machine starts at rest under the first
-/// input. `substeps` internal steps are made per period.
+/// per sample, read before the sample's input acts. The machine starts at rest under `rest`.
+/// `substeps` internal steps are made per period.
 ///
 /// # Errors
 /// [`Error::Model`] where a component refuses its parameters.
 pub(crate) fn responses(
+    rest: f64,
     input: &[f64],
     period: f64,
     substeps: usize,
@@ -90,15 +100,13 @@ pub(crate) fn responses(
         after.push(after_hysteresis(linear, step)?);
     }
     let mut columns = vec![Vec::with_capacity(input.len()); thresholds.len()];
-    let Some((&first, held)) = input.split_first().map(|(first, _)| (first, input)) else {
-        return Ok(columns);
-    };
-    let start = before.iter_mut().fold(first, |signal, part| part.rest(signal));
+    let Some((_, held)) = input.split_last() else { return Ok(columns) };
+    let start = before.iter_mut().fold(rest, |signal, part| part.rest(signal));
     let mut plays: Vec<f64> = thresholds.iter().map(|r| play(start, *r, 0.0)).collect();
     for ((column, after), play) in columns.iter_mut().zip(&mut after).zip(&plays) {
         column.push(after.as_mut().map_or(*play, |part| part.rest(*play)));
     }
-    for &command in &held[..held.len() - 1] {
+    for &command in held {
         for substep in 1..=substeps {
             let signal = before.iter_mut().fold(command, |signal, part| part.step(signal));
             let bank = columns.iter_mut().zip(&mut after).zip(&mut plays).zip(thresholds);
@@ -114,7 +122,7 @@ pub(crate) fn responses(
     Ok(columns)
 }
 
-fn before_hysteresis(linear: &LinearPart, step: f64) -> Result<Vec<Part>, Error> {
+pub(crate) fn before_hysteresis(linear: &LinearPart, step: f64) -> Result<Vec<Part>, Error> {
     let mut parts = Vec::new();
     if linear.delay > 0.0 {
         let delay = &components::timing::Delay;
@@ -127,7 +135,7 @@ fn before_hysteresis(linear: &LinearPart, step: f64) -> Result<Vec<Part>, Error>
     Ok(parts)
 }
 
-fn after_hysteresis(linear: &LinearPart, step: f64) -> Result<Option<Part>, Error> {
+pub(crate) fn after_hysteresis(linear: &LinearPart, step: f64) -> Result<Option<Part>, Error> {
     let Some(ModeShape { frequency, damping }) = linear.mode else { return Ok(None) };
     let mode = &components::mechanics::Mode;
     Part::new(mode, &[], &[frequency, damping, 1.0], step).map(Some)
@@ -140,7 +148,7 @@ mod tests {
     #[test]
     fn a_row_is_read_before_its_input_acts() {
         let input = [0.0, 1.0, 2.0, 3.0];
-        let columns = responses(&input, 0.1, 1, &[0.0, 0.5], &LinearPart::default());
+        let columns = responses(input[0], &input, 0.1, 1, &[0.0, 0.5], &LinearPart::default());
         let columns = columns.expect("runs");
         assert_eq!(columns[0], [0.0, 0.0, 1.0, 2.0]);
         assert_eq!(columns[1], [0.0, 0.0, 0.5, 1.5]);
@@ -148,7 +156,8 @@ mod tests {
 
     #[test]
     fn at_rest_the_plays_are_on_the_virgin_curve() {
-        let columns = responses(&[2.0; 3], 0.1, 4, &[0.5], &LinearPart::default()).expect("runs");
+        let columns =
+            responses(2.0, &[2.0; 3], 0.1, 4, &[0.5], &LinearPart::default()).expect("runs");
         assert_eq!(columns[0], [1.5; 3]);
     }
 
@@ -156,8 +165,8 @@ mod tests {
     fn delay_shifts_and_substeps_do_not_change_a_static_model() {
         let input: Vec<f64> = (0..200).map(|k| (f64::from(k) * 0.37).sin()).collect();
         let linear = LinearPart { delay: 0.2, ..LinearPart::default() };
-        let one = responses(&input, 0.1, 1, &[0.0, 0.3], &linear).expect("runs");
-        let four = responses(&input, 0.1, 4, &[0.0, 0.3], &linear).expect("runs");
+        let one = responses(input[0], &input, 0.1, 1, &[0.0, 0.3], &linear).expect("runs");
+        let four = responses(input[0], &input, 0.1, 4, &[0.0, 0.3], &linear).expect("runs");
         assert_eq!(one, four);
         assert_eq!(one[0][3..], input[..197]);
     }

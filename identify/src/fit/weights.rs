@@ -7,7 +7,7 @@
 use crate::error::Error;
 use crate::record::{Record, Rows};
 
-use super::least_squares::{Reduced, Solution};
+use super::least_squares::{Partner, Reduced, Solution};
 use super::response::{LinearPart, responses};
 
 /// What is fitted on: everything but the linear parts.
@@ -44,6 +44,8 @@ pub(crate) struct Fitted {
     pub(crate) energy: f64,
     /// Variance of each weight that is not at its bound, for residuals of unit variance.
     pub(crate) variance: Vec<Option<f64>>,
+    /// For each such weight, the other one it is correlated with most.
+    pub(crate) partner: Vec<Option<Partner>>,
 }
 
 impl Task<'_> {
@@ -60,7 +62,14 @@ impl Task<'_> {
         let mut columns = Vec::with_capacity(self.records.len());
         for record in self.records {
             let input = record.input();
-            columns.push(responses(input, self.period, self.substeps, &self.thresholds, &linear)?);
+            columns.push(responses(
+                record.rest(),
+                input,
+                self.period,
+                self.substeps,
+                &self.thresholds,
+                &linear,
+            )?);
         }
         let solution = self.reduce(&columns).solve_non_negative()?;
         Ok(self.finish(linear, &columns, solution))
@@ -105,8 +114,8 @@ impl Task<'_> {
             offsets.push(offset);
         }
         let sum_of_squares = residual.iter().map(|e| e * e).sum();
-        let variance = solution.variance;
-        Fitted { linear, weights, offsets, residual, sum_of_squares, energy, variance }
+        let (variance, partner) = (solution.variance, solution.partner);
+        Fitted { linear, weights, offsets, residual, sum_of_squares, energy, variance, partner }
     }
 }
 

@@ -9,7 +9,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
-use crate::fit::levenberg_marquardt::{Unknown, minimise};
+use crate::fit::levenberg_marquardt::{PATIENT, Unknown, minimise};
 
 /// A rational transfer function in the backward shift.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +39,7 @@ impl Arx {
             Ok(run.iter().zip(output).map(|(s, y)| (s - y).clamp(-1e3, 1e3)).collect())
         };
         let before = super::rms_difference(&start.simulate(input, output[0]), output);
-        let Ok(minimum) = minimise(&unknowns, residuals, |_| ()) else { return Ok(start) };
+        let Ok(minimum) = minimise(&unknowns, PATIENT, residuals, |_| ()) else { return Ok(start) };
         let fitted = of(&minimum.parameters);
         let after = super::rms_difference(&fitted.simulate(input, output[0]), output);
         Ok(if after < before || before.is_nan() { fitted } else { start })

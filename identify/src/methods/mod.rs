@@ -1,0 +1,249 @@
+//! The hysteresis models that can be identified: one file per method, and the one list of them.
+//!
+//! A method says which of its parameters enter the position linearly, its *weights*, and which do
+//! not, its *shape*. For a shape it gives one column per weight; the weights are then found by least
+//! squares with bounds, and only the shape is searched. To add a method, write its file and its line
+//! in [`METHODS`].
+
+mod bouc_wen;
+mod curved_prandtl_ishlinskii;
+mod dynamic_prandtl_ishlinskii;
+mod generalised_play;
+mod grpi;
+mod modified_prandtl_ishlinskii;
+mod mpi;
+mod prandtl_ishlinskii;
+mod preisach;
+mod rate_dependent_play;
+
+use std::borrow::Cow;
+
+use data::ComponentBlueprint;
+
+use crate::error::Error;
+use crate::fit::response::Part;
+
+/// All methods, the simplest first. Among methods that differ little the simpler one is returned.
+pub(crate) static METHODS: &[&dyn Method] = &[
+    &prandtl_ishlinskii::PrandtlIshlinskii,
+    &bouc_wen::BoucWen { asymmetric: false },
+    &bouc_wen::BoucWen { asymmetric: true },
+    &rate_dependent_play::RateDependentPlay,
+    &grpi::Grpi,
+    &mpi::Mpi,
+    &generalised_play::GeneralisedPlay,
+    &modified_prandtl_ishlinskii::ModifiedPrandtlIshlinskii,
+    &curved_prandtl_ishlinskii::Curved,
+    &dynamic_prandtl_ishlinskii::DynamicPrandtlIshlinskii,
+    &preisach::Preisach,
+];
+
+/// A hysteresis model that can be fitted to records.
+pub(crate) trait Method: Sync {
+    /// Its name on the command line.
+    fn name(&self) -> &'static str;
+    /// One sentence.
+    fn summary(&self) -> &'static str;
+    /// Parameters that are searched; none where everything is linear.
+    fn shape(&self, scene: &Scene) -> Vec<Shape>;
+    /// Other starts of the search, full vectors of the shape.
+    fn starts(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        vec![self.shape(scene).iter().map(|s| s.start).collect()]
+    }
+    /// Parameters that are linear, in the order of the columns: those of any sign first.
+    fn weights(&self, scene: &Scene) -> Weights;
+    /// One column per weight: its part of the position for each sample of `signal`, which moves from
+    /// rest under its first value, `step` seconds apart.
+    ///
+    /// # Errors
+    /// [`Error::Model`] where the component refuses the shape.
+    fn columns(
+        &self,
+        scene: &Scene,
+        shape: &[f64],
+        signal: &[f64],
+        step: f64,
+    ) -> Result<Vec<Vec<f64>>, Error>;
+    /// Positions before the static map that the method puts behind everything, and the slope of that
+    /// map there; `None` where there is no such map.
+    fn unmapped(&self, scene: &Scene, shape: &[f64], output: &[f64]) -> Option<Vec<(f64, f64)>> {
+        let _ = (scene, shape, output);
+        None
+    }
+    /// Whether the offset is part of the shape, since the static map is tied to it.
+    fn anchored(&self) -> bool {
+        false
+    }
+    /// Rows of a penalty on the weights, in position, per square root of a sample.
+    fn penalty(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        let _ = scene;
+        Vec::new()
+    }
+    /// The components of a fitted model.
+    fn chain(&self, scene: &Scene, shape: &[f64], weights: &[f64], offset: f64) -> Chain;
+}
+
+/// What a method knows of the records.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Scene {
+    /// Least and greatest command.
+    pub(crate) command: [f64; 2],
+    /// Least and greatest position on the rows fitted on.
+    pub(crate) position: [f64; 2],
+    /// Position at zero command on the best straight line.
+    pub(crate) zero: f64,
+    /// Longest time fitted on, in s.
+    pub(crate) duration: f64,
+    /// Thresholds of plays, from 0.
+    pub(crate) thresholds: Vec<f64>,
+    /// Levels of a Preisach model.
+    pub(crate) levels: usize,
+}
+
+impl Scene {
+    /// Middle and half of the command's range.
+    pub(crate) fn centre(&self) -> (f64, f64) {
+        let [low, high] = self.command;
+        (0.5 * (low + high), (0.5 * (high - low)).max(f64::MIN_POSITIVE))
+    }
+
+    /// Middle and half of the position's range.
+    pub(crate) fn middle(&self) -> (f64, f64) {
+        let [low, high] = self.position;
+        (0.5 * (low + high), (0.5 * (high - low)).max(f64::MIN_POSITIVE))
+    }
+}
+
+/// A parameter that is searched.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Shape {
+    pub(crate) name: Cow<'static, str>,
+    /// Unit, with `{command}` and `{position}` for those of the axis.
+    pub(crate) unit: &'static str,
+    pub(crate) start: f64,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+}
+
+impl Shape {
+    pub(crate) fn new(
+        name: impl Into<Cow<'static, str>>,
+        unit: &'static str,
+        start: f64,
+        (lower, upper): (f64, f64),
+    ) -> Self {
+        Self { name: name.into(), unit, start, lower, upper }
+    }
+}
+
+/// The linear parameters of a method.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Weights {
+    /// How many of them, the first ones, may have any sign; the others are not negative.
+    pub(crate) free: usize,
+    /// Name and unit of each.
+    pub(crate) names: Vec<(String, &'static str)>,
+}
+
+pub(crate) const PER_COMMAND: &str = "{position}/{command}";
+
+impl Weights {
+    /// These of any sign, then one per play.
+    pub(crate) fn plays(free: &[(&str, &'static str)], plays: usize) -> Self {
+        let named = free.iter().map(|(name, unit)| ((*name).to_owned(), *unit));
+        let plays = (1..=plays).map(|i| (format!("hysteresis.w[{i}]"), PER_COMMAND));
+        Self { free: free.len(), names: named.chain(plays).collect() }
+    }
+}
+
+/// The components of a fitted model: those that turn the command into a position, and those behind
+/// the mechanics.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Chain {
+    pub(crate) hysteresis: Vec<ComponentBlueprint>,
+    pub(crate) reading: Vec<ComponentBlueprint>,
+}
+
+impl Chain {
+    pub(crate) fn of(hysteresis: ComponentBlueprint) -> Self {
+        Self { hysteresis: vec![hysteresis], reading: Vec::new() }
+    }
+}
+
+/// Runs a component over a signal and takes the columns from what it remembers.
+pub(crate) fn states_of(
+    mut part: Part,
+    signal: &[f64],
+    mut take: impl FnMut(f64, &[f64], &mut Vec<f64>),
+) -> Vec<Vec<f64>> {
+    let mut row = Vec::new();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for (k, &u) in signal.iter().enumerate() {
+        if k == 0 {
+            part.rest(u);
+        } else {
+            part.step(u);
+        }
+        row.clear();
+        take(u, part.state(), &mut row);
+        if k == 0 {
+            columns = row.iter().map(|_| Vec::with_capacity(signal.len())).collect();
+        }
+        for (column, value) in columns.iter_mut().zip(&row) {
+            column.push(*value);
+        }
+    }
+    columns
+}
+
+/// The method of this name.
+pub(crate) fn find(name: &str) -> Option<&'static dyn Method> {
+    METHODS.iter().copied().find(|m| m.name() == name)
+}
+
+/// Name and sentence of every method that can be identified.
+pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
+    METHODS.iter().map(|m| (m.name(), m.summary()))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_found() {
+        let names: BTreeSet<_> = methods().map(|(name, _)| name).collect();
+        assert_eq!(names.len(), METHODS.len());
+        assert!(names.iter().all(|name| find(name).is_some()));
+    }
+
+    #[test]
+    fn every_method_has_a_column_per_weight_and_a_start_within_bounds() {
+        let scene = Scene {
+            command: [0.0, 10.0],
+            position: [-1.0, 20.0],
+            zero: 0.0,
+            duration: 1.0,
+            thresholds: vec![0.0, 1.0, 2.0, 3.0],
+            levels: 6,
+        };
+        let signal: Vec<f64> = (0..100).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.1).cos()).collect();
+        for method in METHODS {
+            let shape = method.shape(&scene);
+            for start in method.starts(&scene) {
+                assert_eq!(start.len(), shape.len(), "{}", method.name());
+                for (value, s) in start.iter().zip(&shape) {
+                    assert!((s.lower..=s.upper).contains(value), "{}: {s:?}", method.name());
+                }
+                let columns = method.columns(&scene, &start, &signal, 0.01);
+                let columns = columns.unwrap_or_else(|e| panic!("{}: {e}", method.name()));
+                let weights = method.weights(&scene);
+                assert_eq!(columns.len(), weights.names.len(), "{}", method.name());
+                assert!(weights.free <= columns.len());
+                assert!(columns.iter().all(|c| c.len() == signal.len()));
+            }
+        }
+    }
+}
