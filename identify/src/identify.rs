@@ -76,9 +76,9 @@ pub fn identify(
     if !stopped {
         stopped = session.other_methods(&mut best, &mut candidates)?;
     }
-    let chosen = best.structure.clone();
     for candidate in &mut candidates {
-        candidate.accepted = candidate.structure == chosen;
+        candidate.accepted =
+            candidate.method == best.method && candidate.structure == best.structure;
     }
     Ok(session.result(baseline, best, candidates, stopped))
 }
