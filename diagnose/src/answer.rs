@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::belief;
+use crate::belief::{self, Sight};
 use crate::chain::{Chain, Parameter};
 use crate::experiment;
 use crate::gap::{
@@ -13,7 +13,7 @@ use crate::outcome::Outcome;
 use crate::place::Maps;
 use crate::problem::HELD_OUT;
 use crate::request::{Model, Request};
-use crate::select::{ADEQUATE, Candidate};
+use crate::select::Candidate;
 use crate::shrink::Evidence;
 
 /// Mean square over the noise's above which something is left.
@@ -181,7 +181,7 @@ fn named(o: &Outcome) -> Vec<NamedEffect> {
                 .found
                 .rivals
                 .get(slot)
-                .map(|looked| belief::beliefs(o, looked, last))
+                .map(|looked| belief::beliefs(&Sight::of(o), looked, last))
                 .unwrap_or_default();
             let probability =
                 beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.probability);
@@ -268,7 +268,8 @@ fn leftover(o: &Outcome, maps: &Maps<'_>) -> Leftover {
 fn tried(o: &Outcome) -> Vec<Tried> {
     let base = &o.found.base;
     let first = o.found.first.iter().find_map(|l| l.best.as_ref());
-    let beliefs = first.map(|own| belief::beliefs(o, &o.found.first, own)).unwrap_or_default();
+    let beliefs =
+        first.map(|own| belief::beliefs(&Sight::of(o), &o.found.first, own)).unwrap_or_default();
     let finite = |v: f64| v.is_finite().then_some(v);
     o.found
         .first
@@ -307,7 +308,7 @@ fn cautions(o: &Outcome) -> Vec<String> {
     }
     if noise.source == "second differences"
         && o.verdict == Verdict::Unknown
-        && o.found.base.judged.held_out < 4.0 * ADEQUATE
+        && o.found.base.judged.held_out < 4.0 * o.adequate
     {
         all.push(format!(
             "{}: the noise was estimated from the logs, which is a lower bound; the gap is small against it: give --rest or --noise before you believe it",

@@ -1,7 +1,7 @@
 //! How sure a name is: probabilities of rivals, and of none of them.
 
+use crate::library::Family;
 use crate::outcome::Outcome;
-use crate::score::explained;
 use crate::select::{Candidate, Looked};
 
 /// Probability that the set must reach.
@@ -14,6 +14,14 @@ const SHARPNESS: f64 = 3.0;
 const ORDER: f64 = 1.2;
 /// Formulas leave alike up to this factor.
 const ALIKE: f64 = 1.25;
+/// Probability below which neither the name nor its group is given.
+pub(crate) const TRUSTED: f64 = 0.5;
+/// Probability that the cause is in the library where nothing is left.
+const LIBRARY: f64 = 0.985;
+/// Part of the gap that is left where the cause is as likely in the library as not, and how fast that
+/// changes; from the benchmark.
+const LEFT_OF_UNKNOWN: f64 = 0.12;
+const STEEPNESS: f64 = 1.2;
 /// Excess over the noise that is told from none.
 const SEEN: f64 = 0.02;
 
@@ -24,8 +32,24 @@ pub(crate) struct Belief {
     pub(crate) probability: f64,
 }
 
+/// What beliefs are formed from beside the candidates.
+#[derive(Clone, Copy)]
+pub(crate) struct Sight {
+    /// Held-out mean square of the re-tuned model over the noise's, less 1.
+    pub(crate) base_excess: f64,
+    /// Mean square over the noise's up to which nothing is left.
+    pub(crate) adequate: f64,
+}
+
+impl Sight {
+    pub(crate) fn of(outcome: &Outcome) -> Self {
+        let base_excess = (outcome.found.base.judged.held_out - 1.0).max(0.0);
+        Self { base_excess, adequate: outcome.adequate }
+    }
+}
+
 /// Probabilities of the families for one slot, largest first; the rest to 1 is 'none of these'.
-pub(crate) fn beliefs(outcome: &Outcome, looked: &[Looked], own: &Candidate) -> Vec<Belief> {
+pub(crate) fn beliefs(sight: &Sight, looked: &[Looked], own: &Candidate) -> Vec<Belief> {
     let fitted: Vec<(usize, &Candidate)> =
         looked.iter().filter_map(|l| Some((l.family, l.best.as_ref()?))).collect();
     let Some(best) = fitted.iter().map(|(_, c)| *c).min_by(|a, b| a.rank.total_cmp(&b.rank)) else {
@@ -45,7 +69,7 @@ pub(crate) fn beliefs(outcome: &Outcome, looked: &[Looked], own: &Candidate) -> 
         })
         .collect();
     let total: f64 = weights.iter().sum();
-    let known = known(outcome, own);
+    let known = known(sight, own);
     let mut all: Vec<Belief> = fitted
         .iter()
         .zip(weights)
@@ -60,13 +84,21 @@ fn excess(c: &Candidate) -> f64 {
     (0.5 * (c.fit.mean_square + c.judged.held_out) - 1.0).max(0.0)
 }
 
-/// Probability that the cause is in the library at all, from what the effects explain.
-fn known(outcome: &Outcome, own: &Candidate) -> f64 {
-    let base = &outcome.found.base.judged;
-    let score = outcome.judge.score(base, &own.judged);
-    let power = explained(base, &own.judged);
-    let level = score.max(0.5 * (score + power));
-    1.0 / (1.0 + (-(level - 0.65) / 0.06).exp())
+/// Probability that the cause is in the library at all: the more is left over what the noise alone may
+/// leave, and the larger a part of the gap that is, the less.
+fn known(sight: &Sight, own: &Candidate) -> f64 {
+    let left = (excess(own) - (sight.adequate - 1.0)).max(0.0) / sight.base_excess.max(0.1);
+    LIBRARY / (1.0 + (left / LEFT_OF_UNKNOWN).powf(STEEPNESS))
+}
+
+/// How far a name can be trusted: its own probability, or that of its group where the group is what
+/// the data can tell.
+pub(crate) fn trust(library: &[Family], beliefs: &[Belief], family: usize) -> f64 {
+    let group = library[family].effect.group;
+    let is_with = |b: &&Belief| {
+        b.family == family || (group.is_some() && library[b.family].effect.group == group)
+    };
+    beliefs.iter().filter(is_with).map(|b| b.probability).sum()
 }
 
 /// The smallest set of names that reaches 0.95 of what is known, most probable first.

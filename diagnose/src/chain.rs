@@ -65,12 +65,16 @@ pub(crate) struct ComponentNode {
 /// What is added to the equation of motion of a mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Force {
-    /// Cubic stiffness: `k₃·((x − centre)/half)²` of the linear force.
+    /// Cubic stiffness: `k₃·(x/X)²` of the linear force, X the far end of the range.
     Cubic,
     /// Quadratic and cubic stiffness.
     Uneven,
     /// Dry friction with a pre-sliding distance, over the stiffness.
     Friction,
+    /// Damping that grows with the speed: `ratio·(x′/ω)·|x′/ω|/X`, X the far end of the range.
+    SpeedDamping,
+    /// Coulomb friction `size·tanh(x′/(ω·smooth))`, over the stiffness.
+    Coulomb,
 }
 
 /// One node of a chain.
@@ -101,6 +105,24 @@ pub(crate) struct Chain {
     pub(crate) drive: usize,
     /// Parameters of each nuisance term, see [`crate::nuisance`].
     pub(crate) nuisances: Vec<crate::nuisance::Nuisance>,
+}
+
+impl Chain {
+    /// For each parameter the number of the parameter of `from` that it continues: the model's own by
+    /// name, those of effects in their order.
+    pub(crate) fn origin(&self, from: &Self) -> Vec<Option<usize>> {
+        let mut effects =
+            from.parameters.iter().enumerate().filter(|(_, p)| !p.is_base).map(|(k, _)| k);
+        self.parameters
+            .iter()
+            .map(|p| {
+                if !p.is_base {
+                    return effects.next();
+                }
+                from.parameters.iter().position(|o| o.is_base && o.name == p.name)
+            })
+            .collect()
+    }
 }
 
 /// How far records are simulated.
@@ -247,22 +269,33 @@ impl Force {
     /// Number of its parameters.
     pub(crate) fn count(self) -> usize {
         match self {
-            Self::Cubic => 1,
-            Self::Uneven | Self::Friction => 2,
+            Self::Cubic | Self::SpeedDamping => 1,
+            Self::Uneven | Self::Friction | Self::Coulomb => 2,
+        }
+    }
+
+    /// Parts of a step in which the force is held: friction turns quickly.
+    fn parts(self) -> u8 {
+        match self {
+            Self::Cubic | Self::Uneven => 1,
+            Self::Friction | Self::Coulomb | Self::SpeedDamping => 3,
         }
     }
 
     /// The force over the linear stiffness, as a displacement; z is the state of the friction.
-    fn pull(self, p: &[f64], x: f64, way: f64, z: &mut f64, centre: f64, half: f64) -> f64 {
-        let e = (x - centre) / half;
+    fn pull(self, p: &[f64], (x, way, rate): (f64, f64, f64), z: &mut f64, far: f64) -> f64 {
+        // The flexure is straight where the position is zero.
+        let e = x / far;
         match (self, p) {
-            (Self::Cubic, &[cubic]) => half * cubic * e * e * e,
-            (Self::Uneven, &[square, cubic]) => half * (square * e * e + cubic * e * e * e),
+            (Self::Cubic, &[cubic]) => x * cubic * e * e,
+            (Self::Uneven, &[square, cubic]) => x * (square * e + cubic * e * e),
             (Self::Friction, &[size, distance]) => {
                 let decay = (-way.abs() / distance).exp();
                 *z = way.signum() * (1.0 - decay) + *z * decay;
                 size * *z
             }
+            (Self::SpeedDamping, &[ratio]) => ratio * rate * rate.abs() / far,
+            (Self::Coulomb, &[size, smooth]) => size * (rate / smooth).tanh(),
             _ => 0.0,
         }
     }
@@ -319,18 +352,21 @@ fn forced(
     if !(frequency > 0.0 && damping > 0.0) {
         return Err(Failed);
     }
-    let transition = components::linear::Transition::new(frequency, damping, step);
+    let parts = force.parts();
+    let transition =
+        components::linear::Transition::new(frequency, damping, step / f64::from(parts));
     let Some(&first) = u.first() else { return Ok(()) };
     let (mut z, mut rate) = (0.0, 0.0);
+    let far = centre.abs() + half;
     let mut x = gain * first;
     // The equilibrium under the first input, by fixed-point steps.
     for _ in 0..50 {
-        x = gain * first - force.pull(p, x, 0.0, &mut z, centre, half);
+        x = gain * first - force.pull(p, (x, 0.0, 0.0), &mut z, far);
     }
     let mut before = x;
     for (n, (y, u)) in out.iter_mut().zip(u).enumerate() {
-        if n > 0 {
-            let target = gain * u - force.pull(p, x, x - before, &mut z, centre, half);
+        for _ in 0..if n > 0 { parts } else { 0 } {
+            let target = gain * u - force.pull(p, (x, x - before, rate), &mut z, far);
             before = x;
             let (e, r) = transition.apply(x - target, rate);
             (x, rate) = (target + e, r);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::block::Span;
 
 /// Most rows that enter the normal equations; more are thinned evenly (all are simulated).
-const MOST_FIT_ROWS: usize = 40_000;
+const MOST_FIT_ROWS: usize = 8_000;
 
 /// One record.
 #[derive(Clone, Debug)]
@@ -183,6 +183,13 @@ impl DataSet {
             return self.step;
         }
         *all.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+
+    /// Length of the longest record in s.
+    pub(crate) fn longest(&self) -> f64 {
+        let lengths =
+            self.records.iter().map(|r| self.time[r.rows.end - 1] - self.time[r.rows.start]);
+        lengths.fold(self.step, f64::max)
     }
 
     /// Rows of a record that are held out.

@@ -32,7 +32,7 @@ pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
     let last = &o.found.last;
     for slot in 0..last.picks.len() {
         let looked = o.found.rivals.get(slot)?;
-        let beliefs = belief::beliefs(o, looked, last);
+        let beliefs = belief::beliefs(&belief::Sight::of(o), looked, last);
         let set = belief::set(&beliefs);
         if set.len() < 2 {
             continue;

@@ -13,13 +13,15 @@ use crate::data_set::DataSet;
 use crate::nuisance::Projector;
 
 /// Most iterations.
-const ITERATIONS: usize = 12;
-/// Iterations after which the columns of the model's own parameters are computed again.
-const REFRESH: usize = 4;
+const ITERATIONS: usize = 16;
 /// Fall of the cost below which an iteration ends the fit.
 const SMALL: f64 = 0.2;
+/// Fall of the cost above which a thorough fit computes all sensitivities anew.
+const LARGE: f64 = 20.0;
 /// Rows per independent one.
 const CORRELATION: f64 = 10.0;
+/// Most rows that count as independent: in a structured residual more rows are no more knowledge.
+const MOST_EFFECTIVE: f64 = 4000.0;
 
 /// What fits are made with.
 #[derive(Clone, Copy)]
@@ -60,7 +62,8 @@ struct Work<'a> {
 impl<'a> Fitter<'a> {
     /// Effective number of training rows.
     pub(crate) fn effective(&self) -> f64 {
-        (self.data.fit_rows.len() as f64 / CORRELATION).max(50.0)
+        let rows: usize = self.data.records.iter().map(|r| r.training.len()).sum();
+        (rows as f64 / CORRELATION).clamp(50.0, MOST_EFFECTIVE)
     }
 
     fn work(self, chain: &'a Chain) -> Work<'a> {
@@ -68,12 +71,26 @@ impl<'a> Fitter<'a> {
         Work { bench, fitter: self, projector: None }
     }
 
-    /// Fits from these coordinates.
+    /// Fits from these coordinates, with all sensitivities at each turn's own point in the end.
     ///
     /// # Errors
     /// The chain cannot be simulated there.
     pub(crate) fn fit(self, chain: &'a Chain, start: &[f64]) -> Result<Fit, Failed> {
-        self.work(chain).fit(start)
+        self.work(chain).fit(start, None, true)
+    }
+
+    /// The same with the sensitivities that are known from another chain, which are not computed
+    /// again: near enough to choose among candidates.
+    ///
+    /// # Errors
+    /// As [`Fitter::fit`].
+    pub(crate) fn fit_quickly(
+        self,
+        chain: &'a Chain,
+        start: &[f64],
+        known: &Linear,
+    ) -> Result<Fit, Failed> {
+        self.work(chain).fit(start, Some(known), false)
     }
 
     /// Residual at the rows of the fit, in standard deviations, and the sensitivities to all
@@ -82,42 +99,22 @@ impl<'a> Fitter<'a> {
         let mut work = self.work(chain);
         let point = work.keep(theta)?;
         let columns = work.columns(&point, 0..chain.parameters.len())?;
-        Ok(Linear { residual: point.residual, columns })
+        let squares = point.squares;
+        Ok(Linear { residual: point.residual, columns, chain: chain.clone(), squares })
     }
 
-    /// The part of the residual's squares that a candidate would take in the first order: from each
-    /// of these starts, with the parameters of `base` (those that come first) moving along.
-    pub(crate) fn promise(
+    /// For each start the part of the residual's squares that a candidate would take in the first
+    /// order, with the parameters that are known moving along; `screened` of its own parameters move.
+    pub(crate) fn promises(
         self,
         chain: &'a Chain,
-        base: &Linear,
-        start: &[f64],
-        screened: std::ops::Range<usize>,
-    ) -> Result<f64, Failed> {
+        known: &Linear,
+        starts: &[Vec<f64>],
+        screened: usize,
+    ) -> Vec<Option<f64>> {
         let mut work = self.work(chain);
-        let point = work.keep(start)?;
-        let own = work.columns(&point, screened)?;
-        let mut columns = base.columns.clone();
-        // A candidate with a term per record changes what is taken out of all columns alike.
-        if let (false, Some((_, projector))) = (chain.nuisances.is_empty(), &work.projector) {
-            columns.iter_mut().for_each(|column| projector.project(column));
-        }
-        columns.extend(own);
-        let weight = self.effective() / point.squares.max(1.0);
-        let (normal, gradient) = normal_equations(&columns, &point.residual, weight);
-        let priors = chain.parameters.iter().map(|p| p.prior);
-        let mut normal = normal;
-        for (k, prior) in priors.take(base.columns.len()).enumerate() {
-            normal[(k, k)] += prior + 1e-9;
-        }
-        for k in 0..normal.nrows() {
-            normal[(k, k)] *= 1.0 + 1e-9;
-        }
-        let Some(solver) = normal.cholesky() else { return Err(Failed) };
-        let step = solver.solve(&gradient);
-        let left = point.squares - gradient.dot(&step) / weight;
-        let before: f64 = base.residual.iter().map(|r| r * r).sum();
-        Ok(1.0 - (left / before).max(0.0))
+        let mut basis: Option<Basis> = None;
+        starts.iter().map(|start| work.promise(known, start, screened, &mut basis).ok()).collect()
     }
 }
 
@@ -125,6 +122,43 @@ impl<'a> Fitter<'a> {
 pub(crate) struct Linear {
     pub(crate) residual: Vec<f64>,
     pub(crate) columns: Vec<Vec<f64>>,
+    chain: Chain,
+    squares: f64,
+}
+
+/// Sensitivities that candidates share, with their products.
+struct Basis {
+    /// Numbers of the chain's parameters.
+    numbers: Vec<usize>,
+    columns: Vec<Vec<f64>>,
+    products: DMatrix<f64>,
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // Four sums at once: the compiler may not reorder one.
+    let mut sums = [0.0; 4];
+    let (left, right) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = left.remainder().iter().zip(right.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in left.zip(right) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}
+
+/// `JᵀJ`.
+fn products(columns: &[Vec<f64>]) -> DMatrix<f64> {
+    let n = columns.len();
+    let mut all = DMatrix::zeros(n, n);
+    for i in 0..n {
+        for j in 0..=i {
+            let value = dot(&columns[i], &columns[j]);
+            all[(i, j)] = value;
+            all[(j, i)] = value;
+        }
+    }
+    all
 }
 
 /// `JᵀJ·weight` and `−Jᵀr·weight`.
@@ -133,18 +167,47 @@ fn normal_equations(
     residual: &[f64],
     weight: f64,
 ) -> (DMatrix<f64>, DVector<f64>) {
-    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-    let n = columns.len();
-    let mut normal = DMatrix::zeros(n, n);
-    for i in 0..n {
-        for j in 0..=i {
-            let value = weight * dot(&columns[i], &columns[j]);
-            normal[(i, j)] = value;
-            normal[(j, i)] = value;
+    let gradient = columns.iter().map(|column| -weight * dot(column, residual));
+    let gradient = DVector::from_iterator(columns.len(), gradient);
+    (products(columns) * weight, gradient)
+}
+
+/// The minimum of `½ sᵀNs − gᵀs` with what would leave its room held at its end.
+fn within(
+    normal: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    room: &[(f64, f64)],
+) -> Option<DVector<f64>> {
+    /// Rounds in which more are held.
+    const ROUNDS: usize = 4;
+    let n = gradient.len();
+    let mut held: Vec<Option<f64>> = vec![None; n];
+    let mut step = DVector::zeros(n);
+    for _ in 0..ROUNDS {
+        let free: Vec<usize> = (0..n).filter(|k| held[*k].is_none()).collect();
+        let matrix = DMatrix::from_fn(free.len(), free.len(), |i, j| normal[(free[i], free[j])]);
+        let right = DVector::from_fn(free.len(), |i, _| {
+            let moved = |k: usize| held[k].map_or(0.0, |s| normal[(free[i], k)] * s);
+            gradient[free[i]] - (0..n).map(moved).sum::<f64>()
+        });
+        let solved = matrix.cholesky()?.solve(&right);
+        for k in 0..n {
+            step[k] = held[k].unwrap_or(0.0);
+        }
+        for (k, s) in free.iter().zip(solved.iter()) {
+            step[*k] = *s;
+        }
+        let out: Vec<usize> =
+            free.into_iter().filter(|k| step[*k] < room[*k].0 || step[*k] > room[*k].1).collect();
+        if out.is_empty() {
+            break;
+        }
+        for k in out {
+            step[k] = step[k].clamp(room[k].0, room[k].1);
+            held[k] = Some(step[k]);
         }
     }
-    let gradient = columns.iter().map(|column| -weight * dot(column, residual));
-    (normal, DVector::from_iterator(n, gradient))
+    Some(step)
 }
 
 impl<'a> Work<'a> {
@@ -203,9 +266,9 @@ impl<'a> Work<'a> {
     fn columns(
         &mut self,
         point: &Point,
-        which: std::ops::Range<usize>,
+        which: impl IntoIterator<Item = usize>,
     ) -> Result<Vec<Vec<f64>>, Failed> {
-        let mut columns = Vec::with_capacity(which.len());
+        let mut columns = Vec::new();
         for k in which {
             let parameter = &self.chain().parameters[k];
             let up = point.theta[k] + parameter.step <= parameter.high;
@@ -221,32 +284,145 @@ impl<'a> Work<'a> {
         Ok(columns)
     }
 
-    fn fit(&mut self, start: &[f64]) -> Result<Fit, Failed> {
+    /// The known sensitivities as this chain sees them: its own terms per record taken out.
+    fn known(&self, known: &Linear) -> (Vec<usize>, Vec<Vec<f64>>) {
+        let origin = self.chain().origin(&known.chain);
+        let has_own_terms = self.chain().nuisances.len() > known.chain.nuisances.len();
+        origin
+            .iter()
+            .enumerate()
+            .filter_map(|(k, from)| Some((k, known.columns.get((*from)?)?)))
+            .map(|(k, column)| {
+                let mut column = column.clone();
+                if let (true, Some((_, projector))) = (has_own_terms, &self.projector) {
+                    projector.project(&mut column);
+                }
+                (k, column)
+            })
+            .unzip()
+    }
+
+    /// See [`Fitter::promises`].
+    fn promise(
+        &mut self,
+        known: &Linear,
+        start: &[f64],
+        screened: usize,
+        basis: &mut Option<Basis>,
+    ) -> Result<f64, Failed> {
+        let point = self.keep(start)?;
+        let changes = self.chain().nuisances.iter().any(|n| !n.is_fixed());
+        if basis.is_none() || changes {
+            let (numbers, columns) = self.known(known);
+            let products = products(&columns);
+            *basis = Some(Basis { numbers, columns, products });
+        }
+        let Some(basis) = basis else { return Err(Failed) };
+        let is_own = |k: &usize| !basis.numbers.contains(k);
+        let own: Vec<usize> =
+            (0..self.chain().parameters.len()).filter(is_own).take(screened).collect();
+        let own_columns = self.columns(&point, own.iter().copied())?;
+        let shared = basis.columns.len();
+        let all = shared + own_columns.len();
+        let column = |k: usize| basis.columns.get(k).unwrap_or_else(|| &own_columns[k - shared]);
+        let number = |k: usize| basis.numbers.get(k).copied().unwrap_or_else(|| own[k - shared]);
+        let mut normal = DMatrix::zeros(all, all);
+        normal.view_mut((0, 0), (shared, shared)).copy_from(&basis.products);
+        for i in shared..all {
+            for j in 0..=i {
+                let value = dot(column(i), column(j));
+                normal[(i, j)] = value;
+                normal[(j, i)] = value;
+            }
+        }
+        let data = normal.clone();
+        let right = DVector::from_iterator(all, (0..all).map(|k| -dot(column(k), &point.residual)));
+        let mut gradient = right.clone();
+        // In units of the squares: priors weigh as much as the residual's own size says.
+        let unit = point.squares.max(1.0) / self.fitter.effective();
+        for k in 0..all {
+            let prior = self.chain().parameters[number(k)].prior * unit;
+            normal[(k, k)] = (normal[(k, k)] + prior) * (1.0 + 1e-9) + f64::MIN_POSITIVE;
+            gradient[k] -= prior * point.theta[number(k)];
+        }
+        let parameters = &self.chain().parameters;
+        let room: Vec<(f64, f64)> = (0..all)
+            .map(|k| {
+                let (p, q) = (&parameters[number(k)], point.theta[number(k)]);
+                // Candidates' own bounds are no limit to a first-order promise.
+                if p.is_base { (p.low - q, p.high - q) } else { (f64::MIN, f64::MAX) }
+            })
+            .collect();
+        let step = within(&normal, &gradient, &room).ok_or(Failed)?;
+        let left = point.squares - 2.0 * right.dot(&step) + (&data * &step).dot(&step);
+        Ok(1.0 - (left / known.squares).max(0.0))
+    }
+
+    /// With all sensitivities computed anew once the cost stands still, where `is_thorough`.
+    fn fit(
+        &mut self,
+        start: &[f64],
+        known: Option<&Linear>,
+        is_thorough: bool,
+    ) -> Result<Fit, Failed> {
         let parameters = &self.chain().parameters;
         let clipped: Vec<f64> =
             start.iter().zip(parameters).map(|(q, p)| q.clamp(p.low, p.high)).collect();
         let base = parameters.iter().take_while(|p| p.is_base).count();
         let all = parameters.len();
         let mut point = self.keep(&clipped)?;
-        let mut columns = self.columns(&point, 0..all)?;
+        let (mut kept, mut columns) = (Vec::new(), vec![Vec::new(); all]);
+        if let Some(known) = known {
+            let (numbers, shared) = self.known(known);
+            for (k, column) in numbers.iter().zip(shared) {
+                columns[*k] = column;
+            }
+            kept = numbers;
+        }
+        let missing: Vec<usize> = (0..all).filter(|k| !kept.contains(k)).collect();
+        self.fill(&point, &missing, &mut columns)?;
+        // What is computed at each turn: the effects' own sensitivities change most.
+        let own: Vec<usize> = (base..all).filter(|k| !kept.contains(k)).collect();
+        let mut is_fresh = known.is_none();
         let mut damping = 1e-3;
-        for iteration in 1..=ITERATIONS {
+        for _ in 0..ITERATIONS {
             let before = point.cost;
-            let Some(next) = self.improve(&point, &columns, &mut damping) else { break };
-            point = next;
-            self.keep(&point.theta)?;
-            let has_stopped = before - point.cost < SMALL;
-            let from = if iteration % REFRESH == 0 { 0 } else { base };
-            columns.truncate(from);
-            let fresh = self.columns(&point, from..all)?;
-            columns.extend(fresh);
-            if has_stopped {
+            let next = self.improve(&point, &columns, &mut damping);
+            let mut has_stopped = next.is_none();
+            if let Some(next) = next {
+                point = next;
+                self.keep(&point.theta)?;
+                has_stopped = before - point.cost < SMALL;
+                is_fresh &= has_stopped;
+            }
+            if !has_stopped && is_thorough && before - point.cost > LARGE {
+                self.fill(&point, &(0..all).collect::<Vec<_>>(), &mut columns)?;
+                is_fresh = true;
+            } else if !has_stopped {
+                self.fill(&point, &own, &mut columns)?;
+            } else if is_thorough && !is_fresh {
+                self.fill(&point, &(0..all).collect::<Vec<_>>(), &mut columns)?;
+                (is_fresh, damping) = (true, 1e-3);
+            } else {
                 break;
             }
         }
         let deviations = self.deviations(&point, &columns);
         let mean_square = point.squares / point.residual.len().max(1) as f64;
         Ok(Fit { theta: point.theta, mean_square, deviations })
+    }
+
+    fn fill(
+        &mut self,
+        point: &Point,
+        which: &[usize],
+        columns: &mut [Vec<f64>],
+    ) -> Result<(), Failed> {
+        let fresh = self.columns(point, which.iter().copied())?;
+        for (k, column) in which.iter().zip(fresh) {
+            columns[*k] = column;
+        }
+        Ok(())
     }
 
     /// A better point, or nothing.

@@ -271,6 +271,8 @@ pub struct NoiseFloor {
     pub second_differences: Option<f64>,
     /// From the differences between periods of the logs.
     pub periods: Option<f64>,
+    /// Frequency in Hz below which the noise grows as 1/f; null where it is white.
+    pub corner: Option<f64>,
 }
 
 /// What the answer was made from.

@@ -167,6 +167,12 @@ impl Formula {
         self
     }
 
+    /// Whether it is a line of a frequency that is its own, in every record by itself.
+    pub(crate) fn is_line_of_own(&self) -> bool {
+        matches!(self.nuisance, Some(Nuisance::Lines { .. }))
+            && self.parameters.first().is_some_and(|p| p.log)
+    }
+
     /// Coefficients that are fitted: parameters, released ones, and those of each record.
     pub(crate) fn freedom(&self, records: usize) -> usize {
         let per_record = self.nuisance.as_ref().map_or(0, Nuisance::count);
@@ -200,6 +206,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) slope_power: f64,
     /// Mean of the command's rate times its distance from the centre.
     pub(crate) loop_power: f64,
+    /// Mean of the command's rate times the command.
+    pub(crate) apparent_power: f64,
     /// Residual of the re-tuned model at the rows of the fit, for the search for lines.
     pub(crate) lines: Vec<f64>,
     /// Frequency of the model's first mode in Hz.

@@ -2,6 +2,135 @@
 
 use std::ops::Range;
 
+use crate::spectrum::{self, Bands};
+
+/// Most that the part growing as 1/f may add to the white part, where only logs of a driven machine
+/// can tell: more of it could be an effect.
+const MOST_COLOUR: f64 = 1.0;
+/// Mean of the lines of a band that are below five times their median over the mean of all, for noise.
+const TRIMMED: f64 = 0.91;
+
+/// How the power of the noise is spread over frequency: its density over that of white noise of the
+/// same variance is `white·(1 + corner/f)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shape {
+    /// Part of the variance that is white.
+    pub(crate) white: f64,
+    /// Frequency in Hz at which the part that grows as 1/f equals the white one.
+    pub(crate) corner: f64,
+}
+
+impl Shape {
+    pub(crate) const WHITE: Self = Self { white: 1.0, corner: 0.0 };
+
+    /// With this white part of the variance between two frequencies; the rest grows as 1/f.
+    pub(crate) fn with_white(white: f64, low: f64, high: f64) -> Self {
+        let white = white.clamp(0.05, 1.0);
+        Self { white, corner: (1.0 / white - 1.0) * (high - low) / (high / low).ln() }
+    }
+
+    /// Mean density between two frequencies in Hz.
+    pub(crate) fn density(&self, low: f64, high: f64) -> f64 {
+        self.white * growth(self.corner, low, high)
+    }
+}
+
+/// Mean of `1 + corner/f` between two frequencies.
+fn growth(corner: f64, low: f64, high: f64) -> f64 {
+    1.0 + corner * (high / low).ln() / (high - low)
+}
+
+/// Level of the white part (as a standard deviation) and corner in Hz of records at rest: the largest
+/// likelihood of their band powers; lines that stand out, as of the mains, do not count.
+pub(crate) fn of_rest(records: &[&[f64]], sample: f64) -> Option<(f64, f64)> {
+    let longest = records.iter().map(|r| r.len()).max()?;
+    if longest < 64 {
+        return None;
+    }
+    let bands = Bands::new(longest, sample);
+    let mut terms: Vec<(usize, f64, f64)> = Vec::new();
+    for record in records {
+        for (band, powers) in spectrum::lines_of_bands(record, &bands, sample) {
+            terms.extend(trimmed(powers).map(|(power, count)| (band, power, count)));
+        }
+    }
+    let nyquist = 0.5 / sample;
+    let corners = (0..=48).map(|k| match k {
+        0 => 0.0,
+        _ => bands.ends[0] * (0.5 * nyquist / bands.ends[0]).powf(f64::from(k) / 48.0),
+    });
+    let total: f64 = terms.iter().map(|(_, _, n)| n).sum();
+    let fitted = corners.map(|corner| {
+        let shape = |band: usize| growth(corner, bands.ends[band], bands.ends[band + 1]);
+        let level = terms.iter().map(|(b, p, n)| n * p / shape(*b)).sum::<f64>() / total;
+        let loss: f64 = terms
+            .iter()
+            .map(|(b, p, n)| n * ((level * shape(*b)).ln() + p / (level * shape(*b))))
+            .sum();
+        (loss, level, corner)
+    });
+    let best = fitted.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.1 > 0.0).then(|| (best.1.sqrt(), best.2))
+}
+
+/// Mean and number of the powers without those that stand out.
+fn trimmed(mut powers: Vec<f64>) -> Option<(f64, f64)> {
+    if powers.is_empty() {
+        return None;
+    }
+    if powers.len() < 5 {
+        let n = powers.len() as f64;
+        return Some((powers.iter().sum::<f64>() / n, n));
+    }
+    powers.sort_by(f64::total_cmp);
+    let limit = 5.0 * powers[powers.len() / 2];
+    let kept = powers.partition_point(|p| *p <= limit);
+    let mean = powers[..kept].iter().sum::<f64>() / kept as f64;
+    Some((mean / TRIMMED.max(1.0 - 0.03 * kept as f64), kept as f64))
+}
+
+/// Corner in Hz of the noise under residuals whose white part has the variance `white`: from the
+/// quietest records of each band, as what is driven by the command differs between records.
+pub(crate) fn corner_under(
+    residual: &[f64],
+    records: impl Iterator<Item = Range<usize>>,
+    white: f64,
+    sample: f64,
+) -> f64 {
+    let rows: Vec<Range<usize>> = records.collect();
+    let Some(longest) = rows.iter().map(Range::len).max() else { return 0.0 };
+    let bands = Bands::new(longest, sample);
+    let count = bands.ends.len() - 1;
+    let mut powers: Vec<Vec<f64>> = vec![Vec::new(); count];
+    for rows in rows {
+        for (band, lines) in spectrum::lines_of_bands(&residual[rows], &bands, sample) {
+            if lines.len() >= 3 {
+                powers[band].push(lines.iter().sum::<f64>() / lines.len() as f64);
+            }
+        }
+    }
+    let nyquist = 0.5 / sample;
+    let mut corners: Vec<f64> = (0..count)
+        .filter(|band| bands.ends[band + 1] < 0.1 * nyquist && !powers[*band].is_empty())
+        .map(|band| {
+            let mut all = powers[band].clone();
+            all.sort_by(f64::total_cmp);
+            let quiet = all[(all.len() - 1) / 4];
+            let one = growth(1.0, bands.ends[band], bands.ends[band + 1]) - 1.0;
+            (quiet / white - 1.0).max(0.0) / one
+        })
+        .collect();
+    corners.sort_by(f64::total_cmp);
+    let middle = corners.get(corners.len() / 2).copied().unwrap_or(0.0);
+    let low = bands.ends[0];
+    middle.min(MOST_COLOUR * (nyquist - low) / (nyquist / low).ln())
+}
+
+/// Variance between two frequencies over that of the white part.
+pub(crate) fn coloured(corner: f64, low: f64, high: f64) -> f64 {
+    growth(corner, low, high)
+}
+
 /// Standard deviation of white noise from second differences: `median |Δ²y| / (0.6745·√6)`. Signals
 /// that move smoothly cancel; a lower bound where the noise is coloured. A reading that is rounded so
 /// coarsely that most second differences are zero gives the rounding's own `q/√12`.

@@ -45,6 +45,11 @@ impl Nuisance {
         }
     }
 
+    /// Whether its terms depend on no parameter.
+    pub(crate) fn is_fixed(&self) -> bool {
+        matches!(self, Self::Drift { .. } | Self::Knots { .. })
+    }
+
     /// Coefficients per record.
     pub(crate) fn count(&self) -> usize {
         match self {

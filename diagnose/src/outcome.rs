@@ -8,11 +8,11 @@ use crate::data_set::DataSet;
 use crate::error::Error;
 use crate::gap::Verdict;
 use crate::library::{self, Family, Setting};
-use crate::noise;
+use crate::noise::{self, Shape};
 use crate::problem::Problem;
 use crate::request::Request;
 use crate::score::{Judge, Judged};
-use crate::select::{ADEQUATE, Candidate, Found, Search, has_gap};
+use crate::select::{Candidate, Found, Search, has_gap};
 use crate::spectrum;
 
 /// The diagnosis of one output.
@@ -22,6 +22,8 @@ pub(crate) struct Outcome {
     pub(crate) judge: Judge,
     /// Standard deviation of the noise in SI.
     pub(crate) sigma: f64,
+    /// Mean square over the noise's up to which nothing is left.
+    pub(crate) adequate: f64,
     pub(crate) verdict: Verdict,
     /// The model as it came.
     pub(crate) given: Judged,
@@ -34,7 +36,6 @@ pub(crate) fn of(
     request: &Request,
     count: &AtomicU64,
 ) -> Result<Outcome, Error> {
-    let judge = Judge::new(&problem.data);
     let model_error = |output: &str| Error::Model {
         model: output.to_owned(),
         message:
@@ -42,31 +43,25 @@ pub(crate) fn of(
                   and range of the command, and run `piezoloop simulate` for the details"
                 .to_owned(),
     };
-    let mut sigma = problem.noise.sigma * problem.factor;
-    let search =
-        |sigma: f64, library: &'_ [Family], problem: &'_ Problem| -> Result<Candidate, Error> {
-            let search = Search {
-                base: &problem.base,
-                data: &problem.data,
-                judge: &judge,
-                library,
-                sigma,
-                count,
-                max_effects: request.max_effects,
-            };
-            search.retune().map_err(|_| model_error(&problem.output))
+    let retune = |judge: &Judge, sigma: f64, problem: &Problem| {
+        let search = Search {
+            base: &problem.base,
+            data: &problem.data,
+            judge,
+            library: &[],
+            sigma,
+            adequate: f64::INFINITY,
+            count,
+            max_effects: 0,
         };
-    let mut base = search(sigma, &[], &problem)?;
-    if problem.noise.source == "second differences" {
-        let rows = problem.data.records.iter().map(|r| r.rows.clone());
-        if let Some(finer) = noise::fourth_differences(&base.judged.residual, rows)
-            && finer < 1.0
-        {
-            sigma *= finer;
-            problem.noise.sigma = sigma / problem.factor;
-            base = search(sigma, &[], &problem)?;
-        }
-    }
+        search.retune().map_err(|_| model_error(&problem.output))
+    };
+    let white = Judge::new(&problem.data, Shape::WHITE);
+    let first = retune(&white, problem.noise.sigma * problem.factor, &problem)?;
+    let (shape, adequate) = settle_noise(&mut problem, &first.judged.residual);
+    let sigma = problem.noise.sigma * problem.factor;
+    let judge = Judge::new(&problem.data, shape);
+    let base = retune(&judge, sigma, &problem)?;
     let nothing = vec![0.0; base.chain.parameters.len()];
     let given = judge
         .judge(&base.chain, &nothing, &problem.data, sigma, count)
@@ -80,26 +75,61 @@ pub(crate) fn of(
         judge: &judge,
         library: &library,
         sigma,
+        adequate,
         count,
         max_effects: request.max_effects,
     };
-    let found = if has_gap(&base) {
+    let found = if has_gap(&base, adequate) {
         search.run(base).map_err(|_| model_error(&problem.output))?
     } else {
         Found { last: base.clone(), base, rivals: Vec::new(), first: Vec::new(), alone: Vec::new() }
     };
     let verdict = if !found.last.picks.is_empty() {
         Verdict::Effects
-    } else if has_gap(&found.base) {
+    } else if has_gap(&found.base, adequate) {
         Verdict::Unknown
     } else if !moves {
         Verdict::InsufficientExcitation
-    } else if given.held_out.max(given.training) > ADEQUATE {
+    } else if given.held_out.max(given.training) > adequate {
         Verdict::Retune
     } else {
         Verdict::Adequate
     };
-    Ok(Outcome { problem, library, judge, sigma, verdict, given, found })
+    Ok(Outcome { problem, library, judge, sigma, adequate, verdict, given, found })
+}
+
+/// Says how large the noise is, how it is spread over frequency, and up to which mean square over it
+/// nothing is left: the less is known about it, the more.
+fn settle_noise(problem: &mut Problem, residual: &[f64]) -> (Shape, f64) {
+    /// A standard deviation that was given may be off by a tenth or so.
+    const GIVEN: f64 = 1.3;
+    /// A record at rest is one draw of the noise.
+    const RESTED: f64 = 1.35;
+    /// Logs of a driven machine show a part of it only.
+    const ESTIMATED: f64 = 1.6;
+    let data = &problem.data;
+    let sample = data.sample_time();
+    let (low, high) = (1.0 / data.longest(), 0.5 / sample);
+    let rows = || data.records.iter().map(|r| r.rows.clone());
+    // In standard deviations of what was taken for the noise so far.
+    let finest = noise::fourth_differences(residual, rows()).unwrap_or(1.0);
+    let noise = &mut problem.noise;
+    let (shape, adequate) = match (noise.source.as_str(), problem.rest_corner) {
+        (_, Some(corner)) => {
+            let white = 1.0 / noise::coloured(corner, low, high);
+            (Shape { white, corner }, RESTED)
+        }
+        ("given", None) => (Shape::with_white(finest * finest, low, high), GIVEN),
+        _ => {
+            let finest = finest.min(1.0);
+            let corner = noise::corner_under(residual, rows(), finest * finest, sample);
+            let colour = noise::coloured(corner, low, high);
+            noise.sigma *= finest * colour.sqrt();
+            (Shape { white: 1.0 / colour, corner }, ESTIMATED)
+        }
+    };
+    noise.corner = Some(shape.corner).filter(|c| *c > 0.0);
+    (shape, adequate)
 }
 
 /// Range of the simulated output.
@@ -124,7 +154,7 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Settin
         .fold(sample, f64::max);
     let rows: Vec<f64> = data.row_hit.iter().map(|h| data.command[*h as usize]).collect();
     let mut slopes: Vec<f64> = Vec::with_capacity(rows.len());
-    let mut loop_power = 0.0;
+    let (mut loop_power, mut apparent_power) = (0.0, 0.0);
     for record in &data.records {
         let r = record.rows.clone();
         let pairs = rows[r.clone()].windows(2).zip(data.time[r].windows(2));
@@ -132,9 +162,11 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Settin
             let slope = ((u[1] - u[0]) / (t[1] - t[0])).abs();
             slopes.push(slope);
             loop_power += slope * (u[1] - data.command_span.centre).abs();
+            apparent_power += slope * u[1].abs();
         }
     }
     loop_power /= slopes.len().max(1) as f64;
+    apparent_power /= slopes.len().max(1) as f64;
     let slope_power = slopes.iter().map(|s| s * s).sum::<f64>() / slopes.len().max(1) as f64;
     let steepest = slopes.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let longest = data.records.iter().max_by_key(|r| r.training.len());
@@ -172,6 +204,7 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Settin
         steepest,
         slope_power,
         loop_power,
+        apparent_power,
         lines,
         resonance: problem.base.resonance(),
         steps,

@@ -30,6 +30,8 @@ pub(crate) struct Problem {
     pub(crate) base: Base,
     pub(crate) data: DataSet,
     pub(crate) noise: NoiseFloor,
+    /// Corner of the noise in Hz, where a record at rest tells.
+    pub(crate) rest_corner: Option<f64>,
     /// Least and greatest command that may be played, in its unit.
     pub(crate) command_range: (f64, f64),
     pub(crate) warnings: Vec<String>,
@@ -240,7 +242,7 @@ pub(crate) fn assemble(
         return Err(Error::Log { log, message: "has no record of 60 rows or more".into() });
     }
     let data = DataSet::new(records, &names, step);
-    let noise = floor(request, y, &data)?;
+    let (noise, rest_corner) = floor(request, y, &data)?;
     Ok(Problem {
         output: y.label().to_owned(),
         unit: unit_text(y).to_owned(),
@@ -252,6 +254,7 @@ pub(crate) fn assemble(
         base,
         data,
         noise,
+        rest_corner,
         command_range: u.range,
         warnings,
     })
@@ -361,12 +364,17 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// The noise of an output, in its unit.
-fn floor(request: &Request, port: &Port, data: &DataSet) -> Result<NoiseFloor, Error> {
+fn floor(
+    request: &Request,
+    port: &Port,
+    data: &DataSet,
+) -> Result<(NoiseFloor, Option<f64>), Error> {
     let factor = port.si.factor;
     let records = || data.records.iter().map(|r| r.rows.clone());
     let second = noise::second_differences(&data.y, records()).map(|s| s / factor);
     let command: Vec<f64> = data.row_hit.iter().map(|h| data.command[*h as usize]).collect();
     let periods = noise::periods(&command, &data.y, records()).map(|s| s / factor);
+    let mut rest_corner = None;
     let (sigma, source) = match &request.noise {
         Noise::Given(all) => {
             let is_own = |name: &str| name == port.name || port.alias.as_deref() == Some(name);
@@ -376,11 +384,15 @@ fn floor(request: &Request, port: &Port, data: &DataSet) -> Result<NoiseFloor, E
         }
         Noise::Rest(log) => {
             let y = column(request, port, log, "output")?;
-            let mut squares = 0.0;
-            for record in log.records() {
-                squares += detrended(&y[record.rows.clone()]);
-            }
-            (Some((squares / y.len().max(1) as f64).sqrt()), "rest record")
+            let records: Vec<&[f64]> = log.records().iter().map(|r| &y[r.rows.clone()]).collect();
+            let sample = log.time().windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+            let found = noise::of_rest(&records, sample);
+            rest_corner = found.map(|(_, corner)| corner);
+            // As much of the slow part as the records of the log are long.
+            let (low, high) = (1.0 / data.longest(), 0.5 / data.sample_time());
+            let sigma =
+                |(white, corner): (f64, f64)| white * noise::coloured(corner, low, high).sqrt();
+            (found.map(sigma), "rest record")
         }
         Noise::Estimated => (None, ""),
     };
@@ -400,19 +412,5 @@ fn floor(request: &Request, port: &Port, data: &DataSet) -> Result<NoiseFloor, E
         },
     };
     let (second_differences, source) = (second, source.to_owned());
-    Ok(NoiseFloor { sigma, source, second_differences, periods })
-}
-
-/// Sum of squares about a parabola.
-fn detrended(y: &[f64]) -> f64 {
-    let n = y.len();
-    let mut basis = nalgebra::DMatrix::zeros(n, 3);
-    for k in 0..n {
-        let z = 2.0 * k as f64 / n.max(2) as f64 - 1.0;
-        (basis[(k, 0)], basis[(k, 1)], basis[(k, 2)]) = (1.0, z, z * z);
-    }
-    let values = nalgebra::DVector::from_column_slice(y);
-    let Some(solver) = basis.tr_mul(&basis).cholesky() else { return 0.0 };
-    let fitted = &basis * solver.solve(&basis.tr_mul(&values));
-    (values - fitted).norm_squared()
+    Ok((NoiseFloor { sigma, source, second_differences, periods, corner: None }, rest_corner))
 }

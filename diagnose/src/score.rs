@@ -5,11 +5,14 @@ use std::sync::atomic::AtomicU64;
 
 use crate::chain::{Bench, Chain, Failed, Horizon};
 use crate::data_set::DataSet;
+use crate::noise::Shape;
 use crate::nuisance::Projector;
 use crate::spectrum::{self, Bands};
 
 /// Least ratio to the noise that a band counts with.
 const BAND_FLOOR: f64 = 1.3;
+/// Standard deviations of a band's mean power that its floor lies above the noise.
+const BAND_SPREAD: f64 = 1.6;
 /// Blocks of all records together.
 const BLOCKS: usize = 400;
 
@@ -36,6 +39,10 @@ pub(crate) struct Judge {
     /// Held-out stretch of each record that has one.
     pub(crate) stretches: Vec<Range<usize>>,
     pub(crate) bands: Bands,
+    /// Noise of each band, and how far above it the band counts.
+    floor: Vec<(f64, f64)>,
+    /// Mean of the logarithms of how far.
+    margin: f64,
 }
 
 /// Some rows of one record.
@@ -47,7 +54,7 @@ pub(crate) struct BlockOfRows {
 }
 
 impl Judge {
-    pub(crate) fn new(data: &DataSet) -> Self {
+    pub(crate) fn new(data: &DataSet, shape: Shape) -> Self {
         let length = (data.time.len() / BLOCKS).max(20);
         let mut blocks = Vec::new();
         let mut stretches = Vec::new();
@@ -67,7 +74,36 @@ impl Judge {
             }
         }
         let longest = stretches.iter().map(Range::len).max().unwrap_or(0);
-        Self { blocks, stretches, bands: Bands::new(longest, data.sample_time()) }
+        let sample = data.sample_time();
+        let bands = Bands::new(longest, sample);
+        let floor = bands
+            .ends
+            .windows(2)
+            .map(|ends| {
+                // Lines of the longest stretch: with few of them the noise's own power spreads.
+                let lines = ((ends[1] - ends[0]) * longest as f64 * sample).max(1.0);
+                let margin = BAND_FLOOR.max(1.0 + BAND_SPREAD / lines.sqrt());
+                (shape.density(ends[0], ends[1]), margin)
+            })
+            .collect();
+        let mut judge = Self { blocks, stretches, bands, floor, margin: 0.0 };
+        judge.margin = judge.level(&vec![0.0; data.time.len()], sample);
+        judge
+    }
+
+    /// Mean of ln max(P/S, floor) over the bands of the held-out stretches.
+    fn level(&self, residual: &[f64], sample: f64) -> f64 {
+        let (mut sum, mut terms) = (0.0, 0.0);
+        for stretch in &self.stretches {
+            let powers = spectrum::band_powers(&residual[stretch.clone()], &self.bands, sample);
+            for (power, (floor, margin)) in powers.iter().zip(&self.floor) {
+                if power.is_finite() {
+                    sum += (power / floor).max(*margin).ln();
+                    terms += 1.0;
+                }
+            }
+        }
+        if terms > 0.0 { sum / terms } else { 0.0 }
     }
 
     /// Simulates a chain over all rows.
@@ -105,26 +141,20 @@ impl Judge {
             held_out = training;
         }
         let training = if training.is_nan() { held_out } else { training };
-        let mut log_band = 0.0;
-        let mut terms = 0.0;
-        for stretch in &self.stretches {
-            for power in
-                spectrum::band_powers(&residual[stretch.clone()], &self.bands, data.sample_time())
-            {
-                if power.is_finite() {
-                    log_band += power.max(BAND_FLOOR).ln();
-                    terms += 1.0;
-                }
-            }
-        }
+        let log_band = self.level(&residual, data.sample_time());
         let blocks = self.blocks.iter().map(|b| square(&b.rows)).collect();
-        let log_band = if terms > 0.0 { log_band / terms } else { 0.0 };
         Judged { held_out, training, log_band, blocks, residual }
     }
 
     /// Held-out score between the re-tuned model (0) and the noise (1).
     pub(crate) fn score(&self, before: &Judged, after: &Judged) -> f64 {
-        0.5 * explained(before, after) + 0.5 * explained_bands(before, after)
+        0.5 * explained(before, after) + 0.5 * self.explained_bands(before, after)
+    }
+
+    /// The part of the logarithmic levels of the bands that goes.
+    fn explained_bands(&self, before: &Judged, after: &Judged) -> f64 {
+        let gap = before.log_band - self.margin;
+        if gap <= 1e-6 { 0.0 } else { (1.0 - (after.log_band - self.margin) / gap).max(-1.0) }
     }
 
     /// Mean difference of the blocks' logarithmic losses (a worse than b is positive) over its standard
@@ -152,13 +182,6 @@ impl Judge {
 pub(crate) fn explained(before: &Judged, after: &Judged) -> f64 {
     let gap = before.held_out - 1.0;
     if gap <= 0.0 { 0.0 } else { (1.0 - (after.held_out - 1.0).max(0.0) / gap).max(-1.0) }
-}
-
-/// The same of the logarithmic levels of the bands.
-pub(crate) fn explained_bands(before: &Judged, after: &Judged) -> f64 {
-    let floor = BAND_FLOOR.ln();
-    let gap = before.log_band - floor;
-    if gap <= 1e-6 { 0.0 } else { (1.0 - (after.log_band - floor) / gap).max(-1.0) }
 }
 
 /// Mean of squares.

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicU64;
 use rayon::prelude::*;
 
 use crate::base::Base;
+use crate::belief::{self, Sight};
 use crate::chain::{Chain, Failed};
 use crate::data_set::DataSet;
 use crate::fit::{Fit, Fitter, Linear};
@@ -13,18 +14,26 @@ use crate::score::{Judge, Judged, explained};
 
 /// Families that are fitted after screening.
 const FITTED: usize = 7;
-/// Mean square over the noise's up to which nothing is left to explain.
-pub(crate) const ADEQUATE: f64 = 1.25;
-/// Factor by which an effect must cut what is left.
-const CUT: f64 = 1.8;
+/// The same where an effect is found already.
+const FITTED_BESIDE: usize = 5;
+/// Families whose best formula is fitted thoroughly.
+const REFINED: usize = 4;
+/// Factor by which a further effect must cut what is left.
+const CUT: f64 = 1.5;
+/// The same where nothing is left with it, however small it is.
+const CUT_TO_NOISE: f64 = 3.0;
 /// Score that the effects together must reach.
 const EXPLAINED: f64 = 0.6;
 /// Part of the held-out gap's power that the effects together must explain.
 const POWER: f64 = 0.5;
 /// Weight of the training rows in the rank; the rest is that of the held-out ones.
 const TRAINING: f64 = 0.5;
+/// The same where the effect is a line in the spectrum.
+const LINES: f64 = 0.92;
 /// Least part of the gap's power, or of the score, that each further effect must bring.
 const FURTHER: (f64, f64) = (0.08, 0.15);
+/// Most members that are exchanged once the search stands.
+const MOST_SWAPS: usize = 2;
 /// Loss of score below which an effect is dropped again.
 const DROPPED: f64 = 0.02;
 
@@ -72,6 +81,8 @@ pub(crate) struct Search<'a> {
     pub(crate) judge: &'a Judge,
     pub(crate) library: &'a [Family],
     pub(crate) sigma: f64,
+    /// Mean square over the noise's up to which nothing is left to explain.
+    pub(crate) adequate: f64,
     pub(crate) count: &'a AtomicU64,
     pub(crate) max_effects: usize,
 }
@@ -115,24 +126,9 @@ impl<'a> Search<'a> {
     /// Coordinates for `chain` that say what `from` says, with the start of a new effect at the end.
     fn carry(&self, from: &Candidate, chain: &Chain, formula: &Formula, start: &[f64]) -> Vec<f64> {
         let own = chain.parameters.len() - formula.parameters.len();
-        let base = |p: &&crate::chain::Parameter| p.is_base;
-        let mut effects = from
-            .fit
-            .theta
-            .iter()
-            .zip(&from.chain.parameters)
-            .filter(|(_, p)| !p.is_base)
-            .map(|(q, _)| *q);
-        let mut theta: Vec<f64> = chain.parameters[..own]
-            .iter()
-            .map(|p| {
-                if !base(&p) {
-                    return effects.next().unwrap_or(0.0);
-                }
-                let same = from.chain.parameters.iter().position(|o| o.is_base && o.name == p.name);
-                same.map_or(0.0, |k| from.fit.theta[k])
-            })
-            .collect();
+        let origin = chain.origin(&from.chain);
+        let mut theta: Vec<f64> =
+            origin[..own].iter().map(|k| k.map_or(0.0, |k| from.fit.theta[k])).collect();
         theta.extend(formula.parameters.iter().zip(start).map(|(p, v)| p.coordinate(*v)));
         theta
     }
@@ -156,7 +152,8 @@ impl<'a> Search<'a> {
             .map(|family| (family, best_of(family)))
             .collect();
         families.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        let kept: Vec<usize> = families.iter().take(FITTED).map(|(family, _)| *family).collect();
+        let most = if from.picks.is_empty() { FITTED } else { FITTED_BESIDE };
+        let kept: Vec<usize> = families.iter().take(most).map(|(family, _)| *family).collect();
         let to_fit: Vec<usize> = (0..jobs.len())
             .filter(|k| {
                 let (family, formula) = jobs[*k];
@@ -166,7 +163,7 @@ impl<'a> Search<'a> {
             .collect();
         let fitted: Vec<Option<Candidate>> = to_fit
             .par_iter()
-            .map(|k| self.fit_one(from, &fixed, jobs[*k], &screened[*k].1).ok())
+            .map(|k| self.fit_one(from, &fixed, jobs[*k], &screened[*k].1, &linear).ok())
             .collect();
         let mut looked: Vec<Looked> = families
             .iter()
@@ -184,14 +181,36 @@ impl<'a> Search<'a> {
             }
         }
         for entry in &mut looked {
-            self.hold_against_null(from, &fixed, entry);
+            self.hold_against_null(from, &fixed, entry, &linear);
         }
+        sort(&mut looked);
+        looked.par_iter_mut().take(REFINED).for_each(|entry| self.refine(entry));
         sort(&mut looked);
         Ok(looked)
     }
 
+    /// Fits the best formula of a family again, with sensitivities of its own.
+    fn refine(&self, entry: &mut Looked) {
+        let Some(best) = &entry.best else { return };
+        let refined = self
+            .fitter()
+            .fit(&best.chain, &best.fit.theta)
+            .and_then(|fit| self.candidate(best.picks.clone(), best.chain.clone(), fit));
+        if let Ok(refined) = refined
+            && refined.rank < best.rank
+        {
+            entry.best = Some(refined);
+        }
+    }
+
     /// Drops a family whose formula is no better than what it becomes without the effect.
-    fn hold_against_null(&self, from: &Candidate, fixed: &[&Formula], entry: &mut Looked) {
+    fn hold_against_null(
+        &self,
+        from: &Candidate,
+        fixed: &[&Formula],
+        entry: &mut Looked,
+        linear: &Linear,
+    ) {
         let (Some(null), Some(best)) = (&self.library[entry.family].null, &entry.best) else {
             return;
         };
@@ -199,7 +218,7 @@ impl<'a> Search<'a> {
         with.push(null);
         let chain = self.base.compose(&with);
         let theta = self.carry(from, &chain, null, &null.starts[0]);
-        let fitted = self.fitter().fit(&chain, &theta).and_then(|fit| {
+        let fitted = self.fitter().fit_quickly(&chain, &theta, linear).and_then(|fit| {
             let judged = self.judge.judge(&chain, &fit.theta, self.data, self.sigma, self.count)?;
             Ok((fit.mean_square, judged.held_out))
         });
@@ -223,16 +242,12 @@ impl<'a> Search<'a> {
         let mut with = fixed.to_vec();
         with.push(formula);
         let chain = self.base.compose(&with);
+        let starts: Vec<Vec<f64>> =
+            formula.starts.iter().map(|start| self.carry(from, &chain, formula, start)).collect();
+        let promises = self.fitter().promises(&chain, linear, &starts, formula.screened);
         let mut best = (f64::NEG_INFINITY, formula.starts.first().cloned().unwrap_or_default());
-        if !formula.releases.is_empty() {
-            return (0.0, best.1);
-        }
-        let own = chain.parameters.len() - formula.parameters.len();
-        let count = formula.parameters.len().min(formula.screened);
-        for start in &formula.starts {
-            let theta = self.carry(from, &chain, formula, start);
-            let promise = self.fitter().promise(&chain, linear, &theta, own..own + count);
-            if let Ok(promise) = promise
+        for (promise, start) in promises.into_iter().zip(&formula.starts) {
+            if let Some(promise) = promise
                 && promise > best.0
             {
                 best = (promise, start.clone());
@@ -247,13 +262,14 @@ impl<'a> Search<'a> {
         fixed: &[&Formula],
         (family, number): (usize, usize),
         start: &[f64],
+        linear: &Linear,
     ) -> Result<Candidate, Failed> {
         let formula = &self.library[family].formulas[number];
         let mut with = fixed.to_vec();
         with.push(formula);
         let chain = self.base.compose(&with);
         let theta = self.carry(from, &chain, formula, start);
-        let fit = self.fitter().fit(&chain, &theta)?;
+        let fit = self.fitter().fit_quickly(&chain, &theta, linear)?;
         let mut picks = from.picks.clone();
         picks.push((family, number));
         self.candidate(picks, chain, fit)
@@ -300,11 +316,10 @@ impl<'a> Search<'a> {
 
     /// The whole search.
     pub(crate) fn run(&self, base: Candidate) -> Result<Found, Failed> {
-        let score = |c: &Candidate| self.judge.score(&base.judged, &c.judged);
         let mut best = base.clone();
         let mut first = Vec::new();
         let mut rivals: Vec<Vec<Looked>> = Vec::new();
-        while best.picks.len() < self.max_effects && has_gap(&best) {
+        while best.picks.len() < self.max_effects && has_gap(&best, self.adequate) {
             let looked = self.expand(&best)?;
             if first.is_empty() {
                 first.clone_from(&looked);
@@ -315,17 +330,58 @@ impl<'a> Search<'a> {
             }
             rivals.push(looked);
             best = next;
-            if best.picks.len() > 1 {
-                best = self.reconsider(best, &mut rivals)?;
-            }
+        }
+        if best.picks.len() > 1 {
+            best = self.reconsider(best, &mut rivals)?;
         }
         best = self.eliminate(&base, best, &mut rivals)?;
-        let reached = score(&best);
-        let power = explained(&base.judged, &best.judged);
-        let is_named = !best.picks.is_empty() && reached >= EXPLAINED && power >= POWER;
-        let last = if is_named { best.clone() } else { base.clone() };
+        let last = self.believed(&base, best, &mut rivals)?;
         let alone = self.alone(&base, &last)?;
         Ok(Found { base, last, rivals, first, alone })
+    }
+
+    /// The effects that can be named: those that explain enough together, without those whose name is
+    /// too uncertain.
+    fn believed(
+        &self,
+        base: &Candidate,
+        mut best: Candidate,
+        rivals: &mut Vec<Vec<Looked>>,
+    ) -> Result<Candidate, Failed> {
+        loop {
+            let power = explained(&base.judged, &best.judged);
+            let has_lines = self.formulas(&best.picks).iter().any(|f| f.is_line_of_own());
+            // A line that is no multiple of the mains is a disturbance only where it is nearly all.
+            let least = if has_lines && best.picks.len() == 1 { LINES } else { POWER };
+            let reached = self.judge.score(&base.judged, &best.judged);
+            if best.picks.is_empty() || reached < EXPLAINED || power < least {
+                return Ok(base.clone());
+            }
+            let sight = self.sight(base);
+            let trust = |slot: usize| {
+                let family = best.picks[slot].0;
+                let beliefs = belief::beliefs(&sight, &rivals[slot], &best);
+                belief::trust(self.library, &beliefs, family)
+            };
+            let worst = (0..best.picks.len())
+                .map(|slot| (slot, trust(slot)))
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            match worst {
+                Some((slot, trust)) if trust < belief::TRUSTED => {
+                    if best.picks.len() == 1 {
+                        return Ok(base.clone());
+                    }
+                    best = self.refit_without(&best, slot)?;
+                    rivals.remove(slot);
+                }
+                _ => return Ok(best),
+            }
+        }
+    }
+
+    /// What beliefs are formed from.
+    fn sight(&self, base: &Candidate) -> Sight {
+        Sight { base_excess: (base.judged.held_out - 1.0).max(0.0), adequate: self.adequate }
     }
 
     /// Whether one more effect is believed.
@@ -341,36 +397,47 @@ impl<'a> Search<'a> {
         if before.picks.is_empty() {
             return s1 > 0.2 && paired > 3.0;
         }
-        let cut = |a: f64, b: f64| (1.0 - a).max(1e-4) / (1.0 - b).max(1e-4);
         let e0 = explained(&base.judged, &before.judged);
         let e1 = explained(&base.judged, &after.judged);
-        let linear = cut(e0.min(1.0), e1.min(1.0));
+        // Where nothing is left the two effects are the whole of it, however small the second one is;
+        // what only takes a part of what is left may repair another formula of the first.
+        let left = |c: &Candidate| (0.5 * (c.judged.training + c.judged.held_out) - 1.0).max(1e-3);
+        let cut = left(before) / left(after);
         let is_large = e1 - e0 > FURTHER.0 || s1 - s0 > FURTHER.1;
-        paired > 4.0 && is_large && (linear > CUT || cut(s0, s1) > CUT)
+        let is_whole = !has_gap(after, self.adequate) && cut > CUT_TO_NOISE;
+        paired > 4.0 && ((is_large && cut > CUT) || is_whole)
     }
 
-    /// Looks at every slot but the last again, with the others in place.
+    /// Looks at each slot again with the others in place, and takes what is better there.
     fn reconsider(
         &self,
         mut best: Candidate,
-        rivals: &mut [Vec<Looked>],
+        rivals: &mut Vec<Vec<Looked>>,
     ) -> Result<Candidate, Failed> {
-        for slot in (0..best.picks.len()).rev() {
-            if slot + 1 == best.picks.len() {
-                continue;
-            }
+        let mut slot = 0;
+        let mut swaps = 0;
+        while slot < best.picks.len() {
             let rest = self.refit_without(&best, slot)?;
             let looked = self.expand(&rest)?;
-            let Some(top) = looked.iter().find_map(|l| l.best.clone()) else { continue };
-            rivals[slot] = looked;
-            if top.rank < best.rank - 1.0 {
-                // The new member stands last; its list goes with it.
-                let list = rivals[slot].clone();
-                rivals[slot..].rotate_left(1);
-                if let Some(last) = rivals.last_mut() {
-                    *last = list;
+            let top = looked.iter().find_map(|l| l.best.clone());
+            match top {
+                Some(top) if top.rank < best.rank - 1.0 && swaps < MOST_SWAPS => {
+                    // The new member stands last; its list goes with it, and the others are new.
+                    rivals.remove(slot);
+                    rivals.push(looked);
+                    let is_same =
+                        top.picks.last().map(|p| p.0) == best.picks.get(slot).map(|p| p.0);
+                    (best, swaps) = (top, swaps + 1);
+                    if is_same && slot + 1 == best.picks.len() {
+                        slot += 1;
+                    } else {
+                        slot = 0;
+                    }
                 }
-                best = top;
+                _ => {
+                    rivals[slot] = looked;
+                    slot += 1;
+                }
             }
         }
         Ok(best)
@@ -417,8 +484,8 @@ impl<'a> Search<'a> {
 }
 
 /// Whether something is left to explain.
-pub(crate) fn has_gap(candidate: &Candidate) -> bool {
-    candidate.judged.held_out.max(candidate.judged.training) > ADEQUATE
+pub(crate) fn has_gap(candidate: &Candidate, adequate: f64) -> bool {
+    candidate.judged.held_out.max(candidate.judged.training) > adequate
 }
 
 /// Fitted families by rank, then the others by what they promised.

@@ -61,6 +61,20 @@ fn windowed(signal: &[f64]) -> Vec<Complex<f64>> {
     buffer
 }
 
+/// The densities of the lines in each band that has any.
+pub(crate) fn lines_of_bands(signal: &[f64], bands: &Bands, sample: f64) -> Vec<(usize, Vec<f64>)> {
+    let mut all: Vec<(usize, Vec<f64>)> = Vec::new();
+    // The first line is what the window leaves of the mean.
+    for (k, power) in density(signal).into_iter().enumerate().skip(2) {
+        let Some(band) = bands.of(k as f64 / (signal.len() as f64 * sample)) else { continue };
+        match all.last_mut() {
+            Some((last, lines)) if *last == band => lines.push(power),
+            _ => all.push((band, vec![power])),
+        }
+    }
+    all
+}
+
 /// Mean density in each band; NaN where a band has no line.
 pub(crate) fn band_powers(signal: &[f64], bands: &Bands, sample: f64) -> Vec<f64> {
     let density = density(signal);

@@ -49,13 +49,25 @@ pub(super) fn slew(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     }
 }
 
+pub(super) fn uneven_slew(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    let (&[rate, ratio], Some(&first)) = (p, w.x.first()) else { return };
+    let (up, down) = (rate * w.step, ratio * rate * w.step);
+    let mut v = first;
+    for (y, x) in out.iter_mut().zip(w.x) {
+        v += (x - v).clamp(-down, up);
+        *y = v;
+    }
+}
+
 pub(super) fn soft_slew(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     let (&[rate, bandwidth], Some(&first)) = (p, w.x.first()) else { return };
     let most = rate * w.step;
     let fraction = components::linear::lag_fraction(bandwidth, w.step);
     let mut v = first;
     for (y, x) in out.iter_mut().zip(w.x) {
-        v += most * (fraction * (x - v) / most).tanh();
+        // z/√(1 + z²): straight at small slopes, never above the limit.
+        let z = fraction * (x - v) / most;
+        v += most * z / (1.0 + z * z).sqrt();
         *y = v;
     }
 }

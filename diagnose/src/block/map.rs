@@ -36,8 +36,10 @@ pub(super) fn value(block: &Block, p: &[f64], x: f64, rest: f64) -> f64 {
             x + span.half * sum * z * z
         }
         (Block::Sine(s), &[size, cycles, phase]) => {
-            let angle = core::f64::consts::PI * cycles * s.unit(x) + phase;
-            x + size * s.half * angle.sin()
+            let at = |z: f64| (core::f64::consts::PI * cycles * z + phase).sin();
+            // Less the chord over the range: a line is a gain, and no nonlinearity.
+            let (z, slope) = (s.unit(x), 0.5 * (at(1.0) - at(-1.0)));
+            x + size * s.half * (at(z) - slope * z)
         }
         _ => x,
     }

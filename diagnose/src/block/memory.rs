@@ -42,6 +42,23 @@ pub(super) fn plays(bank: &[f64], gain: bool, p: &[f64], w: Wires<'_>, out: &mut
     }
 }
 
+pub(super) fn bouc_wen(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    /// Most of the width that is gone through at once.
+    const PART: f64 = 0.1;
+    let (&[gain, width, turning], Some(&first)) = (p, w.drive.first()) else { return };
+    let (mut h, mut before) = (0.0_f64, first);
+    for ((y, x), u) in out.iter_mut().zip(w.x).zip(w.drive) {
+        let way = (u - before) / width;
+        before = *u;
+        let parts = (way.abs() / PART).ceil().clamp(1.0, 100.0);
+        let d = way / parts;
+        for _ in 0..parts as usize {
+            h += d * (1.0 - (turning * (d * h).signum() + 1.0 - turning) * h * h);
+        }
+        *y = x - gain * width * h;
+    }
+}
+
 pub(super) fn skewed(bank: &[f64], span: Span, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     out.copy_from_slice(w.x);
     for (r, weight) in bank.iter().zip(p) {

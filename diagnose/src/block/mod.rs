@@ -45,6 +45,8 @@ impl Span {
 pub(crate) enum Loss {
     /// The square of the drive's rate, as in a resistance; the mean square.
     Rate(f64),
+    /// The rate times the drive, voltage times current; mean.
+    Apparent(f64),
     /// The rate times the distance from the centre, as the area of loops: the same at every rate of a
     /// loop, f·V²; mean, and the range.
     Loops(f64, Span),
@@ -78,6 +80,8 @@ pub(crate) enum Block {
     Lag2,
     /// Slope limit in command per second.
     Slew,
+    /// Slope limit up, and the one down over it.
+    UnevenSlew,
     /// Slope limit and first-order approach: slope limit, bandwidth.
     SoftSlew,
     /// Upper limit.
@@ -94,6 +98,17 @@ pub(crate) enum Block {
     Sigmoid(Span),
     /// `x·(1 + g)` about the rest value.
     Gain,
+    /// `x·(1 + g + a·lg(1 + t/0.1 s))` about the rest value.
+    AgeingGain,
+    /// Warmth over several times: growth of each in the half range, and gain over the growth.
+    Warming {
+        /// Range of the path.
+        span: Span,
+        /// What the power is proportional to.
+        loss: Loss,
+        /// Time constants in s.
+        times: Vec<f64>,
+    },
     /// Creep with the same growth in each decade between two times: gain per decade, shortest time.
     LogCreep {
         /// Longest time in s.
@@ -117,6 +132,8 @@ pub(crate) enum Block {
         /// Whether the part without memory is free.
         gain: bool,
     },
+    /// `x − a·D·h`, `h′ = v′/D·(1 − (β sign(v′h) + 1 − β)·h²)`: a, D, β.
+    BoucWen,
     /// Memory part times the place in the range: one weight per threshold.
     SkewedPlays {
         /// Thresholds.
@@ -217,6 +234,7 @@ impl Block {
             Self::Clock => input::clock(p, w, out),
             Self::Quantiser(span) => input::quantise(*span, p, w, out),
             Self::Slew => input::slew(p, w, out),
+            Self::UnevenSlew => input::uneven_slew(p, w, out),
             Self::SoftSlew => input::soft_slew(p, w, out),
             Self::Lag(order) => linear::lags(*order, p, w, out),
             Self::Lag2 => linear::second_order(p, w, out),
@@ -241,6 +259,7 @@ impl Block {
             | Self::Polynomial { .. }
             | Self::Sine(_) => self.run_map(p, w, out),
             Self::Plays { bank, gain } => memory::plays(bank, *gain, p, w, out),
+            Self::BoucWen => memory::bouc_wen(p, w, out),
             Self::SkewedPlays { bank, span } => memory::skewed(bank, *span, p, w, out),
             Self::CurvedPlays { memory, span } => memory::curved(memory, *span, p, w, out),
             Self::RatePlays(memory) => memory::rate_plays(memory, p, w, out),
@@ -252,6 +271,10 @@ impl Block {
             Self::StartMemory(memory) => memory::start_memory(memory, p, w, out),
             Self::Heating { span, loss } => motion::heating(Some(*span), *loss, p, w, out),
             Self::HeatingGain { loss } => motion::heating(None, *loss, p, w, out),
+            Self::AgeingGain => motion::ageing(p, w, out),
+            Self::Warming { span, loss, times } => {
+                motion::warming(*span, *loss, times, p, w, out);
+            }
             Self::Backlash => motion::backlash(p, w, out),
             Self::Dahl => motion::dahl(p, w, out),
         }

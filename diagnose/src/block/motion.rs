@@ -10,17 +10,58 @@ pub(super) fn heating(span: Option<Span>, loss: Loss, p: &[f64], w: Wires<'_>, o
     let mut before = w.drive.first().copied().unwrap_or(0.0);
     let mut warmth = 0.0;
     for ((y, x), u) in out.iter_mut().zip(w.x).zip(w.drive) {
-        let rate = (u - before) / w.step;
+        let power = loss.power(*u, (u - before) / w.step);
         before = *u;
-        let power = match loss {
-            Loss::Rate(mean) => rate * rate / mean,
-            Loss::Loops(mean, span) => (rate * (u - span.centre)).abs() / mean,
-        };
         warmth += fraction * (power - warmth);
         *y = match span {
             Some(span) => x + growth * span.half * warmth,
             None => x + growth * warmth * (x - rest),
         };
+    }
+}
+
+impl Loss {
+    /// The power at a drive with this rate, over its mean.
+    fn power(self, u: f64, rate: f64) -> f64 {
+        match self {
+            Self::Rate(mean) => rate * rate / mean,
+            Self::Apparent(mean) => (rate * u).abs() / mean,
+            Self::Loops(mean, span) => (rate * (u - span.centre)).abs() / mean,
+        }
+    }
+}
+
+/// Several warmths, each with its growth; the last parameter is a gain that goes with their mean.
+pub(super) fn warming(
+    span: Span,
+    loss: Loss,
+    times: &[f64],
+    p: &[f64],
+    w: Wires<'_>,
+    out: &mut [f64],
+) {
+    let (Some((gain, growths)), Some(&rest)) = (p.split_last(), w.x.first()) else { return };
+    let fractions: Vec<f64> = times.iter().map(|t| -(-w.step / t).exp_m1()).collect();
+    let mut warmth = vec![0.0; times.len()];
+    let mut before = w.drive.first().copied().unwrap_or(0.0);
+    for ((y, x), u) in out.iter_mut().zip(w.x).zip(w.drive) {
+        let power = loss.power(*u, (u - before) / w.step);
+        before = *u;
+        let (mut grown, mut mean) = (0.0, 0.0);
+        for ((z, fraction), growth) in warmth.iter_mut().zip(&fractions).zip(growths) {
+            *z += fraction * (power - *z);
+            grown += growth * *z;
+            mean += *z / times.len() as f64;
+        }
+        *y = x + span.half * grown + gain * mean * (x - rest);
+    }
+}
+
+pub(super) fn ageing(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    let (&[gain, growth], Some(&rest)) = (p, w.x.first()) else { return };
+    for (n, (y, x)) in out.iter_mut().zip(w.x).enumerate() {
+        let decades = (1.0 + n as f64 * w.step / 0.1).log10();
+        *y = x + (gain + growth * decades) * (x - rest);
     }
 }
 

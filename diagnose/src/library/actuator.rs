@@ -23,7 +23,7 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
         all.push(Family::new(&effects::RATE_DEPENDENCE, rate(s, &memory)));
     }
     all.push(Family::new(&effects::POLARISATION_SATURATION, polarisation(s)));
-    all.push(Family::new(&effects::ACTUATOR_GAIN, vec![gain()]));
+    all.push(Family::new(&effects::ACTUATOR_GAIN, vec![gain(), ageing()]));
     all.push(Family::new(&effects::SELF_HEATING, heating(s)));
     all.push(Family::new(&effects::INITIAL_STATE, initial(s, &memory)));
 }
@@ -31,6 +31,15 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
 fn gain() -> Formula {
     let gain = Free::linear("gain", "1", -0.9, 4.0).step(1e-3);
     Formula::new("gain").block(Slot::AfterMechanics, Block::Gain, vec![gain]).start(&[0.0])
+}
+
+/// A gain that changes with the logarithm of time.
+fn ageing() -> Formula {
+    let gain = Free::linear("gain", "1", -0.9, 4.0).step(1e-3);
+    let growth = Free::linear("growth per decade", "1", -0.5, 0.5).step(1e-3);
+    Formula::new("gain that ages")
+        .block(Slot::AfterMechanics, Block::AgeingGain, vec![gain, growth])
+        .start(&[0.0, 0.0])
 }
 
 /// Thresholds over the amplitude of the command, closer together at small ones.
@@ -108,7 +117,8 @@ fn hysteresis(s: &Setting<'_>) -> Vec<Formula> {
     let slope = s.position.half / s.command.half;
     let weight =
         |k: usize| Free::linear(WEIGHTS[k], WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope);
-    let linear = || Free::linear("slope", WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope);
+    let weight_of = |name| Free::linear(name, WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope);
+    let linear = || weight_of("slope");
     let with = |name, count: usize, gain: bool| {
         let parameters = gain.then(linear).into_iter().chain((0..count).map(weight)).collect();
         let start = vec![0.0; count + usize::from(gain)];
@@ -116,7 +126,21 @@ fn hysteresis(s: &Setting<'_>) -> Vec<Formula> {
             .block(Slot::AfterActuator, Block::Plays { bank: bank(s, count), gain }, parameters)
             .start(&start)
     };
+    let half = s.command.half;
+    let bouc_wen = Formula::new("Bouc-Wen")
+        .block(
+            Slot::AfterActuator,
+            Block::BoucWen,
+            vec![
+                weight_of("gain"),
+                Free::log("width", "{command}", 0.02 * half, 2.0 * half),
+                Free::linear("part that depends on the direction", "1", 0.0, 1.0).step(0.02),
+            ],
+        )
+        .starts([0.1, 0.3].map(|k| vec![0.02 * slope, k * half, 0.5]))
+        .screened(1);
     vec![
+        bouc_wen,
         with("two plays", 2, false),
         with("four plays", 4, false),
         with("four plays and slope", 4, true),
@@ -218,7 +242,7 @@ fn heating(s: &Setting<'_>) -> Vec<Formula> {
         return Vec::new();
     }
     let time = || Free::log("time constant", "s", 20.0 * s.sample, 10.0 * s.length);
-    let growth = || Free::linear("growth", "1", -1.0, 1.0).step(1e-3);
+    let growth = |name| Free::linear(name, "1", -1.0, 1.0).step(1e-3);
     let starts = || [0.3, 0.05].map(|k| vec![0.01, k * s.length]);
     let mut all = Vec::new();
     for (name, gain_name, loss) in [
@@ -232,13 +256,31 @@ fn heating(s: &Setting<'_>) -> Vec<Formula> {
             "gain that changes with the square of the drive's rate",
             Loss::Rate(s.slope_power),
         ),
+        (
+            "growth with the drive's apparent power",
+            "gain that changes with the drive's apparent power",
+            Loss::Apparent(s.apparent_power.max(f64::MIN_POSITIVE)),
+        ),
     ] {
         let slot = Slot::AfterMechanics;
         let growing = Block::Heating { span: s.position, loss };
-        all.push(Formula::new(name).block(slot, growing, vec![growth(), time()]).starts(starts()));
+        all.push(
+            Formula::new(name)
+                .block(slot, growing, vec![growth("growth"), time()])
+                .starts(starts()),
+        );
+        let times = [0.03, 0.2, 1.0].map(|k| k * s.length).to_vec();
+        let parts = ["growth, fast", "growth", "growth, slow", "gain"].map(growth);
+        all.push(
+            Formula::new("growth over three times, and gain")
+                .block(slot, Block::Warming { span: s.position, loss, times }, parts.to_vec())
+                .start(&[0.0; 4]),
+        );
         let gain = Block::HeatingGain { loss };
         all.push(
-            Formula::new(gain_name).block(slot, gain, vec![growth(), time()]).starts(starts()),
+            Formula::new(gain_name)
+                .block(slot, gain, vec![growth("growth"), time()])
+                .starts(starts()),
         );
     }
     all

@@ -80,8 +80,14 @@ pub(super) fn lags(s: &Setting<'_>, slot: Slot) -> Vec<Formula> {
 fn slew(s: &Setting<'_>) -> Vec<Formula> {
     let rate = || Free::log("slope limit", "{command}/s", 1e-4 * s.steepest, 2.0 * s.steepest);
     let starts = [0.8, 0.5, 0.3, 0.15, 0.07, 0.03].map(|k| k * s.steepest);
-    let bandwidth = Free::log("bandwidth", "Hz", 0.01 / s.sample, 10.0 / s.sample);
+    // So fast that the limit alone shows: a slower approach is a lag.
+    let bandwidth = Free::log("bandwidth", "Hz", 0.2 / s.sample, 10.0 / s.sample);
+    let down = Free::log("slope limit down over that up", "1", 0.2, 5.0);
     vec![
+        Formula::new("limits of the slope up and down")
+            .block(Slot::Amplifier, Block::UnevenSlew, vec![rate(), down])
+            .starts(starts.map(|r| vec![r, 1.0]))
+            .screened(1),
         Formula::new("limit of the slope")
             .block(Slot::Amplifier, Block::Slew, vec![rate()])
             .starts(starts.map(|r| vec![r])),

@@ -9,7 +9,7 @@ use crate::nuisance::Nuisance;
 
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(Family::new(&effects::RESONANCE_SHIFT, resonance(s)));
-    all.push(Family::new(&effects::DAMPING, Vec::new()));
+    all.push(Family::new(&effects::DAMPING, damping(s)));
     all.push(Family::new(&effects::EXTRA_MODE, extra_mode(s)));
     if s.base.mode.is_some() {
         all.push(Family::new(&effects::DUFFING, duffing(s)));
@@ -23,7 +23,7 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
 /// For a black box: the poles of a resonance moved, as a filter behind the model.
 fn resonance(s: &Setting<'_>) -> Vec<Formula> {
     if s.base.is_white {
-        return Vec::new();
+        return stiffness(s);
     }
     let parameters = vec![
         Free::log("frequency", "Hz", 0.5 / s.length, 0.45 / s.sample),
@@ -38,6 +38,37 @@ fn resonance(s: &Setting<'_>) -> Vec<Formula> {
             .starts(starts)
             .screened(3),
     ]
+}
+
+/// A spring that is softer or stiffer moves the frequency and the static gain.
+fn stiffness(s: &Setting<'_>) -> Vec<Formula> {
+    let own = s.base.parameters.iter().enumerate();
+    let releases: Vec<usize> =
+        own.filter(|(_, p)| p.effect == Some("resonance_shift")).map(|(k, _)| k).collect();
+    if releases.is_empty() {
+        return Vec::new();
+    }
+    let gain = Free::linear("gain", "1", -0.9, 4.0).step(1e-3);
+    let mut formula = Formula::new("stiffness: the model's own parameter, and the gain")
+        .block(Slot::AfterMechanics, Block::Gain, vec![gain])
+        .start(&[0.0]);
+    formula.releases = releases;
+    vec![formula]
+}
+
+/// Damping that grows with the speed, beside the model's own.
+fn damping(s: &Setting<'_>) -> Vec<Formula> {
+    let own = s.base.parameters.iter().enumerate();
+    let releases: Vec<usize> =
+        own.filter(|(_, p)| p.effect == Some("damping")).map(|(k, _)| k).collect();
+    if s.base.mode.is_none() || releases.is_empty() {
+        return Vec::new();
+    }
+    let mut formula = Formula::new("damping that grows with the speed").start(&[0.1]);
+    formula.parameters = vec![Free::linear("growth", "1", 0.0, 100.0).step(1e-2)];
+    formula.force = Some((Force::SpeedDamping, s.position.centre, s.position.half));
+    formula.releases = releases;
+    vec![formula]
 }
 
 /// Frequencies over the band of the log, even on a logarithmic scale.
@@ -128,7 +159,14 @@ fn friction(s: &Setting<'_>) -> Vec<Formula> {
     let mut inside = Formula::new("dry friction in the mode").starts(starts());
     inside.parameters = vec![size(), distance()];
     inside.force = Some((Force::Friction, s.position.centre, h));
-    vec![inside, series]
+    let mut coulomb = Formula::new("Coulomb friction in the mode")
+        .starts([0.003, 0.02].map(|k| vec![0.005 * h, k * h]));
+    // A bend so wide that no speed leaves it is damping.
+    let smooth = Free::log("speed of full friction over ω", "{position}", 1e-4 * h, 0.03 * h);
+    coulomb.parameters = vec![size(), smooth];
+    coulomb.force = Some((Force::Coulomb, s.position.centre, h));
+    // In series it would be a memory of the actuator.
+    vec![inside, coulomb]
 }
 
 fn periodic(s: &Setting<'_>) -> Vec<Formula> {
