@@ -15,7 +15,7 @@ const ORDER: f64 = 1.2;
 /// Formulas leave alike up to this factor.
 const ALIKE: f64 = 1.25;
 /// Probability below which neither the name nor its group is given.
-pub(crate) const TRUSTED: f64 = 0.5;
+pub(crate) const TRUSTED: f64 = 0.4;
 /// Probability that the cause is in the library where nothing is left.
 const LIBRARY: f64 = 0.985;
 /// Part of the gap that is left where the cause is as likely in the library as not, and how fast that

@@ -28,6 +28,8 @@ const EXPLAINED: f64 = 0.6;
 const POWER: f64 = 0.5;
 /// Weight of the training rows in the rank; the rest is that of the held-out ones.
 const TRAINING: f64 = 0.5;
+/// Below both limits by this much, a set of effects is not looked at again.
+const HOPELESS: f64 = 0.2;
 /// The same where the effect is a line in the spectrum.
 const LINES: f64 = 0.92;
 /// Least part of the gap's power, or of the score, that each further effect must bring.
@@ -330,6 +332,13 @@ impl<'a> Search<'a> {
             }
             rivals.push(looked);
             best = next;
+        }
+        // Where even all together explain too little, which of them it is is no question.
+        let is_hopeless = self.judge.score(&base.judged, &best.judged) < EXPLAINED - HOPELESS
+            && explained(&base.judged, &best.judged) < POWER - HOPELESS;
+        if is_hopeless {
+            let last = base.clone();
+            return Ok(Found { base, last, rivals, first, alone: Vec::new() });
         }
         if best.picks.len() > 1 {
             best = self.reconsider(best, &mut rivals)?;

@@ -42,6 +42,17 @@ pub(super) fn plays(bank: &[f64], gain: bool, p: &[f64], w: Wires<'_>, out: &mut
     }
 }
 
+pub(super) fn generalised(span: Span, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    let &[weight, constant, linear, square] = p else { return };
+    let mut state = 0.0_f64;
+    for ((y, x), u) in out.iter_mut().zip(w.x).zip(w.drive) {
+        let z = span.unit(*u);
+        let width = span.half * (constant + z * (linear + z * square)).max(0.0);
+        state = play(width, *u, state);
+        *y = x + weight * (state - u);
+    }
+}
+
 pub(super) fn bouc_wen(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     /// Most of the width that is gone through at once.
     const PART: f64 = 0.1;

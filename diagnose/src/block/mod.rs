@@ -98,7 +98,7 @@ pub(crate) enum Block {
     Sigmoid(Span),
     /// `x·(1 + g)` about the rest value.
     Gain,
-    /// `x·(1 + g + a·lg(1 + t/0.1 s))` about the rest value.
+    /// `x·(1 + g + a·lg(1 + t/0.1 s))`, t from the record's start.
     AgeingGain,
     /// Warmth over several times: growth of each in the half range, and gain over the growth.
     Warming {
@@ -141,6 +141,9 @@ pub(crate) enum Block {
         /// Range of the drive.
         span: Span,
     },
+    /// `x + w·(P[v] − v)`, P a play of half the width `h·(r₀ + r₁z + r₂z²)` with the place z of v in the
+    /// range: w, r₀, r₁, r₂.
+    GeneralisedPlay(Span),
     /// Plays with curved envelopes: one curvature; weights from the model.
     CurvedPlays {
         /// Memory of the model.
@@ -260,6 +263,7 @@ impl Block {
             | Self::Sine(_) => self.run_map(p, w, out),
             Self::Plays { bank, gain } => memory::plays(bank, *gain, p, w, out),
             Self::BoucWen => memory::bouc_wen(p, w, out),
+            Self::GeneralisedPlay(span) => memory::generalised(*span, p, w, out),
             Self::SkewedPlays { bank, span } => memory::skewed(bank, *span, p, w, out),
             Self::CurvedPlays { memory, span } => memory::curved(memory, *span, p, w, out),
             Self::RatePlays(memory) => memory::rate_plays(memory, p, w, out),

@@ -58,10 +58,10 @@ pub(super) fn warming(
 }
 
 pub(super) fn ageing(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
-    let (&[gain, growth], Some(&rest)) = (p, w.x.first()) else { return };
+    let &[gain, growth] = p else { return };
     for (n, (y, x)) in out.iter_mut().zip(w.x).enumerate() {
         let decades = (1.0 + n as f64 * w.step / 0.1).log10();
-        *y = x + (gain + growth * decades) * (x - rest);
+        *y = x + (gain + growth * decades) * x;
     }
 }
 

@@ -164,6 +164,20 @@ fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     vec![
         skewed("loop width that grows along the range", 2),
         skewed("loop width that grows along the range, four plays", 4),
+        Formula::new("play whose width changes along the range")
+            .block(
+                slot,
+                Block::GeneralisedPlay(s.command),
+                vec![
+                    Free::linear("weight", WEIGHT, -slope, slope).step(1e-3 * slope),
+                    Free::linear("half width", "1", 0.0, 1.0).step(2e-3),
+                    Free::linear("growth of the width", "1", -1.0, 1.0).step(2e-3),
+                    Free::linear("curvature of the width", "1", -1.0, 1.0).step(2e-3),
+                ],
+            )
+            .start(&[0.01 * slope, 0.15, 0.15, 0.05])
+            .start(&[0.01 * slope, 0.15, -0.15, 0.05])
+            .screened(1),
         Formula::new("curved envelopes")
             .block(
                 slot,

@@ -80,6 +80,8 @@ pub(super) fn lags(s: &Setting<'_>, slot: Slot) -> Vec<Formula> {
 fn slew(s: &Setting<'_>) -> Vec<Formula> {
     let rate = || Free::log("slope limit", "{command}/s", 1e-4 * s.steepest, 2.0 * s.steepest);
     let starts = [0.8, 0.5, 0.3, 0.15, 0.07, 0.03].map(|k| k * s.steepest);
+    // A limit that no slope comes near is none.
+    let near = Free::log("slope limit", "{command}/s", 1e-4 * s.steepest, s.steepest);
     // So fast that the limit alone shows: a slower approach is a lag.
     let bandwidth = Free::log("bandwidth", "Hz", 0.2 / s.sample, 10.0 / s.sample);
     let down = Free::log("slope limit down over that up", "1", 0.2, 5.0);
@@ -92,7 +94,7 @@ fn slew(s: &Setting<'_>) -> Vec<Formula> {
             .block(Slot::Amplifier, Block::Slew, vec![rate()])
             .starts(starts.map(|r| vec![r])),
         Formula::new("current limit with a lag")
-            .block(Slot::Amplifier, Block::SoftSlew, vec![rate(), bandwidth])
+            .block(Slot::Amplifier, Block::SoftSlew, vec![near, bandwidth])
             .starts(starts.map(|r| vec![r, 0.3 / s.sample]))
             .screened(1),
     ]
