@@ -14,8 +14,10 @@ const SHARPNESS: f64 = 3.0;
 const ORDER: f64 = 1.2;
 /// Formulas leave alike up to this factor.
 const ALIKE: f64 = 1.25;
-/// Probability below which neither the name nor its group is given.
-pub(crate) const TRUSTED: f64 = 0.4;
+/// Share below which neither the name nor its group is given.
+pub(crate) const TRUSTED: f64 = 0.5;
+/// Probability that the cause is in the library below which no name is given.
+const KNOWN: f64 = 0.25;
 /// Probability that the cause is in the library where nothing is left.
 const LIBRARY: f64 = 0.985;
 /// Part of the gap that is left where the cause is as likely in the library as not, and how fast that
@@ -91,14 +93,18 @@ fn known(sight: &Sight, own: &Candidate) -> f64 {
     LIBRARY / (1.0 + (left / LEFT_OF_UNKNOWN).powf(STEEPNESS))
 }
 
-/// How far a name can be trusted: its own probability, or that of its group where the group is what
-/// the data can tell.
+/// How far a name can be trusted: its share among the candidates, or that of its group where the group
+/// is what the data can tell; 0 where the cause is most likely none of them.
 pub(crate) fn trust(library: &[Family], beliefs: &[Belief], family: usize) -> f64 {
+    let known: f64 = beliefs.iter().map(|b| b.probability).sum();
+    if known < KNOWN {
+        return 0.0;
+    }
     let group = library[family].effect.group;
     let is_with = |b: &&Belief| {
         b.family == family || (group.is_some() && library[b.family].effect.group == group)
     };
-    beliefs.iter().filter(is_with).map(|b| b.probability).sum()
+    beliefs.iter().filter(is_with).map(|b| b.probability).sum::<f64>() / known
 }
 
 /// The smallest set of names that reaches 0.95 of what is known, most probable first.

@@ -28,6 +28,9 @@ const EXPLAINED: f64 = 0.6;
 const POWER: f64 = 0.5;
 /// Weight of the training rows in the rank; the rest is that of the held-out ones.
 const TRAINING: f64 = 0.5;
+/// Part of the power with which a lower score is enough, and that score.
+const MOST: f64 = 0.9;
+const SOME: f64 = 0.35;
 /// Below both limits by this much, a set of effects is not looked at again.
 const HOPELESS: f64 = 0.2;
 /// The same where the effect is a line in the spectrum.
@@ -363,7 +366,10 @@ impl<'a> Search<'a> {
             // A line that is no multiple of the mains is a disturbance only where it is nearly all.
             let least = if has_lines && best.picks.len() == 1 { LINES } else { POWER };
             let reached = self.judge.score(&base.judged, &best.judged);
-            if best.picks.is_empty() || reached < EXPLAINED || power < least {
+            // Nearly all of the power is as good as a good score: bands that nothing in the library
+            // reaches do not take a name from what does.
+            let is_enough = reached >= EXPLAINED || (power >= MOST && reached >= SOME);
+            if best.picks.is_empty() || !is_enough || power < least {
                 return Ok(base.clone());
             }
             let sight = self.sight(base);
