@@ -98,3 +98,18 @@ fn measured_gaps() {
         }
     }
 }
+
+#[test]
+fn bench() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = run("05_bench", folder.path());
+    println!("{said}");
+    assert!(said.contains("ended in the state safe: the plan has ended"), "{said}");
+    assert!(said.contains("The model lacks delay"), "{said}");
+    let line = said.lines().find(|line| line.contains("delay.delay =")).expect("the delay's line");
+    let delay: f64 = number(line, "delay.delay =", "±");
+    assert!((delay - 2e-3).abs() < 4e-4, "{line}");
+    for file in ["run.parquet", "gap.html"] {
+        assert!(folder.path().join(file).is_file(), "{file}");
+    }
+}

@@ -24,9 +24,11 @@ pub use blueprint::{
     CouplingBlueprint, ParameterRecord, RecordValue, SignalBlueprint, Value, npy_of,
 };
 pub use fit::{Fit, FitError};
+#[cfg(feature = "parquet")]
+pub use log::ParquetLogWriter;
 pub use log::{
-    Column, ColumnHeader, ColumnUnit, Finding, Log, LogWriter, Quality, ReadOptions, Record,
-    SampleTime, UnitPlace, sidecar_of,
+    Column, ColumnHeader, ColumnUnit, Finding, Log, LogWriter, Mf4About, Mf4Writer, Quality,
+    ReadOptions, Record, SampleTime, UnitPlace, sidecar_of,
 };
 pub use name_map::NameMap;
 pub use nearest::nearest;

@@ -1,5 +1,6 @@
 //! One file per command.
 
+mod bench;
 mod check;
 mod demo;
 mod diagnose;
@@ -29,6 +30,7 @@ pub(crate) enum Command {
     Simulate(simulate::Simulate),
     System(system::System),
     Check(check::Check),
+    Bench(bench::Bench),
     List(list::List),
     Log(log::Log),
     Signal(signal::Signal),
@@ -57,6 +59,7 @@ impl Command {
                 Ok(0)
             }
             Self::Check(command) => command.run(screen),
+            Self::Bench(command) => command.run(screen),
             Self::List(command) => command.run(screen),
             Self::Log(command) => command.run(screen),
             Self::Signal(command) => command.run(screen),

@@ -19,12 +19,17 @@
 //! [columns]
 //! y = { unit = "um", description = "Position of the stage" }
 //! ```
+//!
+//! Logs are also written as Parquet (feature `parquet`) and as MF4.
 
 mod cell;
 mod dataset;
 mod formats;
 mod header;
 mod lines;
+mod mf4;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod quality;
 mod read;
 mod rows;
@@ -40,6 +45,9 @@ use model::{Unit, UnitError};
 use lines::Lines;
 
 pub use dataset::sidecar_of;
+pub use mf4::{Mf4About, Mf4Writer};
+#[cfg(feature = "parquet")]
+pub use parquet::ParquetLogWriter;
 pub use quality::{Finding, Quality};
 pub use rows::SampleTime;
 pub use write::{ColumnHeader, LogWriter, UnitPlace};

@@ -1,0 +1,73 @@
+//! Addresses of gateways.
+
+use std::fmt;
+use std::net::SocketAddr;
+use std::str::FromStr;
+
+use super::GatewayError;
+
+/// Where the machine is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Address {
+    /// `udp://IP:PORT`: the machine listens there.
+    Udp(SocketAddr),
+    /// `shm://NAME`: the machine opened shared memory of this name.
+    SharedMemory(String),
+}
+
+impl FromStr for Address {
+    type Err = GatewayError;
+
+    fn from_str(text: &str) -> Result<Self, GatewayError> {
+        let error = |rule: String| GatewayError::Address { text: text.to_owned(), rule };
+        if let Some(rest) = text.strip_prefix("udp://") {
+            let address: SocketAddr = rest.parse().map_err(|_| {
+                error("is no IP address with a port (names are not looked up)".into())
+            })?;
+            if address.port() == 0 || address.port() == u16::MAX {
+                return Err(error("the port must be 1 to 65534".into()));
+            }
+            return Ok(Address::Udp(address));
+        }
+        if let Some(name) = text.strip_prefix("shm://") {
+            let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+            if name.is_empty() || name.len() > 64 || !name.chars().all(good) {
+                let rule = "the name must be 1 to 64 letters, digits, - or _";
+                return Err(error(rule.into()));
+            }
+            return Ok(Address::SharedMemory(name.to_owned()));
+        }
+        Err(error("has no known scheme".into()))
+    }
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Address::Udp(address) => write!(f, "udp://{address}"),
+            Address::SharedMemory(name) => write!(f, "shm://{name}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_are_read_and_written() {
+        for text in ["udp://10.0.0.2:9000", "udp://[::1]:9000", "shm://stage-1"] {
+            assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
+        }
+        for (text, word) in [
+            ("udp://stage:9000", "looked up"),
+            ("udp://127.0.0.1", "port"),
+            ("udp://127.0.0.1:65535", "65534"),
+            ("shm://a b", "letters"),
+            ("tcp://127.0.0.1:1", "scheme"),
+        ] {
+            let message = text.parse::<Address>().unwrap_err().to_string();
+            assert!(message.contains(word) && message.contains(text), "{message}");
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! The gateway: how packets come and go.
+//!
+//! | address | transport |
+//! |---|---|
+//! | `udp://10.0.0.2:9000` | UDP datagrams to and from that one peer |
+//! | `shm://stage` | shared memory of this host, over iceoryx2 (feature `shared-memory`) |
+
+mod address;
+mod memory;
+#[cfg(feature = "shared-memory")]
+mod shared_memory;
+mod udp;
+
+use std::time::Duration;
+
+use thiserror::Error;
+
+pub use address::Address;
+pub use memory::{MemoryGateway, pair};
+#[cfg(feature = "shared-memory")]
+pub use shared_memory::SharedMemoryGateway;
+pub use udp::UdpGateway;
+
+/// Carries packets between runner and machine. Calls never block but [`wait`](Self::wait); a gateway
+/// for real time allocates nothing and takes no lock once it is open.
+pub trait Gateway {
+    /// Sends a packet; false when it did not leave.
+    fn send(&mut self, packet: &[u8]) -> bool;
+
+    /// Takes the next packet that has arrived; the return value is its length.
+    fn receive(&mut self, buffer: &mut [u8]) -> Option<usize>;
+
+    /// Returns when a packet has arrived, or after this time.
+    fn wait(&mut self, timeout: Duration);
+}
+
+/// Which end of a gateway is opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// That of the runner.
+    Runner,
+    /// That of the machine.
+    Machine,
+}
+
+/// A gateway that cannot be opened.
+#[derive(Debug, Error)]
+pub enum GatewayError {
+    /// The text is no address.
+    #[error(
+        "gateway `{text}`: {rule}; write udp://IP:PORT as in udp://127.0.0.1:9000, or shm://NAME"
+    )]
+    Address {
+        /// As it was given.
+        text: String,
+        /// What is wrong.
+        rule: String,
+    },
+    /// The operating system does not open it.
+    #[error("gateway {address}: {what}: {error}; {way_out}")]
+    Open {
+        /// The gateway.
+        address: String,
+        /// What failed.
+        what: String,
+        /// What the system says.
+        error: String,
+        /// What to do.
+        way_out: String,
+    },
+}
+
+/// Opens one end of a gateway. `other`: for UDP, the own address at the runner's end (default: the
+/// loopback address with the port after the gateway's), the runner's address at the machine's end.
+///
+/// # Errors
+/// The address is taken, or not one of this machine.
+pub fn open(
+    address: &Address,
+    end: End,
+    other: Option<std::net::SocketAddr>,
+) -> Result<Box<dyn Gateway>, GatewayError> {
+    match address {
+        Address::Udp(machine) => Ok(Box::new(UdpGateway::open(*machine, end, other)?)),
+        #[cfg(feature = "shared-memory")]
+        Address::SharedMemory(name) => Ok(Box::new(SharedMemoryGateway::open(name, end)?)),
+        #[cfg(not(feature = "shared-memory"))]
+        Address::SharedMemory(name) => Err(GatewayError::Open {
+            address: format!("shm://{name}"),
+            what: "shared memory".to_owned(),
+            error: "this build has no shared memory".to_owned(),
+            way_out: "build with the feature `shared-memory`".to_owned(),
+        }),
+    }
+}

@@ -1,0 +1,243 @@
+//! A local web page with live plots, over server-sent events.
+//!
+//! Two resources, on a loopback address only: `/`, the page, and `/events`, the stream. A request
+//! whose `Host` is not this address is refused, so that no foreign page reads it by a name that
+//! leads here.
+
+use std::fmt::Write as _;
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use serde_json::json;
+use thiserror::Error;
+
+use super::dashboard::Dashboard;
+use crate::record::View;
+
+/// Time between two events.
+const INTERVAL: Duration = Duration::from_millis(50);
+/// Most streams at a time.
+const MOST: usize = 8;
+/// Longest head of a request.
+const HEAD: u64 = 8192;
+
+const PAGE: &str = include_str!("page.html");
+
+/// The server on its own threads; it ends with the run.
+#[derive(Debug)]
+pub struct Web {
+    address: SocketAddr,
+    stop: Arc<AtomicBool>,
+    thread: JoinHandle<()>,
+}
+
+/// A server that does not start.
+#[derive(Debug, Error)]
+#[error(
+    "the live page cannot be served at 127.0.0.1:{port}: {error}; choose another port with --web PORT, 0 for a free one"
+)]
+pub struct WebError {
+    port: u16,
+    error: io::Error,
+}
+
+/// What every connection knows.
+#[derive(Debug)]
+struct Shared {
+    dashboard: Dashboard,
+    view: View,
+    stop: Arc<AtomicBool>,
+    address: SocketAddr,
+    open: AtomicUsize,
+}
+
+impl Web {
+    /// Serves the page at 127.0.0.1 and this port; 0: a free one.
+    ///
+    /// # Errors
+    /// The port is taken.
+    pub fn start(dashboard: Dashboard, view: View, port: u16) -> Result<Self, WebError> {
+        let failed = |error| WebError { port, error };
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
+        listener.set_nonblocking(true).map_err(failed)?;
+        let address = listener.local_addr().map_err(failed)?;
+        let stop = Arc::new(AtomicBool::new(false));
+        let open = AtomicUsize::new(0);
+        let shared = Arc::new(Shared { dashboard, view, stop: Arc::clone(&stop), address, open });
+        let thread = std::thread::spawn(move || listen(&listener, &shared));
+        Ok(Web { address, stop, thread })
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn url(&self) -> String {
+        format!("http://{}/", self.address)
+    }
+
+    /// Ends it.
+    pub fn finish(self) {
+        self.stop.store(true, Ordering::Relaxed);
+        let _ = self.thread.join();
+    }
+}
+
+fn listen(listener: &TcpListener, shared: &Arc<Shared>) {
+    while !shared.stop.load(Ordering::Relaxed) {
+        let Ok((stream, _)) = listener.accept() else {
+            std::thread::sleep(INTERVAL);
+            continue;
+        };
+        if shared.open.fetch_add(1, Ordering::Relaxed) >= MOST {
+            shared.open.fetch_sub(1, Ordering::Relaxed);
+            continue;
+        }
+        let shared = Arc::clone(shared);
+        std::thread::spawn(move || {
+            // A reader that goes away is no trouble of the run.
+            let _ = answer(stream, &shared);
+            shared.open.fetch_sub(1, Ordering::Relaxed);
+        });
+    }
+}
+
+fn answer(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
+    stream.set_nonblocking(false)?;
+    stream.set_read_timeout(Some(Duration::from_secs(5)))?;
+    stream.set_write_timeout(Some(Duration::from_secs(5)))?;
+    let (path, host) = request(&stream)?;
+    let port = shared.address.port();
+    let ours = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
+    if !host.is_some_and(|host| ours.contains(&host)) {
+        return say(&mut stream, "403 Forbidden", "text/plain", "this page is for this computer\n");
+    }
+    match path.as_deref() {
+        Some("/") => say(&mut stream, "200 OK", "text/html; charset=utf-8", PAGE),
+        Some("/events") => events(&mut stream, shared),
+        _ => say(&mut stream, "404 Not Found", "text/plain", "there is / and /events\n"),
+    }
+}
+
+/// Path of a GET request, and its host.
+fn request(stream: &TcpStream) -> io::Result<(Option<String>, Option<String>)> {
+    let mut lines = BufReader::new(stream.take(HEAD)).lines();
+    let first = lines.next().transpose()?.unwrap_or_default();
+    let mut words = first.split(' ');
+    let path = (words.next() == Some("GET")).then(|| words.next().map(str::to_owned)).flatten();
+    let mut host = None;
+    for line in lines {
+        let line = line?;
+        if line.is_empty() {
+            break;
+        }
+        if let Some((name, value)) = line.split_once(':')
+            && name.eq_ignore_ascii_case("host")
+        {
+            host = Some(value.trim().to_owned());
+        }
+    }
+    Ok((path, host))
+}
+
+fn say(stream: &mut TcpStream, status: &str, kind: &str, body: &str) -> io::Result<()> {
+    let length = body.len();
+    write!(
+        stream,
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n\
+         Content-Security-Policy: default-src 'none'; script-src 'unsafe-inline'; \
+         style-src 'unsafe-inline'; connect-src 'self'\r\nX-Content-Type-Options: nosniff\r\n\
+         Cache-Control: no-store\r\nConnection: close\r\n\r\n{body}"
+    )
+}
+
+fn events(stream: &mut TcpStream, shared: &Shared) -> io::Result<()> {
+    write!(
+        stream,
+        "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\n\
+         Connection: close\r\n\r\n"
+    )?;
+    let mut seen = u64::MAX;
+    loop {
+        let latest = shared.view.latest();
+        let ended = latest.ended || shared.stop.load(Ordering::Relaxed);
+        if latest.rows != seen {
+            seen = latest.rows;
+            let mut text = String::new();
+            // Writing to a string cannot fail.
+            let _ = write!(text, "data: {}\n\n", event(&shared.dashboard, &latest));
+            stream.write_all(text.as_bytes())?;
+        }
+        if ended {
+            return stream.write_all(b"event: end\ndata: {}\n\n");
+        }
+        std::thread::sleep(INTERVAL);
+    }
+}
+
+/// What the page gets.
+fn event(dashboard: &Dashboard, latest: &crate::record::Latest) -> serde_json::Value {
+    let state = dashboard.state(latest);
+    let axes: Vec<serde_json::Value> = dashboard
+        .axes(latest)
+        .iter()
+        .map(|axis| {
+            json!({
+                "name": axis.name, "unit": axis.unit, "command_unit": axis.command_unit,
+                "reference": axis.reference, "position": axis.position, "command": axis.command,
+            })
+        })
+        .collect();
+    let own = |name: &str| dashboard.own(latest, name);
+    json!({
+        "time": latest.row.first(),
+        "rows": latest.rows,
+        "state": state.map(|(state, _)| state.name()),
+        "reason": state.map(|(_, reason)| reason.sentence()),
+        "axes": axes,
+        "wake": dashboard.greatest(latest, "wake"),
+        "work": dashboard.greatest(latest, "work"),
+        "round_trip": dashboard.greatest(latest, "round_trip"),
+        "lost": own("lost"), "late": own("late"), "duplicate": own("duplicate"),
+        "reordered": own("reordered"), "corrupt": own("corrupt"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cycle::columns;
+    use crate::record::Recorder;
+
+    fn get(address: SocketAddr, path: &str, host: &str) -> String {
+        let mut stream = TcpStream::connect(address).unwrap();
+        write!(stream, "GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
+        let mut text = String::new();
+        stream.read_to_string(&mut text).unwrap();
+        text
+    }
+
+    #[test]
+    fn it_serves_the_page_and_the_stream_to_this_computer() {
+        let axis = |word: &str| [(format!("{word}[1]"), Some("um".to_owned()))];
+        let columns = columns(&axis("reference"), &axis("position"), &axis("command"));
+        let (recorder, mut ring) = Recorder::start(None, columns.len(), 100);
+        let view = recorder.view().clone();
+        let web = Web::start(Dashboard::new(&columns), view, 0).unwrap();
+        assert!(web.address.ip().is_loopback());
+        for k in 0..columns.len() {
+            ring.push(k as f64).unwrap();
+        }
+        recorder.finish().unwrap();
+        let host = web.address.to_string();
+        let page = get(web.address, "/", &host);
+        assert!(page.starts_with("HTTP/1.1 200") && page.contains("/events"));
+        let stream = get(web.address, "/events", &host);
+        assert!(stream.contains("\"position\":2.0") && stream.contains("event: end"), "{stream}");
+        assert!(get(web.address, "/x", &host).starts_with("HTTP/1.1 404"));
+        assert!(get(web.address, "/", "evil.example").starts_with("HTTP/1.1 403"));
+        web.finish();
+    }
+}

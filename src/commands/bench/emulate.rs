@@ -1,0 +1,183 @@
+//! `piezoloop bench emulate`: another process that plays the machine.
+
+use std::io::{self, Write};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use anyhow::{Context, bail};
+use bench::emulate::{Behaviour, Emulator, Injected, Plant, Script, Serve, Served, Timing, serve};
+use bench::gateway::{Address, End};
+use clap::Args;
+use cosim::InstanceOptions;
+use modeldescription::variable::Causality;
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::fmus;
+
+/// Plays the machine in real time from any plant FMU, and injects faults
+///
+/// Faults come from a script (TOML) or from --inject, as in loss,probability=0.01,from=1,to=2. Kinds:
+/// delay, jitter (seconds); loss, duplicate, corrupt (probability); reorder (probability, seconds);
+/// stuck, nan (axis); saturation (axis, min, max); quantisation (axis, step); offset (axis, value);
+/// invalid; power-loss; restart. All take from and to in s of the machine's time; those of packets
+/// direction=measurement, command or both.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop bench emulate plant.fmu --gateway udp://127.0.0.1:9000 --rate 1k\n  piezoloop bench emulate evc-truth --gateway shm://stage --rate 2k --inject delay,seconds=1e-3 --inject quantisation,step=0.02"
+)]
+pub(crate) struct Emulate {
+    /// The plant: an FMU, a blueprint or the name of a rig
+    plant: PathBuf,
+    /// Where the machine listens: udp://IP:PORT or shm://NAME
+    #[arg(long, value_name = "ADDRESS")]
+    gateway: Address,
+    /// The runner's address; nobody else is listened to [default: 127.0.0.1 and the next port]
+    #[arg(long, value_name = "IP:PORT")]
+    peer: Option<SocketAddr>,
+    /// Steps per second, as in 10k
+    #[arg(long, value_name = "HZ", value_parser = bench::plan::parse_rate)]
+    rate: f64,
+    /// When the machine steps
+    #[arg(long, value_name = "WHEN", default_value = "clock")]
+    timing: When,
+    /// Script of faults
+    #[arg(long, value_name = "FILE")]
+    faults: Option<PathBuf>,
+    /// A fault: KIND,KEY=VALUE,… (may be given several times)
+    #[arg(long, value_name = "FAULT")]
+    inject: Vec<String>,
+    /// Seed of all that is random [default: the script's]
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Steps without a command after which the machine stops itself
+    #[arg(long, value_name = "STEPS", default_value_t = 100)]
+    heartbeat: u32,
+    /// Commands while it is stopped [default: the plant's start values]
+    #[arg(long, value_name = "VALUES", value_delimiter = ',', allow_negative_numbers = true)]
+    safe: Vec<f64>,
+    /// The plant's inputs [default: command…, else all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    commands: Vec<String>,
+    /// The plant's outputs, one for each input [default: position…, else all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    positions: Vec<String>,
+    /// End after this time in s [default: when it is stopped]
+    #[arg(long, value_name = "S")]
+    duration: Option<f64>,
+}
+
+/// When the machine steps.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum When {
+    /// At its own deadlines, as a machine does
+    Clock,
+    /// Once per command: free of this computer's jitter, so that a log is the same each time
+    Commands,
+}
+
+#[derive(Serialize)]
+struct Played {
+    #[serde(flatten)]
+    served: Served,
+}
+
+impl Emulate {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let script = self.script()?;
+        let stop = Arc::new(AtomicBool::new(false));
+        bench::runner::on_signals(&stop).context("signals cannot be caught")?;
+        let opened = fmus::open(&self.plant)?;
+        let period_ns = (1e9 / self.rate).round() as u64;
+        let commands = self.names(&opened.fmu, &self.commands, Causality::Input, "command");
+        let positions = self.names(&opened.fmu, &self.positions, Causality::Output, "position");
+        if !self.safe.is_empty() && self.safe.len() != commands.len() {
+            bail!("--safe has {} values for {} commands", self.safe.len(), commands.len());
+        }
+        let slave = opened.fmu.instantiate("machine", &InstanceOptions::default())?;
+        let step = period_ns as f64 / 1e9;
+        let mut plant = Plant::new(slave, &commands, &positions, &self.safe, step)?;
+        let safe = match self.safe.is_empty() {
+            true => plant.commands()?,
+            false => self.safe.clone(),
+        };
+        let timing = match self.timing {
+            When::Clock => Timing::Clock,
+            When::Commands => Timing::Commands,
+        };
+        let behaviour = Behaviour { timing, period_ns, heartbeat: self.heartbeat.max(1), safe };
+        let mut emulator = Emulator::new(plant, behaviour, script);
+        let mut gateway = bench::gateway::open(&self.gateway, End::Machine, self.peer)?;
+        let realtime = bench::clock::become_realtime();
+        let names = (commands.join(", "), positions.join(", "));
+        screen.say(&format!(
+            "machine {} at {}: {} -> {}, {} steps per second; {}",
+            opened.name, self.gateway, names.0, names.1, self.rate, realtime.line
+        ));
+        let duration_ns = self.duration.map(|seconds| (seconds * 1e9) as u64);
+        let serve_until = Serve { stop: &stop, duration_ns };
+        let served = serve(&mut emulator, &mut *gateway, &serve_until)?;
+        screen.show(&Played { served })
+    }
+
+    fn script(&self) -> anyhow::Result<Script> {
+        let mut script = match &self.faults {
+            Some(file) => {
+                let text = std::fs::read_to_string(file)
+                    .with_context(|| format!("{} cannot be read", file.display()))?;
+                Script::parse(&text, &file.display().to_string())?
+            }
+            None => Script::default(),
+        };
+        for text in &self.inject {
+            script.faults.push(Script::parse_fault(text)?);
+        }
+        script.seed = self.seed.unwrap_or(script.seed);
+        Ok(script)
+    }
+
+    fn names(
+        &self,
+        fmu: &cosim::Fmu,
+        given: &[String],
+        causality: Causality,
+        word: &str,
+    ) -> Vec<String> {
+        if !given.is_empty() {
+            return given.to_vec();
+        }
+        let all = fmu.names(causality);
+        let some: Vec<String> = all.iter().filter(|name| name.starts_with(word)).cloned().collect();
+        if some.is_empty() { all } else { some }
+    }
+}
+
+impl Answer for Played {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let served = &self.served;
+        writeln!(
+            out,
+            "{} steps; commands: {} used, {} lost, {} reordered, {} duplicate, {} corrupt{}",
+            served.steps,
+            served.commands.used,
+            served.commands.lost,
+            served.commands.reordered,
+            served.commands.duplicate,
+            served.commands.corrupt,
+            if served.stopped { "; the machine stopped itself" } else { "" }
+        )?;
+        for (what, injected) in [
+            ("commands", &served.injected_into_commands),
+            ("measurements", &served.injected_into_measurements),
+        ] {
+            let Injected { packets, lost, reordered, duplicated, corrupted } = injected;
+            writeln!(
+                out,
+                "  injected into {packets} {what}: {lost} lost, {reordered} held back, {duplicated} doubled, {corrupted} damaged"
+            )?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,49 @@
+//! `piezoloop bench recover`: the record of a run that was killed.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use bench::record::{Converted, Format, convert};
+use clap::Args;
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+
+/// Makes a log of the journal that a killed run left behind
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  piezoloop bench recover run.parquet.journal -o run.parquet")]
+pub(crate) struct Recover {
+    /// The journal: the record's name with .journal
+    journal: PathBuf,
+    /// The log to write: .parquet, .csv or .mf4 [default: the journal's name without .journal]
+    #[arg(short = 'o', long = "out", value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+#[serde(transparent)]
+struct Recovered(Converted);
+
+impl Recover {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let out = self.out.unwrap_or_else(|| self.journal.with_extension(""));
+        let format = Format::of(&out).map_err(anyhow::Error::msg)?;
+        let more = serde_json::json!({ "recovered": true });
+        let more = more.as_object().cloned().unwrap_or_default();
+        screen.show(&Recovered(convert(&self.journal, &out, format, &more)?))
+    }
+}
+
+impl Answer for Recovered {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let Converted { file, rows, cut_off_bytes } = &self.0;
+        writeln!(out, "{}: written, {rows} rows", file.display())?;
+        if *cut_off_bytes > 0 {
+            writeln!(
+                out,
+                "  {cut_off_bytes} bytes at the end were cut off in the middle of a write"
+            )?;
+        }
+        Ok(())
+    }
+}

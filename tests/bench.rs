@@ -1,0 +1,437 @@
+//! `piezoloop bench`: runner and machine as two processes.
+#![cfg(unix)]
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod common;
+
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU16, Ordering};
+use std::time::{Duration, Instant};
+
+use common::{refuse, succeed};
+use serde_json::Value;
+
+/// A free pair of ports of this test process.
+fn port() -> u16 {
+    static NEXT: AtomicU16 = AtomicU16::new(0);
+    let base = 21_000 + (std::process::id() % 1000) as u16 * 20;
+    loop {
+        let port = base + 2 * NEXT.fetch_add(1, Ordering::Relaxed);
+        let free = |port: u16| std::net::UdpSocket::bind(("127.0.0.1", port)).is_ok();
+        if free(port) && free(port + 1) {
+            return port;
+        }
+    }
+}
+
+/// A process whose first line has been read.
+struct Process {
+    child: Child,
+    out: BufReader<std::process::ChildStdout>,
+    first: String,
+}
+
+impl Process {
+    fn start(command: &mut Command) -> Self {
+        let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
+        let mut out = BufReader::new(child.stdout.take().expect("a pipe"));
+        let mut first = String::new();
+        out.read_line(&mut first).expect("it speaks");
+        Process { child, out, first }
+    }
+
+    fn tool(arguments: &[&str], folder: &Path) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_piezoloop"));
+        Process::start(command.args(arguments).current_dir(folder))
+    }
+
+    fn signal(&self, name: &str) {
+        let id = self.child.id().to_string();
+        assert!(Command::new("kill").args([name, &id]).status().expect("kill runs").success());
+    }
+
+    /// What it said until its end, and its exit code.
+    fn end(mut self) -> (String, Option<i32>) {
+        let mut text = self.first.clone();
+        self.out.read_to_string(&mut text).expect("UTF-8");
+        (text, self.child.wait().expect("it ends").code())
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A folder with a plan that plays commands to a machine of one axis.
+fn stage(seconds: f64) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plan = format!(
+        "rate = 200\nsettle = 0.05\napproach = 0.1\npatience = 20\n\
+         [[axis]]\ncommand_limits = [-2, 12]\nsafe_rate = 100\n\
+         command_unit = \"V\"\nposition_unit = \"um\"\n\
+         [watch]\nhold = 150\nmax_age = 100\n\
+         [[sequence]]\nkind = \"rest\"\nseconds = {seconds}\nat = [6]\n"
+    );
+    std::fs::write(folder.path().join("plan.toml"), plan).expect("a plan");
+    folder
+}
+
+fn run(port: u16, more: &[&str], folder: &Path) -> (Value, Option<i32>) {
+    let gateway = format!("udp://127.0.0.1:{port}");
+    let mut all = vec!["--json", "bench", "run", "--plan", "plan.toml", "--gateway", &gateway];
+    all.extend(more);
+    let output = common::piezoloop(&all, folder);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let answer = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
+    (answer, output.status.code())
+}
+
+/// The machine that the tool plays: p1, a stage of one axis.
+fn machine(port: u16, more: &[&str], folder: &Path) -> Process {
+    let gateway = format!("udp://127.0.0.1:{port}");
+    let mut all = vec!["bench", "emulate", "p1", "--gateway", &gateway, "--rate", "200"];
+    all.extend(more);
+    Process::tool(&all, folder)
+}
+
+#[test]
+fn what_the_emulator_injects_the_runner_counts() {
+    let (folder, port) = (stage(1.5), port());
+    let faults = "seed = 4\n[[fault]]\nkind = \"loss\"\nprobability = 0.1\n\
+                  [[fault]]\nkind = \"corrupt\"\nprobability = 0.1\n\
+                  [[fault]]\nkind = \"duplicate\"\nprobability = 0.1\n";
+    std::fs::write(folder.path().join("faults.toml"), faults).unwrap();
+    let machine = machine(port, &["--faults", "faults.toml"], folder.path());
+    assert!(machine.first.contains("udp://127.0.0.1"), "{}", machine.first);
+    let (answer, code) = run(port, &["--record", "run.parquet"], folder.path());
+    assert_eq!((code, answer["state"].as_str()), (Some(0), Some("safe")), "{answer}");
+    machine.signal("-TERM");
+    let (said, _) = machine.end();
+    println!("{answer:#}\n{said}");
+    for counter in ["lost", "corrupt", "duplicate"] {
+        assert!(answer["measurements"][counter].as_u64().unwrap() > 3, "{counter}");
+    }
+    assert_eq!(answer["measurements"]["mismatched"], 0);
+    assert_eq!(answer["unrecorded"], 0);
+    assert!(answer["record"]["rows"].as_u64().unwrap() > 250);
+    assert!(!folder.path().join("run.parquet.journal").exists());
+}
+
+#[test]
+fn a_record_has_units_and_provenance_in_every_format() {
+    let (folder, port) = (stage(0.3), port());
+    let machine = machine(port, &["--timing", "commands"], folder.path());
+    for file in ["run.csv", "run.parquet", "run.mf4"] {
+        let (answer, _) = run(port, &["--record", file], folder.path());
+        assert_eq!(answer["reason"], "the plan has ended", "{answer}");
+        assert!(folder.path().join(file).is_file(), "{file}");
+    }
+    drop(machine);
+    let about = std::fs::read_to_string(folder.path().join("run.about.json")).unwrap();
+    let about: Value = serde_json::from_str(&about).unwrap();
+    assert_eq!(about["plan_sha256"].as_str().map(str::len), Some(64));
+    assert!(about["outcome"]["work"]["p9999_us"].is_number() && about["realtime"].is_object());
+    let log = |file: &str| {
+        let options = data::ReadOptions::default();
+        data::Log::read(&folder.path().join(file), &options).unwrap()
+    };
+    for log in [log("run.csv"), log("run.parquet")] {
+        let position = log.column("position[1]").unwrap();
+        assert_eq!(position.unit.as_ref().map(|unit| unit.text.as_str()), Some("um"));
+        let greatest =
+            log.column("command[1]").unwrap().values.iter().fold(0.0_f64, |m, v| m.max(*v));
+        assert_eq!(greatest, 6.0);
+        assert_eq!(log.column("command[1]").unwrap().values.last(), Some(&0.0), "it ends at rest");
+    }
+    let script = "import sys\nfrom asammdf import MDF\nwith MDF(sys.argv[1]) as mdf:\n\
+                  \x20   y, u = mdf.get('position[1]'), mdf.get('command[1]')\n\
+                  \x20   assert y.unit == 'um' and u.unit == 'V', (y.unit, u.unit)\n\
+                  \x20   assert max(u.samples) == 6.0 and len(u.timestamps) > 60\n\
+                  \x20   assert 'plan_sha256' in str(mdf.header.comment), mdf.header.comment\n\
+                  \x20   print('asammdf', len(u.samples))\n";
+    let python = common::python::python();
+    if !Command::new(&python).args(["-c", "import asammdf"]).output().unwrap().status.success() {
+        println!("SKIPPED: asammdf is not there (pip install asammdf)");
+        return;
+    }
+    let said = common::python::script(script, &["run.mf4"], folder.path());
+    assert!(said.contains("asammdf"), "{said}");
+}
+
+#[test]
+fn a_killed_runner_leaves_its_rows_and_the_machine_stops_itself() {
+    let (folder, port) = (stage(60.0), port());
+    let machine = machine(port, &["--heartbeat", "20"], folder.path());
+    let gateway = format!("udp://127.0.0.1:{port}");
+    let runner = Process::tool(
+        &["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--record", "run.csv"],
+        folder.path(),
+    );
+    let journal = folder.path().join("run.csv.journal");
+    let size = || std::fs::metadata(&journal).map_or(0, |found| found.len());
+    let begin = Instant::now();
+    while size() < 60_000 {
+        assert!(begin.elapsed() < Duration::from_secs(60), "no rows: {} bytes", size());
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    runner.signal("-KILL");
+    let (_, code) = runner.end();
+    assert_eq!(code, None);
+    let message = refuse(
+        &["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--record", "run.csv"],
+        folder.path(),
+    );
+    assert!(message.contains("bench recover"), "{message}");
+    let said = succeed(&["bench", "recover", "run.csv.journal"], folder.path());
+    println!("{said}");
+    let log = data::Log::read(&folder.path().join("run.csv"), &data::ReadOptions::default());
+    // 18 columns of 8 bytes.
+    assert!(log.unwrap().len() as u64 >= 60_000 / (8 * 18) - 40);
+    std::thread::sleep(Duration::from_millis(400));
+    machine.signal("-TERM");
+    let (said, _) = machine.end();
+    assert!(said.contains("the machine stopped itself"), "{said}");
+}
+
+#[test]
+fn sigterm_ends_in_the_safe_state_with_the_record_complete() {
+    let (folder, port) = (stage(60.0), port());
+    let _machine = machine(port, &[], folder.path());
+    let gateway = format!("udp://127.0.0.1:{port}");
+    let plan =
+        ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--record", "run.csv"];
+    let runner = Process::tool(&plan, folder.path());
+    std::thread::sleep(Duration::from_millis(1500));
+    runner.signal("-TERM");
+    let (said, code) = runner.end();
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("state safe: somebody stopped it"), "{said}");
+    let log =
+        data::Log::read(&folder.path().join("run.csv"), &data::ReadOptions::default()).unwrap();
+    assert_eq!(log.column("command[1]").unwrap().values.last(), Some(&0.0));
+    assert_eq!(log.column("bench.state").unwrap().values.last(), Some(&4.0));
+}
+
+#[test]
+fn a_dead_machine_is_a_fault_of_the_run() {
+    let (folder, port) = (stage(60.0), port());
+    let machine = machine(port, &["--inject", "power-loss,from=1"], folder.path());
+    let (answer, code) = run(port, &[], folder.path());
+    assert_eq!((code, answer["state"].as_str()), (Some(1), Some("fault")), "{answer}");
+    assert_eq!(answer["reason"], "the machine's power was off");
+    drop(machine);
+}
+
+#[test]
+fn nobody_answers() {
+    let folder = stage(1.0);
+    let plan = std::fs::read_to_string(folder.path().join("plan.toml")).unwrap();
+    let plan = plan.replace("patience = 20", "patience = 0.2");
+    std::fs::write(folder.path().join("plan.toml"), plan).unwrap();
+    let (answer, code) = run(port(), &[], folder.path());
+    assert_eq!((code, answer["measurements"]["used"].as_u64()), (Some(1), Some(0)));
+    assert_eq!(answer["reason"], "no packet came from the machine");
+}
+
+/// A controller FMU of evc, two axes, follows a reference over UDP and over shared memory.
+#[test]
+fn the_controller_fmu_that_was_simulated_runs_on_the_bench() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    succeed(&["invert", "evc", "--period", "1e-3", "-o", "controller.toml"], here);
+    for version in ["2", "3"] {
+        succeed(&["pack", "controller.toml", "--fmi", version, "-o", "controller.fmu"], here);
+        let rows =
+            (0..300).map(|k| format!("{},{},2\n", f64::from(k) * 0.01, 2.0 + f64::from(k) * 1e-3));
+        let text: String = rows.collect();
+        std::fs::write(
+            here.join("ref.csv"),
+            format!("time,reference[1] [um],reference[2] [um]\n{text}"),
+        )
+        .unwrap();
+        let udp = format!("udp://127.0.0.1:{}", port());
+        let memory = format!("shm://test-{}-{version}", std::process::id());
+        for gateway in [&udp, &memory] {
+            let machine = Process::tool(
+                &[
+                    "bench",
+                    "emulate",
+                    "evc",
+                    "--gateway",
+                    gateway,
+                    "--rate",
+                    "200",
+                    "--timing",
+                    "commands",
+                ],
+                here,
+            );
+            let plan = "[watch]\nhold = 150\nmax_age = 100\n";
+            std::fs::write(here.join("plan.toml"), plan).unwrap();
+            let arguments = [
+                "--json",
+                "bench",
+                "run",
+                "controller.fmu",
+                "--plan",
+                "plan.toml",
+                "--gateway",
+                gateway,
+                "--rate",
+                "200",
+                "--reference",
+                "ref.csv",
+                "--record",
+                "run.csv",
+                "--command-limits",
+                "0..120",
+            ];
+            let output = common::piezoloop(&arguments, here);
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(0), "{gateway}: {said}{:?}", output.stdout);
+            drop(machine);
+            let log =
+                data::Log::read(&here.join("run.csv"), &data::ReadOptions::default()).unwrap();
+            let column = |name: &str| log.column(name).unwrap().values.clone();
+            let (r, y, row) = (column("reference[1]"), column("position[1]"), column("bench.row"));
+            let last = row.iter().rposition(|row| *row > 500.0).expect("the end of the plan");
+            assert!(
+                (r[last] - y[last]).abs() < 0.1,
+                "FMI {version} {gateway}: {} {}",
+                r[last],
+                y[last]
+            );
+        }
+    }
+}
+
+fn peer(command: &mut Command, folder: &Path, port: u16) {
+    let machine = Process::start(command.args([&port.to_string(), "60"]));
+    assert!(machine.first.contains("listening"), "{}", machine.first);
+    let (answer, code) = run(port, &["--record", "run.csv"], folder);
+    assert_eq!(code, Some(0), "{answer}");
+    for counter in ["corrupt", "mismatched", "duplicate", "reordered"] {
+        assert_eq!(answer["measurements"][counter], 0, "{counter}");
+    }
+    let log = data::Log::read(&folder.join("run.csv"), &data::ReadOptions::default()).unwrap();
+    let greatest = log.column("position[1]").unwrap().values.iter().fold(0.0_f64, |m, y| m.max(*y));
+    assert!((greatest - 0.5).abs() < 0.01, "6 V / 12 = 0.5 um, not {greatest}");
+}
+
+#[test]
+fn a_peer_in_c() {
+    let folder = stage(0.5);
+    let program = folder.path().join("peer");
+    let source = common::root().join("examples/05_bench/peer.c");
+    let compiler = Command::new("cc")
+        .args(["-std=c11", "-Wall", "-Wextra", "-Werror", "-O2", "-o"])
+        .args([&program, &source])
+        .output();
+    let Ok(compiled) = compiler else {
+        println!("SKIPPED: no C compiler `cc`");
+        return;
+    };
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    peer(&mut Command::new(program), folder.path(), port());
+}
+
+#[test]
+fn a_peer_in_python() {
+    let folder = stage(0.5);
+    let script = common::root().join("examples/05_bench/peer.py");
+    if Command::new("python3").arg("--version").output().is_err() {
+        println!("SKIPPED: no python3");
+        return;
+    }
+    peer(Command::new("python3").arg(script), folder.path(), port());
+}
+
+#[test]
+fn the_live_page_shows_the_run_in_a_browser() {
+    let Some(browser) = ["chromium", "chromium-browser", "google-chrome"]
+        .into_iter()
+        .find(|name| Command::new(name).arg("--version").output().is_ok())
+    else {
+        println!("SKIPPED: no chromium");
+        return;
+    };
+    let (folder, port) = (stage(5.0), port());
+    let _machine = machine(port, &[], folder.path());
+    let gateway = format!("udp://127.0.0.1:{port}");
+    let arguments = ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--web", "0"];
+    let mut runner = Process::tool(&arguments, folder.path());
+    let mut url = String::new();
+    while !url.contains("live page") {
+        url.clear();
+        assert!(runner.out.read_line(&mut url).unwrap() > 0, "the page's address is printed");
+    }
+    let url = url.trim().rsplit(' ').next().unwrap_or_default().to_owned();
+    // The browser's clock stands still while the stream runs: it shows the page at the end.
+    let page = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"])
+        .args(["--virtual-time-budget=2000", "--dump-dom", &url])
+        .output()
+        .expect("the browser runs");
+    let (said, code) = runner.end();
+    assert_eq!(code, Some(0), "{said}");
+    let page = String::from_utf8_lossy(&page.stdout);
+    for part in
+        ["class=\"safe\">safe", "the plan has ended", "<td>position[1]</td>", "0.0000 V", "<canvas"]
+    {
+        assert!(page.contains(part), "{part} in\n{page}");
+    }
+}
+
+#[test]
+fn the_document_has_the_table_of_the_code() {
+    let table = succeed(&["bench", "packet"], common::root());
+    let document = std::fs::read_to_string(common::root().join("docs/gateway.md")).unwrap();
+    assert!(table.lines().count() > 14);
+    assert!(document.contains(table.trim_end()), "print it with: piezoloop bench packet");
+    for reason in bench::safety::Reason::ALL {
+        assert!(document.contains(&format!("{} ", reason as u8)), "{reason:?}");
+    }
+}
+
+#[test]
+fn wrong_plans_and_options_are_told() {
+    let folder = stage(1.0);
+    let here = folder.path();
+    let message = refuse(&["bench", "run", "--plan", "plan.toml"], here);
+    assert!(message.contains("--gateway"), "{message}");
+    let gateway = ["--gateway", "udp://127.0.0.1:9"];
+    let with = |more: &[&str]| {
+        let mut all = vec!["bench", "run", "--plan", "plan.toml"];
+        all.extend(gateway);
+        all.extend(more);
+        refuse(&all, here)
+    };
+    assert!(with(&["--record", "run.xls"]).contains(".mf4"));
+    assert!(with(&["--reference", "none.csv"]).contains("none.csv"));
+    assert!(with(&["--rate", "1M"]).contains("10k"));
+    std::fs::write(here.join("plan.toml"), "rate = 0\n[[axis]]\ncommand_limits = [5, 1]\n")
+        .unwrap();
+    let message = with(&[]);
+    assert!(message.contains("0.1 Hz") && message.contains("MIN < MAX"), "{message}");
+    let message = refuse(
+        &[
+            "bench",
+            "emulate",
+            "p1",
+            "--gateway",
+            "udp://127.0.0.1:9",
+            "--rate",
+            "1k",
+            "--inject",
+            "loss",
+        ],
+        here,
+    );
+    assert!(message.contains("probability"), "{message}");
+    assert!(refuse(&["bench", "recover", "plan.toml", "-o", "x.csv"], here).contains("PZLJRNL1"));
+}
