@@ -144,7 +144,7 @@ fn head(columns: &[ColumnHeader], rows: u64, about: &Mf4About) -> Vec<u8> {
     for (index, to) in [(0, dg), (1, fh), (5, comment)] {
         layout.link(hd, index, to);
     }
-    layout.link(dg, 0, cg);
+    layout.link(dg, 1, cg);
     let channels = channels(&mut layout, columns);
     for pair in channels.windows(2) {
         layout.link(pair[0], 0, pair[1]);
@@ -258,7 +258,7 @@ mod tests {
         let bytes = std::fs::read(&path).unwrap();
         assert_eq!((&bytes[..16], &bytes[64..68]), (&b"MDF     4.10    "[..], &b"##HD"[..]));
         let dg = link(&bytes, 64, 0);
-        let cg = link(&bytes, dg, 0);
+        let cg = link(&bytes, dg, 1);
         let time = link(&bytes, cg, 1);
         let last = link(&bytes, link(&bytes, time, 0), 0);
         assert_eq!(text(&bytes, link(&bytes, time, 2)), "time");
@@ -269,8 +269,10 @@ mod tests {
         assert_eq!(u64_at(&bytes, data + 8), 24 + 2 * 24);
         assert_eq!(bytes.len() as u64, data + 24 + 2 * 24, "nothing behind the data");
         assert_eq!(f64::from_bits(u64_at(&bytes, data + 24 + 24 + 16)), 4.0);
-        for block in [64, dg, cg, time, last, data] {
+        for (block, id) in [(dg, "DG"), (cg, "CG"), (time, "CN"), (last, "CN"), (data, "DT")] {
             assert_eq!(block % 8, 0);
+            let place = block as usize;
+            assert_eq!(&bytes[place..place + 4], format!("##{id}").as_bytes());
         }
     }
 
