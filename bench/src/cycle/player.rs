@@ -26,7 +26,7 @@ impl Player {
     /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> u64 {
-        if self.axes == 0 { 0 } else { (self.table.len() / self.axes) as u64 }
+        self.table.len().checked_div(self.axes).unwrap_or(0) as u64
     }
 
     /// Begins, from these values.

@@ -100,11 +100,11 @@ pub fn names(word: &str, axes: usize) -> Vec<String> {
 /// Each axis: a first-order lag of gain 0.1 um/V and 3 ms.
 pub fn plant(axes: usize) -> Plant {
     let law: Law = Box::new(|_, u, state, y| {
-        for axis in 0..y.len() {
-            state[axis] += (0.1 * u[axis] - state[axis]) * (PERIOD / 3e-3);
+        for ((x, u), y) in state.iter_mut().zip(u).zip(y) {
+            *x += (0.1 * u - *x) * (PERIOD / 3e-3);
             // A sensor's last bits move.
-            state[axis] += 1e-9 * (state[axis] * 1e7).sin();
-            y[axis] = state[axis];
+            *x += 1e-9 * (*x * 1e7).sin();
+            *y = *x;
         }
         true
     });
