@@ -63,7 +63,7 @@ pub enum Block {
     },
     /// `x + g·(x − rest)` about the value at rest: g.
     Gain,
-    /// `x + (g + a·lg(1 + t/0.1 s))·(x − rest)` about the value at rest: g, a.
+    /// `x·(1 + g + a·lg(1 + t/0.1 s))`, t from the start: g, a.
     AgeingGain,
     /// Slopes beyond ± 0.3 of the range: added above, added below.
     DeadZones {
@@ -127,6 +127,16 @@ pub enum Block {
         r: Vec<f64>,
         /// Weights.
         w: Vec<f64>,
+        /// Middle of the drive's range.
+        centre: f64,
+        /// Half of the drive's range.
+        half: f64,
+    },
+    /// `x − a·D·h`, `h′ = v′/D·(1 − (β sign(v′h) + 1 − β)·h²)` of the drive v: a, D, β.
+    BoucWen,
+    /// `x + w·(P[v] − v)` of the drive v, P a play of half the width `half·(r₀ + r₁z + r₂z²)` with the
+    /// place z in the range: w, r₀, r₁, r₂.
+    GeneralisedPlay {
         /// Middle of the drive's range.
         centre: f64,
         /// Half of the drive's range.
@@ -261,8 +271,11 @@ impl Block {
             | Self::Dahl
             | Self::LaggedAuxiliary { .. }
             | Self::FeedThrough { .. } => 2,
-            Self::Sine { .. } | Self::ParallelMode | Self::ModalAuxiliary { .. } => 3,
-            Self::PoleZero => 4,
+            Self::Sine { .. }
+            | Self::ParallelMode
+            | Self::ModalAuxiliary { .. }
+            | Self::BoucWen => 3,
+            Self::PoleZero | Self::GeneralisedPlay { .. } => 4,
         })
     }
 
@@ -275,12 +288,11 @@ impl Block {
             Self::Delay => state.past.push_back((0.0, x)),
             Self::Lag { order } => state.z.resize(*order, x),
             Self::SecondOrder | Self::ParallelMode | Self::PoleZero => state.z.extend([x, 0.0]),
-            Self::Slew
-            | Self::UnevenSlew
-            | Self::SoftSlew
-            | Self::Backlash
-            | Self::Gain
-            | Self::AgeingGain => state.z.push(x),
+            Self::Slew | Self::UnevenSlew | Self::SoftSlew | Self::Backlash | Self::Gain => {
+                state.z.push(x)
+            }
+            Self::BoucWen => state.z.extend([0.0, drive]),
+            Self::GeneralisedPlay { .. } => state.z.push(0.0),
             Self::Warming { times, .. } => {
                 state.z.resize(times.len(), 0.0);
                 state.z.extend([drive, x]);
@@ -351,8 +363,7 @@ impl Block {
             (Self::Backlash, &[half]) => follow(z, |v| (x - half).max((x + half).min(v))),
             (Self::Gain, &[gain]) => x + gain * (x - z.first().copied().unwrap_or(x)),
             (Self::AgeingGain, &[gain, growth]) => {
-                let rest = z.first().copied().unwrap_or(x);
-                x + (gain + growth * (1.0 + t / 0.1).log10()) * (x - rest)
+                x + (gain + growth * (1.0 + t / 0.1).log10()) * x
             }
             (Self::Warming { half, loss, times }, p) => warming(*half, *loss, times, p, w, dt, z),
             (Self::Dahl, &[size, distance]) => dahl(size, distance, x, z),
@@ -385,9 +396,14 @@ impl Block {
                 | Self::FixedCreep { .. },
                 p,
             ) => self.creep(p, x, dt, z),
-            (Self::Plays { .. } | Self::SkewedPlays { .. } | Self::CurvedPlays { .. }, p) => {
-                memory::step(self, p, w, z)
-            }
+            (
+                Self::Plays { .. }
+                | Self::SkewedPlays { .. }
+                | Self::CurvedPlays { .. }
+                | Self::BoucWen
+                | Self::GeneralisedPlay { .. },
+                p,
+            ) => memory::step(self, p, w, z),
             (map, p) => map.value(p, x),
         }
     }

@@ -42,6 +42,30 @@ pub(crate) fn step(block: &Block, p: &[f64], w: Wires, z: &mut [f64]) -> f64 {
             }
             y
         }
+        Block::GeneralisedPlay { centre, half } => {
+            let (&[weight, constant, linear, square], [z]) = (p, z) else { return w.x };
+            let place = (u - centre) / half;
+            let width = half * (constant + place * (linear + place * square)).max(0.0);
+            *z = play(width, u, *z);
+            w.x + weight * (*z - u)
+        }
+        Block::BoucWen => {
+            let (&[gain, width, turning], [h, before]) = (p, z) else { return w.x };
+            let way = (u - *before) / width;
+            *before = u;
+            *h = turn(*h, way, turning);
+            w.x - gain * width * *h
+        }
         _ => w.x,
     }
+}
+
+/// The state h of a Bouc–Wen element after a way of its width, in parts of at most a tenth of it.
+fn turn(mut h: f64, way: f64, turning: f64) -> f64 {
+    let parts = (way.abs() / 0.1).ceil().clamp(1.0, 100.0);
+    let d = way / parts;
+    for _ in 0..parts as usize {
+        h += d * (1.0 - (turning * (d * h).signum() + 1.0 - turning) * h * h);
+    }
+    h
 }

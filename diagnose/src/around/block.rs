@@ -24,6 +24,7 @@ fn stepping(block: &Block, zero: f64) -> Option<Around> {
         Block::Lag(order) => Around::Lag { order: *order },
         Block::Lag2 => Around::SecondOrder,
         Block::Slew => Around::Slew,
+        Block::UnevenSlew => Around::UnevenSlew,
         Block::SoftSlew => Around::SoftSlew,
         Block::ClampHigh => Around::LimitAbove,
         Block::ClampLow => Around::LimitBelow,
@@ -32,6 +33,7 @@ fn stepping(block: &Block, zero: f64) -> Option<Around> {
         Block::Tanh(Span { centre, half }) => Around::Tanh { centre: *centre, half: *half },
         Block::Sigmoid(Span { centre, half }) => Around::SCurve { centre: *centre, half: *half },
         Block::Gain => Around::Gain,
+        Block::AgeingGain => Around::AgeingGain,
         Block::LogCreep { longest } => Around::LogCreep { longest: *longest },
         Block::PowerCreep { shortest, longest } => {
             Around::PowerCreep { shortest: *shortest, longest: *longest }
@@ -41,6 +43,10 @@ fn stepping(block: &Block, zero: f64) -> Option<Around> {
         Block::Plays { bank, gain } => Around::Plays { r: bank.clone(), slope: *gain },
         Block::SkewedPlays { bank, span } => {
             Around::SkewedPlays { r: bank.clone(), centre: span.centre, half: span.half }
+        }
+        Block::BoucWen => Around::BoucWen,
+        Block::GeneralisedPlay(Span { centre, half }) => {
+            Around::GeneralisedPlay { centre: *centre, half: *half }
         }
         Block::CurvedPlays { memory, span } => Around::CurvedPlays {
             r: memory.r.clone(),
@@ -52,6 +58,9 @@ fn stepping(block: &Block, zero: f64) -> Option<Around> {
             Around::DeadZones { centre: *centre, half: *half }
         }
         Block::Heating { span, loss } => Around::Heating { half: span.half, loss: losses(*loss) },
+        Block::Warming { span, loss, times } => {
+            Around::Warming { half: span.half, loss: losses(*loss), times: times.clone() }
+        }
         Block::HeatingGain { loss } => Around::HeatingGain { loss: losses(*loss) },
         Block::ParallelMode => Around::ParallelMode,
         Block::PoleZero => Around::PoleZero,
@@ -73,6 +82,7 @@ fn stepping(block: &Block, zero: f64) -> Option<Around> {
 fn losses(loss: Loss) -> surround::Loss {
     match loss {
         Loss::Rate(mean) => surround::Loss::Rate { mean },
+        Loss::Apparent(mean) => surround::Loss::Apparent { mean },
         Loss::Loops(mean, span) => surround::Loss::Loops { mean, centre: span.centre },
     }
 }
@@ -106,6 +116,8 @@ mod tests {
             (Block::Lag(3), vec![700.0]),
             (Block::Lag2, vec![400.0, 0.6]),
             (Block::Slew, vec![900.0]),
+            (Block::UnevenSlew, vec![900.0, 0.6]),
+            (Block::SoftSlew, vec![900.0, 500.0]),
             (Block::ClampHigh, vec![1.2]),
             (Block::ClampLow, vec![-0.2]),
             (Block::ClampBoth(span), vec![0.9]),
@@ -113,6 +125,14 @@ mod tests {
             (Block::Tanh(span), vec![0.8]),
             (Block::Sigmoid(span), vec![0.1, 0.2]),
             (Block::Gain, vec![0.13]),
+            (Block::AgeingGain, vec![0.13, -0.02]),
+            (Block::BoucWen, vec![0.3, 0.7, 0.6]),
+            (Block::GeneralisedPlay(span), vec![0.3, 0.2, 0.1, 0.05]),
+            (Block::Sine(span), vec![0.1, 1.5, 0.3]),
+            (
+                Block::Warming { span, loss: Loss::Apparent(1e3), times: vec![0.02, 0.1] },
+                vec![0.1, 0.05, 0.03],
+            ),
             (Block::LogCreep { longest: 1.0 }, vec![0.02, 1e-3]),
             (Block::PowerCreep { shortest: 1e-3, longest: 1.0 }, vec![0.02, 0.3]),
             (Block::FixedCreep(vec![0.01, 0.1]), vec![0.02, 0.03]),
