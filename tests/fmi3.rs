@@ -280,3 +280,14 @@ fn the_tool_tells_the_version() {
     let said = json(&["pack", "evc", "--fmi", "3", "-o", "evc.fmu"], folder.path());
     assert_eq!(said["fmi_version"], "3.0");
 }
+
+/// One axis is an array of one; fmpy took its short name for a second variable.
+#[test]
+fn fmpy_finds_nothing_wrong_with_one_axis() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for rig in ["p885", "p1", "p2", "p3"] {
+        succeed(&["pack", rig, "--fmi", "3", "-o", "one.fmu"], folder.path());
+        let code = "from fmpy.validation import validate_fmu; print(validate_fmu('one.fmu'))";
+        assert_eq!(python::script(code, &[], folder.path()).trim(), "[]", "{rig}");
+    }
+}

@@ -4,7 +4,7 @@ set -e
 here=$(cd "$(dirname "$0")" && pwd)
 cd "${1:-$(mktemp -d)}"
 
-# Nested loops, slow and ten times as fast, played to a machine whose equations no model shares.
+# Nested loops, slow and ten times as fast, played to a machine with creep and noise.
 nested="--set low=0 --set high=120 --set sample_time=1e-3"
 piezoloop signal triangle-decaying $nested --set frequency=2 --set cycles=6 -o slow.csv
 piezoloop signal triangle-decaying $nested --set frequency=20 --set cycles=40 -o fast.csv

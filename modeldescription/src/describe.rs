@@ -14,8 +14,7 @@ use crate::description::{
 use crate::structure::Unknown;
 use crate::time::generation_time;
 use crate::variable::{
-    Alias, Causality, DataType, Dimension, Initial, Number, Properties, Start, Variability,
-    Variable,
+    Causality, DataType, Dimension, Initial, Number, Properties, Start, Variability, Variable,
 };
 use crate::write::WriteError;
 
@@ -115,8 +114,7 @@ pub fn time_reference(table: &VariableTable) -> u32 {
 ///
 /// FMI 3.0 has arrays: variables that differ in their last index alone ([`VariableTable::bundles`])
 /// are one, with the value reference of its first element. Its bounds are those that all elements
-/// are within. The short name of an element stands in the array's description; that of an array of
-/// one is an alias.
+/// are within. Short names stand in the description.
 ///
 /// Outputs are those of the last hit of the model's own time grid, so that at a communication point
 /// they depend on no input of that point; after initialisation they depend on what the table says.
@@ -232,10 +230,11 @@ fn scalar_or_array(table: &VariableTable, bundle: &Bundle) -> Result<Variable, D
             _ => {}
         }
     }
-    if let [row] = rows[..] {
-        let alias =
-            |name: &String| Alias { name: name.clone(), description: None, display_unit: None };
-        whole.aliases = row.alias.iter().map(alias).collect();
+    // An alias would be the better place, but fmpy 0.3.32 takes it for a second variable: it misses
+    // an input of that name, and an output among the initial unknowns.
+    if let [Row { alias: Some(alias), .. }] = rows[..] {
+        let sentence = whole.description.unwrap_or_default();
+        whole.description = Some(format!("{sentence} ({alias})").trim_start().to_owned());
     }
     Ok(whole)
 }

@@ -84,10 +84,12 @@ fn table_and_description_say_the_same() {
 }
 
 #[test]
-fn version_3_has_time_and_aliases() {
+fn version_3_has_time_and_short_names_in_the_description() {
     let table = VariableTable::new(rows());
     let described = describe(&table, &about(FmiVersion::V3)).unwrap();
-    assert_eq!(described.variable("u").unwrap().name, "command");
+    let command = described.variable("command").unwrap();
+    assert!(command.description.as_deref().unwrap().ends_with("(u)"), "{command:?}");
+    assert!(described.variables.iter().all(|v| v.aliases.is_empty()));
     assert_eq!(described.variable("time").unwrap().value_reference, time_reference(&table));
     assert_eq!(described.structure.outputs[0].variable, 1);
     assert_eq!(described.structure.initial_unknowns[0].dependencies, Some(vec![0, 3]));
@@ -154,7 +156,8 @@ fn axes_in_different_units_stay_scalars() {
     rows[1].si = Unit::parse("urad").unwrap();
     let described = describe(&VariableTable::new(rows), &about(FmiVersion::V3)).unwrap();
     assert!(described.variable("command[2]").unwrap().dimensions.is_empty());
-    assert!(described.variable("u1").is_some(), "a scalar has its short name as an alias");
+    let first = described.variable("command[1]").unwrap();
+    assert_eq!(first.description.as_deref(), Some("Command, axis Y (u1)"));
     assert!(described.variable("position").is_some());
 }
 

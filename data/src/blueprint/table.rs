@@ -98,7 +98,9 @@ mod tests {
         for cut in [0, 5, 9, 40, bytes.len() - 1] {
             assert!(parse(&bytes[..cut]).is_err(), "{cut}");
         }
-        let single = String::from_utf8_lossy(&bytes[..128]).replace("<f8", "<f4").into_bytes();
+        let mut single = bytes.clone();
+        let kind = single.windows(3).position(|word| word == b"<f8").unwrap();
+        single[kind + 2] = b'4';
         assert!(parse(&single).unwrap_err().contains("doubles"));
     }
 

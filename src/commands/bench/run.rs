@@ -226,7 +226,7 @@ fn say_what_begins(
     web: Option<&Web>,
 ) {
     let rate = 1e9 / prepared.settings.period_ns as f64;
-    screen.say(&format!("{}", realtime.line));
+    screen.say(&realtime.line.to_string());
     screen.say(&format!(
         "machine {address}: {} axes, {rate} cycles per second, {:.3} s are played",
         prepared.cycle.axes(),
