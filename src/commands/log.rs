@@ -132,8 +132,8 @@ impl Answer for Described {
         for log in &self.logs {
             writeln!(out, "{}: {} rows", log.path.display(), log.rows)?;
             for record in &log.records {
-                let Record { record, rows, start_s, end_s, .. } = record;
-                let rate = match record_rate(log, *record) {
+                let Record { record, rows, start_s, end_s, sample_rate_hz } = record;
+                let rate = match sample_rate_hz {
                     Some(rate) => format!("{rate} Hz"),
                     None => "not equally spaced".to_owned(),
                 };
@@ -163,8 +163,4 @@ impl Answer for Described {
     fn exit_code(&self) -> u8 {
         u8::from(self.logs.iter().any(|log| !log.findings.is_empty()))
     }
-}
-
-fn record_rate(log: &One, id: i64) -> Option<f64> {
-    log.records.iter().find(|record| record.record == id)?.sample_rate_hz
 }

@@ -166,9 +166,13 @@ impl Sink {
             .collect();
         Ok(match format {
             Format::Csv => Sink::Csv(LogWriter::create(path, &columns, false, UnitPlace::Sidecar)?),
-            Format::Parquet => Sink::Parquet(Box::new(
-                ParquetLogWriter::create(path, &columns, &properties).map_err(failed)?,
-            )),
+            Format::Parquet => {
+                let columns = about.columns.iter().skip(1);
+                let columns: Vec<_> =
+                    columns.map(|column| (column.name.as_str(), column.unit.as_deref())).collect();
+                let writer = ParquetLogWriter::create(path, &columns, &properties);
+                Sink::Parquet(Box::new(writer.map_err(failed)?))
+            }
             Format::Mf4 => {
                 let start = about.provenance.get("start_ns").and_then(serde_json::Value::as_u64);
                 let about = Mf4About {

@@ -1,11 +1,10 @@
 //! A record as a CSV file.
 
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
-use tempfile::NamedTempFile;
+use data::WholeFile;
 
-use super::whole::Whole;
 use super::{Column, Recorder};
 
 /// Writes rows as they come: UTF-8, comma, decimal point, one header row; memory does not grow.
@@ -92,16 +91,13 @@ impl<W: Write> Recorder for CsvRecorder<W> {
 /// [`CsvFile::finish`]. Call that after a failed run too, to keep the record so far; dropped
 /// without it, nothing stays behind.
 pub struct CsvFile {
-    rows: CsvRecorder<BufWriter<NamedTempFile>>,
-    path: Whole,
+    rows: CsvRecorder<WholeFile>,
 }
 
 impl CsvFile {
     /// Begins the file that will be at `path`.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let path = Whole::new(path);
-        let rows = CsvRecorder::new(BufWriter::new(path.temporary()?));
-        Ok(CsvFile { rows, path })
+        Ok(CsvFile { rows: CsvRecorder::new(WholeFile::create(path)?) })
     }
 
     /// See [`CsvRecorder::with_units`].
@@ -118,8 +114,7 @@ impl CsvFile {
 
     /// Gives the file its name, in place of a file that has it.
     pub fn finish(self) -> io::Result<()> {
-        let file = self.rows.into_inner()?.into_inner().map_err(io::IntoInnerError::into_error)?;
-        self.path.persist(file)
+        self.rows.into_inner()?.commit()
     }
 }
 

@@ -9,7 +9,6 @@ mod memory;
 mod numpy;
 #[cfg(feature = "parquet")]
 mod parquet;
-mod whole;
 
 pub use csv::{CsvFile, CsvRecorder};
 pub use file::RecordFile;

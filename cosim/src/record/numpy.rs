@@ -3,13 +3,14 @@
 //!
 //! Format: NumPy Enhancement Proposal 1, versions 1.0 and 3.0 (names in UTF-8), little endian.
 
+use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
+use data::WholeFile;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-use super::whole::Whole;
 use super::{Column, Recorder};
 
 /// Bytes of the header, so that the number of rows fits when it is known.
@@ -21,29 +22,27 @@ const DIGITS: usize = 20;
 /// several, and the recorded variables, all `<f8`. It appears whole or not at all, see
 /// [`CsvFile`](super::CsvFile); memory does not grow.
 pub struct NpyFile {
-    rows: Rows,
-    path: Whole,
+    rows: Rows<WholeFile>,
 }
 
 /// An `.npz` file: an array of shape (rows,) per column, `numpy.load(…)["position[1]"]`. Rows go to
 /// a temporary file beside it and become columns at the end; memory does not grow.
 pub struct NpzFile {
-    rows: Rows,
-    path: Whole,
+    rows: Rows<BufWriter<File>>,
+    columns: WholeFile,
 }
 
 /// Rows on disk, after space for a header.
-struct Rows {
-    out: BufWriter<tempfile::NamedTempFile>,
+struct Rows<W> {
+    out: W,
     names: Vec<String>,
     record: usize,
     count: u64,
 }
 
-impl Rows {
-    fn create(whole: &Whole) -> io::Result<Self> {
-        let out = BufWriter::new(whole.temporary()?);
-        Ok(Rows { out, names: Vec::new(), record: 0, count: 0 })
+impl<W: Write + Seek> Rows<W> {
+    fn new(out: W) -> Self {
+        Rows { out, names: Vec::new(), record: 0, count: 0 }
     }
 
     fn begin(&mut self, record: usize, columns: &[Column]) -> io::Result<()> {
@@ -67,45 +66,46 @@ impl Rows {
         Ok(())
     }
 
-    /// The file, with the header that fits.
-    fn finish(mut self) -> io::Result<(tempfile::NamedTempFile, Vec<String>, u64)> {
+    /// Writes the header that fits.
+    fn complete(&mut self) -> io::Result<()> {
         if self.names.is_empty() {
             self.begin(0, &[])?;
         }
-        self.out.flush()?;
-        let mut file = self.out.into_inner().map_err(io::IntoInnerError::into_error)?;
-        file.seek(SeekFrom::Start(0))?;
-        file.write_all(&header(&descriptor(&self.names), self.count))?;
-        Ok((file, self.names, self.count))
+        self.out.seek(SeekFrom::Start(0))?;
+        self.out.write_all(&header(&descriptor(&self.names), self.count))?;
+        self.out.flush()
     }
 }
 
 impl NpyFile {
     /// Begins the file that will be at `path`.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let path = Whole::new(path);
-        Ok(NpyFile { rows: Rows::create(&path)?, path })
+        Ok(NpyFile { rows: Rows::new(WholeFile::create(path)?) })
     }
 
     /// Gives the file its name, in place of a file that has it.
-    pub fn finish(self) -> io::Result<()> {
-        let (file, _, _) = self.rows.finish()?;
-        self.path.persist(file)
+    pub fn finish(mut self) -> io::Result<()> {
+        self.rows.complete()?;
+        self.rows.out.commit()
     }
 }
 
 impl NpzFile {
     /// Begins the file that will be at `path`.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let path = Whole::new(path);
-        Ok(NpzFile { rows: Rows::create(&path)?, path })
+        let columns = WholeFile::create(path)?;
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let rows = tempfile::tempfile_in(folder.unwrap_or(Path::new(".")))?;
+        Ok(NpzFile { rows: Rows::new(BufWriter::new(rows)), columns })
     }
 
     /// Writes the columns and gives the file its name, in place of a file that has it.
-    pub fn finish(self) -> io::Result<()> {
-        let (mut rows, names, count) = self.rows.finish()?;
+    pub fn finish(mut self) -> io::Result<()> {
+        self.rows.complete()?;
+        let Rows { out, names, count, .. } = self.rows;
+        let mut rows = out.into_inner().map_err(io::IntoInnerError::into_error)?;
         let data = header(&descriptor(&names), count).len() as u64;
-        let mut zip = ZipWriter::new(BufWriter::new(self.path.temporary()?));
+        let mut zip = ZipWriter::new(self.columns);
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Stored)
             .large_file(count.saturating_mul(8) > u64::from(u32::MAX) / 2);
@@ -113,16 +113,14 @@ impl NpzFile {
             zip.start_file(format!("{name}.npy"), options).map_err(io::Error::other)?;
             zip.write_all(&header("'<f8'", count))?;
             rows.seek(SeekFrom::Start(data))?;
-            let mut reader = BufReader::with_capacity(1 << 16, rows.as_file());
+            let mut reader = BufReader::with_capacity(1 << 16, &rows);
             let mut row = vec![0_u8; 8 * names.len()];
             for _ in 0..count {
                 reader.read_exact(&mut row)?;
                 zip.write_all(row.get(8 * column..8 * column + 8).unwrap_or_default())?;
             }
         }
-        let out = zip.finish().map_err(io::Error::other)?;
-        let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-        self.path.persist(file)
+        zip.finish().map_err(io::Error::other)?.commit()
     }
 }
 

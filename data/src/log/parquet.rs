@@ -12,7 +12,6 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::ColumnHeader;
 use crate::WholeFile;
 
 /// Rows of a row group; so many are kept in memory.
@@ -33,16 +32,17 @@ impl std::fmt::Debug for ParquetLogWriter {
 }
 
 impl ParquetLogWriter {
-    /// Begins the file `path` with time and these columns; `metadata` are further keys and values.
+    /// Begins the file `path` with time and these columns, each with its unit; `metadata` are further
+    /// keys and values.
     ///
     /// # Errors
     /// The folder cannot be written, or two columns have one name.
     pub fn create(
         path: &Path,
-        columns: &[ColumnHeader],
+        columns: &[(&str, Option<&str>)],
         metadata: &[(String, String)],
     ) -> io::Result<Self> {
-        let names = std::iter::once("time").chain(columns.iter().map(|c| c.name.as_str()));
+        let names = std::iter::once("time").chain(columns.iter().map(|(name, _)| *name));
         let fields = names
             .map(|name| {
                 let field = Type::primitive_type_builder(name, Physical::DOUBLE);
@@ -52,9 +52,8 @@ impl ParquetLogWriter {
             .map_err(io::Error::other)?;
         let count = fields.len();
         let schema = Type::group_type_builder("log").with_fields(fields).build();
-        let units = columns.iter().filter_map(|column| {
-            let unit = column.unit.as_ref()?;
-            Some(KeyValue::new(format!("{UNIT}{}", column.name), unit.text.clone()))
+        let units = columns.iter().filter_map(|(name, unit)| {
+            Some(KeyValue::new(format!("{UNIT}{name}"), (*unit)?.to_owned()))
         });
         let more = metadata.iter().map(|(key, value)| KeyValue::new(key.clone(), value.clone()));
         let time = std::iter::once(KeyValue::new(format!("{UNIT}time"), "s".to_owned()));
@@ -119,10 +118,7 @@ mod tests {
     fn what_is_written_is_read() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.parquet");
-        let columns = [("position[1]", Some("um")), ("bench.state", None)].map(|(name, unit)| {
-            let unit = unit.and_then(|unit| crate::ColumnUnit::parse(unit).ok());
-            ColumnHeader { name: name.into(), unit, description: String::new() }
-        });
+        let columns = [("position[1]", Some("um")), ("bench.state", None)];
         let more = [("about".to_owned(), "{}".to_owned())];
         let mut writer = ParquetLogWriter::create(&path, &columns, &more).unwrap();
         for k in 0..70_000 {

@@ -29,6 +29,14 @@ impl Raw {
         let unit = unit.filter(|unit| !unit.trim().is_empty());
         Self { name: name.into(), unit, values }
     }
+
+    /// Name and unit as the header of a text has them.
+    fn header(&self) -> String {
+        match &self.unit {
+            Some(unit) => format!("{} [{unit}]", self.name),
+            None => self.name.clone(),
+        }
+    }
 }
 
 impl Group {
@@ -59,16 +67,6 @@ impl Group {
             table.numbers(cells, Place::Row(row + 1));
         }
         table.finish()
-    }
-}
-
-impl Raw {
-    /// Name and unit as the header of a text has them.
-    fn header(&self) -> String {
-        match &self.unit {
-            Some(unit) => format!("{} [{unit}]", self.name),
-            None => self.name.clone(),
-        }
     }
 }
 
