@@ -30,7 +30,7 @@ pub const RIGS: &[Rig] = &[
         name: "p0-truth",
         summary: "The same as a machine: asymmetric hysteresis, creep, modes, detectors with noise",
         blueprint: include_str!("p0-truth.toml"),
-        frozen: Some("c28fdafdd56e368c0c18aac618d039874a55edb97dc45b4a451ee31381b4f242"),
+        frozen: Some("8febc01aeec122fe255c9486822dd4ebd4007501929bf3d9bd1613160d2005ff"),
     },
     Rig {
         name: "p1",
