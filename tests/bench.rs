@@ -154,12 +154,10 @@ fn a_record_has_units_and_provenance_in_every_format() {
                   \x20   assert max(u.samples) == 6.0 and len(u.timestamps) > 60\n\
                   \x20   assert 'plan_sha256' in str(mdf.header.comment), mdf.header.comment\n\
                   \x20   print('asammdf', len(u.samples))\n";
-    let python = common::python::python();
-    if !Command::new(&python).args(["-c", "import asammdf"]).output().unwrap().status.success() {
-        println!("SKIPPED: asammdf is not there (pip install asammdf)");
-        return;
-    }
-    let said = common::python::script(script, &["run.mf4"], folder.path());
+    let Some(python) = common::foreign::python() else { return };
+    std::fs::write(folder.path().join("script.py"), script).unwrap();
+    let said =
+        common::foreign::said(Command::new(python).args(["script.py", "run.mf4"]), folder.path());
     assert!(said.contains("asammdf"), "{said}");
 }
 
@@ -225,6 +223,20 @@ fn a_dead_machine_is_a_fault_of_the_run() {
     assert_eq!((code, answer["state"].as_str()), (Some(1), Some("fault")), "{answer}");
     assert_eq!(answer["reason"], "the machine's power was off");
     drop(machine);
+}
+
+#[test]
+fn a_machine_with_other_channels_is_told() {
+    let (folder, port) = (stage(1.0), port());
+    let plan = std::fs::read_to_string(folder.path().join("plan.toml")).unwrap();
+    let axis = "[[axis]]\ncommand_limits = [-2, 12]\n[watch]";
+    let plan = plan.replace("patience = 20", "patience = 0.5").replace("[watch]", axis);
+    std::fs::write(folder.path().join("plan.toml"), plan.replace("at = [6]", "at = [6, 6]"))
+        .unwrap();
+    let _machine = machine(port, &[], folder.path());
+    let (answer, code) = run(port, &[], folder.path());
+    assert_eq!(code, Some(1), "{answer}");
+    assert_eq!(answer["refused"], "the packet has 1 channels; 2 are configured");
 }
 
 #[test]
@@ -385,6 +397,87 @@ fn the_live_page_shows_the_run_in_a_browser() {
     {
         assert!(page.contains(part), "{part} in\n{page}");
     }
+}
+
+#[test]
+fn the_terminal_view_shows_the_run_on_a_terminal_and_q_stops_it() {
+    let server = format!("piezoloop-{}", std::process::id());
+    let tmux = |arguments: &[&str]| {
+        let output = Command::new("tmux").args(["-L", &server]).args(arguments).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let (folder, port) = (stage(60.0), port());
+    let _machine = machine(port, &[], folder.path());
+    let tool = env!("CARGO_BIN_EXE_piezoloop");
+    let here = folder.path().display();
+    let line = format!(
+        "cd '{here}' && '{tool}' bench run --plan plan.toml --gateway udp://127.0.0.1:{port} --live; \
+         echo ended with $?; sleep 60"
+    );
+    if tmux(&["new-session", "-d", "-x", "60", "-y", "24", &line]).is_none() {
+        println!("SKIPPED: no tmux");
+        return;
+    }
+    let shows = |words: &[&str]| {
+        let begin = Instant::now();
+        loop {
+            let screen = tmux(&["capture-pane", "-p"]).expect("a screen");
+            if words.iter().all(|word| screen.contains(word)) {
+                return screen;
+            }
+            assert!(begin.elapsed() < Duration::from_secs(60), "{words:?} not in\n{screen}");
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    };
+    let screen = shows(&["RUNNING", "6.0000 V", "position[1]", " um", "corrupt 0", "q: stop"]);
+    println!("{screen}");
+    tmux(&["send-keys", "q"]).expect("a key");
+    shows(&["state safe: somebody stopped it", "ended with 0"]);
+    tmux(&["kill-server"]);
+}
+
+#[test]
+fn a_campaign_is_tried_and_what_ends_otherwise_is_told() {
+    let folder = stage(2.0);
+    let campaign = "plan = \"plan.toml\"\nplant = \"p1\"\nheartbeat = 20\n\
+        [[case]]\nname = \"silence\"\nat = [60, 80]\n\
+        expect = { state = \"safe\", reason = \"sample-lost\", within = 155 }\n\
+        [[case.fault]]\nkind = \"loss\"\nprobability = 1\n\
+        [[case]]\nname = \"noise on the line\"\n\
+        expect = { state = \"safe\", reason = \"finished\" }\n\
+        [[case.fault]]\nkind = \"corrupt\"\nprobability = 0.1\ndirection = \"both\"\n";
+    let write = |text: &str| std::fs::write(folder.path().join("faults.toml"), text).unwrap();
+    write(campaign);
+    let said = succeed(&["bench", "campaign", "faults.toml"], folder.path());
+    assert!(said.contains("3 of 3 trials ended as expected"), "{said}");
+    write(&campaign.replace("within = 155", "within = 100"));
+    let output = common::piezoloop(&["bench", "campaign", "faults.toml"], folder.path());
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("FAILED silence, from cycle 60") && said.contains("1 of 3"), "{said}");
+    write(&campaign.replace("sample-lost", "sample-gone").replace("0.1", "1.1"));
+    let message = refuse(&["bench", "campaign", "faults.toml"], folder.path());
+    assert!(message.contains("faults.toml:7") && message.contains("sample-lost"), "{message}");
+    write(&campaign.replace("plant = \"p1\"", ""));
+    let message = refuse(&["bench", "campaign", "faults.toml"], folder.path());
+    assert!(message.contains("--plant"), "{message}");
+}
+
+#[test]
+fn an_ethercat_gateway_says_what_it_needs() {
+    let folder = stage(0.5);
+    let run = ["bench", "run", "--plan", "plan.toml", "--gateway", "ethercat://no-such-nic"];
+    let message = refuse(&run, folder.path());
+    assert!(message.contains("[ethercat]"), "{message}");
+    let plan = std::fs::read_to_string(folder.path().join("plan.toml")).unwrap();
+    let channel = "[[ethercat.channel]]\noutput = { device = 0, byte = 0, type = \"i16\" }\n\
+                   input = { device = 1, byte = 0, type = \"i32\" }\n";
+    std::fs::write(folder.path().join("plan.toml"), plan.clone() + channel).unwrap();
+    let message = refuse(&run, folder.path());
+    assert!(message.contains("features ethercat") || message.contains("no such interface"));
+    std::fs::write(folder.path().join("plan.toml"), plan + channel + channel).unwrap();
+    let message = refuse(&run, folder.path());
+    assert!(message.contains("2 channels for 1 axes"), "{message}");
 }
 
 #[test]

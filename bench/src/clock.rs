@@ -18,6 +18,13 @@ pub fn now_ns() -> u64 {
     u64::try_from(time.tv_sec).unwrap_or(0) * SECOND + u64::try_from(time.tv_nsec).unwrap_or(0)
 }
 
+/// Processor time of the calling thread in ns.
+#[must_use]
+pub fn thread_time_ns() -> u64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    u64::try_from(time.tv_sec).unwrap_or(0) * SECOND + u64::try_from(time.tv_nsec).unwrap_or(0)
+}
+
 /// Sleeps until this monotonic time, at once if it has passed.
 pub fn wait_until(deadline_ns: u64) {
     let request =

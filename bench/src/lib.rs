@@ -15,6 +15,7 @@
 //! Row k of a record: the command u_k is sent at t_k and acts until t_{k+1}; the position y_k was
 //! received at t_k, before u_k was computed.
 
+pub mod campaign;
 pub mod clock;
 pub mod cycle;
 pub mod emulate;

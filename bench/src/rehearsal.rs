@@ -41,6 +41,12 @@ impl Rehearsal {
         Rehearsal { cycle, emulator, period_ns, runner_end, machine_end, next: 0 }
     }
 
+    /// Length of a cycle in s.
+    #[must_use]
+    pub fn period(&self) -> f64 {
+        self.period_ns as f64 / 1e9
+    }
+
     /// Index of the next cycle.
     #[must_use]
     pub fn next(&self) -> u64 {

@@ -6,173 +6,61 @@ mod common;
 
 use common::{APPROACH, PERIOD, PERIOD_NS, ROWS, WATCH};
 use common::{control_law, controller, cycle_with, emulator, limits, rehearsal};
+use piezoloop_bench::campaign::{Campaign, Trial};
 use piezoloop_bench::cycle::Orders;
-use piezoloop_bench::emulate::{Direction, Fault, FaultKind, Script};
+use piezoloop_bench::emulate::{PlantError, Script};
 use piezoloop_bench::rehearsal::Rehearsal;
 use piezoloop_bench::safety::{AxisLimits, Reason, State};
 
 const AXES: usize = 2;
 
-/// What is injected at a cycle, and what must come of it.
-struct Case {
-    name: String,
-    kind: FaultKind,
-    direction: Direction,
-    /// Cycle of the machine in which it begins, and how many it lasts.
-    begin: u32,
-    lasts: Option<u32>,
-    seed: u64,
-    state: State,
-    reason: Reason,
-    /// Greatest number of cycles from the begin to the last state.
-    within: u32,
-}
-
-const ALL: u32 = 10 + APPROACH + ROWS + 10;
-
-fn run(case: &Case) -> Result<(), String> {
-    // Half a cycle early, so that rounding does not decide.
-    let time = |cycle: u32| (f64::from(cycle) - 0.5) * PERIOD;
-    let fault = Fault {
-        kind: case.kind,
-        direction: case.direction,
-        from: time(case.begin),
-        to: case.lasts.map(|cycles| time(case.begin + cycles)),
-    };
-    let script = Script { seed: case.seed, faults: vec![fault] };
-    let mut bench = rehearsal(AXES, controller(AXES, control_law(AXES)), script);
-    let mut wild = false;
-    let mut before = vec![0.0; AXES];
-    let most = limits().command_rate * PERIOD + 1e-9;
-    let ended = bench
-        .run(u64::from(ALL) + 400, |bench, _| {
-            let commands = bench.cycle.commands();
-            let [least, greatest] = limits().command;
-            wild |= commands.iter().any(|u| !(least..=greatest).contains(u));
-            wild |= commands.iter().zip(&before).any(|(now, then)| (now - then).abs() > most);
-            before.copy_from_slice(commands);
-            Orders { start: bench.next() >= 10, ..Orders::default() }
-        })
-        .map_err(|error| error.to_string())?;
-    let found = (ended.memory.state, ended.memory.reason);
-    if found != (case.state, case.reason) {
-        return Err(format!("ended in {found:?}, expected {:?}", (case.state, case.reason)));
-    }
-    let took = ended.entered.saturating_sub(case.begin.into());
-    if took > case.within.into() {
-        return Err(format!("{took} cycles, at most {} allowed", case.within));
-    }
-    let ramp = (105.0 / (limits().safe_rate * PERIOD)) as u64 + 2;
-    if ended.at_rest > ended.entered + ramp {
-        return Err(format!("at rest only {} cycles later", ended.at_rest - ended.entered));
-    }
-    if wild { Err("a command left its limits".to_owned()) } else { Ok(()) }
-}
-
-/// Beginnings in the approach and at several phases of the motion.
-const BEGINS: [u32; 6] = [30, 140, 333, 485, 620, 777];
-
-fn add(
-    cases: &mut Vec<Case>,
-    kind: FaultKind,
-    direction: Direction,
-    lasts: Option<u32>,
-    outcome: (State, Reason, u32),
-) {
-    for begin in BEGINS {
-        let (state, reason, within) = outcome;
-        let name = format!("{kind:?} {direction:?} from {begin} for {lasts:?}");
-        let seed = u64::from(begin) * 31 + cases.len() as u64;
-        cases.push(Case { name, kind, direction, begin, lasts, seed, state, reason, within });
-    }
-}
-
-fn packets(cases: &mut Vec<Case>) {
-    use Direction::{Both, Command, Measurement};
-    let hold = WATCH.hold;
-    let lost = (State::Safe, Reason::SampleLost, hold + 3);
-    let late = (State::Safe, Reason::SampleLate, WATCH.max_age + hold + 4);
-    let well = (State::Safe, Reason::Finished, ALL);
-    let loss = FaultKind::Loss { probability: 1.0 };
-    add(cases, loss, Measurement, None, lost);
-    add(cases, loss, Both, None, lost);
-    // Commands that do not arrive: the samples answer ever older ones.
-    add(cases, loss, Command, None, late);
-    add(cases, loss, Measurement, Some(hold), well);
-    add(cases, loss, Measurement, Some(hold + 2), lost);
-    add(cases, loss, Command, Some(WATCH.max_age), well);
-    add(cases, FaultKind::Loss { probability: 0.05 }, Both, None, well);
-    let cycles = |n: f64| n * PERIOD;
-    add(cases, FaultKind::Delay { seconds: cycles(2.0) }, Measurement, None, well);
-    add(cases, FaultKind::Delay { seconds: cycles(4.0) }, Measurement, None, late);
-    add(cases, FaultKind::Delay { seconds: cycles(4.0) }, Command, None, late);
-    add(cases, FaultKind::Jitter { seconds: cycles(2.0) }, Measurement, None, well);
-    let corrupt = FaultKind::Corrupt { probability: 1.0 };
-    add(cases, corrupt, Measurement, None, (State::Safe, Reason::SampleCorrupt, hold + 3));
-    add(cases, corrupt, Command, None, late);
-    add(cases, FaultKind::Corrupt { probability: 0.02 }, Both, None, well);
-    add(cases, FaultKind::Duplicate { probability: 1.0 }, Both, None, well);
-    let reorder = FaultKind::Reorder { probability: 0.05, seconds: cycles(1.5) };
-    add(cases, reorder, Both, None, well);
-}
-
-fn sensors(cases: &mut Vec<Case>) {
-    let here = Direction::Measurement;
-    let hold = WATCH.hold;
-    let well = (State::Safe, Reason::Finished, ALL);
-    for axis in [Some(1), Some(2), None] {
-        let nan = FaultKind::Nan { axis };
-        add(cases, nan, here, None, (State::Safe, Reason::SampleNotFinite, hold + 3));
-        add(cases, nan, here, Some(hold - 1), well);
-        let stuck = (State::Fault, Reason::SensorStuck, WATCH.stuck + 4);
-        add(cases, FaultKind::Stuck { axis }, here, None, stuck);
-        let jump = FaultKind::Offset { axis, value: 2.0 };
-        add(cases, jump, here, None, (State::Fault, Reason::PositionRate, 3));
-        let out = FaultKind::Offset { axis, value: 20.0 };
-        add(cases, out, here, None, (State::Fault, Reason::PositionLimit, 3));
-        let fine = FaultKind::Quantisation { axis, step: 0.01 };
-        add(cases, fine, here, None, well);
-    }
-    let invalid = (State::Safe, Reason::SampleInvalid, hold + 3);
-    add(cases, FaultKind::Invalid, here, None, invalid);
-    add(cases, FaultKind::Invalid, here, Some(hold), well);
-    add(cases, FaultKind::PowerLoss, here, None, (State::Fault, Reason::PowerLost, 3));
-    add(cases, FaultKind::PowerLoss, here, Some(1), (State::Fault, Reason::PowerLost, 3));
-    add(cases, FaultKind::Restart, here, None, (State::Fault, Reason::MachineRestarted, 6));
+/// What the tool does with a campaign, with a plant and a controller in Rust.
+fn tried(campaign: &Campaign) -> Vec<Trial> {
+    let bench =
+        |script| Ok::<_, PlantError>(rehearsal(AXES, controller(AXES, control_law(AXES)), script));
+    campaign.run(10, bench).unwrap()
 }
 
 #[test]
 fn every_fault_ends_as_expected_within_its_deadline() {
-    let mut cases = Vec::new();
-    packets(&mut cases);
-    sensors(&mut cases);
-    assert!(cases.len() >= 200, "{}", cases.len());
-    println!("{} faults in virtual time, cycles of {} ms", cases.len(), PERIOD_NS / 1_000_000);
-    let failed: Vec<String> = cases
-        .iter()
-        .filter_map(|case| {
-            run(case).err().map(|error| format!("{} (seed {}): {error}", case.name, case.seed))
-        })
-        .collect();
-    assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), cases.len(), failed.join("\n"));
+    let campaign = Campaign::parse(include_str!("campaign.toml"), "campaign.toml").unwrap();
+    let trials = tried(&campaign);
+    assert!(trials.len() >= 200, "{}", trials.len());
+    println!("{} faults in virtual time, cycles of {} ms", trials.len(), PERIOD_NS / 1_000_000);
+    let failed: Vec<&Trial> = trials.iter().filter(|trial| !trial.problems.is_empty()).collect();
+    assert!(failed.is_empty(), "{} of {}:\n{failed:#?}", failed.len(), trials.len());
+}
+
+#[test]
+fn an_end_that_is_not_the_expected_one_is_told() {
+    let text = |expect: &str| {
+        format!(
+            "[[case]]\nname = \"lost\"\nat = [300]\nexpect = {{ {expect} }}\n\
+                 [[case.fault]]\nkind = \"loss\"\nprobability = 1\n"
+        )
+    };
+    for (expect, word) in [
+        ("state = \"fault\", reason = \"sample-lost\"", "expected fault"),
+        ("state = \"safe\", reason = \"sample-late\"", "samples came too late"),
+        ("state = \"safe\", reason = \"sample-lost\", within = 2", "at most 2"),
+    ] {
+        let trials = tried(&Campaign::parse(&text(expect), "c.toml").unwrap());
+        assert_eq!(trials.len(), 1);
+        assert!(trials[0].problems.join("; ").contains(word), "{trials:?}");
+    }
 }
 
 #[test]
 fn a_sensor_that_saturates_is_found_stuck_at_its_end() {
     // It begins where the sine of 200 cycles is near its middle, between the sensor's ends.
-    for begin in [165, 365, 665] {
-        let case = Case {
-            name: String::new(),
-            kind: FaultKind::Saturation { axis: Some(1), min: 3.5, max: 6.5 },
-            direction: Direction::Measurement,
-            begin,
-            lasts: None,
-            seed: 1,
-            state: State::Fault,
-            reason: Reason::SensorStuck,
-            within: 200 + WATCH.stuck,
-        };
-        run(&case).unwrap();
+    let text = format!(
+        "[[case]]\nname = \"saturation\"\nat = [165, 365, 665]\n\
+         expect = {{ state = \"fault\", reason = \"sensor-stuck\", within = {} }}\n\
+         [[case.fault]]\nkind = \"saturation\"\naxis = 1\nmin = 3.5\nmax = 6.5\n",
+        200 + WATCH.stuck
+    );
+    for trial in tried(&Campaign::parse(&text, "c.toml").unwrap()) {
+        assert!(trial.problems.is_empty(), "{trial:?}");
     }
 }
 
@@ -226,7 +114,13 @@ fn missed_cycles_beyond_the_limit_are_a_fault_and_fewer_are_not() {
         for _ in 0..300 {
             bench.tick(&start, 0).unwrap();
         }
+        let before = bench.cycle.row().to_vec();
         let memory = bench.tick(&start, skipped).unwrap();
+        // In the record a missed deadline is a row that is not there: the next one says so.
+        let (row, place) = (bench.cycle.row(), 1 + 3 * AXES + 7);
+        let periods = (row[0] - before[0]) / PERIOD;
+        assert!((periods - f64::from(1 + skipped)).abs() < 1e-6, "{periods} periods");
+        assert_eq!((before[place], row[place]), (0.0, f64::from(skipped)));
         assert_eq!(memory.state, expected, "{skipped} skipped: {memory:?}");
     }
 }

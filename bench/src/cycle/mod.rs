@@ -9,7 +9,7 @@ pub use player::Player;
 pub use row::{Column, columns};
 
 use crate::gateway::Gateway;
-use crate::packet::{self, Header, Kind, Status};
+use crate::packet::{self, Header, Kind, PacketError, Status};
 use crate::receive::{Arrival, Counters, Receiver};
 use crate::safety::{self, AxisLimits, Events, Memory, Monitor, Reason, Shaper, State, Watch};
 
@@ -84,6 +84,8 @@ pub struct Cycle {
     wanted: Box<[f64]>,
     /// The driver cannot go on.
     failed: Option<Reason>,
+    /// Why the first whole packet that was refused was no packet for this runner.
+    refused: Option<PacketError>,
     unsent: u64,
     /// Index of the cycle that has time 0: the first that is not idle.
     origin: u64,
@@ -116,6 +118,7 @@ impl Cycle {
             references: zeros(),
             wanted: zeros(),
             failed: None,
+            refused: None,
             unsent: 0,
             origin: 0,
             buffer: Box::new([0; packet::MAX_BYTES]),
@@ -153,6 +156,18 @@ impl Cycle {
         self.shaper.at_rest()
     }
 
+    /// Limits of the axes.
+    #[must_use]
+    pub fn limits(&self) -> &[AxisLimits] {
+        self.shaper.limits()
+    }
+
+    /// Cycles that the plan takes, from the start to its end.
+    #[must_use]
+    pub fn planned_cycles(&self) -> u64 {
+        self.player.cycles()
+    }
+
     /// Number of axes.
     #[must_use]
     pub fn axes(&self) -> usize {
@@ -169,6 +184,12 @@ impl Cycle {
     #[must_use]
     pub fn failure(&self) -> Option<String> {
         self.driver.failure()
+    }
+
+    /// Why whole packets were refused, if some were: another version, kind or number of channels.
+    #[must_use]
+    pub fn refused(&self) -> Option<PacketError> {
+        self.refused
     }
 
     /// The commands that were sent last.
@@ -218,7 +239,10 @@ impl Cycle {
                 Arrival::Late => because = Reason::SampleLate,
                 Arrival::NotFinite => because = Reason::SampleNotFinite,
                 Arrival::Invalid => because = Reason::SampleInvalid,
-                Arrival::Refused(_) => because = Reason::SampleCorrupt,
+                Arrival::Refused(error) => {
+                    because = Reason::SampleCorrupt;
+                    self.refused = self.refused.or((!error.is_corruption()).then_some(error));
+                }
                 Arrival::Duplicate | Arrival::Reordered | Arrival::Stale => {}
             }
         }

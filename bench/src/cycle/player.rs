@@ -29,6 +29,12 @@ impl Player {
         self.table.len().checked_div(self.axes).unwrap_or(0) as u64
     }
 
+    /// Cycles from the start to the end: the approach and the rows.
+    #[must_use]
+    pub fn cycles(&self) -> u64 {
+        self.approach + self.rows()
+    }
+
     /// Begins, from these values.
     pub(crate) fn start(&mut self, from: &[f64]) {
         self.from.copy_from_slice(from);

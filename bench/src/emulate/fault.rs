@@ -176,6 +176,29 @@ impl Script {
         script.faults.pop().ok_or_else(|| ScriptError(vec![format!("{origin}: no fault")]))
     }
 
+    /// Reads faults from tables, as a campaign has them.
+    pub(crate) fn of_tables(
+        tables: &[toml::Table],
+        origin: &str,
+    ) -> Result<Vec<Fault>, ScriptError> {
+        let mut problems = Vec::new();
+        let mut script = Script::default();
+        for (index, table) in tables.iter().enumerate() {
+            match Fault::deserialize(toml::Value::Table(table.clone())) {
+                Ok(fault) => {
+                    let unknown = unknown_keys_of(table, &place(origin, index, &fault), &fault);
+                    problems.extend(unknown);
+                    script.faults.push(fault);
+                }
+                Err(error) => {
+                    problems.push(format!("{origin}: fault {}: {}", index + 1, error.message()));
+                }
+            }
+        }
+        problems.extend(script.problems(origin));
+        if problems.is_empty() { Ok(script.faults) } else { Err(ScriptError(problems)) }
+    }
+
     fn problems(&self, origin: &str) -> Vec<String> {
         let faults = self.faults.iter().enumerate();
         faults
@@ -206,19 +229,20 @@ fn place(origin: &str, index: usize, fault: &Fault) -> String {
 fn unknown_keys(text: &str, origin: &str, script: &Script) -> Vec<String> {
     let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let tables = table.get("fault").and_then(toml::Value::as_array).into_iter().flatten();
-    let mut problems = Vec::new();
-    for ((index, fault), table) in script.faults.iter().enumerate().zip(tables) {
-        let known: Vec<&str> =
-            ["kind", "direction", "from", "to"].iter().chain(fault.kind.keys()).copied().collect();
-        for key in table.as_table().into_iter().flat_map(toml::Table::keys) {
-            if !known.contains(&key.as_str()) {
-                let place = place(origin, index, fault);
-                problems
-                    .push(format!("{place}: there is no `{key}`; it takes {}", known.join(", ")));
-            }
-        }
-    }
-    problems
+    let faults = script.faults.iter().enumerate().zip(tables);
+    let of = |((index, fault), table): ((usize, &Fault), &toml::Value)| {
+        let table = table.as_table().cloned().unwrap_or_default();
+        unknown_keys_of(&table, &place(origin, index, fault), fault)
+    };
+    faults.flat_map(of).collect()
+}
+
+fn unknown_keys_of(table: &toml::Table, place: &str, fault: &Fault) -> Vec<String> {
+    let known: Vec<&str> =
+        ["kind", "direction", "from", "to"].iter().chain(fault.kind.keys()).copied().collect();
+    let unknown = table.keys().filter(|key| !known.contains(&key.as_str()));
+    let text = |key| format!("{place}: there is no `{key}`; it takes {}", known.join(", "));
+    unknown.map(text).collect()
 }
 
 impl FaultKind {

@@ -13,6 +13,8 @@ pub enum Address {
     Udp(SocketAddr),
     /// `shm://NAME`: the machine opened shared memory of this name.
     SharedMemory(String),
+    /// `ethercat://INTERFACE`: SubDevices at this network interface.
+    Ethercat(String),
 }
 
 impl FromStr for Address {
@@ -37,6 +39,14 @@ impl FromStr for Address {
             }
             return Ok(Address::SharedMemory(name.to_owned()));
         }
+        if let Some(name) = text.strip_prefix("ethercat://") {
+            // Names of interfaces are at most 15 bytes long.
+            let good = |c: char| c.is_ascii_graphic() && c != '/';
+            if name.is_empty() || name.len() > 15 || !name.chars().all(good) {
+                return Err(error("has no name of an interface, as in ethercat://eth1".into()));
+            }
+            return Ok(Address::Ethercat(name.to_owned()));
+        }
         Err(error("has no known scheme".into()))
     }
 }
@@ -46,6 +56,7 @@ impl fmt::Display for Address {
         match self {
             Address::Udp(address) => write!(f, "udp://{address}"),
             Address::SharedMemory(name) => write!(f, "shm://{name}"),
+            Address::Ethercat(name) => write!(f, "ethercat://{name}"),
         }
     }
 }
@@ -56,7 +67,8 @@ mod tests {
 
     #[test]
     fn addresses_are_read_and_written() {
-        for text in ["udp://10.0.0.2:9000", "udp://[::1]:9000", "shm://stage-1"] {
+        for text in ["udp://10.0.0.2:9000", "udp://[::1]:9000", "shm://stage-1", "ethercat://eth1"]
+        {
             assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
         }
         for (text, word) in [
@@ -64,6 +76,7 @@ mod tests {
             ("udp://127.0.0.1", "port"),
             ("udp://127.0.0.1:65535", "65534"),
             ("shm://a b", "letters"),
+            ("ethercat://", "interface"),
             ("tcp://127.0.0.1:1", "scheme"),
         ] {
             let message = text.parse::<Address>().unwrap_err().to_string();

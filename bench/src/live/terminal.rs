@@ -84,7 +84,7 @@ pub fn draw(frame: &mut Frame<'_>, dashboard: &Dashboard, latest: &Latest) {
     let parts = Layout::vertical([
         Constraint::Length(3),
         Constraint::Length(height),
-        Constraint::Length(5),
+        Constraint::Length(6),
         Constraint::Min(0),
     ])
     .split(frame.area());
@@ -93,8 +93,8 @@ pub fn draw(frame: &mut Frame<'_>, dashboard: &Dashboard, latest: &Latest) {
         .style(Style::new().add_modifier(Modifier::BOLD));
     let rows = axes.iter().map(|axis| {
         let number = |value: f64, unit: &str| match value.is_nan() {
-            true => format!("{:>12}", "-"),
-            false => format!("{value:>12.4} {unit}"),
+            true => "-".to_owned(),
+            false => format!("{value:.4} {unit}"),
         };
         Row::new([
             axis.name.clone(),
@@ -111,8 +111,8 @@ pub fn draw(frame: &mut Frame<'_>, dashboard: &Dashboard, latest: &Latest) {
 
 fn headline<'a>(dashboard: &Dashboard, latest: &Latest) -> Paragraph<'a> {
     let Some((state, reason)) = dashboard.state(latest) else {
-        return Paragraph::new("waiting for the machine   (q: stop)")
-            .block(Block::bordered().title("bench"));
+        return Paragraph::new("waiting for the machine")
+            .block(Block::bordered().title("bench (q: stop)"));
     };
     let colour = match state {
         State::Running => Color::Green,
@@ -121,12 +121,9 @@ fn headline<'a>(dashboard: &Dashboard, latest: &Latest) -> Paragraph<'a> {
         State::Ready | State::Safe => Color::Cyan,
     };
     let time = latest.row.first().copied().unwrap_or_default();
-    let text = format!(
-        "{} - {reason}   {time:.2} s   (q: stop, space: start)",
-        state.name().to_uppercase()
-    );
+    let text = format!("{} - {reason}   {time:.2} s", state.name().to_uppercase());
     Paragraph::new(Line::styled(text, Style::new().fg(colour)))
-        .block(Block::bordered().title("bench"))
+        .block(Block::bordered().title("bench (q: stop, space: start)"))
 }
 
 fn link<'a>(dashboard: &Dashboard, latest: &Latest) -> Paragraph<'a> {
@@ -140,16 +137,19 @@ fn link<'a>(dashboard: &Dashboard, latest: &Latest) -> Paragraph<'a> {
             own("round_trip")
         )),
         Line::from(format!(
-            "greatest wake-up {:.1} us   work {:.1} us   skipped cycles {:.0}",
+            "greatest wake-up {:.1} us   work {:.1} us   skipped {:.0}",
             most("wake"),
             most("work"),
             most("skipped")
         )),
         Line::from(format!(
-            "samples  lost {:.0}  late {:.0}  duplicate {:.0}  reordered {:.0}  corrupt {:.0}",
+            "samples  lost {:.0}  late {:.0}  duplicate {:.0}",
             own("lost"),
             own("late"),
             own("duplicate"),
+        )),
+        Line::from(format!(
+            "         reordered {:.0}  corrupt {:.0}",
             own("reordered"),
             own("corrupt")
         )),

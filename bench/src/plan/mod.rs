@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use thiserror::Error;
 
+use crate::gateway::ProcessData;
+
 pub use prepare::Prepared;
 pub use sequence::Step;
 
@@ -71,6 +73,8 @@ pub struct Plan {
     /// What is watched.
     #[serde(default)]
     pub watch: WatchPlan,
+    /// Where the channels stand, for a gateway ethercat://INTERFACE.
+    pub ethercat: Option<ProcessData>,
     /// What is played.
     #[serde(default)]
     pub sequence: Vec<Step>,

@@ -55,6 +55,12 @@ impl Plan {
         let period = period_ns as f64 / 1e9;
         let watch = self.watch(&mut problems);
         let axes = self.all_axes(fmu, &mut problems, &mut notes);
+        notes.extend(fmu.and_then(|fmu| other_sample_time(fmu, period)));
+        if let Some(data) = &self.ethercat {
+            let name = self.name();
+            let found = data.problems(axes.len());
+            problems.extend(found.into_iter().map(|problem| format!("{name}: {problem}")));
+        }
         let seconds = |value: Option<f64>, default: f64, name: &str, problems: &mut Vec<String>| {
             let value = value.unwrap_or(default);
             if !(0.0..=1e6).contains(&value) {
@@ -144,6 +150,19 @@ impl Plan {
             outputs.iter().filter(|name| name.starts_with("command[")).count()
         });
         let count = if self.axes.is_empty() { found } else { self.axes.len() };
+        let measured = fmu.map_or(found, |fmu| {
+            let inputs = fmu.names(Causality::Input);
+            inputs.iter().filter(|name| name.starts_with("measured[")).count()
+        });
+        if self.axes.is_empty() && found > 0 && measured != found {
+            problems.push(format!(
+                "{}: the controller has {found} outputs command[i] and {measured} inputs measured[i]; \
+                 a bench has one position for each command (docs/gateway.md, Channels): choose the \
+                 pairs with [[axis]] command = …, measured = …",
+                self.name()
+            ));
+            return Vec::new();
+        }
         if count == 0 || count > crate::packet::MAX_CHANNELS {
             problems.push(format!(
                 "{}: {count} axes; give 1 to {} with [[axis]] (without them, the controller's \
@@ -319,6 +338,25 @@ impl Plan {
         put("seeds", json!(seeds));
         Ok(all)
     }
+}
+
+/// What to know where the controller has another sample time than the bench.
+fn other_sample_time(fmu: &Fmu, period: f64) -> Option<String> {
+    let description = fmu.description();
+    let co_simulation = description.co_simulation.as_ref();
+    let fixed = co_simulation.and_then(|kind| kind.fixed_internal_step_size);
+    let experiment = description.default_experiment.as_ref();
+    let own = fixed.or_else(|| experiment.and_then(|experiment| experiment.step_size))?;
+    let steps = period / own;
+    // Periods are whole ns.
+    let differs = (steps - 1.0).abs() > 1e-4 && own > 0.0;
+    differs.then(|| {
+        format!(
+            "the controller's own step is {own} s, a cycle of the bench {period} s: it makes {steps:.3} \
+             of its steps per cycle; --rate {:.6} would make one",
+            1.0 / own
+        )
+    })
 }
 
 fn pairs(channels: &[Channel]) -> Vec<(String, Option<String>)> {

@@ -190,22 +190,28 @@ impl<'a> Table<'a> {
         }
         let mut axes = Vec::new();
         for (axis, channel) in self.channels.iter().enumerate() {
-            if log.column(&channel.name).is_none() {
+            // One column for one axis needs no name in common: a diagnosis calls a command `u`.
+            let name = match (log.columns(), self.channels) {
+                ([only], [_]) => &only.name,
+                _ => &channel.name,
+            };
+            if log.column(name).is_none() {
                 continue;
             }
             let values = match &channel.unit {
-                Some(unit) => log.convert(&channel.name, unit).map_err(|e| e.to_string())?,
-                None => log.require(&channel.name).map_err(|e| e.to_string())?.values.clone(),
+                Some(unit) => log.convert(name, unit).map_err(|e| e.to_string())?,
+                None => log.require(name).map_err(|e| e.to_string())?.values.clone(),
             };
             axes.push((axis, values));
         }
         if axes.is_empty() {
             let has: Vec<&str> = log.columns().iter().map(|column| column.name.as_str()).collect();
             return Err(format!(
-                "{}: has none of the columns {}; it has {}",
+                "{}: has none of the columns {}; it has {}; name them in the plan with [[axis]] {}",
                 path.display(),
                 self.names(),
-                has.join(", ")
+                has.join(", "),
+                self.key()
             ));
         }
         let time = log.time().to_vec();
@@ -214,6 +220,11 @@ impl<'a> Table<'a> {
             _ => self.period,
         };
         Ok(Source { time, axes, tail })
+    }
+
+    /// The key of a plan that names its columns.
+    fn key(&self) -> &'static str {
+        if self.interpolates { "reference = …" } else { "command = …" }
     }
 
     fn names(&self) -> String {
@@ -240,15 +251,17 @@ impl<'a> Table<'a> {
             .ok_or_else(|| format!("{}: proposes no next experiment", path.display()))?;
         let period = next.period.filter(|period| *period > 0.0).unwrap_or(self.period);
         let mut axes = Vec::new();
+        let alone = next.columns.len() == 1 && self.channels.len() == 1;
         for (name, values) in next.columns {
-            match self.channels.iter().position(|channel| channel.name == name) {
+            match self.channels.iter().position(|channel| alone || channel.name == name) {
                 Some(axis) => axes.push((axis, values)),
                 None => {
                     return Err(format!(
                         "{}: its column {name} is none of {}; an experiment of a plant plays \
-                         commands: leave `controller` out",
+                         commands: leave `controller` out, and name the columns with [[axis]] {}",
                         path.display(),
-                        self.names()
+                        self.names(),
+                        self.key()
                     ));
                 }
             }
@@ -340,6 +353,20 @@ mod tests {
         let found = rows(text, folder.path(), 50e-6, true).unwrap();
         assert_eq!(found.len(), 2 * 2000);
         assert!(found.chunks(2).all(|row| row[0] == 0.0) && found[3] != found[1]);
+    }
+
+    #[test]
+    fn one_column_for_one_axis_needs_no_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let gap = r#"{"next_experiment": {"period": 0.1, "columns": {"u": [1, 2]}}}"#;
+        std::fs::write(folder.path().join("gap.json"), gap).unwrap();
+        std::fs::write(folder.path().join("next.csv"), "time [s],u [V]\n0,3\n0.1,4\n").unwrap();
+        let text = "[[sequence]]\nkind = \"experiment\"\nfile = \"gap.json\"\n\
+                    [[sequence]]\nkind = \"log\"\nfile = \"next.csv\"\n";
+        let mut plan = Plan::parse(text, "plan.toml").unwrap();
+        plan.origin = Some(folder.path().join("plan.toml"));
+        let one = [Channel { name: "command[1]".into(), unit: Some("V".into()) }];
+        assert_eq!(Table::new(&plan, &one, 0.1, false).rows().unwrap(), [1.0, 2.0, 3.0, 4.0]);
     }
 
     #[test]

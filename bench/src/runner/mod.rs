@@ -8,7 +8,7 @@ pub use orders::{SharedOrders, on_signals};
 
 use rtrb::Producer;
 
-use crate::clock::{now_ns, wait_until};
+use crate::clock::{now_ns, thread_time_ns, wait_until};
 use crate::cycle::{Cycle, Orders, Tick};
 use crate::gateway::Gateway;
 use crate::receive::Counters;
@@ -55,10 +55,14 @@ pub struct Outcome {
     pub wake: Percentiles,
     /// How long a cycle worked: receive, compute, send, hand over the row.
     pub work: Percentiles,
+    /// Processor time of the same: what the work costs on a computer that does nothing else.
+    pub processor: Percentiles,
     /// From a command to its answer, as the cycle sees it.
     pub round_trip: Percentiles,
     /// What the controller said when it failed.
     pub failure: Option<String>,
+    /// Why whole packets were refused, if some were.
+    pub refused: Option<String>,
 }
 
 fn as_text<S: serde::Serializer>(
@@ -125,8 +129,10 @@ fn outcome(cycle: &Cycle, pace: &Pace, lonely: bool, unrecorded: u64) -> Outcome
         measurements: *cycle.counters(),
         wake: pace.wake.percentiles(),
         work: pace.work.percentiles(),
+        processor: pace.processor.percentiles(),
         round_trip: pace.round_trip.percentiles(),
         failure: cycle.failure(),
+        refused: cycle.refused().map(|error| error.to_string()),
     }
 }
 
@@ -173,15 +179,16 @@ struct Pace {
     overruns: u64,
     skipped: u64,
     last_work_ns: u64,
+    processor_ns: u64,
     wake: Latency,
     work: Latency,
+    processor: Latency,
     round_trip: Latency,
 }
 
 impl Pace {
     fn new(period_ns: u64) -> Self {
         let begin_ns = now_ns() + 10 * period_ns;
-        let (wake, work, round_trip) = (Latency::new(), Latency::new(), Latency::new());
         Pace {
             period_ns,
             begin_ns,
@@ -191,9 +198,11 @@ impl Pace {
             overruns: 0,
             skipped: 0,
             last_work_ns: 0,
-            wake,
-            work,
-            round_trip,
+            processor_ns: 0,
+            wake: Latency::new(),
+            work: Latency::new(),
+            processor: Latency::new(),
+            round_trip: Latency::new(),
         }
     }
 
@@ -201,6 +210,7 @@ impl Pace {
     fn wait(&mut self) -> Tick {
         let deadline = self.begin_ns + self.next * self.period_ns;
         wait_until(deadline);
+        self.processor_ns = thread_time_ns();
         let now_ns = now_ns();
         let wake_ns = now_ns.saturating_sub(deadline);
         let missed = wake_ns / self.period_ns;
@@ -219,6 +229,7 @@ impl Pace {
 
     fn done(&mut self, round_trip_ns: Option<u64>) {
         let end = now_ns();
+        self.processor.record(thread_time_ns().saturating_sub(self.processor_ns));
         self.last_work_ns = end.saturating_sub(self.tick.now_ns);
         self.work.record(self.last_work_ns);
         if let Some(time) = round_trip_ns {

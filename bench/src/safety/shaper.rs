@@ -33,6 +33,12 @@ impl Shaper {
         &self.commands
     }
 
+    /// Limits of the axes.
+    #[must_use]
+    pub fn limits(&self) -> &[AxisLimits] {
+        &self.limits
+    }
+
     /// Cycles times axes in which the controller wanted more than it may.
     #[must_use]
     pub fn clipped(&self) -> u64 {

@@ -3,7 +3,8 @@
 use std::fmt;
 
 /// What the bench does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[repr(u8)]
 pub enum State {
     /// No machine is heard. The safe value is sent, without ENABLE.
@@ -22,7 +23,8 @@ pub enum State {
 }
 
 /// Why the bench is in its state. The numbers are those of the packet and of the record.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[repr(u8)]
 pub enum Reason {
     /// As it should be.

@@ -14,6 +14,7 @@ use cosim::InstanceOptions;
 use modeldescription::variable::Causality;
 use serde::Serialize;
 
+use super::channels;
 use crate::answer::{Answer, Screen};
 use crate::fmus;
 
@@ -91,8 +92,8 @@ impl Emulate {
         bench::runner::on_signals(&stop).context("signals cannot be caught")?;
         let opened = fmus::open(&self.plant)?;
         let period_ns = (1e9 / self.rate).round() as u64;
-        let commands = self.names(&opened.fmu, &self.commands, Causality::Input, "command");
-        let positions = self.names(&opened.fmu, &self.positions, Causality::Output, "position");
+        let commands = channels(&opened.fmu, &self.commands, Causality::Input, "command");
+        let positions = channels(&opened.fmu, &self.positions, Causality::Output, "position");
         if !self.safe.is_empty() && self.safe.len() != commands.len() {
             bail!("--safe has {} values for {} commands", self.safe.len(), commands.len());
         }
@@ -109,7 +110,7 @@ impl Emulate {
         };
         let behaviour = Behaviour { timing, period_ns, heartbeat: self.heartbeat.max(1), safe };
         let mut emulator = Emulator::new(plant, behaviour, script);
-        let mut gateway = bench::gateway::open(&self.gateway, End::Machine, self.peer)?;
+        let mut gateway = bench::gateway::open(&self.gateway, End::Machine, self.peer, None)?;
         let realtime = bench::clock::become_realtime();
         let names = (commands.join(", "), positions.join(", "));
         screen.say(&format!(
@@ -136,21 +137,6 @@ impl Emulate {
         }
         script.seed = self.seed.unwrap_or(script.seed);
         Ok(script)
-    }
-
-    fn names(
-        &self,
-        fmu: &cosim::Fmu,
-        given: &[String],
-        causality: Causality,
-        word: &str,
-    ) -> Vec<String> {
-        if !given.is_empty() {
-            return given.to_vec();
-        }
-        let all = fmu.names(causality);
-        let some: Vec<String> = all.iter().filter(|name| name.starts_with(word)).cloned().collect();
-        if some.is_empty() { all } else { some }
     }
 }
 

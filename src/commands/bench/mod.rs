@@ -1,10 +1,13 @@
 //! `piezoloop bench`: the controller FMU in real time next to a machine, and a machine to try it on.
 
+mod campaign;
 mod emulate;
 mod recover;
 mod run;
 
 use clap::{Args, Subcommand};
+use cosim::Fmu;
+use modeldescription::variable::Causality;
 
 use crate::answer::Screen;
 
@@ -24,6 +27,7 @@ pub(crate) struct Bench {
 enum Command {
     Run(Box<run::Run>),
     Emulate(Box<emulate::Emulate>),
+    Campaign(campaign::Run),
     Recover(recover::Recover),
     /// Print the packet's table of offsets
     Packet,
@@ -34,6 +38,7 @@ impl Bench {
         match self.command {
             Command::Run(command) => command.run(screen),
             Command::Emulate(command) => command.run(screen),
+            Command::Campaign(command) => command.run(screen),
             Command::Recover(command) => command.run(screen),
             Command::Packet => {
                 screen.say(bench::packet::layout_table().trim_end());
@@ -41,6 +46,16 @@ impl Bench {
             }
         }
     }
+}
+
+/// The channels that are given; else those whose names begin with a word; else all.
+fn channels(fmu: &Fmu, given: &[String], causality: Causality, word: &str) -> Vec<String> {
+    if !given.is_empty() {
+        return given.to_vec();
+    }
+    let all = fmu.names(causality);
+    let some: Vec<String> = all.iter().filter(|name| name.starts_with(word)).cloned().collect();
+    if some.is_empty() { all } else { some }
 }
 
 /// `MIN..MAX` of a command line.

@@ -31,7 +31,7 @@ pub(crate) struct Run {
     /// A bench plan (TOML); options given here go before it
     #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
-    /// Where the machine is: udp://IP:PORT or shm://NAME
+    /// Where the machine is: udp://IP:PORT, shm://NAME or ethercat://INTERFACE
     #[arg(long, value_name = "ADDRESS")]
     gateway: Option<Address>,
     /// Own address, for a machine beyond this computer [default: 127.0.0.1 and the next port]
@@ -105,7 +105,12 @@ impl Run {
         };
         let terminal = (self.live && !screen.json && !screen.quiet)
             .then(|| Terminal::start(dashboard, recorder.view().clone(), orders.clone()));
-        let mut gateway = bench::gateway::open(&address, End::Runner, self.bind.or(plan.bind))?;
+        let mut gateway = bench::gateway::open(
+            &address,
+            End::Runner,
+            self.bind.or(plan.bind),
+            plan.ethercat.as_ref(),
+        )?;
         // Last of all: threads that are started later would inherit it.
         let realtime = bench::clock::become_realtime();
         if let Some(cpu) = self.cpu {
@@ -225,7 +230,8 @@ fn say_what_begins(
     realtime: &Realtime,
     web: Option<&Web>,
 ) {
-    let rate = 1e9 / prepared.settings.period_ns as f64;
+    // Periods are whole ns.
+    let rate = (1e12 / prepared.settings.period_ns as f64).round() / 1e3;
     screen.say(&realtime.line.to_string());
     screen.say(&format!(
         "machine {address}: {} axes, {rate} cycles per second, {:.3} s are played",
@@ -243,6 +249,9 @@ impl Answer for Ran {
         writeln!(out, "ended in the state {}: {}", outcome.state, outcome.reason)?;
         if let Some(failure) = &outcome.failure {
             writeln!(out, "  the controller said: {failure}")?;
+        }
+        if let Some(refused) = &outcome.refused {
+            writeln!(out, "  packets were refused: {refused}")?;
         }
         writeln!(
             out,
@@ -268,9 +277,12 @@ impl Answer for Ran {
             "{:12}{:>10}{:>10}{:>10}{:>10}{:>10}",
             "us", "p50", "p99", "p99.9", "p99.99", "max"
         )?;
-        for (name, p) in
-            [("wake-up", outcome.wake), ("work", outcome.work), ("round trip", outcome.round_trip)]
-        {
+        for (name, p) in [
+            ("wake-up", outcome.wake),
+            ("work", outcome.work),
+            ("processor", outcome.processor),
+            ("round trip", outcome.round_trip),
+        ] {
             let Percentiles { p50_us, p99_us, p999_us, p9999_us, max_us, .. } = p;
             writeln!(
                 out,

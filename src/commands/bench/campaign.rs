@@ -1,0 +1,148 @@
+//! `piezoloop bench campaign`: many scripts of faults, each with the end that is expected.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use bench::campaign::{Campaign, Trial};
+use bench::emulate::{Behaviour, Emulator, Plant, Script, Timing};
+use bench::plan::{Plan, Prepared};
+use bench::rehearsal::Rehearsal;
+use clap::Args;
+use cosim::InstanceOptions;
+use modeldescription::variable::Causality;
+use serde::Serialize;
+
+use super::channels;
+use crate::answer::{Answer, Screen};
+use crate::fmus::{self, Opened};
+
+/// Tries a campaign of faults in virtual time: does each end as it should?
+///
+/// The campaign (TOML) names a bench plan, a plant and cases: faults, the cycles at which they come,
+/// and the state, reason and deadline that are expected. Runner, safety, packets and faults are those
+/// of `bench run` and `bench emulate`; only the clock is not. Exit code 1: a case ended otherwise.
+#[derive(Args, Debug)]
+#[command(
+    name = "campaign",
+    after_help = "Example:\n  piezoloop bench campaign faults.toml\ndocs/gateway.md describes the file."
+)]
+pub(crate) struct Run {
+    /// The campaign (TOML)
+    campaign: PathBuf,
+    /// The bench plan [default: the campaign's]
+    #[arg(long, value_name = "FILE")]
+    plan: Option<PathBuf>,
+    /// The plant: an FMU, a blueprint or the name of a rig [default: the campaign's]
+    #[arg(long, value_name = "PLANT")]
+    plant: Option<PathBuf>,
+    /// The controller FMU [default: the plan's; none: the plan's sequence is the commands]
+    #[arg(long, value_name = "FMU")]
+    controller: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Tried {
+    trials: Vec<Trial>,
+    failed: usize,
+}
+
+/// What every trial is made of.
+struct Bench {
+    plan: Plan,
+    controller: Option<Opened>,
+    plant: Opened,
+    commands: Vec<String>,
+    positions: Vec<String>,
+    safe: Vec<f64>,
+    heartbeat: u32,
+}
+
+impl Run {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let file = &self.campaign;
+        let text = std::fs::read_to_string(file)
+            .with_context(|| format!("{} cannot be read", file.display()))?;
+        let campaign = Campaign::parse(&text, &file.display().to_string())?;
+        let beside = |named: &Path| file.parent().unwrap_or(Path::new("")).join(named);
+        let or = |given: &Option<PathBuf>, named: &Option<PathBuf>, what: &str| {
+            let found = given.clone().or_else(|| named.as_deref().map(beside));
+            found.with_context(|| {
+                let file = file.display();
+                format!("{file}: no {what} is given; write {what} = \"…\" there, or --{what} …")
+            })
+        };
+        let plan = Plan::read(&or(&self.plan, &campaign.plan, "plan")?)?;
+        let plant = or(&self.plant, &campaign.plant, "plant")?;
+        // The name of a rig is no file beside the campaign.
+        let plant = match (&campaign.plant, self.plant.is_none() && !plant.exists()) {
+            (Some(named), true) => fmus::open(named)?,
+            _ => fmus::open(&plant)?,
+        };
+        let given = self.controller.clone();
+        let controller = given.or_else(|| plan.controller.as_ref().map(|file| plan.beside(file)));
+        let controller = controller.as_deref().map(fmus::open).transpose()?;
+        let bench = Bench {
+            commands: channels(&plant.fmu, &[], Causality::Input, "command"),
+            positions: channels(&plant.fmu, &[], Causality::Output, "position"),
+            plan,
+            controller,
+            plant,
+            safe: campaign.safe.clone(),
+            heartbeat: campaign.heartbeat.unwrap_or(100).max(1),
+        };
+        let settle = bench.prepare()?.settings.settle;
+        let trials = campaign.run(settle, |script| bench.rehearsal(script))?;
+        let failed = trials.iter().filter(|trial| !trial.problems.is_empty()).count();
+        screen.show(&Tried { trials, failed })
+    }
+}
+
+impl Bench {
+    fn prepare(&self) -> anyhow::Result<Prepared> {
+        Ok(self.plan.prepare(self.controller.as_ref().map(|opened| &opened.fmu), None)?)
+    }
+
+    /// Runner and machine for one trial.
+    fn rehearsal(&self, script: Script) -> anyhow::Result<Rehearsal> {
+        let Prepared { cycle, settings, .. } = self.prepare()?;
+        if cycle.axes() != self.commands.len() {
+            bail!(
+                "the plan has {} axes, the plant {} commands ({})",
+                cycle.axes(),
+                self.commands.len(),
+                self.commands.join(", ")
+            );
+        }
+        let period_ns = settings.period_ns;
+        let slave = self.plant.fmu.instantiate("machine", &InstanceOptions::default())?;
+        let step = period_ns as f64 / 1e9;
+        let mut plant = Plant::new(slave, &self.commands, &self.positions, &self.safe, step)?;
+        let safe = match self.safe.is_empty() {
+            true => plant.commands()?,
+            false => self.safe.clone(),
+        };
+        let heartbeat = self.heartbeat;
+        let behaviour = Behaviour { timing: Timing::Clock, period_ns, heartbeat, safe };
+        Ok(Rehearsal::new(cycle, Emulator::new(plant, behaviour, script), period_ns))
+    }
+}
+
+impl Answer for Tried {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        for trial in &self.trials {
+            let Trial { case, at, state, reason, took, problems, .. } = trial;
+            if problems.is_empty() {
+                writeln!(out, "{case}, from cycle {at}: {state}, {reason} ({took} cycles)")?;
+            } else {
+                writeln!(out, "FAILED {case}, from cycle {at}: {}", problems.join("; "))?;
+            }
+        }
+        let (all, failed) = (self.trials.len(), self.failed);
+        writeln!(out, "{} of {all} trials ended as expected", all - failed)
+    }
+
+    fn exit_code(&self) -> u8 {
+        u8::from(self.failed > 0)
+    }
+}
