@@ -220,11 +220,14 @@ impl Ring {
     }
 }
 
+/// Frames as they were sent and as they came back.
+pub type Exchanges = Vec<(Vec<u8>, Vec<u8>)>;
+
 /// A wire to a ring in memory; what goes over it is written down: sent, returned.
 #[derive(Clone)]
 pub struct MemoryWire {
     pub ring: Arc<Mutex<Ring>>,
-    pub recording: Arc<Mutex<Vec<(Vec<u8>, Vec<u8>)>>>,
+    pub recording: Arc<Mutex<Exchanges>>,
     /// Frames that are still to be swallowed.
     pub swallow: Arc<Mutex<u32>>,
     returned: VecDeque<Vec<u8>>,
