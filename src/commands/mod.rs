@@ -12,6 +12,7 @@ mod list;
 mod log;
 pub(crate) mod pack;
 mod reproduce;
+mod shell;
 mod signal;
 pub(crate) mod simulate;
 mod system;
@@ -40,6 +41,8 @@ pub(crate) enum Command {
     Diagnose(diagnose::Diagnose),
     GapBench(gap_bench::GapBench),
     Reproduce(reproduce::Reproduce),
+    Completions(shell::Completions),
+    Man(shell::Man),
     /// Runs one FMU for another process of this tool
     #[command(name = WORKER, hide = true)]
     FmuWorker,
@@ -68,6 +71,8 @@ impl Command {
             Self::Diagnose(command) => command.run(screen),
             Self::GapBench(command) => command.run(screen),
             Self::Reproduce(command) => command.run(screen),
+            Self::Completions(command) => command.run(screen),
+            Self::Man(command) => command.run(screen),
         }
     }
 }
