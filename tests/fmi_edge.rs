@@ -54,6 +54,7 @@ fn the_edge_costs_nanoseconds() {
     let host = Host::new("edge.c");
     let short = measured(&host, &in_c("trivial.c", folder.path()));
     let c = measured(&host, &in_c("careful.c", folder.path()));
+    let assembled = measured(&host, &in_c("assembled.c", folder.path()));
     let gain = measured(&host, &Packed::new(GAIN, "2").arguments());
     let plant = measured(&host, &Packed::new(PLANT, "2").arguments());
     let controller = measured(&host, &Packed::new(CONTROLLER, "2").arguments());
@@ -65,6 +66,7 @@ fn the_edge_costs_nanoseconds() {
     println!("instantiate/us");
     row("y = 2 u in C, short", &short);
     row("y = 2 u in C, as ours", &c);
+    row("y = 2 u in C, put together", &assembled);
     row("y = 2 u, our FMU", &gain);
     row("plant, 2 axes", &plant);
     row("controller, 2 axes", &controller);

@@ -3,7 +3,7 @@
 use alloc::string::String;
 use core::fmt;
 
-use crate::{ComponentRef, Effect, Quantity, Structural, Table};
+use crate::{ComponentRef, Effect, Quantity, Structural, Table, Wiring};
 
 /// Most input or output ports of one component.
 pub const MAX_PORTS: usize = 8;
@@ -380,4 +380,14 @@ pub trait Component: Send + Sync {
         inputs: &[f64],
         outputs: &mut [f64],
     );
+
+    /// [`step`](Self::step) on the cells of a system. It stands here so that each component has a
+    /// copy of it, compiled together with its own step: one call per hit, whose slices stay in
+    /// registers.
+    #[doc(hidden)]
+    fn step_within(&self, wiring: &Wiring, cells: &mut [f64], tick: &Tick) {
+        wiring.apply(cells, |coefficients, state, inputs, outputs| {
+            self.step(coefficients, state, *tick, inputs, outputs);
+        });
+    }
 }

@@ -22,7 +22,18 @@ struct careful {
     long hits;
     void (*tell)(void *callback, void *environment, const char *message);
     void *callback, *environment;
+    struct assembled *model;
 };
+
+/* What assembled.c does in another way: making the model, and the hits up to a time. */
+#ifndef CAREFUL_MODEL
+#define CAREFUL_MODEL() NULL
+#define CAREFUL_HITS(it, limit, y)                                                                 \
+    while ((it)->start + (double)((it)->hits + 1) * (it)->period <= (limit)) {                     \
+        y = (it)->gain * ((it)->u * VOLT) / MICROMETRE;                                            \
+        ++(it)->hits;                                                                              \
+    }
+#endif
 
 static struct careful *careful_new(void) {
     struct careful *it = calloc(1, sizeof *it);
@@ -31,6 +42,7 @@ static struct careful *careful_new(void) {
         it->period = 1e-3;
         it->stop = INFINITY;
         it->gain = 2e-6;
+        it->model = CAREFUL_MODEL();
     }
     return it;
 }
@@ -77,10 +89,7 @@ static inline int careful_step(struct careful *it, const char *call, double time
     if (end > it->stop + near) return refused(it, call, "past the stop time", end);
     if (2.3e-16 * fabs(end) > 0.01 * it->period) return refused(it, call, "resolution", end);
     double y = it->y, limit = end + fmax(1e-9 * it->period, 8.9e-16 * fabs(end));
-    while (it->start + (double)(it->hits + 1) * it->period <= limit) {
-        y = it->gain * (it->u * VOLT) / MICROMETRE;
-        ++it->hits;
-    }
+    CAREFUL_HITS(it, limit, y)
     if (!isfinite(y)) return refused(it, call, "output", y);
     it->y = y;
     it->time = end;

@@ -12,7 +12,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use self::variables::{Units, enabled_variable, output_variable, parameter_variable};
-use super::{AxisSpec, BuildError, Kind, Node, NodeSpec, Plan, System, SystemSpec, Wire};
+use super::{AxisSpec, BuildError, Kind, Node, NodeSpec, Plan, System, SystemSpec, Wire, Wiring};
 use crate::{
     Context, DataType, Declaration, MAX_PORTS, Output, Quantity, Shape, Source, Unit, Variable,
     VariableTable,
@@ -186,11 +186,13 @@ impl<'a> Builder<'a> {
             parameters: 0..0,
             seeds: seeds(declaration, &node.structure),
             enabled: None,
-            coefficients,
-            state,
-            inputs,
-            input_count,
-            outputs,
+            wiring: Wiring {
+                coefficients: coefficients.into(),
+                state: state.into(),
+                inputs,
+                input_count,
+                outputs: outputs.into(),
+            },
             paths,
         });
         first
@@ -326,18 +328,18 @@ impl<'a> Builder<'a> {
         for port in &self.read_back {
             // A path without a conversion has no voltage; its end has been refused.
             let found = self.read(port.axis, port.name);
-            self.nodes[port.node].inputs[port.slot] = found.unwrap_or(ZERO);
+            self.nodes[port.node].wiring.inputs[port.slot] = found.unwrap_or(ZERO);
         }
         let mut grows = !self.read_back.is_empty();
         while grows {
             grows = false;
             for (node, at_rest) in self.nodes.iter().zip(&self.at_rest) {
-                let ports = node.inputs[..node.input_count].iter().zip(at_rest);
+                let ports = node.wiring.inputs[..node.wiring.input_count].iter().zip(at_rest);
                 let all: BTreeSet<u32> = ports
                     .filter(|(_, rests)| **rests)
                     .flat_map(|(signal, _)| self.dependencies[*signal].iter().copied())
                     .collect();
-                for output in node.outputs.clone() {
+                for output in node.wiring.outputs.range() {
                     let before = self.dependencies[output].len();
                     self.dependencies[output].extend(&all);
                     grows |= self.dependencies[output].len() > before;
@@ -437,6 +439,17 @@ impl<'a> Builder<'a> {
             values.len() + self.coefficients,
             values.len() + self.coefficients + self.states,
         ];
+        // Until here signals, state and coefficients counted from zero each.
+        for node in &mut self.nodes {
+            let Wiring { coefficients, state, inputs, outputs, .. } = &mut node.wiring;
+            coefficients.start += blocks[0];
+            state.start += blocks[1];
+            outputs.start += blocks[2];
+            inputs.iter_mut().for_each(|signal| *signal += blocks[2]);
+        }
+        for wire in self.inputs.iter_mut().chain(&mut outputs) {
+            wire.signal += blocks[2];
+        }
         let mut cells = values;
         cells.resize(blocks[2] + self.dependencies.len() + widest, 0.0);
         let context = Context { cells, start: 0.0, index: 0, dirty: true };

@@ -1,98 +1,166 @@
-//! The blocks of a context while components run.
+//! The cells of a context while components run.
 
-use super::{Node, Plan};
+use core::ops::Range;
+
+use super::{Node, Past, Plan};
 use crate::{MAX_PORTS, Tick};
 
-/// Values, coefficients, state and signals, cut once per call.
-pub(super) struct Cells<'a> {
-    values: &'a [f64],
-    coefficients: &'a [f64],
-    state: &'a mut [f64],
-    signals: &'a mut [f64],
+/// Where an instance of a component finds its cells: coefficients, state and signals stand in this
+/// order.
+#[derive(Clone)]
+pub struct Wiring {
+    pub(super) coefficients: Span,
+    pub(super) state: Span,
+    /// Signals read by its input ports.
+    pub(super) inputs: [usize; MAX_PORTS],
+    pub(super) input_count: usize,
+    /// Signals written by its output ports.
+    pub(super) outputs: Span,
 }
 
-impl<'a> Cells<'a> {
-    /// The blocks of these cells, beginning where `blocks` says.
+/// Some cells in a row.
+#[derive(Clone, Copy)]
+pub(super) struct Span {
+    pub(super) start: usize,
+    pub(super) len: usize,
+}
+
+impl Span {
+    pub(super) fn range(self) -> Range<usize> {
+        self.start..self.start + self.len
+    }
+}
+
+impl From<Range<usize>> for Span {
+    fn from(range: Range<usize>) -> Self {
+        Self { start: range.start, len: range.len() }
+    }
+}
+
+impl Wiring {
+    /// Hands the slices of an instance - coefficients, state, inputs, outputs - to a component.
     #[inline(always)]
-    pub(super) fn of(cells: &'a mut [f64], blocks: [usize; 3]) -> Self {
-        let (values, rest) = cells.split_at_mut(blocks[0]);
-        let (coefficients, rest) = rest.split_at_mut(blocks[1] - blocks[0]);
-        let (state, signals) = rest.split_at_mut(blocks[2] - blocks[1]);
-        Self { values, coefficients, state, signals }
+    pub(crate) fn apply(
+        &self,
+        cells: &mut [f64],
+        component: impl FnOnce(&[f64], &mut [f64], &[f64], &mut [f64]),
+    ) {
+        if self.input_count == 1 {
+            let input = [cells[self.inputs[0]]];
+            let (coefficients, state, outputs) = self.cut(cells);
+            component(coefficients, state, &input, outputs);
+            return;
+        }
+        let mut inputs = [0.0; MAX_PORTS];
+        let inputs = &mut inputs[..self.input_count];
+        for (input, signal) in inputs.iter_mut().zip(&self.inputs) {
+            *input = cells[*signal];
+        }
+        let (coefficients, state, outputs) = self.cut(cells);
+        component(coefficients, state, inputs, outputs);
     }
 
-    /// Feeds the signals of the inputs with their values.
     #[inline(always)]
-    pub(super) fn read_inputs(&mut self, plan: &Plan) {
-        for (wire, value) in plan.inputs.iter().zip(self.values) {
-            self.signals[wire.signal] = wire.unit.to_si(*value);
+    fn cut<'a>(&self, cells: &'a mut [f64]) -> (&'a [f64], &'a mut [f64], &'a mut [f64]) {
+        let (cells, outputs) = cells.split_at_mut(self.outputs.start);
+        let (cells, state) = cells.split_at_mut(self.state.start);
+        let coefficients = &cells[self.coefficients.start..][..self.coefficients.len];
+        (coefficients, &mut state[..self.state.len], &mut outputs[..self.outputs.len])
+    }
+}
+
+impl Plan {
+    /// Feeds the signals of the inputs with their values.
+    #[inline]
+    pub(super) fn read_inputs(&self, cells: &mut [f64]) {
+        for (input, wire) in self.inputs.iter().enumerate() {
+            cells[wire.signal] = wire.unit.to_si(cells[input]);
+        }
+    }
+
+    /// As [`read_inputs`](Self::read_inputs), and notes the values and the state.
+    #[inline(always)]
+    pub(super) fn begin(&self, cells: &mut [f64], past: &mut Past) {
+        if !past.state.is_empty() {
+            // The signals, which may be part of it, follow the state.
+            let there = &cells[self.blocks[1]..][..past.state.len()];
+            copy(&mut past.state, there);
+        }
+        for ((input, wire), noted) in self.inputs.iter().enumerate().zip(&mut past.inputs) {
+            *noted = cells[input];
+            cells[wire.signal] = wire.unit.to_si(*noted);
         }
     }
 
     /// As [`read_inputs`](Self::read_inputs), `elapsed` seconds along the slopes.
-    pub(super) fn move_inputs(&mut self, plan: &Plan, slopes: &[f64], elapsed: f64) {
-        for ((wire, value), slope) in plan.inputs.iter().zip(self.values).zip(slopes) {
-            self.signals[wire.signal] = wire.unit.to_si(value + slope * elapsed);
+    pub(super) fn move_inputs(&self, cells: &mut [f64], slopes: &[f64], elapsed: f64) {
+        for ((input, wire), slope) in self.inputs.iter().enumerate().zip(slopes) {
+            cells[wire.signal] = wire.unit.to_si(cells[input] + slope * elapsed);
         }
     }
 
     /// Puts every node at rest once, in the order of the path.
-    pub(super) fn rest(&mut self, plan: &Plan) {
-        for node in &plan.nodes {
-            self.call(node, |node, coefficients, state, inputs, outputs| {
+    pub(super) fn rest(&self, cells: &mut [f64]) {
+        for node in &self.nodes {
+            if node.is_off(cells) {
+                node.pass(cells);
+                continue;
+            }
+            node.wiring.apply(cells, |coefficients, state, inputs, outputs| {
                 node.component.rest(coefficients, inputs, state, outputs);
             });
         }
     }
 
-    /// Steps a node.
+    /// Steps every node, in the order of the path.
     #[inline(always)]
-    pub(super) fn step(&mut self, node: &Node, tick: Tick) {
-        self.call(node, |node, coefficients, state, inputs, outputs| {
-            node.component.step(coefficients, state, tick, inputs, outputs);
-        });
+    pub(super) fn step(&self, cells: &mut [f64], tick: &Tick) {
+        for node in &self.nodes {
+            if node.is_off(cells) {
+                node.pass(cells);
+            } else {
+                node.component.step_within(&node.wiring, cells, tick);
+            }
+        }
     }
 
     /// Sets the outputs of all nodes to zero, so that rest does not depend on what was before.
-    pub(super) fn forget_outputs(&mut self, plan: &Plan) {
-        for node in &plan.nodes {
-            self.signals[node.outputs.clone()].fill(0.0);
+    pub(super) fn forget_outputs(&self, cells: &mut [f64]) {
+        for node in &self.nodes {
+            cells[node.wiring.outputs.range()].fill(0.0);
         }
     }
 
     /// FNV-1a over the bits of all signals.
-    pub(super) fn fingerprint(&self) -> u64 {
+    pub(super) fn fingerprint(&self, cells: &[f64]) -> u64 {
         let mix = |hash: u64, x: &f64| (hash ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3);
-        self.signals.iter().fold(0xcbf2_9ce4_8422_2325, mix)
+        cells[self.blocks[2]..].iter().fold(0xcbf2_9ce4_8422_2325, mix)
+    }
+}
+
+impl Node {
+    #[inline(always)]
+    fn is_off(&self, cells: &[f64]) -> bool {
+        self.enabled.is_some_and(|at| cells[at] == 0.0)
     }
 
-    /// Calls a node with its slices; switched off, its paths pass unchanged.
-    #[inline(always)]
-    fn call(
-        &mut self,
-        node: &Node,
-        component: impl FnOnce(&Node, &[f64], &mut [f64], &[f64], &mut [f64]),
-    ) {
-        if node.enabled.is_some_and(|at| self.values[at] == 0.0) {
-            for (output, input) in node.outputs.clone().zip(node.inputs).take(node.paths) {
-                self.signals[output] = self.signals[input];
-            }
-            return;
+    /// Switched off, its paths pass unchanged.
+    #[inline(never)]
+    fn pass(&self, cells: &mut [f64]) {
+        let outputs = self.wiring.outputs.range();
+        for (output, input) in outputs.zip(self.wiring.inputs).take(self.paths) {
+            cells[output] = cells[input];
         }
-        let coefficients = &self.coefficients[node.coefficients.clone()];
-        let state = &mut self.state[node.state.clone()];
-        if let (1, [input, ..]) = (node.input_count, node.inputs) {
-            let inputs = [self.signals[input]];
-            let outputs = &mut self.signals[node.outputs.clone()];
-            component(node, coefficients, state, &inputs, outputs);
-            return;
-        }
-        let mut inputs = [0.0; MAX_PORTS];
-        let inputs = &mut inputs[..node.input_count];
-        for (input, signal) in inputs.iter_mut().zip(&node.inputs) {
-            *input = self.signals[*signal];
-        }
-        component(node, coefficients, state, inputs, &mut self.signals[node.outputs.clone()]);
+    }
+}
+
+/// Copies a slice into one of the same length, without a call where it has at most one number.
+#[inline(always)]
+pub(super) fn copy(to: &mut [f64], from: &[f64]) {
+    match (to, from) {
+        ([], []) => {}
+        ([to], [from]) => *to = *from,
+        (to, from) => to.copy_from_slice(from),
     }
 }
 

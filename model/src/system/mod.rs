@@ -12,6 +12,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::ops::Range;
 
+pub use cells::Wiring;
 pub use derivative::{DerivativeError, DerivativeRoom};
 pub use past::Past;
 pub use spec::{
@@ -20,8 +21,7 @@ pub use spec::{
 };
 
 use crate::{
-    Causality, ComponentRef, Context, ContextError, MAX_PORTS, SetError, Unit, VariableTable,
-    Violation,
+    Causality, ComponentRef, Context, ContextError, SetError, Unit, VariableTable, Violation,
 };
 
 /// A system: an immutable plan and one [`Context`].
@@ -73,13 +73,7 @@ struct Node {
     seeds: Vec<usize>,
     /// Value that switches it on; `None`: always on.
     enabled: Option<usize>,
-    coefficients: Range<usize>,
-    state: Range<usize>,
-    /// Signals read by its input ports.
-    inputs: [usize; MAX_PORTS],
-    input_count: usize,
-    /// Signals written by its output ports.
-    outputs: Range<usize>,
+    wiring: Wiring,
     /// Number of signal paths through it: the first inputs and the first outputs.
     paths: usize,
 }
@@ -87,6 +81,7 @@ struct Node {
 #[derive(Clone, Copy, Debug)]
 struct Wire {
     variable: usize,
+    /// Cell of the signal.
     signal: usize,
     unit: Unit,
 }

@@ -21,13 +21,13 @@ pub struct Past {
     /// An input had a slope in the step.
     sloped: bool,
     /// Values of the inputs in the step.
-    inputs: Vec<f64>,
+    pub(super) inputs: Vec<f64>,
     /// Values of the outputs before the step.
-    outputs: Vec<f64>,
+    pub(super) outputs: Vec<f64>,
     /// Slopes of the inputs in the step; of no meaning where none had one.
     slopes: Vec<f64>,
     /// State before the step, and the signals where one of them is read back.
-    state: Vec<f64>,
+    pub(super) state: Vec<f64>,
 }
 
 /// Where the present outputs come from.
@@ -101,6 +101,16 @@ impl Past {
         Some(Self { last, index, from, sloped: *sloped != 0, inputs, outputs, slopes, state })
     }
 
+    /// Notes that the step that follows has a hit, and the slopes; inputs without one here are held.
+    #[inline(always)]
+    pub(super) fn note_step(&mut self, index: u64, from: f64, slopes: &[f64]) {
+        (self.last, self.index, self.from) = (Last::Step, index, from);
+        self.sloped = !slopes.is_empty();
+        if self.sloped {
+            self.note_slopes(slopes);
+        }
+    }
+
     #[cold]
     fn note_slopes(&mut self, slopes: &[f64]) {
         let count = slopes.len().min(self.slopes.len());
@@ -142,20 +152,6 @@ impl System {
         let (inputs, outputs) = self.shown();
         past.inputs.copy_from_slice(inputs);
         past.outputs.copy_from_slice(outputs);
-    }
-
-    /// Notes what the step that follows begins with; inputs without a slope here are held.
-    #[inline(always)]
-    pub(super) fn note_step(&self, past: &mut Past, from: f64, slopes: &[f64]) {
-        (past.last, past.index, past.from) = (Last::Step, self.context.index, from);
-        past.sloped = !slopes.is_empty();
-        if past.sloped {
-            past.note_slopes(slopes);
-        }
-        let (inputs, outputs) = self.shown();
-        copy(&mut past.inputs, inputs);
-        copy(&mut past.outputs, outputs);
-        copy(&mut past.state, &self.context.cells[self.noted()]);
     }
 
     /// The values of inputs and of outputs.
@@ -231,15 +227,5 @@ impl System {
         let done = run(self);
         core::mem::swap(&mut self.context, context);
         done
-    }
-}
-
-/// Copies a slice into one of the same length, without a call where it has at most one number.
-#[inline(always)]
-fn copy(to: &mut [f64], from: &[f64]) {
-    match (to, from) {
-        ([], []) => {}
-        ([to], [from]) => *to = *from,
-        (to, from) => to.copy_from_slice(from),
     }
 }

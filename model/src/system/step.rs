@@ -1,6 +1,6 @@
 //! Rest and steps: what runs at each communication step, and allocates nothing.
 
-use super::cells::{Cells, own_seed};
+use super::cells::{Span, copy, own_seed};
 use super::{Past, Plan, StepError, System};
 use crate::Tick;
 
@@ -19,22 +19,22 @@ impl System {
         self.context.dirty = true;
         self.prepare()?;
         self.settle()?;
-        self.show()
+        self.show(&mut [])
     }
 
     /// Puts every node at rest; where a signal is read back, until all signals stay as they are.
     fn settle(&mut self) -> Result<(), StepError> {
-        let (plan, mut cells) = self.split();
-        cells.read_inputs(plan);
+        let (plan, cells) = self.split();
+        plan.read_inputs(cells);
         if !plan.reads_back {
-            cells.rest(plan);
+            plan.rest(cells);
             return Ok(());
         }
-        cells.forget_outputs(plan);
+        plan.forget_outputs(cells);
         let mut before = 0;
         for _ in 0..MOST_PASSES {
-            cells.rest(plan);
-            let now = cells.fingerprint();
+            plan.rest(cells);
+            let now = plan.fingerprint(cells);
             if now == before {
                 return Ok(());
             }
@@ -106,7 +106,7 @@ impl System {
         time: f64,
         from: f64,
         slopes: &[f64],
-        past: Option<&mut Past>,
+        mut past: Option<&mut Past>,
     ) -> Result<u64, StepError> {
         let (start, period) = (self.context.start, self.plan.period);
         // Far from zero, a billionth of a period is less than what adding up times loses.
@@ -126,40 +126,46 @@ impl System {
         if self.context.dirty {
             self.prepare()?;
         }
-        if let Some(past) = past {
-            self.note_step(past, from, slopes);
+        let (plan, cells) = self.split();
+        match &mut past {
+            None => plan.read_inputs(cells),
+            Some(past) => {
+                past.note_step(first, from, slopes);
+                plan.begin(cells, past);
+            }
         }
-        let (plan, mut cells) = self.split();
-        cells.read_inputs(plan);
         let mut index = first;
         loop {
             if !slopes.is_empty() {
-                cells.move_inputs(plan, slopes, at(index) - from);
+                plan.move_inputs(cells, slopes, at(index) - from);
             }
             index += 1;
             let tick = Tick { index, time: next, period };
-            for node in &plan.nodes {
-                cells.step(node, tick);
-            }
+            plan.step(cells, &tick);
             next = at(index + 1);
             if next > limit {
                 break;
             }
         }
         self.context.index = index;
-        self.show()?;
+        let noted = past.map_or(&mut [][..], |past| &mut past.outputs);
+        self.show(noted)?;
         Ok(index - first)
     }
 
-    /// Shows the signals as values of the outputs.
+    /// Shows the signals as values of the outputs, and notes what they were before where there is
+    /// room for it.
     #[inline(always)]
-    fn show(&mut self) -> Result<(), StepError> {
-        let (values, rest) = self.context.cells.split_at_mut(self.plan.blocks[0]);
-        let signals = &rest[self.plan.blocks[2] - self.plan.blocks[0]..];
-        let outputs = values[self.plan.inputs.len()..].iter_mut().zip(&self.plan.outputs);
+    fn show(&mut self, noted: &mut [f64]) -> Result<(), StepError> {
+        let (plan, cells) = self.split();
+        let first = plan.inputs.len();
+        if !noted.is_empty() {
+            copy(noted, &cells[first..][..noted.len()]);
+        }
         let mut finite = true;
-        for (value, wire) in outputs {
-            *value = wire.unit.from_si(signals[wire.signal]);
+        for (output, wire) in (first..).zip(&plan.outputs) {
+            let value = wire.unit.from_si(cells[wire.signal]);
+            cells[output] = value;
             finite &= value.abs() <= f64::MAX;
         }
         if finite { Ok(()) } else { Err(self.not_finite()) }
@@ -199,7 +205,8 @@ impl System {
             for seed in &node.seeds {
                 si[*seed] = own_seed(si[*seed], &node.path);
             }
-            let coefficients = &mut coefficients[node.coefficients.clone()];
+            let Span { start, len } = node.wiring.coefficients;
+            let coefficients = &mut coefficients[start - blocks[0]..][..len];
             node.component
                 .prepare(&node.structure, si, self.plan.period, coefficients)
                 .map_err(|violation| StepError::Parameters { node: number, violation })?;
@@ -209,7 +216,7 @@ impl System {
     }
 
     #[inline(always)]
-    fn split(&mut self) -> (&Plan, Cells<'_>) {
-        (&self.plan, Cells::of(&mut self.context.cells, self.plan.blocks))
+    fn split(&mut self) -> (&Plan, &mut [f64]) {
+        (&self.plan, &mut self.context.cells)
     }
 }

@@ -25,6 +25,9 @@ pub struct Instance {
     system: System,
     fingerprint: String,
     progress: Progress,
+    /// The time in s from zero up to which double precision resolves a hundredth of the internal
+    /// step.
+    reach: f64,
     /// Slopes of the inputs in the next step, by value reference: inputs come first.
     slopes: Vec<f64>,
     /// How the present outputs came about, for their derivatives.
@@ -118,6 +121,7 @@ impl Instance {
             lists: Lists::of(system.variables()),
             fingerprint,
             progress: Progress::NEW,
+            reach: 0.01 * system.period() / f64::EPSILON,
             slopes: vec![0.0; inputs],
             past: system.past(),
             room: system.derivative_room(),
@@ -251,14 +255,12 @@ impl Instance {
     #[inline(always)]
     pub(super) fn do_step(&mut self, time: f64, step: f64) -> Outcome {
         let Progress { time: now, experiment, sloped, .. } = self.progress;
-        let (end, stop) = (time + step, experiment.stop);
-        let near = tolerance(now, step);
+        let (end, stop, near) = (time + step, experiment.stop, tolerance(now, step));
         // No comparison holds for NaN, and the last one not for an infinite step.
         let sound = step > 0.0
-            && time >= now - near
-            && time <= now + near
-            && end <= stop + tolerance(stop, step)
-            && f64::EPSILON * end.abs() <= 0.01 * self.system.period();
+            && (time - now).abs() <= near
+            && (end <= stop || end <= stop + tolerance(stop, step))
+            && end.abs() <= self.reach;
         if !sound {
             return Err(self.no_step(time, step));
         }
@@ -281,7 +283,7 @@ impl Instance {
         let (end, stop, near) = (time + step, experiment.stop, tolerance(now, step));
         Notice::error(if !(step > 0.0 && step.is_finite()) {
             format!("communication step size {step} s; give a finite one greater than 0")
-        } else if !(now - near..=now + near).contains(&time) {
+        } else if (time - now).abs() > near || time.is_nan() {
             format!(
                 "communication point {time} s, but the instance is at {now} s; step from there, \
                  or set the FMU state of that time"
