@@ -7,8 +7,10 @@
 use std::ffi::{c_char, c_uint, c_void};
 
 mod functions;
+mod values;
 
 pub use functions::*;
+pub use values::*;
 
 /// Pointer to an FMU's instance; opaque to the importer.
 pub type fmi3Instance = *mut c_void;

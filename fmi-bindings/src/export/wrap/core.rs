@@ -385,16 +385,6 @@ impl<O: Original> Wrapped<O> {
     }
 }
 
-/// The saved state of the host, of this instance or another one of the same FMU.
-pub(super) fn state(pointer: *mut c_void) -> Result<*mut Saved, Notice> {
-    if pointer.is_null() {
-        return Err(Notice::error(
-            "the state is null; save one with the function GetFMUstate first",
-        ));
-    }
-    Ok(pointer.cast())
-}
-
 /// First bytes of a serialised state.
 const MAGIC: [u8; 8] = *b"pzrepair";
 /// Bytes before the numbers: magic, checksum, number of numbers, phase.

@@ -15,6 +15,7 @@
 
 mod core;
 mod file;
+mod state_calls;
 pub mod v2;
 pub mod v3;
 

@@ -12,10 +12,10 @@
 use std::ffi::{CStr, CString, c_void};
 
 use super::core::{
-    Answer, Around, CATEGORY, Code, DISCARD, ERROR, OK, Original, Saved, Wrapped, call as guarded,
-    send, state,
+    Answer, CATEGORY, Code, DISCARD, ERROR, OK, Original, Wrapped, call as guarded, send,
 };
 use super::file::{Files, PLATFORM_V2};
+use super::state_calls::{self, States};
 use crate::export::arguments::{Room, array, text, texts};
 use crate::export::guard::{self, Notice};
 use crate::export::log::Sink;
@@ -77,7 +77,7 @@ unsafe fn call(
     fmi2Status(unsafe { guarded(c, function, body) })
 }
 
-impl Instance {
+impl Inner {
     /// Calls a function of the original that the repair does not touch.
     ///
     /// # Safety
@@ -88,8 +88,8 @@ impl Instance {
         body: impl FnOnce(F, fmi2Component) -> fmi2Status,
     ) -> Answer {
         // SAFETY: promised by the caller.
-        match unsafe { self.original.library.function::<F>(function) } {
-            Some(found) => Ok(body(found, self.original.component).0),
+        match unsafe { self.library.function::<F>(function) } {
+            Some(found) => Ok(body(found, self.component).0),
             None => Err(missing(function)),
         }
     }
@@ -110,7 +110,7 @@ macro_rules! pass {
                 const NAME: &str = stringify!($function);
                 let body = |w: &mut Instance| {
                     // SAFETY: the function's own type, and the host's own arguments.
-                    unsafe { w.pass::<$kind>(NAME, |f, inner| f(inner, $($argument),*)) }
+                    unsafe { w.original.pass::<$kind>(NAME, |f, inner| f(inner, $($argument),*)) }
                 };
                 // SAFETY: the contract of all functions here.
                 unsafe { call(c, NAME, body) }
@@ -133,10 +133,13 @@ macro_rules! never {
     };
 }
 
+mod refused;
 mod states;
+mod values;
 
-use states::drop_state;
+pub use refused::*;
 pub use states::*;
+pub use values::*;
 
 /// Switches debug logging of the original; the repair's own messages always go out.
 pub unsafe extern "C" fn fmi2SetDebugLogging(
@@ -251,10 +254,7 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
     let freed = guard::without_instance(|| {
         // SAFETY: it came from `Box::into_raw`, as the caller promises.
         let mut instance = unsafe { Box::from_raw(c.cast::<Instance>()) };
-        for saved in std::mem::take(&mut instance.saved) {
-            // SAFETY: a state of this instance that is not freed.
-            unsafe { drop_state(&mut instance, saved) };
-        }
+        state_calls::free_all(&mut instance);
         drop(instance);
         Ok(())
     });
@@ -323,194 +323,6 @@ pub unsafe extern "C" fn fmi2Reset(c: fmi2Component) -> fmi2Status {
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, "fmi2Reset", body) }
-}
-
-/// Reads Real variables.
-pub unsafe extern "C" fn fmi2GetReal(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *mut fmi2Real,
-) -> fmi2Status {
-    let body = |w: &mut Instance| {
-        // SAFETY: the caller's arrays of `nvr` elements.
-        let references = unsafe { array(vr, nvr, "vr")? };
-        if !w.is_ours(references) {
-            // SAFETY: the host's own arguments.
-            return Ok(unsafe {
-                (w.original.library.functions.get_real)(w.original.component, vr, nvr, value).0
-            });
-        }
-        let mut values = vec![0.0; nvr];
-        let code = w.get(references, &mut values)?;
-        // SAFETY: the caller's room for `nvr` values.
-        let room = unsafe { Room::new(value, nvr, "value")? };
-        // SAFETY: positions are below `nvr`.
-        values.iter().enumerate().for_each(|(at, v)| unsafe { room.write(at, *v) });
-        Ok(code)
-    };
-    // SAFETY: the contract of all functions here.
-    unsafe { call(c, "fmi2GetReal", body) }
-}
-
-pass! {
-    /// Goes through.
-    fmi2GetInteger: fmi2GetIntegerTYPE = (vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Integer);
-}
-
-/// Reads Boolean variables.
-pub unsafe extern "C" fn fmi2GetBoolean(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *mut fmi2Boolean,
-) -> fmi2Status {
-    const NAME: &str = "fmi2GetBoolean";
-    let body = |w: &mut Instance| {
-        // SAFETY: the caller's arrays of `nvr` elements.
-        let (references, room) =
-            unsafe { (array(vr, nvr, "vr")?, Room::new(value, nvr, "value")?) };
-        let is_flag = |r: &u32| w.surround.is_flag(*r);
-        let passed: Vec<u32> = references.iter().copied().filter(|r| !is_flag(r)).collect();
-        let mut inner = vec![fmi2False; passed.len()];
-        let mut code = OK;
-        if !passed.is_empty() || nvr == 0 {
-            // SAFETY: the function's own type; both arrays have this length.
-            code = unsafe {
-                w.pass::<fmi2GetBooleanTYPE>(NAME, |f, c| {
-                    f(c, passed.as_ptr(), passed.len(), inner.as_mut_ptr())
-                })?
-            };
-        }
-        let mut inner = inner.into_iter();
-        for (at, reference) in references.iter().enumerate() {
-            let own = w.surround.get(*reference).filter(|_| w.surround.is_flag(*reference));
-            let value = match own {
-                Some(value) => fmi2Boolean::from(value != 0.0),
-                None => inner.next().unwrap_or(fmi2False),
-            };
-            // SAFETY: the position is below `nvr`.
-            unsafe { room.write(at, value) };
-        }
-        Ok(code)
-    };
-    // SAFETY: the contract of all functions here.
-    unsafe { call(c, NAME, body) }
-}
-
-pass! {
-    /// Goes through.
-    fmi2GetString: fmi2GetStringTYPE = (vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2String);
-}
-
-/// Sets Real variables.
-pub unsafe extern "C" fn fmi2SetReal(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *const fmi2Real,
-) -> fmi2Status {
-    let body = |w: &mut Instance| {
-        // SAFETY: the caller's arrays of `nvr` elements.
-        let references = unsafe { array(vr, nvr, "vr")? };
-        if !w.is_ours(references) {
-            w.touch();
-            // SAFETY: the host's own arguments.
-            return Ok(unsafe {
-                (w.original.library.functions.set_real)(w.original.component, vr, nvr, value).0
-            });
-        }
-        // SAFETY: the caller's arrays of `nvr` elements.
-        w.set(references, unsafe { array(value, nvr, "value")? })
-    };
-    // SAFETY: the contract of all functions here.
-    unsafe { call(c, "fmi2SetReal", body) }
-}
-
-/// Sets Integer variables of the original.
-pub unsafe extern "C" fn fmi2SetInteger(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *const fmi2Integer,
-) -> fmi2Status {
-    const NAME: &str = "fmi2SetInteger";
-    let body = |w: &mut Instance| {
-        w.touch();
-        // SAFETY: the function's own type, and the host's own arguments.
-        unsafe { w.pass::<fmi2SetIntegerTYPE>(NAME, |f, inner| f(inner, vr, nvr, value)) }
-    };
-    // SAFETY: the contract of all functions here.
-    unsafe { call(c, NAME, body) }
-}
-
-/// Sets Boolean variables.
-pub unsafe extern "C" fn fmi2SetBoolean(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *const fmi2Boolean,
-) -> fmi2Status {
-    const NAME: &str = "fmi2SetBoolean";
-    let body = |w: &mut Instance| {
-        // SAFETY: the caller's arrays of `nvr` elements.
-        let (references, values) = unsafe { (array(vr, nvr, "vr")?, array(value, nvr, "value")?) };
-        let (mut passed, mut inner) = (Vec::new(), Vec::new());
-        for (reference, value) in references.iter().zip(values) {
-            if w.surround.is_flag(*reference) {
-                w.set_flag(*reference, *value != fmi2False)?;
-            } else {
-                passed.push(*reference);
-                inner.push(*value);
-            }
-        }
-        if passed.is_empty() && nvr > 0 {
-            return Ok(OK);
-        }
-        w.touch();
-        // SAFETY: the function's own type; both arrays have this length.
-        unsafe {
-            w.pass::<fmi2SetBooleanTYPE>(NAME, |f, c| {
-                f(c, passed.as_ptr(), passed.len(), inner.as_ptr())
-            })
-        }
-    };
-    // SAFETY: the contract of all functions here.
-    unsafe { call(c, NAME, body) }
-}
-
-pass! {
-    /// Goes through.
-    fmi2SetString: fmi2SetStringTYPE = (vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2String);
-}
-
-never! {
-    /// Not offered.
-    fmi2GetDirectionalDerivative(_vUnknown_ref: *const fmi2ValueReference, _nUnknown: usize, _vKnown_ref: *const fmi2ValueReference, _nKnown: usize, _dvKnown: *const fmi2Real, _dvUnknown: *mut fmi2Real) = "directional derivatives are not offered through a repair; take differences between saved states";
-    /// Not offered.
-    fmi2EnterEventMode() = "model exchange is not offered";
-    /// Not offered.
-    fmi2NewDiscreteStates(_fmi2eventInfo: *mut fmi2EventInfo) = "model exchange is not offered";
-    /// Not offered.
-    fmi2EnterContinuousTimeMode() = "model exchange is not offered";
-    /// Not offered.
-    fmi2CompletedIntegratorStep(_noSetFMUStatePriorToCurrentPoint: fmi2Boolean, _enterEventMode: *mut fmi2Boolean, _terminateSimulation: *mut fmi2Boolean) = "model exchange is not offered";
-    /// Not offered.
-    fmi2SetTime(_time: fmi2Real) = "model exchange is not offered";
-    /// Not offered.
-    fmi2SetContinuousStates(_x: *const fmi2Real, _nx: usize) = "model exchange is not offered";
-    /// Not offered.
-    fmi2GetDerivatives(_derivatives: *mut fmi2Real, _nx: usize) = "model exchange is not offered";
-    /// Not offered.
-    fmi2GetEventIndicators(_eventIndicators: *mut fmi2Real, _ni: usize) = "model exchange is not offered";
-    /// Not offered.
-    fmi2GetContinuousStates(_x: *mut fmi2Real, _nx: usize) = "model exchange is not offered";
-    /// Not offered.
-    fmi2GetNominalsOfContinuousStates(_x_nominal: *mut fmi2Real, _nx: usize) = "model exchange is not offered";
-    /// Not offered.
-    fmi2SetRealInputDerivatives(_vr: *const fmi2ValueReference, _nvr: usize, _order: *const fmi2Integer, _value: *const fmi2Real) = "derivatives of inputs are not offered (canInterpolateInputs = false)";
-    /// Not offered.
-    fmi2GetRealOutputDerivatives(_vr: *const fmi2ValueReference, _nvr: usize, _order: *const fmi2Integer, _value: *mut fmi2Real) = "derivatives of outputs are not offered (maxOutputDerivativeOrder = 0)";
 }
 
 /// Computes one communication step.

@@ -5,103 +5,89 @@
 
 use super::*;
 
+impl States for Inner {
+    unsafe fn get_inner(&mut self, place: *mut fmi2FMUstate) -> Answer {
+        // SAFETY: the function's own type; the rest is the caller's.
+        unsafe { self.pass::<fmi2GetFMUstateTYPE>("fmi2GetFMUstate", |f, inner| f(inner, place)) }
+    }
+
+    unsafe fn set_inner(&mut self, state: fmi2FMUstate) -> Answer {
+        // SAFETY: as above.
+        unsafe { self.pass::<fmi2SetFMUstateTYPE>("fmi2SetFMUstate", |f, inner| f(inner, state)) }
+    }
+
+    unsafe fn free_inner(&mut self, place: *mut fmi2FMUstate) -> Answer {
+        // SAFETY: as above.
+        unsafe { self.pass::<fmi2FreeFMUstateTYPE>("fmi2FreeFMUstate", |f, inner| f(inner, place)) }
+    }
+
+    unsafe fn inner_size(&mut self, state: fmi2FMUstate, size: *mut usize) -> Answer {
+        const NAME: &str = "fmi2SerializedFMUstateSize";
+        // SAFETY: as above.
+        unsafe {
+            self.pass::<fmi2SerializedFMUstateSizeTYPE>(NAME, |f, inner| f(inner, state, size))
+        }
+    }
+
+    unsafe fn serialize_inner(
+        &mut self,
+        state: fmi2FMUstate,
+        bytes: *mut u8,
+        size: usize,
+    ) -> Answer {
+        const NAME: &str = "fmi2SerializeFMUstate";
+        // SAFETY: as above.
+        unsafe {
+            self.pass::<fmi2SerializeFMUstateTYPE>(NAME, |f, inner| {
+                f(inner, state, bytes.cast(), size)
+            })
+        }
+    }
+
+    unsafe fn deserialize_inner(
+        &mut self,
+        bytes: *const u8,
+        size: usize,
+        place: *mut fmi2FMUstate,
+    ) -> Answer {
+        const NAME: &str = "fmi2DeSerializeFMUstate";
+        // SAFETY: as above.
+        unsafe {
+            self.pass::<fmi2DeSerializeFMUstateTYPE>(NAME, |f, inner| {
+                f(inner, bytes.cast(), size, place)
+            })
+        }
+    }
+}
+
 /// Saves the state of the original and of the effects.
 pub unsafe extern "C" fn fmi2GetFMUstate(
     c: fmi2Component,
     FMUstate: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    const NAME: &str = "fmi2GetFMUstate";
-    let body = |w: &mut Instance| {
-        // SAFETY: the host's own pointer.
-        let place = unsafe { FMUstate.as_mut() };
-        let place = place.ok_or_else(|| Notice::error("the place of the state is null"))?;
-        let old = if place.is_null() { None } else { Some(state(*place)?) };
-        // SAFETY: a state of this instance.
-        let mut inner = old.map_or(std::ptr::null_mut(), |saved| unsafe { (*saved).inner });
-        // SAFETY: the function's own type; the pointer is null or a state of the original.
-        let code = unsafe { w.pass::<fmi2GetFMUstateTYPE>(NAME, |f, c| f(c, &raw mut inner))? };
-        if code >= DISCARD {
-            return Ok(code);
-        }
-        let saved = Saved { inner, around: w.around() };
-        match old {
-            // SAFETY: a state of this instance, and the only reference to it.
-            Some(old) => unsafe { *old = saved },
-            None => {
-                let new = Box::into_raw(Box::new(saved));
-                w.saved.push(new);
-                *place = new.cast();
-            }
-        }
-        Ok(code)
-    };
+    // SAFETY: the host's own pointers.
+    let body = |w: &mut Instance| unsafe { state_calls::get(w, FMUstate) };
     // SAFETY: the contract of all functions here.
-    unsafe { call(c, NAME, body) }
+    unsafe { call(c, "fmi2GetFMUstate", body) }
 }
 
-/// Goes back to a saved state.
+/// Goes back to a saved state, which stays saved.
 pub unsafe extern "C" fn fmi2SetFMUstate(c: fmi2Component, FMUstate: fmi2FMUstate) -> fmi2Status {
-    const NAME: &str = "fmi2SetFMUstate";
-    let body = |w: &mut Instance| {
-        let saved = state(FMUstate)?;
-        // SAFETY: a state of this instance.
-        let (inner, around) = unsafe { ((*saved).inner, (*saved).around.clone()) };
-        // SAFETY: the function's own type and a state of the original.
-        let code = unsafe { w.pass::<fmi2SetFMUstateTYPE>(NAME, |f, c| f(c, inner))? };
-        if code < DISCARD {
-            w.restore(&around)?;
-        }
-        Ok(code)
-    };
+    // SAFETY: the host's own pointers.
+    let body = |w: &mut Instance| unsafe { state_calls::set(w, FMUstate) };
     // SAFETY: the contract of all functions here.
-    unsafe { call(c, NAME, body) }
+    unsafe { call(c, "fmi2SetFMUstate", body) }
 }
 
-/// Frees a state that is in no list any more.
-///
-/// # Safety
-/// `saved` is a state of this instance that is not freed.
-pub(super) unsafe fn drop_state(w: &mut Instance, saved: *mut Saved) -> Code {
-    // SAFETY: it came from `Box::into_raw`, as the caller promises.
-    let mut saved = unsafe { Box::from_raw(saved) };
-    let Some(free) = w.original.library.functions.free_fmu_state else { return OK };
-    // SAFETY: a state of the original.
-    unsafe { free(w.original.component, &raw mut saved.inner).0 }
-}
-
-/// Frees a saved state; null is ignored.
+/// Frees a saved state and sets the pointer to null; null is ignored.
 pub unsafe extern "C" fn fmi2FreeFMUstate(
     c: fmi2Component,
     FMUstate: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    let body = |w: &mut Instance| {
-        // SAFETY: the host's own pointer.
-        let Some(place) = (unsafe { FMUstate.as_mut() }).filter(|p| !p.is_null()) else {
-            return Ok(OK);
-        };
-        let saved = state(*place)?;
-        w.saved.retain(|s| *s != saved);
-        *place = std::ptr::null_mut();
-        // SAFETY: a state of this instance, in no list any more.
-        Ok(unsafe { drop_state(w, saved) })
-    };
+    // SAFETY: the host's own pointers.
+    let body = |w: &mut Instance| unsafe { state_calls::free(w, FMUstate) };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, "fmi2FreeFMUstate", body) }
-}
-
-/// Number of bytes of the original's state.
-///
-/// # Safety
-/// `inner` is a state of the original.
-unsafe fn inner_size(w: &mut Instance, inner: fmi2FMUstate) -> Result<(Code, usize), Notice> {
-    let mut size = 0;
-    // SAFETY: the function's own type and a state of the original.
-    let code = unsafe {
-        w.pass::<fmi2SerializedFMUstateSizeTYPE>("fmi2SerializedFMUstateSize", |f, c| {
-            f(c, inner, &raw mut size)
-        })?
-    };
-    Ok((code, size))
 }
 
 /// Number of bytes of a saved state.
@@ -110,16 +96,8 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
     FMUstate: fmi2FMUstate,
     size: *mut usize,
 ) -> fmi2Status {
-    let body = |w: &mut Instance| {
-        let saved = state(FMUstate)?;
-        // SAFETY: a state of this instance; the host's room for one number.
-        unsafe {
-            let (code, inner) = inner_size(w, (*saved).inner)?;
-            let around = &(*saved).around;
-            Room::new(size, 1, "size")?.write(0, around.byte_len() + inner);
-            Ok(code)
-        }
-    };
+    // SAFETY: the host's own pointers.
+    let body = |w: &mut Instance| unsafe { state_calls::serialized_size(w, FMUstate, size) };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, "fmi2SerializedFMUstateSize", body) }
 }
@@ -131,33 +109,12 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     serializedState: *mut fmi2Byte,
     size: usize,
 ) -> fmi2Status {
-    const NAME: &str = "fmi2SerializeFMUstate";
-    let body = |w: &mut Instance| {
-        let saved = state(FMUstate)?;
-        // SAFETY: a state of this instance.
-        let (inner, around) = unsafe { ((*saved).inner, (*saved).around.clone()) };
-        // SAFETY: a state of the original.
-        let (code, length) = unsafe { inner_size(w, inner)? };
-        let head = around.byte_len();
-        if size < head + length {
-            return Err(Notice::error(format!("{size} bytes are too few for {}", head + length)));
-        }
-        let mut bytes = vec![0; head + length];
-        let behind = bytes[head..].as_mut_ptr().cast::<fmi2Byte>();
-        // SAFETY: the function's own type; the room has this length.
-        let done = unsafe {
-            w.pass::<fmi2SerializeFMUstateTYPE>(NAME, |f, c| f(c, inner, behind, length))?
-        };
-        around.write(&w.surround.repair().token, &mut bytes);
-        // SAFETY: the host's room has `size` bytes, which is not less.
-        unsafe {
-            let room = Room::new(serializedState.cast::<u8>(), size, "serializedState")?;
-            bytes.iter().enumerate().for_each(|(at, b)| room.write(at, *b));
-        }
-        Ok(code.max(done))
+    // SAFETY: the host's own pointers.
+    let body = |w: &mut Instance| unsafe {
+        state_calls::serialize(w, FMUstate, serializedState.cast(), size)
     };
     // SAFETY: the contract of all functions here.
-    unsafe { call(c, NAME, body) }
+    unsafe { call(c, "fmi2SerializeFMUstate", body) }
 }
 
 /// A saved state from bytes; it is not yet the current one.
@@ -167,38 +124,10 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     size: usize,
     FMUstate: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    const NAME: &str = "fmi2DeSerializeFMUstate";
-    let body = |w: &mut Instance| {
-        // SAFETY: the host's array of `size` bytes and its pointer.
-        let (bytes, place) = unsafe {
-            (array(serializedState.cast::<u8>(), size, "serializedState")?, FMUstate.as_mut())
-        };
-        let place = place.ok_or_else(|| Notice::error("the place of the state is null"))?;
-        let token = &w.surround.repair().token;
-        let (around, at) = Around::read(token, bytes).ok_or_else(|| {
-            Notice::error("the bytes are no state of this FMU, or they are damaged")
-        })?;
-        let mut inner: fmi2FMUstate = std::ptr::null_mut();
-        let behind = &bytes[at..];
-        // SAFETY: the function's own type; the bytes have this length.
-        let code = unsafe {
-            w.pass::<fmi2DeSerializeFMUstateTYPE>(NAME, |f, c| {
-                f(c, behind.as_ptr().cast(), behind.len(), &raw mut inner)
-            })?
-        };
-        if code < DISCARD {
-            if !place.is_null() {
-                let old = state(*place)?;
-                w.saved.retain(|s| *s != old);
-                // SAFETY: a state of this instance, in no list any more.
-                unsafe { drop_state(w, old) };
-            }
-            let new = Box::into_raw(Box::new(Saved { inner, around }));
-            w.saved.push(new);
-            *place = new.cast();
-        }
-        Ok(code)
+    // SAFETY: the host's own pointers.
+    let body = |w: &mut Instance| unsafe {
+        state_calls::deserialize(w, serializedState.cast(), size, FMUstate)
     };
     // SAFETY: the contract of all functions here.
-    unsafe { call(c, NAME, body) }
+    unsafe { call(c, "fmi2DeSerializeFMUstate", body) }
 }

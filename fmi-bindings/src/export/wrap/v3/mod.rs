@@ -12,10 +12,10 @@
 use std::ffi::{CStr, c_void};
 
 use super::core::{
-    Answer, Around, CATEGORY, Code, DISCARD, ERROR, OK, Original, Saved, Wrapped, call as guarded,
-    send, state,
+    Answer, CATEGORY, Code, DISCARD, ERROR, OK, Original, Wrapped, call as guarded, send,
 };
 use super::file::{Files, PLATFORM_V3};
+use super::state_calls::{self, States};
 use crate::export::arguments::{Room, array, text, texts};
 use crate::export::guard::{self, Notice};
 use crate::export::log::Sink;
@@ -104,7 +104,7 @@ unsafe fn call(
     fmi3Status(unsafe { guarded(instance, function, body) })
 }
 
-impl Instance {
+impl Inner {
     /// Calls a function of the original that the repair does not touch.
     ///
     /// # Safety
@@ -115,8 +115,8 @@ impl Instance {
         body: impl FnOnce(F, fmi3Instance) -> fmi3Status,
     ) -> Answer {
         // SAFETY: promised by the caller.
-        match unsafe { self.original.library.function::<F>(function) } {
-            Some(found) => Ok(body(found, self.original.instance).0),
+        match unsafe { self.library.function::<F>(function) } {
+            Some(found) => Ok(body(found, self.instance).0),
             None => Err(missing(function)),
         }
     }
@@ -138,7 +138,7 @@ macro_rules! pass {
                 let body = |w: &mut Instance| {
                     w.touch();
                     // SAFETY: the function's own type, and the host's own arguments.
-                    unsafe { w.pass::<$kind>(NAME, |f, inner| f(inner, $($argument),*)) }
+                    unsafe { w.original.pass::<$kind>(NAME, |f, inner| f(inner, $($argument),*)) }
                 };
                 // SAFETY: the contract of all functions here.
                 unsafe { call(instance, NAME, body) }
@@ -167,7 +167,6 @@ mod states;
 mod values;
 
 pub use refused::*;
-use states::drop_state;
 pub use states::*;
 pub use values::*;
 
@@ -323,10 +322,7 @@ pub unsafe extern "C" fn fmi3FreeInstance(instance: fmi3Instance) {
     let freed = guard::without_instance(|| {
         // SAFETY: it came from `Box::into_raw`, as the caller promises.
         let mut instance = unsafe { Box::from_raw(instance.cast::<Instance>()) };
-        for saved in std::mem::take(&mut instance.saved) {
-            // SAFETY: a state of this instance that is not freed.
-            unsafe { drop_state(&mut instance, saved) };
-        }
+        state_calls::free_all(&mut instance);
         drop(instance);
         Ok(())
     });

@@ -87,7 +87,7 @@ pub unsafe extern "C" fn fmi3GetBoolean(
         if !flags(w, references, nValues)? {
             // SAFETY: the function's own type, and the host's own arguments.
             return unsafe {
-                w.pass::<fmi3GetBooleanTYPE>(NAME, |f, c| {
+                w.original.pass::<fmi3GetBooleanTYPE>(NAME, |f, c| {
                     f(c, valueReferences, nValueReferences, values, nValues)
                 })
             };
@@ -104,7 +104,7 @@ pub unsafe extern "C" fn fmi3GetBoolean(
             }
             // SAFETY: the function's own type, and room for one value.
             code = code.max(unsafe {
-                w.pass::<fmi3GetBooleanTYPE>(NAME, |f, c| {
+                w.original.pass::<fmi3GetBooleanTYPE>(NAME, |f, c| {
                     f(c, std::ptr::from_ref(reference), 1, values.add(at), 1)
                 })?
             });
@@ -131,7 +131,7 @@ pub unsafe extern "C" fn fmi3SetBoolean(
         if !flags(w, references, nValues)? {
             // SAFETY: the function's own type, and the host's own arguments.
             return unsafe {
-                w.pass::<fmi3SetBooleanTYPE>(NAME, |f, c| {
+                w.original.pass::<fmi3SetBooleanTYPE>(NAME, |f, c| {
                     f(c, valueReferences, nValueReferences, values, nValues)
                 })
             };
@@ -146,7 +146,7 @@ pub unsafe extern "C" fn fmi3SetBoolean(
             }
             // SAFETY: the function's own type, and one value of the host's.
             code = code.max(unsafe {
-                w.pass::<fmi3SetBooleanTYPE>(NAME, |f, c| {
+                w.original.pass::<fmi3SetBooleanTYPE>(NAME, |f, c| {
                     f(c, std::ptr::from_ref(reference), 1, values.add(at), 1)
                 })?
             });
