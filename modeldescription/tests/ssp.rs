@@ -284,7 +284,7 @@ fn what_cannot_be_read_is_told() {
         (
             "<s:System name=\"t\"><s:Elements><s:SignalDictionaryReference name=\"d\"/>\
              </s:Elements></s:System>",
-            "signal dictionaries are not supported",
+            "<s:SignalDictionaryReference> has no attribute dictionary",
         ),
         (
             "<s:System name=\"t\"><s:Connectors><s:Connector name=\"a\" kind=\"input\">\
@@ -326,6 +326,132 @@ fn archive(path: &Path, entries: &[(&str, &[u8])]) {
         zip.write_all(content).unwrap();
     }
     zip.finish().unwrap();
+}
+
+/// A controller outside and a stage in a system inside, which meet in a dictionary only.
+fn meeting() -> SystemStructure {
+    let reference = |name: &str, kind: Kind| {
+        Element::Dictionary(DictionaryReference {
+            name: name.to_owned(),
+            dictionary: "bus".to_owned(),
+            connectors: vec![Connector::new("command", kind)],
+            line: Line(0),
+        })
+    };
+    let mut structure = SystemStructure::new("meeting");
+    let volt = BaseUnit { kg: 1, m: 2, s: -3, a: -1, ..BaseUnit::default() };
+    structure.units = vec![unit("V", volt.clone())];
+    let mut plant = Component::new("stage", "resources/stage.fmu");
+    plant.connectors = vec![connector("command[1]", Kind::Input, Some("V"))];
+    let mut machine = System::new("machine");
+    machine.elements = vec![Element::Component(plant), reference("inner", Kind::Output)];
+    machine.connections =
+        vec![Connection::new(end("stage", "command[1]"), end("inner", "command"))];
+    let mut controller = Component::new("controller", "resources/controller.fmu");
+    controller.connectors = vec![connector("u", Kind::Output, Some("V"))];
+    let mut bus =
+        SignalDictionary::inline("bus", vec![connector("command", Kind::Inout, Some("mV"))]);
+    bus.units = vec![unit("mV", BaseUnit { factor: 1e-3, ..volt })];
+    let system = &mut structure.system;
+    system.name = "meeting".to_owned();
+    system.dictionaries = vec![bus];
+    system.elements = vec![
+        Element::System(machine),
+        Element::Component(controller),
+        reference("outer", Kind::Inout),
+    ];
+    system.connections = vec![Connection::new(end("controller", "u"), end("outer", "command"))];
+    structure
+}
+
+#[test]
+fn what_meets_in_a_signal_dictionary_is_connected() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("meeting.ssp");
+    let mut structure = meeting();
+    for source in [Source::Inline, Source::File("signals.ssb".to_owned())] {
+        structure.system.dictionaries[0].source = source;
+        let mut builder = SspBuilder::new(&structure).unwrap();
+        builder.entry("resources/stage.fmu", Vec::new()).unwrap();
+        builder.write(&path).unwrap();
+        let read = Ssp::open(&path).unwrap();
+        let list = &read.structure().system.dictionaries[0];
+        assert_eq!(list.signals.as_ref().unwrap()[0].name, "command");
+        let flat = read.structure().flatten("SystemStructure.ssd").unwrap();
+        let [connection] = &flat.connections[..] else { panic!("{:?}", flat.connections) };
+        assert_eq!(connection.from, ("controller".to_owned(), "u".to_owned()));
+        assert_eq!(connection.to, ("machine.stage".to_owned(), "command[1]".to_owned()));
+        let units = |way: &Linear| [&way.from, &way.to].map(|u| u.clone().unwrap().name);
+        let way: Vec<_> = connection.way.iter().map(units).collect();
+        assert_eq!(way, [["V", "mV"], ["mV", "V"]]);
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_signal_dictionary_is_told() {
+    let told = |change: &dyn Fn(&mut SystemStructure)| {
+        let mut structure = meeting();
+        change(&mut structure);
+        let found = structure.flatten("a.ssd").unwrap_err();
+        found.iter().map(|problem| format!("{problem}\n")).collect::<String>()
+    };
+    let nothing = told(&|s| s.system.dictionaries[0].name = "other".to_owned());
+    assert!(nothing.contains("there is no signal dictionary \"bus\""), "{nothing}");
+    let no_signal = told(&|s| s.system.dictionaries[0].signals = Some(Vec::new()));
+    assert!(no_signal.contains("\"bus\" has no signal \"command\""), "{no_signal}");
+    let twice = told(&|s| {
+        let Element::Component(controller) = &mut s.system.elements[1] else { return };
+        controller.connectors.push(connector("v", Kind::Output, Some("V")));
+        let second = Connection::new(end("controller", "v"), end("outer", "command"));
+        s.system.connections.push(second);
+    });
+    assert!(twice.contains("\"outer.command\" has a second source"), "{twice}");
+}
+
+#[test]
+fn parameters_inside_a_component_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let within = ParameterSet {
+        parameters: vec![parameter("gain", 4.0, None)],
+        ..ParameterSet::new("within")
+    };
+    let fmu = folder.path().join("stage.fmu");
+    let content = within.to_xml().unwrap();
+    archive(&fmu, &[("resources/my values.ssv", content.as_bytes())]);
+    let fmu = std::fs::read(fmu).unwrap();
+    let open = |source: &str, of_system: bool| {
+        let mut binding = Binding::inline(ParameterSet::new("unread"));
+        binding.source = Source::InComponent(source.to_owned());
+        binding.values = None;
+        let mut component = Component::new("stage", "resources/stage.fmu");
+        let mut structure = SystemStructure::new("one");
+        match of_system {
+            true => structure.system.bindings.push(binding),
+            false => component.bindings.push(binding),
+        }
+        structure.system.elements.push(Element::Component(component));
+        let path = folder.path().join("one.ssp");
+        let mut builder = SspBuilder::new(&structure).unwrap();
+        builder.entry("resources/stage.fmu", fmu.clone()).unwrap();
+        builder.write(&path).unwrap();
+        Ssp::open(path).map(|ssp| ssp.structure().system.elements[0].clone())
+    };
+    let Element::Component(stage) = open("resources/my%20values.ssv", false).unwrap() else {
+        panic!("a component")
+    };
+    let read = stage.bindings[0].values.as_ref().unwrap();
+    assert_eq!(read.parameters[0].value, ParameterValue::Real(vec![4.0]));
+    for (source, of_system, words) in [
+        ("resources/other.ssv", false, "there is no file \"resources/other.ssv\" in "),
+        ("../stage.ssv", false, "leads out of the SSP"),
+        ("resources/my%20values.ssv", true, "the binding is a system's"),
+    ] {
+        let refused = open(source, of_system).unwrap_err().to_string();
+        assert!(
+            refused.starts_with("SystemStructure.ssd:") && refused.contains(words),
+            "{refused}"
+        );
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! Parameter bindings are resolved to the variables of components.
 
 mod bindings;
+mod dictionaries;
 
 use std::collections::HashMap;
 
@@ -119,6 +120,8 @@ impl SystemStructure {
         let mut flattener = Flattener {
             structure: self,
             file,
+            around: Vec::new(),
+            shared: HashMap::new(),
             nodes: HashMap::new(),
             sources: HashMap::new(),
             flat: Flat::default(),
@@ -155,6 +158,10 @@ struct Feed {
 struct Flattener<'a> {
     structure: &'a SystemStructure,
     file: &'a str,
+    /// The systems around the present one, and itself, with their paths.
+    around: Vec<(String, &'a System)>,
+    /// The dictionary's path of each reference to it, by the path of the reference.
+    shared: HashMap<String, String>,
     nodes: HashMap<Node, NodeInfo>,
     sources: HashMap<Node, Feed>,
     flat: Flat,
@@ -219,7 +226,8 @@ impl<'a> Flattener<'a> {
         }
     }
 
-    fn system(&mut self, system: &System, path: &str) {
+    fn system(&mut self, system: &'a System, path: &str) {
+        self.around.push((path.to_owned(), system));
         self.connectors(path, &system.connectors, false);
         for (i, element) in system.elements.iter().enumerate() {
             let before = system.elements.get(..i).unwrap_or_default();
@@ -235,6 +243,7 @@ impl<'a> Flattener<'a> {
             let inner = joined(path, element.name());
             match element {
                 Element::System(system) => self.system(system, &inner),
+                Element::Dictionary(reference) => self.reference(reference, &inner),
                 Element::Component(component) => {
                     self.connectors(&inner, &component.connectors, true);
                     self.flat.components.push(FlatComponent {
@@ -251,6 +260,7 @@ impl<'a> Flattener<'a> {
         for connection in &system.connections {
             self.connection(system, connection, path);
         }
+        self.around.pop();
     }
 
     fn connection(&mut self, system: &System, connection: &Connection, path: &str) {
@@ -326,11 +336,13 @@ impl<'a> Flattener<'a> {
                 return None;
             }
         };
+        let shared = self.shared.get(&path).cloned();
         let node = (path, end.connector.clone());
         match self.nodes.get(&node) {
             Some(info) => {
                 let role = role(info.kind, own);
-                Some((node, role))
+                // All references to a dictionary are one place.
+                Some(((shared.unwrap_or(node.0), node.1), role))
             }
             None => {
                 let found =

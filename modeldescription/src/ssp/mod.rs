@@ -1,6 +1,7 @@
 //! System Structure and Parameterization (SSP): read and write systems of connected FMUs.
 //!
 //! * [`SystemStructure`] is an SSD: systems, components, connectors, connections, units.
+//! * [`SignalDictionary`] is an SSB: signals that elements share by name.
 //! * [`ParameterSet`] is an SSV, [`ParameterMapping`] an SSM; both stand in files of their own or
 //!   inside the SSD.
 //! * [`Ssp`] is an opened `.ssp`, with the parameter files loaded; [`SspBuilder`] packs one.
@@ -9,6 +10,7 @@
 //! Version 1.0 is written. Of 2.0 everything is read that 1.0 has too, and its numeric types; its
 //! arrays of connectors, clocks and variants are not.
 
+mod dictionary;
 mod flat;
 mod package;
 mod problem;
@@ -18,6 +20,7 @@ mod structure;
 mod values;
 mod write;
 
+pub use dictionary::{DictionaryReference, SignalDictionary};
 pub use flat::{Flat, FlatComponent, FlatConnection, FlatInput, FlatOutput, FlatStart, Linear};
 pub use package::{Ssp, SspBuilder};
 pub use problem::SspError;

@@ -9,8 +9,8 @@ use tempfile::TempDir;
 use super::SYSTEM_STRUCTURE;
 use super::problem::{Format, SspError, problem};
 use super::structure::*;
-use super::{read, values};
-use crate::package::{Limits, PackageError, unpack, write_archive};
+use super::{dictionary, read, values};
+use crate::package::{Archive, Limits, PackageError, unpack, write_archive};
 use crate::problem::Problem;
 use crate::xml::XmlLimits;
 
@@ -66,8 +66,7 @@ impl Ssp {
             .map_err(|source| PackageError::Read { path: file, source })
             .map(|bytes| read::read(&bytes, SYSTEM_STRUCTURE, &limits.xml, &mut problems))?;
         let structure = structure.map(|mut structure| {
-            let mut loader =
-                Loader { folder: &folder, limits: &limits.xml, problems: &mut problems };
+            let mut loader = Loader { folder: &folder, limits, problems: &mut problems };
             loader.system(&mut structure.system);
             structure
         });
@@ -107,8 +106,8 @@ fn content(file: &Path, limits: &XmlLimits) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A relative URI below a folder.
-fn resolve(folder: &Path, source: &str) -> Result<PathBuf, String> {
+/// The relative path that a URI means.
+fn relative(source: &str) -> Result<PathBuf, String> {
     let decoded = percent_decode_str(source).decode_utf8().map_err(|_| {
         format!("the source \"{source}\" does not decode to UTF-8; percent-encode it as UTF-8")
     })?;
@@ -122,7 +121,12 @@ fn resolve(folder: &Path, source: &str) -> Result<PathBuf, String> {
              as resources/plant.fmu"
         ));
     }
-    let file = folder.join(relative);
+    Ok(relative.components().filter(|part| matches!(part, PathPart::Normal(_))).collect())
+}
+
+/// A relative URI below a folder.
+fn resolve(folder: &Path, source: &str) -> Result<PathBuf, String> {
+    let file = folder.join(relative(source)?);
     match file.is_file() {
         true => Ok(file),
         false => {
@@ -131,46 +135,81 @@ fn resolve(folder: &Path, source: &str) -> Result<PathBuf, String> {
     }
 }
 
+/// A file inside a component, which is an archive, an FMU as a rule.
+fn within(component: &Path, source: &str, limits: &Limits) -> Result<Vec<u8>, String> {
+    let parts: Vec<String> =
+        relative(source)?.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    let mut archive = Archive::open(component, limits).map_err(|error| error.to_string())?;
+    if let Some((entry, defect)) = archive.all_defects().next() {
+        return Err(PackageError::entry(component, entry, defect.clone()).to_string());
+    }
+    match archive.read(&parts.join("/")) {
+        Some(read) => read.map_err(|error| error.to_string()),
+        None => Err(format!(
+            "there is no file \"{source}\" in {}; add it, or remove sourceBase if it stands in the \
+             SSP itself",
+            component.display()
+        )),
+    }
+}
+
 /// Loads the files of parameter bindings.
 struct Loader<'a> {
     folder: &'a Path,
-    limits: &'a XmlLimits,
+    limits: &'a Limits,
     problems: &'a mut Vec<Problem>,
 }
 
 impl Loader<'_> {
     fn system(&mut self, system: &mut System) {
-        system.bindings.iter_mut().for_each(|binding| self.binding(binding));
+        system.bindings.iter_mut().for_each(|binding| self.binding(binding, None));
+        for list in &mut system.dictionaries {
+            if let Some((file, bytes)) = self.load(&list.source, None, list.line.0) {
+                dictionary::load(&bytes, &file, &self.limits.xml, self.problems, list);
+            }
+        }
         for element in &mut system.elements {
             match element {
                 Element::System(system) => self.system(system),
+                Element::Dictionary(_) => {}
                 Element::Component(component) => {
-                    component.bindings.iter_mut().for_each(|binding| self.binding(binding));
+                    let source = Some(component.source.as_str());
+                    component.bindings.iter_mut().for_each(|one| self.binding(one, source));
                 }
             }
         }
     }
 
-    fn binding(&mut self, binding: &mut Binding) {
-        if let Some((file, bytes)) = self.load(&binding.source, binding.line.0) {
-            binding.values = values::read_set(&bytes, &file, self.limits, self.problems);
+    /// Loads what a binding names; `component` is the source of the component that has it.
+    fn binding(&mut self, binding: &mut Binding, component: Option<&str>) {
+        let limits = &self.limits.xml;
+        if let Some((file, bytes)) = self.load(&binding.source, component, binding.line.0) {
+            binding.values = values::read_set(&bytes, &file, limits, self.problems);
         }
         let Some(mapping) = &mut binding.mapping else { return };
-        if let Some((file, bytes)) = self.load(&mapping.source, mapping.line.0) {
-            mapping.mapping = values::read_mapping(&bytes, &file, self.limits, self.problems);
+        if let Some((file, bytes)) = self.load(&mapping.source, component, mapping.line.0) {
+            mapping.mapping = values::read_mapping(&bytes, &file, limits, self.problems);
         }
     }
 
-    fn load(&mut self, source: &Source, line: u32) -> Option<(String, Vec<u8>)> {
-        let loaded = match source {
-            Source::Inline => return None,
-            Source::File(file) => resolve(self.folder, file).and_then(|path| {
-                let bytes = content(&path, self.limits).map_err(|e| format!("{file}: {e}"))?;
+    fn load(
+        &mut self,
+        source: &Source,
+        component: Option<&str>,
+        line: u32,
+    ) -> Option<(String, Vec<u8>)> {
+        let loaded = match (source, component) {
+            (Source::Inline, _) => return None,
+            (Source::File(file), _) => resolve(self.folder, file).and_then(|path| {
+                let bytes = content(&path, &self.limits.xml).map_err(|e| format!("{file}: {e}"))?;
                 Ok((file.clone(), bytes))
             }),
-            Source::InComponent(file) => Err(format!(
-                "the source \"{file}\" is relative to the component; only files of the SSP itself \
-                 are read, so copy it there and remove sourceBase"
+            (Source::InComponent(file), Some(component)) => resolve(self.folder, component)
+                .and_then(|archive| within(&archive, file, self.limits))
+                .map(|bytes| (format!("{component}/{file}"), bytes)),
+            (Source::InComponent(file), None) => Err(format!(
+                "the source \"{file}\" is relative to a component, but the binding is a system's; \
+                 remove sourceBase"
             )),
         };
         loaded
@@ -205,7 +244,7 @@ impl SspBuilder {
     fn parameters(&mut self, system: &System) -> Result<(), SspError> {
         let inner = system.elements.iter().flat_map(|element| match element {
             Element::Component(component) => component.bindings.as_slice(),
-            Element::System(_) => &[],
+            Element::System(_) | Element::Dictionary(_) => &[],
         });
         for binding in system.bindings.iter().chain(inner) {
             if let (Source::File(file), Some(values)) = (&binding.source, &binding.values) {
@@ -215,6 +254,11 @@ impl SspBuilder {
             let stored = mapping.and_then(|m| Some((&m.source, m.mapping.as_ref()?)));
             if let Some((Source::File(file), mapping)) = stored {
                 self.entry(file, mapping.to_xml()?.into_bytes())?;
+            }
+        }
+        for list in &system.dictionaries {
+            if let (Source::File(file), Some(_)) = (&list.source, &list.signals) {
+                self.entry(file, list.to_xml()?.into_bytes())?;
             }
         }
         for element in &system.elements {

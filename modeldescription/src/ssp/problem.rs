@@ -46,6 +46,7 @@ pub(super) enum Format {
     Structure,
     Values,
     Mapping,
+    Dictionary,
 }
 
 impl Format {
@@ -54,6 +55,7 @@ impl Format {
             Format::Structure => "SSP 1.0, SystemStructureDescription",
             Format::Values => "SSP 1.0, SystemStructureParameterValues",
             Format::Mapping => "SSP 1.0, SystemStructureParameterMapping",
+            Format::Dictionary => "SSP 1.0, SystemStructureSignalDictionary",
         }
     }
 
@@ -62,6 +64,7 @@ impl Format {
             Format::Structure => "SystemStructureDescription",
             Format::Values => "ParameterSet",
             Format::Mapping => "ParameterMapping",
+            Format::Dictionary => "SignalDictionary",
         }
     }
 
@@ -70,6 +73,7 @@ impl Format {
             Format::Structure => "SystemStructureDescription",
             Format::Values => "SystemStructureParameterValues",
             Format::Mapping => "SystemStructureParameterMapping",
+            Format::Dictionary => "SystemStructureSignalDictionary",
         };
         format!("http://ssp-standard.org/SSP1/{name}")
     }

@@ -1,5 +1,6 @@
 //! Reads an SSD.
 
+use super::dictionary;
 use super::problem::Format;
 use super::reader::{Reader, child, children, listed, local};
 use super::structure::*;
@@ -61,10 +62,12 @@ fn experiment(reader: &mut Reader<'_>, root: &xml::Element) -> Experiment {
 }
 
 fn read_system(reader: &mut Reader<'_>, element: &xml::Element) -> System {
-    let known = ["Connectors", "ParameterBindings", "Elements", "Connections", "Annotations"];
+    let content = ["Connectors", "ParameterBindings", "Elements", "Connections"];
+    let further = ["SignalDictionaries", "Annotations"];
     let graphics = ["ElementGeometry", "SystemGeometry", "GraphicalElements"];
-    let unread = ["SignalDictionaries", "MetaData", "Signature"];
-    reader.only(element, &known, &[&graphics[..], &unread[..]].concat());
+    let unread = ["MetaData", "Signature"];
+    let known = [&content[..], &further].concat();
+    reader.only(element, &known, &[&graphics[..], &unread].concat());
     System {
         name: name(reader, element),
         description: element.attribute("description").map(str::to_owned),
@@ -74,13 +77,16 @@ fn read_system(reader: &mut Reader<'_>, element: &xml::Element) -> System {
         connections: listed(element, "Connections", "Connection")
             .map(|connection| read_connection(reader, connection))
             .collect(),
+        dictionaries: listed(element, "SignalDictionaries", "SignalDictionary")
+            .map(|found| dictionary::dictionary(reader, found))
+            .collect(),
         annotations: annotations(element),
         line: Line(element.line),
     }
 }
 
 /// A name, which must not be empty.
-fn name(reader: &mut Reader<'_>, element: &xml::Element) -> String {
+pub(super) fn name(reader: &mut Reader<'_>, element: &xml::Element) -> String {
     let name = reader.required(element, "name");
     if element.attribute("name") == Some("") {
         let found = format!("<{}> has an empty name", element.name);
@@ -96,16 +102,11 @@ fn elements(reader: &mut Reader<'_>, element: &xml::Element) -> Vec<Element> {
             "Component" => elements.push(Element::Component(component(reader, child))),
             "System" => elements.push(Element::System(read_system(reader, child))),
             "SignalDictionaryReference" => {
-                let found = format!(
-                    "signal dictionary reference \"{}\"",
-                    child.attribute("name").unwrap_or_default()
-                );
-                let rule = "signal dictionaries are not supported";
-                reader.report(child.line, found, rule, "connect the elements directly");
+                elements.push(Element::Dictionary(dictionary::reference(reader, child)));
             }
             _ => {
                 let found = format!("<{}> stands in <Elements>", child.name);
-                let rule = "elements are Component and System";
+                let rule = "elements are Component, System and SignalDictionaryReference";
                 reader.report(child.line, found, rule, "remove the element");
             }
         }
@@ -135,7 +136,7 @@ fn component(reader: &mut Reader<'_>, element: &xml::Element) -> Component {
     }
 }
 
-fn connectors(reader: &mut Reader<'_>, element: &xml::Element) -> Vec<Connector> {
+pub(super) fn connectors(reader: &mut Reader<'_>, element: &xml::Element) -> Vec<Connector> {
     listed(element, "Connectors", "Connector").map(|c| connector(reader, c)).collect()
 }
 
@@ -146,12 +147,23 @@ fn connector(reader: &mut Reader<'_>, element: &xml::Element) -> Connector {
     if element.attribute("kind").is_none() {
         reader.required(element, "kind");
     }
+    let data_type = stated_type(reader, element, "connector");
+    Connector { name, kind: kind.unwrap_or(Kind::Input), data_type, line: Line(element.line) }
+}
+
+/// The type that stands in a connector or a signal, which is `what`.
+pub(super) fn stated_type(
+    reader: &mut Reader<'_>,
+    element: &xml::Element,
+    what: &str,
+) -> Option<ConnectorType> {
+    let name = element.attribute("name").unwrap_or_default();
     let mut data_type = None;
     for child in &element.children {
         match local(&child.name) {
             "ConnectorGeometry" | "Annotations" => {}
             "Dimension" | "Clock" => {
-                let found = format!("connector \"{name}\" has a <{}>", child.name);
+                let found = format!("{what} \"{name}\" has a <{}>", child.name);
                 let rule = "arrays and clocks of SSP 2.0 are not supported";
                 let way_out = "declare a connector per element of the array, as in command[1]";
                 reader.report(child.line, found, rule, way_out);
@@ -164,7 +176,7 @@ fn connector(reader: &mut Reader<'_>, element: &xml::Element) -> Connector {
                     data_type = Some(ConnectorType { data_type: found, unit, enumeration });
                 }
                 None => {
-                    let found = format!("connector \"{name}\" has the type <{}>", child.name);
+                    let found = format!("{what} \"{name}\" has the type <{}>", child.name);
                     let rule = "types are Real, Integer, Boolean, String, Enumeration, Binary \
                                 and the numeric types of FMI 3.0";
                     reader.report(child.line, found, rule, "correct the type");
@@ -172,7 +184,7 @@ fn connector(reader: &mut Reader<'_>, element: &xml::Element) -> Connector {
             },
         }
     }
-    Connector { name, kind: kind.unwrap_or(Kind::Input), data_type, line: Line(element.line) }
+    data_type
 }
 
 /// `Real` and `Integer` of 1.0, and the types of 2.0, which are those of FMI 3.0.
@@ -236,7 +248,7 @@ fn media_type(reader: &mut Reader<'_>, element: &xml::Element, wanted: &str) {
 }
 
 /// `source` and `sourceBase`; exactly one of a source and an inline content must be there.
-fn source(reader: &mut Reader<'_>, element: &xml::Element, inline: bool) -> Source {
+pub(super) fn source(reader: &mut Reader<'_>, element: &xml::Element, inline: bool) -> Source {
     let base = reader.parsed(element, "sourceBase", "SSD or component", |text| match text {
         "SSD" => Some(false),
         "component" => Some(true),

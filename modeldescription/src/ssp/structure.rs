@@ -1,5 +1,6 @@
 //! What an SSD, an SSV and an SSM say.
 
+use super::dictionary::{DictionaryReference, SignalDictionary};
 use crate::description::{Line, Unit};
 use crate::names::named;
 use crate::variable::DataType;
@@ -78,6 +79,8 @@ pub struct System {
     pub elements: Vec<Element>,
     /// Connections between connectors of the elements and of the system itself.
     pub connections: Vec<Connection>,
+    /// Signals that elements share by name.
+    pub dictionaries: Vec<SignalDictionary>,
     /// What tools noted.
     pub annotations: Vec<Annotation>,
     /// Where it stands.
@@ -98,6 +101,8 @@ pub enum Element {
     Component(Component),
     /// A system inside the system.
     System(System),
+    /// A signal dictionary.
+    Dictionary(DictionaryReference),
 }
 
 impl Element {
@@ -106,6 +111,7 @@ impl Element {
         match self {
             Element::Component(component) => &component.name,
             Element::System(system) => &system.name,
+            Element::Dictionary(reference) => &reference.name,
         }
     }
 
@@ -114,6 +120,7 @@ impl Element {
         match self {
             Element::Component(component) => &component.connectors,
             Element::System(system) => &system.connectors,
+            Element::Dictionary(reference) => &reference.connectors,
         }
     }
 
@@ -121,6 +128,7 @@ impl Element {
         match self {
             Element::Component(component) => component.line,
             Element::System(system) => system.line,
+            Element::Dictionary(reference) => reference.line,
         }
     }
 }
@@ -190,7 +198,7 @@ named! {
         Parameter = "parameter",
         /// Gives a computed parameter.
         CalculatedParameter = "calculatedParameter",
-        /// Of signal dictionaries only.
+        /// Of signal dictionaries only: what is connected says which way.
         Inout = "inout",
         /// Sets sizes of arrays (2.0).
         StructuralParameter = "structuralParameter",

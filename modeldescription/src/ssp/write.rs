@@ -1,5 +1,6 @@
-//! Writes SSD, SSV and SSM.
+//! Writes SSD, SSV, SSM, and what they share with an SSB.
 
+use super::dictionary;
 use super::problem::{Format, SspError};
 use super::structure::*;
 use crate::description::Unit;
@@ -17,6 +18,7 @@ impl SystemStructure {
         let mut root = root(Format::Structure, "ssd");
         root.attributes.push(("xmlns:ssv".to_owned(), Format::Values.namespace()));
         root.attributes.push(("xmlns:ssm".to_owned(), Format::Mapping.namespace()));
+        root.attributes.push(("xmlns:ssb".to_owned(), Format::Dictionary.namespace()));
         let root = root
             .with("version", &self.version)
             .with("name", &self.name)
@@ -62,20 +64,20 @@ impl ParameterMapping {
     }
 }
 
-fn root(format: Format, prefix: &str) -> Xml {
+pub(super) fn root(format: Format, prefix: &str) -> Xml {
     let mut root = element(&format!("{prefix}:{}", format.root()));
     root.attributes.push((format!("xmlns:{prefix}"), format.namespace()));
     root.attributes.push(("xmlns:ssc".to_owned(), COMMON.to_owned()));
     root
 }
 
-fn element(name: &str) -> Xml {
+pub(super) fn element(name: &str) -> Xml {
     Xml { name: name.to_owned(), attributes: Vec::new(), children: Vec::new(), line: 0 }
 }
 
 /// Building an element attribute by attribute and child by child.
 impl Xml {
-    fn with(mut self, name: &str, value: &str) -> Self {
+    pub(super) fn with(mut self, name: &str, value: &str) -> Self {
         self.attributes.push((name.to_owned(), value.to_owned()));
         self
     }
@@ -96,13 +98,13 @@ impl Xml {
         self
     }
 
-    fn holding_all(mut self, children: impl Iterator<Item = Xml>) -> Self {
+    pub(super) fn holding_all(mut self, children: impl Iterator<Item = Xml>) -> Self {
         self.children.extend(children);
         self
     }
 
     /// A list element, left out where it would be empty.
-    fn list(self, name: &str, items: impl Iterator<Item = Xml>) -> Self {
+    pub(super) fn list(self, name: &str, items: impl Iterator<Item = Xml>) -> Self {
         let list = element(name).holding_all(items);
         if list.children.is_empty() { self } else { self.holding(list) }
     }
@@ -112,6 +114,7 @@ fn system(system: &System) -> Xml {
     let elements = system.elements.iter().map(|inner| match inner {
         Element::Component(inner) => component(inner),
         Element::System(inner) => self::system(inner),
+        Element::Dictionary(inner) => dictionary::written_reference(inner),
     });
     element("ssd:System")
         .maybe("description", system.description.as_deref())
@@ -120,6 +123,7 @@ fn system(system: &System) -> Xml {
         .list("ssd:ParameterBindings", system.bindings.iter().map(binding))
         .list("ssd:Elements", elements)
         .list("ssd:Connections", system.connections.iter().map(connection))
+        .list("ssd:SignalDictionaries", system.dictionaries.iter().map(dictionary::written))
         .list("ssd:Annotations", system.annotations.iter().map(annotation))
 }
 
@@ -142,8 +146,16 @@ fn annotation(annotation: &Annotation) -> Xml {
         .holding_all(annotation.content.clone().into_iter())
 }
 
-fn connector(connector: &Connector) -> Xml {
-    let data_type = connector.data_type.iter().map(|stated| {
+pub(super) fn connector(connector: &Connector) -> Xml {
+    element("ssd:Connector")
+        .with("name", &connector.name)
+        .with("kind", connector.kind.name())
+        .holding_all(stated_type(connector).into_iter())
+}
+
+/// The type of a connector or of a signal.
+pub(super) fn stated_type(connector: &Connector) -> Option<Xml> {
+    connector.data_type.as_ref().map(|stated| {
         let name = match stated.data_type {
             DataType::Float64 | DataType::Float32 => "Real",
             DataType::Boolean | DataType::String | DataType::Enumeration | DataType::Binary => {
@@ -154,11 +166,7 @@ fn connector(connector: &Connector) -> Xml {
         element(&format!("ssc:{name}"))
             .maybe("unit", stated.unit.as_deref())
             .maybe("name", stated.enumeration.as_deref())
-    });
-    element("ssd:Connector")
-        .with("name", &connector.name)
-        .with("kind", connector.kind.name())
-        .holding_all(data_type)
+    })
 }
 
 fn connection(connection: &Connection) -> Xml {
@@ -209,7 +217,7 @@ fn mapping(mapping: &Mapping) -> Xml {
     sourced(element("ssd:ParameterMapping"), &mapping.source).holding_all(inline.into_iter())
 }
 
-fn sourced(element: Xml, source: &Source) -> Xml {
+pub(super) fn sourced(element: Xml, source: &Source) -> Xml {
     match source {
         Source::Inline => element,
         Source::File(file) => element.with("source", file),
@@ -278,7 +286,7 @@ fn enumeration(enumeration: &Enumeration) -> Xml {
     element("ssc:Enumeration").with("name", &enumeration.name).holding_all(items)
 }
 
-fn unit(unit: &Unit) -> Xml {
+pub(super) fn unit(unit: &Unit) -> Xml {
     let base = unit.base.unwrap_or_default();
     let exponents = base.exponents().into_iter().filter(|(_, exponent)| *exponent != 0);
     let mut content = element("ssc:BaseUnit");
@@ -305,7 +313,7 @@ fn number(value: f64) -> String {
 }
 
 /// The document as indented text.
-fn text(root: &Xml) -> Result<String, SspError> {
+pub(super) fn text(root: &Xml) -> Result<String, SspError> {
     let mut text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned();
     write_element(root, 0, &mut text)?;
     Ok(text)

@@ -17,6 +17,7 @@ impl Flattener<'_> {
             let inner = joined(path, element.name());
             match element {
                 Element::System(system) => self.bindings_of(system, &inner),
+                Element::Dictionary(_) => {}
                 Element::Component(component) => {
                     for binding in &component.bindings {
                         self.apply(binding, &|_, name| vec![(inner.clone(), name.to_owned())]);
@@ -38,6 +39,7 @@ impl Flattener<'_> {
             let inner = joined(path, element.name());
             return match element {
                 Element::Component(_) => vec![(inner, rest.to_owned())],
+                Element::Dictionary(_) => Vec::new(),
                 Element::System(system) => self.resolve(system, &inner, rest),
             };
         }

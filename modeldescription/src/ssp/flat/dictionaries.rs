@@ -1,0 +1,52 @@
+//! Signal dictionaries: one place per signal, wherever a reference to the dictionary stands.
+
+use super::{Flattener, NodeInfo, joined};
+use crate::ssp::dictionary::{DictionaryReference, SignalDictionary};
+use crate::ssp::structure::*;
+
+impl<'a> Flattener<'a> {
+    /// Takes up the connectors of a reference, and the signals that they stand for.
+    pub(super) fn reference(&mut self, reference: &DictionaryReference, path: &str) {
+        let Some((place, dictionary)) = self.dictionary(reference) else { return };
+        self.connectors(path, &reference.connectors, false);
+        for connector in &reference.connectors {
+            let signals = dictionary.signals.iter().flatten();
+            let Some(signal) = signals.into_iter().find(|s| s.name == connector.name) else {
+                let found = format!(
+                    "the signal dictionary \"{}\" has no signal \"{}\"",
+                    dictionary.name, connector.name
+                );
+                let rule = "connectors of a reference are signals of its dictionary";
+                self.report(connector.line, found, rule, "add the signal or correct the name");
+                continue;
+            };
+            let name = signal.data_type.as_ref().and_then(|stated| stated.unit.as_deref());
+            let own = |name: &str| dictionary.units.iter().find(|u| u.name == name).cloned();
+            let unit = name.and_then(|name| own(name).or_else(|| self.unit(name, connector.line)));
+            let info = NodeInfo { kind: Kind::Inout, unit, is_component: false };
+            self.nodes.insert((place.clone(), signal.name.clone()), info);
+        }
+        self.shared.insert(path.to_owned(), place);
+    }
+
+    /// The dictionary that a reference means, of its system or the nearest around, and its path. No
+    /// element can have this path, because no XML can carry a zero byte.
+    fn dictionary(
+        &mut self,
+        reference: &DictionaryReference,
+    ) -> Option<(String, &'a SignalDictionary)> {
+        let found = self.around.iter().rev().find_map(|(path, system)| {
+            let named = system.dictionaries.iter().find(|d| d.name == reference.dictionary)?;
+            Some((format!("{}\0", joined(path, &named.name)), named))
+        });
+        if found.is_none() {
+            self.report(
+                reference.line,
+                format!("there is no signal dictionary \"{}\"", reference.dictionary),
+                "a reference names a dictionary of its system or of one around it",
+                "add the dictionary or correct the name",
+            );
+        }
+        found
+    }
+}
