@@ -8,6 +8,8 @@ use fmi_bindings::export::{Phase, Rule, v2, v3};
 
 const PAGE: &str = include_str!("../docs/fmi.md");
 const PAGE_3: &str = include_str!("../docs/fmi3.md");
+/// The test with the defects that an FMU may have.
+const DEFECTS: &str = include_str!("../modeldescription/tests/check.rs");
 
 /// The call table of a page, and that of the code.
 fn tables(page: &str, code: &[Rule]) -> [Vec<String>; 2] {
@@ -26,6 +28,30 @@ fn the_call_tables_of_the_pages_are_those_of_the_code() {
         let [page, code] = tables(page, code);
         assert_eq!(page, code);
         assert_eq!(page.len(), rows);
+    }
+}
+
+/// Every defect of the page's table is a case of the test.
+#[test]
+fn every_defect_of_the_page_is_a_case_of_the_test() {
+    let rows = PAGE.lines().skip_while(|line| !line.starts_with("| defect | fmpy"));
+    let rows = rows.skip(2).take_while(|line| line.starts_with('|'));
+    let mut cases = Vec::new();
+    for row in rows {
+        let last = row.trim_end_matches('|').rsplit('|').next().expect("a cell").trim();
+        // "InitialUnknowns unordered and with a duplicate" are two of one beginning.
+        let (first, second) = last.split_once(" and ").unwrap_or((last, ""));
+        let beginning = first.split(' ').next().unwrap_or_default();
+        cases.push(first.to_owned());
+        match second {
+            "" => {}
+            second if second.starts_with("with ") => cases.push(format!("{beginning} {second}")),
+            second => cases.push(second.to_owned()),
+        }
+    }
+    assert_eq!(cases.len(), 33, "{cases:#?}");
+    for case in cases {
+        assert!(DEFECTS.contains(&format!("\"{case}\"")), "no case {case:?}");
     }
 }
 

@@ -69,6 +69,54 @@ fn toml_ssp_and_separate_processes_give_the_same_bytes() {
     }
 }
 
+/// A lag feeds a gain over communication steps of ten internal ones: held, the gain is a step behind;
+/// on straight lines only an internal step and the lag's curvature are missing.
+#[test]
+fn extrapolated_inputs_are_nearer_to_the_truth_than_held_ones() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let gain =
+        fs::read_to_string(common::root().join("tests/blueprints/gain.toml")).expect("there");
+    let lag = gain.clone() + "\n[[axis.component]]\ntype = \"sensor-lag\"\nbandwidth = 1.6\n";
+    fs::write(folder.join("lag.toml"), lag).expect("the folder is writable");
+    fs::write(folder.join("gain.toml"), gain).expect("the folder is writable");
+    for name in ["lag", "gain"] {
+        succeed(&["pack", &format!("{name}.toml"), "-o", &format!("{name}.fmu")], folder);
+    }
+    let text = "name = \"chain\"\nstep = 1e-2\nstop = 0.5\n[fmus]\nlag = \"lag.fmu\"\ngain = \"gain.fmu\"\n\
+        [connections]\n\"gain.command[1]\" = { from = \"lag.position[1]\", convert = false }\n\
+        [inputs]\n\"lag.command[1]\" = \"u\"\n\
+        [record]\nfirst = \"lag.position[1]\"\nsecond = \"gain.position[1]\"\n";
+    fs::write(folder.join("chain.toml"), text).expect("the folder is writable");
+    fs::write(folder.join("u.csv"), "time,u\n0,0\n0.1,10\n0.6,10\n").expect("writable");
+    let largest = |algorithm: &str| {
+        let call = ["system", "chain.toml", "--input", "u.csv", "--stop", "0.5", "-o", "run.csv"];
+        succeed(&[&call[..], &["--algorithm", algorithm]].concat(), folder);
+        let run = fs::read_to_string(folder.join("run.csv")).expect("a run");
+        let rows = run.lines().skip(1).map(|line| {
+            let cells: Vec<f64> = line.split(',').map(|c| c.parse().expect("a number")).collect();
+            (cells[2] - 2.0 * cells[1]).abs()
+        });
+        rows.skip(13).fold(0.0, f64::max)
+    };
+    let (held, straight) = (largest("jacobi"), largest("jacobi-extrapolated"));
+    println!("largest error: {held} held, {straight} on straight lines");
+    assert!(straight > 0.0 && held > 4.0 * straight, "{held}, {straight}");
+    let said = refuse(
+        &[
+            "system",
+            "chain.toml",
+            "--input",
+            "u.csv",
+            "--algorithm",
+            "jacobi-extrapolated",
+            "--isolate",
+        ],
+        folder,
+    );
+    assert!(said.contains("leave out --isolate"), "{said}");
+}
+
 #[test]
 fn what_cannot_be_run_is_told() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -36,7 +36,9 @@ mod system;
 mod time;
 mod unit;
 
-pub use algorithm::{Algorithm, GaussSeidel, Iteration, IterationSettings, Jacobi, Relaxation};
+pub use algorithm::{
+    Algorithm, Extrapolation, GaussSeidel, Iteration, IterationSettings, Jacobi, Relaxation,
+};
 pub use closed_loop::{Coupling, Loop, LoopSettings, Wiring};
 pub use diagram::{Connection, Diagram, Port};
 pub use error::{Error, RunError};

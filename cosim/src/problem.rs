@@ -158,6 +158,13 @@ pub enum Problem {
     /// An algebraic loop that cannot be iterated, or settings for it that are none.
     #[error("{0}")]
     Iteration(String),
+    /// Nothing can be extrapolated.
+    #[error(
+        "no connection can be extrapolated: the FMU that gives must state maxOutputDerivativeOrder of 1 \
+         or more, the one that takes canInterpolateInputs, both of FMI 2.0 and with the communication \
+         step as their own; use jacobi or gauss-seidel"
+    )]
+    NoSlopes,
     /// Two FMUs do not form a loop.
     #[error("{0}")]
     Loop(String),

@@ -340,7 +340,7 @@ fn meeting() -> SystemStructure {
     };
     let mut structure = SystemStructure::new("meeting");
     let volt = BaseUnit { kg: 1, m: 2, s: -3, a: -1, ..BaseUnit::default() };
-    structure.units = vec![unit("V", volt.clone())];
+    structure.units = vec![unit("V", volt)];
     let mut plant = Component::new("stage", "resources/stage.fmu");
     plant.connectors = vec![connector("command[1]", Kind::Input, Some("V"))];
     let mut machine = System::new("machine");

@@ -80,7 +80,11 @@ impl Answer for Checked {
             };
             let verdict = match (fmu.errors, fmu.warnings) {
                 (0, 0) => "no problem".to_owned(),
-                (errors, warnings) => format!("{errors} errors, {warnings} warnings"),
+                (errors, warnings) => {
+                    let several = |count: usize| if count == 1 { "" } else { "s" };
+                    let (e, w) = (several(errors), several(warnings));
+                    format!("{errors} error{e}, {warnings} warning{w}")
+                }
             };
             writeln!(out, "{}: {what}{verdict}", fmu.path.display())?;
         }

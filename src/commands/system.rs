@@ -64,7 +64,8 @@ Examples:
 A system in TOML:
   name = \"closed loop\"
   step = 1e-4                            # communication step in s
-  algorithm = \"gauss-seidel\"             # or jacobi, or iteration (algebraic loops are solved)
+  algorithm = \"gauss-seidel\"             # or jacobi, jacobi-extrapolated (inputs on
+                                         # straight lines), iteration (loops are solved)
   order = [\"controller\", \"plant\"]        # of gauss-seidel; else sources before targets
 
   [fmus]
@@ -88,6 +89,8 @@ enum Algorithm {
     GaussSeidel,
     /// All side by side: every connection delays by one step
     Jacobi,
+    /// Side by side, with inputs that move on straight lines where the FMUs offer it
+    JacobiExtrapolated,
     /// Algebraic loops are solved, with rollback of the FMUs' states
     Iteration,
 }
@@ -119,6 +122,7 @@ impl System {
         let mut plan = Plan::read(&self.file)?;
         match self.algorithm {
             Some(Algorithm::GaussSeidel) => plan.master.coupling = Coupling::GaussSeidel,
+            Some(Algorithm::JacobiExtrapolated) => plan.master.coupling = Coupling::Extrapolation,
             Some(Algorithm::Jacobi) => plan.master.coupling = Coupling::Jacobi,
             Some(Algorithm::Iteration) => plan.master.coupling = Coupling::Iteration,
             None => {}
@@ -215,6 +219,9 @@ impl System {
         if !self.isolate {
             let open = |path: &Path| fmus::open(path).map(|opened| opened.fmu);
             return plan.fmus.iter().map(|fmu| open(&fmu.path)).collect();
+        }
+        if plan.master.coupling == Coupling::Extrapolation {
+            bail!("jacobi-extrapolated runs FMUs in this process only; leave out --isolate");
         }
         if !(self.timeout > 0.0 && self.timeout < 1e9) {
             bail!("--timeout {}: give a time in s, greater than 0", self.timeout);

@@ -3,6 +3,7 @@
 //! | connection | source acts on the target over \[t_k, t_{k+1}\] with | delay |
 //! |---|---|---|
 //! | any, [`Jacobi`] | its output at t_k | one step |
+//! | any, [`Extrapolation`] | its output and slope at t_k, where the FMUs offer slopes | one step of a held value, none of a straight line |
 //! | [`GaussSeidel`], source before target | its output at t_{k+1} | none |
 //! | [`GaussSeidel`], source after target | its output at t_k | one step |
 //! | any, [`Iteration`] | its output at t_{k+1} | none |
@@ -24,10 +25,12 @@
 //! break it where the delay harms least, with [`GaussSeidel`]. Slaves outside of loops may have any
 //! step.
 
+mod extrapolation;
 mod gauss_seidel;
 mod iteration;
 mod jacobi;
 
+pub use extrapolation::Extrapolation;
 pub use gauss_seidel::GaussSeidel;
 pub use iteration::{Iteration, IterationSettings, Relaxation};
 pub use jacobi::Jacobi;

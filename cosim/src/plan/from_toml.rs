@@ -111,7 +111,8 @@ impl Reader {
             self.text(root, "", "algorithm").map(|name| (Coupling::from_name(&name), name));
         if let Some((None, name)) = &coupling {
             let at = root.get("algorithm").map_or(0, |value| value.span().start);
-            let rule = "must be \"gauss-seidel\", \"jacobi\" or \"iteration\"";
+            let rule =
+                "must be \"gauss-seidel\", \"jacobi\", \"jacobi-extrapolated\" or \"iteration\"";
             self.report(at, "algorithm", name, rule, "correct the name");
         }
         let order = match root.get("order").map(|value| (value, value.get_ref())) {

@@ -21,7 +21,7 @@ pub use prepare::Prepared;
 /// ```toml
 /// name = "closed loop"
 /// step = 1e-4                            # communication step in s
-/// algorithm = "gauss-seidel"             # or "jacobi", "iteration"
+/// algorithm = "gauss-seidel"             # or "jacobi", "jacobi-extrapolated", "iteration"
 /// order = ["controller", "plant"]        # of gauss-seidel; else sources before targets
 ///
 /// [fmus]
@@ -114,6 +114,8 @@ pub struct PlannedStart {
 pub enum Coupling {
     /// All side by side.
     Jacobi,
+    /// All side by side, with inputs on straight lines.
+    Extrapolation,
     /// One after the other.
     #[default]
     GaussSeidel,
@@ -126,6 +128,7 @@ impl Coupling {
     pub fn name(self) -> &'static str {
         match self {
             Coupling::Jacobi => "jacobi",
+            Coupling::Extrapolation => "jacobi-extrapolated",
             Coupling::GaussSeidel => "gauss-seidel",
             Coupling::Iteration => "iteration",
         }
@@ -133,7 +136,7 @@ impl Coupling {
 
     /// The coupling of this name.
     pub fn from_name(name: &str) -> Option<Self> {
-        [Coupling::Jacobi, Coupling::GaussSeidel, Coupling::Iteration]
+        [Coupling::Jacobi, Coupling::Extrapolation, Coupling::GaussSeidel, Coupling::Iteration]
             .into_iter()
             .find(|coupling| coupling.name() == name)
     }

@@ -6,7 +6,7 @@ use modeldescription::ssp::ParameterValue;
 use modeldescription::variable::{Causality, DataType};
 
 use super::{Coupling, Plan, PlannedStart};
-use crate::algorithm::{Algorithm, GaussSeidel, Iteration, Jacobi};
+use crate::algorithm::{Algorithm, Extrapolation, GaussSeidel, Iteration, Jacobi};
 use crate::diagram::{Diagram, Port};
 use crate::error::Error;
 use crate::problem::{Problem, Problems};
@@ -107,6 +107,7 @@ impl Plan {
         let order: Vec<&str> = self.master.order.iter().map(String::as_str).collect();
         Ok(match self.master.coupling {
             Coupling::Jacobi => Box::new(Jacobi),
+            Coupling::Extrapolation => Box::new(Extrapolation::new(system)?),
             Coupling::GaussSeidel if order.is_empty() => {
                 Box::new(GaussSeidel::by_dependency(system))
             }

@@ -16,7 +16,7 @@ use super::value::Value;
 use super::{Slave, StateId};
 use crate::error::Error;
 
-/// Integers and booleans are converted on the stack, so many at once.
+/// Integers, booleans and orders are made on the stack, so many at once.
 const CHUNK: usize = 32;
 
 /// One instance of an FMI 2.0 co-simulation FMU.
@@ -173,6 +173,25 @@ impl Slave for Fmi2Slave {
             } else {
                 get_whole(instance, run.data_type, references, values)?;
             }
+        }
+        Ok(())
+    }
+
+    fn output_slopes(&mut self, outputs: &Selection, slopes: &mut [f64]) -> Result<(), Error> {
+        let instance = instance_of(&mut self.instance, &self.settings.name)?;
+        let references = outputs.references();
+        for (references, slopes) in references.chunks(CHUNK).zip(slopes.chunks_mut(CHUNK)) {
+            let first = &[1; CHUNK][..references.len()];
+            instance.get_real_output_derivatives(references, first, slopes)?;
+        }
+        Ok(())
+    }
+
+    fn set_input_slopes(&mut self, inputs: &Selection, slopes: &[f64]) -> Result<(), Error> {
+        let instance = instance_of(&mut self.instance, &self.settings.name)?;
+        for (references, slopes) in inputs.references().chunks(CHUNK).zip(slopes.chunks(CHUNK)) {
+            let first = &[1; CHUNK][..references.len()];
+            instance.set_real_input_derivatives(references, first, slopes)?;
         }
         Ok(())
     }

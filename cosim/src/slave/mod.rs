@@ -58,6 +58,18 @@ pub trait Slave: Send {
     /// Reads the selected variables; `values` in the order of the selection.
     fn get(&mut self, selection: &Selection, values: &mut [f64]) -> Result<(), Error>;
 
+    /// The slopes of Real outputs in time, in their unit per second.
+    fn output_slopes(&mut self, outputs: &Selection, slopes: &mut [f64]) -> Result<(), Error> {
+        let (_, _) = (outputs, slopes);
+        Err(self.no_slopes("give slopes of its outputs", "maxOutputDerivativeOrder"))
+    }
+
+    /// Lets Real inputs move on straight lines in the next step; slopes in their unit per second.
+    fn set_input_slopes(&mut self, inputs: &Selection, slopes: &[f64]) -> Result<(), Error> {
+        let (_, _) = (inputs, slopes);
+        Err(self.no_slopes("take slopes of its inputs", "canInterpolateInputs"))
+    }
+
     /// Steps from `time` over `step` seconds.
     fn step(&mut self, time: f64, step: f64) -> Result<StepResult, Error>;
 
@@ -95,6 +107,12 @@ pub trait Slave: Send {
     fn deserialize(&mut self, bytes: &[u8]) -> Result<StateId, Error> {
         let _ = bytes;
         Err(self.no_bytes())
+    }
+
+    /// The error of a slave that knows no slopes.
+    #[doc(hidden)]
+    fn no_slopes(&self, what: &'static str, attribute: &'static str) -> Error {
+        Error::NotOffered { fmu: self.name().to_owned(), what, attribute }
     }
 
     /// The error of a slave that cannot turn its state into bytes.
