@@ -1,8 +1,9 @@
 //! Progress of long work: on a terminal only.
 
-use std::io::IsTerminal;
+use std::io::{self, IsTerminal};
 use std::time::Duration;
 
+use cosim::record::Column;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::answer::Screen;
@@ -19,4 +20,35 @@ pub(crate) fn bar(screen: &Screen, what: &'static str, length: u64) -> ProgressB
     }
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
+}
+
+/// A progress bar that moves by the rows recorded. Asking a hidden bar takes a lock, so there is none
+/// where nobody looks.
+pub(crate) struct Rows(Option<ProgressBar>);
+
+impl Rows {
+    pub(crate) fn new(screen: &Screen, what: &'static str, rows: usize) -> Self {
+        let bar = bar(screen, what, rows as u64);
+        Self((!bar.is_hidden()).then_some(bar))
+    }
+
+    /// Takes it off the screen.
+    pub(crate) fn finish(&self) {
+        if let Some(bar) = &self.0 {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl cosim::Recorder for Rows {
+    fn begin(&mut self, _: usize, _: &[Column], _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn row(&mut self, _: f64, _: &[f64]) -> io::Result<()> {
+        if let Some(bar) = &self.0 {
+            bar.inc(1);
+        }
+        Ok(())
+    }
 }

@@ -136,10 +136,10 @@ impl Simulate {
         };
         let slave = opened.fmu.instantiate(opened.name.clone(), &InstanceOptions::default())?;
         let mut memory = Memory::new();
-        let mut bar = Rows(progress::bar(screen, "simulate", log.len() as u64));
+        let mut bar = progress::Rows::new(screen, "simulate", log.len());
         let outcome =
             cosim::simulate_with_inputs(slave, &records, &drive, &mut (&mut memory, &mut bar));
-        bar.0.finish_and_clear();
+        bar.finish();
         if let (Err(error), Some(out)) = (&outcome, &self.out) {
             return Err(broken_off(error, &memory, out)?);
         }
@@ -421,21 +421,6 @@ fn keep(memory: &Memory, out: &Path) -> anyhow::Result<()> {
         log.add_column(&series.column.name, unit, series.values.clone())?;
     }
     Ok(log.write(out, UnitPlace::Sidecar)?)
-}
-
-/// Moves a progress bar by the rows recorded.
-struct Rows(indicatif::ProgressBar);
-
-impl cosim::Recorder for Rows {
-    fn begin(&mut self, _: usize, _: &[cosim::record::Column], _: usize) -> io::Result<()> {
-        Ok(())
-    }
-    fn row(&mut self, _: f64, _: &[f64]) -> io::Result<()> {
-        if !self.0.is_hidden() {
-            self.0.inc(1);
-        }
-        Ok(())
-    }
 }
 
 impl Answer for Simulated {

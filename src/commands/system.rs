@@ -178,15 +178,14 @@ impl System {
         let mut prepared = plan.prepare(slaves, step, &units)?;
         let rows = points.steps() + 1;
         let (start_s, stop_s) = (points.start(), points.stop());
-        let bar = progress::bar(screen, "run", rows as u64);
         let mut recorder = Recording {
             file: self.out.as_deref().map(RecordFile::create).transpose()?,
-            bar,
+            bar: progress::Rows::new(screen, "run", rows),
             rows: 0,
         };
         let run = Run { record: 0, points, signals: &table, tolerance: None };
         let outcome = prepared.system.run(&run, &*prepared.algorithm, &mut recorder);
-        recorder.bar.finish_and_clear();
+        recorder.bar.finish();
         let Recording { file, rows, .. } = recorder;
         if let (Some(file), Some(out)) = (file, &self.out) {
             file.finish().with_context(|| format!("{} cannot be written", out.display()))?;
@@ -289,7 +288,7 @@ impl System {
 /// Writes rows to the file, and moves the progress bar.
 struct Recording {
     file: Option<RecordFile>,
-    bar: indicatif::ProgressBar,
+    bar: progress::Rows,
     rows: usize,
 }
 
@@ -305,9 +304,7 @@ impl cosim::Recorder for Recording {
 
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.rows += 1;
-        if !self.bar.is_hidden() {
-            self.bar.inc(1);
-        }
+        self.bar.row(time, values)?;
         self.file.as_mut().map_or(Ok(()), |file| file.row(time, values))
     }
 
