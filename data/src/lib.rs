@@ -14,6 +14,7 @@ mod fit;
 mod log;
 mod name_map;
 mod nearest;
+mod number_text;
 mod problem;
 mod resample;
 mod toml_text;
@@ -32,6 +33,7 @@ pub use log::{
 };
 pub use name_map::NameMap;
 pub use nearest::nearest;
+pub use number_text::push_number;
 pub use problem::{Problem, Problems};
 pub use resample::{Hold, ResampleError, Uniform};
 pub use whole_file::WholeFile;

@@ -9,6 +9,7 @@ use serde::Serialize;
 use crate::answer::{Answer, Screen};
 use crate::commands::signal;
 use crate::matching::{self, Figure};
+use crate::progress;
 
 /// Lists the rigs, records, effects, models or signals that the tool knows
 #[derive(Args, Debug)]
@@ -116,7 +117,7 @@ impl List {
                      records`"
                 )
             }
-            (What::Rigs, None) if self.matching => Listing::Match(matching::figures()?),
+            (What::Rigs, None) if self.matching => Listing::Match(match_all(screen)?),
             (_, None) if self.matching => {
                 anyhow::bail!("--match compares rigs: use it with `list rigs`")
             }
@@ -197,28 +198,30 @@ fn models() -> Vec<ModelRow> {
     learned::COMPONENTS.iter().map(|c| row(c.declaration())).collect()
 }
 
+/// All figures of all papers' machines.
+fn match_all(screen: &Screen) -> anyhow::Result<Vec<Figure>> {
+    let bar = progress::bar(screen, "running the baselines", matching::TABLES.len() as u64);
+    let mut all = Vec::new();
+    for table in matching::TABLES {
+        all.extend(table()?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(all)
+}
+
 /// The table of figures, and the verdict on each rig.
 fn write_match(figures: &[Figure], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "{:10} {:58} {:>8} {:>8}  verdict", "rig", "figure", "paper", "ours")?;
     for f in figures {
-        let ours = f.ours.map_or("-".to_owned(), |value| format!("{value:.3}"));
-        let verdict = match f.within {
-            Some(true) => "matched",
-            Some(false) => "not matched",
-            None => "not judged",
-        };
+        let verdict = if f.within { "matched" } else { "not matched" };
         let note = if f.note.is_empty() { String::new() } else { format!(" ({})", f.note) };
         let what = format!("{} [{}]", f.what, f.unit);
-        writeln!(out, "{:10} {what:58} {:>8} {ours:>8}  {verdict}{note}", f.rig, f.paper)?;
+        writeln!(out, "{:10} {what:58} {:>8} {:>8.3}  {verdict}{note}", f.rig, f.paper, f.ours)?;
     }
-    let count = |wanted: Option<bool>| figures.iter().filter(|f| f.within == wanted).count();
-    writeln!(
-        out,
-        "\n{} figures within 25 % of the paper's, {} beyond, {} not judged",
-        count(Some(true)),
-        count(Some(false)),
-        count(None)
-    )
+    let within = figures.iter().filter(|f| f.within).count();
+    let beyond = figures.len() - within;
+    writeln!(out, "\n{within} figures within 25 % of the paper's, {beyond} beyond")
 }
 
 impl Answer for Listing {

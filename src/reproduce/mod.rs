@@ -96,16 +96,16 @@ impl Row {
 }
 
 /// The command of an axis and the position at the end of each of its samples.
-struct Response {
-    command: Vec<f64>,
+pub(crate) struct Response {
+    pub(crate) command: Vec<f64>,
     /// One more than commands: the position before the first.
-    position: Vec<f64>,
-    period: f64,
+    pub(crate) position: Vec<f64>,
+    pub(crate) period: f64,
 }
 
 /// What axis 1 of a truth rig does under a paper's signal, times `gain`; the last command is held for
 /// one sample more.
-fn response(
+pub(crate) fn response(
     rig: &str,
     name: &str,
     settings: &[(&str, f64)],
@@ -121,7 +121,7 @@ fn response(
 
 impl Response {
     /// The position at the end of each sample.
-    fn after(&self) -> &[f64] {
+    pub(crate) fn after(&self) -> &[f64] {
         &self.position[1..]
     }
 }

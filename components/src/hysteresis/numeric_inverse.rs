@@ -12,7 +12,10 @@
 //! Error: the bracket ends at 1e-12 of the command range after at most
 //! [`EVALUATIONS`](crate::solve::EVALUATIONS) evaluations of the model (usually about 10). For
 //! models with a rate, the position is wrong by the effect of the difference between the rates of
-//! the command and those estimates. Positions that no command reaches give the nearest limit.
+//! the command and those estimates: at each step, at any frequency, by no more than
+//! `L·||u̇| − |ẏ/slope||`, with L = rate·Σw for `rate-dependent-play` and `mpi`, and
+//! L = max(|a2|, |b2|)·Σw for `grpi`, since a play moves no further than its edges do. Positions that
+//! no command reaches give the nearest limit.
 
 use libm::fmax;
 use model::{Component, Declaration, Sizes, Tick, Violation};
@@ -127,5 +130,74 @@ impl<M: Forward> Component for NumericInverse<M> {
         (*last, *last_rate) = (y, rate);
         *u = rising(y, [low, high], |u| self.forward.frozen(inner, machine, rates, u));
         self.forward.step(inner, machine, tick, &[*u], &mut [0.0]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::f64::consts::TAU;
+
+    use super::*;
+    use crate::hysteresis::{grpi, mpi, rate_dependent_play};
+    use crate::testing::Instance;
+
+    const LIMITS: [f64; 2] = [-50.0, 150.0];
+    const R: [f64; 3] = [3.0, 8.0, 20.0];
+    const W: [f64; 3] = [0.01, 0.02, 0.01];
+
+    /// Greatest error of an inverse over three periods of 1 to 7 um, the greatest part of its bound that
+    /// a step takes, and whether a step broke the bound.
+    fn errors(
+        (forward, inverse): (&'static dyn Component, &'static dyn Component),
+        parameters: &[f64],
+        (slope, lipschitz): (f64, f64),
+        frequency: f64,
+    ) -> [f64; 2] {
+        let period = 1e-3 / frequency;
+        let wanted = |n: u32| 4.0 - 3.0 * (TAU * f64::from(n) * 1e-3).cos();
+        let mut forward = Instance::new(forward, &[3.0], parameters, period).unwrap();
+        let limited = [parameters, &LIMITS].concat();
+        let mut inverse = Instance::new(inverse, &[3.0], &limited, period).unwrap();
+        let mut last = inverse.rest(&[wanted(0)]);
+        forward.rest(&[last]);
+        let (mut greatest, mut worst) = (0.0_f64, 0.0_f64);
+        for n in 1..3000 {
+            let (y, u) = (wanted(n), inverse.step(&[wanted(n)]));
+            let error = (forward.step(&[u]) - y).abs();
+            let rate = (u - last).abs() / period;
+            let estimate = (y - wanted(n - 1)).abs() / period / slope;
+            last = u;
+            greatest = greatest.max(error);
+            worst = worst.max(error / (lipschitz * (rate - estimate).abs() + 1e-9));
+        }
+        [greatest, worst]
+    }
+
+    #[test]
+    fn inverses_with_rate_terms_keep_their_bound_at_every_frequency() {
+        let sum = W.iter().sum::<f64>();
+        let slope = mean_slope(Plays { r: &R, w: &W }, 0.05, LIMITS);
+        for frequency in [0.1, 1.0, 10.0, 50.0, 100.0, 200.0] {
+            let growth = 1e-4;
+            let p = [&R[..], &W, &[0.3, 0.05, growth]].concat();
+            let pair: (&'static dyn Component, &'static dyn Component) =
+                (&rate_dependent_play::RateDependentPlay, &rate_dependent_play::INVERSE);
+            let [plays, part] = errors(pair, &p, (slope, growth * sum), frequency);
+            assert!(part <= 1.0, "plays at {frequency} Hz: {part} of the bound");
+            // Slow enough, the iteration's own end is all that is left.
+            assert!(frequency > 0.5 || plays < 1e-4, "{plays}");
+            let p = [&R[..], &W, &[0.3, 0.05, 0.0, 1.0, growth]].concat();
+            let pair: (&'static dyn Component, &'static dyn Component) = (&mpi::Mpi, &mpi::INVERSE);
+            let [_, part] = errors(pair, &p, (slope, growth * sum), frequency);
+            assert!(part <= 1.0, "mpi at {frequency} Hz: {part} of the bound");
+            let (r, w) = ([0.0, 8.0, 20.0], [0.05, 0.02, 0.01]);
+            let p = [&r[..], &w, &[0.3, 1.0, -growth, 1.0, 1.5 * growth]].concat();
+            let slope = mean_slope(Plays { r: &r, w: &w }, 0.0, LIMITS);
+            let lipschitz = 1.5 * growth * w.iter().sum::<f64>();
+            let pair: (&'static dyn Component, &'static dyn Component) =
+                (&grpi::Grpi, &grpi::INVERSE);
+            let [_, part] = errors(pair, &p, (slope, lipschitz), frequency);
+            assert!(part <= 1.0, "grpi at {frequency} Hz: {part} of the bound");
+        }
     }
 }

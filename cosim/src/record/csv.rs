@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use data::WholeFile;
+use data::{WholeFile, push_number};
 
 use super::{Column, Recorder};
 
@@ -18,12 +18,14 @@ pub struct CsvRecorder<W: Write> {
     record_column: bool,
     header_written: bool,
     record: usize,
+    line: String,
 }
 
 impl<W: Write> CsvRecorder<W> {
     /// Writes to `out`, which should be buffered.
     pub fn new(out: W) -> Self {
-        CsvRecorder { out, units: false, record_column: false, header_written: false, record: 0 }
+        let (units, record_column, header_written) = (false, false, false);
+        CsvRecorder { out, units, record_column, header_written, record: 0, line: String::new() }
     }
 
     /// Puts units into the header: `position[1] [um]`.
@@ -71,15 +73,17 @@ impl<W: Write> Recorder for CsvRecorder<W> {
     }
 
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        number(&mut self.out, time)?;
+        self.line.clear();
+        push_number(&mut self.line, time);
         if self.record_column {
-            write!(self.out, ",{}", self.record)?;
+            self.line.push_str(&format!(",{}", self.record));
         }
         for value in values {
-            self.out.write_all(b",")?;
-            number(&mut self.out, *value)?;
+            self.line.push(',');
+            push_number(&mut self.line, *value);
         }
-        self.out.write_all(b"\n")
+        self.line.push('\n');
+        self.out.write_all(self.line.as_bytes())
     }
 
     fn end(&mut self) -> io::Result<()> {
@@ -129,16 +133,6 @@ impl Recorder for CsvFile {
 
     fn end(&mut self) -> io::Result<()> {
         self.rows.end()
-    }
-}
-
-/// Shortest text that reads back to the same bits, with an exponent where that is shorter.
-fn number(out: &mut impl Write, value: f64) -> io::Result<()> {
-    let magnitude = value.abs();
-    if magnitude == 0.0 || (1e-5..1e16).contains(&magnitude) || !value.is_finite() {
-        write!(out, "{value}")
-    } else {
-        write!(out, "{value:e}")
     }
 }
 

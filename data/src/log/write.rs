@@ -9,7 +9,7 @@ use std::path::Path;
 
 use super::{ColumnUnit, Log, dataset, header};
 use crate::toml_text::{key, quoted};
-use crate::{Problem, Problems, WholeFile};
+use crate::{Problem, Problems, WholeFile, push_number};
 
 /// Where the units of a log are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -193,16 +193,6 @@ fn sidecar_text(columns: &[ColumnHeader]) -> String {
         }
     }
     text
-}
-
-/// The shortest text that is read as the same number.
-fn push_number(line: &mut String, value: f64) {
-    let size = value.abs();
-    let _ = if value == 0.0 || (1e-5..1e16).contains(&size) {
-        write!(line, "{value}")
-    } else {
-        write!(line, "{value:e}")
-    };
 }
 
 pub(super) fn log(log: &Log, path: &Path, units: UnitPlace) -> Result<(), Problems> {

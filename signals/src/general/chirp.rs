@@ -72,7 +72,7 @@ pub(crate) fn linear_turns([f0, f1, duration]: [f64; 3], t: f64) -> f64 {
 }
 
 /// Integral of f0·(f1/f0)^(t/D); `expm1` keeps it exact for nearly equal frequencies.
-fn logarithmic_turns([f0, f1, duration]: [f64; 3], t: f64) -> f64 {
+pub(crate) fn logarithmic_turns([f0, f1, duration]: [f64; 3], t: f64) -> f64 {
     let rate = libm::log(f1 / f0) / duration;
     if rate == 0.0 { f0 * t } else { f0 * libm::expm1(rate * t) / rate }
 }
