@@ -92,6 +92,10 @@ struct QuantityRow {
     unit: &'static str,
     description: &'static str,
     start: Option<f64>,
+    min: Option<f64>,
+    max: Option<f64>,
+    /// The structural setting that says how many values it has; none: one value.
+    length: Option<&'static str>,
 }
 
 impl List {
@@ -182,6 +186,9 @@ fn models() -> Vec<ModelRow> {
                 unit: s.unit,
                 description: s.description,
                 start: s.start,
+                min: bound(s.min),
+                max: bound(s.max),
+                length: None,
             })
             .collect(),
         parameters: d
@@ -192,6 +199,12 @@ fn models() -> Vec<ModelRow> {
                 unit: q.unit,
                 description: q.description,
                 start: q.start,
+                min: bound(q.min),
+                max: bound(q.max),
+                length: match q.shape {
+                    model::Shape::Scalar => None,
+                    model::Shape::Array(at) => d.structure.get(at).map(|s| s.name),
+                },
             })
             .collect(),
     };
@@ -208,6 +221,11 @@ fn match_all(screen: &Screen) -> anyhow::Result<Vec<Figure>> {
     }
     bar.finish_and_clear();
     Ok(all)
+}
+
+/// A bound, none where it is infinite: JSON has no infinity.
+fn bound(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
 }
 
 /// The table of figures, and the verdict on each rig.

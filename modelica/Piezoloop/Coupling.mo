@@ -1,0 +1,82 @@
+within Piezoloop;
+package Coupling "Several axes at once"
+  block CommandCoupling "Static coupling from the neighbours' commands"
+    parameter Integer axes(min = 2, max = 4) "Number of coupled axes";
+    parameter Integer entries(min = 4, max = 16) "Number of entries of the matrix";
+    parameter Real matrix[entries](each unit="um/V") "Motion per command of the neighbour, row by row, zero on the diagonal";
+    Interfaces.PositionInput u[axes] "Position of each axis in front";
+    Interfaces.PositionOutput y[axes] "Position of each axis behind";
+    Interfaces.CommandInput command[axes] "Command of each axis";
+  equation
+    for i in 1:axes loop
+      y[i] = u[i] + Functions.rowProduct(matrix, i, command);
+    end for;
+    annotation(Documentation(info="<html><p>Component <code>command-coupling</code>:</p><p><code>y[i] = x[i] + sum(matrix[i,j]*u[j])</code></p></html>"));
+  end CommandCoupling;
+
+  block DisplacementCoupling "Coupling from the neighbours' motion, with their dynamics"
+    parameter Integer axes(min = 2, max = 8) "Number of coupled axes";
+    parameter Integer entries(min = 4, max = 64) "Number of entries of the matrix";
+    parameter Real matrix[entries](each unit="1") "Motion per motion of the neighbour, row by row, zero on the diagonal";
+    Interfaces.PositionInput u[axes] "Position of each axis in front";
+    Interfaces.PositionOutput y[axes] "Position of each axis behind";
+  equation
+    for i in 1:axes loop
+      y[i] = u[i] + Functions.rowProduct(matrix, i, u);
+    end for;
+    annotation(Documentation(info="<html><p>Component <code>displacement-coupling</code>:</p><p><code>y[i] = x[i] + sum(matrix[i,j]*x[j])</code></p></html>"));
+  end DisplacementCoupling;
+
+  block ModeCoupling "Coupling from the neighbours' commands through a mode of each neighbour"
+    parameter Integer axes(min = 2, max = 4) "Number of coupled axes";
+    parameter Integer entries(min = 4, max = 16) "Number of entries of the matrix";
+    parameter Real matrix[entries](each unit="um/V") "Motion per command of the neighbour, row by row, zero on the diagonal";
+    parameter Real frequency[axes](each unit="Hz", each min = 0) "Undamped natural frequency of each axis' mode";
+    parameter Real damping[axes](each unit="1", each min = 0) "Damping ratio of each axis' mode";
+    Interfaces.PositionInput u[axes] "Position of each axis in front";
+    Interfaces.PositionOutput y[axes] "Position of each axis behind";
+    Interfaces.CommandInput command[axes] "Command of each axis";
+  protected
+    Real z[axes](each unit="V") "Mode of each axis";
+    Real v[axes](each unit="V") "Its rate over its angular frequency";
+  initial equation
+    for i in 1:axes loop
+      der(z[i]) = 0;
+      der(v[i]) = 0;
+    end for;
+  equation
+    for i in 1:axes loop
+      der(z[i]) = 2*Constants.pi*frequency[i]*v[i];
+      der(v[i]) = 2*Constants.pi*frequency[i]*(command[i] - z[i] - 2*damping[i]*v[i]);
+      y[i] = u[i] + Functions.rowProduct(matrix, i, z);
+    end for;
+    annotation(Documentation(info="<html><p>Component <code>mode-coupling</code>:</p><p><code>y[i] = x[i] + sum(matrix[i,j]*z[j]); z'' + 2*damping*w*z' + w^2*z = w^2*u; w = 2*pi*frequency</code></p></html>"));
+  end ModeCoupling;
+
+  block OpticsJacobian "From the angles of several mirrors to the coordinates of the spots on the sensors"
+    parameter Integer axes(min = 2, max = 8) "Number of coupled axes";
+    parameter Integer entries(min = 4, max = 64) "Number of entries of the matrix";
+    parameter Real matrix[entries](each unit="um/V") "Jacobian, row by row";
+    parameter Real offset[axes](each unit="um") "Coordinates at zero angles";
+    Interfaces.PositionInput u[axes] "Position of each axis in front";
+    Interfaces.PositionOutput y[axes] "Position of each axis behind";
+  equation
+    for i in 1:axes loop
+      y[i] = offset[i] + Functions.rowProduct(matrix, i, u);
+    end for;
+    annotation(Documentation(info="<html><p>Component <code>optics-jacobian</code>:</p><p><code>p[i] = offset[i] + sum(matrix[i,j]*theta[j])</code></p></html>"));
+  end OpticsJacobian;
+
+  block PsdPincushion "Pincushion distortion of a position-sensitive detector"
+    parameter Integer axes(min = 2, max = 2) "Number of axes, 2";
+    parameter Real distortion(unit="1") "Relative shift at half_size on an axis";
+    parameter Real half_size(unit="um", min = 0) "Half the edge of the detector";
+    Interfaces.PositionInput u[axes] "Position of each axis in front";
+    Interfaces.PositionOutput y[axes] "Position of each axis behind";
+  equation
+    for i in 1:axes loop
+      y[i] = u[i]*(1 + distortion*(u[1]^2 + u[2]^2)/half_size^2);
+    end for;
+    annotation(Documentation(info="<html><p>Component <code>psd-pincushion</code>:</p><p><code>q[i] = p[i]*(1 + distortion*(p[1]^2 + p[2]^2)/half_size^2)</code></p></html>"));
+  end PsdPincushion;
+end Coupling;

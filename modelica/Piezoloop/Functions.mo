@@ -1,0 +1,417 @@
+within Piezoloop;
+package Functions "What several blocks share; states go in and come out"
+  function shift "The past inputs after a step, newest first; all are u at the start"
+    input Real u;
+    input Real on "1 after the first step, 0 in it";
+    input Real last[:];
+    output Real next[size(last, 1)];
+  algorithm
+    for i in 1:size(last, 1) loop
+      next[i] := if i > 1 and on > 0 then last[max(i - 1, 1)] else u;
+    end for;
+  end shift;
+
+  function interpolate "Past input of so many steps ago, linear between samples"
+    input Real steps;
+    input Real past[:];
+    output Real y;
+  algorithm
+    y := 0;
+    for i in 1:size(past, 1) loop
+      y := y + max(0, 1 - abs(i - 1 - steps))*past[i];
+    end for;
+  end interpolate;
+
+  function play "One play: a piston in a cylinder of width 2r"
+    input Real u;
+    input Real r;
+    input Real last;
+    output Real next;
+  algorithm
+    next := max(u - r, min(u + r, last));
+  end play;
+
+  function plays "Plays with thresholds r + wider"
+    input Real u;
+    input Real r[:];
+    input Real wider;
+    input Real last[size(r, 1)];
+    output Real next[size(r, 1)];
+  algorithm
+    for i in 1:size(r, 1) loop
+      next[i] := max(u - r[i] - wider, min(u + r[i] + wider, last[i]));
+    end for;
+  end plays;
+
+  function envelopedPlays "Plays between a rising and a falling envelope"
+    input Real left;
+    input Real right;
+    input Real r[:];
+    input Real last[size(r, 1)];
+    output Real next[size(r, 1)];
+  algorithm
+    for i in 1:size(r, 1) loop
+      next[i] := max(left - r[i], min(right + r[i], last[i]));
+    end for;
+  end envelopedPlays;
+
+  function inverseThresholds "Thresholds of the inverse of a Prandtl-Ishlinskii model"
+    input Real r[:];
+    input Real w[size(r, 1)];
+    output Real y[size(r, 1)];
+  algorithm
+    for i in 1:size(r, 1) loop
+      y[i] := inverseThreshold(r[i], r, w);
+    end for;
+  end inverseThresholds;
+
+  function inverseThreshold "Threshold of the inverse that belongs to threshold ri"
+    input Real ri;
+    input Real r[:];
+    input Real w[size(r, 1)];
+    output Real y;
+  algorithm
+    y := 0;
+    for k in 1:size(r, 1) loop
+      y := y + w[k]*max(ri - r[k], 0);
+    end for;
+  end inverseThreshold;
+
+  function inverseWeights "Weights of the inverse of a Prandtl-Ishlinskii model"
+    input Real r[:];
+    input Real w[size(r, 1)];
+    output Real y[size(r, 1)];
+  algorithm
+    for i in 1:size(r, 1) loop
+      y[i] := inverseWeight(r[i], w[i], r, w);
+    end for;
+  end inverseWeights;
+
+  function inverseWeight "Weight of the inverse that belongs to threshold ri and weight wi"
+    input Real ri;
+    input Real wi;
+    input Real r[:];
+    input Real w[size(r, 1)];
+    output Real y;
+  protected
+    Real before "Sum of the weights of smaller thresholds";
+  algorithm
+    before := 0;
+    for k in 1:size(r, 1) loop
+      before := before + (if r[k] < ri then w[k] else 0);
+    end for;
+    y := if before <= 0 then 1/wi else -wi/((before + wi)*before);
+  end inverseWeight;
+
+  function deadZones "x + sum of one-sided dead zones"
+    input Real x;
+    input Real edge[:];
+    input Real slope[size(edge, 1)];
+    output Real y;
+  algorithm
+    y := x;
+    for j in 1:size(edge, 1) loop
+      y := y + slope[j]*(if edge[j] > 0 then max(x - edge[j], 0) else min(x - edge[j], 0));
+    end for;
+  end deadZones;
+
+  function inverseEdges "Edges of the inverse map"
+    input Real edge[:];
+    input Real slope[size(edge, 1)];
+    output Real y[size(edge, 1)];
+  algorithm
+    for i in 1:size(edge, 1) loop
+      y[i] := deadZones(edge[i], edge, slope);
+    end for;
+  end inverseEdges;
+
+  function inverseSlopes "Changes of slope of the inverse map"
+    input Real edge[:];
+    input Real slope[size(edge, 1)];
+    output Real y[size(edge, 1)];
+  algorithm
+    for i in 1:size(edge, 1) loop
+      y[i] := inverseSlope(edge[i], slope[i], edge, slope);
+    end for;
+  end inverseSlopes;
+
+  function inverseSlope "Change of slope of the inverse map at the image of edge ej"
+    input Real ej;
+    input Real change;
+    input Real edge[:];
+    input Real slope[size(edge, 1)];
+    output Real y;
+  protected
+    Real total "Slope of the map beyond the edge";
+  algorithm
+    total := 1;
+    for k in 1:size(edge, 1) loop
+      total := total + (if ej > 0 and edge[k] > 0 and edge[k] <= ej or ej < 0 and edge[k] < 0 and edge[k] >= ej then slope[k] else 0);
+    end for;
+    y := 1/total - 1/(total - change);
+  end inverseSlope;
+
+  function relays "Relays of a Preisach model after a move to a level"
+    input Real level;
+    input Real last[:];
+    output Real next[size(last, 1)];
+  protected
+    Real row;
+    Real column;
+  algorithm
+    for k in 1:size(last, 1) loop
+      row := ceil((sqrt(8*k + 1) - 1)/2 - 1e-9);
+      column := k - row*(row - 1)/2;
+      next[k] := if level >= row then 1 else if level < column then 0 else last[k];
+    end for;
+  end relays;
+
+  function relaySum "Output of a Preisach model after a move to a level"
+    input Real level;
+    input Real mu[:];
+    input Real last[size(mu, 1)];
+    output Real y;
+  protected
+    Real row;
+    Real column;
+  algorithm
+    y := 0;
+    for k in 1:size(mu, 1) loop
+      row := ceil((sqrt(8*k + 1) - 1)/2 - 1e-9);
+      column := k - row*(row - 1)/2;
+      y := y + mu[k]*(if level >= row then 1 else if level < column then 0 else last[k]);
+    end for;
+  end relaySum;
+
+  function nearestLevel "Level whose output comes nearest to the position that is wanted"
+    input Real wanted;
+    input Real present;
+    input Real levels;
+    input Real mu[:];
+    input Real last[size(mu, 1)];
+    output Real level;
+  protected
+    Real above;
+    Real below;
+    Real best;
+  algorithm
+    above := 0;
+    for k in 1:size(mu, 1) loop
+      above := above + (if k <= levels and relaySum(k - 1, mu, last) < wanted then 1 else 0);
+    end for;
+    below := max(above - 1, 0);
+    best := if abs(relaySum(below, mu, last) - wanted) < abs(relaySum(above, mu, last) - wanted) then below else above;
+    level := if abs(relaySum(present, mu, last) - wanted) <= abs(relaySum(best, mu, last) - wanted) then present else best;
+  end nearestLevel;
+
+  function span "Way that counts where the rest decays"
+    input Real way;
+    input Real decay;
+    output Real y;
+  algorithm
+    y := if abs(decay*way) < 1e-8 then way*(1 - 0.5*decay*way) else (1 - exp(-decay*way))/decay;
+  end span;
+
+  function relax "g after a way with dg = slope - decay*g"
+    input Real g;
+    input Real way;
+    input Real slope;
+    input Real decay;
+    output Real y;
+  algorithm
+    y := g + (slope - decay*g)*span(way, decay);
+  end relax;
+
+  function boucWen "Hysteretic part after a change of the command"
+    input Real h;
+    input Real change;
+    input Real slope;
+    input Real beta;
+    input Real gamma;
+    input Real delta;
+    input Real exponent;
+    output Real y;
+  protected
+    Real s "Direction";
+    Real along "Decay while h has the sign of the direction";
+    Real against "Decay while it has the other one";
+    Real g;
+    Real way;
+    Real ratio;
+    Real to_zero "Way until h is zero";
+    Real count;
+    Real top "Level that h cannot pass";
+    Real bend;
+    Real c;
+    Real next;
+  algorithm
+    s := if change > 0 then 1 else -1;
+    along := gamma + beta + delta*s;
+    against := gamma - beta + delta*s;
+    g := s*h;
+    way := abs(change);
+    if exponent <= 1 then
+      ratio := against*g/slope;
+      to_zero := if abs(against) < 1e-12 then -g/slope else -log(max(1 + ratio, 1e-300))/against;
+      g := if g >= 0 then relax(g, way, slope, along)
+        elseif ratio > -1 and to_zero < way then relax(0, way - to_zero, slope, along)
+        else relax(g, way, slope, -against);
+    else
+      count := max(1, min(64, ceil(way*exponent*(beta + abs(gamma) + abs(delta))/0.02)));
+      top := slope/(beta + gamma)*((beta + gamma)/along)^(1/exponent);
+      for k in 1:64 loop
+        if k <= count then
+          c := if g >= 0 then along else against;
+          bend := (abs(g)*(beta + gamma)/slope)^(exponent - 1);
+          next := g + (slope - c*abs(g)*bend)*span(way/count, c*exponent*bend*(if g >= 0 then 1 else -1));
+          g := if g <= top then min(next, top) else next;
+        end if;
+      end for;
+    end if;
+    y := s*g;
+  end boucWen;
+
+  function duhem "Distance from the centre line after a change of the command"
+    input Real e;
+    input Real change;
+    input Real half "Distance of the major loop";
+    input Real decay;
+    output Real y;
+  protected
+    Real target;
+  algorithm
+    target := if change > 0 then -half else half;
+    y := target + (e - target)*exp(-decay*abs(change));
+  end duhem;
+
+  function segmentWeight "Change of the weights by the segment of the loop"
+    input Real speed;
+    input Real acceleration;
+    input Real alpha[4];
+    input Real beta[4];
+    output Real y;
+  algorithm
+    y := if speed >= 0 then (if acceleration >= 0 then alpha[1]*speed + beta[1]*acceleration else alpha[2]*speed + beta[2]*acceleration)
+      else (if acceleration <= 0 then alpha[3]*speed + beta[3]*acceleration else alpha[4]*speed + beta[4]*acceleration);
+  end segmentWeight;
+
+  function meanSlope "Mean slope of the largest loop"
+    input Real linear;
+    input Real r[:];
+    input Real w[size(r, 1)];
+    input Real range;
+    output Real y;
+  algorithm
+    y := linear;
+    for i in 1:size(r, 1) loop
+      y := y + w[i]*max(range - 2*r[i], 0)/range;
+    end for;
+  end meanSlope;
+
+  function envelopedSum "Output of enveloped plays after a move, without making it"
+    input Real left;
+    input Real right;
+    input Real more "Added to every weight";
+    input Real r[:];
+    input Real w[size(r, 1)];
+    input Real last[size(r, 1)];
+    output Real y;
+  algorithm
+    y := 0;
+    for i in 1:size(r, 1) loop
+      y := y + (w[i] + more)*max(left - r[i], min(right + r[i], last[i]));
+    end for;
+  end envelopedSum;
+
+  function residues "Static gain of each element of product((s + zero)/(s + pole)), taken apart"
+    input Real pole[:];
+    input Real zero[size(pole, 1)];
+    output Real y[size(pole, 1)];
+  algorithm
+    for i in 1:size(pole, 1) loop
+      y[i] := residue(pole[i], zero[i], pole, zero);
+    end for;
+  end residues;
+
+  function residue "Static gain of the element with pole p, whose zero is z"
+    input Real p;
+    input Real z;
+    input Real pole[:];
+    input Real zero[size(pole, 1)];
+    output Real y;
+  algorithm
+    y := (z - p)/p;
+    for j in 1:size(pole, 1) loop
+      y := y*(if abs(pole[j] - p) <= 1e-12*p then 1 else (zero[j] - p)/(if abs(pole[j] - p) <= 1e-12*p then 1 else pole[j] - p));
+    end for;
+  end residue;
+
+  function rowProduct "Row i of a matrix that is given row by row, times a vector"
+    input Real matrix[:];
+    input Integer i;
+    input Real x[:];
+    output Real y;
+  algorithm
+    y := 0;
+    for j in 1:size(x, 1) loop
+      y := y + matrix[(i - 1)*size(x, 1) + j]*x[j];
+    end for;
+  end rowProduct;
+
+  function flicker "Lags of 1/f noise after a step"
+    input Real pole[:];
+    input Real weight[size(pole, 1)];
+    input Real beyond "What the poles below the first one add to it";
+    input Real step;
+    input Real drive;
+    input Real last[size(pole, 1)];
+    output Real next[size(pole, 1)];
+  algorithm
+    for i in 1:size(pole, 1) loop
+      next[i] := exp(-pole[i]*step)*last[i] + (1 - exp(-pole[i]*step))*weight[i]*(if i == 1 then 1 + beyond else 1)*drive;
+    end for;
+  end flicker;
+
+  function excess "How far beyond a limit, with a parabola within softness of it"
+    input Real d;
+    input Real softness;
+    output Real y;
+  algorithm
+    y := if d >= softness then d elseif d <= -softness then 0 else (d + softness)^2/(4*softness);
+  end excess;
+
+  function round "To the nearest whole number, halves away from zero"
+    input Real x;
+    output Real y;
+  algorithm
+    y := if x >= 0 then floor(x + 0.5) else -floor(0.5 - x);
+  end round;
+
+  function atanh "Inverse of tanh within 1e-9 of its ends"
+    input Real x;
+    output Real y;
+  protected
+    Real inside;
+  algorithm
+    inside := max(1e-9 - 1, min(1 - 1e-9, x));
+    y := 0.5*log((1 + inside)/(1 - inside));
+  end atanh;
+
+  function erf "Error function: its series without cancellation, 1 beyond 6"
+    input Real x;
+    output Real y;
+  protected
+    Real limited;
+    Real term;
+    Real total;
+  algorithm
+    limited := max(-6, min(6, x));
+    term := limited;
+    total := limited;
+    for n in 1:200 loop
+      term := term*2*limited^2/(2*n + 1);
+      total := total + term;
+    end for;
+    y := 2/sqrt(3.141592653589793)*exp(-limited^2)*total;
+  end erf;
+end Functions;
