@@ -3,8 +3,8 @@
 set -e
 here=$(cd "$(dirname "$0")" && pwd)
 cd "${1:-$(mktemp -d)}"
-cp "$here/loop.toml" "$here/reference.csv" .
-piezoloop pack evc -o plant.fmu
+cp "$here"/loop.toml "$here"/reference.csv "$here"/*.ssv .
+piezoloop pack evc --all-effects -o plant.fmu
 piezoloop invert evc -o controller.toml
 piezoloop pack controller.toml -o controller.fmu
 piezoloop system loop.toml --input reference.csv -o run.csv
@@ -12,3 +12,5 @@ piezoloop system loop.toml --export loop.ssp
 piezoloop system loop.ssp --input reference.csv -o ssp.csv
 piezoloop system loop.ssp --input reference.csv --isolate -o isolated.csv
 piezoloop system loop.ssp --input reference.csv --algorithm jacobi -o jacobi.csv
+piezoloop system loop.ssp --input reference.csv --parameters nominal.ssv -o nominal.csv
+piezoloop system loop.ssp --input reference.csv --parameters repaired.ssv -o repaired.csv

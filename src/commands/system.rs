@@ -29,6 +29,10 @@ pub(crate) struct System {
     /// The input table, a log with a column for each input of the system
     #[arg(long, value_name = "FILE")]
     input: Option<PathBuf>,
+    /// Start values from a parameter set (SSV) with names `fmu.variable`, in place of the system's
+    /// (may be given several times)
+    #[arg(long, value_name = "FILE")]
+    parameters: Vec<PathBuf>,
     /// Communication step in s [default: the system's, else the smallest that an FMU prefers or the
     /// input table has]
     #[arg(long, value_name = "S")]
@@ -59,6 +63,7 @@ const AFTER_HELP: &str = "\
 Examples:
   piezoloop system loop.toml --input reference.csv -o run.csv
   piezoloop system loop.ssp --stop 2 --isolate -o run.parquet
+  piezoloop system loop.ssp --input reference.csv --parameters loaded.ssv -o loaded.csv
   piezoloop system loop.toml --export loop.ssp
 
 A system in TOML:
@@ -120,6 +125,9 @@ struct Exported {
 impl System {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let mut plan = Plan::read(&self.file)?;
+        for set in &self.parameters {
+            plan.set(set)?;
+        }
         match self.algorithm {
             Some(Algorithm::GaussSeidel) => plan.master.coupling = Coupling::GaussSeidel,
             Some(Algorithm::JacobiExtrapolated) => plan.master.coupling = Coupling::Extrapolation,

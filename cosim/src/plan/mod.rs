@@ -1,6 +1,7 @@
 //! A system as a file describes it: a short TOML, or an SSP.
 
 mod from_ssp;
+mod from_ssv;
 mod from_toml;
 mod prepare;
 mod to_ssp;
