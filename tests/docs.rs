@@ -1,0 +1,163 @@
+//! The documentation: its commands run, its links lead somewhere, its site builds.
+//!
+//! A fence ```` ```sh ```` holds commands that are run here, page by page, each page in a folder of its own.
+//! ```` ```sh hardware ````, `sh data` and `sh long` hold what needs a machine, measured logs or minutes.
+#![cfg(unix)]
+#![allow(clippy::print_stdout)]
+
+mod common;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use common::{foreign, root};
+
+/// A fenced block: what stands behind the fence, its first line's number, its text.
+struct Block {
+    language: String,
+    line: usize,
+    text: String,
+}
+
+fn blocks(page: &Path) -> Vec<Block> {
+    let text = fs::read_to_string(page).expect("a page");
+    let (mut all, mut inside): (Vec<Block>, bool) = (Vec::new(), false);
+    for (number, line) in text.lines().enumerate() {
+        if let Some(language) = line.strip_prefix("```") {
+            inside = !inside;
+            if inside {
+                let language = language.trim().to_owned();
+                all.push(Block { language, line: number + 2, text: String::new() });
+            }
+        } else if let (true, Some(block)) = (inside, all.last_mut()) {
+            block.text += line;
+            block.text.push('\n');
+        }
+    }
+    all
+}
+
+/// The Markdown files of a folder.
+fn pages(folder: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join(folder)).expect("the folder is in the project");
+    let mut all: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "md"))
+        .collect();
+    all.sort();
+    all
+}
+
+/// Runs all commands of a page, in its order, as a reader does.
+fn run(page: &str) {
+    let blocks = blocks(&root().join("docs").join(page));
+    let commands: Vec<&Block> = blocks.iter().filter(|block| block.language == "sh").collect();
+    assert!(!commands.is_empty(), "docs/{page} has no command to run");
+    let folder = tempfile::tempdir().expect("a folder");
+    let tools = Path::new(env!("CARGO_BIN_EXE_piezoloop")).parent().expect("a folder").to_owned();
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let paths = std::iter::once(tools).chain(std::env::split_paths(&path));
+    let script: String =
+        commands.iter().map(|b| format!("echo '# line {}'\n{}", b.line, b.text)).collect();
+    let output = Command::new("sh")
+        .args(["-e", "-c", &script])
+        .current_dir(folder.path())
+        .env("PATH", std::env::join_paths(paths).expect("a PATH"))
+        .output()
+        .expect("a shell");
+    let said = String::from_utf8_lossy(&output.stdout);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "docs/{page}:\n{said}{errors}");
+    println!("docs/{page}: {} blocks run", commands.len());
+}
+
+#[test]
+fn the_tutorial_runs() {
+    run("tutorial.md");
+}
+
+#[test]
+fn the_page_for_the_simulation_engineer_runs() {
+    run("howto-simulation.md");
+}
+
+#[test]
+fn the_page_for_the_control_engineer_runs() {
+    run("howto-control.md");
+}
+
+#[test]
+fn the_page_for_the_test_engineer_runs() {
+    run("howto-test.md");
+}
+
+#[test]
+fn every_command_of_the_pages_is_run_or_marked() {
+    let run = ["tutorial.md", "howto-simulation.md", "howto-control.md", "howto-test.md"];
+    let (mut marked, mut problems) = (0, Vec::new());
+    for page in pages("docs") {
+        let name = page.file_name().and_then(|name| name.to_str()).expect("a name").to_owned();
+        for block in blocks(&page) {
+            let place = format!("docs/{name}:{}", block.line);
+            let is_command = |line: &str| {
+                ["piezoloop ", "cargo ", "sh ", "rustup ", "tools/"]
+                    .iter()
+                    .any(|start| line.starts_with(start))
+            };
+            match block.language.as_str() {
+                "sh" if run.contains(&name.as_str()) => {}
+                "sh" => problems.push(format!("{place}: the page is not among those that run")),
+                "sh hardware" | "sh data" | "sh long" => marked += 1,
+                "" | "text" | "console" | "bash" | "shell"
+                    if block.text.lines().any(is_command) =>
+                {
+                    problems.push(format!("{place}: commands stand in ```sh"));
+                }
+                _ => {}
+            }
+        }
+    }
+    assert!(problems.is_empty(), "{}", problems.join("\n"));
+    println!("{marked} blocks need hardware, data or long; they are not run");
+    assert_eq!(marked, 4, "blocks that are not run are counted here");
+}
+
+#[test]
+fn links_lead_to_files_of_the_project() {
+    let mut problems = Vec::new();
+    let mut all = [pages("docs"), pages("modelica"), vec![root().join("README.md")]].concat();
+    for example in fs::read_dir(root().join("examples")).expect("examples") {
+        let readme = example.expect("an entry").path().join("README.md");
+        all.extend(Some(readme).filter(|file| file.is_file()));
+    }
+    for page in all {
+        let text = fs::read_to_string(&page).expect("a page");
+        for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let file = target.split('#').next().unwrap_or_default();
+            let is_outside = target.contains("://") || target.starts_with("mailto:");
+            let there = page.parent().expect("a folder").join(file);
+            let is_link = !target.contains(char::is_whitespace) && !file.is_empty();
+            if is_link && !is_outside && !there.exists() {
+                problems.push(format!("{}: {target}", page.display()));
+            }
+        }
+    }
+    assert!(problems.is_empty(), "{}", problems.join("\n"));
+}
+
+#[test]
+fn the_site_builds_without_a_warning() {
+    let Some(python) = foreign::environment("docs") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut site = Command::new(python);
+    site.arg(root().join("tools/site")).arg(env!("CARGO_BIN_EXE_piezoloop")).arg(folder.path());
+    let said = foreign::said(&mut site, folder.path());
+    println!("{said}");
+    let page = |name: &str| {
+        fs::read_to_string(folder.path().join("site").join(name)).expect("a page of the site")
+    };
+    assert!(page("commands.html").contains("piezoloop bench emulate"));
+    assert!(page("gap-schema.html").contains("<code>verdict</code>"));
+    assert!(page("tutorial.html").contains("From log to bench"));
+}
