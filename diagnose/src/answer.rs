@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use components::effects;
+
 use crate::belief::{self, Sight};
 use crate::chain::{Chain, Parameter};
 use crate::experiment;
@@ -71,7 +73,7 @@ fn worst(outcomes: &[Outcome]) -> Verdict {
 fn maps(outcome: &Outcome) -> Maps<'_> {
     Maps {
         data: &outcome.problem.data,
-        before: &outcome.found.base.judged.residual,
+        before: &outcome.robust,
         after: &outcome.found.last.judged.residual,
         sigma: outcome.sigma / outcome.problem.factor,
     }
@@ -79,11 +81,10 @@ fn maps(outcome: &Outcome) -> Maps<'_> {
 
 fn output(o: &Outcome, seed: u64) -> OutputGap {
     let shrink = shrink(o, seed);
-    let effects = o.found.last.picks.iter().map(|(f, _)| o.library[*f].effect.name.to_owned());
     OutputGap {
         output: o.problem.output.clone(),
         verdict: o.verdict,
-        effects: effects.collect(),
+        effects: named(o).into_iter().map(|e| e.effect).collect(),
         shrink,
         noise: o.problem.noise.clone(),
     }
@@ -102,7 +103,7 @@ fn shrink(o: &Outcome, seed: u64) -> Shrink {
         range,
         seed,
     };
-    evidence.shrink(!o.found.last.picks.is_empty())
+    Shrink { second_opinion: o.second.clone(), ..evidence.shrink(!o.found.last.picks.is_empty()) }
 }
 
 /// A value of a parameter in the unit of reports.
@@ -171,39 +172,59 @@ fn find(chain: &Chain, name: &str) -> Option<usize> {
     chain.parameters.iter().position(|p| p.is_base && p.name == name)
 }
 
+/// Noise beside the one that was stated, as an effect of the sensor.
+fn noisier(o: &Outcome) -> Option<NamedEffect> {
+    /// Probability that white, even and normally distributed residuals are noise of the reading.
+    const SURE: f64 = 0.97;
+    let factor = o.louder?;
+    let effect = &effects::SENSOR_NOISE;
+    let value = o.sigma / o.problem.factor * (factor * factor - 1.0).max(0.0).sqrt();
+    let unit = o.problem.unit.clone();
+    let beside = Estimate { value, std: None, unit };
+    Some(NamedEffect {
+        effect: effect.name.to_owned(),
+        output: o.problem.output.clone(),
+        stage: effect.stage.name().to_owned(),
+        probability: SURE,
+        set: vec![effect.name.to_owned()],
+        group: None,
+        parameters: BTreeMap::from([(format!("{}.standard_deviation", effect.name), beside)]),
+        explained: 1.0,
+    })
+}
+
 fn named(o: &Outcome) -> Vec<NamedEffect> {
     let last = &o.found.last;
-    (0..last.picks.len())
-        .map(|slot| {
-            let family = last.picks[slot].0;
-            let effect = o.library[family].effect;
-            let beliefs = o
-                .found
-                .rivals
-                .get(slot)
-                .map(|looked| belief::beliefs(&Sight::of(o), looked, last))
-                .unwrap_or_default();
-            let probability =
-                beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.probability);
-            let mut set: Vec<String> = belief::set(&beliefs)
-                .into_iter()
-                .map(|f| o.library[f].effect.name.to_owned())
-                .collect();
-            if !set.iter().any(|name| name == effect.name) {
-                set.insert(0, effect.name.to_owned());
-            }
-            NamedEffect {
-                effect: effect.name.to_owned(),
-                output: o.problem.output.clone(),
-                stage: effect.stage.name().to_owned(),
-                probability,
-                set,
-                group: effect.group.map(|g| group(g).to_owned()),
-                parameters: parameters(o, last, slot),
-                explained: o.found.alone.get(slot).copied().unwrap_or(0.0),
-            }
-        })
-        .collect()
+    let picked = (0..last.picks.len()).map(|slot| {
+        let family = last.picks[slot].0;
+        let effect = o.library[family].effect;
+        let beliefs = o
+            .found
+            .rivals
+            .get(slot)
+            .map(|looked| belief::beliefs(&Sight::of(o), looked, last))
+            .unwrap_or_default();
+        let probability =
+            beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.probability);
+        let mut set: Vec<String> = belief::set(&beliefs)
+            .into_iter()
+            .map(|f| o.library[f].effect.name.to_owned())
+            .collect();
+        if !set.iter().any(|name| name == effect.name) {
+            set.insert(0, effect.name.to_owned());
+        }
+        NamedEffect {
+            effect: effect.name.to_owned(),
+            output: o.problem.output.clone(),
+            stage: effect.stage.name().to_owned(),
+            probability,
+            set,
+            group: effect.group.map(|g| group(g).to_owned()),
+            parameters: parameters(o, last, slot),
+            explained: o.found.alone.get(slot).copied().unwrap_or(0.0),
+        }
+    });
+    noisier(o).into_iter().chain(picked).collect()
 }
 
 /// The name of a group in files.
@@ -250,7 +271,7 @@ fn retuned(o: &Outcome, many: bool) -> Vec<(String, Retuned)> {
 }
 
 fn leftover(o: &Outcome, maps: &Maps<'_>) -> Leftover {
-    let over_noise = o.found.last.judged.held_out;
+    let over_noise = o.found.last.judged.held_out / o.louder.map_or(1.0, |factor| factor * factor);
     let left = Maps { before: maps.after, ..*maps };
     let is_there = over_noise > LEFT;
     Leftover {
@@ -304,6 +325,13 @@ fn cautions(o: &Outcome) -> Vec<String> {
         all.push(format!(
             "{}: from period to period the reading changes by {periods:.3e} {}, {:.1} times the noise that is used: something is not driven by the command, or drifts",
             o.problem.output, o.problem.unit, periods / noise.sigma
+        ));
+    }
+    if let Some(second) = o.second.as_ref().filter(|second| !second.agrees) {
+        all.push(format!(
+            "{}: of the records as a whole, left out one after the other, only {:.0} % of the gap's power goes: what was fitted to one kind of record does not hold for another",
+            o.problem.output,
+            100.0 * second.fraction
         ));
     }
     if noise.source == "second differences"

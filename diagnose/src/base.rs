@@ -211,10 +211,59 @@ impl Base {
         }
     }
 
+    /// What is before the actuator, for a column that reads the command there.
+    pub(crate) fn before_actuator(&self) -> Self {
+        let end = self.actuator;
+        Self {
+            nodes: self.nodes[..end].to_vec(),
+            parameters: self.parameters.iter().filter(|p| p.node < end).cloned().collect(),
+            slots: self
+                .slots
+                .iter()
+                .filter(|s| *s.0 < Slot::AfterActuator)
+                .map(|(s, k)| (*s, *k))
+                .collect(),
+            actuator: end,
+            mode: None,
+            // All of them: what goes in last goes in before the actuator.
+            components: self.components.clone(),
+            memory: None,
+            gain_tolerance: self.gain_tolerance,
+            is_white: self.is_white,
+        }
+    }
+
+    /// The actuator and what is behind it, driven by what the column before it reads.
+    pub(crate) fn from_actuator(&self) -> Self {
+        let first = self.actuator;
+        let moved = |p: &BaseParameter| BaseParameter { node: p.node - first, ..p.clone() };
+        Self {
+            nodes: self.nodes[first..].to_vec(),
+            parameters: self.parameters.iter().filter(|p| p.node >= first).map(moved).collect(),
+            slots: self
+                .slots
+                .iter()
+                .filter(|s| *s.0 >= Slot::BeforeActuator)
+                .map(|(s, k)| (*s, *k - first))
+                .collect(),
+            actuator: 0,
+            mode: self.mode.and_then(|k| k.checked_sub(first)),
+            components: self.components[first..].to_vec(),
+            memory: self.memory.clone(),
+            gain_tolerance: self.gain_tolerance,
+            is_white: self.is_white,
+        }
+    }
+
     /// Frequency of the first mode in Hz.
     pub(crate) fn resonance(&self) -> Option<f64> {
+        self.mode_values().map(|(frequency, _)| frequency)
+    }
+
+    /// Frequency in Hz and damping of the first mode.
+    pub(crate) fn mode_values(&self) -> Option<(f64, f64)> {
         match self.nodes.get(self.mode?)? {
-            Node::Component(mode) => mode.values.first().copied(),
+            Node::Component(mode) => Some((*mode.values.first()?, *mode.values.get(1)?)),
             _ => None,
         }
     }

@@ -17,7 +17,7 @@ const ALIKE: f64 = 1.25;
 /// Share below which neither the name nor its group is given.
 pub(crate) const TRUSTED: f64 = 0.5;
 /// Probability that the cause is in the library below which no name is given.
-const KNOWN: f64 = 0.25;
+const KNOWN: f64 = 0.5;
 /// Probability that the cause is in the library where nothing is left.
 const LIBRARY: f64 = 0.985;
 /// Part of the gap that is left where the cause is as likely in the library as not, and how fast that

@@ -157,6 +157,23 @@ impl DataSet {
         }
     }
 
+    /// The same with some records left out of the fit and all rows of the others in it.
+    pub(crate) fn without(&self, is_left_out: impl Fn(usize) -> bool) -> Self {
+        let mut all = self.clone();
+        for (k, record) in all.records.iter_mut().enumerate() {
+            let (row, hit) = if is_left_out(k) {
+                (record.rows.start, record.hits.start)
+            } else {
+                (record.rows.end, record.hits.end)
+            };
+            record.training = record.rows.start..row;
+            record.training_hits_end = hit;
+        }
+        all.fit_rows.clear();
+        all.choose_fit_rows();
+        all
+    }
+
     /// Measured less simulated at the rows of the fit.
     pub(crate) fn fit_residual(&self, simulated: &[f64]) -> Vec<f64> {
         let at = |row: &u32| {

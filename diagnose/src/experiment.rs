@@ -115,7 +115,7 @@ fn separate(
 fn gain(o: &Outcome, a: &Candidate, b: &Candidate, item: &Item) -> Option<f64> {
     let data = record(o, item);
     let count = std::sync::atomic::AtomicU64::new(0);
-    let fitter = Fitter { data: &data, sigma: o.sigma, count: &count };
+    let fitter = Fitter { data: &data, sigma: o.sigma, count: &count, weights: None };
     let left = fitter.linearise(&over(&a.chain, &data), &a.fit.theta).ok()?;
     let right = fitter.linearise(&over(&b.chain, &data), &b.fit.theta).ok()?;
     // Both residuals are of the same measured zeros: their difference is that of the models.
@@ -167,14 +167,18 @@ fn record(o: &Outcome, item: &Item) -> DataSet {
     let sample = source.sample_time();
     let n = item.command.len();
     let aux = (0..source.aux.len()).map(|k| beside(o, k, n));
-    let others = source.records.first().map_or(0, |first| first.others.len());
+    // Inputs that are not looked at stay where the logs had them: zero may be far from any log.
+    let mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let others = source.records.first().map_or_else(Vec::new, |first| {
+        first.others.iter().map(|values| vec![mean(values); n]).collect()
+    });
     let rows = RecordRows {
         name: item.name.clone(),
         time: (0..n).map(|k| k as f64 * sample).collect(),
         command: item.command.clone(),
         y: vec![0.0; n],
         aux: aux.collect(),
-        others: vec![vec![0.0; n]; others],
+        others,
         training: 1.0,
     };
     let names: Vec<(String, bool)> =

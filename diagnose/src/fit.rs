@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::chain::{Bench, Chain, Failed, Horizon};
 use crate::data_set::DataSet;
+use crate::normal::{dot, normal_equations, products, within};
 use crate::nuisance::Projector;
 
 /// Most iterations.
@@ -31,6 +32,8 @@ pub(crate) struct Fitter<'a> {
     pub(crate) sigma: f64,
     /// Counts simulations.
     pub(crate) count: &'a AtomicU64,
+    /// Factor of each row of the fit; none: all alike.
+    pub(crate) weights: Option<&'a [f64]>,
 }
 
 /// A fitted chain.
@@ -79,7 +82,15 @@ impl<'a> Fitter<'a> {
         self.work(chain).fit(start, None, true)
     }
 
-    /// The same with the sensitivities that are known from another chain, which are not computed
+    /// Fits again from what was fitted to other rows or with other weights.
+    ///
+    /// # Errors
+    /// As [`Fitter::fit`].
+    pub(crate) fn fit_again(self, chain: &'a Chain, start: &[f64]) -> Result<Fit, Failed> {
+        self.work(chain).fit(start, None, false)
+    }
+
+    /// As [`Fitter::fit`] with the sensitivities that are known from another chain, which are not computed
     /// again: near enough to choose among candidates.
     ///
     /// # Errors
@@ -134,82 +145,6 @@ struct Basis {
     products: DMatrix<f64>,
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Four sums at once: the compiler may not reorder one.
-    let mut sums = [0.0; 4];
-    let (left, right) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = left.remainder().iter().zip(right.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in left.zip(right) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
-}
-
-/// `JᵀJ`.
-fn products(columns: &[Vec<f64>]) -> DMatrix<f64> {
-    let n = columns.len();
-    let mut all = DMatrix::zeros(n, n);
-    for i in 0..n {
-        for j in 0..=i {
-            let value = dot(&columns[i], &columns[j]);
-            all[(i, j)] = value;
-            all[(j, i)] = value;
-        }
-    }
-    all
-}
-
-/// `JᵀJ·weight` and `−Jᵀr·weight`.
-fn normal_equations(
-    columns: &[Vec<f64>],
-    residual: &[f64],
-    weight: f64,
-) -> (DMatrix<f64>, DVector<f64>) {
-    let gradient = columns.iter().map(|column| -weight * dot(column, residual));
-    let gradient = DVector::from_iterator(columns.len(), gradient);
-    (products(columns) * weight, gradient)
-}
-
-/// The minimum of `½ sᵀNs − gᵀs` with what would leave its room held at its end.
-fn within(
-    normal: &DMatrix<f64>,
-    gradient: &DVector<f64>,
-    room: &[(f64, f64)],
-) -> Option<DVector<f64>> {
-    /// Rounds in which more are held.
-    const ROUNDS: usize = 4;
-    let n = gradient.len();
-    let mut held: Vec<Option<f64>> = vec![None; n];
-    let mut step = DVector::zeros(n);
-    for _ in 0..ROUNDS {
-        let free: Vec<usize> = (0..n).filter(|k| held[*k].is_none()).collect();
-        let matrix = DMatrix::from_fn(free.len(), free.len(), |i, j| normal[(free[i], free[j])]);
-        let right = DVector::from_fn(free.len(), |i, _| {
-            let moved = |k: usize| held[k].map_or(0.0, |s| normal[(free[i], k)] * s);
-            gradient[free[i]] - (0..n).map(moved).sum::<f64>()
-        });
-        let solved = matrix.cholesky()?.solve(&right);
-        for k in 0..n {
-            step[k] = held[k].unwrap_or(0.0);
-        }
-        for (k, s) in free.iter().zip(solved.iter()) {
-            step[*k] = *s;
-        }
-        let out: Vec<usize> =
-            free.into_iter().filter(|k| step[*k] < room[*k].0 || step[*k] > room[*k].1).collect();
-        if out.is_empty() {
-            break;
-        }
-        for k in out {
-            step[k] = step[k].clamp(room[k].0, room[k].1);
-            held[k] = Some(step[k]);
-        }
-    }
-    Some(step)
-}
-
 impl<'a> Work<'a> {
     fn chain(&self) -> &'a Chain {
         self.bench.chain
@@ -235,6 +170,9 @@ impl<'a> Work<'a> {
         }
         let scale = 1.0 / self.fitter.sigma;
         residual.iter_mut().for_each(|r| *r *= scale);
+        if let Some(weights) = self.fitter.weights {
+            residual.iter_mut().zip(weights).for_each(|(r, w)| *r *= w);
+        }
         residual
     }
 

@@ -156,6 +156,22 @@ pub struct Shrink {
     pub relative_gap: f64,
     /// Figures per held-out stretch.
     pub holdout: Vec<HeldOut>,
+    /// The same with whole records left out of the fit; null where logs were given to be held out,
+    /// where there are less than three records, or where no effect is named.
+    pub second_opinion: Option<SecondOpinion>,
+}
+
+/// What goes in records that were left out of the fit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SecondOpinion {
+    /// Which records were left out.
+    pub split: String,
+    /// Fraction of the gap that goes, over all records.
+    pub fraction: f64,
+    /// Whether it is at least half of what goes on the rows that were held out.
+    pub agrees: bool,
+    /// Figures per record.
+    pub records: Vec<HeldOut>,
 }
 
 /// One held-out stretch.

@@ -10,6 +10,7 @@ use model::Effect;
 use crate::base::Base;
 use crate::block::{Block, Span};
 use crate::chain::{Force, Parameter};
+use crate::converter::Gaps;
 use crate::data_set::DataSet;
 use crate::nuisance::Nuisance;
 
@@ -121,6 +122,8 @@ pub(crate) struct Formula {
     pub(crate) releases: Vec<usize>,
     /// Force on the mode, with centre and half range of its displacement.
     pub(crate) force: Option<(Force, f64, f64)>,
+    /// Whether it is no candidate and only stands in for one that no component of a blueprint can be.
+    pub(crate) is_stand_in: bool,
 }
 
 impl Formula {
@@ -134,6 +137,7 @@ impl Formula {
             nuisance: None,
             releases: Vec::new(),
             force: None,
+            is_stand_in: false,
         }
     }
 
@@ -164,6 +168,12 @@ impl Formula {
 
     pub(crate) fn screened(mut self, count: usize) -> Self {
         self.screened = count;
+        self
+    }
+
+    /// As a formula that only stands in for others.
+    pub(crate) fn stand_in(mut self) -> Self {
+        self.is_stand_in = true;
         self
     }
 
@@ -214,6 +224,12 @@ pub(crate) struct Setting<'a> {
     pub(crate) resonance: Option<f64>,
     /// Converters that may have rounded the command: steps over its range, phase.
     pub(crate) steps: Vec<(f64, f64)>,
+    /// The same with codes missing.
+    pub(crate) gaps: Option<Gaps>,
+    /// Converters that may have rounded the reading: steps over the range of the position, phase.
+    pub(crate) reading_steps: Vec<(f64, f64)>,
+    /// The same with codes missing.
+    pub(crate) reading_gaps: Option<Gaps>,
 }
 
 /// All families, without those that were taken out and those that this model or log cannot show.
@@ -226,6 +242,12 @@ pub(crate) fn families(setting: &Setting<'_>, without: &[String]) -> Vec<Family>
     for family in &mut all {
         family.add_release(setting.base);
         let is_white = setting.base.is_white;
+        // A model that is cut at a tap has a part of the places only.
+        let has_place = |f: &Formula| {
+            let slots = &setting.base.slots;
+            f.pieces.iter().all(|piece| slots.contains_key(&piece.slot))
+        };
+        family.formulas.retain(has_place);
         family.formulas.retain(|f| {
             !f.pieces.is_empty() || f.nuisance.is_some() || is_white || !f.releases.is_empty()
         });

@@ -2,18 +2,22 @@
 
 use std::sync::atomic::AtomicU64;
 
+use components::effects;
+use components::linear::Transition;
+
 use crate::block::Span;
 use crate::chain::{Bench, Horizon};
+use crate::converter::Converted;
 use crate::data_set::DataSet;
 use crate::error::Error;
-use crate::gap::Verdict;
+use crate::gap::{SecondOpinion, Verdict};
 use crate::library::{self, Family, Setting};
 use crate::noise::{self, Shape};
 use crate::problem::Problem;
 use crate::request::Request;
 use crate::score::{Judge, Judged};
 use crate::select::{Candidate, Found, Search, has_gap};
-use crate::spectrum;
+use crate::{louder, robust, second, shrink, spectrum};
 
 /// The diagnosis of one output.
 pub(crate) struct Outcome {
@@ -28,6 +32,12 @@ pub(crate) struct Outcome {
     /// The model as it came.
     pub(crate) given: Judged,
     pub(crate) found: Found,
+    /// Residual of the robustly re-tuned model, in standard deviations.
+    pub(crate) robust: Vec<f64>,
+    /// Standard deviation of the noise over the one that was stated, where that is all that is missing.
+    pub(crate) louder: Option<f64>,
+    /// What whole records that are left out say.
+    pub(crate) second: Option<SecondOpinion>,
 }
 
 /// Diagnoses one output.
@@ -68,7 +78,7 @@ pub(crate) fn of(
         .map_err(|_| model_error(&problem.output))?;
     let position = simulated_span(&base, &problem.data, count).unwrap_or(problem.data.output_span);
     let moves = position.half > 3.0 * sigma && problem.data.command_span.half > 0.0;
-    let library = library::families(&setting(&problem, &base, position), &request.without);
+    let library = library::families(&setting(&problem, &base, position, sigma), &request.without);
     let search = Search {
         base: &problem.base,
         data: &problem.data,
@@ -79,12 +89,30 @@ pub(crate) fn of(
         count,
         max_effects: request.max_effects,
     };
-    let found = if has_gap(&base, adequate) {
+    let is_asked = !request.without.iter().any(|name| name == effects::SENSOR_NOISE.name);
+    let louder = (is_asked && problem.noise.source == "given" && has_gap(&base, adequate))
+        .then(|| louder::factor(&base.judged.residual, &problem.data))
+        .flatten();
+    let found = if louder.is_none() && has_gap(&base, adequate) {
         search.run(base).map_err(|_| model_error(&problem.output))?
     } else {
         Found { last: base.clone(), base, rivals: Vec::new(), first: Vec::new(), alone: Vec::new() }
     };
-    let verdict = if !found.last.picks.is_empty() {
+    let has_one = !found.last.picks.is_empty() || louder.is_some();
+    let robust = if has_gap(&found.base, adequate) && louder.is_none() {
+        robust::residual(search.fitter(), &judge, &found.base)
+    } else {
+        None
+    };
+    let robust = robust.unwrap_or_else(|| found.base.judged.residual.clone());
+    let second = if request.holdout.is_empty() {
+        let first = shrink::fraction(found.base.judged.held_out, found.last.judged.held_out);
+        let both = (&found.base, &found.last);
+        second::of(search.fitter(), &judge, both, sigma / problem.factor, first)
+    } else {
+        None
+    };
+    let verdict = if has_one {
         Verdict::Effects
     } else if has_gap(&found.base, adequate) {
         Verdict::Unknown
@@ -95,7 +123,19 @@ pub(crate) fn of(
     } else {
         Verdict::Adequate
     };
-    Ok(Outcome { problem, library, judge, sigma, adequate, verdict, given, found })
+    Ok(Outcome {
+        problem,
+        library,
+        judge,
+        sigma,
+        adequate,
+        verdict,
+        given,
+        found,
+        robust,
+        louder,
+        second,
+    })
 }
 
 /// Says how large the noise is, how it is spread over frequency, and up to which mean square over it
@@ -144,7 +184,7 @@ fn simulated_span(base: &Candidate, data: &DataSet, count: &AtomicU64) -> Option
     Some(span)
 }
 
-fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Setting<'a> {
+fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span, sigma: f64) -> Setting<'a> {
     let data = &problem.data;
     let sample = data.sample_time();
     let length = data
@@ -192,7 +232,13 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Settin
         });
         lines
     });
-    let steps = converter_steps(data, &rows, &base.judged.residual);
+    let training = || data.records.iter().flat_map(|r| r.training.clone());
+    let residual = &base.judged.residual;
+    let matched = matched(problem, residual);
+    let command = Converted::new(&rows, data.command_span, &matched, training());
+    // The reading less what the model leaves of it: the simulated one.
+    let simulated: Vec<f64> = data.y.iter().zip(residual).map(|(y, r)| y - sigma * r).collect();
+    let reading = Converted::new(&simulated, position, residual, training());
     let half = if position.half > 0.0 { position.half } else { 1.0 };
     Setting {
         base: &problem.base,
@@ -207,53 +253,28 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span) -> Settin
         apparent_power,
         lines,
         resonance: problem.base.resonance(),
-        steps,
+        steps: command.steps(),
+        gaps: command.gaps(),
+        reading_steps: reading.steps(),
+        reading_gaps: reading.gaps(),
     }
 }
 
-/// Converters whose steps the residual shows: it is then a periodic function of the command. The
-/// strongest periods of the residual over the command, as steps over the range and phase.
-fn converter_steps(data: &DataSet, command: &[f64], residual: &[f64]) -> Vec<(f64, f64)> {
-    /// Most rows that are looked at.
-    const ROWS: usize = 4000;
-    /// Most steps over the range.
-    const STEPS: usize = 1024;
-    let training = data.records.iter().flat_map(|r| r.training.clone());
-    let rows: Vec<usize> = training.collect();
-    let stride = rows.len().div_ceil(ROWS).max(1);
-    let z: Vec<(f64, f64)> = rows
-        .iter()
-        .step_by(stride)
-        .map(|k| (command[*k] / (2.0 * data.command_span.half), residual[*k]))
-        .collect();
-    let power = |steps: f64| {
-        let (mut s, mut c) = (0.0, 0.0);
-        for (u, r) in &z {
-            let (sin, cos) = (std::f64::consts::TAU * steps * u).sin_cos();
-            s += r * sin;
-            c += r * cos;
+/// The residual behind the model's first mode, backwards in time. What an error of the command does to
+/// the residual has gone through that mode; correlated with the error itself, this gives what the
+/// residual gives with the error that has gone through: Σ r·(h∗e) = Σ (hᵀ∗r)·e.
+fn matched(problem: &Problem, residual: &[f64]) -> Vec<f64> {
+    let data = &problem.data;
+    let Some((frequency, damping)) = problem.base.mode_values() else { return residual.to_vec() };
+    let transition = Transition::new(frequency, damping, data.sample_time());
+    let mut matched = residual.to_vec();
+    for record in &data.records {
+        let (mut position, mut rate) = (0.0, 0.0);
+        for value in matched[record.rows.clone()].iter_mut().rev() {
+            let (e, r) = transition.apply(position - *value, rate);
+            (position, rate) = (*value + e, r);
+            *value = position;
         }
-        (s * s + c * c, s.atan2(c))
-    };
-    let mut all: Vec<(f64, f64, f64)> = (8..=4 * STEPS)
-        .map(|k| {
-            let steps = 0.25 * k as f64;
-            let (power, angle) = power(steps);
-            (power, steps, angle)
-        })
-        .collect();
-    all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.total_cmp(&b.1)));
-    all.iter()
-        .take(3)
-        .flat_map(|(_, steps, _)| {
-            let fine = (-8..=8).map(move |k| steps + 0.03 * f64::from(k));
-            let best = fine.map(|s| (power(s), s)).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
-            // The rounding error −Σ sin(2πk(u/q − p))/(πk) has its first harmonic at this angle.
-            best.into_iter().flat_map(|((_, angle), s)| {
-                let phase = (std::f64::consts::PI - angle) / std::f64::consts::TAU;
-                [0.25, -0.25].map(|shift| (s, (phase + shift).rem_euclid(1.0)))
-            })
-        })
-        .chain(all.first().map(|(_, s, _)| (*s, 0.0)))
-        .collect()
+    }
+    matched
 }

@@ -7,7 +7,7 @@ use report::{
     Verdict as Word, XyLoop,
 };
 
-use crate::gap::{Estimate, Gap, Verdict};
+use crate::gap::{Estimate, Gap, HeldOut, Verdict};
 use crate::outcome::Outcome;
 use crate::spectrum::{self, Bands};
 use crate::{Diagnosis, Files};
@@ -173,24 +173,34 @@ fn which(gap: &Gap) -> Section {
     section.table(table)
 }
 
-fn how_much(gap: &Gap) -> Section {
-    let unit = gap.shrink.unit.as_str();
-    let mut table = Table::new(
-        format!("Rows that were not used: {}", gap.provenance.split),
-        [
-            Column::new("record"),
-            Column::new("rms before").unit(unit),
-            Column::new("rms after").unit(unit),
-            Column::new("part that goes").unit("%"),
-        ],
-    );
-    for h in &gap.shrink.holdout {
-        table = table.row([
+/// Root mean squares before and after, record by record.
+fn stretches(title: String, unit: &str, all: &[HeldOut]) -> Table {
+    let columns = [
+        Column::new("record"),
+        Column::new("rms before").unit(unit),
+        Column::new("rms after").unit(unit),
+        Column::new("part that goes").unit("%"),
+    ];
+    all.iter().fold(Table::new(title, columns), |table, h| {
+        table.row([
             Value::from(h.record.as_str()),
             h.rms_before.into(),
             h.rms_after.into(),
             Value::from(h.fraction.map(|f| 100.0 * f)),
-        ]);
+        ])
+    })
+}
+
+fn how_much(gap: &Gap) -> Section {
+    let unit = gap.shrink.unit.as_str();
+    let title = format!("Rows that were not used: {}", gap.provenance.split);
+    let mut section = Section::new("How much").table(stretches(title, unit, &gap.shrink.holdout));
+    if let Some(second) = &gap.shrink.second_opinion {
+        let title = format!("Second opinion: {}", second.split);
+        section = section.table(stretches(title, unit, &second.records)).paragraph(format!(
+            "In records that were left out {:.0} % of the gap's power goes.",
+            100.0 * second.fraction
+        ));
     }
     let mut tuned = Table::new(
         "Parameters re-tuned under their tolerance",
@@ -215,7 +225,7 @@ fn how_much(gap: &Gap) -> Section {
     } else {
         format!("Nothing is left: {:.2} times the noise's power.", left.over_noise)
     };
-    Section::new("How much").table(table).paragraph(text).table(tuned)
+    section.paragraph(text).table(tuned)
 }
 
 fn tried(gap: &Gap) -> Section {
@@ -361,7 +371,7 @@ fn map(mut section: Section, o: &Outcome) -> Section {
             known.map(|(k, p)| (centre(k), 10.0 * p.log10())).unzip()
         };
         let title = format!("{}: gap over the noise by band, {}", o.problem.output, record.name);
-        let (f, before) = level(&o.found.base.judged.residual);
+        let (f, before) = level(&o.robust);
         let mut figure =
             Spectrum::new(title, axis()).linear().trace(Role::Residual, "before", &f, &before);
         if !o.found.last.picks.is_empty() {
@@ -386,7 +396,7 @@ fn over_command(section: Section, o: &Outcome) -> Section {
         Axis::new(o.problem.input.as_str(), o.problem.command_unit.as_str()),
         Axis::new("gap", o.problem.unit.as_str()),
     )
-    .line(Role::Residual, "before", &command, &in_unit(&o.found.base.judged.residual));
+    .line(Role::Residual, "before", &command, &in_unit(&o.robust));
     if !o.found.last.picks.is_empty() {
         let after = in_unit(&o.found.last.judged.residual);
         figure = figure.line(Role::Other, "after", &command, &after);

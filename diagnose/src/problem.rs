@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::gap::NoiseFloor;
 use crate::noise;
 use crate::request::{Model, Noise, Request};
+use crate::tap;
 
 /// Part of each record that is held out where no log is.
 pub(crate) const HELD_OUT: f64 = 0.3;
@@ -133,7 +134,13 @@ fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Problem>
         let number = index + 1;
         let base = Base::white(blueprint, number, &request.tolerances, request.gain_tolerance)?;
         let step = Some(blueprint.spec().period);
-        all.push(assemble(request, &inputs, &outputs, index, index, base, step)?);
+        match tap::monitor(request, &inputs[index]) {
+            Some(monitor) => {
+                let ports = (&inputs[..], &outputs[..]);
+                all.extend(tap::cut(request, ports, index, &base, step, &monitor)?);
+            }
+            None => all.push(assemble(request, &inputs, &outputs, index, index, base, step)?),
+        }
     }
     Ok(all)
 }
@@ -351,7 +358,7 @@ fn looks_like_command(name: &str, unit: Option<Unit>, input: &Port) -> bool {
     by_name || unit.is_some_and(|u| u.exponents == input.si.exponents && u.exponents != [0; 8])
 }
 
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().min(b.len()).max(1) as f64;
     let (ma, mb) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
     let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);

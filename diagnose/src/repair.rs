@@ -1,12 +1,15 @@
 //! The blueprint with the effects in place.
 
+mod parts;
+
+use components::effects;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
 
 use crate::block::Block;
-use crate::chain::Force;
-use crate::library::{Formula, Piece, Slot};
+use crate::library::{Formula, Slot};
 use crate::outcome::Outcome;
 use crate::select::Candidate;
+use crate::stand_in::stand_in;
 
 /// One change of an axis.
 #[derive(Clone)]
@@ -20,10 +23,17 @@ enum Change {
 /// Writes the re-tuned values and the effects of one axis (from 1) into a blueprint; what stays out
 /// of it, one sentence each.
 pub(crate) fn repair(o: &Outcome, axis: usize, blueprint: &mut Blueprint) -> Vec<String> {
-    let mut notes = Vec::new();
-    let last = &o.found.last;
     let spec_of = &o.problem.base.components;
-    let Some(target) = blueprint.axes.get_mut(axis - 1) else { return notes };
+    let Some(target) = blueprint.axes.get_mut(axis - 1) else { return Vec::new() };
+    let axis_given = target.clone();
+    let is_written = |effect: &str, formula: &Formula, values: &[f64]| {
+        write(o, &o.found.last, effect, formula, values, (&axis_given, &axis_given)).is_some()
+    };
+    let (last, mut notes) = stand_in(o, &is_written);
+    let last = &last;
+    if o.louder.is_some() {
+        notes.push(format!("{}: noise is no part of a repaired model", effects::SENSOR_NOISE.name));
+    }
     retune(o, last, target, spec_of);
     let given = blueprint.clone();
     let mut first = last.chain.parameters.iter().take_while(|p| p.is_base).count();
@@ -37,7 +47,7 @@ pub(crate) fn repair(o: &Outcome, axis: usize, blueprint: &mut Blueprint) -> Vec
         first += formula.parameters.len();
         // What changes the actuator or a mode builds on what was changed there before.
         let axis_now = &apply(&given, axis, &changes).axes[axis - 1].clone();
-        let Some(own) = write(o, effect, formula, &values, (&given.axes[axis - 1], axis_now))
+        let Some(own) = write(o, last, effect, formula, &values, (&given.axes[axis - 1], axis_now))
         else {
             if formula.releases.is_empty() {
                 notes.push(crate::around::stays_out(effect, formula));
@@ -94,6 +104,7 @@ fn apply(given: &Blueprint, axis: usize, changes: &[Change]) -> Blueprint {
 /// The changes that make an effect; none where nothing in the registry does what it does.
 fn write(
     o: &Outcome,
+    last: &Candidate,
     effect: &str,
     formula: &Formula,
     values: &[f64],
@@ -106,7 +117,7 @@ fn write(
     if let Some(force) = formula.force {
         let place = place_of(base.mode?);
         let old = now.components.get(place_now(given, now, place)?)?;
-        let component = forced(o, force, values, old)?.note(&note);
+        let component = parts::forced(o, force, values, old)?.note(&note);
         return Some(vec![Change::Replace { place, component }]);
     }
     let mut all = Vec::new();
@@ -117,11 +128,11 @@ fn write(
         let node = base.slots.get(&piece.slot).copied().unwrap_or(0);
         let actuator = place_of(base.actuator);
         let old = now.components.get(place_now(given, now, actuator)?)?;
-        if let Some(component) = actuator_with(o, &piece.block, own, old) {
+        if let Some(component) = actuator_with(o, last, &piece.block, own, old) {
             all.push(Change::Replace { place: actuator, component: component.note(&note) });
             continue;
         }
-        for component in components(o, piece, own)? {
+        for component in parts::components(o, piece, own)? {
             let component = component.note(&note);
             all.push(Change::Insert { place: place_of(node), slot: piece.slot, component });
         }
@@ -138,40 +149,6 @@ fn place_now(given: &AxisBlueprint, now: &AxisBlueprint, place: usize) -> Option
     range.clone().find(|k| now.components.get(*k).is_some_and(same)).or_else(|| range.last())
 }
 
-/// A mode with another force, where a component has it.
-fn forced(
-    o: &Outcome,
-    (force, centre, half): (Force, f64, f64),
-    p: &[f64],
-    mode: &ComponentBlueprint,
-) -> Option<ComponentBlueprint> {
-    let gain = mode.get("gain").and_then(number).unwrap_or(1.0);
-    let y = o.problem.factor;
-    let new = |kind: &str| {
-        let mut component = ComponentBlueprint::new(kind);
-        component.name.clone_from(&mode.name);
-        for name in ["frequency", "damping"] {
-            component.set(name, mode.get(name)?.clone());
-        }
-        Some(component)
-    };
-    match (force, p) {
-        // The component hardens about zero, with a static gain of 1.
-        (Force::Cubic, &[cubic]) if centre.abs() < 0.1 * half && gain == 1.0 => {
-            Some(new("duffing")?.value("hardening", cubic).value("reference", half / y))
-        }
-        // Dahl's law is LuGre's without a difference between static and sliding friction.
-        (Force::Friction, &[size, distance]) if gain == 1.0 => Some(
-            new("friction")?
-                .value("coulomb", size / y)
-                .value("stiction", size / y)
-                .value("presliding", distance / y)
-                .value("stribeck", half / y),
-        ),
-        _ => None,
-    }
-}
-
 fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Number(number) => Some(*number),
@@ -182,6 +159,7 @@ fn number(value: &Value) -> Option<f64> {
 /// The actuator with plays of its own, or with thresholds that grow with the rate.
 fn actuator_with(
     o: &Outcome,
+    last: &Candidate,
     block: &Block,
     p: &[f64],
     old: &ComponentBlueprint,
@@ -191,7 +169,7 @@ fn actuator_with(
     let mut component = match block {
         Block::Plays { bank, gain } => {
             let (linear, weights) = p.split_at(usize::from(*gain));
-            let factor = output_gain(o);
+            let factor = output_gain(o, last);
             let weight = |w: f64| factor * w * u / y;
             let sum: f64 = weights.iter().sum();
             let mut all = plays;
@@ -301,8 +279,7 @@ impl Plays {
 }
 
 /// The re-tuned factor of the output.
-fn output_gain(o: &Outcome) -> f64 {
-    let last = &o.found.last;
+fn output_gain(o: &Outcome, last: &Candidate) -> f64 {
     let gain = last.chain.parameters.iter().position(|p| p.is_base && p.name == "output.gain");
     gain.map_or(1.0, |k| 1.0 + o.problem.base.gain_tolerance * last.fit.theta[k])
 }
@@ -341,7 +318,7 @@ fn retune(o: &Outcome, last: &Candidate, axis: &mut AxisBlueprint, spec_of: &[us
             }
         }
         let declaration = component.component.declaration();
-        let factor = output_gain(o);
+        let factor = output_gain(o, last);
         let mut at = 0;
         for (k, quantity) in declaration.parameters.iter().enumerate() {
             let length = declaration.length(k, &component.structure);
@@ -366,80 +343,4 @@ fn retune(o: &Outcome, last: &Candidate, axis: &mut AxisBlueprint, spec_of: &[us
             at += length;
         }
     }
-}
-
-/// The components that do what a block does with these values, where there are any.
-fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<ComponentBlueprint>> {
-    let new = ComponentBlueprint::new;
-    let (u, y) = (o.problem.command_factor, o.problem.factor);
-    let step = o.problem.data.step;
-    let is_sensor = piece.slot == crate::library::Slot::Reading;
-    let span = o.problem.data.command_span;
-    let far = 10.0 * (span.half + span.centre.abs());
-    let one = |c: ComponentBlueprint| Some(vec![c]);
-    match (&piece.block, p) {
-        (Block::Delay, &[delay]) => {
-            let longest = ((2.0 * delay / step).ceil() + 1.0) * step;
-            one(new("delay").value("longest", longest).value("delay", delay))
-        }
-        (Block::Lag(order), &[bandwidth]) => {
-            let kind = if is_sensor { "sensor-lag" } else { "amplifier-lag" };
-            Some(vec![new(kind).value("bandwidth", bandwidth); *order])
-        }
-        (Block::Lag2, &[frequency, damping]) => {
-            let kind = if is_sensor { "sensor-second-order" } else { "amplifier-second-order" };
-            one(new(kind).value("frequency", frequency).value("damping", damping))
-        }
-        // The phase of the steps is not the converter's: it is that of its zero.
-        (Block::Quantiser(span), &[steps, _]) => {
-            one(new("dac-quantisation").value("resolution", 2.0 * span.half / steps / u))
-        }
-        (Block::Slew, &[rate]) => one(new("amplifier-slew").value("rate", rate / u)),
-        (Block::ClampHigh, &[high]) => {
-            one(new("amplifier-clamp").value("low", -far / u).value("high", high / u))
-        }
-        (Block::ClampLow, &[low]) => {
-            one(new("amplifier-clamp").value("low", low / u).value("high", far / u))
-        }
-        (Block::ClampBoth(s), &[half]) => one(new("amplifier-clamp")
-            .value("low", (s.centre - half) / u)
-            .value("high", (s.centre + half) / u)),
-        (Block::Gain, &[gain]) => one(new("sensor-scale").value("gain", 1.0 + gain)),
-        (Block::PoleZero, &[pole, damping, ratio, zero_damping]) => one(new("collocated-mode")
-            .value("frequency", pole)
-            .value("damping", damping)
-            .value("zero_frequency", pole * ratio)
-            .value("zero_damping", zero_damping)),
-        // 1 − g + g·M is a pair of poles and zeros with the static gain 1.
-        (Block::ParallelMode, &[gain, frequency, damping]) if gain < 1.0 => {
-            let root = (1.0 - gain).sqrt();
-            one(new("collocated-mode")
-                .value("frequency", frequency)
-                .value("damping", damping)
-                .value("zero_frequency", frequency / root)
-                .value("zero_damping", damping * root))
-        }
-        (Block::Backlash, &[half]) => one(new("backlash").value("width", 2.0 * half / y)),
-        (Block::Polynomial { span, order: 3 }, &[square, cubic]) => one(new("sensor-polynomial")
-            .value("quadratic", square)
-            .value("cubic", cubic)
-            .value("centre", span.centre / y)
-            .value("half_range", span.half / y)),
-        (Block::FeedThrough { scale, time }, &[value, rate]) => one(new("crosstalk")
-            .value("gain", value / scale * u / y)
-            .value("rate_gain", rate * time / scale * u / y)),
-        (block, p) => creep(block, p).and_then(one),
-    }
-}
-
-/// Every formula of creep is a sum of elements.
-fn creep(block: &Block, p: &[f64]) -> Option<ComponentBlueprint> {
-    let mut elements = block.elements(p)?;
-    elements.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let (share, time): (Vec<f64>, Vec<f64>) = elements.into_iter().unzip();
-    Some(
-        ComponentBlueprint::new("kelvin-voigt-creep")
-            .value("share", share)
-            .value("time_constant", time),
-    )
 }

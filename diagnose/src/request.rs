@@ -7,7 +7,7 @@ use data::{CheckedBlueprint, Log, NameMap};
 use crate::error::Error;
 
 /// The model that does not match.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub enum Model {
     /// A white box: effects go in at their physical place on the path.
     Blueprint(Box<CheckedBlueprint>),
@@ -46,7 +46,7 @@ pub enum Noise {
 }
 
 /// A question to [`diagnose`](crate::diagnose).
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Request {
     /// The model.
     pub model: Model,

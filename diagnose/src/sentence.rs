@@ -2,6 +2,9 @@
 
 use crate::gap::{Gap, NamedEffect, Verdict};
 
+/// The one effect that no model foretells.
+const NOISE: &str = components::effects::SENSOR_NOISE.name;
+
 fn number(value: f64) -> String {
     report::format_number(value, 4)
 }
@@ -28,6 +31,9 @@ pub(crate) fn of(gap: &Gap) -> String {
                 Some(false) => ", and it does not follow the command",
                 None => "",
             }
+        ),
+        Verdict::Effects if gap.effects.iter().all(|e| e.effect == NOISE) => format!(
+            "The readings are noisier than stated, and nothing else is missing (sensor noise): {output} is off by {before} {unit} rms that no model foretells, the noise was said to be {floor} {unit}."
         ),
         Verdict::Effects => effects(gap),
     }

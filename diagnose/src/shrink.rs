@@ -24,7 +24,7 @@ pub(crate) struct Evidence<'a> {
 }
 
 /// Fraction of the gap's power that goes, from mean squares over the noise's.
-fn fraction(before: f64, after: f64) -> Option<f64> {
+pub(crate) fn fraction(before: f64, after: f64) -> Option<f64> {
     let gap = before - 1.0;
     (gap > 0.1).then(|| (1.0 - (after - 1.0).max(0.0) / gap).clamp(-1.0, 1.0))
 }
@@ -47,6 +47,7 @@ impl Evidence<'_> {
             rms_as_given: root(self.given.held_out),
             relative_gap: root(self.given.held_out) / self.range.max(f64::MIN_POSITIVE),
             holdout: self.stretches(),
+            second_opinion: None,
         }
     }
 
@@ -112,8 +113,8 @@ impl Evidence<'_> {
             3..=4 => 1.5,
             _ => 1.2,
         };
-        // The noise's own spread of a new record's mean square.
-        let noise = 0.05 / (self.before.held_out - 1.0).max(0.1);
+        // The noise's own spread of a new record's mean square, and what its variance may be off.
+        let noise = 0.12 / (self.before.held_out - 1.0).max(0.1);
         let low = total - widen * (total - low).max(0.0) - noise - 0.01;
         let high = total + widen * (high - total).max(0.0) + noise + 0.01;
         [low.max(-1.0), high.min(1.0)]

@@ -199,7 +199,7 @@ impl Scores {
             .map(|(message, cases)| Failure { message: message.to_owned(), cases })
             .collect();
         let shrinks = shrinks(&all);
-        let calibration = calibration(&all);
+        let calibration = calibration(&all, &|j| !j.is_of("apart"));
         let times = times(&all);
         Self {
             answered: all.len(),
@@ -241,6 +241,9 @@ fn figures(
     let against_oracle: Vec<f64> =
         all.iter().filter_map(|j| j.realised).filter_map(|r| Some(r.after / r.oracle?)).collect();
     let sets: Vec<f64> = small().filter_map(set_size).collect();
+    let known = self::calibration(all, &|j| {
+        !["apart", "removed", "unknown"].iter().any(|family| j.is_of(family))
+    });
     vec![
         Figure::rate(
             "single effect of 6 σ and more, right",
@@ -279,6 +282,7 @@ fn figures(
             Goal::AtLeast(0.75),
         ),
         Figure::value("expected calibration error", calibration.error, Goal::AtMost(0.05)),
+        Figure::value("expected calibration error, effect in the library", known.error, Goal::None),
         Figure::rate(
             "realised shrink within the predicted interval",
             Rate::count(inside),
@@ -436,8 +440,8 @@ fn removed(all: &[Judged<'_>]) -> Removed {
     }
 }
 
-fn calibration(all: &[Judged<'_>]) -> Calibration {
-    let names = all.iter().filter(|j| !j.is_of("apart")).flat_map(|judged| {
+fn calibration(all: &[Judged<'_>], keep: &dyn Fn(&Judged<'_>) -> bool) -> Calibration {
+    let names = all.iter().filter(|j| keep(j)).flat_map(|judged| {
         let has = |effect: &str| judged.label.has(effect);
         judged.answer.effects.iter().map(move |named| (named.probability, has(&named.effect)))
     });

@@ -48,7 +48,8 @@ struct Run {
 struct Fit {
     against: String,
     samples: usize,
-    raw_rmse: f64,
+    /// With the mean taken out: the offset of a record is nobody's.
+    rmse: f64,
 }
 
 impl Program {
@@ -151,7 +152,7 @@ impl Tool for Program {
         let printed = self.call(folder, &with_names)?;
         let run: Run = serde_json::from_str(&printed).map_err(|error| error.to_string())?;
         let fits = run.fits.iter().filter(|fit| fit.against == "y1");
-        Ok(fits.map(|fit| Miss { rms: fit.raw_rmse, rows: fit.samples }).collect())
+        Ok(fits.map(|fit| Miss { rms: fit.rmse, rows: fit.samples }).collect())
     }
 }
 
@@ -195,7 +196,7 @@ mod tests {
     #[test]
     fn fits_of_the_first_output_are_taken() {
         let folder = tempfile::tempdir().unwrap();
-        let fits = r#"{"fits":[{"against":"y1","samples":7,"raw_rmse":0.5},{"against":"y2","samples":7,"raw_rmse":9},{"against":"y1","samples":7,"raw_rmse":0.25}]}"#;
+        let fits = r#"{"fits":[{"against":"y1","samples":7,"rmse":0.5},{"against":"y2","samples":7,"rmse":9},{"against":"y1","samples":7,"rmse":0.25}]}"#;
         let tool = program(folder.path(), &format!("echo '{fits}'"));
         let log = folder.path().join("log.csv");
         let expected = [0.5, 0.25].map(|rms| Miss { rms, rows: 7 });

@@ -6,8 +6,9 @@
 use components::linear::{Transition, lag_fraction};
 use serde::{Deserialize, Serialize};
 
-use crate::memory;
 use crate::state::State;
+use crate::warmth::{Loss, warming};
+use crate::{map, memory};
 
 /// What a block does. Numbers that were known when the machine was diagnosed stand here, the fitted
 /// ones are parameters.
@@ -22,6 +23,16 @@ pub enum Block {
     Rounding {
         /// Half the range.
         half: f64,
+    },
+    /// `q·(c + ½ + p)`, `q = 2·half/n`, with the code `c = ⌊x/q − p⌋`, or the one before where
+    /// c mod `every` is `missing`: steps n over the range, phase p.
+    MissingCodes {
+        /// Half the range.
+        half: f64,
+        /// Of so many codes one is missing.
+        every: u32,
+        /// Which one.
+        missing: u32,
     },
     /// Equal first-order lags in series: bandwidth of each in Hz.
     Lag {
@@ -201,29 +212,6 @@ pub enum Block {
     },
 }
 
-/// What warms an actuator, over its mean in the log.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "of", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Loss {
-    /// The square of the drive's rate.
-    Rate {
-        /// Its mean.
-        mean: f64,
-    },
-    /// The rate times the drive, voltage times current.
-    Apparent {
-        /// Its mean.
-        mean: f64,
-    },
-    /// The rate times the distance from the centre.
-    Loops {
-        /// Its mean.
-        mean: f64,
-        /// The centre.
-        centre: f64,
-    },
-}
-
 /// What a block reads at one instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wires {
@@ -257,6 +245,7 @@ impl Block {
             | Self::CurvedPlays { .. }
             | Self::Backlash => 1,
             Self::Rounding { .. }
+            | Self::MissingCodes { .. }
             | Self::SecondOrder
             | Self::SoftSlew
             | Self::UnevenSlew
@@ -404,48 +393,7 @@ impl Block {
                 | Self::GeneralisedPlay { .. },
                 p,
             ) => memory::step(self, p, w, z),
-            (map, p) => map.value(p, x),
-        }
-    }
-
-    /// What a map without memory makes of a value.
-    fn value(&self, p: &[f64], x: f64) -> f64 {
-        match (self, p) {
-            (Self::Rounding { half }, &[steps, phase]) => {
-                let q = 2.0 * half / steps;
-                q * ((x / q - phase).round() + phase)
-            }
-            (Self::LimitAbove, &[limit]) => x.min(limit),
-            (Self::LimitBelow, &[limit]) => x.max(limit),
-            (Self::Limits { centre }, &[half]) => centre + (x - centre).clamp(-half, half),
-            (Self::SoftLimitAbove, &[limit, width]) => {
-                let z = (x - limit) / width;
-                x - width * (z.max(0.0) + (-z.abs()).exp().ln_1p())
-            }
-            (Self::Tanh { centre, half }, &[size]) => {
-                let a = size * half;
-                centre + a * ((x - centre) / a).tanh()
-            }
-            (Self::SCurve { centre, half }, &[size, shift]) => {
-                let z = (x - centre) / half - shift;
-                x - size * half * (z - z.tanh()) / (1.0 - 1f64.tanh())
-            }
-            (Self::DeadZones { centre, half }, &[high, low]) => {
-                let z = (x - centre) / half;
-                x + half * (high * (z - 0.3).max(0.0) - low * (-0.3 - z).max(0.0))
-            }
-            (Self::Polynomial { centre, half }, coefficients) => {
-                let z = (x - centre) / half;
-                let sum = coefficients.iter().rev().fold(0.0, |sum, c| c + sum * z);
-                x + half * sum * z * z
-            }
-            (Self::Sine { centre, half }, &[size, cycles, phase]) => {
-                let at = |z: f64| (std::f64::consts::PI * cycles * z + phase).sin();
-                // Less the chord over the range: a line is a gain, and no nonlinearity.
-                let (z, slope) = ((x - centre) / half, 0.5 * (at(1.0) - at(-1.0)));
-                x + size * half * (at(z) - slope * z)
-            }
-            _ => x,
+            (block, p) => map::value(block, p, x),
         }
     }
 
@@ -479,55 +427,6 @@ impl Block {
         });
         y
     }
-}
-
-impl Loss {
-    /// The power at a drive with this rate, over its mean.
-    fn power(self, drive: f64, rate: f64) -> f64 {
-        match self {
-            Self::Rate { mean } => rate * rate / mean,
-            Self::Apparent { mean } => (rate * drive).abs() / mean,
-            Self::Loops { mean, centre } => (rate * (drive - centre)).abs() / mean,
-        }
-    }
-
-    /// The warmth after a step: `τ T′ = P/mean − T`; the state is T and the drive before.
-    fn warmth(self, time: f64, drive: f64, dt: f64, z: &mut [f64]) -> f64 {
-        let [warmth, before, ..] = z else { return 0.0 };
-        if dt > 0.0 {
-            let rate = (drive - *before) / dt;
-            *before = drive;
-            let power = self.power(drive, rate);
-            *warmth += -(-dt / time).exp_m1() * (power - *warmth);
-        }
-        *warmth
-    }
-}
-
-/// Several warmths, each with its growth; the last parameter is a gain that goes with their mean.
-fn warming(
-    half: f64,
-    loss: Loss,
-    times: &[f64],
-    p: &[f64],
-    w: Wires,
-    dt: f64,
-    z: &mut [f64],
-) -> f64 {
-    let (Some((gain, growths)), Some((warmth, [before, rest]))) =
-        (p.split_last(), z.split_last_chunk_mut::<2>())
-    else {
-        return w.x;
-    };
-    let power = if dt > 0.0 { loss.power(w.drive, (w.drive - *before) / dt) } else { 0.0 };
-    *before = w.drive;
-    let (mut grown, mut mean) = (0.0, 0.0);
-    for ((z, time), growth) in warmth.iter_mut().zip(times).zip(growths) {
-        *z += -(-dt / time).exp_m1() * (power - *z);
-        grown += growth * *z;
-        mean += *z / times.len() as f64;
-    }
-    w.x + half * grown + gain * mean * (w.x - *rest)
 }
 
 /// Two elements per decade.

@@ -10,14 +10,19 @@
 //! factors of the original's units stand at its ports.
 
 mod block;
+mod map;
 mod memory;
 mod repair;
 mod state;
 mod surround;
+mod warmth;
+mod whole;
 
-pub use block::{Block, Loss, Wires};
+pub use block::{Block, Wires};
 pub use repair::{
     Change, Effect, Error, FILE, FORMAT, Original, Parameter, Piece, Port, Repair, Side, Variable,
 };
 pub use state::State;
 pub use surround::{Surround, Unset};
+pub use warmth::Loss;
+pub use whole::Whole;

@@ -3,6 +3,7 @@
 use crate::block::Wires;
 use crate::repair::{Piece, Port, Repair, Side};
 use crate::state::State;
+use crate::whole::{Whole, whole};
 
 /// Why one of the repair's own variables is not set.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -38,22 +39,6 @@ enum Own {
     Parameter(usize, usize),
     /// An input that the original does not have, by its place in the variables.
     Input(usize),
-}
-
-/// A whole variable of the original, or of the repair, that has ports.
-#[derive(Clone, Debug)]
-pub struct Whole {
-    /// Value reference.
-    pub reference: u32,
-    /// Whether the original does not have it.
-    pub own: bool,
-    start: Vec<f64>,
-    /// As the host sees it.
-    pub shown: Vec<f64>,
-    /// As the original sees it.
-    pub inner: Vec<f64>,
-    /// Numbers of its ports.
-    ports: Vec<usize>,
 }
 
 /// A block with what it needs at hand.
@@ -498,31 +483,4 @@ impl Link {
             self.piece.block.rest(&self.p, w, state)
         }
     }
-}
-
-impl Whole {
-    fn new(reference: u32, start: &[f64], own: bool) -> Self {
-        Self {
-            reference,
-            own,
-            start: start.to_vec(),
-            shown: start.to_vec(),
-            inner: start.to_vec(),
-            ports: Vec::new(),
-        }
-    }
-}
-
-/// The variables of these ports, each once.
-fn whole(ports: &[Port]) -> Vec<Whole> {
-    let mut all: Vec<Whole> = Vec::new();
-    for (k, port) in ports.iter().enumerate() {
-        let at = all.iter().position(|v| v.reference == port.variable.reference);
-        let at = at.unwrap_or_else(|| {
-            all.push(Whole::new(port.variable.reference, &port.variable.start, port.own));
-            all.len() - 1
-        });
-        all[at].ports.push(k);
-    }
-    all
 }

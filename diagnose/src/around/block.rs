@@ -21,6 +21,9 @@ fn stepping(block: &Block, zero: f64) -> Option<Around> {
     Some(match block {
         Block::Delay => Around::Delay,
         Block::Quantiser(Span { half, .. }) => Around::Rounding { half: *half },
+        Block::GappedQuantiser { span, every, missing } => {
+            Around::MissingCodes { half: span.half, every: *every, missing: *missing }
+        }
         Block::Lag(order) => Around::Lag { order: *order },
         Block::Lag2 => Around::SecondOrder,
         Block::Slew => Around::Slew,
@@ -112,6 +115,7 @@ mod tests {
             (Block::Delay, vec![3.4 * STEP]),
             (Block::Delay, vec![0.2 * STEP]),
             (Block::Quantiser(span), vec![40.0, 0.3]),
+            (Block::GappedQuantiser { span, every: 5, missing: 3 }, vec![40.0, 0.3]),
             (Block::Lag(1), vec![300.0]),
             (Block::Lag(3), vec![700.0]),
             (Block::Lag2, vec![400.0, 0.6]),

@@ -39,6 +39,20 @@ pub(super) fn quantise(span: Span, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     }
 }
 
+pub(super) fn quantise_with_gaps(
+    span: Span,
+    (every, missing): (u32, u32),
+    p: &[f64],
+    w: Wires<'_>,
+    out: &mut [f64],
+) {
+    let &[steps, phase] = p else { return };
+    let q = 2.0 * span.half / steps;
+    for (y, x) in out.iter_mut().zip(w.x) {
+        *y = q * (crate::converter::code(x / q - phase, every, missing) + 0.5 + phase);
+    }
+}
+
 pub(super) fn slew(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     let (&[rate], Some(&first)) = (p, w.x.first()) else { return };
     let most = rate * w.step;

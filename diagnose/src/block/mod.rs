@@ -74,6 +74,16 @@ pub(crate) enum Block {
     Clock,
     /// `q·(round(x/q − p) + p)`; steps over the range, phase p.
     Quantiser(Span),
+    /// `q·(c + ½ + p)` with the code `c = ⌊x/q − p⌋`, or the one before where c mod `every` is
+    /// `missing`; steps over the range, phase p.
+    GappedQuantiser {
+        /// Range.
+        span: Span,
+        /// Of so many codes one is missing.
+        every: u32,
+        /// Which one.
+        missing: u32,
+    },
     /// Equal first-order lags in series; bandwidth of each in Hz.
     Lag(usize),
     /// Second-order lag; frequency in Hz, damping.
@@ -236,6 +246,9 @@ impl Block {
             Self::Delay => input::delay(p, w, out),
             Self::Clock => input::clock(p, w, out),
             Self::Quantiser(span) => input::quantise(*span, p, w, out),
+            Self::GappedQuantiser { span, every, missing } => {
+                input::quantise_with_gaps(*span, (*every, *missing), p, w, out);
+            }
             Self::Slew => input::slew(p, w, out),
             Self::UnevenSlew => input::uneven_slew(p, w, out),
             Self::SoftSlew => input::soft_slew(p, w, out),

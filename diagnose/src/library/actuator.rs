@@ -18,7 +18,10 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     // Plays whose weights all change alike are a gain, and no memory.
     family.null = Some(gain());
     all.push(family);
-    all.push(Family::new(&effects::ASYMMETRY, asymmetry(s, &memory)));
+    let mut family = Family::new(&effects::ASYMMETRY, asymmetry(s, &memory));
+    // A play of the same width along the whole range is hysteresis or clearance.
+    family.null = Some(even_play(s));
+    all.push(family);
     if s.base.memory.is_some() {
         all.push(Family::new(&effects::RATE_DEPENDENCE, rate(s, &memory)));
     }
@@ -196,6 +199,24 @@ fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     ]
 }
 
+/// The play whose width changes, with the same width everywhere.
+fn even_play(s: &Setting<'_>) -> Formula {
+    let slope = s.position.half / s.command.half;
+    let none = |name| Free::linear(name, "1", -1e-9, 1e-9);
+    Formula::new("play of one width")
+        .block(
+            Slot::AfterActuator,
+            Block::GeneralisedPlay(s.command),
+            vec![
+                Free::linear("weight", WEIGHT, -slope, slope).step(1e-3 * slope),
+                Free::linear("half width", "1", 0.0, 1.0).step(2e-3),
+                none("growth of the width"),
+                none("curvature of the width"),
+            ],
+        )
+        .start(&[0.01 * slope, 0.15, 0.0, 0.0])
+}
+
 fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     let slot = Slot::AfterActuator;
     let unit = s.command.half / s.steepest.max(f64::MIN_POSITIVE);
@@ -248,6 +269,7 @@ fn polarisation(s: &Setting<'_>) -> Vec<Formula> {
             )
             .start(&[5.0])
             .start(&[2.0]),
+        super::input::powers(s, Slot::BeforeActuator),
     ]
 }
 

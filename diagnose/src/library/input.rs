@@ -3,7 +3,8 @@
 use components::effects;
 
 use super::{Family, Formula, Free, Setting, Slot};
-use crate::block::Block;
+use crate::block::{Block, Span};
+use crate::converter::Gaps;
 
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(Family::new(&effects::DELAY, delay(s)));
@@ -35,17 +36,37 @@ fn clock() -> Vec<Formula> {
 }
 
 fn quantiser(s: &Setting<'_>) -> Vec<Formula> {
-    let steps = Free::log("steps over the range", "1", 2.0, 65536.0).step(1e-3);
-    let phase = Free::linear("phase", "1", -1.0, 1.0).step(0.02);
-    vec![
-        Formula::new("rounding to steps")
-            .block(Slot::Command, Block::Quantiser(s.command), vec![steps, phase])
-            .starts(s.steps.iter().map(|(steps, phase)| vec![*steps, *phase]))
-            .screened(0),
-    ]
-    .into_iter()
-    .filter(|_| !s.steps.is_empty())
-    .collect()
+    converter(Slot::Command, s.command, &s.steps, s.gaps)
+}
+
+/// A converter at the command or at the reading.
+pub(super) fn converter(
+    slot: Slot,
+    span: Span,
+    seen: &[(f64, f64)],
+    gaps: Option<Gaps>,
+) -> Vec<Formula> {
+    let steps = || Free::log("steps over the range", "1", 2.0, 65536.0).step(1e-3);
+    let phase = || Free::linear("phase", "1", -1.0, 1.0).step(0.02);
+    let mut all = Vec::new();
+    if !seen.is_empty() {
+        all.push(
+            Formula::new("rounding to steps")
+                .block(slot, Block::Quantiser(span), vec![steps(), phase()])
+                .starts(seen.iter().map(|(steps, phase)| vec![*steps, *phase]))
+                .screened(0),
+        );
+    }
+    if let Some(gaps) = gaps {
+        let block = Block::GappedQuantiser { span, every: gaps.every, missing: gaps.missing };
+        all.push(
+            Formula::new("steps with codes missing")
+                .block(slot, block, vec![steps(), phase()])
+                .start(&[gaps.steps, gaps.phase])
+                .screened(0),
+        );
+    }
+    all
 }
 
 /// Bandwidths to start from: from where a lag is a thousandth of the range per sample.
@@ -124,5 +145,19 @@ fn saturation(s: &Setting<'_>) -> Vec<Formula> {
             .block(Slot::Amplifier, Block::Tanh(s.command), vec![size()])
             .start(&[5.0])
             .start(&[2.0]),
+        powers(s, Slot::Amplifier),
     ]
+}
+
+/// A bent characteristic of the command, as components have it.
+pub(super) fn powers(s: &Setting<'_>, slot: Slot) -> Formula {
+    let power = |name| Free::linear(name, "1", -1.0, 1.0).step(1e-3);
+    Formula::new("second and third power of the command")
+        .block(
+            slot,
+            Block::Polynomial { span: s.command, order: 3 },
+            vec![power("a2"), power("a3")],
+        )
+        .start(&[0.0, 0.0])
+        .stand_in()
 }

@@ -10,6 +10,9 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(Family::new(&effects::THERMAL_DRIFT, drift(s)));
     all.push(Family::new(&effects::SENSOR_BANDWIDTH, super::input::lags(s, Slot::Reading)));
     all.push(Family::new(&effects::SENSOR_NONLINEARITY, nonlinearity(s)));
+    let rounded =
+        super::input::converter(Slot::Reading, s.position, &s.reading_steps, s.reading_gaps);
+    all.push(Family::new(&effects::SENSOR_QUANTISATION, rounded));
     all.push(Family::new(&effects::MAINS_HUM, hum(s)));
     all.push(Family::new(&effects::CROSSTALK, crosstalk(s)));
 }

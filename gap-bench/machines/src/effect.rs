@@ -149,12 +149,14 @@ impl Effect {
         matches!(self, Self::SensorNoise | Self::SensorQuantisation | Self::InitialState)
     }
 
-    /// Whether a model of the machine can foretell it: it follows from the command alone.
+    /// Whether a model of the machine can foretell it: it follows from the command alone, on the
+    /// model's own clock.
     #[must_use]
     pub fn is_foretold(self) -> bool {
         !matches!(
             self,
             Self::ThermalDrift
+                | Self::ClockOffset
                 | Self::SensorNoise
                 | Self::MainsHum
                 | Self::PeriodicDisturbance

@@ -6,7 +6,7 @@ use crate::machine::{Drive, Machine};
 use crate::random::Random;
 use crate::records::{Kind, neighbour, noise};
 use crate::size::{Unreachable, magnitude};
-use crate::tune::{Tuner, rms};
+use crate::tune::{Tuner, spread};
 
 /// Noise of the reading over full scale.
 const NOISE: f64 = 1e-3;
@@ -65,8 +65,8 @@ pub struct Record {
     pub commands: [Vec<f64>; 2],
     /// Reading of each axis in µm.
     pub readings: Vec<Vec<f64>>,
-    /// Root mean square in µm by which the re-tuned model misses axis 1; only for records that
-    /// nobody sees.
+    /// Root mean square in µm by which the re-tuned model misses axis 1, the mean of the record
+    /// taken out; only for records that nobody sees.
     pub missed: Option<f64>,
 }
 
@@ -172,7 +172,7 @@ impl<'a> Workshop<'a> {
         for record in &mut unseen {
             let drive = drive_of(record, 0);
             let model = Machine::plain(&before.model, self.period).run(&drive);
-            record.missed = record.readings.first().map(|y| rms(&model, y));
+            record.missed = record.readings.first().map(|y| spread(&model, y));
         }
         let axes: Vec<Baseline> = (0..self.order.axes).map(|axis| self.model_of(axis)).collect();
         Scene {

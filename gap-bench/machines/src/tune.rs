@@ -204,6 +204,14 @@ pub fn rms(a: &[f64], b: &[f64]) -> f64 {
     (squares.sum::<f64>() / a.len().max(1) as f64).sqrt()
 }
 
+/// The same with the mean difference taken out.
+#[must_use]
+pub(crate) fn spread(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().max(1) as f64;
+    let mean = a.iter().zip(b).map(|(a, b)| a - b).sum::<f64>() / n;
+    (rms(a, b).powi(2) - mean * mean).max(0.0).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

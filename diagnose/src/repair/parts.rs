@@ -1,0 +1,166 @@
+//! Which component does what a block or a force does.
+
+use data::ComponentBlueprint;
+
+use super::number;
+use crate::block::{Block, Loss};
+use crate::chain::Force;
+use crate::library::Piece;
+use crate::outcome::Outcome;
+
+/// A mode with another force, where a component has it.
+pub(super) fn forced(
+    o: &Outcome,
+    (force, centre, half): (Force, f64, f64),
+    p: &[f64],
+    mode: &ComponentBlueprint,
+) -> Option<ComponentBlueprint> {
+    let gain = mode.get("gain").and_then(number).unwrap_or(1.0);
+    let y = o.problem.factor;
+    let new = |kind: &str| {
+        let mut component = ComponentBlueprint::new(kind);
+        component.name.clone_from(&mode.name);
+        for name in ["frequency", "damping"] {
+            component.set(name, mode.get(name)?.clone());
+        }
+        Some(component)
+    };
+    // The stiffness over that at zero; the range ends where the position is farthest from zero.
+    let stiffness = |linear: f64, quadratic: f64| {
+        Some(
+            new("position-stiffness")?
+                .value("linear", linear)
+                .value("quadratic", quadratic)
+                .value("centre", 0.0)
+                .value("half_range", (centre.abs() + half) / y),
+        )
+    };
+    match (force, p) {
+        // The component hardens about zero, with a static gain of 1.
+        (Force::Cubic, &[cubic]) if cubic >= 0.0 && centre.abs() < 0.1 * half && gain == 1.0 => {
+            Some(new("duffing")?.value("hardening", cubic).value("reference", half / y))
+        }
+        (Force::Cubic, &[cubic]) if gain == 1.0 => stiffness(0.0, cubic),
+        (Force::Uneven, &[square, cubic]) if gain == 1.0 => stiffness(square, cubic),
+        // Dahl's law is LuGre's without a difference between static and sliding friction.
+        (Force::Friction, &[size, distance]) if gain == 1.0 => Some(
+            new("friction")?
+                .value("coulomb", size / y)
+                .value("stiction", size / y)
+                .value("presliding", distance / y)
+                .value("stribeck", half / y),
+        ),
+        _ => None,
+    }
+}
+
+/// The components that do what a block does with these values, where there are any.
+pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<ComponentBlueprint>> {
+    let new = ComponentBlueprint::new;
+    let (u, y) = (o.problem.command_factor, o.problem.factor);
+    let step = o.problem.data.step;
+    let is_sensor = piece.slot == crate::library::Slot::Reading;
+    let is_command = piece.slot < crate::library::Slot::AfterActuator;
+    let span = o.problem.data.command_span;
+    let far = 10.0 * (span.half + span.centre.abs());
+    let one = |c: ComponentBlueprint| Some(vec![c]);
+    match (&piece.block, p) {
+        (Block::Delay, &[delay]) => {
+            let longest = ((2.0 * delay / step).ceil() + 1.0) * step;
+            one(new("delay").value("longest", longest).value("delay", delay))
+        }
+        (Block::Lag(order), &[bandwidth]) => {
+            let kind = if is_sensor { "sensor-lag" } else { "amplifier-lag" };
+            Some(vec![new(kind).value("bandwidth", bandwidth); *order])
+        }
+        (Block::Lag2, &[frequency, damping]) => {
+            let kind = if is_sensor { "sensor-second-order" } else { "amplifier-second-order" };
+            one(new(kind).value("frequency", frequency).value("damping", damping))
+        }
+        // The phase of the steps is not the converter's: it is that of its zero.
+        (Block::Quantiser(span), &[steps, _]) => {
+            let (kind, factor) =
+                if is_sensor { ("sensor-quantisation", y) } else { ("dac-quantisation", u) };
+            one(new(kind).value("resolution", 2.0 * span.half / steps / factor))
+        }
+        (Block::Slew, &[rate]) => one(new("amplifier-slew").value("rate", rate / u)),
+        (Block::ClampHigh, &[high]) => {
+            one(new("amplifier-clamp").value("low", -far / u).value("high", high / u))
+        }
+        (Block::ClampLow, &[low]) => {
+            one(new("amplifier-clamp").value("low", low / u).value("high", far / u))
+        }
+        (Block::ClampBoth(s), &[half]) => one(new("amplifier-clamp")
+            .value("low", (s.centre - half) / u)
+            .value("high", (s.centre + half) / u)),
+        (Block::Gain, &[gain]) => one(new("sensor-scale").value("gain", 1.0 + gain)),
+        (Block::PoleZero, &[pole, damping, ratio, zero_damping]) => one(new("collocated-mode")
+            .value("frequency", pole)
+            .value("damping", damping)
+            .value("zero_frequency", pole * ratio)
+            .value("zero_damping", zero_damping)),
+        // 1 − g + g·M is a pair of poles and zeros with the static gain 1.
+        (Block::ParallelMode, &[gain, frequency, damping]) if gain < 1.0 => {
+            let root = (1.0 - gain).sqrt();
+            one(new("collocated-mode")
+                .value("frequency", frequency)
+                .value("damping", damping)
+                .value("zero_frequency", frequency / root)
+                .value("zero_damping", damping * root))
+        }
+        (Block::Backlash, &[half]) => one(new("backlash").value("width", 2.0 * half / y)),
+        (Block::Polynomial { span, order: 3 }, &[square, cubic]) if !is_command => {
+            one(new("sensor-polynomial")
+                .value("quadratic", square)
+                .value("cubic", cubic)
+                .value("centre", span.centre / y)
+                .value("half_range", span.half / y))
+        }
+        (Block::Polynomial { span, order: 3 }, &[square, cubic]) if is_command => {
+            one(new("amplifier-nonlinearity")
+                .value("quadratic", square)
+                .value("cubic", cubic)
+                .value("centre", span.centre / u)
+                .value("half_range", span.half / u))
+        }
+        (Block::AgeingGain, &[gain, growth]) => Some(vec![
+            new("sensor-scale").value("gain", 1.0 + gain),
+            new("actuator-ageing").value("per_decade", -growth / (1.0 + gain)).value("age", 0.1),
+        ]),
+        // The loss of a loop about the mean: power π/2·loss·capacitance·|ṽ v′| over its mean here.
+        (Block::Heating { span: path, loss: Loss::Loops(mean, _) }, &[growth, time]) => {
+            one(warming(*mean / (u * u), time, o).value("growth", growth * path.half / y))
+        }
+        (Block::HeatingGain { loss: Loss::Loops(mean, _) }, &[growth, time]) => {
+            one(warming(*mean / (u * u), time, o).value("coefficient", growth))
+        }
+        (Block::FeedThrough { scale, time }, &[value, rate]) => one(new("crosstalk")
+            .value("gain", value / scale * u / y)
+            .value("rate_gain", rate * time / scale * u / y)),
+        (block, p) => creep(block, p).and_then(one),
+    }
+}
+
+/// A component that warms by one kelvin at the mean power of the log.
+fn warming(mean: f64, time: f64, o: &Outcome) -> ComponentBlueprint {
+    ComponentBlueprint::new("self-heating")
+        .value("loss", std::f64::consts::FRAC_2_PI)
+        .value("capacitance", 1.0)
+        .value("resistance", 1.0 / mean)
+        .value("time_constant", time)
+        .value("coefficient", 0.0)
+        .value("growth", 0.0)
+        .value("averaging", o.problem.data.longest())
+}
+
+/// Every formula of creep is a sum of elements.
+fn creep(block: &Block, p: &[f64]) -> Option<ComponentBlueprint> {
+    let mut elements = block.elements(p)?;
+    elements.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let (share, time): (Vec<f64>, Vec<f64>) = elements.into_iter().unzip();
+    Some(
+        ComponentBlueprint::new("kelvin-voigt-creep")
+            .value("share", share)
+            .value("time_constant", time),
+    )
+}

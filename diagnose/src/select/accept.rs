@@ -1,0 +1,218 @@
+//! Which effects are believed: forward search, backward elimination, rivals of each slot.
+
+use super::{Candidate, Found, Looked, Search, has_gap};
+use crate::belief::{self, Sight};
+use crate::chain::Failed;
+use crate::score::explained;
+
+/// Factor by which a further effect must cut what is left.
+const CUT: f64 = 1.5;
+/// The same where nothing is left with it, however small it is.
+const CUT_TO_NOISE: f64 = 3.0;
+/// Score that the effects together must reach.
+const EXPLAINED: f64 = 0.6;
+/// Part of the held-out gap's power that the effects together must explain.
+const POWER: f64 = 0.5;
+/// Part of the power with which a lower score is enough, and that score.
+const MOST: f64 = 0.9;
+const SOME: f64 = 0.35;
+/// Below both limits by this much, a set of effects is not looked at again.
+const HOPELESS: f64 = 0.2;
+/// The same where the effect is a line in the spectrum.
+const LINES: f64 = 0.92;
+/// Least part of the gap's power, or of the score, that each further effect must bring.
+const FURTHER: (f64, f64) = (0.08, 0.15);
+/// Most members that are exchanged once the search stands.
+const MOST_SWAPS: usize = 2;
+/// Loss of score below which an effect is dropped again.
+const DROPPED: f64 = 0.02;
+
+impl Search<'_> {
+    /// The whole search.
+    pub(crate) fn run(&self, base: Candidate) -> Result<Found, Failed> {
+        let mut best = base.clone();
+        let mut first = Vec::new();
+        let mut rivals: Vec<Vec<Looked>> = Vec::new();
+        while best.picks.len() < self.max_effects && has_gap(&best, self.adequate) {
+            let looked = self.expand(&best)?;
+            if first.is_empty() {
+                first.clone_from(&looked);
+            }
+            let Some(next) = looked.iter().find_map(|l| l.best.clone()) else { break };
+            if !self.is_worth_it(&base, &best, &next) {
+                break;
+            }
+            rivals.push(looked);
+            best = next;
+        }
+        // Where even all together explain too little, which of them it is is no question.
+        let is_hopeless = self.judge.score(&base.judged, &best.judged) < EXPLAINED - HOPELESS
+            && explained(&base.judged, &best.judged) < POWER - HOPELESS;
+        if is_hopeless {
+            let last = base.clone();
+            return Ok(Found { base, last, rivals, first, alone: Vec::new() });
+        }
+        if best.picks.len() > 1 {
+            best = self.reconsider(best, &mut rivals)?;
+        }
+        best = self.eliminate(&base, best, &mut rivals)?;
+        let last = self.believed(&base, best, &mut rivals)?;
+        let alone = self.alone(&base, &last)?;
+        Ok(Found { base, last, rivals, first, alone })
+    }
+
+    /// The effects that can be named: those that explain enough together, without those whose name is
+    /// too uncertain.
+    fn believed(
+        &self,
+        base: &Candidate,
+        mut best: Candidate,
+        rivals: &mut Vec<Vec<Looked>>,
+    ) -> Result<Candidate, Failed> {
+        loop {
+            let power = explained(&base.judged, &best.judged);
+            let has_lines = self.formulas(&best.picks).iter().any(|f| f.is_line_of_own());
+            // A line that is no multiple of the mains is a disturbance only where it is nearly all.
+            let least = if has_lines && best.picks.len() == 1 { LINES } else { POWER };
+            let reached = self.judge.score(&base.judged, &best.judged);
+            // Nearly all of the power is as good as a good score: bands that nothing in the library
+            // reaches do not take a name from what does.
+            let is_enough = reached >= EXPLAINED || (power >= MOST && reached >= SOME);
+            if best.picks.is_empty() || !is_enough || power < least {
+                return Ok(base.clone());
+            }
+            let sight = self.sight(base);
+            best = self.most_probable(&sight, rivals, best);
+            let trust = |slot: usize| {
+                let family = best.picks[slot].0;
+                let beliefs = belief::beliefs(&sight, &rivals[slot], &best);
+                belief::trust(self.library, &beliefs, family)
+            };
+            let worst = (0..best.picks.len())
+                .map(|slot| (slot, trust(slot)))
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            match worst {
+                Some((slot, trust)) if trust < belief::TRUSTED => {
+                    if best.picks.len() == 1 {
+                        return Ok(base.clone());
+                    }
+                    best = self.refit_without(&best, slot)?;
+                    rivals.remove(slot);
+                }
+                _ => return Ok(best),
+            }
+        }
+    }
+
+    /// A single effect gives way to the more probable of its rivals: of those that leave alike the one
+    /// with fewer coefficients.
+    fn most_probable(&self, sight: &Sight, rivals: &[Vec<Looked>], best: Candidate) -> Candidate {
+        let (&[(family, _)], [looked]) = (&best.picks[..], rivals) else { return best };
+        let first = belief::beliefs(sight, looked, &best).first().map(|b| b.family);
+        let rival = looked.iter().find(|l| first.is_some_and(|f| f != family && f == l.family));
+        rival.and_then(|l| l.best.clone()).unwrap_or(best)
+    }
+
+    /// What beliefs are formed from.
+    fn sight(&self, base: &Candidate) -> Sight {
+        Sight { base_excess: (base.judged.held_out - 1.0).max(0.0), adequate: self.adequate }
+    }
+
+    /// Whether one more effect is believed.
+    fn is_worth_it(&self, base: &Candidate, before: &Candidate, after: &Candidate) -> bool {
+        if after.rank >= before.rank {
+            return false;
+        }
+        let (s0, s1) = (
+            self.judge.score(&base.judged, &before.judged),
+            self.judge.score(&base.judged, &after.judged),
+        );
+        let paired = self.judge.paired(&before.judged, &after.judged);
+        if before.picks.is_empty() {
+            return s1 > 0.2 && paired > 3.0;
+        }
+        let e0 = explained(&base.judged, &before.judged);
+        let e1 = explained(&base.judged, &after.judged);
+        // Where nothing is left the two effects are the whole of it, however small the second one is;
+        // what only takes a part of what is left may repair another formula of the first.
+        let left = |c: &Candidate| (0.5 * (c.judged.training + c.judged.held_out) - 1.0).max(1e-3);
+        let cut = left(before) / left(after);
+        let is_large = e1 - e0 > FURTHER.0 || s1 - s0 > FURTHER.1;
+        let is_whole = !has_gap(after, self.adequate) && cut > CUT_TO_NOISE;
+        paired > 4.0 && ((is_large && cut > CUT) || is_whole)
+    }
+
+    /// Looks at each slot again with the others in place, and takes what is better there.
+    fn reconsider(
+        &self,
+        mut best: Candidate,
+        rivals: &mut Vec<Vec<Looked>>,
+    ) -> Result<Candidate, Failed> {
+        let mut slot = 0;
+        let mut swaps = 0;
+        while slot < best.picks.len() {
+            let rest = self.refit_without(&best, slot)?;
+            let looked = self.expand(&rest)?;
+            let top = looked.iter().find_map(|l| l.best.clone());
+            match top {
+                Some(top) if top.rank < best.rank - 1.0 && swaps < MOST_SWAPS => {
+                    // The new member stands last; its list goes with it, and the others are new.
+                    rivals.remove(slot);
+                    rivals.push(looked);
+                    let is_same =
+                        top.picks.last().map(|p| p.0) == best.picks.get(slot).map(|p| p.0);
+                    (best, swaps) = (top, swaps + 1);
+                    if is_same && slot + 1 == best.picks.len() {
+                        slot += 1;
+                    } else {
+                        slot = 0;
+                    }
+                }
+                _ => {
+                    rivals[slot] = looked;
+                    slot += 1;
+                }
+            }
+        }
+        Ok(best)
+    }
+
+    /// What goes with each effect, given the others.
+    fn alone(&self, base: &Candidate, last: &Candidate) -> Result<Vec<f64>, Failed> {
+        let whole = explained(&base.judged, &last.judged);
+        (0..last.picks.len())
+            .map(|slot| {
+                if last.picks.len() == 1 {
+                    return Ok(whole.max(0.0));
+                }
+                let less = self.refit_without(last, slot)?;
+                Ok((whole - explained(&base.judged, &less.judged)).max(0.0))
+            })
+            .collect()
+    }
+
+    /// Drops effects that the others can do without.
+    fn eliminate(
+        &self,
+        base: &Candidate,
+        mut best: Candidate,
+        rivals: &mut Vec<Vec<Looked>>,
+    ) -> Result<Candidate, Failed> {
+        let mut slot = 0;
+        while best.picks.len() > 1 && slot < best.picks.len() {
+            let less = self.refit_without(&best, slot)?;
+            let loss = self.judge.score(&base.judged, &best.judged)
+                - self.judge.score(&base.judged, &less.judged);
+            let linear =
+                explained(&base.judged, &best.judged) - explained(&base.judged, &less.judged);
+            if loss < DROPPED && linear < DROPPED {
+                best = less;
+                rivals.remove(slot);
+                slot = 0;
+            } else {
+                slot += 1;
+            }
+        }
+        Ok(best)
+    }
+}

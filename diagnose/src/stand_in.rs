@@ -1,0 +1,78 @@
+//! Another formula of an effect for a blueprint, where no component does what the best one does.
+
+use std::sync::atomic::AtomicU64;
+
+use crate::library::Formula;
+use crate::outcome::Outcome;
+use crate::score::explained;
+use crate::select::{Candidate, Search};
+
+/// Part of the gap's power that another formula must take, beside that of the other effects.
+const WORTH: f64 = 0.02;
+
+/// The effects of an outcome with formulas that `is_written` takes, where a family has one that takes
+/// away enough; what was exchanged, one sentence each.
+pub(crate) fn stand_in(
+    o: &Outcome,
+    is_written: &dyn Fn(&str, &Formula, &[f64]) -> bool,
+) -> (Candidate, Vec<String>) {
+    let count = AtomicU64::new(0);
+    let search = Search {
+        base: &o.problem.base,
+        data: &o.problem.data,
+        judge: &o.judge,
+        library: &o.library,
+        sigma: o.sigma,
+        adequate: o.adequate,
+        count: &count,
+        max_effects: 0,
+    };
+    let mut last = o.found.last.clone();
+    let mut notes = Vec::new();
+    for pick in o.found.last.picks.clone() {
+        let Some(slot) = last.picks.iter().position(|p| *p == pick) else { continue };
+        let family = &o.library[pick.0];
+        let (effect, best) = (family.effect.name, &family.formulas[pick.1]);
+        let is_own = best.pieces.is_empty() && best.force.is_none();
+        if (is_own && !best.releases.is_empty())
+            || is_written(effect, best, &values_of(o, &last, slot))
+        {
+            continue;
+        }
+        let goes = |c: &Candidate| explained(&o.found.base.judged, &c.judged);
+        let Ok(without) = search.refit_without(&last, slot) else { continue };
+        let others = family.formulas.iter().enumerate().filter(|(_, f)| {
+            let first = f.starts.first().map_or(&[][..], Vec::as_slice);
+            // The model's own parameters are written in any case.
+            let is_own = f.pieces.is_empty() && f.force.is_none() && !f.releases.is_empty();
+            is_own || is_written(effect, f, first)
+        });
+        let fitted = others.filter_map(|(number, formula)| {
+            Some((formula, search.exchange(&last, slot, number).ok()?))
+        });
+        let Some((formula, other)) = fitted.max_by(|a, b| goes(&a.1).total_cmp(&goes(&b.1))) else {
+            continue;
+        };
+        if goes(&other) > goes(&without) + WORTH {
+            notes.push(format!(
+                "{effect} is written as {}, as no component does what was found ({}): {:.0} % of the gap's power goes in place of {:.0} %",
+                formula.name,
+                best.name,
+                100.0 * goes(&other),
+                100.0 * goes(&last)
+            ));
+            last = other;
+        }
+    }
+    (last, notes)
+}
+
+/// Fitted values of the effect number `slot`.
+fn values_of(o: &Outcome, c: &Candidate, slot: usize) -> Vec<f64> {
+    let count =
+        |(family, number): &(usize, usize)| o.library[*family].formulas[*number].parameters.len();
+    let base = c.chain.parameters.iter().take_while(|p| p.is_base).count();
+    let first = base + c.picks[..slot].iter().map(count).sum::<usize>();
+    let range = first..first + count(&c.picks[slot]);
+    range.map(|k| c.chain.parameters[k].value(c.fit.theta[k])).collect()
+}
