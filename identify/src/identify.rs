@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use data::CheckedBlueprint;
 
-use crate::error::{Error, Problem};
+use crate::error::Error;
 use crate::estimates;
 use crate::fit::delay::{self, Delay};
 use crate::fit::linear_part::{self, Deviations, Structure};
@@ -18,13 +18,12 @@ use crate::observer::Observer;
 use crate::plant::{Actuator, Plant};
 use crate::record::{Record, Rows};
 use crate::settings::{Dynamics, Plan, Settings, Target};
+use crate::structure;
 
 /// Relative fall of the held-out error from which a linear part is kept.
 pub const SIGNIFICANT_FALL: f64 = 0.10;
 /// Name of the static model's method.
 const STATIC: &str = "prandtl-ishlinskii";
-/// Correlation of input and output below which the output is taken to fall where the input rises.
-const CLEARLY_NEGATIVE: f64 = -0.3;
 
 /// Identifies a plant from records of one axis.
 ///
@@ -51,7 +50,7 @@ pub fn identify(
     observer: &mut dyn Observer,
 ) -> Result<Identification, Error> {
     let plan = settings.plan(records)?;
-    check_sign(records, &plan)?;
+    structure::check_sign(records, &plan)?;
     let mut session = Session { records, target, plan, observer };
     let baseline = session.line()?;
     let delayed_line = session.delayed_line()?;
@@ -172,7 +171,11 @@ impl<'a> Session<'a> {
                 // A structure that the data do not support is no reason to return nothing.
                 Err(error @ Error::NoSolution { .. }) => {
                     let method = Some(STATIC);
-                    candidates.push(failed(method, name_of(structure).to_owned(), &error));
+                    candidates.push(failed(
+                        method,
+                        structure::name_of(structure).to_owned(),
+                        &error,
+                    ));
                     continue;
                 }
                 Err(error) => return Err(error),
@@ -200,7 +203,7 @@ impl<'a> Session<'a> {
         let mut task = self.task(self.plan.thresholds.clone());
         let longest = self.plan.longest_delay;
         let observer = &mut *self.observer;
-        let stage = name_of(structure);
+        let stage = structure::name_of(structure);
         let mut report = |done, total| observer.progress(stage, done, total);
         let (fitted, deviations) =
             linear_part::fit(&mut task, structure, longest, known, &mut report)?;
@@ -243,7 +246,7 @@ impl<'a> Session<'a> {
         deviations: Deviations,
         substeps: usize,
     ) -> Result<Tried, Error> {
-        let structure = describe(actuator, &linear);
+        let structure = structure::describe(method, actuator, &linear);
         let step = self.plan.period / substeps as f64;
         let plant = Plant { actuator: actuator.clone(), offset, linear, deviations, step };
         let names: Vec<&str> = self.records.iter().map(Record::name).collect();
@@ -481,58 +484,4 @@ fn failed(method: Option<&'static str>, structure: String, error: &Error) -> Can
         plant: None,
         simulations: Vec::new(),
     }
-}
-
-fn name_of(structure: Structure) -> &'static str {
-    match (structure.lag, structure.mode) {
-        (true, false) => "delay, amplifier-lag, prandtl-ishlinskii",
-        (false, true) => "delay, prandtl-ishlinskii, mode",
-        (true, true) => "delay, amplifier-lag, prandtl-ishlinskii, mode",
-        (false, false) => "delay, prandtl-ishlinskii",
-    }
-}
-
-fn describe(actuator: &Actuator<'_>, linear: &LinearPart) -> String {
-    let parts = match actuator {
-        Actuator::Linear { .. } if linear.delay > 0.0 => return "delay, actuator-gain".to_owned(),
-        Actuator::Linear { .. } => return "actuator-gain".to_owned(),
-        Actuator::Plays { .. } => {
-            let structure =
-                Structure { lag: linear.bandwidth.is_some(), mode: linear.mode.is_some() };
-            return name_of(structure).to_owned();
-        }
-        Actuator::Chain(parts) => parts,
-    };
-    let kinds = |parts: &[data::ComponentBlueprint]| {
-        parts.iter().map(|part| part.kind.clone()).collect::<Vec<_>>()
-    };
-    let mut all = vec!["delay".to_owned()];
-    all.extend(linear.bandwidth.map(|_| "amplifier-lag".to_owned()));
-    all.extend(kinds(&parts.hysteresis));
-    all.extend(linear.mode.map(|_| "mode".to_owned()));
-    all.extend(kinds(&parts.reading));
-    all.join(", ")
-}
-
-/// A log whose output falls where its input rises is told apart from one that cannot be fitted.
-fn check_sign(records: &[Record], plan: &Plan) -> Result<(), Error> {
-    for (record, rows) in records.iter().zip(&plan.fitted) {
-        let input = rows.of(record.input());
-        let output = rows.of(record.output());
-        let (u_mean, y_mean) = (mean(input), mean(output));
-        // The output at a row belongs to the input of the row before.
-        let pairs =
-            || input.iter().zip(output.iter().skip(1)).map(|(u, y)| (u - u_mean, y - y_mean));
-        let cross: f64 = pairs().map(|(u, y)| u * y).sum();
-        let (uu, yy) = pairs().fold((0.0, 0.0), |(uu, yy), (u, y)| (uu + u * u, yy + y * y));
-        if cross < CLEARLY_NEGATIVE * (uu * yy).sqrt() {
-            return Err(Error::NegativeGain {
-                record: record.name().to_owned(),
-                input: record.input_name().to_owned(),
-                output: record.output_name().to_owned(),
-                gain: cross / uu,
-            });
-        }
-    }
-    if plan.half_range > 0.0 { Ok(()) } else { Err(Error::Unsuitable(vec![Problem::NoRecord])) }
 }

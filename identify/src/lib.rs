@@ -15,6 +15,7 @@ mod control;
 mod error;
 mod estimates;
 mod fit;
+pub mod frequency;
 mod identification;
 mod identify;
 mod judge;
@@ -24,6 +25,7 @@ mod observer;
 mod plant;
 mod record;
 mod settings;
+mod structure;
 #[cfg(test)]
 mod testing;
 

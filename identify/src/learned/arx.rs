@@ -20,6 +20,9 @@ pub struct Arx {
     pub a: Vec<f64>,
 }
 
+/// Greatest magnitude of a pole that counts as stable.
+const STABLE: f64 = 1.0 - 1e-9;
+
 impl Arx {
     /// Fits `zeros` + 1 numerator and `poles` denominator coefficients.
     ///
@@ -43,6 +46,48 @@ impl Arx {
         let fitted = of(&minimum.parameters);
         let after = super::rms_difference(&fitted.simulate(input, output[0]), output);
         Ok(if after < before || before.is_nan() { fitted } else { start })
+    }
+
+    /// Whether a bounded input gives a bounded output: every zero of zⁿ + a_1 zⁿ⁻¹ + … lies inside the
+    /// unit circle.
+    #[must_use]
+    pub fn is_stable(&self) -> bool {
+        let n = self.a.len();
+        let companion = DMatrix::from_fn(n, n, |r, c| match (r, c) {
+            (0, c) => -self.a[c],
+            (r, c) => f64::from(u8::from(r == c + 1)),
+        });
+        self.a.iter().all(|a| a.is_finite())
+            && (n == 0 || companion.complex_eigenvalues().iter().all(|p| p.norm() < STABLE))
+    }
+
+    /// The orders of least error in simulation on the last third of the record, among those whose fit to
+    /// the first two thirds and to the whole is stable; fitted to the whole.
+    ///
+    /// # Errors
+    /// [`Error::NoSolution`] where no order up to `most_poles` gives a stable system.
+    pub fn choose(input: &[f64], output: &[f64], most_poles: usize) -> Result<Self, Error> {
+        let part = 2 * input.len().min(output.len()) / 3;
+        let mut tried = Vec::new();
+        for poles in 0..=most_poles {
+            for zeros in 0..=poles.max(1) {
+                let Ok(fit) = Self::fit(&input[..part], &output[..part], zeros, poles) else {
+                    continue;
+                };
+                if !fit.is_stable() {
+                    continue;
+                }
+                let run = fit.simulate(input, output[0]);
+                let error = super::rms_difference(&run[part..], &output[part..]);
+                tried.push((error, zeros, poles));
+            }
+        }
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        tried
+            .into_iter()
+            .filter_map(|(_, zeros, poles)| Self::fit(input, output, zeros, poles).ok())
+            .find(Self::is_stable)
+            .ok_or(Error::NoSolution { reason: "no order gives a stable linear part" })
     }
 
     fn by_equation_error(
@@ -96,5 +141,20 @@ mod tests {
         for (a, b) in found.b.iter().chain(&found.a).zip(truth.b.iter().chain(&truth.a)) {
             assert!((a - b).abs() < 1e-6, "{found:?}");
         }
+    }
+
+    #[test]
+    fn the_orders_are_chosen_among_stable_systems() {
+        let truth = Arx { b: vec![0.2, -0.1], a: vec![-1.2, 0.3] };
+        assert!(truth.is_stable() && !Arx { b: vec![1.0], a: vec![-1.1] }.is_stable());
+        let input: Vec<f64> = (0..600).map(|t| (0.001 * f64::from(t * t)).sin()).collect();
+        let output = truth.simulate(&input, 0.0);
+        let found = Arx::choose(&input, &output, 4).unwrap();
+        assert!(found.is_stable());
+        assert!(crate::learned::rms_difference(&found.simulate(&input, 0.0), &output) < 1e-6);
+        // What grows by itself has no stable order that follows it.
+        let growing = Arx { b: vec![0.1], a: vec![-1.01] }.simulate(&input, 0.0);
+        let follower = Arx::choose(&input, &growing, 3).unwrap();
+        assert!(follower.is_stable());
     }
 }

@@ -1,0 +1,21 @@
+//! Linear part in the frequency domain: frequency response with its quality, and rational fits.
+//!
+//! * [`measure`]: the frequency response matrix from multisines, swept sines or any other rich signal,
+//!   with coherence, noise level and nonlinear distortion.
+//! * [`Rational`]: a common-denominator fit of all its elements, with modes and delay.
+
+mod excitation;
+mod levels;
+mod local;
+mod modes;
+mod rational;
+mod relocate;
+
+pub use excitation::{Experiment, period_of};
+pub use levels::{Distortion, Levels};
+pub use local::{FrequencyResponse, Line, MeasureSettings, measure};
+pub use modes::{Choice, Mode, RationalSettings, choose, fit_with_delay};
+pub use rational::{Domain, Rational};
+
+/// A complex number.
+pub type Complex = nalgebra::Complex<f64>;

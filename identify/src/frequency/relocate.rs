@@ -1,0 +1,214 @@
+//! Vector fitting: the poles move to where a common denominator of all elements is zero.
+//!
+//! ```text
+//! (σ(x)·G(x)) ≈ Σ c_k φ_k(x) + d,   σ(x) = Σ c̃_k φ_k(x) + d̃,   new poles = zeros of σ
+//! ```
+//!
+//! Linear least squares each round; the condition that σ does not vanish is the relaxed one.
+//!
+//! Source: B. Gustavsen, A. Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052-1061; relaxed: B. Gustavsen,
+//! ibid. 21 (2006) 1587-1592; one QR per element: D. Deschrijver et al., IEEE Microw. Wireless
+//! Compon. Lett. 18 (2008) 383-385.
+
+use faer::Mat;
+use nalgebra::{DMatrix, DVector};
+
+use super::Complex;
+use super::rational::{Domain, Rational};
+use crate::error::Error;
+
+/// Samples of a transfer matrix with weights.
+pub(super) struct Samples<'a> {
+    /// x of each line.
+    pub(super) variable: &'a [Complex],
+    /// Response of each line, its delay taken off.
+    pub(super) response: &'a [DMatrix<Complex>],
+    /// Weight of each element of each line.
+    pub(super) weight: &'a [DMatrix<f64>],
+}
+
+/// Partial fractions with real coefficients.
+#[derive(Clone, Debug)]
+pub(super) struct Basis {
+    pub(super) domain: Domain,
+    pub(super) poles: Vec<Complex>,
+}
+
+impl Basis {
+    /// Coefficients without the constant.
+    pub(super) fn width(&self) -> usize {
+        self.poles.iter().map(|p| if p.im == 0.0 { 1 } else { 2 }).sum()
+    }
+
+    /// Each pole with the place of its first coefficient.
+    pub(super) fn places(&self) -> impl Iterator<Item = (usize, &Complex)> {
+        self.poles.iter().scan(0, |place, pole| {
+            let at = *place;
+            *place += if pole.im == 0.0 { 1 } else { 2 };
+            Some((at, pole))
+        })
+    }
+
+    /// φ_1 … φ_n and 1.
+    fn at(&self, x: Complex) -> Vec<Complex> {
+        let mut row = Vec::with_capacity(self.width() + 1);
+        for pole in &self.poles {
+            let one = (x - pole).inv();
+            if pole.im == 0.0 {
+                row.push(one);
+            } else {
+                let other = (x - pole.conj()).inv();
+                row.push(one + other);
+                row.push(Complex::i() * (one - other));
+            }
+        }
+        row.push(Complex::new(1.0, 0.0));
+        row
+    }
+
+    /// The zeros of d + Σ c_k φ_k.
+    fn zeros(&self, c: &[f64]) -> Vec<Complex> {
+        let n = self.width();
+        let d = c[n];
+        let mut a = DMatrix::<f64>::zeros(n, n);
+        let mut b = DVector::<f64>::zeros(n);
+        for (place, pole) in self.places() {
+            if pole.im == 0.0 {
+                a[(place, place)] = pole.re;
+                b[place] = 1.0;
+            } else {
+                a[(place, place)] = pole.re;
+                a[(place, place + 1)] = pole.im;
+                a[(place + 1, place)] = -pole.im;
+                a[(place + 1, place + 1)] = pole.re;
+                b[place] = 2.0;
+            }
+        }
+        for row in 0..n {
+            for (column, c) in c.iter().take(n).enumerate() {
+                a[(row, column)] -= b[row] * c / d;
+            }
+        }
+        a.complex_eigenvalues().iter().copied().collect()
+    }
+}
+
+/// Rows of the least squares: real parts above imaginary parts, weighted, columns scaled by the
+/// caller.
+fn stacked(rows: &[Vec<Complex>], weight: impl Fn(usize) -> f64) -> Mat<f64> {
+    let (count, width) = (rows.len(), rows.first().map_or(0, Vec::len));
+    Mat::from_fn(2 * count, width, |r, c| {
+        let (k, imaginary) = if r < count { (r, false) } else { (r - count, true) };
+        let value = rows[k][c];
+        weight(k) * if imaginary { value.im } else { value.re }
+    })
+}
+
+/// One round: the poles moved.
+pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, Error> {
+    let n = basis.width();
+    let phi: Vec<Vec<Complex>> = samples.variable.iter().map(|x| basis.at(*x)).collect();
+    let (rows, columns) = samples.response[0].shape();
+    let elements: Vec<(usize, usize)> =
+        (0..columns).flat_map(|i| (0..rows).map(move |o| (o, i))).collect();
+    // What each element says about σ; and that σ is one on average.
+    let mut stack = Mat::<f64>::zeros(elements.len() * (n + 1) + 1, n + 1);
+    let mut scale = 0.0;
+    for (e, &(o, i)) in elements.iter().enumerate() {
+        let both: Vec<Vec<Complex>> = phi
+            .iter()
+            .zip(samples.response)
+            .map(|(phi, g)| {
+                let right = phi.iter().map(|p| -p * g[(o, i)]);
+                phi.iter().copied().chain(right).collect()
+            })
+            .collect();
+        let weight = |k: usize| samples.weight[k][(o, i)];
+        let power = |k: usize| (weight(k) * samples.response[k][(o, i)].norm()).powi(2);
+        scale += (0..phi.len()).map(power).sum::<f64>();
+        let triangle = stacked(&both, weight).qr().thin_R().to_owned();
+        for r in 0..=n {
+            for c in 0..=n {
+                if let (Some(x), true) = (at(&triangle, n + 1 + r, n + 1 + c), r <= c) {
+                    stack[(e * (n + 1) + r, c)] = x;
+                }
+            }
+        }
+    }
+    let strength = scale.sqrt() / phi.len() as f64;
+    let last = elements.len() * (n + 1);
+    for c in 0..=n {
+        stack[(last, c)] = strength * phi.iter().map(|row| row[c].re).sum::<f64>();
+    }
+    let mut right = Mat::<f64>::zeros(last + 1, 1);
+    right[(last, 0)] = strength * phi.len() as f64;
+    let c = least_squares(stack, right)?;
+    let mut c: Vec<f64> = c.col(0).iter().copied().collect();
+    // A σ without its constant has no zeros to go to.
+    let least = 1e-8;
+    if c[n].abs() < least {
+        c[n] = least.copysign(c[n]);
+    }
+    let mut poles = Vec::new();
+    for zero in basis.zeros(&c) {
+        if !(zero.re.is_finite() && zero.im.is_finite()) {
+            return Err(Error::no_solution("the poles of the fit went to infinity"));
+        }
+        let zero = basis.domain.stable(zero);
+        if zero.im.abs() < 1e-9 * zero.norm() {
+            poles.push(Complex::new(zero.re, 0.0));
+        } else if zero.im > 0.0 {
+            poles.push(zero);
+        }
+    }
+    poles.sort_by(|a, b| a.im.total_cmp(&b.im));
+    Ok(Basis { domain: basis.domain, poles })
+}
+
+fn at(matrix: &Mat<f64>, row: usize, column: usize) -> Option<f64> {
+    (row < matrix.nrows() && column < matrix.ncols()).then(|| matrix[(row, column)])
+}
+
+/// Least squares with columns of length one.
+fn least_squares(matrix: Mat<f64>, right: Mat<f64>) -> Result<Mat<f64>, Error> {
+    use faer::linalg::solvers::SolveLstsq;
+    let mut matrix = matrix;
+    let norms: Vec<f64> = matrix
+        .col_iter()
+        .map(|c| c.iter().map(|x| x * x).sum::<f64>().sqrt().max(f64::MIN_POSITIVE))
+        .collect();
+    for (column, norm) in matrix.col_iter_mut().zip(&norms) {
+        column.iter_mut().for_each(|x| *x /= norm);
+    }
+    let solution = matrix.qr().solve_lstsq(&right);
+    let columns = right.ncols();
+    let solution = Mat::from_fn(norms.len(), columns, |r, c| solution[(r, c)] / norms[r]);
+    let finite = solution.col_iter().all(|c| c.iter().all(|x| x.is_finite()));
+    if finite { Ok(solution) } else { Err(Error::no_solution("the fit's poles coincide")) }
+}
+
+/// Residues and direct term for given poles, and the weighted mean square of what is left.
+pub(super) fn residues(
+    basis: &Basis,
+    samples: &Samples<'_>,
+    delay: f64,
+) -> Result<(Rational, f64), Error> {
+    let phi: Vec<Vec<Complex>> = samples.variable.iter().map(|x| basis.at(*x)).collect();
+    let (rows, columns) = samples.response[0].shape();
+    let (mut all, mut sum) = (Vec::new(), 0.0);
+    for i in 0..columns {
+        for o in 0..rows {
+            let weight = |k: usize| samples.weight[k][(o, i)];
+            let matrix = stacked(&phi, weight);
+            let values: Vec<Vec<Complex>> =
+                samples.response.iter().map(|g| vec![g[(o, i)]]).collect();
+            let right = stacked(&values, weight);
+            let c = least_squares(matrix.clone(), right.clone())?;
+            let rest = &right - &matrix * &c;
+            sum += rest.col(0).iter().map(|x| x * x).sum::<f64>();
+            all.push(c.col(0).iter().copied().collect::<Vec<f64>>());
+        }
+    }
+    let count = (phi.len() * rows * columns) as f64;
+    Ok((Rational::from_coefficients(basis, (rows, columns), &all, delay), sum / count))
+}
