@@ -215,7 +215,7 @@ const CATALOGUE: &[(&str, &[&str], &str)] = &[
     ("quantisation of the reading", &["sensor-quantisation"], ""),
     (
         "differences of controller or firmware",
-        &["pid", "reference-lead", "feedforward-gain"],
+        &["pid", "incremental-pid", "reference-lead", "feedforward-gain", "arx"],
         "no effect of the plant: feed the controller with the measured position and compare its command first",
     ),
 ];

@@ -65,6 +65,7 @@ pub static COMPONENTS: model::Registry = &[
     &mechanics::LoadForce,
     &mechanics::Mode,
     &mechanics::ModePair,
+    &mechanics::Arx,
     &mechanics::CollocatedMode,
     &mechanics::LoadedMode,
     &mechanics::Duffing,
@@ -104,9 +105,18 @@ pub static COMPONENTS: model::Registry = &[
     &hysteresis::INVERSE_GRPI,
     &hysteresis::INVERSE_MPI,
     &hysteresis::INVERSE_DYNAMIC_PRANDTL_ISHLINSKII,
+    &control::JacobianCoordinator,
+    &control::ReferencePreview,
+    &control::ReferenceFilter,
+    &control::DisturbanceObserver,
     &control::ReferenceLead,
+    &creep::InverseKelvinVoigtCreep,
     &control::FeedforwardGain,
+    &control::BoucWenFeedforward,
+    &control::Notch,
+    &control::Repetitive,
     &control::Pid,
+    &control::IncrementalPid,
 ];
 
 /// The component type of this name (a blueprint's `type`).

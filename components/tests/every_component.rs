@@ -64,6 +64,7 @@ const EXAMPLES: &[Example] = &[
     ("load-force", &[], &[20.0]),
     ("mode", &[], &[482.6, 0.02, 1.1]),
     ("mode-pair", &[], &[482.6, 0.02, 1200.0, 0.01, 0.1]),
+    ("arx", &[2e-4, 2.0, 2.0], &[0.2, -0.1, -1.2, 0.3]),
     ("collocated-mode", &[], &[482.6, 0.02, 350.0, 0.03]),
     ("loaded-mode", &[], &[482.6, 0.02, 0.3, 0.05, 1e4]),
     ("duffing", &[], &[482.6, 0.02, 0.02, 5.0]),
@@ -125,9 +126,18 @@ const EXAMPLES: &[Example] = &[
             -20.0, 150.0,
         ],
     ),
+    ("jacobian-coordinator", &[2.0, 4.0], &[1.0, 0.02, -0.03, 0.9, 3.0, -2.0, 1000.0]),
+    ("reference-preview", &[0.01], &[2.35e-4]),
+    ("reference-filter", &[], &[200.0, 0.8]),
+    ("disturbance-observer", &[0.1], &[10.0, 1e-3, 2.35e-4, 0.5]),
     ("reference-lead", &[], &[1e-3, 1e-7, 0.5]),
+    ("inverse-kelvin-voigt-creep", &[2.0], &[0.02, 0.03, 0.1, 5.0]),
     ("feedforward-gain", &[], &[15.0, 0.3]),
-    ("pid", &[], &[2.0, 300.0, 1e-4, 0.0, 0.0, 120.0]),
+    ("bouc-wen-feedforward", &[], &[0.06, 0.2, 0.02, 0.01, 1e-4, 1e-7, 0.5]),
+    ("notch", &[], &[480.0, 0.5, 0.1]),
+    ("repetitive", &[0.01, 5.0], &[0.5, 3e-4, 0.99, 20.0]),
+    ("pid", &[], &[2.0, 300.0, 1e-4, 0.0, 0.0, 120.0, 0.9, 5e5, 0.0, 1.0, 20.0]),
+    ("incremental-pid", &[], &[2.0, 300.0, 1e-4, 0.0, 120.0, 0.9, 5e5, 1.0, 20.0]),
 ];
 
 fn node((kind, structure, values): &Example) -> NodeSpec {
@@ -147,7 +157,7 @@ fn ports(declaration: &Declaration) -> Vec<Input> {
 }
 
 fn outputs_of(declaration: &Declaration) -> usize {
-    declaration.outputs.len() + usize::from(declaration.is_coupling())
+    declaration.outputs.len() * if declaration.is_coupling() { 2 } else { 1 }
 }
 
 fn gain(kind: &'static str) -> NodeSpec {
@@ -163,6 +173,12 @@ fn gain(kind: &'static str) -> NodeSpec {
 /// coupling.
 fn around(node: NodeSpec) -> System {
     let declaration = node.component.declaration();
+    if declaration.conversion == Conversion::PositionToMotion {
+        let linear = || vec![gain("feedforward-gain")];
+        let axes = vec![axis("x", linear()), axis("y", linear())];
+        let coupling = CouplingSpec { node, axes: vec![0, 1], after: None };
+        return system(Kind::Controller, axes, vec![coupling]);
+    }
     if declaration.is_coupling() {
         let axes =
             vec![axis("x", vec![gain("actuator-gain")]), axis("y", vec![gain("actuator-gain")])];
@@ -173,8 +189,11 @@ fn around(node: NodeSpec) -> System {
         declaration.stage <= Stage::Amplifier || declaration.kind == "polarisation-saturation";
     let (kind, components) = match declaration.conversion {
         Conversion::CommandToPosition => (Kind::Plant, vec![node]),
+        Conversion::None if declaration.stage == Stage::Control => {
+            (Kind::Controller, vec![node, gain("feedforward-gain")])
+        }
         Conversion::None if before => (Kind::Plant, vec![node, gain("actuator-gain")]),
-        Conversion::None | Conversion::MotionToPosition => {
+        Conversion::None | Conversion::MotionToPosition | Conversion::PositionToMotion => {
             (Kind::Plant, vec![gain("actuator-gain"), node])
         }
         Conversion::PositionToCommand => (Kind::Controller, vec![node]),
@@ -262,6 +281,9 @@ fn rest_is_an_equilibrium() {
         "sensor-drift",
         "mains-hum",
         "pid",
+        "incremental-pid",
+        "repetitive",
+        "disturbance-observer",
     ];
     for example in EXAMPLES.iter().filter(|e| !moves_on.contains(&e.0)) {
         let mut system = around(node(example));

@@ -59,7 +59,8 @@ fn plant() -> System {
 fn controller() -> System {
     let mut values = hysteresis();
     values.component = find("inverse-prandtl-ishlinskii").expect("registered").into();
-    let pid = node("pid", "pid", &[], &[2.0, 300.0, 1e-4, 0.0, 0.0, 120.0]);
+    let pid =
+        node("pid", "pid", &[], &[2.0, 300.0, 1e-4, 0.0, 0.0, 120.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
     system(Kind::Controller, vec![axis("Y", vec![values, pid])])
 }
 

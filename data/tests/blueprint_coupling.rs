@@ -245,10 +245,12 @@ fn what_is_wrong_with_a_coupling_is_told_with_its_line() {
 }
 
 #[test]
-fn a_controller_has_neither() {
+fn a_controller_has_neither_force_nor_optics_nor_an_idle_motion() {
     let text = PLANT.replacen("\"plant\"", "\"controller\"", 1);
     let found = problems(&text);
-    for place in ["axis[1].motion", "axis[1].force", "coupling[1]"] {
+    let motion = "axis[1]: the position in um is never turned into a motion in urad";
+    assert!(found.contains(motion), "{found}");
+    for place in ["axis[1].force", "coupling[1]"] {
         let wanted = format!("{place}: belongs to a plant; leave it out of a controller");
         assert!(found.contains(&wanted), "wanted {wanted}\nfound {found}");
     }

@@ -21,6 +21,18 @@ pub enum Error {
         /// What was found.
         reason: &'static str,
     },
+    /// A Jacobian cannot be calibrated from these motions.
+    #[error("{message}")]
+    Calibration {
+        /// What was found, and the way out.
+        message: String,
+    },
+    /// An experiment on a machine gave no gains.
+    #[error("{message}")]
+    Tuning {
+        /// What was found, and the way out.
+        message: String,
+    },
     /// A method that does not exist.
     #[error("\"{name}\" is no method; there are {}", names())]
     NoMethod {

@@ -29,7 +29,11 @@ mod structure;
 #[cfg(test)]
 mod testing;
 
-pub use control::{ControlSettings, Inversion, LoopFigures, LoopRun, invert, simulate_loop};
+pub use control::{
+    Calibration, CalibrationRecord, ControlSettings, CoordinateFit, Gains, Inversion, LoopFigures,
+    LoopRun, LoopVerdict, Machine, Ultimate, calibrate, impulse_of, invert, judge_loop, relay,
+    robust, simulate_loop, ultimate_by_gain, ziegler_nichols,
+};
 pub use error::{Error, NotInvertible, Problem, SettingsProblem};
 pub use fit::operator::Search;
 pub use fit::swarm::Swarm;

@@ -7,6 +7,7 @@
 //! At rest the output is where a hundred steps with the input held lead to.
 
 mod declarations;
+mod feedforward;
 
 use model::{Component, ComponentRef, Declaration, Sizes, Table, Tick, Violation};
 
@@ -16,13 +17,14 @@ use crate::features::{Derivatives, Features, Narx, Stops};
 /// All component types: those of the library, then those that run learned tables.
 pub static COMPONENTS: model::Registry = &ALL;
 
-const OWN: [&dyn Component; 6] = [
+const OWN: [&dyn Component; 7] = [
     &declarations::LSSVM_NARX,
     &declarations::LSSVM_STOPS,
     &declarations::GAUSSIAN_PROCESS,
     &declarations::LSSVM_INVERSE,
     &declarations::LSSVM_STOPS_INVERSE,
     &declarations::GP_INVERSE,
+    &feedforward::Feedforward,
 ];
 const LIBRARY: usize = components::COMPONENTS.len();
 

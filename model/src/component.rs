@@ -5,8 +5,8 @@ use core::fmt;
 
 use crate::{ComponentRef, Effect, Quantity, Structural, Table, Wiring};
 
-/// Most input or output ports of one component.
-pub const MAX_PORTS: usize = 8;
+/// Most input ports of one component.
+pub const MAX_PORTS: usize = 64;
 
 /// The list of all component types.
 pub type Registry = &'static [&'static dyn Component];
@@ -64,6 +64,10 @@ pub enum Conversion {
     /// Motion of the coupled axes in, positions in the axes' own unit out: optics (couplings). In
     /// the units of its quantities `{command}` stands for the unit of the motion.
     MotionToPosition,
+    /// The inverse, in front of control laws: references and measured positions of the coupled axes
+    /// in, in the axes' own unit; motions that are wanted and measured out; units as for
+    /// [`MotionToPosition`](Self::MotionToPosition).
+    PositionToMotion,
 }
 
 /// Where an input port reads.
@@ -139,7 +143,8 @@ pub struct Input {
     pub at_rest: bool,
 }
 
-/// An output port. The first one is the signal path.
+/// An output port. The first one is the signal path. In a controller, one that is not published and has
+/// the name of a signal of the axis (`reference`, `measured`) takes its place for the components behind.
 #[derive(Clone, Copy, Debug)]
 pub struct Output {
     /// Name in the equations.
@@ -258,11 +263,13 @@ impl Declaration {
         self.inputs.iter().any(|port| matches!(port.source, Source::EachPath))
     }
 
-    /// Most axes that it can couple: as many as its ports allow.
+    /// Most axes that it can couple: as many as its ports and its first setting, the number of axes,
+    /// allow.
     #[must_use]
     pub fn most_axes(&self) -> usize {
         let each = |port: &&Input| matches!(port.source, Source::EachPath | Source::Each(_));
-        MAX_PORTS / self.inputs.iter().filter(each).count().max(1)
+        let ports = MAX_PORTS / self.inputs.iter().filter(each).count().max(1);
+        self.structure.first().map_or(ports, |axes| ports.min(axes.max as usize))
     }
 
     /// The length of parameter number `index` under this structure.

@@ -1,8 +1,9 @@
 //! One file per command.
 
 mod bench;
+mod calibrate;
 mod check;
-mod demo;
+pub(crate) mod demo;
 mod diagnose;
 mod effects_docs;
 mod gap_bench;
@@ -16,6 +17,7 @@ mod shell;
 mod signal;
 pub(crate) mod simulate;
 mod system;
+mod tune;
 
 use crate::answer::Screen;
 
@@ -27,6 +29,8 @@ const WORKER: &str = "fmu-worker";
 pub(crate) enum Command {
     Identify(identify::Identify),
     Invert(invert::Invert),
+    Calibrate(calibrate::Calibrate),
+    Tune(tune::Tune),
     Pack(pack::Pack),
     Simulate(simulate::Simulate),
     System(system::System),
@@ -54,6 +58,8 @@ impl Command {
         match self {
             Self::Identify(command) => command.run(screen),
             Self::Invert(command) => command.run(screen),
+            Self::Calibrate(command) => command.run(screen),
+            Self::Tune(command) => command.run(screen),
             Self::Pack(command) => command.run(screen),
             Self::Simulate(command) => command.run(screen),
             Self::System(command) => command.run(screen),

@@ -8,17 +8,34 @@ use serde::Serialize;
 use crate::answer::{Answer, Screen};
 use crate::reproduce::{self, Reproduction, Verdict};
 
-/// Reproduces the modelling of a paper: paper | ours | verdict
+/// Reproduces the tables of a paper: paper | ours | verdict
 ///
-/// The machine is our matched one (`piezoloop list rigs --match`), the signals are the paper's.
+/// The machine is our matched one (`piezoloop list rigs --match`), the signals are the paper's. Control
+/// experiments run through packed FMUs; their match table comes first, and printed gains are tried first.
 #[derive(Args, Debug)]
-#[command(after_help = "Example:\n  piezoloop reproduce p0")]
+#[command(
+    after_help = "Examples:\n  piezoloop reproduce p0\n  piezoloop reproduce p4 --part control\n  piezoloop reproduce all"
+)]
 pub(crate) struct Reproduce {
-    /// p0, p1, p2 or p3; none: all of them
+    /// p0, p1, p2, p3, p4 or all; none: all of them
     papers: Vec<String>,
+    /// What is reproduced
+    #[arg(long, value_enum, default_value_t = Part::All)]
+    part: Part,
     /// Run the papers' own searches too (3000 trainings of a swarm), beside the default one
     #[arg(long)]
     searches: bool,
+}
+
+/// Parts of a paper.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    /// Its models
+    Modelling,
+    /// Its control experiments
+    Control,
+    /// Both
+    All,
 }
 
 /// All that was asked for.
@@ -27,15 +44,22 @@ struct Reproductions(Vec<Reproduction>);
 
 impl Reproduce {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        let papers = if self.papers.is_empty() {
-            reproduce::PAPERS.map(String::from).to_vec()
-        } else {
-            self.papers
-        };
+        const ALL: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
+        let whole = self.papers.is_empty() || self.papers.iter().any(|paper| paper == "all");
+        let papers = if whole { ALL.map(String::from).to_vec() } else { self.papers.clone() };
         let mut all = Vec::new();
         for paper in &papers {
             let say = |line: &str| screen.say(&format!("{paper}: {line}"));
-            all.push(reproduce::run(paper, self.searches, &say)?);
+            let (models, loops) = (
+                reproduce::PAPERS.contains(&paper.as_str()),
+                reproduce::control::PAPERS.contains(&paper.as_str()),
+            );
+            if self.part != Part::Control && (models || !loops) {
+                all.push(reproduce::run(paper, self.searches, &say)?);
+            }
+            if self.part != Part::Modelling && (loops || self.part == Part::Control && !whole) {
+                all.push(reproduce::control::run(paper, &say)?);
+            }
         }
         screen.show(&Reproductions(all))
     }
@@ -59,6 +83,11 @@ impl Answer for Reproductions {
 }
 
 fn write_one(one: &Reproduction, out: &mut dyn Write) -> io::Result<()> {
+    let (matched, remarks): (Vec<&String>, Vec<&String>) =
+        one.remarks.iter().partition(|remark| remark.starts_with("match"));
+    for line in matched {
+        writeln!(out, "{line}")?;
+    }
     writeln!(out, "\n{:66} {:>8} {:>8}  verdict", "figure", "paper", "ours")?;
     for row in &one.rows {
         let verdict = match row.verdict {
@@ -69,13 +98,14 @@ fn write_one(one: &Reproduction, out: &mut dyn Write) -> io::Result<()> {
             Verdict::NotJudged => "-",
         };
         let what = format!("{} {} [{}]", row.paper_id, row.what, row.unit);
-        writeln!(out, "{what:66} {:>8} {:>8.4}  {verdict}", row.paper, row.ours)?;
+        let paper = if row.paper.is_nan() { "-".to_owned() } else { row.paper.to_string() };
+        writeln!(out, "{what:66} {paper:>8} {:>8.4}  {verdict}", row.ours)?;
     }
     for order in &one.orders {
         let verdict = if order.holds { "holds" } else { "does not hold" };
         writeln!(out, "{} order: {}: {verdict}", order.paper_id, order.what)?;
     }
-    for remark in &one.remarks {
+    for remark in remarks {
         writeln!(out, "  {remark}")?;
     }
     Ok(())

@@ -380,7 +380,7 @@ fn start(text: &str, addresses: &Addresses, fmu: &Fmu) -> anyhow::Result<(String
 }
 
 /// The records of a log as input tables.
-fn signals(log: &Log) -> Vec<Signals<'_>> {
+pub(crate) fn signals(log: &Log) -> Vec<Signals<'_>> {
     let table = |rows: std::ops::Range<usize>| Signals {
         time: &log.time()[rows.clone()],
         columns: log

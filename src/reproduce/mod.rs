@@ -1,5 +1,6 @@
 //! The papers' tables again, on our matched machines: modelling.
 
+pub(crate) mod control;
 mod p0;
 mod p1;
 mod p2;

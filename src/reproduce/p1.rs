@@ -45,13 +45,13 @@ impl Records {
 
 /// How the two settings are sought, by five-fold cross-validation one step ahead.
 #[derive(Clone, Copy)]
-enum Search {
+pub(super) enum Search {
     Swarm,
     Annealing,
     Default,
 }
 
-fn tuned(
+pub(super) fn tuned(
     frame: Frame,
     pairs: &[(&[f64], &[f64])],
     search: Search,

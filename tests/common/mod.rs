@@ -2,6 +2,7 @@
 #![allow(dead_code, clippy::print_stderr, clippy::print_stdout)]
 
 pub(crate) mod foreign;
+pub(crate) mod four_axes;
 pub(crate) mod packed;
 pub(crate) mod python;
 pub(crate) mod repaired;

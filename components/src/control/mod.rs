@@ -1,9 +1,26 @@
 //! Control laws and feedforward.
 
+mod bouc_wen_feedforward;
+mod disturbance_observer;
 mod feedforward_gain;
+mod incremental_pid;
+mod jacobian_coordinator;
+mod limiter;
+mod notch;
 mod pid;
+mod reference_filter;
 mod reference_lead;
+mod reference_preview;
+mod repetitive;
 
+pub use bouc_wen_feedforward::BoucWenFeedforward;
+pub use disturbance_observer::DisturbanceObserver;
 pub use feedforward_gain::FeedforwardGain;
+pub use incremental_pid::IncrementalPid;
+pub use jacobian_coordinator::{JacobianCoordinator, condition};
+pub use notch::Notch;
 pub use pid::Pid;
+pub use reference_filter::ReferenceFilter;
 pub use reference_lead::ReferenceLead;
+pub use reference_preview::ReferencePreview;
+pub use repetitive::Repetitive;

@@ -4,23 +4,27 @@
 //! e = reference − measured
 //! I_k = I_{k−1} + ki·T·e_k
 //! q_k = f·q_{k−1} + (1 − f)·(e_k − e_{k−1})/T,  f = exp(−T/derivative_filter)
-//! u_k = u_ff + kp·e_k + I_k + kd·q_k
-//! command = min(max(u_k, output_min), output_max)
+//! u_k = kff·u_ff + kp·e_k + I_k + kd·q_k
+//! c_k = min(max(u_k, output_min), output_max), moved by at most rate_max·T from c_{k−1}
 //! ```
 //!
 //! * kp in command per position, ki in command per position and second, kd in command-seconds per
-//!   position; T is the controller's period. All gains and limits may be changed during a run; the
-//!   integral I is kept in units of the command, so that a change of ki causes no jump.
+//!   position; T is the controller's period; kff is feedforward_gain. All gains and limits may be
+//!   changed during a run; the integral I is kept in units of the command, so that a change of ki
+//!   causes no jump. PI control is kd = 0.
+//! * Papers that print their sums without T (kI·Σe, kD·Δe) have ki = kI/T and kd = kD·T.
 //! * derivative_filter in s is the time constant of the derivative's first-order filter; 0, the
 //!   default, gives the papers' form, q_k = (e_k − e_{k−1})/T.
-//! * Anti-windup by conditional integration: where u_k is beyond a limit and ki·T·e_k drives it
-//!   further out, I keeps its last value; where it leads back, it is integrated.
-//! * `enable` = false holds the command at its last value (within the limits). At the step at which
-//!   it becomes true, I is set such that u_k is that value, e_{k−1} to e_k and q to 0: no jump, no
-//!   kick of the derivative.
-//! * Outputs: the command; `feedforward` u_ff and `feedback` u_k − u_ff, both before the limits
-//!   (feedback is 0 while disabled); `saturated`: u_k is beyond a limit.
-//! * At rest: the limited feedforward, I = 0, and e_{k−1} the present error.
+//! * Anti-windup: with tracking_time = 0, the default, by conditional integration: where u_k is
+//!   beyond a limit and ki·T·e_k drives it further out, I keeps its last value; where it leads back,
+//!   it is integrated. With tracking_time > 0 by back-calculation: I grows by T/tracking_time·(c_k − u_k) too.
+//! * `enable` = false holds the command at its last value (hold = 1, the default), or moves it to
+//!   `safe` (hold = 0), within limits and rate. At the step at which it becomes true, I is set such that
+//!   u_k is the last command, e_{k−1} to e_k and q to 0: no jump, no kick of the derivative.
+//! * Outputs: the command; `feedforward` kff·u_ff and `feedback` u_k − kff·u_ff, both before the
+//!   limits (feedback is 0 while disabled); `saturated`: the command is not u_k.
+//! * At rest: the limited feedforward (disabled, with hold = 0: safe), I = 0, and e_{k−1} the present
+//!   error.
 //!
 //! Source: K. J. Åström, T. Hägglund, Advanced PID Control, ISA 2006, ch. 3 and 13.
 
@@ -29,8 +33,8 @@ use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
-use crate::hysteresis::play::between;
-use crate::rules::{WRONG_LENGTH, require};
+use super::limiter::{ENABLE, HOLD, KFF, Limiter, OUTPUT_MAX, OUTPUT_MIN, RATE_MAX, SAFE, truth};
+use crate::rules::WRONG_LENGTH;
 
 /// The component `pid`.
 pub struct Pid;
@@ -38,10 +42,10 @@ pub struct Pid;
 static DECLARATION: Declaration = Declaration {
     kind: "pid",
     name: "pid",
-    summary: "PID with feedforward, output limits, anti-windup and bumpless enabling",
-    equation: "u = u_ff + kp*e + I + kd*q; I = I + ki*T*e; q = f*q + (1 - f)*(e - e_last)/T; \
-               f = exp(-T/derivative_filter); e = reference - measured; \
-               command = min(max(u, output_min), output_max)",
+    summary: "PID with feedforward, output and rate limits, anti-windup and bumpless enabling",
+    equation: "u = feedforward_gain*u_ff + kp*e + I + kd*q; I = I + ki*T*e; q = f*q + (1 - f)*(e - \
+               e_last)/T; f = exp(-T/derivative_filter); e = reference - measured; command = \
+               min(max(u, output_min), output_max), at most rate_max*T from the last",
     reference: "K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 3 and 13",
     stage: Stage::Control,
     conversion: Conversion::Control,
@@ -50,7 +54,7 @@ static DECLARATION: Declaration = Declaration {
         Input { name: "feedforward", ..Input::PATH },
         Input::axis("reference"),
         Input::axis("measured"),
-        Input::system("enable"),
+        ENABLE,
     ],
     outputs: &[
         Output { name: "command", published: None },
@@ -77,8 +81,20 @@ static DECLARATION: Declaration = Declaration {
         .start(0.0)
         .min(0.0)
         .tunable(),
-        Quantity::new("output_min", "{command}", "Least command").tunable(),
-        Quantity::new("output_max", "{command}", "Greatest command").tunable(),
+        OUTPUT_MIN,
+        OUTPUT_MAX,
+        KFF,
+        RATE_MAX,
+        Quantity::new(
+            "tracking_time",
+            "s",
+            "Time constant of anti-windup by back-calculation, 0 for conditional integration",
+        )
+        .start(0.0)
+        .min(0.0)
+        .tunable(),
+        HOLD,
+        SAFE,
     ],
 };
 
@@ -88,7 +104,7 @@ impl Component for Pid {
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: 6, states: 5 }
+        Sizes { coefficients: OWN + Limiter::COEFFICIENTS, states: 5 }
     }
 
     fn prepare(
@@ -98,25 +114,21 @@ impl Component for Pid {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (&[kp, ki, kd, filter, min, max], [p, i, d, keep, low, high]) =
-            (parameters, coefficients)
-        else {
+        let &[kp, ki, kd, filter, min, max, kff, rate, tracking, hold, safe] = parameters else {
             return Err(WRONG_LENGTH);
         };
-        require(
-            min < max,
-            "output_min",
-            min,
-            "must be below output_max; set both before the next step",
-        )?;
-        (*p, *i, *d, *low, *high) = (kp, ki * period, kd / period, min, max);
-        *keep = if filter > 0.0 { exp(-period / filter) } else { 0.0 };
+        let (own, limits) = coefficients.split_at_mut_checked(OWN).ok_or(WRONG_LENGTH)?;
+        Limiter::prepare([min, max, rate, hold, safe], period, limits)?;
+        let own = <&mut [f64; OWN]>::try_from(own).map_err(|_| WRONG_LENGTH)?;
+        let keep = if filter > 0.0 { exp(-period / filter) } else { 0.0 };
+        let track = if tracking > 0.0 { period / tracking } else { 0.0 };
+        *own = [kp, ki * period, kd / period, keep, kff, track];
         Ok(())
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[.., low, high], &[feedforward, reference, measured, enable]) =
-            (coefficients, inputs)
+        let (Some((own, limiter)), &[feedforward, reference, measured, enable]) =
+            (parts(coefficients), inputs)
         else {
             return;
         };
@@ -127,9 +139,10 @@ impl Component for Pid {
         else {
             return;
         };
-        *command = between(low, high, feedforward);
-        (*ff, *feedback) = (feedforward, 0.0);
-        *saturated = truth(*command != feedforward);
+        *ff = own[4] * feedforward;
+        *command = limiter.rest(*ff, enable);
+        *feedback = 0.0;
+        *saturated = truth(enable != 0.0 && *command != *ff);
         (*integral, *last_error, *difference) = (0.0, reference - measured, 0.0);
         (*last_command, *was_on) = (*command, truth(enable != 0.0));
     }
@@ -142,11 +155,12 @@ impl Component for Pid {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[kp, ki_t, kd_per_t, keep, low, high], &[feedforward, reference, measured, enable]) =
-            (coefficients, inputs)
+        let (Some((own, limiter)), &[feedforward, reference, measured, enable]) =
+            (parts(coefficients), inputs)
         else {
             return;
         };
+        let &[kp, ki_t, kd_per_t, keep, kff, track] = own;
         let (
             [integral, last_error, difference, last_command, was_on],
             [command, ff, feedback, saturated],
@@ -154,9 +168,9 @@ impl Component for Pid {
         else {
             return;
         };
-        *ff = feedforward;
+        *ff = kff * feedforward;
         if enable == 0.0 {
-            *command = between(low, high, *last_command);
+            *command = limiter.open(*last_command);
             (*feedback, *saturated) = (0.0, 0.0);
             (*last_command, *was_on) = (*command, 0.0);
             return;
@@ -164,25 +178,34 @@ impl Component for Pid {
         let error = reference - measured;
         if *was_on == 0.0 {
             (*last_error, *difference, *was_on) = (error, 0.0, 1.0);
-            *integral = *last_command - feedforward - (kp + ki_t) * error;
+            *integral = *last_command - *ff - (kp + ki_t) * error;
         }
         let increment = ki_t * error;
         *difference = keep * *difference + (1.0 - keep) * (error - *last_error);
         *feedback = kp * error + (*integral + increment) + kd_per_t * *difference;
-        let free = feedforward + *feedback;
-        let winds_up = (free > high && increment > 0.0) || (free < low && increment < 0.0);
-        if !winds_up {
-            *integral += increment;
+        let free = *ff + *feedback;
+        *command = limiter.limit(free, *last_command);
+        if track > 0.0 {
+            *integral += increment + track * (*command - free);
+        } else {
+            let winds_up =
+                (free > *command && increment > 0.0) || (free < *command && increment < 0.0);
+            if !winds_up {
+                *integral += increment;
+            }
         }
-        *command = between(low, high, free);
         *saturated = truth(*command != free);
         (*last_error, *last_command) = (error, *command);
     }
 }
 
-/// A truth value as a number.
-fn truth(value: bool) -> f64 {
-    f64::from(u8::from(value))
+/// Coefficients beside those of the limiter.
+const OWN: usize = 6;
+
+#[inline]
+fn parts(coefficients: &[f64]) -> Option<(&[f64; OWN], Limiter)> {
+    let (own, limits) = coefficients.split_at_checked(OWN)?;
+    Some((own.try_into().ok()?, Limiter::of(limits)?))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 //! * matrix J in position per motion, row by row: a row per coordinate, a column per axis; offset
 //!   p0 in position. In front of it the axes carry motions in their unit of motion, behind it
 //!   positions.
-//! * No state. Up to eight axes.
+//! * No state. Up to 32 axes.
 //!
 //! Limits: small angles, fixed geometry.
 
@@ -20,7 +20,7 @@ use crate::rules::WRONG_LENGTH;
 /// The component `optics-jacobian`.
 pub struct OpticsJacobian;
 
-static STRUCTURE: [Structural; 2] = matrix::structure(8);
+static STRUCTURE: [Structural; 2] = matrix::structure(32);
 static DECLARATION: Declaration = Declaration {
     kind: "optics-jacobian",
     name: "optics",

@@ -5,7 +5,7 @@ use model::{Structural, Violation};
 use crate::rules::require;
 
 /// Structural settings of a component with a square matrix over `most` axes at most.
-pub(super) const fn structure(most: usize) -> [Structural; 2] {
+pub(crate) const fn structure(most: usize) -> [Structural; 2] {
     [
         Structural::count("axes", "Number of coupled axes", 2, most),
         Structural::count("entries", "Number of entries of the matrix", 4, most * most),
@@ -13,17 +13,17 @@ pub(super) const fn structure(most: usize) -> [Structural; 2] {
 }
 
 /// Number of axes of this structure.
-pub(super) fn axes(structure: &[f64]) -> usize {
+pub(crate) fn axes(structure: &[f64]) -> usize {
     structure.first().map_or(0, |n| *n as usize)
 }
 
 /// Number of entries of this structure.
-pub(super) fn entries(structure: &[f64]) -> usize {
+pub(crate) fn entries(structure: &[f64]) -> usize {
     structure.get(1).map_or(0, |n| *n as usize)
 }
 
 /// Refuses a number of entries that is not the square of the number of axes.
-pub(super) fn is_square(structure: &[f64]) -> Result<(), Violation> {
+pub(crate) fn is_square(structure: &[f64]) -> Result<(), Violation> {
     let (n, entries) = (axes(structure), entries(structure));
     require(
         n > 0 && entries == n * n,

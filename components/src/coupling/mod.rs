@@ -6,7 +6,7 @@
 mod command;
 mod displacement;
 mod jacobian;
-mod matrix;
+pub(crate) mod matrix;
 mod mode;
 mod pincushion;
 

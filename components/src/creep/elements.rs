@@ -19,6 +19,12 @@ pub(super) fn fraction(time_constant: f64, period: f64) -> f64 {
     -expm1(-period / time_constant)
 }
 
+/// The input that rests at the output `y`.
+pub(super) fn at_rest(values: &[f64], y: f64) -> f64 {
+    let Some(e) = Elements::new(values) else { return y };
+    y / (e.direct + e.shares.iter().sum::<f64>())
+}
+
 /// The coefficients as direct part, fractions and shares, to be filled.
 pub(super) fn parts_mut(values: &mut [f64]) -> Option<(&mut f64, &mut [f64], &mut [f64])> {
     let (direct, rest) = values.split_first_mut()?;
@@ -45,6 +51,18 @@ impl Elements<'_> {
             *z += fraction * (u - *z);
         }
         self.output(u, state)
+    }
+
+    /// One period with the input that leads to the output `y`; returns the input.
+    pub(super) fn solve(&self, y: f64, state: &mut [f64]) -> f64 {
+        let (mut gain, mut known) = (self.direct, 0.0);
+        for ((z, fraction), share) in state.iter().zip(self.fractions).zip(self.shares) {
+            gain += share * fraction;
+            known += share * (1.0 - fraction) * z;
+        }
+        let u = (y - known) / gain;
+        self.step(u, state);
+        u
     }
 
     fn output(&self, u: f64, state: &[f64]) -> f64 {

@@ -23,7 +23,7 @@ use crate::rules::{WRONG_LENGTH, increasing, require_at};
 /// The component `kelvin-voigt-creep`.
 pub struct KelvinVoigtCreep;
 
-static DECLARATION: Declaration = Declaration {
+pub(super) static DECLARATION: Declaration = Declaration {
     kind: "kelvin-voigt-creep",
     name: "creep",
     summary: "Creep as a sum of first-order elements with given time constants",

@@ -6,9 +6,11 @@
 
 mod elements;
 mod fractional;
+mod inverse_kelvin_voigt;
 mod kelvin_voigt;
 mod logarithmic;
 
 pub use fractional::FractionalCreep;
+pub use inverse_kelvin_voigt::InverseKelvinVoigtCreep;
 pub use kelvin_voigt::KelvinVoigtCreep;
 pub use logarithmic::LogarithmicCreep;

@@ -1,5 +1,6 @@
 //! Moving mass, flexures, guides and load.
 
+mod arx;
 mod backlash;
 mod collocated_mode;
 mod cutting_force;
@@ -13,6 +14,7 @@ mod position_stiffness;
 mod substeps;
 mod vibration;
 
+pub use arx::Arx;
 pub use backlash::Backlash;
 pub use collocated_mode::CollocatedMode;
 pub use cutting_force::CuttingForce;

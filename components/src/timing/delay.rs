@@ -52,17 +52,39 @@ const WHOLE: f64 = 1e-9;
 
 /// Cells that a ring needs for the structural setting `longest`: its position, the delayed inputs,
 /// the present one, the one before the fraction, and one for the rounding of the ratio.
-pub(super) fn ring_size(structure: &[f64], period: f64) -> usize {
+pub(crate) fn ring_size(structure: &[f64], period: f64) -> usize {
     let steps = ceil(structure.first().copied().unwrap_or(0.0) / period);
     if steps.is_finite() { steps as usize + 4 } else { 4 }
 }
 
+/// Whole steps of a delay and the fraction behind them.
+pub(crate) fn steps_of(
+    quantity: &'static str,
+    delay: f64,
+    longest: f64,
+    period: f64,
+) -> Result<(f64, f64), Violation> {
+    require(
+        delay <= longest,
+        quantity,
+        delay,
+        "is longer than the structural setting `longest` of the blueprint; raise `longest`",
+    )?;
+    let steps = delay / period;
+    let nearest = round(steps);
+    if (steps - nearest).abs() <= WHOLE * nearest.max(1.0) {
+        return Ok((nearest, 0.0));
+    }
+    let whole = floor(steps);
+    Ok((whole, steps - whole))
+}
+
 /// The past inputs: the place of the present one, then the cells.
-pub(super) struct Ring<'a>(pub(super) &'a mut [f64]);
+pub(crate) struct Ring<'a>(pub(crate) &'a mut [f64]);
 
 impl Ring<'_> {
     /// Fills the ring with a held input.
-    pub(super) fn rest(&mut self, u: f64) {
+    pub(crate) fn rest(&mut self, u: f64) {
         self.0.fill(u);
         self.0.iter_mut().take(1).for_each(|place| *place = 0.0);
     }
@@ -74,7 +96,7 @@ impl Ring<'_> {
 
     /// Stores the present input and returns the one that lies `whole` steps and a fraction back.
     #[inline]
-    pub(super) fn push(&mut self, u: f64, whole: f64, fraction: f64) -> f64 {
+    pub(crate) fn push(&mut self, u: f64, whole: f64, fraction: f64) -> f64 {
         let Some((place, cells)) = self.0.split_first_mut() else { return u };
         let room = cells.len();
         let last = *place as usize;
@@ -112,17 +134,7 @@ impl Component for Delay {
         else {
             return Err(WRONG_LENGTH);
         };
-        require(
-            delay <= longest,
-            "delay",
-            delay,
-            "is longer than the structural setting `longest` of the blueprint; raise `longest`",
-        )?;
-        let steps = delay / period;
-        let nearest = round(steps);
-        let near = (steps - nearest).abs() <= WHOLE * nearest.max(1.0);
-        *whole = if near { nearest } else { floor(steps) };
-        *fraction = if near { 0.0 } else { steps - *whole };
+        (*whole, *fraction) = steps_of("delay", delay, longest, period)?;
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 mod clock_offset;
 mod dac_quantisation;
-mod delay;
+pub(crate) mod delay;
 
 pub use clock_offset::ClockOffset;
 pub use dac_quantisation::DAC_QUANTISATION;

@@ -13,6 +13,11 @@ use super::origin::Place;
 use super::{AxisBlueprint, ComponentBlueprint, CouplingBlueprint, SignalBlueprint, Value, frame};
 use crate::nearest::did_you_mean;
 
+/// Whether motions stand on one side of it and positions on the other.
+fn converts(conversion: Conversion) -> bool {
+    matches!(conversion, Conversion::MotionToPosition | Conversion::PositionToMotion)
+}
+
 /// The unit of an axis' motion, where the blueprint gives one.
 pub(super) fn motion_unit(
     checker: &mut Checker<'_>,
@@ -23,14 +28,12 @@ pub(super) fn motion_unit(
     if axis.motion == SignalBlueprint::default() {
         return None;
     }
-    if refused_in_controller(checker, &place) {
-        return None;
-    }
     frame::forbid(checker, &place, &axis.motion, &["name", "min", "max", "start"]);
     Some(frame::unit(checker, &place, &axis.motion))
 }
 
-/// The number of components in front of the optics of this axis; all where there are none.
+/// The number of components in front of the optics, or the coordinator, of this axis; all where there
+/// are none.
 pub(super) fn optics_at(checker: &Checker<'_>, axis: &AxisBlueprint, name: &str) -> usize {
     let declared = |kind: &str| {
         let mut all = checker.registry.iter().map(|component| component.declaration());
@@ -38,8 +41,7 @@ pub(super) fn optics_at(checker: &Checker<'_>, axis: &AxisBlueprint, name: &str)
     };
     let turns = |coupling: &&CouplingBlueprint| {
         coupling.axes.iter().any(|other| other == name)
-            && declared(&coupling.component.kind)
-                .is_some_and(|d| d.conversion == Conversion::MotionToPosition)
+            && declared(&coupling.component.kind).is_some_and(|d| converts(d.conversion))
     };
     let optics = checker.blueprint.couplings.iter().find(turns);
     if optics.is_none() && axis.motion == SignalBlueprint::default() {
@@ -47,10 +49,11 @@ pub(super) fn optics_at(checker: &Checker<'_>, axis: &AxisBlueprint, name: &str)
     }
     // Where optics are announced and not found, the rest is read as if they stood in their usual place.
     let after = optics.map_or("", |optics| &optics.after);
+    let is_plant = checker.blueprint.kind == Kind::Plant;
     let is_last = |component: &ComponentBlueprint| {
         let declaration = declared(&component.kind);
         if after.is_empty() {
-            return declaration.is_some_and(|d| d.stage <= Stage::Mechanics);
+            return is_plant && declaration.is_some_and(|d| d.stage <= Stage::Mechanics);
         }
         let name = if component.name.is_empty() {
             declaration.map_or("", |d| d.name)
@@ -149,9 +152,6 @@ pub(super) fn all(
     let blueprint = checker.blueprint;
     for (given, number) in blueprint.couplings.iter().zip(1..) {
         let key = Place::new("coupling").item(number);
-        if refused_in_controller(checker, &key) {
-            continue;
-        }
         if let Some((coupling, place, is_clean)) = one(checker, axes, connections, given, &key) {
             connections.couplings.push(coupling);
             places.push((place, is_clean));
@@ -172,6 +172,14 @@ fn one(
     if !declaration.is_coupling() {
         let (kind, way_out) = (&given.component.kind, "put it in an [[axis.component]] section");
         checker.report(&key.child("type"), &format!("{kind:?}"), "couples no axes", way_out);
+        return None;
+    }
+    let coordinates = declaration.conversion == Conversion::PositionToMotion;
+    if !coordinates && refused_in_controller(checker, key) {
+        return None;
+    }
+    if coordinates && checker.blueprint.kind == Kind::Plant {
+        checker.report(key, "", "belongs to a controller", "leave it out of a plant");
         return None;
     }
     let own = &given.component.name;
@@ -299,7 +307,7 @@ fn units_of(axes: &[AxisSpec], connections: &Connections, coupling: &CouplingSpe
     let (command, position) = (&axes[first].command_unit, &axes[first].position_unit);
     let motion = connections.motion_units.get(first).cloned().flatten();
     let motion = motion.unwrap_or_else(|| position.clone());
-    if coupling.node.component.declaration().conversion == Conversion::MotionToPosition {
+    if converts(coupling.node.component.declaration().conversion) {
         return [motion, position.clone()];
     }
     [command.clone(), motion]

@@ -41,8 +41,9 @@ pub(super) fn draft(checker: &mut Checker<'_>) -> Draft {
         let motion = coupling::motion_unit(checker, axis, &place);
         let optics = coupling::optics_at(checker, axis, &spec.name);
         let own = spec.position_unit.clone();
-        let in_front = motion.clone().unwrap_or_else(|| own.clone());
-        let unit_at = |index: usize| if index < optics { &in_front } else { &own };
+        let motions = motion.clone().unwrap_or_else(|| own.clone());
+        let is_plant = checker.blueprint.kind == Kind::Plant;
+        let unit_at = |index: usize| if (index < optics) == is_plant { &motions } else { &own };
         component::chain(checker, axis, &place, &mut spec, &mut draft, unit_at);
         spec.position_unit.clone_from(&own);
         connections.motion_units.push(motion);

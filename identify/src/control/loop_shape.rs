@@ -105,9 +105,9 @@ pub(crate) struct Shaped {
 #[derive(Clone, Debug)]
 pub(crate) struct Response {
     /// Angular frequencies in rad per sample.
-    angles: Vec<f64>,
+    pub(super) angles: Vec<f64>,
     /// Plant with one period of delay.
-    values: Vec<Complex<f64>>,
+    pub(super) values: Vec<Complex<f64>>,
     period: f64,
 }
 
@@ -191,7 +191,7 @@ pub(crate) fn shape(
     Some(Shaped { shape, ki, sensitivity, gain_margin, phase_margin, bandwidth })
 }
 
-fn sensitivity(open: &[Complex<f64>], ki: f64) -> f64 {
+pub(super) fn sensitivity(open: &[Complex<f64>], ki: f64) -> f64 {
     // A response that is not finite counts as infinitely sensitive.
     let least = open
         .iter()
@@ -201,7 +201,7 @@ fn sensitivity(open: &[Complex<f64>], ki: f64) -> f64 {
 }
 
 /// Gain margin and phase margin (rad) of the loop ki·open, from the crossings of its polar curve.
-fn margins(open: &[Complex<f64>], ki: f64) -> (f64, f64) {
+pub(super) fn margins(open: &[Complex<f64>], ki: f64) -> (f64, f64) {
     let (mut gain, mut phase) = (f64::INFINITY, PI);
     for pair in open.windows(2) {
         let (now, next) = (pair[0] * ki, pair[1] * ki);

@@ -1,9 +1,16 @@
 //! From a plant to its controller.
 
+mod calibration;
 mod closed_loop;
 mod invert;
 mod linearised;
 mod loop_shape;
+mod tuning;
 
+pub use calibration::{Calibration, CalibrationRecord, CoordinateFit, calibrate};
 pub use closed_loop::{LoopRun, simulate_loop};
 pub use invert::{ControlSettings, Inversion, LoopFigures, invert};
+pub use tuning::{
+    Gains, LoopVerdict, Machine, Ultimate, impulse_of, judge_loop, relay, robust, ultimate_by_gain,
+    ziegler_nichols,
+};

@@ -44,6 +44,11 @@ const DERIVATIVES: &[Structural] = &[
     ),
 ];
 
+/// Of the feedforward without an inverse: its inputs are positions, its outputs hysteresis terms.
+pub(super) const FEEDFORWARD_STRUCTURE: &[Structural] = NARX;
+pub(super) const NARX_SOURCE_XU: &str =
+    "Q. Xu, IEEE Trans. Ind. Electron. 60 (2013) 3927-3937, eqs. (5)-(9)";
+
 const PARAMETERS: &[Quantity] = &[
     Quantity::new("command_low", "{command}", "Command that is 0 in the table").start(0.0),
     Quantity::new("command_high", "{command}", "Command that is 1 in the table"),

@@ -3,6 +3,7 @@
 mod chains;
 mod inputs;
 mod ports;
+mod status;
 mod variables;
 
 use alloc::collections::BTreeSet;
@@ -12,10 +13,10 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use self::variables::{Units, enabled_variable, output_variable, parameter_variable};
+use super::cells::FEW_PORTS;
 use super::{AxisSpec, BuildError, Kind, Node, NodeSpec, Plan, System, SystemSpec, Wire, Wiring};
 use crate::{
-    Context, DataType, Declaration, MAX_PORTS, Output, Quantity, Shape, Source, Unit, Variable,
-    VariableTable,
+    Context, DataType, Declaration, Output, Quantity, Shape, Source, Unit, Variable, VariableTable,
 };
 
 /// Signal 0 is always zero: ports that have nothing to read read it.
@@ -34,6 +35,7 @@ pub(super) fn build(spec: &SystemSpec) -> Result<System, Vec<BuildError>> {
     builder.check_ports();
     builder.declare_inputs();
     builder.chains();
+    builder.status();
     builder.connect_back();
     builder.finish()
 }
@@ -80,7 +82,7 @@ struct Builder<'a> {
     /// For each signal, the input variables that it depends on at rest.
     dependencies: Vec<BTreeSet<u32>>,
     /// For each node, which of its ports act on the outputs at rest.
-    at_rest: Vec<[bool; MAX_PORTS]>,
+    at_rest: Vec<Vec<bool>>,
     read_back: Vec<ReadBack>,
     /// Outputs of components by axis and name.
     published: Vec<(usize, &'static str, usize)>,
@@ -156,18 +158,20 @@ impl<'a> Builder<'a> {
     /// Adds a node and returns the signal of its first output.
     fn node(&mut self, node: &NodeSpec, place: String, site: &Site<'_>) -> usize {
         let declaration = node.component.declaration();
-        let (inputs, at_rest, input_count) = self.ports(declaration, &place, site);
-        let rests = |slot: &usize| at_rest[*slot];
-        let depends: BTreeSet<u32> = (0..input_count)
-            .filter(rests)
-            .flat_map(|slot| self.dependencies[inputs[slot]].iter().copied())
+        let (signals, at_rest) = self.ports(declaration, &place, site);
+        let depends: BTreeSet<u32> = signals
+            .iter()
+            .zip(&at_rest)
+            .filter(|(_, rests)| **rests)
+            .flat_map(|(signal, _)| self.dependencies[*signal].iter().copied())
             .collect();
         let first = self.dependencies.len();
         let paths = if declaration.is_coupling() { site.axes.len() } else { 1 };
-        for _ in 1..paths {
-            self.signal(depends.clone());
-        }
         for output in declaration.outputs {
+            // A coupling has each output once per axis.
+            for _ in 1..paths {
+                self.signal(depends.clone());
+            }
             let signal = self.signal(depends.clone());
             self.publish(output, signal, &place, site);
         }
@@ -179,6 +183,9 @@ impl<'a> Builder<'a> {
         (self.coefficients, self.states) = (coefficients.end, state.end);
         self.parameters.push(parameters);
         self.at_rest.push(at_rest);
+        let (input_count, mut inputs) = (signals.len(), [ZERO; FEW_PORTS]);
+        inputs.iter_mut().zip(&signals).for_each(|(port, signal)| *port = *signal);
+        let many_inputs = if input_count > FEW_PORTS { signals } else { Vec::new() };
         self.nodes.push(Node {
             component: node.component.clone(),
             path: place,
@@ -190,6 +197,7 @@ impl<'a> Builder<'a> {
                 coefficients: coefficients.into(),
                 state: state.into(),
                 inputs,
+                many_inputs,
                 input_count,
                 outputs: outputs.into(),
             },
@@ -198,21 +206,18 @@ impl<'a> Builder<'a> {
         first
     }
 
-    /// The signals that the input ports of a node read, which of them act at rest, and how many
-    /// there are.
+    /// The signals that the input ports of a node read, and which of them act at rest.
     fn ports(
         &mut self,
         declaration: &Declaration,
         place: &str,
         site: &Site<'_>,
-    ) -> ([usize; MAX_PORTS], [bool; MAX_PORTS], usize) {
-        let (mut inputs, mut at_rest, mut count) = ([ZERO; MAX_PORTS], [false; MAX_PORTS], 0);
+    ) -> (Vec<usize>, Vec<bool>) {
+        let (mut inputs, mut at_rest) = (Vec::new(), Vec::new());
         let mut add = |signal: usize, rests: bool| {
-            if let (Some(slot), Some(rest)) = (inputs.get_mut(count), at_rest.get_mut(count)) {
-                (*slot, *rest) = (signal, rests);
-                count += 1;
-            }
-            count
+            inputs.push(signal);
+            at_rest.push(rests);
+            inputs.len()
         };
         for port in declaration.inputs {
             match port.source {
@@ -252,7 +257,7 @@ impl<'a> Builder<'a> {
                 }
             }
         }
-        (inputs, at_rest, count)
+        (inputs, at_rest)
     }
 
     /// What a port of the component at `place` is connected to.
@@ -328,13 +333,16 @@ impl<'a> Builder<'a> {
         for port in &self.read_back {
             // A path without a conversion has no voltage; its end has been refused.
             let found = self.read(port.axis, port.name);
-            self.nodes[port.node].wiring.inputs[port.slot] = found.unwrap_or(ZERO);
+            let ports = self.nodes[port.node].wiring.signals_mut();
+            if let Some(slot) = ports.get_mut(port.slot) {
+                *slot = found.unwrap_or(ZERO);
+            }
         }
         let mut grows = !self.read_back.is_empty();
         while grows {
             grows = false;
             for (node, at_rest) in self.nodes.iter().zip(&self.at_rest) {
-                let ports = node.wiring.inputs[..node.wiring.input_count].iter().zip(at_rest);
+                let ports = node.wiring.signals().iter().zip(at_rest);
                 let all: BTreeSet<u32> = ports
                     .filter(|(_, rests)| **rests)
                     .flat_map(|(signal, _)| self.dependencies[*signal].iter().copied())
@@ -441,11 +449,11 @@ impl<'a> Builder<'a> {
         ];
         // Until here signals, state and coefficients counted from zero each.
         for node in &mut self.nodes {
-            let Wiring { coefficients, state, inputs, outputs, .. } = &mut node.wiring;
+            let Wiring { coefficients, state, inputs, many_inputs, outputs, .. } = &mut node.wiring;
             coefficients.start += blocks[0];
             state.start += blocks[1];
             outputs.start += blocks[2];
-            inputs.iter_mut().for_each(|signal| *signal += blocks[2]);
+            inputs.iter_mut().chain(many_inputs).for_each(|signal| *signal += blocks[2]);
         }
         for wire in self.inputs.iter_mut().chain(&mut outputs) {
             wire.signal += blocks[2];

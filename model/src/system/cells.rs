@@ -1,9 +1,13 @@
 //! The cells of a context while components run.
 
+use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::{Node, Past, Plan};
 use crate::{MAX_PORTS, Tick};
+
+/// Input ports that an instance holds in place.
+pub(super) const FEW_PORTS: usize = 8;
 
 /// Where an instance of a component finds its cells: coefficients, state and signals stand in this
 /// order.
@@ -11,8 +15,10 @@ use crate::{MAX_PORTS, Tick};
 pub struct Wiring {
     pub(super) coefficients: Span,
     pub(super) state: Span,
-    /// Signals read by its input ports.
-    pub(super) inputs: [usize; MAX_PORTS],
+    /// Signals read by its input ports, as many as `input_count`, where they are few.
+    pub(super) inputs: [usize; FEW_PORTS],
+    /// The same where they are more.
+    pub(super) many_inputs: Vec<usize>,
     pub(super) input_count: usize,
     /// Signals written by its output ports.
     pub(super) outputs: Span,
@@ -51,13 +57,41 @@ impl Wiring {
             component(coefficients, state, &input, outputs);
             return;
         }
-        let mut inputs = [0.0; MAX_PORTS];
+        if self.input_count > FEW_PORTS {
+            let mut inputs = [0.0; MAX_PORTS];
+            let inputs = &mut inputs[..self.input_count.min(MAX_PORTS)];
+            for (input, signal) in inputs.iter_mut().zip(&self.many_inputs) {
+                *input = cells[*signal];
+            }
+            let (coefficients, state, outputs) = self.cut(cells);
+            component(coefficients, state, inputs, outputs);
+            return;
+        }
+        let mut inputs = [0.0; FEW_PORTS];
         let inputs = &mut inputs[..self.input_count];
         for (input, signal) in inputs.iter_mut().zip(&self.inputs) {
             *input = cells[*signal];
         }
         let (coefficients, state, outputs) = self.cut(cells);
         component(coefficients, state, inputs, outputs);
+    }
+
+    /// The signals that the input ports read.
+    pub(super) fn signals(&self) -> &[usize] {
+        if self.many_inputs.is_empty() {
+            &self.inputs[..self.input_count.min(FEW_PORTS)]
+        } else {
+            &self.many_inputs
+        }
+    }
+
+    /// The same, to be connected.
+    pub(super) fn signals_mut(&mut self) -> &mut [usize] {
+        if self.many_inputs.is_empty() {
+            &mut self.inputs[..self.input_count.min(FEW_PORTS)]
+        } else {
+            &mut self.many_inputs
+        }
     }
 
     #[inline(always)]
@@ -148,8 +182,8 @@ impl Node {
     #[inline(never)]
     fn pass(&self, cells: &mut [f64]) {
         let outputs = self.wiring.outputs.range();
-        for (output, input) in outputs.zip(self.wiring.inputs).take(self.paths) {
-            cells[output] = cells[input];
+        for (output, input) in outputs.zip(self.wiring.signals()).take(self.paths) {
+            cells[output] = cells[*input];
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::testing::{Instance, Random};
 const T: f64 = 1e-3;
 
 fn pid(kp: f64, ki: f64, kd: f64, min: f64, max: f64) -> Instance {
-    Instance::new(&Pid, &[], &[kp, ki, kd, 0.0, min, max], T).unwrap()
+    Instance::new(&Pid, &[], &[kp, ki, kd, 0.0, min, max, 1.0, 0.0, 0.0, 1.0, 0.0], T).unwrap()
 }
 
 /// Command, feedforward, feedback, saturated.
@@ -130,7 +130,7 @@ fn a_changed_ki_causes_no_jump() {
         pid.step(&[0.0, 1.0, 0.0, 1.0]);
     }
     let before = outputs(&pid)[0];
-    pid.set(&[0.0, 900.0, 0.0, 0.0, -1e3, 1e3]).unwrap();
+    pid.set(&[0.0, 900.0, 0.0, 0.0, -1e3, 1e3, 1.0, 0.0, 0.0, 1.0, 0.0]).unwrap();
     assert_eq!(pid.step(&[0.0, 0.0, 0.0, 1.0]), before);
     let after = pid.step(&[0.0, 1.0, 0.0, 1.0]);
     assert!((after - before - 900.0 * T).abs() < 1e-12);
@@ -140,20 +140,24 @@ fn a_changed_ki_causes_no_jump() {
 fn limits_that_shrink_while_held_are_kept() {
     let mut pid = pid(1.0, 0.0, 0.0, 0.0, 120.0);
     pid.rest(&[100.0, 0.0, 0.0, 1.0]);
-    pid.set(&[1.0, 0.0, 0.0, 0.0, 0.0, 80.0]).unwrap();
+    pid.set(&[1.0, 0.0, 0.0, 0.0, 0.0, 80.0, 1.0, 0.0, 0.0, 1.0, 0.0]).unwrap();
     assert_eq!(pid.step(&[100.0, 0.0, 0.0, 0.0]), 80.0);
 }
 
 #[test]
 fn crossed_limits_are_refused() {
-    let error = Instance::new(&Pid, &[], &[1.0, 0.0, 0.0, 0.0, 120.0, 0.0], T).err();
+    let error =
+        Instance::new(&Pid, &[], &[1.0, 0.0, 0.0, 0.0, 120.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0], T)
+            .err();
     assert_eq!(error.map(|e| (e.quantity, e.value)), Some(("output_min", 120.0)));
 }
 
 #[test]
 fn the_filtered_derivative_of_a_ramp_settles_at_its_slope_geometrically() {
     let (kd, filter, slope) = (0.06, 5e-3, 2.0);
-    let mut pid = Instance::new(&Pid, &[], &[0.0, 0.0, kd, filter, -1e9, 1e9], T).unwrap();
+    let mut pid =
+        Instance::new(&Pid, &[], &[0.0, 0.0, kd, filter, -1e9, 1e9, 1.0, 0.0, 0.0, 1.0, 0.0], T)
+            .unwrap();
     pid.rest(&[0.0, 0.0, 0.0, 1.0]);
     let keep = (-T / filter).exp();
     for n in 1..100 {
@@ -162,4 +166,61 @@ fn the_filtered_derivative_of_a_ramp_settles_at_its_slope_geometrically() {
         let expected = kd * slope * (1.0 - keep.powi(n));
         assert!((command - expected).abs() < 1e-12, "{n}: {command} {expected}");
     }
+}
+
+/// kp 2, ki 300, no derivative, 0 to 100, with the settings behind the limits.
+fn with(settings: [f64; 5]) -> Instance {
+    let p = [&[2.0, 300.0, 0.0, 0.0, 0.0, 100.0][..], &settings].concat();
+    Instance::new(&Pid, &[], &p, T).unwrap()
+}
+
+#[test]
+fn the_command_moves_no_faster_than_its_rate_and_the_integral_waits() {
+    let mut pid = with([1.0, 2000.0, 0.0, 1.0, 0.0]);
+    let mut last = pid.rest(&[10.0, 0.0, 0.0, 1.0]);
+    for n in 1..=40 {
+        let now = pid.step(&[90.0, 0.0, 0.0, 1.0]);
+        assert!((now - last - 2.0).abs() < 1e-12, "step {n}: {last} to {now}");
+        assert_eq!(pid.outputs[3], f64::from(u8::from(n < 40)));
+        last = now;
+    }
+    assert_eq!(pid.step(&[90.0, 0.0, 0.0, 1.0]), 90.0);
+}
+
+#[test]
+fn back_calculation_leads_the_integral_to_the_limit() {
+    // Held beyond the limit by a constant error, kp·e + I settles where the excess is
+    // ki·tracking_time·e.
+    let tracking = 0.02;
+    let mut pid = with([1.0, 0.0, tracking, 1.0, 0.0]);
+    pid.rest(&[50.0, 0.0, 0.0, 1.0]);
+    for _ in 0..2000 {
+        pid.step(&[50.0, 0.5, 0.0, 1.0]);
+    }
+    let free = pid.outputs[1] + pid.outputs[2];
+    let excess = 300.0 * tracking * 0.5;
+    // u_k holds one increment more than the integral that it leads to.
+    assert!((free - 100.0 - excess).abs() < 1e-6, "{free}");
+}
+
+#[test]
+fn disabled_it_goes_to_the_safe_command_at_the_rate_limit_where_it_does_not_hold() {
+    let mut pid = with([1.0, 5000.0, 0.0, 0.0, 20.0]);
+    assert_eq!(pid.rest(&[50.0, 0.0, 0.0, 0.0]), 20.0);
+    assert_eq!(pid.rest(&[50.0, 0.0, 0.0, 1.0]), 50.0);
+    for n in 1..=10 {
+        let command = pid.step(&[50.0, 3.0, 0.0, 0.0]);
+        assert_eq!(command, (50.0 - 5.0 * f64::from(n)).max(20.0));
+    }
+    // And back without a jump.
+    let back = pid.step(&[50.0, 3.0, 0.0, 1.0]);
+    assert!((back - 20.0).abs() < 1e-12, "{back}");
+}
+
+#[test]
+fn the_feedforward_has_its_share() {
+    let mut pid = with([0.9, 0.0, 0.0, 1.0, 0.0]);
+    pid.rest(&[50.0, 0.0, 0.0, 1.0]);
+    assert_eq!(pid.step(&[60.0, 0.0, 0.0, 1.0]), 54.0);
+    assert_eq!(outputs(&pid), [54.0, 54.0, 0.0, 0.0]);
 }

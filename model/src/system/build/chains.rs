@@ -68,7 +68,7 @@ impl<'a> Builder<'a> {
         let mut stops: Vec<(usize, usize)> = Vec::new();
         for (index, coupling) in connections.couplings.iter().enumerate() {
             if coupling.axes.contains(&axis) {
-                stops.push((place_of(spec, coupling.after.as_deref()), index));
+                stops.push((place_of(self.spec.kind, spec, coupling.after.as_deref()), index));
             }
         }
         stops.sort_by_key(|(place, _)| *place);
@@ -79,7 +79,7 @@ impl<'a> Builder<'a> {
             domain: if plant { Domain::Command } else { Domain::Position },
             next: 0,
             stops,
-            position_unit: motion.unwrap_or(&spec.position_unit),
+            position_unit: motion.filter(|_| plant).unwrap_or(&spec.position_unit),
         }
     }
 
@@ -88,7 +88,7 @@ impl<'a> Builder<'a> {
         let axis = &self.spec.axes[cursor.axis];
         let number = cursor.axis + 1;
         let stop = cursor.stops.first().map_or(usize::MAX, |(place, _)| *place);
-        let displaced = place_of(axis, None);
+        let displaced = place_of(self.spec.kind, axis, None);
         while cursor.next < axis.components.len().min(stop) {
             let at = cursor.next;
             let node = &axis.components[at];
@@ -113,6 +113,7 @@ impl<'a> Builder<'a> {
             let units = Units { command: &axis.command_unit, position: cursor.position_unit };
             let site = Site { axes: &[cursor.axis], paths: &[cursor.path], units };
             cursor.path = self.node(node, place, &site);
+            self.replace(declaration, cursor.axis, cursor.path, 1);
             cursor.next += 1;
             if cursor.next == displaced {
                 self.ends[cursor.axis].signals.push(("displacement", cursor.path));
@@ -147,13 +148,17 @@ impl<'a> Builder<'a> {
                 self.error(&place, format!("couples positions, but the signal of axis {name} is still a command there; put it behind the component that turns the command into a position"));
             }
         }
-        let converts = declaration.conversion == Conversion::MotionToPosition;
         let position = &*self.spec.axes[first].position_unit;
-        let units = if converts {
+        let motions = &self.spec.connections.motion_units;
+        let motion_of = |axis: usize| motions.get(axis).and_then(Option::as_deref);
+        let conversion = declaration.conversion;
+        let units = match conversion {
             // {position} is behind it, {command} the motion in front of it.
-            Units { command: motion, position }
-        } else {
-            Units { command, position: motion }
+            Conversion::MotionToPosition => Units { command: motion, position },
+            Conversion::PositionToMotion => {
+                Units { command: motion_of(first).unwrap_or(position), position }
+            }
+            _ => Units { command, position: motion },
         };
         let site = Site { axes: &coupling.axes, paths: &paths, units };
         let output = self.node(&coupling.node, place, &site);
@@ -161,8 +166,30 @@ impl<'a> Builder<'a> {
             let cursor = &mut cursors[*axis];
             cursor.path = output + port;
             cursor.stops.remove(0);
-            if converts {
-                cursor.position_unit = &self.spec.axes[*axis].position_unit;
+            let position = &*self.spec.axes[*axis].position_unit;
+            match conversion {
+                Conversion::MotionToPosition => cursor.position_unit = position,
+                Conversion::PositionToMotion => {
+                    cursor.position_unit = motion_of(*axis).unwrap_or(position);
+                }
+                _ => {}
+            }
+            self.replace(declaration, *axis, output + port, coupling.axes.len());
+        }
+    }
+
+    /// Puts outputs of a controller's component in the place of the axis' signals of their names; `first`
+    /// is the axis' first output, its others follow at this distance.
+    fn replace(&mut self, declaration: &Declaration, axis: usize, first: usize, distance: usize) {
+        if self.spec.kind == Kind::Plant {
+            return;
+        }
+        let others = declaration.outputs.iter().enumerate().skip(1);
+        for (at, output) in others.filter(|(_, output)| output.published.is_none()) {
+            for (name, signal) in &mut self.ends[axis].signals {
+                if *name == output.name {
+                    *signal = first + at * distance;
+                }
             }
         }
     }
@@ -178,8 +205,14 @@ impl<'a> Builder<'a> {
         if earlier.iter().any(|other| other.node.name == coupling.node.name) {
             self.error(&place, "the name is used twice; give each coupling its own");
         }
-        if spec.kind == Kind::Controller {
-            self.error(&place, "a controller has no couplings; leave it out");
+        let coordinates = declaration.conversion == Conversion::PositionToMotion;
+        if coordinates != (spec.kind == Kind::Controller) {
+            let message = if coordinates {
+                "turns positions into motions; it belongs in a controller"
+            } else {
+                "couples the axes of a machine; in a controller stands jacobian-coordinator, or nothing"
+            };
+            self.error(&place, message);
         }
         if !declaration.is_coupling() {
             let kind = declaration.kind;
@@ -238,6 +271,15 @@ impl<'a> Builder<'a> {
                 format!("the motion in {unit} is never turned into a position in {}; add a coupling that does it, or give both the same unit", axis.position_unit),
             );
         }
+        let motion = self.spec.connections.motion_units.get(cursor.axis).and_then(Option::as_deref);
+        if let Some(unit) = motion.filter(|unit| !plant && cursor.position_unit != *unit) {
+            let message = format!(
+                "the position in {} is never turned into a motion in {unit}; add a \
+                 jacobian-coordinator that names this axis, or leave motion out",
+                axis.position_unit
+            );
+            self.error(format!("axis[{number}]"), message);
+        }
         let signals = &mut self.ends[cursor.axis].signals;
         if plant {
             if !signals.iter().any(|(name, _)| *name == "displacement") {
@@ -256,7 +298,9 @@ impl<'a> Builder<'a> {
         path: &mut usize,
     ) -> Domain {
         match (declaration.conversion, domain) {
-            (Conversion::None | Conversion::MotionToPosition, _) => domain,
+            (Conversion::None | Conversion::MotionToPosition | Conversion::PositionToMotion, _) => {
+                domain
+            }
             (Conversion::CommandToPosition, Domain::Command) => Domain::Position,
             (Conversion::PositionToCommand, Domain::Position) => Domain::Command,
             (Conversion::Control, Domain::Position) => {
@@ -283,11 +327,12 @@ fn coupling_place(node: &NodeSpec) -> String {
     format!("coupling.{}", node.name)
 }
 
-/// The index behind the component `after`, by default behind the last one up to the mechanics.
-fn place_of(axis: &AxisSpec, after: Option<&str>) -> usize {
+/// The index behind the component `after`, by default behind the last one up to the mechanics, in a
+/// controller in front of all.
+fn place_of(kind: Kind, axis: &AxisSpec, after: Option<&str>) -> usize {
     let is_last = |node: &NodeSpec| match after {
         Some(name) => node.name == name,
-        None => node.component.declaration().stage <= Stage::Mechanics,
+        None => kind == Kind::Plant && node.component.declaration().stage <= Stage::Mechanics,
     };
     axis.components.iter().rposition(is_last).map_or(0, |at| at + 1)
 }

@@ -1,0 +1,230 @@
+//! `piezoloop calibrate`: the Jacobian of coupled axes from a log of their simultaneous motion.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+use data::{Blueprint, Log, Value};
+use identify::{Calibration, CalibrationRecord};
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::inputs::{self, LogOptions};
+
+/// Calibrates the Jacobian of coupled axes from a log of their simultaneous motion
+///
+/// p = J·theta + p0: the motions theta of all axes are known (they were driven through inverse models)
+/// or measured, the coordinates p are measured. Least squares, row by row; structural zeros stay 0. Motion
+/// that does not determine every column is refused, and the axis named.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop calibrate log.csv --motion theta1 --motion theta2 --position x1 --position y1\n  piezoloop calibrate log.csv --motion theta1 --motion theta2 --motion theta3 --motion theta4 --position x1 --position y1 --position x2 --position y2 --blueprint controller.toml -o calibrated.toml"
+)]
+pub(crate) struct Calibrate {
+    /// Logs with motions and coordinates in the same rows
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// Column of an axis' motion, in the order of the axes (once per axis)
+    #[arg(long = "motion", required = true, value_name = "COLUMN")]
+    motions: Vec<String>,
+    /// Column of a coordinate, in the order of the rows (once per coordinate)
+    #[arg(long = "position", required = true, value_name = "COLUMN")]
+    positions: Vec<String>,
+    /// A coordinate that does not see an axis, as in x1:theta3 (may be given several times)
+    #[arg(long = "zero", value_name = "POSITION:MOTION")]
+    zeros: Vec<String>,
+    /// Blueprint with a jacobian-coordinator or optics-jacobian; its entries that are 0 are
+    /// structural zeros, and its values are replaced
+    #[arg(long, value_name = "FILE")]
+    blueprint: Option<PathBuf>,
+    /// Longest delay of the sensors in s; where it is above 0 the delay is fitted
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    longest_delay: f64,
+    #[command(flatten)]
+    options: LogOptions,
+    /// The blueprint to write, with J and p0 in it
+    #[arg(short = 'o', long = "out", value_name = "FILE", requires = "blueprint")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Calibrated {
+    motions: Vec<String>,
+    #[serde(flatten)]
+    calibration: Calibration,
+    delay_s: f64,
+    blueprint: Option<PathBuf>,
+}
+
+impl Calibrate {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        if let Some(out) = &self.out {
+            let all: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
+            inputs::not_over(out, &all)?;
+        }
+        let mut blueprint = self.blueprint.as_deref().map(inputs::blueprint).transpose()?;
+        let zeros = self.structural_zeros(blueprint.as_ref().map(|text| &text.blueprint))?;
+        let (record, period) = self.record(zeros)?;
+        let calibration = identify::calibrate(&record)?;
+        if let (Some(text), Some(out)) = (&mut blueprint, &self.out) {
+            put(&mut text.blueprint, &calibration)?;
+            text.blueprint.check(learned::COMPONENTS)?;
+            text.blueprint.write(out)?;
+        }
+        screen.show(&Calibrated {
+            motions: self.motions.clone(),
+            delay_s: calibration.delay * period,
+            calibration,
+            blueprint: self.out.clone(),
+        })
+    }
+
+    fn record(&self, zeros: Vec<Vec<bool>>) -> anyhow::Result<(CalibrationRecord, f64)> {
+        let mut record = CalibrationRecord {
+            motions: self.motions.iter().map(|name| (name.clone(), Vec::new())).collect(),
+            positions: self.positions.iter().map(|name| (name.clone(), Vec::new())).collect(),
+            starts: Vec::new(),
+            zeros,
+            longest_delay: 0.0,
+        };
+        let mut units: Vec<Option<String>> = vec![None; self.motions.len() + self.positions.len()];
+        let mut period = 0.0;
+        for path in &self.logs {
+            let log = self.options.read(path)?;
+            let before = record.motions.first().map_or(0, |(_, values)| values.len());
+            record.starts.extend(log.records().iter().map(|r| before + r.rows.start));
+            let columns = record.motions.iter_mut().chain(&mut record.positions);
+            for ((name, values), unit) in columns.zip(&mut units) {
+                values.extend(column(&log, name, unit)?);
+            }
+            let (first, last) = (log.time().first(), log.time().last());
+            let rows = log.len().max(2) as f64 - 1.0;
+            period = last.zip(first).map_or(0.0, |(b, a)| (b - a) / rows);
+        }
+        if !(self.longest_delay >= 0.0 && self.longest_delay.is_finite()) {
+            bail!("--longest-delay {}: give a time in s, 0 or more", self.longest_delay);
+        }
+        if period > 0.0 {
+            record.longest_delay = self.longest_delay / period;
+        }
+        Ok((record, period))
+    }
+
+    /// For each coordinate, the axes that it does not see.
+    fn structural_zeros(&self, blueprint: Option<&Blueprint>) -> anyhow::Result<Vec<Vec<bool>>> {
+        let (rows, columns) = (self.positions.len(), self.motions.len());
+        let mut zeros = vec![vec![false; columns]; rows];
+        for text in &self.zeros {
+            let parts = text.split_once(':');
+            let at = parts.and_then(|(position, motion)| {
+                let row = self.positions.iter().position(|name| name == position)?;
+                Some((row, self.motions.iter().position(|name| name == motion)?))
+            });
+            let Some((row, column)) = at else {
+                bail!(
+                    "--zero {text}: write POSITION:MOTION, of the positions {} and the motions {}",
+                    self.positions.join(", "),
+                    self.motions.join(", ")
+                );
+            };
+            zeros[row][column] = true;
+        }
+        let Some(blueprint) = blueprint else { return Ok(zeros) };
+        let matrix = jacobian(blueprint)?.component.get("matrix").map(flat).unwrap_or_default();
+        if rows != columns || matrix.len() != rows * columns {
+            bail!(
+                "the blueprint's Jacobian has {} entries, and {rows} positions and {columns} motions \
+                 were given; give as many of each as it couples axes",
+                matrix.len()
+            );
+        }
+        for (k, value) in matrix.iter().enumerate() {
+            zeros[k / columns][k % columns] |= *value == 0.0;
+        }
+        Ok(zeros)
+    }
+}
+
+/// A column in the unit of its first log.
+fn column(log: &Log, name: &str, unit: &mut Option<String>) -> anyhow::Result<Vec<f64>> {
+    let own = log.require(name)?;
+    let text = own.unit.as_ref().map(|unit| unit.text.clone());
+    match unit {
+        Some(first) => Ok(log.convert(name, first)?),
+        None => {
+            *unit = text;
+            Ok(own.values.clone())
+        }
+    }
+}
+
+/// The entries of a matrix, row by row.
+fn flat(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Number(number) => vec![*number],
+        Value::Text(_) => vec![f64::NAN],
+        Value::List(items) => items.iter().flat_map(flat).collect(),
+    }
+}
+
+/// The coupling of a blueprint that has a Jacobian.
+fn jacobian(blueprint: &Blueprint) -> anyhow::Result<&data::CouplingBlueprint> {
+    let mut couplings = blueprint.couplings.iter();
+    couplings.find(|c| KINDS.contains(&c.component.kind.as_str())).context(
+        "the blueprint has no jacobian-coordinator and no optics-jacobian; add one as a [[coupling]]",
+    )
+}
+
+const KINDS: [&str; 2] = ["jacobian-coordinator", "optics-jacobian"];
+
+/// Puts J and p0 into a blueprint.
+pub(crate) fn put(blueprint: &mut Blueprint, calibration: &Calibration) -> anyhow::Result<()> {
+    jacobian(blueprint)?;
+    let list = |values: &[f64]| Value::List(values.iter().map(|x| Value::Number(*x)).collect());
+    let rows = calibration.coordinates.iter().map(|fit| list(&fit.row)).collect();
+    let offsets: Vec<f64> = calibration.coordinates.iter().map(|fit| fit.offset).collect();
+    let mut couplings = blueprint.couplings.iter_mut();
+    if let Some(coupling) = couplings.find(|c| KINDS.contains(&c.component.kind.as_str())) {
+        coupling.component.set("matrix", Value::List(rows));
+        coupling.component.set("offset", list(&offsets));
+    }
+    Ok(())
+}
+
+impl Answer for Calibrated {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let Calibration { coordinates, condition, motion_condition, samples, .. } =
+            &self.calibration;
+        writeln!(out, "J, with the half widths of the 95 % intervals:")?;
+        for fit in coordinates {
+            let entries: Vec<String> = fit
+                .row
+                .iter()
+                .zip(&fit.row_ci95)
+                .map(|(value, width)| format!("{value:12.5} ± {width:<9.2e}"))
+                .collect();
+            writeln!(
+                out,
+                "{:>8}  {}  p0 {:.5} ± {:.2e}  rms residual {:.4}",
+                fit.coordinate,
+                entries.join(" "),
+                fit.offset,
+                fit.offset_ci95,
+                fit.rms
+            )?;
+        }
+        writeln!(out, "columns: {}; {samples} samples", self.motions.join(", "))?;
+        if let Some(condition) = condition {
+            writeln!(out, "condition number of J {condition:.3}")?;
+        }
+        writeln!(out, "condition number of the motions {motion_condition:.3}")?;
+        if self.delay_s > 0.0 {
+            writeln!(out, "the positions are {:.6} s late", self.delay_s)?;
+        }
+        match &self.blueprint {
+            Some(file) => writeln!(out, "{}: written", file.display()),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! `piezoloop tune`: PID gains from experiments on a plant FMU.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use anyhow::bail;
+use clap::Args;
+use identify::{Gains, LoopVerdict, Ultimate};
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::reproduce::control::Bed;
+
+/// Finds PID gains by experiments on a plant FMU: Ziegler-Nichols, and a robust default
+///
+/// The experiment about --middle gives the ultimate gain K_u and period T_u, by a relay or by proportional
+/// control; Ziegler and Nichols' rules follow from them. A step gives the linear response, on which the
+/// robust gains are shaped and the margins of both are judged.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop tune plant.fmu --period 5e-3 --middle 75 --amplitude 10\n  piezoloop tune p1-truth --period 2e-3 --middle 5 --amplitude 0.5 --experiment gain"
+)]
+pub(crate) struct Tune {
+    /// The plant: an FMU, a blueprint, or the name of a rig
+    plant: PathBuf,
+    /// Axis that is tuned, from 1; the others rest at --middle
+    #[arg(long, default_value_t = 1)]
+    axis: usize,
+    /// Period of the controller in s
+    #[arg(long, value_name = "S")]
+    period: f64,
+    /// Command about which the experiments are made
+    #[arg(long, value_name = "COMMAND", allow_negative_numbers = true)]
+    middle: f64,
+    /// Greatest distance of the command from it
+    #[arg(long, value_name = "COMMAND")]
+    amplitude: f64,
+    /// How the ultimate gain is found
+    #[arg(long, value_enum, default_value_t = Experiment::Relay)]
+    experiment: Experiment,
+    /// Largest sensitivity |1/(1+L)| of the robust gains
+    #[arg(long, value_name = "M", default_value_t = 1.5)]
+    sensitivity: f64,
+    /// Most that sensor noise may be amplified on its way to the command, seen as position
+    #[arg(long, value_name = "RATIO", default_value_t = 10.0)]
+    noise: f64,
+    /// Samples of the step response
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    samples: usize,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Experiment {
+    /// Relay: the loop oscillates by itself
+    Relay,
+    /// Proportional gain, by bisection up to the limit of stability
+    Gain,
+}
+
+#[derive(Serialize)]
+struct Tuned {
+    axis: usize,
+    period_s: f64,
+    slope: f64,
+    ultimate: Option<Ultimate>,
+    why_not: Option<String>,
+    loops: Vec<TunedLoop>,
+}
+
+#[derive(Serialize)]
+struct TunedLoop {
+    name: &'static str,
+    gains: Gains,
+    verdict: LoopVerdict,
+}
+
+impl Tune {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let mut bed = Bed::open(&self.plant)?;
+        let axes = bed.axes();
+        if !(1..=axes).contains(&self.axis) {
+            bail!("--axis {}: the plant has axes 1 to {axes}", self.axis);
+        }
+        if !(self.period.is_finite() && self.period > 0.0) {
+            bail!("--period {}: give the controller's period in s, above 0", self.period);
+        }
+        if !(self.amplitude.is_finite() && self.amplitude > 0.0) {
+            bail!("--amplitude {}: give a distance of the command, above 0", self.amplitude);
+        }
+        if !(self.sensitivity > 1.0 && self.noise > 0.0) {
+            bail!(
+                "--sensitivity {} --noise {}: the first lies above 1, the second above 0",
+                self.sensitivity,
+                self.noise
+            );
+        }
+        let at = self.axis - 1;
+        let mut commands = vec![self.middle; axes];
+        bed.rest(&commands, self.period)?;
+        let mut machine = |u: f64| {
+            commands[at] = u;
+            let moved = bed.step(&commands).map(|positions| positions[at]);
+            moved.map_err(|e| identify::Error::Tuning { message: format!("{e:#}") })
+        };
+        let point = [self.middle, self.amplitude];
+        let found = match self.experiment {
+            Experiment::Relay => identify::relay(&mut machine, self.period, point, 20),
+            Experiment::Gain => identify::ultimate_by_gain(&mut machine, self.period, point),
+        };
+        let impulse = identify::impulse_of(&mut machine, point, self.samples.max(10), 4)?;
+        let frequencies: Vec<f64> = [0.001, 0.01, 0.1].map(|part| part / self.period).to_vec();
+        let judge = |name, gains: Gains| TunedLoop {
+            name,
+            gains,
+            verdict: identify::judge_loop(&impulse, self.period, &gains, false, &frequencies),
+        };
+        let mut loops = Vec::new();
+        if let Ok(ultimate) = &found {
+            loops.push(judge("Ziegler-Nichols", identify::ziegler_nichols(ultimate)));
+        }
+        let robust = identify::robust(&impulse, self.period, self.sensitivity, self.noise)?;
+        loops.push(judge("robust", robust));
+        screen.show(&Tuned {
+            axis: self.axis,
+            period_s: self.period,
+            slope: impulse.iter().sum(),
+            why_not: found.as_ref().err().map(ToString::to_string),
+            ultimate: found.ok(),
+            loops,
+        })
+    }
+}
+
+impl Answer for Tuned {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        writeln!(out, "axis {}: {:.6} position per command", self.axis, self.slope)?;
+        match (&self.ultimate, &self.why_not) {
+            (Some(found), _) => writeln!(
+                out,
+                "ultimate gain {:.6} command per position, period {:.6} s, amplitude {:.4}",
+                found.gain, found.period, found.amplitude
+            )?,
+            (None, Some(reason)) => writeln!(out, "no ultimate gain: {reason}")?,
+            (None, None) => {}
+        }
+        for TunedLoop { name, gains, verdict } in &self.loops {
+            writeln!(
+                out,
+                "{name}: kp {:.6} ki {:.6} kd {:.6} derivative_filter {:.3e}",
+                gains.kp, gains.ki, gains.kd, gains.derivative_filter
+            )?;
+            if !verdict.stable {
+                writeln!(out, "  unstable on the measured response")?;
+                continue;
+            }
+            writeln!(
+                out,
+                "  gain margin {:.2}, phase margin {:.1}°, sensitivity {:.2}, disturbances are attenuated up to {:.3} Hz",
+                verdict.gain_margin,
+                verdict.phase_margin,
+                verdict.sensitivity,
+                verdict.rejection_bandwidth
+            )?;
+            let at: Vec<String> = verdict
+                .disturbance
+                .iter()
+                .map(|(f, part)| format!("{:.4} at {f:.3} Hz", part))
+                .collect();
+            writeln!(out, "  disturbance sensitivity {}", at.join(", "))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,109 @@
+//! Learned inverses as components of a controller.
+
+use data::{Blueprint, ComponentBlueprint, Value};
+use identify::learned::{Arx, Machine, rms_difference};
+use learned::features::Features;
+use model::Table;
+
+/// The table of a machine: bias and widths, then weight and centre of each support vector.
+pub(super) fn table_of(machine: &Machine) -> anyhow::Result<Table> {
+    let sigma = machine.machine.sigma2.sqrt();
+    let widths = &machine.frame.widths;
+    let d = widths.len();
+    let mut rows = vec![machine.machine.bias];
+    rows.extend(widths.iter().map(|width| width * sigma));
+    for (weight, centre) in machine.machine.weights.iter().zip(machine.machine.centres.chunks(d)) {
+        rows.push(*weight);
+        rows.extend(centre.iter().zip(widths).map(|(x, width)| x * width));
+    }
+    Table::new(d + 1, rows).map_err(|error| anyhow::anyhow!("{error:?}"))
+}
+
+/// Adds the table of an inverse to a blueprint, and gives its component. Its commands and positions are those
+/// of the machine, from output and input.
+pub(super) fn learned_inverse(
+    blueprint: &mut Blueprint,
+    name: &str,
+    machine: &Machine,
+) -> anyhow::Result<ComponentBlueprint> {
+    let file = format!("{name}.npy");
+    blueprint.tables.insert(file.clone(), table_of(machine)?);
+    let (input, output) = (machine.frame.command, machine.frame.output);
+    let component = match &machine.frame.features {
+        Features::Stops(stops) => ComponentBlueprint::new("lssvm-stops-inverse")
+            .value("sample_time", stops.period)
+            .value("stops", stops.count as f64)
+            .value("range", stops.range)
+            .value("rate_scale", stops.rate_scale),
+        // Half length and cut-off of its low-pass are the caller's.
+        Features::Derivatives(_) => {
+            ComponentBlueprint::new("gp-inverse").value("inputs", machine.frame.widths.len() as f64)
+        }
+        Features::Narx(narx) => ComponentBlueprint::new("lssvm-inverse")
+            .value("past_inputs", narx.commands as f64)
+            .value("past_outputs", narx.outputs as f64),
+    };
+    let mut component = component
+        .named("inverse")
+        .value("table", Value::Text(file))
+        .value("command_low", output.low)
+        .value("command_high", output.high)
+        .value("position_low", input.low)
+        .value("position_high", input.high);
+    if component.get("sample_time").is_none() {
+        let step = match &blueprint.step {
+            Value::Number(step) => *step,
+            _ => anyhow::bail!("the blueprint's step is no number"),
+        };
+        component.set("sample_time", step);
+    }
+    Ok(component)
+}
+
+/// The stable linear part of least error from `from` (which may run `ahead` rows ahead) to `to`.
+pub(super) struct Linear {
+    pub(super) arx: Arx,
+    pub(super) ahead: usize,
+    pub(super) error: f64,
+}
+
+/// Numerator and denominator orders that are tried.
+const ORDERS: [(usize, usize); 6] = [(1, 1), (2, 1), (2, 2), (2, 3), (3, 1), (4, 1)];
+
+/// Fits a linear part with up to `most_ahead` rows of preview.
+pub(super) fn linear(from: &[f64], to: &[f64], period: f64, most_ahead: usize) -> Option<Linear> {
+    let mut best: Option<Linear> = None;
+    for ahead in 0..=most_ahead {
+        let last = from.len() - 1;
+        let early: Vec<f64> = (0..from.len()).map(|k| from[(k + ahead).min(last)]).collect();
+        for (zeros, poles) in ORDERS {
+            let Ok(arx) = Arx::fit(&early, to, zeros, poles) else { continue };
+            if !is_stable(&arx, period) {
+                continue;
+            }
+            let error = rms_difference(&arx.simulate(&early, to[0]), to);
+            if error.is_finite() && best.as_ref().is_none_or(|b| error < 0.98 * b.error) {
+                best = Some(Linear { arx, ahead, error });
+            }
+        }
+    }
+    best
+}
+
+/// Whether the component `arx` takes it.
+fn is_stable(arx: &Arx, period: f64) -> bool {
+    let Some(component) = components::find("arx") else { return false };
+    let structure = [period, arx.b.len() as f64, arx.a.len() as f64];
+    let mut room = vec![0.0; component.sizes(&structure, period).coefficients];
+    let values = [&arx.b[..], &arx.a].concat();
+    component.prepare(&structure, &values, period, &mut room).is_ok()
+}
+
+/// The component of a linear part.
+pub(super) fn arx_component(arx: &Arx, period: f64) -> ComponentBlueprint {
+    let list = |values: &[f64]| Value::List(values.iter().map(|x| Value::Number(*x)).collect());
+    ComponentBlueprint::new("arx")
+        .value("sample_time", period)
+        .value("b", list(&arx.b))
+        .value("a", list(&arx.a))
+}
