@@ -11,6 +11,8 @@ mod single;
 
 pub(crate) use bed::Bed;
 
+use anyhow::Context;
+
 use super::{Aim, Order, Reproduction, Row};
 use crate::matching;
 
@@ -29,30 +31,25 @@ pub(crate) fn run(paper: &str, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
             anyhow::bail!("no control experiments of \"{other}\"; there are {}", PAPERS.join(", "))
         }
     };
-    let rig = if paper == "p4" { "evc-truth".to_owned() } else { format!("{paper}-truth") };
-    judge_by_match(&rig, &mut answer)?;
+    let rig = PAPERS.iter().position(|known| *known == paper);
+    let rig =
+        rig.and_then(|at| matching::TABLES.get(at)).context("each paper has a match table")?;
+    judge_by_match(&rig()?, &mut answer);
     Ok(answer)
 }
 
 /// Puts the match table in front, and takes the verdicts back where the rig is not matched.
-fn judge_by_match(rig: &str, answer: &mut Reproduction) -> anyhow::Result<()> {
-    let figures = matching::figures()?;
-    let own: Vec<_> = figures.iter().filter(|figure| figure.rig == rig).collect();
-    let beyond: Vec<_> = own.iter().filter(|figure| figure.within == Some(false)).collect();
-    let judged = own.iter().filter(|figure| figure.within.is_some()).count();
+fn judge_by_match(figures: &[matching::Figure], answer: &mut Reproduction) {
+    let within = figures.iter().filter(|figure| figure.within).count();
+    let rig = figures.first().map_or("the rig", |figure| figure.rig);
     let mut lines = vec![format!(
-        "match of {rig}: {judged} figures of the machine without the paper's method, {} within 25 %, \
-         {} not judged",
-        judged - beyond.len(),
-        own.len() - judged
+        "match of {rig}: {} figures of the machine without the paper's method, {within} within 25 %",
+        figures.len()
     )];
-    for figure in &own {
-        if let Some(ours) = figure.ours {
-            let (what, unit, paper) = (&figure.what, figure.unit, figure.paper);
-            lines.push(format!("match: {what}: paper {paper} {unit}, ours {ours:.4} {unit}"));
-        }
+    for matching::Figure { what, unit, paper, ours, .. } in figures {
+        lines.push(format!("match: {what}: paper {paper} {unit}, ours {ours:.4} {unit}"));
     }
-    if !beyond.is_empty() {
+    if within < figures.len() {
         lines.push("the machine is not matched: no verdicts".into());
         for row in &mut answer.rows {
             row.verdict = super::Verdict::NotJudged;
@@ -61,7 +58,6 @@ fn judge_by_match(rig: &str, answer: &mut Reproduction) -> anyhow::Result<()> {
     }
     lines.append(&mut answer.remarks);
     answer.remarks = lines;
-    Ok(())
 }
 
 /// Root mean square of some axes' errors together, from row `from` on.
