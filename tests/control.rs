@@ -133,7 +133,7 @@ fn a_badly_conditioned_jacobian_is_refused_with_its_line() {
         fs::write(at.join("bad.toml"), text).expect("a file");
         let message = refuse(&["pack", "bad.toml", "-o", "bad.fmu"], at);
         assert!(
-            message.contains("bad.toml:35") && message.contains("condition number"),
+            message.contains("bad.toml:33") && message.contains("condition number"),
             "{message}"
         );
     }

@@ -98,7 +98,7 @@ impl Component for JacobianCoordinator {
         let condition = condition(room, n);
         let limit = limit.first().copied().unwrap_or(f64::INFINITY);
         // Not a number counts as above.
-        if !(condition <= limit) {
+        if condition.is_nan() || condition > limit {
             let rule = "is the condition number of the Jacobian, above condition_max: motions of some \
                         axes cannot be told apart by the sensors; calibrate with motion that moves \
                         every axis by itself, or set entries that do not belong there to 0";
@@ -178,7 +178,7 @@ pub fn condition(a: &mut [f64], n: usize) -> f64 {
     let (mut least, mut greatest) = (f64::INFINITY, 0.0);
     for column in 0..n {
         let value = norm(column);
-        if !(value > 0.0) {
+        if value.is_nan() || value <= 0.0 {
             return f64::INFINITY;
         }
         (least, greatest) = (value.min(least), value.max(greatest));

@@ -158,7 +158,7 @@ fn unstable(a: &mut [f64], room: &mut [f64]) -> Option<f64> {
     for order in (1..=a.len()).rev() {
         let k = a[order - 1];
         // Not a number is unstable.
-        if !(fabs(k) < 1.0) {
+        if k.is_nan() || fabs(k) >= 1.0 {
             return Some(k);
         }
         for i in 0..order - 1 {

@@ -200,9 +200,15 @@ pub(super) fn sensitivity(open: &[Complex<f64>], ki: f64) -> f64 {
     if least > 0.0 { 1.0 / least.sqrt() } else { f64::INFINITY }
 }
 
-/// Gain margin and phase margin (rad) of the loop ki·open, from the crossings of its polar curve.
+/// Gain margin and phase margin (rad) of the loop ki·open, from the crossings of its polar curve, which
+/// ends at half the sample rate. There it is real and goes on as its mirror image.
 pub(super) fn margins(open: &[Complex<f64>], ki: f64) -> (f64, f64) {
     let (mut gain, mut phase) = (f64::INFINITY, PI);
+    if let Some(last) = open.last().map(|last| last * ki)
+        && last.re < 0.0
+    {
+        gain = 1.0 / last.norm();
+    }
     for pair in open.windows(2) {
         let (now, next) = (pair[0] * ki, pair[1] * ki);
         if now.im * next.im <= 0.0 && now.re < 0.0 && next.re < 0.0 {

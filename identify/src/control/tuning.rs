@@ -168,7 +168,7 @@ pub fn relay(
             .sum()
     };
     let (drive, answer) = (harmonic(&u, 0).norm(), harmonic(&position, 1).norm());
-    if !(answer > 0.0) {
+    if answer.is_nan() || answer <= 0.0 {
         return refuse("the position does not follow the relay; give a larger amplitude".into());
     }
     Ok(Ultimate {
