@@ -32,7 +32,7 @@ package Control "Control laws"
     annotation(Documentation(info="<html><p>Component <code>feedforward-gain</code>:</p><p><code>u = gain*(y - offset)</code></p></html>"));
   end FeedforwardGain;
 
-  block Pid "PID with feedforward, output limits, anti-windup and bumpless enabling"
+  block Pid "PID with feedforward, output and rate limits, anti-windup and bumpless enabling"
     extends Interfaces.Controller;
     parameter Real kp(unit="V/um") "Proportional gain";
     parameter Real ki(unit="V/(um.s)") = 0 "Integral gain";
@@ -40,9 +40,14 @@ package Control "Control laws"
     parameter Real derivative_filter(unit="s", min = 0) = 0 "Time constant of the derivative's filter, 0 for none";
     parameter Real output_min(unit="V") "Least command";
     parameter Real output_max(unit="V") "Greatest command";
+    parameter Real feedforward_gain(unit="1") = 1 "Share of the feedforward that is added";
+    parameter Real rate_max(unit="V/s", min = 0) = 0 "Greatest rate of the command, 0 for no limit";
+    parameter Real tracking_time(unit="s", min = 0) = 0 "Time constant of anti-windup by back-calculation, 0 for conditional integration";
+    parameter Real hold(unit="1", min = 0, max = 1) = 1 "While disabled: 1 holds the last command, 0 goes to the safe one at the rate limit";
+    parameter Real safe(unit="V") = 0 "Command while disabled, where it is not held";
     Interfaces.PositionInput reference "Position that is wanted";
     Interfaces.PositionInput measured "Position that is measured";
-    input Boolean enable "False holds the command";
+    input Boolean enable "False holds the command or goes to the safe one";
     Interfaces.CommandOutput feedforward "Feedforward before the limits";
     Interfaces.CommandOutput feedback "Feedback before the limits";
     output Boolean saturated "The command is at a limit";
@@ -53,6 +58,8 @@ package Control "Control laws"
     discrete Real e(start = 0, fixed = true, unit="um") "Error";
     discrete Real last(start = 0, fixed = true, unit="um") "Error one sample before";
     discrete Real q(start = 0, fixed = true, unit="um/s") "Filtered derivative of the error";
+    discrete Real ff(start = 0, fixed = true, unit="V") "Feedforward";
+    discrete Real before(start = 0, fixed = true, unit="V") "Command one sample before";
     discrete Real I0(start = 0, fixed = true, unit="V") "Integral before this sample";
     discrete Real I(start = 0, fixed = true, unit="V") "Integral";
     discrete Real free(start = 0, fixed = true, unit="V") "Command before the limits";
@@ -66,16 +73,268 @@ package Control "Control laws"
       e = reference - measured;
       last = if pre(on) and pre(was_enabled) then pre(e) else e;
       q = if not enable then pre(q) elseif pre(was_enabled) then f*pre(q) + (1 - f)*(e - last)/step else 0;
-      I0 = if not pre(on) then 0 elseif enable and not pre(was_enabled) then pre(held) - u - (kp + ki*step)*e else pre(I);
-      free = if enable then u + kp*e + I0 + ki*step*e + kd*q else pre(held);
-      I = if not enable or (free > output_max and ki*e > 0) or (free < output_min and ki*e < 0) then I0
-        else I0 + ki*step*e;
-      held = max(output_min, min(output_max, free));
+      ff = feedforward_gain*u;
+      before = if pre(on) then pre(held)
+        else max(output_min, min(output_max, if enable or hold > 0 then ff else safe));
+      I0 = if not pre(on) then 0 elseif enable and not pre(was_enabled) then before - ff - (kp + ki*step)*e else pre(I);
+      free = if enable then ff + kp*e + I0 + ki*step*e + kd*q elseif hold > 0 then before else safe;
+      held = Functions.limited(free, before, output_min, output_max, rate_max*step);
+      I = if not enable then I0 elseif tracking_time > 0 then I0 + ki*step*e + step/tracking_time*(held - free)
+        elseif (free > held and ki*e > 0) or (free < held and ki*e < 0) then I0 else I0 + ki*step*e;
     end when;
     y = held;
-    feedforward = u;
-    feedback = if enable then free - u else 0;
-    saturated = enable and (free > output_max or free < output_min);
-    annotation(Documentation(info="<html><p>Component <code>pid</code>:</p><p><code>u = u_ff + kp*e + I + kd*q; I = I + ki*T*e; q = f*q + (1 - f)*(e - e_last)/T; f = exp(-T/derivative_filter); e = reference - measured; command = min(max(u, output_min), output_max)</code></p></html>"));
+    feedforward = ff;
+    feedback = if enable then free - ff else 0;
+    saturated = enable and (free > held or free < held);
+    annotation(Documentation(info="<html><p>Component <code>pid</code>:</p><p><code>u = feedforward_gain*u_ff + kp*e + I + kd*q; I = I + ki*T*e; q = f*q + (1 - f)*(e - e_last)/T; f = exp(-T/derivative_filter); e = reference - measured; command = min(max(u, output_min), output_max), at most rate_max*T from the last</code></p></html>"));
   end Pid;
+
+  block IncrementalPid "PID in incremental form with feedforward, output and rate limits, bumpless enabling"
+    extends Interfaces.Controller;
+    parameter Real kp(unit="V/um") "Proportional gain";
+    parameter Real ki(unit="V/(um.s)") = 0 "Integral gain";
+    parameter Real kd(unit="V.s/um") = 0 "Derivative gain";
+    parameter Real output_min(unit="V") "Least command";
+    parameter Real output_max(unit="V") "Greatest command";
+    parameter Real feedforward_gain(unit="1") = 1 "Share of the feedforward that is added";
+    parameter Real rate_max(unit="V/s", min = 0) = 0 "Greatest rate of the command, 0 for no limit";
+    parameter Real hold(unit="1", min = 0, max = 1) = 1 "While disabled: 1 holds the last command, 0 goes to the safe one at the rate limit";
+    parameter Real safe(unit="V") = 0 "Command while disabled, where it is not held";
+    Interfaces.PositionInput reference "Position that is wanted";
+    Interfaces.PositionInput measured "Position that is measured";
+    input Boolean enable "False holds the command or goes to the safe one";
+    Interfaces.CommandOutput feedforward "Feedforward before the limits";
+    Interfaces.CommandOutput feedback "Feedback before the limits";
+    output Boolean saturated "The command is at a limit";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    discrete Boolean on(start = false, fixed = true) "The first sample is past";
+    discrete Boolean was_enabled(start = true, fixed = true) "Enabled at the last sample";
+    discrete Real e(start = 0, fixed = true, unit="um") "Error";
+    discrete Real difference(start = 0, fixed = true, unit="um") "Its change since the last sample";
+    discrete Real second(start = 0, fixed = true, unit="um") "The change of that";
+    discrete Real ff(start = 0, fixed = true, unit="V") "Feedforward";
+    discrete Real before(start = 0, fixed = true, unit="V") "Command one sample before";
+    discrete Real v0(start = 0, fixed = true, unit="V") "Sum before this sample";
+    discrete Real v(start = 0, fixed = true, unit="V") "Sum of the increments that acted";
+    discrete Real free(start = 0, fixed = true, unit="V") "Command before the limits";
+    discrete Real held(start = 0, fixed = true, unit="V") "Command";
+  equation
+    when sample(0, step) then
+      on = true;
+      was_enabled = enable;
+      e = reference - measured;
+      difference = if pre(on) and pre(was_enabled) then e - pre(e) else 0;
+      second = if pre(on) and pre(was_enabled) then difference - pre(difference) else 0;
+      ff = feedforward_gain*u;
+      before = if pre(on) then pre(held)
+        else max(output_min, min(output_max, if enable or hold > 0 then ff else safe));
+      v0 = if not pre(on) then 0 elseif enable and not pre(was_enabled) then before - ff - ki*step*e else pre(v);
+      free = if enable then ff + v0 + kp*difference + ki*step*e + kd/step*second elseif hold > 0 then before else safe;
+      held = Functions.limited(free, before, output_min, output_max, rate_max*step);
+      v = if enable then held - ff else v0;
+    end when;
+    y = held;
+    feedforward = ff;
+    feedback = if enable then free - ff else 0;
+    saturated = enable and (free > held or free < held);
+    annotation(Documentation(info="<html><p>Component <code>incremental-pid</code>:</p><p><code>u = feedforward_gain*u_ff + v; v = v_last + kp*(e - e1) + ki*T*e + kd/T*(e - 2*e1 + e2); e = reference - measured; command = min(max(u, output_min), output_max), at most rate_max*T from the last</code></p></html>"));
+  end IncrementalPid;
+
+  block BoucWenFeedforward "Feedforward that uses a Bouc-Wen model itself, without an inverse"
+    extends Interfaces.Inverse;
+    parameter Real gain(unit="um/V") "D, position per command without hysteresis";
+    parameter Real alpha(unit="1") "Share of the hysteresis";
+    parameter Real beta(unit="1/V") "Shape of the loop";
+    parameter Real gamma(unit="1/V") "Shape of the loop";
+    parameter Real lag(unit="s", min = 0) = 0 "B/K";
+    parameter Real inertia(unit="s2", min = 0) = 0 "M/K";
+    parameter Real limit(unit="um", min = 0) = 1000000000.0 "Greatest amount that the derivatives add";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    discrete Boolean on(start = false, fixed = true) "The first sample is past";
+    discrete Real wanted(start = 0, fixed = true, unit="um") "Position that is wanted";
+    discrete Real difference(start = 0, fixed = true, unit="um") "Its change since the last sample";
+    discrete Real before(start = 0, fixed = true, unit="V") "Command one sample before";
+    discrete Real force(start = 0, fixed = true, unit="um") "What the change of the command must make up for";
+    discrete Real slope(start = 1, fixed = true, unit="um/V") "Slope of the model in the direction of the change";
+    discrete Real h(start = 0, fixed = true, unit="um") "Hysteretic part";
+    discrete Real command(start = 0, fixed = true, unit="V") "Command";
+  equation
+    when sample(0, step) then
+      on = true;
+      wanted = u;
+      difference = if pre(on) then u - pre(wanted) else 0;
+      before = if pre(on) then pre(command) else u/gain;
+      force = u + max(-limit, min(limit, lag/step*difference + inertia/step^2*(difference - pre(difference))))
+        + pre(h) - gain*before;
+      slope = gain - (alpha*gain - beta*(if force*gain >= 0 then 1 else -1)*pre(h) - gamma*abs(pre(h)));
+      command = before + (if slope*gain > 1e-3*gain^2 then force/slope else force/gain);
+      h = pre(h) + (gain - slope)*(command - before);
+    end when;
+    y = command;
+    annotation(Documentation(info="<html><p>Component <code>bouc-wen-feedforward</code>:</p><p><code>D*u = inertia*y'' + lag*y' + y + H; H' = alpha*D*u' - beta*|u'|*H - gamma*u'*|H|</code></p></html>"));
+  end BoucWenFeedforward;
+
+  block Notch "Notch filter against a resonance"
+    extends Interfaces.PathFilter;
+    parameter Real frequency(unit="Hz", min = 0) "Frequency that is taken out";
+    parameter Real damping(unit="1", min = 0) = 0.5 "Damping ratio of the poles";
+    parameter Real depth(unit="1", min = 0, max = 1) = 0 "What is left at the frequency";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    discrete Boolean on(start = false, fixed = true) "The first sample is past";
+    final parameter Real w(unit="1") = tan(Constants.pi*frequency*step) "Frequency of the bilinear transform";
+    final parameter Real total(unit="1") = 1 + w^2 + 2*damping*w "Divisor of the coefficients";
+    final parameter Real b0(unit="1") = (1 + w^2 + 2*depth*damping*w)/total "Coefficient of the input";
+    final parameter Real b1(unit="1") = 2*(w^2 - 1)/total "Coefficient of the last input and output";
+    final parameter Real b2(unit="1") = (1 + w^2 - 2*depth*damping*w)/total "Coefficient of the input before";
+    final parameter Real a2(unit="1") = (1 + w^2 - 2*damping*w)/total "Coefficient of the output before";
+    discrete Real v(start = 0, fixed = true) "Output";
+    discrete Real first(start = 0, fixed = true) "What past samples add to the next output";
+    discrete Real second(start = 0, fixed = true) "What they add to the one behind it";
+  equation
+    when sample(0, step) then
+      on = true;
+      v = if pre(on) then b0*u + pre(first) else u;
+      first = if pre(on) then b1*(u - v) + pre(second) else (1 - b0)*u;
+      second = b2*u - a2*v;
+    end when;
+    y = v;
+    annotation(Documentation(info="<html><p>Component <code>notch</code>:</p><p><code>y = (s^2 + 2*damping*depth*w*s + w^2)/(s^2 + 2*damping*w*s + w^2)*u; w = 2*pi*frequency</code></p></html>"));
+  end Notch;
+
+  block ReferenceFilter "Low-pass of second order for the reference, for feedforward and feedback alike"
+    extends Interfaces.ReferenceFilter;
+    parameter Real frequency(unit="Hz", min = 0) "Natural frequency";
+    parameter Real damping(unit="1", min = 0.1) = 1 "Damping ratio";
+    Interfaces.PositionOutput reference "Reference for the control law behind it";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    final parameter Real angle(unit="1") = 2*Constants.pi*frequency*step "Angle in a step";
+    final parameter Real even(unit="1") = Functions.transitionEven(angle, damping) "Transition in a step, even part";
+    final parameter Real odd(unit="1") = Functions.transitionOdd(angle, damping) "Transition in a step, odd part";
+    discrete Boolean on(start = false, fixed = true) "The first sample is past";
+    discrete Real e0(start = 0, fixed = true, unit="um") "Distance from the reference before this step";
+    discrete Real x(start = 0, fixed = true, unit="um") "Filtered reference";
+    discrete Real v(start = 0, fixed = true, unit="um") "Its rate over the angular frequency";
+  equation
+    when sample(0, step) then
+      on = true;
+      e0 = if pre(on) then pre(x) - u else 0;
+      x = u + (even + damping*odd)*e0 + odd*pre(v);
+      v = (even - damping*odd)*pre(v) - odd*e0;
+    end when;
+    y = x;
+    reference = x;
+    annotation(Documentation(info="<html><p>Component <code>reference-filter</code>:</p><p><code>r_f + 2*damping*r_f'/w + r_f''/w^2 = r; w = 2*pi*frequency</code></p></html>"));
+  end ReferenceFilter;
+
+  block ReferencePreview "The reference input runs ahead: feedforward gets it at once, feedback later"
+    extends Interfaces.ReferenceFilter;
+    parameter Real longest(unit="s", min = 0, max = 10) = 0.01 "Longest preview that can be set";
+    parameter Real preview(unit="s", min = 0) "How far the reference input is ahead";
+    parameter Integer cells(min = 2) = 502 "Samples that are kept: longest/step + 2";
+    Interfaces.PositionOutput reference "Reference for the control law behind it";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    discrete Boolean on(start = false, fixed = true) "The first sample is past";
+    discrete Real past[cells](each start = 0, each fixed = true, each unit="um") "The references so far, newest first";
+    discrete Real ahead(start = 0, fixed = true, unit="um") "Reference at this sample";
+    discrete Real later(start = 0, fixed = true, unit="um") "Reference of so long ago";
+  equation
+    when sample(0, step) then
+      on = true;
+      ahead = u;
+      past = Functions.shift(u, if pre(on) then 1 else 0, pre(past));
+      later = Functions.interpolate(preview/step, past);
+    end when;
+    y = ahead;
+    reference = later;
+    annotation(Documentation(info="<html><p>Component <code>reference-preview</code>:</p><p><code>path = r(t); reference = r(t - preview)</code></p></html>"));
+  end ReferencePreview;
+
+  block DisturbanceObserver "Takes what the machine does beyond its model off the reference, in front of the inverse"
+    extends Interfaces.ReferenceFilter;
+    parameter Real longest(unit="s", min = 0, max = 10) = 0.1 "Longest delay that can be set";
+    parameter Real bandwidth(unit="Hz", min = 0) "Up to where disturbances are taken off";
+    parameter Real lag(unit="s", min = 0) = 0 "Time constant from the inverse to the measured position";
+    parameter Real delay_(unit="s", min = 0) = 0 "Dead time from the inverse to the measured position";
+    parameter Real limit(unit="um", min = 0) "Greatest disturbance that is taken off";
+    parameter Integer cells(min = 2) = 5002 "Samples that are kept: longest/step + 2";
+    Interfaces.PositionInput measured "Position that is measured";
+    input Boolean enable "False takes nothing off";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    final parameter Real low_pass(unit="1") = 1 - exp(-2*Constants.pi*bandwidth*step) "What Q takes up in a step";
+    final parameter Real follow(unit="1") = if lag > 0 then 1 - exp(-step/lag) else 1 "What the lag takes up in a step";
+    discrete Boolean on(start = false, fixed = true) "The first sample is past";
+    discrete Real past[cells](each start = 0, each fixed = true, each unit="um") "What went to the inverse, newest first";
+    discrete Real before(start = 0, fixed = true, unit="um") "Position by the model one sample before";
+    discrete Real m(start = 0, fixed = true, unit="um") "Position by the model";
+    discrete Real d(start = 0, fixed = true, unit="um") "Disturbance";
+    discrete Real v(start = 0, fixed = true, unit="um") "Reference less the disturbance";
+  equation
+    when sample(0, step) then
+      on = true;
+      past = Functions.shift(if pre(on) then pre(v) else u, if pre(on) then 1 else 0, pre(past));
+      before = if pre(on) then pre(m) else u;
+      m = before + follow*(Functions.interpolate(delay_/step, past) - before);
+      d = if enable then max(-limit, min(limit, pre(d) + low_pass*(measured - m - pre(d)))) else 0;
+      v = u - d;
+    end when;
+    y = v;
+    annotation(Documentation(info="<html><p>Component <code>disturbance-observer</code>:</p><p><code>v = r - d; d = Q*(measured - M*v); M = exp(-s*delay)/(1 + s*lag); Q = 1/(1 + s/(2*pi*bandwidth)); |d| &lt;= limit</code></p></html>"));
+  end DisturbanceObserver;
+
+  block Repetitive "Repetitive (iterative learning) control of a periodic reference"
+    extends Interfaces.Controller;
+    parameter Real cycle(unit="s", min = 1e-09, max = 1000000.0) "Period of the reference, a whole number of sample times";
+    parameter Integer half(min = 0, max = 1000) = 10 "Half length of the window, in samples";
+    parameter Real gain(unit="V/um") "Gain of learning";
+    parameter Real lead(unit="s", min = 0) = 0 "Delay from the command to the measured position";
+    parameter Real keep(unit="1", min = 0, max = 1) = 1 "Part of what was learned that stays for the next cycle";
+    parameter Real limit(unit="V", min = 0) "Greatest command that is learned";
+    parameter Integer cells(min = 2) = 1010 "Samples that are kept: cycle/step + half; the default is for a cycle of 0.02 s";
+    Interfaces.PositionInput reference "Position that is wanted";
+    Interfaces.PositionInput measured "Position that is measured";
+    input Boolean enable "False adds and learns nothing";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    final parameter Real ahead(unit="1") = Functions.round(lead/step) "Samples of the lead";
+    discrete Real errors[cells](each start = 0, each fixed = true, each unit="um") "Errors so far, newest first";
+    discrete Real learned[cells](each start = 0, each fixed = true, each unit="V") "Learned commands so far, newest first";
+    discrete Real w(start = 0, fixed = true, unit="V") "Learned command";
+    discrete Real held(start = 0, fixed = true, unit="V") "Command";
+  equation
+    when sample(0, step) then
+      w = if enable then max(-limit, min(limit, keep*Functions.window(half, pre(learned))
+        + gain*Functions.interpolate(cells - half - ahead - 1, pre(errors)))) else 0;
+      errors = Functions.shift(if enable then reference - measured else 0, 1, pre(errors));
+      learned = Functions.shift(w, 1, pre(learned));
+      held = u + w;
+    end when;
+    y = held;
+    annotation(Documentation(info="<html><p>Component <code>repetitive</code>:</p><p><code>w(k) = keep*sum(h[j]*w(k-N+j)) + gain*e(k-N+lead); e = reference - measured; command = path + w</code></p></html>"));
+  end Repetitive;
+
+  block JacobianCoordinator "From the coordinates of all sensors to the motions of all axes, through the inverse Jacobian"
+    parameter Integer axes(min = 2, max = 32) "Number of coupled axes";
+    parameter Integer entries(min = 4, max = 1024) "Number of entries of the matrix";
+    parameter Real matrix[entries](each unit="um/V") "Jacobian, row by row";
+    parameter Real offset[axes](each unit="um") "Coordinates at zero motion";
+    parameter Real condition_max(unit="1", min = 1) = 1000 "Greatest condition number of the Jacobian that is taken";
+    Interfaces.PositionInput u[axes] "Coordinates that are wanted";
+    Interfaces.PositionInput measured[axes] "Coordinates that are measured";
+    Interfaces.PositionOutput y[axes] "Motions that are wanted, the reference behind it";
+    Interfaces.PositionOutput measured_motion[axes] "Motions that are measured, the measured position behind it";
+  protected
+    final parameter Real inverse[entries](each unit="V/um") = Functions.inverseMatrix(matrix, offset) "Inverse Jacobian";
+  equation
+    for i in 1:axes loop
+      y[i] = Functions.rowDifference(inverse, i, u, offset);
+      measured_motion[i] = Functions.rowDifference(inverse, i, measured, offset);
+    end for;
+    annotation(Documentation(info="<html><p>Component <code>jacobian-coordinator</code>:</p><p><code>condition_max</code> is not checked here.</p><p><code>theta_r = J^-1*(p_r - p0); theta_m = J^-1*(p - p0); J[i,j] = matrix[i,j]; p0[i] = offset[i]</code></p></html>"));
+  end JacobianCoordinator;
 end Control;

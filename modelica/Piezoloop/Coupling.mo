@@ -54,8 +54,8 @@ package Coupling "Several axes at once"
   end ModeCoupling;
 
   block OpticsJacobian "From the angles of several mirrors to the coordinates of the spots on the sensors"
-    parameter Integer axes(min = 2, max = 8) "Number of coupled axes";
-    parameter Integer entries(min = 4, max = 64) "Number of entries of the matrix";
+    parameter Integer axes(min = 2, max = 32) "Number of coupled axes";
+    parameter Integer entries(min = 4, max = 1024) "Number of entries of the matrix";
     parameter Real matrix[entries](each unit="um/V") "Jacobian, row by row";
     parameter Real offset[axes](each unit="um") "Coordinates at zero angles";
     Interfaces.PositionInput u[axes] "Position of each axis in front";

@@ -414,4 +414,139 @@ package Functions "What several blocks share; states go in and come out"
     end for;
     y := 2/sqrt(3.141592653589793)*exp(-limited^2)*total;
   end erf;
+
+  function enter "A value in front of the past ones (way 1), in all places (way -1), or none (way 0)"
+    input Real u;
+    input Real way;
+    input Real last[:];
+    output Real next[size(last, 1)];
+  algorithm
+    for i in 1:size(last, 1) loop
+      next[i] := if way < -0.5 or way > 0.5 and i < 2 then u elseif way > 0.5 then last[max(i - 1, 1)] else last[i];
+    end for;
+  end enter;
+
+  function lags "Lags after a step; all are u before the first one"
+    input Real u;
+    input Real on "1 after the first step, 0 in it";
+    input Real fraction[:];
+    input Real last[size(fraction, 1)];
+    output Real next[size(fraction, 1)];
+  algorithm
+    for i in 1:size(fraction, 1) loop
+      next[i] := if on > 0 then last[i] + fraction[i]*(u - last[i]) else u;
+    end for;
+  end lags;
+
+  function window "Past values about half places before the last, under a Hann window"
+    input Integer half;
+    input Real last[:];
+    output Real y;
+  protected
+    Real tap;
+    Real total;
+  algorithm
+    y := 0;
+    total := 0;
+    for i in 1:size(last, 1) loop
+      tap := if i < size(last, 1) - 2*half then 0
+        else 0.5*(1 + cos(3.141592653589793*(i + half - size(last, 1))/(half + 1)));
+      total := total + tap;
+      y := y + tap*last[i];
+    end for;
+    y := y/total;
+  end window;
+
+  function limited "Within the limits and at most so far from the last one, 0 for any"
+    input Real free;
+    input Real last;
+    input Real low;
+    input Real high;
+    input Real most;
+    output Real y;
+  protected
+    Real wanted;
+  algorithm
+    wanted := max(low, min(high, free));
+    y := if most > 0 then max(low, min(high, max(last - most, min(last + most, wanted)))) else wanted;
+  end limited;
+
+  function transitionEven "Second order over an angle: mean of the exponentials"
+    input Real angle;
+    input Real damping;
+    output Real y;
+  protected
+    Real root;
+  algorithm
+    root := sqrt(abs((1 - damping)*(1 + damping)));
+    y := if damping < 1 then exp(-damping*angle)*cos(root*angle)
+      else 0.5*(exp(-angle/(damping + root)) + exp(-angle*(damping + root)));
+  end transitionEven;
+
+  function transitionOdd "Second order over an angle: half difference of the exponentials over its root"
+    input Real angle;
+    input Real damping;
+    output Real y;
+  protected
+    Real root;
+  algorithm
+    root := sqrt(abs((1 - damping)*(1 + damping)));
+    y := if root < 1e-9 then angle*exp(-angle)
+      elseif damping < 1 then exp(-damping*angle)*sin(root*angle)/root
+      elseif root*angle < 1 then exp(-damping*angle)*sinh(root*angle)/root
+      else (exp(-angle/(damping + root)) - exp(-angle*(damping + root)))/(2*root);
+  end transitionOdd;
+
+  function rowDifference "Row i of a matrix that is given row by row, times a difference"
+    input Real matrix[:];
+    input Integer i;
+    input Real x[:];
+    input Real x0[size(x, 1)];
+    output Real y;
+  algorithm
+    y := 0;
+    for j in 1:size(x, 1) loop
+      y := y + matrix[(i - 1)*size(x, 1) + j]*(x[j] - x0[j]);
+    end for;
+  end rowDifference;
+
+  function inverseMatrix "Inverse of a matrix that is given row by row"
+    input Real matrix[:];
+    input Real like[:] "Any vector with as many entries as it has rows";
+    output Real y[size(matrix, 1)];
+  protected
+    Real a[size(matrix, 1)] "What is left of the matrix";
+    Real pivot;
+    Real factor;
+    Real moved;
+    Integer at;
+  algorithm
+    for k in 1:size(matrix, 1) loop
+      a[k] := matrix[k];
+      y[k] := if mod(k - 1, size(like, 1) + 1) == 0 then 1 else 0;
+    end for;
+    for k in 1:size(like, 1) loop
+      at := k;
+      for row in 1:size(like, 1) loop
+        at := if row > k and abs(a[(row - 1)*size(like, 1) + k]) > abs(a[(at - 1)*size(like, 1) + k]) then row else at;
+      end for;
+      at := if abs(a[(k - 1)*size(like, 1) + k]) >= 0.1*abs(a[(at - 1)*size(like, 1) + k]) then k else at;
+      pivot := a[(at - 1)*size(like, 1) + k];
+      for j in 1:size(like, 1) loop
+        moved := a[(at - 1)*size(like, 1) + j]/pivot;
+        a[(at - 1)*size(like, 1) + j] := a[(k - 1)*size(like, 1) + j];
+        a[(k - 1)*size(like, 1) + j] := moved;
+        moved := y[(at - 1)*size(like, 1) + j]/pivot;
+        y[(at - 1)*size(like, 1) + j] := y[(k - 1)*size(like, 1) + j];
+        y[(k - 1)*size(like, 1) + j] := moved;
+      end for;
+      for row in 1:size(like, 1) loop
+        factor := if row == k then 0 else a[(row - 1)*size(like, 1) + k];
+        for j in 1:size(like, 1) loop
+          a[(row - 1)*size(like, 1) + j] := a[(row - 1)*size(like, 1) + j] - factor*a[(k - 1)*size(like, 1) + j];
+          y[(row - 1)*size(like, 1) + j] := y[(row - 1)*size(like, 1) + j] - factor*y[(k - 1)*size(like, 1) + j];
+        end for;
+      end for;
+    end for;
+  end inverseMatrix;
 end Functions;

@@ -7,6 +7,8 @@ package Interfaces "Connectors and what the blocks of a signal path share"
   connector ForceInput = input Types.Force;
   connector TemperatureInput = input Types.Temperature;
   connector NoiseInput = input Real(unit="1");
+  connector SignalInput = input Real;
+  connector SignalOutput = output Real;
 
   partial block CommandFilter "Command to command"
     CommandInput u "Command in front";
@@ -32,6 +34,11 @@ package Interfaces "Connectors and what the blocks of a signal path share"
     PositionInput u "Reference";
     PositionOutput y "Reference with its lead";
   end ReferenceFilter;
+
+  partial block PathFilter "Filter of a controller's path, of a reference or a command"
+    SignalInput u "Signal in front";
+    SignalOutput y "Signal behind";
+  end PathFilter;
 
   partial block Controller "Feedforward to command"
     CommandInput u "Feedforward";

@@ -302,4 +302,28 @@ package Inverse "Feedforward: inverses of the hysteresis models"
     y = command;
     annotation(Documentation(info="<html><p>Component <code>inverse-dynamic-prandtl-ishlinskii</code>:</p><p><code>forward(u) = y, with u' = y'/(mean slope of the largest loop) and u'' alike</code></p></html>"));
   end InverseDynamicPrandtlIshlinskii;
+
+  block InverseKelvinVoigtCreep "Takes the creep of Kelvin-Voigt elements out of a reference"
+    extends Interfaces.ReferenceFilter;
+    parameter Integer elements(min = 1, max = 64) "Number of elements";
+    parameter Real share[elements](each unit="1") "Part of a step that each element adds in the end";
+    parameter Real time_constant[elements](each unit="s", each min = 0) "Time constant of each element, increasing";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    final parameter Real fraction[elements](each unit="1") = {1 - exp(-step/time_constant[i]) for i in 1:elements}
+      "Part of its way that an element goes in a step";
+    final parameter Real left[elements](each unit="1") = {share[i]*exp(-step/time_constant[i]) for i in 1:elements}
+      "What an element still adds after a step";
+    discrete Boolean on(start = false, fixed = true) "The first sample is past";
+    discrete Real z[elements](each start = 0, each fixed = true, each unit="um") "Elements";
+    discrete Real v(start = 0, fixed = true, unit="um") "Position without the creep";
+  equation
+    when sample(0, step) then
+      on = true;
+      v = if pre(on) then (u - left*pre(z))/(1 + share*fraction) else u/(1 + sum(share));
+      z = Functions.lags(v, if pre(on) then 1 else 0, fraction, pre(z));
+    end when;
+    y = v;
+    annotation(Documentation(info="<html><p>Component <code>inverse-kelvin-voigt-creep</code>:</p><p><code>u + sum(share[i]*z[i]) = y; time_constant[i]*z[i]' = u - z[i]</code></p></html>"));
+  end InverseKelvinVoigtCreep;
 end Inverse;

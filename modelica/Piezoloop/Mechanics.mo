@@ -52,6 +52,35 @@ package Mechanics "Moving mass, flexures, guides and load"
     annotation(Documentation(info="<html><p>Component <code>mode-pair</code>:</p><p><code>y = (1 - share)*x1 + share*x2; x'' + 2*damping*w*x' + w^2*x = w^2*u for each</code></p></html>"));
   end ModePair;
 
+  block Arx "Discrete transfer function (ARX model) at its own sample time"
+    extends Interfaces.PositionFilter;
+    parameter Real sample_time(unit="s", min = 1e-09, max = 1000) "Sample time of the transfer function, a whole number of internal steps";
+    parameter Integer numerator(min = 1, max = 64) "Number of coefficients b";
+    parameter Integer denominator(min = 1, max = 64) "Number of coefficients a";
+    parameter Real b[numerator](each unit="1") "Coefficient of each input, the present one first";
+    parameter Real a[denominator](each unit="1") "Coefficient of each past output, the last one first";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    final parameter Real ratio(unit="1") = Functions.round(sample_time/step) "Steps in a sample time";
+    discrete Boolean on(start = false, fixed = true) "The first sample is past";
+    discrete Real count(start = 0, fixed = true, unit="1") "Steps since the last sample of the transfer function";
+    discrete Real way(start = 0, fixed = true, unit="1") "1 at its samples, -1 in the first step, else 0";
+    discrete Real past[numerator](each start = 0, each fixed = true, each unit="um") "Its inputs so far, newest first";
+    discrete Real v(start = 0, fixed = true, unit="um") "Its output";
+    discrete Real own[denominator](each start = 0, each fixed = true, each unit="um") "Its outputs so far, newest first";
+  equation
+    when sample(0, step) then
+      on = true;
+      count = if pre(count) + 1.5 > ratio then 0 else pre(count) + 1;
+      way = if not pre(on) then -1 elseif count < 0.5 then 1 else 0;
+      past = Functions.enter(u, way, pre(past));
+      v = if way < -0.5 then sum(b)/(1 + sum(a))*u elseif way > 0.5 then b*past - a*pre(own) else pre(v);
+      own = Functions.enter(v, way, pre(own));
+    end when;
+    y = v;
+    annotation(Documentation(info="<html><p>Component <code>arx</code>:</p><p><code>y(k) = sum(b[i]*u(k-i+1)) - sum(a[j]*y(k-j))</code></p></html>"));
+  end Arx;
+
   block CollocatedMode "Resonance with its antiresonance"
     extends Interfaces.PositionFilter;
     parameter Real frequency(unit="Hz", min = 0) "Natural frequency of the resonance";

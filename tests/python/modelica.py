@@ -130,6 +130,8 @@ def modifiers(row, parameters, text):
         written["axes"] = 2
     if "longest" in parameters and "cells" in text:
         written["cells"] = round(parameters["longest"] / STEP) + 2
+    if "cycle" in parameters:
+        written["cells"] = round(parameters["cycle"] / STEP) + parameters["half"]
     if re.search(r"parameter Real step", text):
         written["step"] = STEP
     names = ((name + "_" if name in RESERVED else name, x) for name, x in written.items())
@@ -226,14 +228,14 @@ def verdict(kind, apart, bound):
 
 
 SIGNALS = {"displacement": "0", "n": "0", "drive": "0", "temperature": "0.1*u2", "force": "0.5*u2",
-           "disturbance": "0.01*u2", "command": "u1", "enable": "true", "measured": "0.5*u2"}
+           "disturbance": "0.01*u2", "command": "u1", "reference": "u1", "measured": "0.5*u2", "enable": "on"}
 COLUMNS = {"temperature": ("temperature", lambda x: 0.1 * x), "force": ("force[1]", lambda x: 0.5 * x),
            "disturbance": ("disturbance[1]", lambda x: 0.01 * x)}
 INPUT = re.compile(r"^    (?:Interfaces\.\w+Input|input Boolean) (\w+)(?:\[axes\])?(?: |\()", re.M)
 
 
 def further(text):
-    return [name for name in INPUT.findall(text) if name not in ("u", "reference")]
+    return [name for name in INPUT.findall(text) if name != "u"]
 
 
 def plant(session, tool, rows, written, kind, parameters, bound):
@@ -274,22 +276,63 @@ def coupling(session, tool, rows, written, kind, parameters, bound):
     return verdict(kind, difference(ours, simulate(session, declarations, equations, ["c.y[1]", "c.y[2]"])), bound)
 
 
-def controller(session, tool, rows, written, kind, parameters, bound):
+# What stands around a control component: components in front of it and behind it.
+FEEDFORWARD, LIMITS = ("feedforward-gain", {"gain": 8.0}), {"output_min": -1e6, "output_max": 1e6}
+LINEAR, OPEN, CLOSED = ("feedforward-gain", {"gain": 1.0}), ("pid", {"kp": 0.0} | LIMITS), ("pid", {"kp": 1.0} | LIMITS)
+AROUND = {"pid": ([FEEDFORWARD], []), "incremental-pid": ([FEEDFORWARD], []), "repetitive": ([FEEDFORWARD], []),
+          "reference-lead": ([], [LINEAR, OPEN]), "inverse-kelvin-voigt-creep": ([], [LINEAR, OPEN]),
+          "notch": ([], [LINEAR, OPEN]), "disturbance-observer": ([], [LINEAR]),
+          "reference-filter": ([], [LINEAR, CLOSED]), "reference-preview": ([], [LINEAR, CLOSED])}
+# Steps in which what can be switched off is off: from the first to the one before the second.
+OFF = (80, 121)
+
+
+def enabled():
+    """Modelica: `on` as the FMU sees it."""
+    low, high = ((step - 0.5) * STEP for step in OFF)
+    when = f"\n  when sample(0, {STEP!r}) then\n    on = time < {low!r} or time > {high!r};\n  end when;"
+    return "\n  discrete Boolean on(start = true, fixed = true);", when
+
+
+def controller(session, tool, rows, written, case, parameters, bound):
+    """The component on a reference and a measured position, and off for a while where it can be."""
+    kind = case.split()[0]
     package, _, text = written[camel(kind)]
-    wide = {"kp": 0.0, "output_min": -1e6, "output_max": 1e6}
-    chain = {"reference-lead": [(kind, parameters), ("feedforward-gain", {"gain": 1.0}), ("pid", wide)],
-             "pid": [("feedforward-gain", {"gain": 8.0}), (kind, parameters)]}
     texts = waves("0.08")
     table = tabulate(texts)
     inputs = {"reference[1]": [row[0] for row in table], "measured[1]": [0.5 * row[1] for row in table]}
-    components = chain.get(kind, [(kind, parameters), ("pid", wide)])
-    ours = fmu(tool, blueprint("controller", 1, components), inputs, ["command[1]"])
     declarations, equations = held(texts)
     declarations += f"\n  Piezoloop.{package}.{camel(kind)} c({modifiers(rows[kind], parameters, text)});"
-    equations += f"\n  c.u = {'8*u1' if kind == 'pid' else 'u1'};"
-    equations += "\n  c.reference = u1;" if kind == "pid" else ""
-    equations += "".join(f"\n  c.{name} = {SIGNALS[name]};" for name in further(text))
-    return verdict(kind, difference(ours, simulate(session, declarations, equations, ["c.y"])), bound)
+    if kind == "jacobian-coordinator":
+        return coordinator(session, tool, (kind, parameters, bound), inputs, declarations, equations)
+    before, behind = AROUND.get(kind, ([], [OPEN]))
+    extra = further(text)
+    if "enable" in extra:
+        inputs["enable"] = [0.0 if OFF[0] <= k < OFF[1] else 1.0 for k in range(ROWS)]
+        declared_on, when_on = enabled()
+        declarations, equations = declarations + declared_on, equations + when_on
+    ours = fmu(tool, blueprint("controller", 1, [*before, (kind, parameters), *behind]), inputs, ["command[1]"])
+    equations += f"\n  c.u = {'8*u1' if before else 'u1'};"
+    equations += "".join(f"\n  c.{name} = {SIGNALS[name]};" for name in extra)
+    wanted = "c.y"
+    if CLOSED in behind:
+        wanted = "command"
+        declarations += "\n  Real command;"
+        equations += f"\n  command = c.y + c.reference - {SIGNALS['measured']};"
+    return verdict(case, difference(ours, simulate(session, declarations, equations, [wanted])), bound)
+
+
+def coordinator(session, tool, case, inputs, declarations, equations):
+    """Two axes behind their coordinator, each under feedback of gain 1."""
+    kind, parameters, bound = case
+    inputs |= {"reference[2]": inputs["measured[1]"], "measured[2]": [0.25 * x for x in inputs["reference[1]"]]}
+    tail = f'[[coupling]]\ntype = "{kind}"\naxes = ["A1", "A2"]\n{toml(parameters)}\n'
+    ours = fmu(tool, blueprint("controller", 2, [LINEAR, CLOSED], tail), inputs, ["command[1]", "command[2]"])
+    declarations += "\n  Real command[2];"
+    equations += "\n  c.u[1] = u1;\n  c.u[2] = 0.5*u2;\n  c.measured[1] = 0.5*u2;\n  c.measured[2] = 0.25*u1;"
+    equations += "".join(f"\n  command[{i}] = 2*c.y[{i}] - c.measured_motion[{i}];" for i in (1, 2))
+    wanted = ["command[1]", "command[2]"]
+    return verdict(kind, difference(ours, simulate(session, declarations, equations, wanted)), bound)
 
 
 def rig(session, tool, package):
@@ -335,7 +378,7 @@ def main():
         return rig(session, tool, package)
     rows, written = registry(tool), blocks(package)
     cases, run = TASKS[task]
-    kinds = [kind for kind in cases if not only or kind in only]
+    kinds = [kind for kind in cases if not only or kind.split()[0] in only]
     judge([run(session, tool, rows, written, kind, *cases[kind]) for kind in kinds])
 
 

@@ -12,6 +12,10 @@ DYNAMIC = {"alpha": [1e-8, 2e-8, 3e-8, 1e-8], "beta": [2e-12, 1e-12, 1e-12, 3e-1
 LIMITS = {"command_min": -20.0, "command_max": 160.0}
 MODE = {"frequency": 300.0, "damping": 0.05}
 
+GAINS = {"kp": 3.0, "ki": 900.0, "kd": 1e-3, "output_min": 3.0, "output_max": 90.0}
+SAFE = {"feedforward_gain": 0.9, "rate_max": 2e4, "hold": 0.0, "safe": 12.0}
+XU = {"gain": 0.08, "beta": 0.04, "gamma": 0.015}
+
 # The solver's own error; values are tens of V or a few um.
 SOLVED = 1e-8
 # Blocks without a differential equation: rounding only.
@@ -59,6 +63,7 @@ PLANT = {
     "duffing": (MODE | {"hardening": 0.05, "reference": 4.0}, 2e-5),
     "position-stiffness": (MODE | {"linear": 0.05, "quadratic": -0.03, "centre": 5.0, "half_range": 6.0}, 2e-5),
     "friction": (MODE | {"coulomb": 0.2, "stiction": 0.3, "presliding": 0.05, "stribeck": 300.0}, 3e-2),
+    "arx": ({"sample_time": 4e-4, "b": [0.276897, -0.540637, 0.263941], "a": [-2.72054, 2.45461, -0.733864]}, EXACT),
     "backlash": ({"width": 0.8}, EXACT),
     "cutting-force": ({"amplitude": 0.5, "frequency": 131.0, "duty": 0.4, "phase": 0.3}, EXACT),
     "vibration": ({"frequency": [47.0, 133.0], "amplitude": [0.2, 0.1], "phase": [0.3, -1.0]}, EXACT),
@@ -88,7 +93,7 @@ COUPLING = {
     "psd-pincushion": ({"distortion": 0.03, "half_size": 12.0}, EXACT),
 }
 
-# Controllers: reference in, command out.
+# Controllers: reference in, command out. A word behind the type tells cases apart.
 CONTROLLER = {
     "inverse-prandtl-ishlinskii": (PLAYS, EXACT),
     "inverse-modified-prandtl-ishlinskii": (PLAYS | {"edge": [-1.0, 1.5, 3.0], "slope": [0.1, -0.2, 0.3]}, EXACT),
@@ -103,5 +108,21 @@ CONTROLLER = {
     "inverse-dynamic-prandtl-ishlinskii": (PLAYS | LIMITS | DYNAMIC, 1e-9),
     "reference-lead": ({"lag": 5e-4, "inertia": 2e-7, "limit": 1.5}, EXACT),
     "feedforward-gain": ({"gain": 12.0, "offset": 0.3}, EXACT),
-    "pid": ({"kp": 3.0, "ki": 900.0, "kd": 1e-3, "derivative_filter": 2e-4, "output_min": -5.0, "output_max": 90.0}, EXACT),
+    "pid": (GAINS | {"derivative_filter": 2e-4}, EXACT),
+    "pid reversed": (GAINS | {"kp": -3.0, "ki": -900.0}, EXACT),
+    "pid safe": (GAINS | SAFE | {"derivative_filter": 2e-4, "tracking_time": 2e-3}, EXACT),
+    "incremental-pid": (GAINS, EXACT),
+    "incremental-pid safe": (GAINS | SAFE, EXACT),
+    "bouc-wen-feedforward": (XU | {"alpha": 0.3, "lag": 5e-4, "inertia": 2e-7, "limit": 0.4}, EXACT),
+    "bouc-wen-feedforward backwards": (XU | {"alpha": 0.9}, 1e-9),
+    "notch": ({"frequency": 480.0, "damping": 0.4, "depth": 0.1}, EXACT),
+    "reference-filter": ({"frequency": 200.0, "damping": 0.8}, EXACT),
+    "reference-filter critical": ({"frequency": 200.0}, EXACT),
+    "reference-filter slow": ({"frequency": 200.0, "damping": 1.3}, EXACT),
+    "reference-filter wide": ({"frequency": 5000.0, "damping": 1.3}, EXACT),
+    "reference-preview": ({"preview": 3.3e-4, "longest": 1e-3}, EXACT),
+    "inverse-kelvin-voigt-creep": ({"share": [0.05, 0.03], "time_constant": [0.003, 0.03]}, EXACT),
+    "disturbance-observer": ({"bandwidth": 90.0, "lag": 1e-3, "delay": 2.4e-4, "longest": 1e-3, "limit": 1.3}, EXACT),
+    "repetitive": ({"cycle": 5e-3, "half": 4, "gain": 3.0, "lead": 3e-4, "keep": 0.95, "limit": 9.0}, EXACT),
+    "jacobian-coordinator": ({"matrix": [[0.05, 0.9], [1.1, -0.2]], "offset": [0.5, -0.3]}, EXACT),
 }
