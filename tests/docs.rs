@@ -99,7 +99,8 @@ fn the_page_on_controllers_runs() {
 
 #[test]
 fn every_command_of_the_pages_is_run_or_marked() {
-    let run = ["tutorial.md", "howto-simulation.md", "howto-control.md", "howto-test.md", "control.md"];
+    let run =
+        ["tutorial.md", "howto-simulation.md", "howto-control.md", "howto-test.md", "control.md"];
     let (mut marked, mut problems) = (0, Vec::new());
     for page in pages("docs") {
         let name = page.file_name().and_then(|name| name.to_str()).expect("a name").to_owned();

@@ -27,10 +27,10 @@ mod tests {
 
     #[test]
     fn numbers_are_written_as_the_standard_library_writes_them() {
-        for value in [0.0, -0.0, 1.0, 1e15, 123e14, f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+        for value in [0.0, -0.0, 1.0, 1e15, 123e13, f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
             assert_eq!(text(value), value.to_string());
         }
-        for value in [1e-6, 1.5e-300, -2e16, 1e300, 5e-324] {
+        for value in [1e-6, 1.5e-300, -2e16, 123e14, 1e300, 5e-324] {
             assert_eq!(text(value), format!("{value:e}"));
         }
         assert_eq!([text(1e-5), text(9.9e-6)], ["0.00001", "9.9e-6"]);

@@ -6,7 +6,8 @@ use model::{
 };
 use piezoloop_data::Blueprint;
 
-static REGISTRY: Registry = &[&Sum(&GAIN), &Sum(&PUSH), &Sum(&CROSS), &Sum(&OPTICS), &Sum(&SENSOR)];
+static REGISTRY: Registry =
+    &[&Sum(&GAIN), &Sum(&PUSH), &Sum(&CROSS), &Sum(&OPTICS), &Sum(&SENSOR), &Sum(&LAW)];
 
 const BASE: Declaration = Declaration {
     kind: "",
@@ -42,6 +43,14 @@ static SENSOR: Declaration = Declaration {
     name: "sensor",
     stage: Stage::Sensor,
     parameters: &[Quantity::new("offset", "{position}", "Offset")],
+    ..BASE
+};
+static LAW: Declaration = Declaration {
+    kind: "law",
+    name: "law",
+    stage: Stage::Control,
+    conversion: Conversion::PositionToCommand,
+    parameters: &[Quantity::new("gain", "{command}/{position}", "Gain")],
     ..BASE
 };
 const MATRIX: [Structural; 2] = [
@@ -134,6 +143,20 @@ type = "optics"
 axes = ["A", "B"]
 matrix = [[1, 0.1], ["0.2 m/rad", 2]]
 offset = [-3, 4]
+"#;
+
+const CONTROLLER: &str = r#"piezoloop = 1
+kind = "controller"
+name = "law"
+step = 1e-3
+
+[[axis]]
+command = { unit = "V" }
+position = { unit = "um" }
+
+[[axis.component]]
+type = "law"
+gain = 5
 "#;
 
 fn problems(text: &str) -> String {
@@ -248,10 +271,14 @@ fn what_is_wrong_with_a_coupling_is_told_with_its_line() {
 fn a_controller_has_neither_force_nor_optics_nor_an_idle_motion() {
     let text = PLANT.replacen("\"plant\"", "\"controller\"", 1);
     let found = problems(&text);
-    let motion = "axis[1]: the position in um is never turned into a motion in urad";
-    assert!(found.contains(motion), "{found}");
     for place in ["axis[1].force", "coupling[1]"] {
         let wanted = format!("{place}: belongs to a plant; leave it out of a controller");
         assert!(found.contains(&wanted), "wanted {wanted}\nfound {found}");
     }
+    let axis = "position = { unit = \"um\" }";
+    let idle = CONTROLLER.replacen(axis, &format!("{axis}\nmotion = {{ unit = \"urad\" }}"), 1);
+    let found = problems(&idle);
+    let motion = "axis[1]: the position in um is never turned into a motion in urad";
+    assert!(found.contains(motion), "{found}");
+    assert_eq!(problems(CONTROLLER), "");
 }

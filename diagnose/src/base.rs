@@ -234,7 +234,7 @@ impl Base {
     }
 
     /// The actuator and what is behind it, driven by what the column before it reads.
-    pub(crate) fn from_actuator(&self) -> Self {
+    pub(crate) fn behind_actuator(&self) -> Self {
         let first = self.actuator;
         let moved = |p: &BaseParameter| BaseParameter { node: p.node - first, ..p.clone() };
         Self {

@@ -90,7 +90,7 @@ pub(crate) fn cut(
     }
     let mut driven = inputs.to_vec();
     driven[index] = Port { name: acting, ..tap };
-    let base = base.from_actuator();
+    let base = base.behind_actuator();
     let mut behind = assemble(&advanced, &driven, outputs, index, index, base, step)?;
     behind.input = input.label().to_owned();
     behind.warnings.push(format!(

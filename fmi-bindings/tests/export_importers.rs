@@ -164,8 +164,11 @@ fn everything_may_be_read_in_the_initialization_mode() {
     fmu.set_up(0.0, None);
     fmu.enter();
     for (reference, variable) in (0..).zip(fmu.system.variables().as_slice()) {
-        let (mut real, mut boolean) = (0.0, 0);
+        let (mut real, mut integer, mut boolean) = (0.0, 0, 0);
         let status = match variable.data_type {
+            model::DataType::Integer => unsafe {
+                v2::fmi2GetInteger(fmu.c, &reference, 1, &mut integer)
+            },
             model::DataType::Boolean => unsafe {
                 v2::fmi2GetBoolean(fmu.c, &reference, 1, &mut boolean)
             },

@@ -1,11 +1,15 @@
 //! A record as a CSV file.
 
+use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
 
 use data::{WholeFile, push_number};
 
 use super::{Column, Recorder};
+
+/// Characters of the longest number, `-2.2250738585072014e-308`, and its comma.
+const LONGEST_CELL: usize = 25;
 
 /// Writes rows as they come: UTF-8, comma, decimal point, one header row; memory does not grow.
 ///
@@ -65,6 +69,8 @@ impl<W: Write> CsvRecorder<W> {
 impl<W: Write> Recorder for CsvRecorder<W> {
     fn begin(&mut self, record: usize, columns: &[Column], _rows: usize) -> io::Result<()> {
         self.record = record;
+        self.line.clear();
+        self.line.reserve(LONGEST_CELL * (columns.len() + 2));
         if !self.header_written {
             self.header_written = true;
             self.header(columns)?;
@@ -76,7 +82,7 @@ impl<W: Write> Recorder for CsvRecorder<W> {
         self.line.clear();
         push_number(&mut self.line, time);
         if self.record_column {
-            self.line.push_str(&format!(",{}", self.record));
+            let _ = write!(self.line, ",{}", self.record);
         }
         for value in values {
             self.line.push(',');
