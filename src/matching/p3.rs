@@ -13,8 +13,11 @@ const AMPLIFIER: f64 = 15.0;
 /// Greatest command of the chirp, in V.
 const TOP: f64 = 30.0 / AMPLIFIER;
 
-/// Table 1's column of the MPI model: name, signal, its settings, NRMSE.
-const MPI: &[(&str, &str, &[(&str, f64)], f64)] = &[
+/// Name, signal, its settings, NRMSE.
+type Printed = (&'static str, &'static str, &'static [(&'static str, f64)], f64);
+
+/// Table 1's column of the MPI model.
+const MPI: &[Printed] = &[
     ("100 Hz", "p3-sine", &[("frequency", 100.0)], 0.6497),
     ("500 Hz", "p3-sine", &[("frequency", 500.0)], 3.2692),
     ("1 kHz", "p3-sine", &[("frequency", 1000.0)], 4.9547),

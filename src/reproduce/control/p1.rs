@@ -108,7 +108,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         let of = |feedforward: bool, gains: &Gains| {
             let parts = if feedforward { &inverse[..] } else { &[] };
             let blueprint = design.controller(&tables, parts, None, gains);
-            bed.track(&blueprint, &[reference.clone()], PERIOD, design.preview)
+            bed.track(&blueprint, std::slice::from_ref(&reference), PERIOD, design.preview)
         };
         let feedforward = rmse(&of(true, &none)?, part);
         let tried = of(true, &printed)?;
@@ -151,7 +151,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
             .value("lead", 3.0 * PERIOD)
             .value("limit", 2.0);
         let blueprint = design.controller(&tables, &inverse, Some(law), &robust);
-        let run = bed.track(&blueprint, &[long.clone()], PERIOD, design.preview)?;
+        let run = bed.track(&blueprint, std::slice::from_ref(&long), PERIOD, design.preview)?;
         // The last cycle's shape, without its join.
         let from = long.len() - cycle;
         let squares: f64 = run.error[0][from..from + shape.len()].iter().map(|e| e * e).sum();

@@ -47,7 +47,7 @@ fn reference(case: &Case, turns: usize) -> Vec<Vec<f64>> {
     let long = (0.5 * ((z2 + y2) + (z2 - y2) / cosine)).sqrt();
     let short = (0.5 * ((z2 + y2) - (z2 - y2) / cosine)).sqrt();
     let (sin, cos) = case.inclination.to_radians().sin_cos();
-    let mut both = vec![Vec::with_capacity(rows); 2];
+    let mut both = vec![Vec::new(); 2];
     for k in 0..rows {
         let turn = FREQUENCY * PERIOD * k as f64;
         let size = (turn / GROWING as f64).min(1.0);
@@ -66,16 +66,16 @@ fn identified(bed: &mut Bed, folder: &Path, model: &str) -> anyhow::Result<Bluep
     let period = excitation.time()[1] - excitation.time()[0];
     let mut now = bed.rest(&[columns[0][0], columns[1][0]], period)?;
     let mut positions = vec![Vec::new(); 2];
-    for k in 0..excitation.len() {
+    for (first, second) in columns[0].iter().zip(&columns[1]) {
         positions.iter_mut().zip(&now).for_each(|(all, p)| all.push(*p));
-        now = bed.step(&[columns[0][k], columns[1][k]])?;
+        now = bed.step(&[*first, *second])?;
     }
     let mut log = excitation;
     for (name, values) in ["y", "z"].iter().zip(positions) {
         log.add_column(name, Some("um"), values)?;
     }
     let (measured, plant) = (folder.join("measured.csv"), folder.join(format!("{model}.toml")));
-    log.write(&*measured, UnitPlace::Sidecar)?;
+    log.write(&measured, UnitPlace::Sidecar)?;
     let (measured, file) = (measured.to_string_lossy(), plant.to_string_lossy());
     let words = [
         "piezoloop",
