@@ -10,7 +10,11 @@ pub fn push_number(line: &mut String, value: f64) {
         _ if value > 0.0 => "inf",
         _ => "-inf",
     };
-    line.push_str(text.strip_suffix(".0").unwrap_or(text));
+    let text = text.strip_suffix(".0").unwrap_or(text);
+    // `1e16`, not `1e+16`.
+    let (before, after) = text.split_once('+').unwrap_or((text, ""));
+    line.push_str(before);
+    line.push_str(after);
 }
 
 #[cfg(test)]
