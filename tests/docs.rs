@@ -51,9 +51,10 @@ fn pages(folder: &str) -> Vec<PathBuf> {
 
 /// Runs all commands of a page, in its order, as a reader does.
 fn run(page: &str) {
-    let blocks = blocks(&root().join("docs").join(page));
+    assert!(RUN.contains(&page), "{page} is in the list of what runs");
+    let blocks = blocks(&root().join(page));
     let commands: Vec<&Block> = blocks.iter().filter(|block| block.language == "sh").collect();
-    assert!(!commands.is_empty(), "docs/{page} has no command to run");
+    assert!(!commands.is_empty(), "{page} has no command to run");
     let folder = tempfile::tempdir().expect("a folder");
     let tools = Path::new(env!("CARGO_BIN_EXE_piezoloop")).parent().expect("a folder").to_owned();
     let path = std::env::var_os("PATH").unwrap_or_default();
@@ -68,51 +69,65 @@ fn run(page: &str) {
         .expect("a shell");
     let said = String::from_utf8_lossy(&output.stdout);
     let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "docs/{page}:\n{said}{errors}");
-    println!("docs/{page}: {} blocks run", commands.len());
+    assert!(output.status.success(), "{page}:\n{said}{errors}");
+    println!("{page}: {} blocks run", commands.len());
+}
+
+/// The pages whose commands run, each in a test of its own.
+const RUN: [&str; 7] = [
+    "README.md",
+    "docs/tutorial.md",
+    "docs/howto-simulation.md",
+    "docs/howto-control.md",
+    "docs/howto-test.md",
+    "docs/control.md",
+    "docs/sweep.md",
+];
+
+#[test]
+fn the_readme_runs() {
+    run("README.md");
 }
 
 #[test]
 fn the_tutorial_runs() {
-    run("tutorial.md");
+    run("docs/tutorial.md");
 }
 
 #[test]
 fn the_page_for_the_simulation_engineer_runs() {
-    run("howto-simulation.md");
+    run("docs/howto-simulation.md");
 }
 
 #[test]
 fn the_page_for_the_control_engineer_runs() {
-    run("howto-control.md");
+    run("docs/howto-control.md");
 }
 
 #[test]
 fn the_page_for_the_test_engineer_runs() {
-    run("howto-test.md");
+    run("docs/howto-test.md");
 }
 
 #[test]
 fn the_page_on_controllers_runs() {
-    run("control.md");
+    run("docs/control.md");
+}
+
+#[test]
+fn the_page_on_sweeps_runs() {
+    run("docs/sweep.md");
 }
 
 #[test]
 fn every_command_of_the_pages_is_run_or_marked() {
-    let run =
-        ["tutorial.md", "howto-simulation.md", "howto-control.md", "howto-test.md", "control.md"];
     let (mut marked, mut problems) = (0, Vec::new());
-    for page in pages("docs") {
-        let name = page.file_name().and_then(|name| name.to_str()).expect("a name").to_owned();
+    for page in [pages("docs"), pages("modelica"), vec![root().join("README.md")]].concat() {
+        let name = page.strip_prefix(root()).expect("a page of the project").display().to_string();
         for block in blocks(&page) {
-            let place = format!("docs/{name}:{}", block.line);
-            let is_command = |line: &str| {
-                ["piezoloop ", "cargo ", "sh ", "rustup ", "tools/"]
-                    .iter()
-                    .any(|start| line.starts_with(start))
-            };
+            let place = format!("{name}:{}", block.line);
             match block.language.as_str() {
-                "sh" if run.contains(&name.as_str()) => {}
+                "sh" if RUN.contains(&name.as_str()) => {}
                 "sh" => problems.push(format!("{place}: the page is not among those that run")),
                 "sh hardware" | "sh data" | "sh long" => marked += 1,
                 "" | "text" | "console" | "bash" | "shell"
@@ -126,7 +141,55 @@ fn every_command_of_the_pages_is_run_or_marked() {
     }
     assert!(problems.is_empty(), "{}", problems.join("\n"));
     println!("{marked} blocks need hardware, data or long; they are not run");
-    assert_eq!(marked, 5, "blocks that are not run are counted here");
+    assert_eq!(marked, 10, "blocks that are not run are counted here");
+}
+
+fn is_command(line: &str) -> bool {
+    let starts = ["piezoloop ", "cargo ", "pip ", "sh ", "rustup ", "tools/"];
+    starts.iter().any(|start| line.starts_with(start))
+}
+
+/// The commands of the tool in a text, each on one line.
+fn commands(text: &str) -> Vec<String> {
+    let whole = text.replace("\\\n", " ");
+    let lines = whole.lines().filter_map(|line| {
+        let at = line.find("piezoloop ")?;
+        (!line.trim_start().starts_with('#')).then(|| line[at..].to_owned())
+    });
+    lines.collect()
+}
+
+/// What an example's README shows is what its script, which runs in `tests/examples.rs`, does.
+#[test]
+fn the_commands_of_the_examples_stand_in_their_scripts() {
+    let mut shown = 0;
+    for entry in fs::read_dir(root().join("examples")).expect("examples") {
+        let folder = entry.expect("an entry").path();
+        let script = fs::read_to_string(folder.join("run.sh")).expect("each example has a script");
+        let script = commands(&script);
+        for block in blocks(&folder.join("README.md")) {
+            if !matches!(block.language.as_str(), "" | "sh") {
+                continue;
+            }
+            for command in commands(&block.text) {
+                let words: Vec<&str> = command.split_whitespace().collect();
+                let name: Vec<&str> = words[..3.min(words.len())]
+                    .iter()
+                    .copied()
+                    .filter(|word| word.chars().all(char::is_alphabetic))
+                    .collect();
+                let options: Vec<&str> =
+                    words.iter().copied().filter(|word| word.starts_with('-')).collect();
+                let is_run = script.iter().any(|line| {
+                    let there: Vec<&str> = line.split_whitespace().collect();
+                    name.iter().chain(&options).all(|word| there.contains(word))
+                });
+                assert!(is_run, "{}: not in run.sh: {command}", folder.display());
+                shown += 1;
+            }
+        }
+    }
+    assert!(shown > 20, "{shown} commands");
 }
 
 #[test]

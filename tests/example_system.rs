@@ -100,6 +100,32 @@ fn a_set_that_does_not_fit_is_refused_with_its_line() {
     assert!(said.contains("none.ssv: cannot be read"), "{said}");
 }
 
+/// Runs the last of these files of an example, a notebook; what its cells print, or nothing where
+/// notebooks cannot be run.
+fn notebook(example: &str, files: &[&str]) -> Option<String> {
+    let python = foreign::environment("notebook")?;
+    let folder = tempfile::tempdir().expect("a folder");
+    for file in files {
+        let source = root().join("examples").join(example).join(file);
+        fs::copy(source, folder.path().join(file)).expect("the folder is writable");
+    }
+    let tools = Path::new(env!("CARGO_BIN_EXE_piezoloop")).parent().expect("a folder").to_owned();
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let paths = std::iter::once(tools).chain(std::env::split_paths(&path));
+    let mut run = Command::new(python);
+    run.arg(root().join("tests/python/run_notebook.py")).arg(files.last()?);
+    run.env("PATH", std::env::join_paths(paths).expect("a PATH"));
+    Some(foreign::said(&mut run, folder.path()))
+}
+
+#[test]
+fn the_notebook_of_the_hysteresis_runs() {
+    let Some(said) = notebook("02_fmu_in_fmpy", &["hysteresis.ipynb"]) else { return };
+    println!("{said}");
+    assert!(said.contains("nominal: 5.96") && said.contains("with creep: 6.0"), "{said}");
+    assert!(said.contains("1 pictures"), "{said}");
+}
+
 #[test]
 fn the_notebook_runs_and_its_ten_lines_stand_in_the_readme() {
     let notebook: serde_json::Value = serde_json::from_str(NOTEBOOK).expect("a notebook is JSON");
@@ -114,16 +140,8 @@ fn the_notebook_runs_and_its_ten_lines_stand_in_the_readme() {
     assert_eq!(ten.len(), 1);
     assert_eq!(ten[0].lines().count(), 10);
     assert!(README.contains(&format!("```python\n{}\n```", ten[0])), "the README differs");
-    let Some(python) = foreign::environment("notebook") else { return };
-    let folder = tempfile::tempdir().expect("a folder");
-    copied(&["loop.toml", "nominal.ssv", "repaired.ssv", "loop.ipynb"], folder.path());
-    let tools = Path::new(env!("CARGO_BIN_EXE_piezoloop")).parent().expect("a folder").to_owned();
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let paths = std::iter::once(tools).chain(std::env::split_paths(&path));
-    let script = root().join("tests/python/run_notebook.py");
-    let mut run = Command::new(python);
-    run.arg(script).arg("loop.ipynb").env("PATH", std::env::join_paths(paths).expect("a PATH"));
-    let said = foreign::said(&mut run, folder.path());
+    let files = ["loop.toml", "nominal.ssv", "repaired.ssv", "loop.ipynb"];
+    let Some(said) = notebook("03_system", &files) else { return };
     println!("{said}");
     assert!(said.contains("nominal: ") && said.contains("repaired: "), "{said}");
     assert!(said.contains("1 pictures"), "{said}");

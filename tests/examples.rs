@@ -16,6 +16,7 @@ fn run(example: &str, folder: &Path) -> String {
     let output = Command::new("sh")
         .arg(common::root().join("examples").join(example).join("run.sh"))
         .arg(folder)
+        .env("PYTHON", common::python::python())
         .env("PATH", std::env::join_paths(paths).expect("a PATH"))
         .output()
         .expect("a shell");
@@ -59,6 +60,21 @@ fn log_to_loop() {
         ["plant.toml", "identify.html", "plant.fmu", "controller.fmu", "run.csv", "loop.csv"]
     {
         assert!(folder.path().join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
+fn fmu_in_fmpy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = run("02_fmu_in_fmpy", folder.path());
+    println!("{said}");
+    assert_eq!(said.matches("no problem").count(), 2);
+    assert_eq!(said.matches("the same bits").count(), 2);
+    assert_eq!(said.matches(": True").count(), 2);
+    // What the README tells.
+    let readme = include_str!("../examples/02_fmu_in_fmpy/README.md");
+    for figure in ["5.535 um", "2.739 um", "3.648 um", "16.4 %"] {
+        assert!(said.contains(figure) && readme.contains(figure), "{figure}: {said}");
     }
 }
 

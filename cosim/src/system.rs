@@ -1,5 +1,6 @@
 //! A checked system: slaves, the bus between them, and the moves of which algorithms are made.
 
+use crate::diagram::Port;
 use crate::error::Error;
 use crate::pace::Pace;
 use crate::problem::Problem;
@@ -236,6 +237,31 @@ impl System {
     /// The slave at a place.
     pub fn slave(&mut self, slave: usize) -> Option<&mut (dyn Slave + 'static)> {
         self.participants.get_mut(slave).map(|participant| &mut *participant.slave)
+    }
+
+    /// Gives a variable another start value for the runs that follow.
+    ///
+    /// # Errors
+    /// The variable got no start value in the diagram, or this one does not fit its type.
+    pub fn set_start(&mut self, to: &Port, value: Value) -> Result<(), Problem> {
+        let slave = self.position(&to.slave)?;
+        let Participant { slave, starts_before, starts_during, .. } = &mut self.participants[slave];
+        let refuse = |why: String| {
+            let (slave, variable) = (to.slave.clone(), to.variable.clone());
+            Err(Problem::StartValue { slave, variable, value: value.to_string(), why })
+        };
+        let data_type =
+            Address::find(&to.slave, slave.description(), &to.variable)?.variable.data_type;
+        if value.fit(data_type).is_none() {
+            return refuse(format!("the variable is of type {}", data_type.name()));
+        }
+        let starts = starts_before.iter_mut().chain(starts_during);
+        let mut found = starts.filter(|(variable, _)| *variable == to.variable).peekable();
+        if found.peek().is_none() {
+            return refuse("the diagram gives it no start value to replace".to_owned());
+        }
+        found.for_each(|(_, start)| start.clone_from(&value));
+        Ok(())
     }
 
     /// The slaves whose outputs feed the slave at a place; one may come several times.

@@ -41,6 +41,27 @@ fn close(found: &[f64], expected: &[f64]) {
     }
 }
 
+/// The runs are those of systems that were made with the values.
+#[test]
+fn start_values_are_replaced_between_runs() {
+    let fmus = fmus_or_skip!();
+    let mut system = loop_of(&fmus, 0.25, 1);
+    let first = GaussSeidel::in_order(&system, &["c", "p"]).unwrap();
+    for k in [0.25, 0.5, 0.125, 0.5] {
+        system.set_start(&("c", "k").into(), Value::Real(k)).unwrap();
+        let mut anew = loop_of(&fmus, k, 1);
+        assert_eq!(run(&mut system, &first, 8).unwrap(), run(&mut anew, &first, 8).unwrap());
+    }
+    for (variable, value, words) in [
+        ("k", Value::from("a"), "of type Float64"),
+        ("position[1]", Value::Real(1.0), "position[1]"),
+        ("measured[1]", Value::Real(1.0), "no start value to replace"),
+    ] {
+        let said = system.set_start(&("c", variable).into(), value).unwrap_err().to_string();
+        assert!(said.contains(words), "{said}");
+    }
+}
+
 /// u = k (1 − y), held over three steps; y' = u.
 #[test]
 fn a_slow_controller_holds_its_command() {

@@ -3,7 +3,7 @@
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 cd "${1:-$here}"
-piezoloop identify --log "$here/stage.csv" --input u --output y --model prandtl-ishlinskii -o plant.toml --report identify.html
+piezoloop identify --log "$here/stage.csv" --input u --output y --model prandtl-ishlinskii -o plant.toml --report identify.html --picture loop.svg
 piezoloop invert plant.toml --period 2e-5 -o controller.toml
 piezoloop pack plant.toml --step 2e-5 -o plant.fmu
 piezoloop pack controller.toml -o controller.fmu

@@ -12,8 +12,11 @@ Everything is done by the tool ``piezoloop``, which this package brings along::
 
     log = piezoloop.load("measured.mf4")
     print(log.time, log["position[1]"], log.units["position[1]"])
+
+    piezoloop.sweep("plan.toml", "plan.parquet")              # many runs, here or on Dask
 """
 
+from ._dask import sweep
 from ._diagnose import diagnose
 from ._log import Log, load
 from ._rigs import path_to_fmu, rigs
@@ -29,4 +32,5 @@ __all__ = [
     "path_to_fmu",
     "rigs",
     "run",
+    "sweep",
 ]

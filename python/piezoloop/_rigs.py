@@ -18,6 +18,9 @@ def rigs() -> list[Record]:
 def path_to_fmu(rig: str, *, fmi: int = 2, folder: str | os.PathLike[str] | None = None) -> str:
     """The FMU of a known machine, packed when it is asked for first.
 
+    An installed wheel carries the shared libraries of Linux (x86-64 and ARM64) and Windows: its
+    FMUs run on all of them. Installed from source, they run on this kind of machine.
+
     Args:
         rig: a name of :func:`rigs`, such as ``"evc"``; or a blueprint file.
         fmi: version of the standard, 2 or 3.
@@ -34,7 +37,9 @@ def path_to_fmu(rig: str, *, fmi: int = 2, folder: str | os.PathLike[str] | None
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{Path(rig).stem}-fmi{fmi}.fmu"
     if is_blueprint or not path.is_file():
-        run("pack", rig, "--fmi", str(fmi), "--out", path)
+        libraries = Path(__file__).parent / "libraries"
+        further = ["--libraries", libraries] if libraries.is_dir() else []
+        run("pack", rig, "--fmi", str(fmi), *further, "--out", path)
     return str(path)
 
 

@@ -16,6 +16,7 @@ mod reproduce;
 mod shell;
 mod signal;
 pub(crate) mod simulate;
+mod sweep;
 mod system;
 mod tune;
 
@@ -34,6 +35,7 @@ pub(crate) enum Command {
     Pack(pack::Pack),
     Simulate(simulate::Simulate),
     System(system::System),
+    Sweep(sweep::Sweep),
     Check(check::Check),
     Bench(bench::Bench),
     List(list::List),
@@ -63,6 +65,7 @@ impl Command {
             Self::Pack(command) => command.run(screen),
             Self::Simulate(command) => command.run(screen),
             Self::System(command) => command.run(screen),
+            Self::Sweep(command) => command.run(screen),
             Self::FmuWorker => {
                 cosim::isolate::serve()?;
                 Ok(0)

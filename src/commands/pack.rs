@@ -19,7 +19,7 @@ use crate::{inputs, libraries};
 /// The shared library inside the FMU is carried by this tool; no compiler is needed.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_plant.dll -o plant.fmu"
+    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_plant.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu"
 )]
 pub(crate) struct Pack {
     /// A blueprint file, or the name of a rig
@@ -41,6 +41,10 @@ pub(crate) struct Pack {
     /// which the tool carries (may be given several times)
     #[arg(long = "binary", value_name = "PLATFORM=FILE")]
     binaries: Vec<String>,
+    /// A folder with a folder of this tool's shared libraries per platform, as tools/portable makes
+    /// it: all of them go in
+    #[arg(long, value_name = "FOLDER")]
+    libraries: Option<PathBuf>,
 }
 
 /// Version of the standard.
@@ -86,8 +90,20 @@ impl Pack {
         }
         let output = inputs::output(self.out.clone(), &source.blueprint.name, "fmu");
         inputs::not_over(&output, &[&self.blueprint])?;
-        let binaries: Vec<_> =
+        let mut binaries: Vec<_> =
             self.binaries.iter().map(|text| Binary::read(text)).collect::<Result<_, _>>()?;
+        if let Some(folder) = &self.libraries {
+            let kind = match source.blueprint.kind {
+                model::Kind::Plant => "plant",
+                model::Kind::Controller => "controller",
+            };
+            for text in libraries_of(folder, kind)? {
+                let binary = Binary::read(&text)?;
+                if !binaries.iter().any(|given: &Binary| given.platform == binary.platform) {
+                    binaries.push(binary);
+                }
+            }
+        }
         let version = match self.fmi {
             Version::Two => FmiVersion::V2,
             Version::Three => FmiVersion::V3,
@@ -181,6 +197,39 @@ fn co_simulation(system: &model::System) -> CoSimulation {
         fixed_internal_step_size: Some(system.period()),
         ..CoSimulation::default()
     }
+}
+
+/// The libraries of one kind in a folder, as `PLATFORM=FILE`.
+fn libraries_of(folder: &Path, kind: &str) -> anyhow::Result<Vec<String>> {
+    let entries = |folder: &Path| -> anyhow::Result<Vec<PathBuf>> {
+        let read = std::fs::read_dir(folder)
+            .with_context(|| format!("--libraries {}: no such folder", folder.display()))?;
+        let mut paths = read.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<_>>>()?;
+        paths.sort();
+        Ok(paths)
+    };
+    let stem = format!("piezoloop_{kind}.");
+    let mut found = Vec::new();
+    for platform in entries(folder)?.iter().filter(|path| path.is_dir()) {
+        let name = platform.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if Platform::from_name(&name).is_none() {
+            continue;
+        }
+        let is_wanted = |path: &&PathBuf| {
+            let file = path.file_name().unwrap_or_default().to_string_lossy();
+            file.strip_prefix("lib").unwrap_or(&file).starts_with(&stem)
+        };
+        let files = entries(platform)?;
+        found.extend(files.iter().find(is_wanted).map(|file| format!("{name}={}", file.display())));
+    }
+    if found.is_empty() {
+        bail!(
+            "--libraries {}: no library of a {kind} lies in a folder of a platform there, such as \
+             linux64/libpiezoloop_{kind}.so; tools/portable makes such a folder",
+            folder.display()
+        );
+    }
+    Ok(found)
 }
 
 /// A library given with `--binary`.

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use cosim::{Coupling, Drive, Fmu, InstanceOptions, Loop, LoopSettings, Memory, Points, Run};
-use cosim::{Signal, Signals, Value, Wiring};
+use cosim::{Signal, Signals, Slave, Value, Wiring};
 use data::{Log, UnitPlace};
 use modeldescription::FmiVersion;
+use modeldescription::description::Unit;
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
@@ -213,7 +214,7 @@ impl Simulate {
                 log.records().len()
             );
         };
-        let points = self.points(&log, &controller.fmu)?;
+        let points = points(&log, &controller.fmu, self.step, None)?;
         let addresses = Addresses::of(&controller.fmu);
         let columns = addresses.columns(&self.options.names()?, &log)?;
         let options = InstanceOptions::default();
@@ -221,20 +222,10 @@ impl Simulate {
             controller.fmu.instantiate("controller", &options)?,
             plant.fmu.instantiate("plant", &options)?,
         );
-        let referred: Vec<&str> = columns.iter().map(|(variable, _)| variable.as_str()).collect();
-        let mut wiring = Wiring::by_name(&*c, &*p, &referred)?;
-        for (column, variable) in &mut wiring.references {
-            if let Some((_, real)) = columns.iter().find(|(v, _)| v == variable) {
-                real.clone_into(column);
-            }
-        }
+        let wiring = wiring(&*c, &*p, &columns)?;
         let pairs = wiring.clone();
         let table = signals(&log).into_iter().next().context("the reference has no rows")?;
-        let reference_units = table
-            .columns
-            .iter()
-            .filter_map(|column| Some((column.name.clone(), column.unit.clone()?)))
-            .collect();
+        let reference_units = units(&table);
         let settings = LoopSettings {
             wiring,
             coupling: match self.coupling {
@@ -282,24 +273,6 @@ impl Simulate {
             fits.push(OutputFit::new(position, reference, 0, &unit, &window, r, y)?);
         }
         Ok(fits)
-    }
-
-    /// The communication points of a loop.
-    fn points(&self, log: &Log, controller: &Fmu) -> anyhow::Result<Points<'static>> {
-        let time = log.time();
-        let (Some(&start), Some(&stop)) = (time.first(), time.last()) else {
-            bail!("{}: the reference has no rows", log.origin());
-        };
-        let experiment = controller.description().default_experiment.as_ref();
-        let own = experiment.and_then(|e| e.step_size).unwrap_or(f64::INFINITY);
-        let rows = time.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
-        // A reference on the controller's own grid, but for rounding, is that grid.
-        let near = if (rows - own).abs() <= 1e-6 * own { own } else { rows.min(own) };
-        let step = self.step.unwrap_or(near);
-        if !(step.is_finite() && step > 0.0) {
-            bail!("the step of the loop is not known: give it with --step S");
-        }
-        Ok(Points::uniform(start, stop, step)?)
     }
 
     fn parameters(&self, addresses: &Addresses, fmu: &Fmu) -> anyhow::Result<Vec<(String, Value)>> {
@@ -352,6 +325,52 @@ impl Simulate {
             measured,
         })
     }
+}
+
+/// The communication points of a loop over a reference.
+pub(crate) fn points(
+    log: &Log,
+    controller: &Fmu,
+    step: Option<f64>,
+    stop: Option<f64>,
+) -> anyhow::Result<Points<'static>> {
+    let time = log.time();
+    let (Some(&start), Some(&last)) = (time.first(), time.last()) else {
+        bail!("{}: the reference has no rows", log.origin());
+    };
+    let experiment = controller.description().default_experiment.as_ref();
+    let own = experiment.and_then(|e| e.step_size).unwrap_or(f64::INFINITY);
+    let rows = time.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+    // A reference on the controller's own grid, but for rounding, is that grid.
+    let near = if (rows - own).abs() <= 1e-6 * own { own } else { rows.min(own) };
+    let step = step.unwrap_or(near);
+    if !(step.is_finite() && step > 0.0) {
+        bail!("the step of the loop is not known: give it with --step S");
+    }
+    Ok(Points::uniform(start, stop.unwrap_or(last), step)?)
+}
+
+/// Which variables of controller and plant belong together; `columns` says which column of the
+/// reference feeds which input.
+pub(crate) fn wiring(
+    controller: &dyn Slave,
+    plant: &dyn Slave,
+    columns: &[(String, String)],
+) -> anyhow::Result<Wiring> {
+    let referred: Vec<&str> = columns.iter().map(|(variable, _)| variable.as_str()).collect();
+    let mut wiring = Wiring::by_name(controller, plant, &referred)?;
+    for (column, variable) in &mut wiring.references {
+        if let Some((_, real)) = columns.iter().find(|(v, _)| v == variable) {
+            real.clone_into(column);
+        }
+    }
+    Ok(wiring)
+}
+
+/// The units of a table's columns, where they are known.
+pub(crate) fn units(table: &Signals<'_>) -> Vec<(String, Unit)> {
+    let known = |column: &Signal<'_>| Some((column.name.clone(), column.unit.clone()?));
+    table.columns.iter().filter_map(known).collect()
 }
 
 /// A note where the plant steps more slowly than the controller: it then answers late, and the loop

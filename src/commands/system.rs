@@ -10,9 +10,9 @@ use cosim::plan::Coupling;
 use cosim::{Ending, Fmu, InstanceOptions, Plan, Points, RecordFile, Run, Signal, Signals, Worker};
 use data::Log;
 use modeldescription::ModelDescription;
-use modeldescription::description::Unit;
 use serde::Serialize;
 
+use super::simulate;
 use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
 use crate::{fmus, progress};
@@ -141,6 +141,28 @@ impl System {
         screen.show(&self.simulate(&plan, screen)?)
     }
 
+    /// A system to be run again and again, by somebody else.
+    pub(crate) fn of(
+        file: PathBuf,
+        step: Option<f64>,
+        stop: Option<f64>,
+        options: LogOptions,
+    ) -> Self {
+        System {
+            file,
+            input: None,
+            parameters: Vec::new(),
+            step,
+            stop,
+            algorithm: None,
+            isolate: false,
+            timeout: 0.0,
+            options,
+            out: None,
+            export: None,
+        }
+    }
+
     fn export(&self, plan: &Plan, ssp: &Path) -> anyhow::Result<Exported> {
         inputs::not_over(ssp, &[&self.file])?;
         let packages = plan
@@ -172,11 +194,7 @@ impl System {
         }
         let (points, step) = self.points(plan, &descriptions, log.as_ref())?;
         let table = self.table(plan, log.as_ref())?;
-        let units: Vec<(String, Unit)> = table
-            .columns
-            .iter()
-            .filter_map(|column| Some((column.name.clone(), column.unit.clone()?)))
-            .collect();
+        let units = simulate::units(&table);
         let slaves = plan
             .fmus
             .iter()
@@ -241,7 +259,7 @@ impl System {
     }
 
     /// The communication points, and the step that FMUs' own steps are multiples of.
-    fn points(
+    pub(crate) fn points(
         &self,
         plan: &Plan,
         descriptions: &[&ModelDescription],
@@ -270,7 +288,11 @@ impl System {
     }
 
     /// The input table, its columns under the names that the system knows.
-    fn table<'l>(&self, plan: &Plan, log: Option<&'l Log>) -> anyhow::Result<Signals<'l>> {
+    pub(crate) fn table<'l>(
+        &self,
+        plan: &Plan,
+        log: Option<&'l Log>,
+    ) -> anyhow::Result<Signals<'l>> {
         let Some(log) = log else { return Ok(Signals::default()) };
         let [_] = log.records() else {
             bail!(

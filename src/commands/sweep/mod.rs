@@ -1,0 +1,201 @@
+//! `piezoloop sweep`: many runs from one plan, here or in parts on many machines.
+
+mod campaign;
+mod figures;
+mod job;
+mod materials;
+mod results;
+mod share;
+mod signals;
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+use clap::Args;
+use sweep::{Cell, Design, Journal, Row, Shard, Table, work};
+
+use crate::answer::Screen;
+use crate::{inputs, interrupt, progress};
+use job::Job;
+use materials::Materials;
+use results::Swept;
+
+/// Runs a plan of many runs: Monte Carlo over tolerances, gains, effects; campaigns of identifications
+/// and diagnoses
+///
+/// The results go to one Parquet table, a row per run. A sweep that was stopped or killed goes on
+/// where it was when it is called again. Threads, shards and pauses change no bit of the table.
+#[derive(Args, Debug)]
+#[command(after_help = AFTER_HELP, args_conflicts_with_subcommands = true)]
+#[command(subcommand_negates_reqs = true)]
+pub(crate) struct Sweep {
+    #[command(subcommand)]
+    command: Option<share::Share>,
+    /// The plan
+    #[arg(required = true)]
+    plan: Option<PathBuf>,
+    /// Run part I of N only, counted from 1; `sweep merge` puts the parts together
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Seed in the place of the plan's
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Number of threads; 0: one per processor
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// The table to write [default: the plan's name with .parquet, and the shard]
+    #[arg(short = 'o', long = "out", value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  piezoloop sweep plan.toml
+  piezoloop sweep plan.toml --shard $SLURM_ARRAY_TASK_ID/8
+  piezoloop sweep merge plan.*-of-8.parquet -o plan.parquet
+
+A plan:
+  runs = 1000                            # of each combination of the grids
+  seed = 7
+
+  [loop]                                 # as `piezoloop simulate --loop`
+  plant = \"evc\"                          # FMU, blueprint or rig
+  controller = \"controller.toml\"
+  reference = \"reference.csv\"
+  from = 0.1                             # judged from 0.1 s on
+
+  [vary]                                 # * stands for any characters
+  \"plant.*.mechanics.frequency\" = { tolerance = 0.05 }  # normal, 1 sigma of the start value
+  \"plant.axis[1].gain\" = { uniform = [0.9, 1.1] }       # or within, normal, log-uniform,
+                                                        # whole, choice
+  \"controller.*.pid.kp\" = { grid = [0.01, 0.02] }       # each value with each of other grids
+
+docs/sweep.md has systems, campaigns, figures of your own, Slurm, Kubernetes and Dask.";
+
+impl Sweep {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        if let Some(command) = self.command {
+            return command.run(screen);
+        }
+        let plan = self.plan.as_deref().context("give the plan of the sweep")?;
+        let materials = Materials::gather(plan, self.seed)?;
+        let out = self.out.clone().unwrap_or_else(|| default_out(plan, self.shard));
+        inputs::not_over(&out, &[plan])?;
+        let job = Job::new(&materials)?;
+        let part = self.shard.map_or(0..job.design.runs(), |shard| shard.range(job.design.runs()));
+        if let Some(table) = finished(&job, &part, &out) {
+            let notes = vec!["these runs were there already".to_owned()];
+            return screen.show(&Swept::of(&table, out, notes));
+        }
+        let began = Instant::now();
+        let (table, fresh, threads) = self.rows(&job, part, &out, screen)?;
+        let mut answer = Swept::of(&table, out, Vec::new());
+        answer.took(fresh, threads, began.elapsed().as_secs_f64());
+        screen.show(&answer)
+    }
+
+    /// Runs what is not done yet, and writes the table.
+    fn rows(
+        &self,
+        job: &Job,
+        part: Range<u64>,
+        out: &Path,
+        screen: &Screen,
+    ) -> anyhow::Result<(Table, usize, usize)> {
+        let path = journal_of(out);
+        let (mut journal, kept) = Journal::open(&path, &job.fingerprint)?;
+        let mut rows = known(job, &part, kept);
+        let todo: Vec<u64> = part.clone().filter(|run| !rows.contains_key(run)).collect();
+        let threads = match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads,
+        };
+        interrupt::listen()?;
+        let bar = progress::bar(screen, "sweep", part.end - part.start);
+        bar.set_position(rows.len() as u64);
+        bar.reset_eta();
+        let outcome = work(
+            &todo,
+            threads,
+            || job.hire(),
+            interrupt::asked,
+            |row| {
+                journal.add(&row)?;
+                bar.inc(1);
+                rows.insert(row.run, row);
+                Ok(())
+            },
+        );
+        bar.finish_and_clear();
+        outcome?;
+        let all = part.end - part.start;
+        if (rows.len() as u64) < all {
+            bail!(
+                "stopped after {} of {all} runs; the same command goes on ({} keeps them)",
+                rows.len(),
+                path.display()
+            );
+        }
+        let table = Table { about: job.about(&part), rows: rows.into_values().collect() };
+        table.write(out)?;
+        journal.remove()?;
+        Ok((table, todo.len(), threads.min(todo.len().max(1))))
+    }
+}
+
+/// The rows of a journal that belong to this part, each run once.
+fn known(job: &Job, part: &Range<u64>, rows: Vec<Row>) -> BTreeMap<u64, Row> {
+    let of_part = |row: &Row| part.contains(&row.run) && job.takes(row);
+    rows.into_iter().filter(of_part).map(|row| (row.run, row)).collect()
+}
+
+/// The journal beside a table.
+fn journal_of(out: &Path) -> PathBuf {
+    let mut name = out.as_os_str().to_owned();
+    name.push(".journal");
+    PathBuf::from(name)
+}
+
+/// The table, where it is there already and no run is missing.
+fn finished(job: &Job, part: &Range<u64>, out: &Path) -> Option<Table> {
+    let table = Table::read(out).ok()?;
+    let about = &table.about;
+    let same = about.fingerprint == job.fingerprint && (about.first..about.end) == *part;
+    (same && table.rows.len() as u64 == part.end - part.start).then_some(table)
+}
+
+fn default_out(plan: &Path, shard: Option<Shard>) -> PathBuf {
+    let stem = plan.file_stem().unwrap_or_default().to_string_lossy();
+    PathBuf::from(match shard {
+        None => format!("{stem}.parquet"),
+        Some(shard) => format!("{stem}.{}-of-{}.parquet", shard.index(), shard.count()),
+    })
+}
+
+/// The row of a run: its values, its results or nothing, and what went wrong.
+fn row_of(
+    design: &Design,
+    results: usize,
+    run: u64,
+    attempt: impl FnOnce(&[Cell]) -> anyhow::Result<Vec<Cell>>,
+) -> Row {
+    let (mut cells, outcome) = match design.point(run) {
+        Ok(point) => {
+            let outcome = attempt(&point);
+            (point, outcome)
+        }
+        Err(error) => (vec![Cell::Missing; design.variables().len()], Err(anyhow::anyhow!(error))),
+    };
+    let (values, error) = match outcome {
+        Ok(values) => (values, Cell::Missing),
+        Err(error) => (Vec::new(), Cell::Text(format!("{error:#}"))),
+    };
+    let width = cells.len() + results;
+    cells.extend(values);
+    cells.resize(width, Cell::Missing);
+    cells.push(error);
+    Row { run, cells }
+}
