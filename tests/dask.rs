@@ -13,7 +13,7 @@ use common::{foreign, root, succeed};
 /// The plan of a loop whose runs take milliseconds, and the package as an installation has it.
 fn prepared(folder: &Path, runs: usize) {
     succeed(&["invert", "evc", "-o", "controller.toml"], folder);
-    succeed(&["signal", "p4-ellipse", "-o", "ellipse.csv"], folder);
+    succeed(&["signal", "p4-ellipse", "--set", "duration=0.1", "-o", "ellipse.csv"], folder);
     let text = format!(
         "runs = {runs}\n[loop]\nplant = \"evc\"\ncontroller = \"controller.toml\"\n\
          reference = \"ellipse.csv\"\nmap = {{ \"reference[1]\" = \"y\", \"reference[2]\" = \"z\" }}\n\
@@ -33,7 +33,7 @@ fn with_package(command: &mut Command) -> &mut Command {
 fn a_local_cluster_gives_the_bytes_of_the_local_run_and_survives_a_kill() {
     let Some(python) = foreign::environment("dask") else { return };
     let folder = tempfile::tempdir().expect("a folder");
-    prepared(folder.path(), 1000);
+    prepared(folder.path(), 200);
     let mut run = Command::new(python);
     run.arg(root().join("tests/python/sweep_on_dask.py")).arg("plan.toml");
     let said = foreign::said(with_package(&mut run), folder.path());
@@ -45,12 +45,12 @@ fn a_local_cluster_gives_the_bytes_of_the_local_run_and_survives_a_kill() {
 fn two_hosts_without_a_shared_disk_give_the_bytes_of_one() {
     let Some(python) = foreign::environment("dask") else { return };
     let folder = tempfile::tempdir().expect("a folder");
-    prepared(folder.path(), 400);
+    prepared(folder.path(), 100);
     let mut run = Command::new("sh");
     run.arg(root().join("tests/python/dask_in_namespaces.sh")).arg(python);
     run.arg(root().join("tests/python/sweep_on_dask.py")).arg("plan.toml");
     let said = foreign::said(with_package(&mut run), folder.path());
     println!("{said}");
-    let fine = said.contains("400 runs on 2 workers: the same bytes");
+    let fine = said.contains("100 runs on 2 workers: the same bytes");
     assert!(fine || said.contains("SKIPPED"), "{said}");
 }

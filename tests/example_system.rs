@@ -128,8 +128,8 @@ fn the_notebook_of_the_hysteresis_runs() {
 
 #[test]
 fn the_notebook_runs_and_its_ten_lines_stand_in_the_readme() {
-    let notebook: serde_json::Value = serde_json::from_str(NOTEBOOK).expect("a notebook is JSON");
-    let cells = notebook["cells"].as_array().expect("cells").iter();
+    let parsed: serde_json::Value = serde_json::from_str(NOTEBOOK).expect("a notebook is JSON");
+    let cells = parsed["cells"].as_array().expect("cells").iter();
     let sources = cells.map(|cell| match &cell["source"] {
         serde_json::Value::Array(lines) => {
             lines.iter().map(|line| line.as_str().unwrap_or("")).collect::<String>()

@@ -78,8 +78,10 @@ impl Design {
                 .collect();
             if found.is_empty() || found.len() > MOST_NAMED {
                 let near = nearest(name, targets.iter().map(|target| target.name.as_str()));
+                let some = targets.iter().take(3).map(|target| target.name.as_str());
+                let some: Vec<&str> = some.collect();
                 let way_out = near.map_or_else(
-                    || "`piezoloop check --json FMU` and docs/effects.md have the names".to_owned(),
+                    || format!("there are {}, such as {}", targets.len(), some.join(", ")),
                     |near| format!("did you mean {near}?"),
                 );
                 problems.push(plan.problem(*line, &place, "names nothing that may vary", &way_out));

@@ -40,8 +40,10 @@ pub struct About {
     pub plan: String,
     /// The tool and its version.
     pub tool: String,
-    /// The columns behind `run`.
+    /// The columns behind `run`: what varied, what came out, and `error`.
     pub columns: Vec<Column>,
+    /// How many of them are what varied.
+    pub varied: usize,
 }
 
 /// Rows and what they belong to.
@@ -263,6 +265,7 @@ mod tests {
             plan: "runs = 10".into(),
             tool: "piezoloop".into(),
             columns,
+            varied: 1,
         };
         let row = |run: u64| {
             let failed = run % 4 == 3;

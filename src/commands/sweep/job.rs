@@ -73,6 +73,7 @@ impl Job {
             plan: self.text.clone(),
             tool: format!("Piezoloop {}", crate::VERSION),
             columns: self.columns.clone(),
+            varied: self.design.variables().len(),
         }
     }
 

@@ -4,6 +4,7 @@ mod campaign;
 mod figures;
 mod job;
 mod materials;
+mod page;
 mod results;
 mod share;
 mod signals;
@@ -49,6 +50,9 @@ pub(crate) struct Sweep {
     /// The table to write [default: the plan's name with .parquet, and the shard]
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write a page: distributions of the figures, and what they go with
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -86,14 +90,23 @@ impl Sweep {
         inputs::not_over(&out, &[plan])?;
         let job = Job::new(&materials)?;
         let part = self.shard.map_or(0..job.design.runs(), |shard| shard.range(job.design.runs()));
-        if let Some(table) = finished(&job, &part, &out) {
-            let notes = vec!["these runs were there already".to_owned()];
-            return screen.show(&Swept::of(&table, out, notes));
+        let (table, answer) = match finished(&job, &part, &out) {
+            Some(table) => {
+                let notes = vec!["these runs were there already".to_owned()];
+                let answer = Swept::of(&table, out, notes);
+                (table, answer)
+            }
+            None => {
+                let began = Instant::now();
+                let (table, fresh, threads) = self.rows(&job, part, &out, screen)?;
+                let mut answer = Swept::of(&table, out, Vec::new());
+                answer.took(fresh, threads, began.elapsed().as_secs_f64());
+                (table, answer)
+            }
+        };
+        if let Some(file) = &self.report {
+            page::page(&table, &answer, &[("plan", plan)])?.write_html(file)?;
         }
-        let began = Instant::now();
-        let (table, fresh, threads) = self.rows(&job, part, &out, screen)?;
-        let mut answer = Swept::of(&table, out, Vec::new());
-        answer.took(fresh, threads, began.elapsed().as_secs_f64());
         screen.show(&answer)
     }
 

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use report::{Section, Table as Rows};
 use serde::Serialize;
 use sweep::{Cell, ColumnKind, Table};
 
@@ -21,7 +22,7 @@ pub(super) struct Swept {
     threads: usize,
     seconds: f64,
     runs_per_second: Option<f64>,
-    failed: usize,
+    pub(super) failed: usize,
     first_failure: Option<Failure>,
     figures: Vec<Figure>,
     words: Vec<Words>,
@@ -97,6 +98,54 @@ impl Swept {
             words,
             notes,
         }
+    }
+
+    /// The answer in one sentence, on this figure.
+    pub(super) fn sentence(&self, figure: Option<&str>) -> String {
+        let count = self.end - self.first;
+        let failed = match self.failed {
+            0 => String::new(),
+            failed => format!(", of which {failed} failed"),
+        };
+        let found = self.figures.iter().find(|known| Some(known.name.as_str()) == figure);
+        let told = found.map_or_else(String::new, |figure| {
+            let unit = figure.unit.as_deref().unwrap_or_default();
+            format!(
+                ": {} has a median of {} {unit}, stays below {} {unit} in 95 % of them, and is {} {unit} \
+                 at most, in run {}",
+                figure.name,
+                short(figure.median),
+                short(figure.percent_95),
+                short(figure.max),
+                figure.max_run
+            )
+        });
+        format!("{count} runs{failed}{told}.")
+    }
+
+    /// The figures as a section of a page.
+    pub(super) fn section(&self) -> Section {
+        let headings = ["figure", "unit", "5 %", "median", "95 %", "greatest", "in run"];
+        let mut rows = Rows::new("Values that varied, and figures of the runs", headings);
+        for figure in &self.figures {
+            let mut row: Vec<report::Value> = vec![figure.name.clone().into()];
+            row.push(figure.unit.clone().unwrap_or_default().into());
+            let numbers = [figure.percent_5, figure.median, figure.percent_95, figure.max];
+            row.extend(numbers.map(|number| report::Value::from(short(number))));
+            row.push(figure.max_run.into());
+            rows = rows.row(row);
+        }
+        let mut section = Section::new("Figures").table(rows);
+        if let Some(Failure { run, error }) = &self.first_failure {
+            let text = format!("{} runs failed; the first is run {run}: {error}", self.failed);
+            section = section.paragraph(text);
+        }
+        for words in &self.words {
+            let counts: Vec<String> =
+                words.counts.iter().map(|(word, count)| format!("{word} {count}")).collect();
+            section = section.paragraph(format!("{}: {}.", words.name, counts.join(", ")));
+        }
+        section
     }
 
     /// Notes how long the runs of this call took.
