@@ -200,7 +200,25 @@ fn a_library_that_is_given_takes_the_place_of_the_tools_own() {
             let library = packed.binary().expect("a library");
             assert!(std::fs::read(library).expect("a library") == other, "{platform}");
         }
+        // From a folder as tools/portable makes it; a folder that is no platform's is left alone.
+        let kind = if blueprint == PLANT { "plant" } else { "controller" };
+        for platform in ["all/linux64", "all/notes"] {
+            let place = folder.path().join(platform);
+            std::fs::create_dir_all(&place).expect("the folder is writable");
+            std::fs::write(place.join(format!("libpiezoloop_{kind}.so")), &other).expect("written");
+        }
+        let arguments = ["pack", blueprint, "--fmi", version, "--libraries", "all", "-o", "y.fmu"];
+        succeed(&arguments, folder.path());
+        let packed = modeldescription::Package::open(folder.path().join("y.fmu")).expect("an FMU");
+        let library = packed.binary().expect("a library");
+        assert!(std::fs::read(library).expect("a library") == other, "--libraries");
+        assert_eq!(packed.platforms().len(), 1);
     }
+    let refused = |libraries| {
+        refuse(&["pack", PLANT, "--libraries", libraries, "-o", "z.fmu"], folder.path())
+    };
+    assert!(refused("none").contains("no such folder"));
+    assert!(refused("all/notes").contains("no library of a plant"));
 }
 
 #[test]

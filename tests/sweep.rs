@@ -144,8 +144,8 @@ fn effects_and_gains_vary_on_grids() {
     fs::write(folder.join("plan.toml"), all).expect("the folder is writable");
     let said = succeed(&["sweep", "plan.toml"], folder);
     assert!(said.contains("4 runs") && said.contains("false 2, true 2"), "{said}");
-    // A run that fails is a row that says so, and an exit code of 1: a loop that is driven apart.
-    plan(folder, 1, "\"controller.axis[1].pid.kp\" = { grid = [0, 1e300] }\n");
+    // A run that fails is a row that says so, and an exit code of 1: an amplifier without bandwidth.
+    plan(folder, 1, "\"plant.axis[1].amplifier.bandwidth\" = { grid = [3000, 0] }\n");
     let output = Command::new(env!("CARGO_BIN_EXE_piezoloop"))
         .args(["sweep", "plan.toml", "-o", "failing.parquet"])
         .current_dir(folder)
@@ -173,7 +173,7 @@ fn systems_and_campaigns_are_swept_too() {
         format!(
             "runs = 4\n[system]\nfile = \"{file}\"\ninput = \"ellipse.csv\"\nparameters = \
              [\"repaired.ssv\"]\nmap = {{ \"reference[1]\" = \"y\", \"reference[2]\" = \"z\" }}\n\
-             [measure]\nlargest = {{ column = \"plant.position[1]\", take = \"max\" }}\n[vary]\n\
+             [measure]\nlargest = {{ column = \"position[1]\", take = \"max\" }}\n[vary]\n\
              \"plant.axis[1].delay.delay\" = {{ uniform = [1e-4, 3e-4] }}\n"
         )
     };

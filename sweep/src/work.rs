@@ -12,6 +12,12 @@ pub trait Worker {
     fn run(&mut self, run: u64) -> Row;
 }
 
+impl<W: Worker + ?Sized> Worker for Box<W> {
+    fn run(&mut self, run: u64) -> Row {
+        (**self).run(run)
+    }
+}
+
 /// Runs `runs` on `threads` threads, each with a worker of its own made by `hire`; `keep` gets each
 /// row as it comes, in any order, on the calling thread. Ends early where `stopped` says so or
 /// `keep` fails.

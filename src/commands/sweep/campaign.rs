@@ -245,7 +245,7 @@ impl CampaignRuns {
             effects.iter().filter_map(|effect| effect["effect"].as_str()).collect();
         Ok(vec![
             word(&gap["verdict"]),
-            Cell::Text(names.join("+")),
+            if names.is_empty() { Cell::Missing } else { Cell::Text(names.join("+")) },
             effects.iter().filter_map(|e| e["probability"].as_f64()).reduce(f64::min).into(),
             gap["shrink"]["rms_as_given"].as_f64().into(),
             gap["shrink"]["rms_after"].as_f64().into(),

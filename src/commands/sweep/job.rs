@@ -2,9 +2,9 @@
 
 use sweep::{About, Cell, Column, ColumnKind, Design, Kind, Row, Worker};
 
-use super::campaign::{CampaignRuns, CampaignWorker};
+use super::campaign::CampaignRuns;
 use super::materials::Materials;
-use super::signals::{SignalRuns, SignalWorker};
+use super::signals::SignalRuns;
 
 /// A sweep that is ready to run.
 pub(super) struct Job {
@@ -17,13 +17,7 @@ pub(super) struct Job {
 
 enum Runs {
     Signals(Box<SignalRuns>),
-    Campaign(CampaignRuns),
-}
-
-/// Either kind of worker.
-pub(super) enum AnyWorker<'j> {
-    Signals(SignalWorker<'j>),
-    Campaign(CampaignWorker<'j>),
+    Campaign(Box<CampaignRuns>),
 }
 
 impl Job {
@@ -41,7 +35,7 @@ impl Job {
             Kind::Identify(_) | Kind::Diagnose(_) => {
                 let runs = CampaignRuns::new(stage, plan.clone())?;
                 let design = Design::new(&plan, &runs.targets()?)?;
-                (Runs::Campaign(runs), design)
+                (Runs::Campaign(Box::new(runs)), design)
             }
         };
         let results = match &runs {
@@ -78,10 +72,10 @@ impl Job {
     }
 
     /// A worker for one thread.
-    pub(super) fn hire(&self) -> anyhow::Result<AnyWorker<'_>> {
+    pub(super) fn hire(&self) -> anyhow::Result<Box<dyn Worker + '_>> {
         Ok(match &self.runs {
-            Runs::Signals(runs) => AnyWorker::Signals(runs.hire(&self.design)?),
-            Runs::Campaign(runs) => AnyWorker::Campaign(runs.hire(&self.design)),
+            Runs::Signals(runs) => Box::new(runs.hire(&self.design)?),
+            Runs::Campaign(runs) => Box::new(runs.hire(&self.design)),
         })
     }
 
@@ -92,14 +86,5 @@ impl Job {
         row.run < self.design.runs()
             && row.cells.len() == self.columns.len()
             && row.cells.iter().zip(&self.columns).all(fits)
-    }
-}
-
-impl Worker for AnyWorker<'_> {
-    fn run(&mut self, run: u64) -> Row {
-        match self {
-            AnyWorker::Signals(worker) => worker.run(run),
-            AnyWorker::Campaign(worker) => worker.run(run),
-        }
     }
 }

@@ -24,8 +24,10 @@ use job::Job;
 use materials::Materials;
 use results::Swept;
 
-/// Runs a plan of many runs: Monte Carlo over tolerances, gains, effects; campaigns of identifications
-/// and diagnoses
+/// Runs a plan of many runs: Monte Carlo, grids, campaigns
+///
+/// Tolerances, gains and effects vary over closed loops and systems of FMUs; logs, machines and options
+/// over identifications and diagnoses.
 ///
 /// The results go to one Parquet table, a row per run. A sweep that was stopped or killed goes on
 /// where it was when it is called again. Threads, shards and pauses change no bit of the table.
@@ -204,7 +206,7 @@ fn row_of(
     };
     let (values, error) = match outcome {
         Ok(values) => (values, Cell::Missing),
-        Err(error) => (Vec::new(), Cell::Text(format!("{error:#}"))),
+        Err(error) => (Vec::new(), Cell::Text(error.to_string())),
     };
     let width = cells.len() + results;
     cells.extend(values);

@@ -105,7 +105,7 @@ impl SignalRuns {
         if ready.figures.is_empty() {
             bail!(
                 "{}: nothing is measured; add figures, as in\n  [measure]\n  largest = {{ column = \
-                 \"plant.position[1]\", take = \"peak\" }}",
+                 \"position[1]\", take = \"peak\" }}",
                 self.plan.origin.display()
             );
         }
