@@ -118,6 +118,13 @@ impl System {
         }
     }
 
+    /// Shows what one slave has reached.
+    pub(crate) fn publish_one(&mut self, slave: usize) {
+        if let Some(participant) = self.participants.get(slave) {
+            show(&mut self.bus, &participant.pace.places);
+        }
+    }
+
     /// Shows what the slow slaves have reached.
     pub(crate) fn publish(&mut self) {
         for participant in &mut self.participants {

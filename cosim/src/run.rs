@@ -30,9 +30,12 @@ impl System {
     ///
     /// 1. A system that ran before is reset.
     /// 2. Each slave: `fmi2SetupExperiment(start, stop)`, start values, `fmi2EnterInitializationMode`.
-    /// 3. In initialization mode: connected outputs are read; then in the algorithm's order each
-    ///    slave gets its inputs, from the first row of the table and from the outputs, and its
-    ///    connected outputs are read again. Then `fmi2ExitInitializationMode`, and all is read.
+    /// 3. In initialization mode: connected outputs are read; then each slave gets its inputs, from
+    ///    the first row of the table and from the outputs, and its connected outputs are read again,
+    ///    in the order in which outputs depend on inputs at initialization, so that at its end all
+    ///    inputs are those that belong to the outputs. Outputs that depend on each other in a circle
+    ///    are iterated ([`Algorithm::initialize`]). Then `fmi2ExitInitializationMode`, and all is
+    ///    read.
     /// 4. Row k is: outputs at t_k; then inputs as they act over \[t_k, t_{k+1}\], set by the
     ///    algorithm while it steps. The last row holds the inputs that would act next. A slave with
     ///    a longer step of its own shows its outputs when their time is reached.
@@ -133,6 +136,7 @@ impl Stepping<'_, '_> {
             self.system.reset()?;
         }
         self.system.used = true;
+        self.system.unsolved.clear();
         self.initialize(held)?;
         let ending = self.steps(held, step)?;
         self.last_row(held)?;

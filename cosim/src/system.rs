@@ -30,6 +30,8 @@ pub struct System {
     pub(crate) ending: Option<Ending>,
     /// It has run, and must be reset before it runs again.
     pub(crate) used: bool,
+    /// Circles of outputs that had no solution at the start of the last run, by their variables.
+    pub(crate) unsolved: Vec<String>,
     /// Some slave steps more rarely than the system communicates.
     pub(crate) paced: bool,
 }
@@ -156,6 +158,7 @@ impl System {
             row: Vec::new(),
             ending: None,
             used: false,
+            unsolved: Vec::new(),
             paced: false,
         }
     }
@@ -280,6 +283,12 @@ impl System {
         })
     }
 
+    /// The loops of outputs that depend on each other at once and for which no values were found at
+    /// the start of the last run, so that it began with those of one pass through them.
+    pub fn unsolved(&self) -> &[String] {
+        &self.unsolved
+    }
+
     /// The columns that a run records.
     pub fn columns(&self) -> &[Column] {
         &self.columns
@@ -348,7 +357,7 @@ impl System {
     pub(crate) fn feed_through(&mut self, slave: usize) -> Result<(), Error> {
         self.transfer(slave)?;
         self.read_outputs(slave)?;
-        self.publish();
+        self.publish_one(slave);
         Ok(())
     }
 

@@ -217,6 +217,12 @@ impl System {
             file.finish().with_context(|| format!("{} cannot be written", out.display()))?;
         }
         let mut notes = prepared.notes;
+        notes.extend(prepared.system.unsolved().iter().map(|variables| {
+            format!(
+                "at the start {variables} depend on each other in a circle for which no values were \
+                 found; the run begins with those of one pass through it"
+            )
+        }));
         match (outcome, &self.out) {
             (Err(error), Some(out)) => {
                 bail!("{error}; the {rows} rows until then are in {}", out.display())

@@ -5,11 +5,13 @@ mod loops;
 use std::cell::RefCell;
 
 use super::Algorithm;
+use super::initial::settle;
 use crate::error::Error;
 use crate::problem::{Problem, Problems};
 use crate::slave::StateId;
 use crate::system::System;
-use loops::{Group, groups};
+pub(super) use loops::Group;
+use loops::groups;
 
 /// How a guess of a loop's values is corrected by what the slaves made of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,6 +123,12 @@ impl Iteration {
         Problems::none_or(problems, Iteration { groups, settings, states, work })
     }
 
+    /// What solves circles at the start for algorithms that solve none later.
+    pub(super) fn at_start() -> Self {
+        let (groups, settings, states, work) = Default::default();
+        Iteration { groups, settings, states, work }
+    }
+
     /// The loops, by places of their slaves.
     pub fn loops(&self) -> impl Iterator<Item = &[usize]> {
         let loops = self.groups.iter().filter(|group| group.is_loop());
@@ -128,7 +136,7 @@ impl Iteration {
     }
 
     /// Passes through a loop until its values stay.
-    fn solve(
+    pub(super) fn solve(
         &self,
         group: &Group,
         system: &mut System,
@@ -273,7 +281,7 @@ impl Algorithm for Iteration {
         self.groups.iter().flat_map(|group| group.slaves.iter().copied()).collect()
     }
 
-    /// In initialization mode outputs follow inputs at once, so loops are solved without rollback.
+    /// In initialization mode outputs follow inputs at once, so circles are solved without rollback.
     fn initialize(&self, system: &mut System) -> Result<(), Error> {
         for (slave, state) in self.states.borrow_mut().iter_mut().enumerate() {
             if let (Some(state), Some(slave)) = (state.take(), system.slave(slave)) {
@@ -282,15 +290,6 @@ impl Algorithm for Iteration {
             }
         }
         self.work.borrow_mut().largest.clear();
-        for group in &self.groups {
-            let once = |system: &mut System| {
-                group.slaves.iter().try_for_each(|slave| system.feed_through(*slave))
-            };
-            match group.is_loop() {
-                true => self.solve(group, system, |system, _| once(system))?,
-                false => once(system)?,
-            }
-        }
-        Ok(())
+        settle(system, &self.initialization_order(system), self, true)
     }
 }

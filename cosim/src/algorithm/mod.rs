@@ -27,6 +27,7 @@
 
 mod extrapolation;
 mod gauss_seidel;
+mod initial;
 mod iteration;
 mod jacobi;
 
@@ -51,15 +52,16 @@ pub trait Algorithm {
         false
     }
 
-    /// Order in which inputs are set in initialization mode.
+    /// Order in which the slaves of a circle are asked in initialization mode.
     fn initialization_order(&self, system: &System) -> Vec<usize> {
         (0..system.len()).collect()
     }
 
-    /// In initialization mode: sets inputs and reads outputs, in
-    /// [`initialization_order`](Algorithm::initialization_order).
+    /// In initialization mode: sets inputs and reads outputs until they agree, sources before targets
+    /// as the dependencies of the initial unknowns say. Circles are iterated; one that does not
+    /// settle is noted in [`System::unsolved`] and begins with what one pass gives.
     fn initialize(&self, system: &mut System) -> Result<(), Error> {
         let order = self.initialization_order(system);
-        order.into_iter().try_for_each(|slave| system.feed_through(slave))
+        initial::settle(system, &order, &Iteration::at_start(), false)
     }
 }

@@ -5,11 +5,11 @@ use crate::system::System;
 
 /// Slaves that are stepped together: one, or the slaves of a loop in the order of their places.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Group {
-    pub(super) slaves: Vec<usize>,
+pub(in crate::algorithm) struct Group {
+    pub(in crate::algorithm) slaves: Vec<usize>,
     /// Places on the bus of the outputs whose values are guessed: those that feed the slave itself
     /// or one before it. Empty: no loop.
-    pub(super) torn: Vec<usize>,
+    pub(in crate::algorithm) torn: Vec<usize>,
 }
 
 /// The groups, sources before targets.
@@ -59,7 +59,7 @@ fn torn(system: &System, slaves: &[usize]) -> Vec<usize> {
 }
 
 impl Group {
-    pub(super) fn is_loop(&self) -> bool {
+    pub(in crate::algorithm) fn is_loop(&self) -> bool {
         !self.torn.is_empty()
     }
 
