@@ -170,6 +170,87 @@ fn instances_states_threads_and_namesakes() {
     assert_eq!(first, second);
 }
 
+/// Directional derivatives of the output by the input after a step, with all effects and with none,
+/// beside what the step does with another input from the same state.
+const DERIVATIVE: &str = r#"
+import math, sys
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
+file, u, y, step, off = sys.argv[1:]
+step, model = float(step), read_model_description(file)
+of = {v.name: v.valueReference for v in model.modelVariables}
+is_three = model.fmiVersion.startswith("3")
+fmu = (FMU3Slave if is_three else FMU2Slave)(
+    guid=model.guid, unzipDirectory=extract(file), instanceName="i",
+    modelIdentifier=model.coSimulation.modelIdentifier)
+fmu.instantiate()
+flags = [v for v in model.modelVariables if v.name.endswith(".enabled")]
+off = [v.valueReference for v in flags if off in ("all", v.name)]
+if off:
+    fmu.setBoolean(off, [False] * len(off))
+if not is_three:
+    fmu.setupExperiment()
+fmu.enterInitializationMode()
+get, set = (fmu.getFloat64, fmu.setFloat64) if is_three else (fmu.getReal, fmu.setReal)
+set([of[u]], [40.0])
+before = get([of[y]])[0]
+at_rest = fmu.getDirectionalDerivative([of[y]], [of[u]], [2.0])[0]
+set([of[u]], [40.0 + 2e-3])
+at_rest -= (get([of[y]])[0] - before) / 1e-3
+fmu.exitInitializationMode()
+worst, sizes = 0.0, []
+for k in range(600):
+    value = 40 + 25 * math.sin(0.02 * k) + 5 * math.sin(0.11 * k)
+    state = fmu.getFMUState()
+    set([of[u]], [value])
+    fmu.doStep(k * step, step)
+    if k % 50 == 7:
+        before = get([of[y]])[0]
+        # What is set after a step belongs to the next one.
+        set([of[u]], [value + 3])
+        for direction in (1.0, -2.0):
+            slope = fmu.getDirectionalDerivative([of[y]], [of[u]], [direction])[0]
+            after = fmu.getFMUState()
+            fmu.setFMUState(state)
+            e = 1e-3
+            set([of[u]], [value + e * direction])
+            fmu.doStep(k * step, step)
+            quotient = (get([of[y]])[0] - before) / e
+            fmu.setFMUState(after)
+            fmu.freeFMUState(after)
+            sizes.append(abs(quotient))
+            worst = max(worst, abs(slope - quotient))
+    fmu.freeFMUState(state)
+fmu.terminate()
+fmu.freeInstance()
+print(worst, max(sizes), abs(at_rest))
+"#;
+
+#[test]
+fn derivatives_go_through_the_effects() {
+    for version in ["2", "3"] {
+        let (_, fmu) = repaired_stage(version);
+        let co_simulation =
+            fmu.package.description().co_simulation.as_ref().expect("co-simulation");
+        assert!(co_simulation.common.provides_directional_derivatives);
+        let folder = fmu.file.parent().expect("a folder");
+        let (u, y) = if version == "3" { ("command", "position") } else { PLANT_PORTS };
+        // With a delay nothing of a step's input is in the output at its end.
+        for (off, moves) in [("none", false), ("delay.enabled", true), ("all", true)] {
+            let arguments = ["repaired.fmu", u, y, &STEP.to_string(), off];
+            let said = python::script(DERIVATIVE, &arguments, folder);
+            println!("FMI {version}, switched off {off}: {said}");
+            let figures = said.split_whitespace().map(|f| f.parse().expect("a number"));
+            let [worst, size, at_rest] = figures.collect::<Vec<f64>>()[..] else {
+                panic!("{said}")
+            };
+            assert_eq!(size > 1e-6, moves, "{said}");
+            assert!(worst <= 1e-6 * size && at_rest < 1e-6, "{said}");
+        }
+    }
+}
+
 #[test]
 fn a_repaired_fmu_is_repaired_again() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -15,6 +15,7 @@ mod memory;
 mod repair;
 mod state;
 mod surround;
+mod tangent;
 mod warmth;
 mod whole;
 
@@ -24,5 +25,6 @@ pub use repair::{
 };
 pub use state::State;
 pub use surround::{Surround, Unset};
+pub use tangent::{Directions, Jump};
 pub use warmth::Loss;
 pub use whole::Whole;

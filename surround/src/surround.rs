@@ -3,6 +3,7 @@
 use crate::block::Wires;
 use crate::repair::{Piece, Port, Repair, Side};
 use crate::state::State;
+use crate::tangent::Last;
 use crate::whole::{Whole, whole};
 
 /// Why one of the repair's own variables is not set.
@@ -32,7 +33,7 @@ pub enum Unset {
 
 /// One of the repair's own variables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Own {
+pub(crate) enum Own {
     /// `<effect>.enabled`.
     Enabled(usize),
     /// `<effect>.<parameter>`.
@@ -53,25 +54,25 @@ struct Link {
 /// The effects around one instance, with all that changes.
 #[derive(Clone, Debug)]
 pub struct Surround {
-    repair: Repair,
+    pub(crate) repair: Repair,
     own: Vec<(u32, Own)>,
-    values: Vec<Vec<f64>>,
-    enabled: Vec<bool>,
-    inputs: Vec<Whole>,
-    outputs: Vec<Whole>,
-    changed: Vec<Whole>,
+    pub(crate) values: Vec<Vec<f64>>,
+    pub(crate) enabled: Vec<bool>,
+    pub(crate) inputs: Vec<Whole>,
+    pub(crate) outputs: Vec<Whole>,
+    pub(crate) changed: Vec<Whole>,
     /// Blocks of enabled effects in the order of the path; inputs' first.
     links: Vec<Link>,
-    states: Vec<State>,
-    /// States before the last step.
-    backup: Vec<State>,
+    pub(crate) states: Vec<State>,
+    /// The last step, or rest.
+    pub(crate) last: Last,
     /// Signals at the ports in SI: before the blocks, and as the original gets them.
     drives: Vec<f64>,
     /// Room for signals of inputs and outputs.
     scratch: [Vec<f64>; 3],
     is_running: bool,
     /// Time since the start in s.
-    time: f64,
+    pub(crate) time: f64,
 }
 
 impl Surround {
@@ -104,7 +105,7 @@ impl Surround {
             enabled: Vec::new(),
             links: Vec::new(),
             states: Vec::new(),
-            backup: Vec::new(),
+            last: Last::default(),
             drives: vec![0.0; repair.inputs.len()],
             scratch: Default::default(),
             is_running: false,
@@ -134,6 +135,7 @@ impl Surround {
         }
         self.links.clear();
         self.states.clear();
+        self.last = Last::default();
         self.is_running = false;
         self.time = 0.0;
     }
@@ -166,7 +168,7 @@ impl Surround {
         matches!(self.find(reference), Some(Own::Enabled(_)))
     }
 
-    fn find(&self, reference: u32) -> Option<Own> {
+    pub(crate) fn find(&self, reference: u32) -> Option<Own> {
         let at = self.own.binary_search_by_key(&reference, |(r, _)| *r).ok()?;
         Some(self.own[at].1)
     }
@@ -283,6 +285,7 @@ impl Surround {
     pub fn rest_inputs(&mut self) {
         self.time = 0.0;
         self.link();
+        self.last.note(0.0, &self.inputs, &[]);
         self.before(0.0);
     }
 
@@ -298,7 +301,7 @@ impl Surround {
 
     /// Computes what the original gets in a step of this length in s.
     pub fn step_inputs(&mut self, dt: f64) {
-        self.backup.clone_from(&self.states);
+        self.last.note(dt, &self.inputs, &self.states);
         self.time += dt;
         self.before(dt);
     }
@@ -310,7 +313,7 @@ impl Surround {
 
     /// Takes back a step that the original did not do.
     pub fn undo(&mut self, dt: f64) {
-        self.states.clone_from(&self.backup);
+        self.states.clone_from(&self.last.states);
         self.time -= dt;
     }
 
@@ -342,6 +345,7 @@ impl Surround {
         }
         all.push(self.states.len() as f64);
         self.states.iter().for_each(|state| state.save(&mut all));
+        self.last.save(&mut all);
         all
     }
 
@@ -381,6 +385,7 @@ impl Surround {
         if !states.is_empty() {
             self.states = states;
         }
+        self.last = Last::load(&self.inputs, from)?;
         Some(())
     }
 

@@ -94,7 +94,6 @@ fn describe(original: &ModelDescription, repair: &Repair) -> Result<ModelDescrip
     };
     cs.common.model_identifier = identifier(&cs.common.model_identifier);
     cs.common.source_files.clear();
-    cs.common.provides_directional_derivatives = false;
     cs.common.provides_adjoint_derivatives = false;
     cs.can_interpolate_inputs = false;
     cs.can_run_asynchronously = false;
@@ -250,8 +249,9 @@ fn page(d: &ModelDescription, repair: &Repair) -> String {
          <p>Each effect has a switch; with all of them off, this FMU gives the original's outputs bit \
          by bit. Communication steps longer than {step} s are divided where effects are on.</p>\n\
          <table><tr><th>Variable</th><th>Start</th><th>Unit</th><th>Meaning</th></tr>\n{rows}</table>\n\
-         <p>Not offered, whatever the original offers: directional derivatives, derivatives by time, \
-         event mode, model exchange.</p>\n</body></html>\n",
+         <p>Directional derivatives are offered where the original offers them. Not offered, whatever \
+         the original offers: adjoint derivatives, derivatives by time, event mode (the original \
+         handles its events itself), model exchange.</p>\n</body></html>\n",
         title = escape(&d.model_name),
         sha = escape(&repair.original.sha256),
         step = repair.step,

@@ -242,7 +242,7 @@ impl<O: Original> Wrapped<O> {
     }
 
     /// Whether the variables have this number of values, and none is a Boolean.
-    fn measure(&self, references: &[u32], count: usize) -> Result<(), Notice> {
+    pub(super) fn measure(&self, references: &[u32], count: usize) -> Result<(), Notice> {
         if let Some(flag) = references.iter().find(|r| self.surround.is_flag(**r)) {
             return Err(Notice::error(format!(
                 "value reference {flag} is a Boolean variable; use the functions for those"
@@ -301,6 +301,11 @@ impl<O: Original> Wrapped<O> {
         code
     }
 
+    /// The same, if a value was set since.
+    pub(super) fn settle_if_stale(&mut self) -> Code {
+        if self.stale { self.settle() } else { OK }
+    }
+
     /// Before the original enters the initialization mode.
     pub(super) fn before_entering(&mut self) -> Code {
         if self.surround.is_active() { self.push_changes() } else { OK }
@@ -344,6 +349,7 @@ impl<O: Original> Wrapped<O> {
             return self.original.step(time, step).0;
         }
         let parts = self.surround.parts(step);
+        self.surround.note_parts(parts);
         let at = |k: u32| time + step * (f64::from(k) / f64::from(parts));
         let mut code = OK;
         for k in 0..parts {

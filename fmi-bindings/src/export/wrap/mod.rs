@@ -10,10 +10,20 @@
 //! lies unpacked in `resources/inner/`; its library is loaded from there by its absolute path, so
 //! that each unpacked copy of the repaired FMU has an original of its own.
 //!
-//! Not offered, though the original may: directional derivatives, derivatives of inputs and outputs
-//! by time, event mode, clocks, early return, intermediate update, model exchange.
+//! Directional derivatives are offered where the original offers them, by the chain rule. Not offered,
+//! though the original may:
+//!
+//! * derivatives of inputs and outputs by time: effects hold their inputs over a step, and an effect
+//!   with memory has no slope of its own at a communication point;
+//! * adjoint derivatives: at the kinks of effects the derivative is not linear in the direction;
+//! * event mode: an original that has it must also run without (FMI 3.0 §4.2.1, `eventModeUsed =
+//!   fmi3False`), and then handles its events itself; it does so here. An FMU with clocks cannot, and is
+//!   not repaired;
+//! * early return and intermediate update: effects are known at the end of a step only;
+//! * model exchange and scheduled execution: effects step.
 
 mod core;
+mod derivative;
 mod file;
 mod state_calls;
 pub mod v2;

@@ -133,10 +133,12 @@ macro_rules! never {
     };
 }
 
+mod derivative;
 mod refused;
 mod states;
 mod values;
 
+pub use derivative::*;
 pub use refused::*;
 pub use states::*;
 pub use values::*;

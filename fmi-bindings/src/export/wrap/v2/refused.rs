@@ -7,8 +7,6 @@ use super::*;
 
 never! {
     /// Not offered.
-    fmi2GetDirectionalDerivative(_vUnknown_ref: *const fmi2ValueReference, _nUnknown: usize, _vKnown_ref: *const fmi2ValueReference, _nKnown: usize, _dvKnown: *const fmi2Real, _dvUnknown: *mut fmi2Real) = "directional derivatives are not offered through a repair; take differences between saved states";
-    /// Not offered.
     fmi2EnterEventMode() = "model exchange is not offered";
     /// Not offered.
     fmi2NewDiscreteStates(_fmi2eventInfo: *mut fmi2EventInfo) = "model exchange is not offered";

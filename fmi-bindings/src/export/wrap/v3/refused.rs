@@ -30,9 +30,7 @@ never! {
 }
 
 never! {
-    "derivatives are not offered through a repair; take differences between saved states":
-    /// Not offered.
-    fmi3GetDirectionalDerivative(unknowns: *const fmi3ValueReference, nUnknowns: usize, knowns: *const fmi3ValueReference, nKnowns: usize, seed: *const fmi3Float64, nSeed: usize, sensitivity: *mut fmi3Float64, nSensitivity: usize);
+    "adjoint derivatives and derivatives of outputs by time are not offered through a repair":
     /// Not offered.
     fmi3GetAdjointDerivative(unknowns: *const fmi3ValueReference, nUnknowns: usize, knowns: *const fmi3ValueReference, nKnowns: usize, seed: *const fmi3Float64, nSeed: usize, sensitivity: *mut fmi3Float64, nSensitivity: usize);
     /// Not offered.
