@@ -397,4 +397,13 @@ pub trait Component: Send + Sync {
             self.step(coefficients, state, *tick, inputs, outputs);
         });
     }
+
+    /// As [`step_within`](Self::step_within), for an instance with one input, whose signal is given,
+    /// and one output, whose signal is returned.
+    #[doc(hidden)]
+    fn step_straight(&self, wiring: &Wiring, cells: &mut [f64], tick: &Tick, input: f64) -> f64 {
+        wiring.apply_straight(cells, input, |coefficients, state, inputs, outputs| {
+            self.step(coefficients, state, *tick, inputs, outputs);
+        })
+    }
 }

@@ -32,7 +32,7 @@ pub use system::{
     AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, PortSpec,
     StepError, System, SystemSpec,
 };
-pub use system::{DerivativeError, DerivativeRoom, Past, Wiring};
+pub use system::{DerivativeError, DerivativeRoom, Past, Quick, Wiring};
 pub use table::{ComponentRef, Table};
 pub use unit::{BASE_UNITS, Unit, UnitError};
 pub use variable::{Causality, DataType, Gate, SetError, Variable, VariableTable};

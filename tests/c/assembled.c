@@ -69,7 +69,7 @@ static double assembled_hits(struct careful *careful, double limit, double y) {
     struct assembled *it = careful->model;
     double *cells = it->cells, next = careful->start + (double)(careful->hits + 1) * careful->period;
     if (!(next <= limit)) return y;
-    cells[0] = careful->u;
+    cells[0] = careful->value[INPUT];
     it->hits = careful->hits;
     it->from = careful->time;
     for (size_t i = 0; i < it->state.length; ++i) it->old_state[i] = cells[it->state.start + i];

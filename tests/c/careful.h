@@ -11,15 +11,26 @@
 #include <stdlib.h>
 
 enum { INSTANTIATED = 1, INITIALIZATION = 2, STEP = 4, TERMINATED = 8, FAILED = 16 };
-enum { INPUT = 0, OUTPUT = 1 };
+enum { INPUT = 0, OUTPUT = 1, VARIABLES = 2 };
+enum { REAL = 1 };
 #define VOLT 1.0
 #define MICROMETRE 1e-6
 
+/* What a variable admits; nothing can be set that is not between the two. */
+static const struct gate {
+    int type;
+    double least, greatest;
+} gates[VARIABLES] = {{REAL, -1.7976931348623157e308, 1.7976931348623157e308},
+                      {REAL, INFINITY, -INFINITY}};
+
 struct careful {
-    int state;
+    int state, sloped;
     double start, time, stop, period;
-    double u, y, gain;
+    double value[VARIABLES], gain;
     long hits;
+    /* The step before. */
+    long old_hits;
+    double from, old[VARIABLES];
     void (*tell)(void *callback, void *environment, const char *message);
     void *callback, *environment;
     struct assembled *model;
@@ -30,7 +41,7 @@ struct careful {
 #define CAREFUL_MODEL() NULL
 #define CAREFUL_HITS(it, limit, y)                                                                 \
     while ((it)->start + (double)((it)->hits + 1) * (it)->period <= (limit)) {                     \
-        y = (it)->gain * ((it)->u * VOLT) / MICROMETRE;                                            \
+        y = (it)->gain * ((it)->value[INPUT] * VOLT) / MICROMETRE;                                 \
         ++(it)->hits;                                                                              \
     }
 #endif
@@ -63,10 +74,12 @@ static inline int careful_set(struct careful *it, const char *call, const unsign
         return refused(it, call, "not allowed in state", it->state);
     if (n && (!vr || !value)) return refused(it, call, "null pointer", 0);
     for (size_t k = 0; k < n; ++k) {
-        if (vr[k] != INPUT) return refused(it, call, "no input", vr[k]);
-        if (!isfinite(value[k])) return refused(it, call, "no finite number", value[k]);
+        if (vr[k] >= VARIABLES || gates[vr[k]].type != REAL)
+            return refused(it, call, "unknown reference", vr[k]);
+        if (!(gates[vr[k]].least <= value[k] && value[k] <= gates[vr[k]].greatest))
+            return refused(it, call, "no input, or no finite number", value[k]);
     }
-    for (size_t k = 0; k < n; ++k) it->u = value[k];
+    for (size_t k = 0; k < n; ++k) it->value[vr[k]] = value[k];
     return 1;
 }
 
@@ -76,8 +89,9 @@ static inline int careful_get(struct careful *it, const char *call, const unsign
         return refused(it, call, "not allowed in state", it->state);
     if (n && (!vr || !value)) return refused(it, call, "null pointer", 0);
     for (size_t k = 0; k < n; ++k)
-        if (vr[k] > OUTPUT) return refused(it, call, "unknown reference", vr[k]);
-    for (size_t k = 0; k < n; ++k) value[k] = vr[k] == OUTPUT ? it->y : it->u;
+        if (vr[k] >= VARIABLES || gates[vr[k]].type != REAL)
+            return refused(it, call, "unknown reference", vr[k]);
+    for (size_t k = 0; k < n; ++k) value[k] = it->value[vr[k]];
     return 1;
 }
 
@@ -88,10 +102,18 @@ static inline int careful_step(struct careful *it, const char *call, double time
     if (!(fabs(time - it->time) <= near)) return refused(it, call, "communication point", time);
     if (end > it->stop + near) return refused(it, call, "past the stop time", end);
     if (2.3e-16 * fabs(end) > 0.01 * it->period) return refused(it, call, "resolution", end);
-    double y = it->y, limit = end + fmax(1e-9 * it->period, 8.9e-16 * fabs(end));
+    if (it->sloped) return refused(it, call, "slopes are not offered", it->sloped);
+    double y = it->value[OUTPUT], limit = end + fmax(1e-9 * it->period, 8.9e-16 * fabs(end));
+    long before = it->hits;
     CAREFUL_HITS(it, limit, y)
-    if (!isfinite(y)) return refused(it, call, "output", y);
-    it->y = y;
+    if (it->hits != before) {
+        it->old_hits = before;
+        it->from = time;
+        it->old[INPUT] = it->value[INPUT];
+        it->old[OUTPUT] = it->value[OUTPUT];
+        if (!isfinite(y)) return refused(it, call, "output", y);
+        it->value[OUTPUT] = y;
+    }
     it->time = end;
     return 1;
 }

@@ -5,17 +5,24 @@ use std::ffi::{CStr, c_char};
 use super::guard::Notice;
 
 /// Whether `count` values may lie behind `pointer`.
+#[inline(always)]
 fn check<T>(pointer: *const T, count: usize, what: &str) -> Result<(), Notice> {
-    let problem = if pointer.is_null() {
-        "is a null pointer"
-    } else if !pointer.is_aligned() {
-        "is not aligned for its type"
-    } else if count > isize::MAX as usize / size_of::<T>().max(1) {
-        "cannot be that long"
-    } else {
-        return Ok(());
+    let is_possible = count <= isize::MAX as usize / size_of::<T>().max(1);
+    if pointer.is_null() || !pointer.is_aligned() || !is_possible {
+        return Err(impossible(pointer.is_null(), is_possible, count, what));
+    }
+    Ok(())
+}
+
+#[cold]
+#[inline(never)]
+fn impossible(is_null: bool, is_possible: bool, count: usize, what: &str) -> Notice {
+    let problem = match (is_null, is_possible) {
+        (true, _) => "is a null pointer",
+        (_, true) => "is not aligned for its type",
+        (_, false) => "cannot be that long",
     };
-    Err(Notice::error(format!("{what} {problem}; give an array of {count}")))
+    Notice::error(format!("{what} {problem}; give an array of {count}"))
 }
 
 /// The array of the importer; without elements the pointer does not matter.

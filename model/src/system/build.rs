@@ -458,10 +458,9 @@ impl<'a> Builder<'a> {
         for wire in self.inputs.iter_mut().chain(&mut outputs) {
             wire.signal += blocks[2];
         }
-        let mut cells = values;
-        cells.resize(blocks[2] + self.dependencies.len() + widest, 0.0);
-        let context = Context { cells, start: 0.0, index: 0, dirty: true };
-        let plan = Plan {
+        values.resize(blocks[2] + self.dependencies.len() + widest, 0.0);
+        let context = Context { cells: values, start: 0.0, index: 0, dirty: true };
+        let mut plan = Plan {
             name: self.spec.name.clone(),
             kind: self.spec.kind,
             period: self.spec.period,
@@ -472,7 +471,10 @@ impl<'a> Builder<'a> {
             blocks,
             widest,
             reads_back: !self.read_back.is_empty(),
+            near: 1e-9 * self.spec.period,
+            straight: None,
         };
+        plan.straight = plan.straight_chain();
         let mut system = System { plan, pristine: context.clone(), context };
         if let Err(error) = system.initialise(0.0) {
             let message = system.explain(&error);

@@ -76,6 +76,24 @@ impl Wiring {
         component(coefficients, state, inputs, outputs);
     }
 
+    /// As [`apply`](Self::apply), for an instance with one input, whose signal is given, and one
+    /// output, whose signal is returned.
+    #[inline(always)]
+    pub(crate) fn apply_straight(
+        &self,
+        cells: &mut [f64],
+        input: f64,
+        component: impl FnOnce(&[f64], &mut [f64], &[f64], &mut [f64]),
+    ) -> f64 {
+        let mut output = [0.0];
+        let (front, state) = cells.split_at_mut(self.state.start);
+        let coefficients = &front[self.coefficients.start..][..self.coefficients.len];
+        component(coefficients, &mut state[..self.state.len], &[input], &mut output);
+        let [output] = output;
+        cells[self.outputs.start] = output;
+        output
+    }
+
     /// The signals that the input ports read.
     pub(super) fn signals(&self) -> &[usize] {
         if self.many_inputs.is_empty() {
@@ -115,14 +133,20 @@ impl Plan {
     /// As [`read_inputs`](Self::read_inputs), and notes the values and the state.
     #[inline(always)]
     pub(super) fn begin(&self, cells: &mut [f64], past: &mut Past) {
+        self.note_state(cells, past);
+        for ((input, wire), noted) in self.inputs.iter().enumerate().zip(&mut past.inputs) {
+            *noted = cells[input];
+            cells[wire.signal] = wire.unit.to_si(*noted);
+        }
+    }
+
+    /// Notes the state.
+    #[inline(always)]
+    pub(super) fn note_state(&self, cells: &[f64], past: &mut Past) {
         if !past.state.is_empty() {
             // The signals, which may be part of it, follow the state.
             let there = &cells[self.blocks[1]..][..past.state.len()];
             copy(&mut past.state, there);
-        }
-        for ((input, wire), noted) in self.inputs.iter().enumerate().zip(&mut past.inputs) {
-            *noted = cells[input];
-            cells[wire.signal] = wire.unit.to_si(*noted);
         }
     }
 
@@ -158,6 +182,29 @@ impl Plan {
         }
     }
 
+    /// Steps every node up to the last hit at or before `limit`; returns its number. Inputs move
+    /// along their slopes from the time at which `elapsed` is zero.
+    #[inline(never)]
+    pub(super) fn steps(
+        &self,
+        cells: &mut [f64],
+        (mut index, limit): (u64, f64),
+        at: impl Fn(u64) -> f64,
+        elapsed: impl Fn(f64) -> f64,
+        slopes: &[f64],
+    ) -> u64 {
+        let mut next = at(index + 1);
+        while next <= limit {
+            if !slopes.is_empty() {
+                self.move_inputs(cells, slopes, elapsed(at(index)));
+            }
+            index += 1;
+            self.step(cells, &Tick { index, time: next, period: self.period });
+            next = at(index + 1);
+        }
+        index
+    }
+
     /// Sets the outputs of all nodes to zero, so that rest does not depend on what was before.
     pub(super) fn forget_outputs(&self, cells: &mut [f64]) {
         for node in &self.nodes {
@@ -175,7 +222,17 @@ impl Plan {
 impl Node {
     #[inline(always)]
     fn is_off(&self, cells: &[f64]) -> bool {
-        self.enabled.is_some_and(|at| cells[at] == 0.0)
+        self.enabled.is_some_and(|at| cells.get(at) == Some(&0.0))
+    }
+
+    /// One hit within a straight chain; returns the signal behind it.
+    #[inline(always)]
+    pub(super) fn step_straight(&self, cells: &mut [f64], tick: &Tick, signal: f64) -> f64 {
+        if self.is_off(cells) {
+            self.pass(cells);
+            return signal;
+        }
+        self.component.step_straight(&self.wiring, cells, tick, signal)
     }
 
     /// Switched off, its paths pass unchanged.

@@ -6,6 +6,7 @@ mod derivative;
 mod past;
 mod spec;
 mod step;
+mod straight;
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -19,6 +20,8 @@ pub use spec::{
     AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, PortSpec,
     SystemSpec,
 };
+pub use straight::Quick;
+use straight::Straight;
 
 use crate::{
     Causality, ComponentRef, Context, ContextError, SetError, Unit, VariableTable, Violation,
@@ -58,6 +61,10 @@ pub(crate) struct Plan {
     widest: usize,
     /// A port reads a signal that is computed later on the path.
     reads_back: bool,
+    /// A billionth of the period, in s.
+    near: f64,
+    /// Its ends, if it is one chain.
+    straight: Option<Straight>,
 }
 
 /// An instance of a component.
@@ -161,17 +168,24 @@ impl System {
     /// [`SetError`]; nothing is changed then.
     #[inline]
     pub fn set(&mut self, reference: u32, value: f64) -> Result<(), SetError> {
-        match self.plan.variables.gate(reference) {
-            Some(gate) if gate.takes(value) => {
-                let cell = &mut self.context.cells[reference as usize];
-                if gate.causality != Causality::Input && cell.to_bits() != value.to_bits() {
-                    self.context.dirty = true;
-                }
-                *cell = value;
-                Ok(())
-            }
-            _ => Err(self.not_settable(reference, value)),
+        self.check(reference, value)?;
+        self.put(reference, value);
+        Ok(())
+    }
+
+    /// Sets what [`check`](Self::check) has admitted.
+    ///
+    /// # Panics
+    /// No variable has this value reference.
+    #[inline]
+    pub fn put(&mut self, reference: u32, value: f64) {
+        let reference = reference as usize;
+        let cell = &mut self.context.cells[..self.plan.blocks[0]][reference];
+        // The inputs are the first variables.
+        if reference >= self.plan.inputs.len() && cell.to_bits() != value.to_bits() {
+            self.context.dirty = true;
         }
+        *cell = value;
     }
 
     /// Why [`set`](Self::set) does not take this value.

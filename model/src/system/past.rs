@@ -111,6 +111,14 @@ impl Past {
         }
     }
 
+    /// Notes the values of the only input and the only output.
+    #[inline(always)]
+    pub(super) fn note_values(&mut self, input: f64, output: f64) {
+        if let ([u], [y]) = (&mut self.inputs[..], &mut self.outputs[..]) {
+            (*u, *y) = (input, output);
+        }
+    }
+
     #[cold]
     fn note_slopes(&mut self, slopes: &[f64]) {
         let count = slopes.len().min(self.slopes.len());

@@ -2,7 +2,7 @@
 
 use super::cells::{Span, copy, own_seed};
 use super::{Past, Plan, StepError, System};
-use crate::Tick;
+use crate::{Context, Tick};
 
 /// Passes over the chain within which signals that are read back must settle at rest.
 const MOST_PASSES: usize = 1000;
@@ -72,7 +72,6 @@ impl System {
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
-    #[inline]
     pub fn advance_noted(
         &mut self,
         time: f64,
@@ -99,6 +98,17 @@ impl System {
         self.hits(time, from, slopes, Some(past))
     }
 
+    /// Up to which time hits belong to a step that ends at `time`, and the time of the next hit.
+    #[inline(always)]
+    pub(super) fn reach_of(&self, time: f64) -> (f64, f64) {
+        let Context { start, index, .. } = self.context;
+        // Far from zero, a billionth of a period is less than what adding up times loses.
+        let (near, far) = (self.plan.near, 4.0 * f64::EPSILON * time.abs());
+        let limit = time + if near > far { near } else { far };
+        // The cast through a signed number is one instruction.
+        (limit, start + (index + 1) as i64 as f64 * self.plan.period)
+    }
+
     /// Performs the hits up to `time`.
     #[inline(always)]
     fn hits(
@@ -109,13 +119,9 @@ impl System {
         mut past: Option<&mut Past>,
     ) -> Result<u64, StepError> {
         let (start, period) = (self.context.start, self.plan.period);
-        // Far from zero, a billionth of a period is less than what adding up times loses.
-        let (near, far) = (1e-9 * period, 4.0 * f64::EPSILON * time.abs());
-        let limit = time + if near > far { near } else { far };
         let first = self.context.index;
-        // The cast through a signed number is one instruction.
         let at = |index: u64| start + index as i64 as f64 * period;
-        let mut next = at(first + 1);
+        let (limit, next) = self.reach_of(time);
         // Neither holds for NaN, and a limit of infinity would never be reached.
         if !(next <= limit && limit <= f64::MAX) {
             if let Some(past) = past {
@@ -126,6 +132,8 @@ impl System {
         if self.context.dirty {
             self.prepare()?;
         }
+        let tick = Tick { index: first + 1, time: next, period };
+        let is_one = at(first + 2) > limit && slopes.is_empty();
         let (plan, cells) = self.split();
         match &mut past {
             None => plan.read_inputs(cells),
@@ -134,23 +142,17 @@ impl System {
                 plan.begin(cells, past);
             }
         }
-        let mut index = first;
-        loop {
-            if !slopes.is_empty() {
-                plan.move_inputs(cells, slopes, at(index) - from);
-            }
-            index += 1;
-            let tick = Tick { index, time: next, period };
+        // The usual step is kept apart, so that no number of the loop has to live through a call.
+        let last = if is_one {
             plan.step(cells, &tick);
-            next = at(index + 1);
-            if next > limit {
-                break;
-            }
-        }
-        self.context.index = index;
+            first + 1
+        } else {
+            plan.steps(cells, (first, limit), at, |time| time - from, slopes)
+        };
+        self.context.index = last;
         let noted = past.map_or(&mut [][..], |past| &mut past.outputs);
         self.show(noted)?;
-        Ok(index - first)
+        Ok(last - first)
     }
 
     /// Shows the signals as values of the outputs, and notes what they were before where there is
@@ -173,7 +175,7 @@ impl System {
 
     /// The first output that is not finite.
     #[cold]
-    fn not_finite(&self) -> StepError {
+    pub fn not_finite(&self) -> StepError {
         let value = |variable: usize| self.context.cells[variable];
         let mut outputs = self.plan.outputs.iter().map(|wire| wire.variable);
         let variable = outputs.find(|output| !value(*output).is_finite()).unwrap_or(0);

@@ -1,7 +1,5 @@
 //! The variables as FMI 3.0 shows them: arrays where the model has `name[1]`, `name[2]`, …
 
-use std::ops::Range;
-
 use model::{DataType, VariableTable};
 
 use super::Instance;
@@ -39,17 +37,13 @@ impl Layout {
         layout
     }
 
-    /// Where the elements of the variable with this value reference are; nowhere if there is no
-    /// such variable.
-    #[inline]
-    fn span(&self, reference: u32) -> Range<usize> {
-        self.spans.get(reference as usize).map_or(0..0, |(start, end)| *start..*end)
-    }
-
     /// The elements of the variable with this value reference; none if there is no such variable.
     #[inline]
     fn elements(&self, reference: u32) -> &[u32] {
-        &self.elements[self.span(reference)]
+        match self.spans.get(reference as usize) {
+            Some((start, end)) => &self.elements[*start..*end],
+            None => &[],
+        }
     }
 
     /// Where the model's variable is found.
@@ -86,6 +80,25 @@ impl Instance {
         if self.progress.stale && self.progress.phase == Phase::Initialization {
             self.settle()?;
         }
+        if let ([reference], 1) = (references, count)
+            && let [element] = self.layout.elements(*reference)
+            && self.gate(*element, wanted).is_some()
+        {
+            write(0, self.system.get(*element).unwrap_or(f64::NAN));
+            return Ok(());
+        }
+        self.get_many_arrays(wanted, references, count, write)
+    }
+
+    /// Apart from the calls for one scalar, which need few registers.
+    #[inline(never)]
+    fn get_many_arrays(
+        &self,
+        wanted: DataType,
+        references: &[u32],
+        count: usize,
+        mut write: impl FnMut(usize, f64),
+    ) -> Outcome {
         self.measure(wanted, references, count, true)?;
         let mut at = 0;
         for reference in references {
@@ -112,6 +125,26 @@ impl Instance {
         count: usize,
         read: impl Fn(usize) -> f64,
     ) -> Outcome {
+        if let ([reference], 1) = (references, count)
+            && let [element] = self.layout.elements(*reference)
+            && self.takes(*element, wanted, read(0))
+        {
+            self.system.put(*element, read(0));
+            self.follow();
+            return Ok(());
+        }
+        self.set_many_arrays(wanted, references, count, read)
+    }
+
+    /// Apart from the calls for one scalar, which need few registers.
+    #[inline(never)]
+    fn set_many_arrays(
+        &mut self,
+        wanted: DataType,
+        references: &[u32],
+        count: usize,
+        read: impl Fn(usize) -> f64,
+    ) -> Outcome {
         let mut at = 0;
         for reference in references {
             let elements = self.layout.elements(*reference);
@@ -130,8 +163,8 @@ impl Instance {
         }
         at = 0;
         for reference in references {
-            for place in self.layout.span(*reference) {
-                self.put(self.layout.elements[place], read(at))?;
+            for element in self.layout.elements(*reference) {
+                self.system.put(*element, read(at));
                 at += 1;
             }
         }

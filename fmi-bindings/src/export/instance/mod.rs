@@ -8,7 +8,7 @@ mod values;
 use std::ffi::{CStr, CString};
 
 use arrays::{Layout, Lists};
-use model::{Causality, DerivativeRoom, Past, StepError, System};
+use model::{Causality, DerivativeRoom, Past, Quick, StepError, System};
 
 use crate::export::guard::{Notice, Outcome, Status};
 use crate::export::log::{Logger, Sink};
@@ -264,12 +264,28 @@ impl Instance {
         if !sound {
             return Err(self.no_step(time, step));
         }
-        let slopes = if sloped { &self.slopes[..] } else { &[] };
+        let quick = match sloped {
+            false => self.system.quick_step(end, time, &mut self.past),
+            true => Quick::Other,
+        };
+        if quick != Quick::Done {
+            self.other_step(end, time, quick)?;
+        }
+        self.progress.time = end;
+        Ok(())
+    }
+
+    /// The steps that are not so quick, apart from the others.
+    #[inline(never)]
+    fn other_step(&mut self, end: f64, time: f64, quick: Quick) -> Outcome {
+        if quick == Quick::Broken {
+            return Err(self.explain(&self.system.not_finite()));
+        }
+        let slopes = if self.progress.sloped { &self.slopes[..] } else { &[] };
         if let Err(error) = self.system.advance_noted(end, time, slopes, &mut self.past) {
             return Err(self.explain(&error));
         }
-        self.progress.time = end;
-        if sloped {
+        if self.progress.sloped {
             self.slopes.fill(0.0);
             self.progress.sloped = false;
         }

@@ -18,6 +18,24 @@ impl Instance {
         if self.progress.stale && self.progress.phase == Phase::Initialization {
             self.settle()?;
         }
+        if let [reference] = references {
+            let value =
+                self.system.get(*reference).filter(|_| self.gate(*reference, wanted).is_some());
+            let Some(value) = value else { return Err(self.mismatch(*reference, wanted)) };
+            write(0, value);
+            return Ok(());
+        }
+        self.get_many(wanted, references, write)
+    }
+
+    /// Apart from the calls for one variable, which need few registers.
+    #[inline(never)]
+    fn get_many(
+        &self,
+        wanted: DataType,
+        references: &[u32],
+        mut write: impl FnMut(usize, f64),
+    ) -> Outcome {
         for reference in references {
             if self.gate(*reference, wanted).is_none() {
                 return Err(self.mismatch(*reference, wanted));
@@ -37,13 +55,33 @@ impl Instance {
         references: &[u32],
         read: impl Fn(usize) -> f64,
     ) -> Outcome {
+        if let [reference] = references {
+            let value = read(0);
+            if !self.takes(*reference, wanted, value) {
+                return Err(self.not_taken(*reference, wanted, value));
+            }
+            self.system.put(*reference, value);
+            self.follow();
+            return Ok(());
+        }
+        self.set_many(wanted, references, read)
+    }
+
+    /// Apart from the calls for one variable, which need few registers.
+    #[inline(never)]
+    fn set_many(
+        &mut self,
+        wanted: DataType,
+        references: &[u32],
+        read: impl Fn(usize) -> f64,
+    ) -> Outcome {
         for (at, reference) in references.iter().enumerate() {
             if !self.takes(*reference, wanted, read(at)) {
                 return Err(self.not_taken(*reference, wanted, read(at)));
             }
         }
         for (at, reference) in references.iter().enumerate() {
-            self.put(*reference, read(at))?;
+            self.system.put(*reference, read(at));
         }
         self.follow();
         Ok(())
@@ -62,15 +100,6 @@ impl Instance {
             let fixed = gate.causality == Causality::FixedParameter;
             gate.takes(value) && !(fixed && self.progress.phase == Phase::Step)
         })
-    }
-
-    /// Sets what [`takes`](Self::takes) has admitted.
-    #[inline]
-    pub(super) fn put(&mut self, reference: u32, value: f64) -> Outcome {
-        match self.system.set(reference, value) {
-            Ok(()) => Ok(()),
-            Err(error) => Err(self.not_set(&error)),
-        }
     }
 
     /// Outputs follow from now on what was set, where there was no step yet.

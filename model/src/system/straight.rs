@@ -1,0 +1,77 @@
+//! The usual step of the usual model: one hit of one axis, whose signal goes from node to node.
+
+use super::{Past, Plan, System, Wire};
+use crate::Tick;
+
+/// The ends of a chain with one input, one output, and nodes that each turn the signal of the one
+/// before into one signal.
+#[derive(Clone, Copy)]
+pub(super) struct Straight {
+    input: Wire,
+    output: Wire,
+}
+
+/// What became of [`System::quick_step`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quick {
+    /// The step is done.
+    Done,
+    /// The step is done, and an output is not finite.
+    Broken,
+    /// Nothing is done: it takes [`System::advance_noted`].
+    Other,
+}
+
+impl Plan {
+    /// The ends, if this is such a chain.
+    pub(super) fn straight_chain(&self) -> Option<Straight> {
+        let ([input], [output]) = (&self.inputs[..], &self.outputs[..]) else { return None };
+        let mut signal = input.signal;
+        for node in &self.nodes {
+            let wiring = &node.wiring;
+            if wiring.signals() != [signal] || wiring.outputs.len != 1 {
+                return None;
+            }
+            signal = wiring.outputs.start;
+        }
+        let is_straight = signal == output.signal && !self.reads_back;
+        is_straight.then_some(Straight { input: *input, output: *output })
+    }
+}
+
+impl System {
+    /// Does what [`advance_noted`](Self::advance_noted) does with held inputs, if the step has no hit,
+    /// or one hit and the chain is straight: then the signal stays in a register from input to
+    /// output, and the loops over axes and hits fall away.
+    #[inline(always)]
+    pub fn quick_step(&mut self, time: f64, from: f64, past: &mut Past) -> Quick {
+        let (limit, next) = self.reach_of(time);
+        if next > limit {
+            past.note_idle();
+            return Quick::Done;
+        }
+        let System { plan, context, .. } = self;
+        let period = plan.period;
+        let Some(Straight { input, output }) = &plan.straight else { return Quick::Other };
+        // Nearer to the hit after the next one, the loop decides; it does for what is not finite too.
+        let [u, y, ..] = &mut context.cells[..] else { return Quick::Other };
+        if !(limit - next < 0.5 * period) || context.dirty {
+            return Quick::Other;
+        }
+        past.note_step(context.index, from, &[]);
+        past.note_values(*u, *y);
+        let mut signal = input.unit.to_si(*u);
+        let cells = &mut context.cells[..];
+        cells[input.signal] = signal;
+        plan.note_state(cells, past);
+        context.index += 1;
+        let tick = Tick { index: context.index, time: next, period };
+        for node in &plan.nodes {
+            signal = node.step_straight(cells, &tick, signal);
+        }
+        let value = output.unit.from_si(signal);
+        // The variables begin with the input and the output.
+        cells[1] = value;
+        if value.abs() <= f64::MAX { Quick::Done } else { Quick::Broken }
+    }
+}
