@@ -55,7 +55,8 @@ impl System {
         let Some(Straight { input, output }) = &plan.straight else { return Quick::Other };
         // Nearer to the hit after the next one, the loop decides; it does for what is not finite too.
         let [u, y, ..] = &mut context.cells[..] else { return Quick::Other };
-        if !(limit - next < 0.5 * period) || context.dirty {
+        let is_one = limit - next < 0.5 * period;
+        if !is_one || context.dirty {
             return Quick::Other;
         }
         past.note_step(context.index, from, &[]);
