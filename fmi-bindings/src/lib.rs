@@ -1,7 +1,7 @@
 //! The C edge of FMI, both ways: export of a model, import of any FMU
 //!
-//! The only crate with `unsafe` code; each block says why it is sound.
-#![allow(unsafe_code)]
+//! The only crate of the program with `unsafe` code (the other one, `counting`, is for tests); each
+//! block says why it is sound.
 
 pub mod export;
 pub mod fmi2;

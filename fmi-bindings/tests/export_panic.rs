@@ -1,6 +1,9 @@
 //! What a library does that has installed the panic hook: nothing is printed, the message has the
 //! place. The hook is for the whole process, so this test has its own.
-#![allow(unsafe_code)]
+#![allow(
+    clippy::undocumented_unsafe_blocks,
+    reason = "each block calls the edge as an importer does, by the standard's contract"
+)]
 
 mod support;
 

@@ -1,5 +1,8 @@
 //! Steps: time, stop time, partitions, inputs on straight lines.
-#![allow(unsafe_code)]
+#![allow(
+    clippy::undocumented_unsafe_blocks,
+    reason = "each block calls the edge as an importer does, by the standard's contract"
+)]
 
 mod support;
 

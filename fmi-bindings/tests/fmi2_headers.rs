@@ -2,7 +2,10 @@
 //!
 //! The C text of each Rust type is derived from the type itself, so a wrong argument there is a
 //! failed `_Static_assert` of the C compiler. The headers come with the fmpy wheel.
-#![allow(unsafe_code)]
+#![allow(
+    clippy::undocumented_unsafe_blocks,
+    reason = "each block calls the edge as an importer does, by the standard's contract"
+)]
 // Where `c_char` is unsigned, Rust does not tell C's `char` and `unsigned char` apart.
 #![cfg(target_arch = "x86_64")]
 

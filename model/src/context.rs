@@ -46,6 +46,16 @@ impl Context {
         (self.start, self.index, self.dirty) = (other.start, other.index, other.dirty);
     }
 
+    /// Whether the last hit lies at `time` or less than one `period` before it, up to what adding up times
+    /// loses: of a state that says otherwise the next step would never end.
+    #[must_use]
+    pub fn is_at(&self, time: f64, period: f64) -> bool {
+        let passed = (time - self.start) / period - self.index as f64;
+        let lost = 1e-3 + 16.0 * f64::EPSILON * (time.abs() + self.start.abs()) / period;
+        // Neither holds for NaN.
+        passed >= -lost && passed <= 1.0 + lost
+    }
+
     /// Length of [`to_bytes`](Self::to_bytes).
     #[must_use]
     pub fn byte_len(&self) -> usize {

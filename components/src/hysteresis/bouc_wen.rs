@@ -114,8 +114,13 @@ impl Law {
         }
         // dg/ds = slope − against·|g| = slope + against·g, until g = 0.
         let ratio = against * g / self.slope;
+        // g = −slope/against is where the other direction saturates where beta = |delta|: h rests there,
+        // and rounding must not bring it beyond, from where it would grow without bound.
+        if ratio <= -1.0 {
+            return g;
+        }
         let to_zero = if against == 0.0 { -g / self.slope } else { log1p(ratio) / -against };
-        if ratio > -1.0 && to_zero < way {
+        if to_zero < way {
             relax(0.0, way - to_zero, self.slope, with)
         } else {
             relax(g, way, self.slope, -against)

@@ -60,6 +60,8 @@ pub(super) unsafe fn call(
         return Status::Error;
     }
     let outcome = catch_unwind(AssertUnwindSafe(|| {
+        #[cfg(test)]
+        super::forced::strike();
         // SAFETY: not null, alive and used by this thread only, as the caller promises.
         let instance = unsafe { &mut *instance };
         let phase = instance.phase();
@@ -111,6 +113,11 @@ pub(super) unsafe fn free(pointer: *mut c_void) {
 
 /// Runs what has no instance yet, or no longer; a panic becomes an error.
 pub(super) fn without_instance<T>(body: impl FnOnce() -> Result<T, Notice>) -> Result<T, Notice> {
+    let body = || {
+        #[cfg(test)]
+        super::forced::strike();
+        body()
+    };
     catch_unwind(AssertUnwindSafe(body))
         .unwrap_or_else(|payload| Err(Notice::error(panic_text(payload))))
 }

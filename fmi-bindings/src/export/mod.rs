@@ -13,6 +13,8 @@
 //! read at all, every known variable is answered.
 
 mod arguments;
+#[cfg(test)]
+mod forced;
 mod guard;
 mod instance;
 mod log;

@@ -15,6 +15,16 @@ pub(super) struct Snapshot {
     pub(super) context: Context,
 }
 
+impl Snapshot {
+    /// Whether a simulation can go on from here; what was never written by this library need not.
+    fn is_consistent(&self, period: f64) -> bool {
+        let Progress { phase, time, experiment, .. } = self.progress;
+        let is_finite = time.is_finite() && experiment.start.is_finite();
+        let steps = matches!(phase, Phase::Step | Phase::Terminated);
+        is_finite && (!steps || self.context.is_at(time, period))
+    }
+}
+
 /// What an `FMUstate` of the importer points to.
 pub(super) struct SavedState {
     /// The instance that frees it; never followed.
@@ -77,6 +87,7 @@ pub(super) fn from_bytes(
     bytes: &[u8],
     like: &Snapshot,
     fingerprint: &str,
+    period: f64,
 ) -> Result<Snapshot, String> {
     let mut reader = Reader { bytes };
     if reader.take(MAGIC.len()) != Some(MAGIC) {
@@ -115,6 +126,7 @@ pub(super) fn from_bytes(
     reader.bytes = &body[end.min(HEAD)..];
     reader
         .snapshot(like)
+        .filter(|snapshot| snapshot.is_consistent(period))
         .ok_or_else(|| "the serialised state does not fit this model; it may be damaged".into())
 }
 

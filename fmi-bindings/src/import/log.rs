@@ -63,7 +63,7 @@ impl Log {
         messages.iter().skip(messages.len().saturating_sub(IN_ERROR)).cloned().collect()
     }
 
-    fn push(&self, message: Message) {
+    pub(super) fn push(&self, message: Message) {
         if let Some(on_message) = &self.on_message {
             on_message(&message);
         }

@@ -13,6 +13,7 @@ mod binary;
 mod error;
 #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
 mod format;
+mod host;
 mod log;
 mod state;
 mod step;
@@ -22,6 +23,9 @@ pub mod v3;
 
 pub use binary::Binary;
 pub use error::{CallError, Error, Status};
+pub use host::HOST;
+#[cfg(unix)]
+pub use host::keep_standard_output;
 pub use log::{Log, Message, OnMessage};
 pub use state::SavedState;
 pub use step::{Experiment, StepResult};

@@ -3,6 +3,8 @@
 
 pub mod components;
 pub mod plays;
+pub mod reference;
+pub mod sequences;
 pub mod taps;
 
 use std::ffi::{CStr, CString, c_char, c_void};

@@ -117,7 +117,8 @@ impl Instance {
         old: *mut SavedState,
     ) -> Result<*mut SavedState, Notice> {
         let snapshot =
-            saved::from_bytes(bytes, &self.snapshot(), &self.fingerprint).map_err(Notice::error)?;
+            saved::from_bytes(bytes, &self.snapshot(), &self.fingerprint, self.system.period())
+                .map_err(Notice::error)?;
         if old.is_null() {
             return Ok(self.keep(snapshot));
         }

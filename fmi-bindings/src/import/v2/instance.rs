@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::super::error::{CallError, Error, Said, Status};
+use super::super::host::{FloatMode, Folder};
 use super::super::log::{Log, OnMessage, logger};
 use super::super::state::States;
 use super::super::step::{Experiment, StepResult};
@@ -39,6 +40,7 @@ pub struct Instance {
     pub(super) name: String,
     pub(super) states: States,
     log: Arc<Log>,
+    folder: Folder,
     // FMUs made for the first releases of 2.0 keep the pointer: the struct lives with the instance.
     _callbacks: Box<fmi2CallbackFunctions>,
 }
@@ -69,6 +71,7 @@ impl Instance {
         let c_name = c_text(&name, "the instance name", &name)?;
         let c_guid = c_text(&name, "the GUID", &guid)?;
         let c_location = c_text(&name, "the resource location", &location)?;
+        let (folder, mode) = (Folder::now(), FloatMode::now());
         // SAFETY: the texts live during the call, callbacks and log as long as the instance.
         let component = unsafe {
             (library.functions.instantiate)(
@@ -81,6 +84,8 @@ impl Instance {
                 logging_on.into(),
             )
         };
+        mode.keep(&log, "fmi2Instantiate");
+        folder.keep(&log, "fmi2Instantiate");
         if component.is_null() {
             let said = Said(log.latest());
             let function = "fmi2Instantiate";
@@ -94,7 +99,7 @@ impl Instance {
         }
         let library = Arc::clone(library);
         let states = States::default();
-        Ok(Instance { component, library, name, states, log, _callbacks: callbacks })
+        Ok(Instance { component, library, name, states, log, folder, _callbacks: callbacks })
     }
 
     /// Name of the instance.
@@ -184,9 +189,11 @@ impl Instance {
         const CALL: &str = "fmi2DoStep";
         let component = self.alive(CALL)?;
         let drop_earlier_state = (!keep_earlier_state).into();
+        let mode = FloatMode::now();
         // SAFETY: the instance is alive.
         let status =
             unsafe { (self.functions().do_step)(component, time, step, drop_earlier_state) };
+        mode.keep(&self.log, CALL);
         if status == fmi2OK {
             return Ok(StepResult::Completed);
         }
@@ -294,8 +301,11 @@ impl Instance {
         function: unsafe extern "C" fn(fmi2Component) -> fmi2Status,
     ) -> Result<(), Error> {
         let component = self.alive(call)?;
+        let mode = FloatMode::now();
         // SAFETY: the instance is alive.
         let status = unsafe { function(component) };
+        mode.keep(&self.log, call);
+        self.folder.keep(&self.log, call);
         self.check(call, status)
     }
 
@@ -314,6 +324,7 @@ impl Instance {
             // No function may be called any more, on no instance, not even to free it.
             self.library.dead.store(true, Ordering::Relaxed);
         }
+        self.folder.keep(&self.log, call);
         let messages = self.log.latest();
         Box::new(CallError { fmu: self.name.clone(), call, status: status.into(), messages }).into()
     }
@@ -328,6 +339,7 @@ impl Drop for Instance {
         // SAFETY: the instance is alive and is not used again; the standard allows the call in
         // every state but after a fatal status.
         unsafe { (self.functions().free_instance)(self.component) };
+        self.folder.keep(&self.log, "fmi2FreeInstance");
     }
 }
 

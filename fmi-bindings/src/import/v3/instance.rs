@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::super::error::{CallError, Error, Said};
+use super::super::host::{FloatMode, Folder};
 use super::super::log::{Log, OnMessage, receive_v3};
 use super::super::state::States;
 use super::super::step::{Experiment, StepResult};
@@ -40,6 +41,7 @@ pub struct Instance {
     pub(super) name: String,
     pub(super) states: States,
     log: Arc<Log>,
+    folder: Folder,
 }
 
 // SAFETY: the standard lets an instance be called from any thread, one at a time; `&mut self` on
@@ -64,6 +66,7 @@ impl Instance {
         let c_name = c_text(&name, "the instance name", &name)?;
         let c_token = c_text(&name, "the instantiation token", &token)?;
         let c_path = c_text(&name, "the resource path", &path)?;
+        let (folder, mode) = (Folder::now(), FloatMode::now());
         // SAFETY: the texts live during the call, the log as long as the instance.
         let pointer = unsafe {
             (library.functions.instantiate_co_simulation)(
@@ -81,6 +84,8 @@ impl Instance {
                 None,
             )
         };
+        mode.keep(&log, "fmi3InstantiateCoSimulation");
+        folder.keep(&log, "fmi3InstantiateCoSimulation");
         if pointer.is_null() {
             return Err(Error::Instantiate {
                 fmu: name,
@@ -91,7 +96,7 @@ impl Instance {
             });
         }
         let library = Arc::clone(library);
-        Ok(Instance { pointer, library, name, states: States::default(), log })
+        Ok(Instance { pointer, library, name, states: States::default(), log, folder })
     }
 
     /// Name of the instance.
@@ -178,6 +183,7 @@ impl Instance {
         let mut flags = [0_u8; 3];
         let mut reached = time + step;
         let [event, terminate, early] = flags.each_mut().map(|flag| ptr::from_mut(flag).cast());
+        let mode = FloatMode::now();
         // SAFETY: the instance is alive; each result has a place of the size of C's `bool`.
         let status = unsafe {
             (self.functions().do_step)(
@@ -191,6 +197,7 @@ impl Instance {
                 &raw mut reached,
             )
         };
+        mode.keep(&self.log, CALL);
         let [_, terminated, early] = flags.map(|flag| flag != 0);
         if status == fmi3Discard {
             return Ok(StepResult::Discarded { reached: None, terminated });
@@ -228,8 +235,11 @@ impl Instance {
         function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,
     ) -> Result<(), Error> {
         let instance = self.alive(call)?;
+        let mode = FloatMode::now();
         // SAFETY: the instance is alive.
         let status = unsafe { function(instance) };
+        mode.keep(&self.log, call);
+        self.folder.keep(&self.log, call);
         self.check(call, status)
     }
 
@@ -248,6 +258,7 @@ impl Instance {
             // No function may be called any more, on no instance, not even to free it.
             self.library.dead.store(true, Ordering::Relaxed);
         }
+        self.folder.keep(&self.log, call);
         let messages = self.log.latest();
         Box::new(CallError { fmu: self.name.clone(), call, status: status.into(), messages }).into()
     }
@@ -261,5 +272,6 @@ impl Drop for Instance {
         self.free_all_states();
         // SAFETY: the instance is alive and is not used again.
         unsafe { (self.functions().free_instance)(self.pointer) };
+        self.folder.keep(&self.log, "fmi3FreeInstance");
     }
 }
