@@ -10,6 +10,9 @@ use zip::ZipArchive;
 use super::tables::{Group, Raw};
 use super::{Refusal, broken};
 
+/// Longest header that is read, in bytes; NumPy writes a hundred for each field.
+const LONGEST_HEADER: u32 = 1 << 20;
+
 /// One array: its fields by name, or its columns as `column[1]`, ….
 pub(super) fn array(path: &Path) -> Result<Vec<Group>, Refusal> {
     let file = File::open(path).map_err(|error| broken("npy", error))?;
@@ -49,6 +52,20 @@ struct Scalar {
 
 /// The columns of an array; none where it is a scalar or holds no numbers.
 fn columns(name: &str, mut bytes: impl Read) -> Result<Vec<Raw>, Refusal> {
+    // `npyz` takes memory for the header that a file speaks of, from version 2 on up to 4 GB.
+    let mut start = Vec::with_capacity(12);
+    bytes.by_ref().take(12).read_to_end(&mut start).map_err(|error| broken(name, error))?;
+    if let [_, _, _, _, _, _, version, _, length @ ..] = start.as_slice()
+        && *version > 1
+        && let Ok(length) = <[u8; 4]>::try_from(length).map(u32::from_le_bytes)
+        && length > LONGEST_HEADER
+    {
+        return Err(broken(
+            name,
+            format!("its header of {length} bytes is longer than {LONGEST_HEADER}"),
+        ));
+    }
+    let mut bytes = start.as_slice().chain(bytes);
     let header = NpyHeader::from_reader(&mut bytes).map_err(|error| broken(name, error))?;
     let (rows, wide) = match *header.shape() {
         [rows] => (rows, 1),
@@ -145,5 +162,19 @@ fn number(bytes: &[u8], scalar: &Scalar) -> f64 {
             ((unsigned << unused) as i64 >> unused) as f64
         }
         _ => unsigned as f64,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_header_that_cannot_be_takes_no_memory() {
+        let mut bytes = b"\x93NUMPY\x02\x00".to_vec();
+        bytes.extend(0xffff_fff0_u32.to_le_bytes());
+        bytes.extend(b"{'descr': '<f8'}");
+        let said = columns("column", bytes.as_slice()).err().unwrap().0;
+        assert!(said.contains("4294967280 bytes is longer than 1048576"), "{said}");
     }
 }

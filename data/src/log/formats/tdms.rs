@@ -1,5 +1,7 @@
 //! National Instruments' TDMS, by crate `tdms-rs`.
 
+mod lengths;
+
 use std::path::Path;
 
 use tdms_rs::{DataType, PropertyValue, TdmsChannel, TdmsError, TdmsFile};
@@ -11,6 +13,7 @@ use super::{Refusal, broken};
 /// `wf_increment`, from `wf_start_offset` on.
 pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
     let refuse = |error: TdmsError| broken("TDMS", error);
+    lengths::check(path)?;
     let file = TdmsFile::open(path).map_err(refuse)?;
     let size = std::fs::metadata(path).map_err(|error| broken("TDMS", error))?.len();
     let groups = file.groups().map(|group| {

@@ -1,0 +1,227 @@
+"""Writes the inputs that mutations start from, `corpus/<target>/`, by the tools that users have.
+
+Needs numpy, scipy, pandas, pyarrow, asammdf and npTDMS, and the FMUs and the gap.json that the tool makes:
+seeds.py PIEZOLOOP FOLDER_WITH_GAP_JSON
+"""
+
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from asammdf import MDF, Signal
+from nptdms import ChannelObject, GroupObject, RootObject, TdmsWriter
+from scipy.io import savemat
+
+tool, gap = Path(sys.argv[1]).resolve(), Path(sys.argv[2])
+here = Path(__file__).resolve().parent
+root = here.parent
+
+
+def into(target: str, name: str, content: bytes | str) -> None:
+    folder = here / "corpus" / target
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def stored(entries: dict[str, bytes], path: Path, method: int = zipfile.ZIP_STORED) -> bytes:
+    with zipfile.ZipFile(path, "w", method) as archive:
+        for name, content in entries.items():
+            archive.writestr(zipfile.ZipInfo(name), content, method)
+    return path.read_bytes()
+
+
+def blueprints() -> None:
+    for name in ["stage", "controller", "gain"]:
+        into("blueprint", f"{name}.toml", (root / f"tests/blueprints/{name}.toml").read_bytes())
+    for name in ["p3", "p2", "evc"]:
+        into("blueprint", f"{name}.toml", (root / f"rigs/{name}.toml").read_bytes())
+    into("system-plan", "loop.toml", (root / "examples/03_system/loop.toml").read_bytes())
+    into("system-plan", "all.toml", """name = "closed loop"
+start = 0.0
+stop = 0.1
+step = 1e-4
+algorithm = "iteration"
+order = ["controller", "plant"]
+[iteration]
+tolerance = 1e-6
+[fmus]
+plant = "plant.fmu"
+controller = { file = "controller.fmu", step = 1e-3, start = { "k" = 2.0, "on" = true, "s" = "x" } }
+[connections]
+"plant.command[1]" = "controller.command[1]"
+"controller.measured[1]" = { from = "plant.position[1]", factor = 1e-6, convert = false }
+[inputs]
+"controller.reference[1]" = "reference[1]"
+[record]
+position = "plant.position[1]"
+""")
+
+
+def descriptions(work: Path) -> None:
+    for version in ["2", "3"]:
+        for blueprint in ["gain", "controller"]:
+            fmu = work / f"{blueprint}{version}.fmu"
+            subprocess.run([tool, "pack", root / f"tests/blueprints/{blueprint}.toml", "--fmi", version, "-o", fmu],
+                           check=True, capture_output=True)
+            with zipfile.ZipFile(fmu) as archive:
+                xml = archive.read("modelDescription.xml")
+                others = {name: archive.read(name)[:2000] for name in archive.namelist()
+                          if name.startswith("resources/") and not name.endswith("/")}
+                binary = next(name for name in archive.namelist() if name.startswith("binaries/"))
+            into("model-description", f"{blueprint}{version}.xml", xml)
+            entries = {"modelDescription.xml": xml, binary: b"\x7fELF\x02\x01\x01" + bytes(57), **others}
+            for target in ["fmu-archive", "fmu-unpacked"]:
+                into(target, f"{blueprint}{version}.fmu", stored(entries, work / "a.zip"))
+                into(target, f"{blueprint}{version}-packed.fmu",
+                     stored(entries, work / "a.zip", zipfile.ZIP_DEFLATED))
+
+
+SSD = """<?xml version="1.0" encoding="UTF-8"?>
+<ssd:SystemStructureDescription xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
+  xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon"
+  xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+  xmlns:ssm="http://ssp-standard.org/SSP1/SystemStructureParameterMapping" version="1.0" name="loop">
+  <ssd:System name="loop">
+    <ssd:Connectors>
+      <ssd:Connector name="r" kind="input"><ssc:Real unit="um"/></ssd:Connector>
+      <ssd:Connector name="y" kind="output"><ssc:Real unit="um"/></ssd:Connector>
+    </ssd:Connectors>
+    <ssd:ParameterBindings>
+      <ssd:ParameterBinding source="start.ssv"/>
+      <ssd:ParameterBinding><ssd:ParameterValues>
+        <ssv:ParameterSet version="1.0" name="inner"><ssv:Parameters>
+          <ssv:Parameter name="plant.k"><ssv:Real value="2.0"/></ssv:Parameter>
+        </ssv:Parameters></ssv:ParameterSet>
+      </ssd:ParameterValues></ssd:ParameterBinding>
+    </ssd:ParameterBindings>
+    <ssd:Elements>
+      <ssd:Component name="plant" source="resources/plant.fmu" type="application/x-fmu-sharedlibrary">
+        <ssd:Connectors>
+          <ssd:Connector name="u" kind="input"><ssc:Real unit="V"/></ssd:Connector>
+          <ssd:Connector name="y" kind="output"><ssc:Real unit="um"/></ssd:Connector>
+          <ssd:Connector name="k" kind="parameter"><ssc:Real/></ssd:Connector>
+        </ssd:Connectors>
+      </ssd:Component>
+      <ssd:System name="inside">
+        <ssd:Connectors>
+          <ssd:Connector name="r" kind="input"><ssc:Real unit="um"/></ssd:Connector>
+          <ssd:Connector name="u" kind="output"><ssc:Real unit="V"/></ssd:Connector>
+        </ssd:Connectors>
+        <ssd:Elements>
+          <ssd:Component name="law" source="resources/law.fmu">
+            <ssd:Connectors>
+              <ssd:Connector name="r" kind="input"><ssc:Real/></ssd:Connector>
+              <ssd:Connector name="u" kind="output"><ssc:Real/></ssd:Connector>
+            </ssd:Connectors>
+          </ssd:Component>
+        </ssd:Elements>
+        <ssd:Connections>
+          <ssd:Connection startConnector="r" endElement="law" endConnector="r"/>
+          <ssd:Connection startElement="law" startConnector="u" endConnector="u"/>
+        </ssd:Connections>
+      </ssd:System>
+    </ssd:Elements>
+    <ssd:Connections>
+      <ssd:Connection startConnector="r" endElement="inside" endConnector="r"/>
+      <ssd:Connection startElement="inside" startConnector="u" endElement="plant" endConnector="u">
+        <ssc:LinearTransformation factor="2.0" offset="0.5"/>
+      </ssd:Connection>
+      <ssd:Connection startElement="plant" startConnector="y" endConnector="y"/>
+    </ssd:Connections>
+  </ssd:System>
+  <ssd:Units>
+    <ssc:Unit name="um"><ssc:BaseUnit m="1" factor="1e-6"/></ssc:Unit>
+    <ssc:Unit name="V"><ssc:BaseUnit kg="1" m="2" s="-3" A="-1"/></ssc:Unit>
+  </ssd:Units>
+  <ssd:DefaultExperiment startTime="0" stopTime="0.1"/>
+</ssd:SystemStructureDescription>
+"""
+SSV = """<?xml version="1.0" encoding="UTF-8"?>
+<ssv:ParameterSet xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+  xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" version="1.0" name="start">
+  <ssv:Parameters>
+    <ssv:Parameter name="plant.k"><ssv:Real value="1.5" unit="um"/></ssv:Parameter>
+    <ssv:Parameter name="n"><ssv:Integer value="3"/></ssv:Parameter>
+    <ssv:Parameter name="on"><ssv:Boolean value="true"/></ssv:Parameter>
+    <ssv:Parameter name="s"><ssv:String value="text"/></ssv:Parameter>
+    <ssv:Parameter name="e"><ssv:Enumeration value="item"/></ssv:Parameter>
+  </ssv:Parameters>
+  <ssv:Units><ssc:Unit name="um"><ssc:BaseUnit m="1" factor="1e-6"/></ssc:Unit></ssv:Units>
+</ssv:ParameterSet>
+"""
+SSM = """<?xml version="1.0" encoding="UTF-8"?>
+<ssm:ParameterMapping xmlns:ssm="http://ssp-standard.org/SSP1/SystemStructureParameterMapping"
+  xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" version="1.0">
+  <ssm:MappingEntry source="a" target="plant.k"><ssc:LinearTransformation factor="2" offset="1"/></ssm:MappingEntry>
+  <ssm:MappingEntry source="b" target="on"><ssc:BooleanMappingTransformation>
+    <ssc:MapEntry source="true" target="false"/></ssc:BooleanMappingTransformation></ssm:MappingEntry>
+</ssm:ParameterMapping>
+"""
+
+
+def systems(work: Path) -> None:
+    into("ssp-structure", "loop.ssd", SSD)
+    into("ssp-values", "start.ssv", SSV)
+    into("ssp-values", "map.ssm", SSM)
+    entries = {"SystemStructure.ssd": SSD.encode(), "start.ssv": SSV.encode(),
+               "resources/plant.fmu": b"PK\x05\x06" + bytes(18), "resources/law.fmu": b""}
+    into("ssp-archive", "loop.ssp", stored(entries, work / "b.zip"))
+    into("ssp-archive", "packed.ssp", stored(entries, work / "b.zip", zipfile.ZIP_DEFLATED))
+
+
+def logs(work: Path) -> None:
+    rows = 12
+    time = np.arange(rows) / 2000.0
+    u, counts = 5.0 * np.sin(time * 60.0), np.arange(rows, dtype=np.int16) * 3 - 700
+    into("log-csv", "plain.csv", "time,u [V],y [um],counts\n" +
+         "".join(f"{t!r},{a!r},{a / 10!r},{c}\n" for t, a, c in zip(time.tolist(), u.tolist(), counts.tolist())))
+    into("log-csv", "records.csv", "time [ms],record,u[1] [V],note\r\n0,1,1.5,a\r\n1,1,2.5,b\r\n0,2,1e-3,c\r\n1,2,,d\r\n")
+    into("log-csv", "quoted.csv", '"time","y, um"\n0,"1"\n0.1,"2"\n')
+    savemat(work / "a.mat", {"time": time, "u": u, "counts": counts, "rate": 2000.0})
+    into("log-mat", "plain.mat", (work / "a.mat").read_bytes())
+    savemat(work / "a.mat", {"time": time, "u": u}, do_compression=True)
+    into("log-mat", "packed.mat", (work / "a.mat").read_bytes())
+    savemat(work / "a.mat", {"log": {"time": time}, "m": np.ones((4, 3))})
+    into("log-mat", "structure.mat", (work / "a.mat").read_bytes())
+    np.savez(work / "a.npz", time=time, u=u, counts=counts)
+    with zipfile.ZipFile(work / "a.npz") as archive:
+        arrays = {name: archive.read(name) for name in archive.namelist()}
+    into("log-npz", "plain.npz", stored(arrays, work / "c.zip"))
+    np.savez_compressed(work / "b.npz", time=time, u=u)
+    into("log-npz", "packed.npz", (work / "b.npz").read_bytes())
+    table = np.empty(rows, dtype=[("time", "<f8"), ("u", ">f8"), ("counts", "<i2")])
+    table["time"], table["u"], table["counts"] = time, u, counts
+    np.save(work / "a.npy", table)
+    into("log-npy", "fields.npy", (work / "a.npy").read_bytes())
+    np.save(work / "a.npy", np.ones((4, 3)))
+    into("log-npy", "plain.npy", (work / "a.npy").read_bytes())
+    frame = pd.DataFrame({"time": time, "u": u, "counts": counts})
+    for compression in ["snappy", "zstd", "none"]:
+        frame.to_parquet(work / "a.parquet", compression=compression, row_group_size=5, index=False)
+        into("log-parquet", f"{compression}.parquet", (work / "a.parquet").read_bytes())
+    with MDF(version="4.10") as mdf:
+        mdf.append([Signal(u, time, unit="V", name="u"), Signal(counts, time, name="counts")], comment="fast")
+        mdf.save(work / "a.mf4", compression=0, overwrite=True)
+        into("log-mf4", "plain.mf4", (work / "a.mf4").read_bytes())
+        mdf.save(work / "b.mf4", compression=2, overwrite=True)
+        into("log-mf4", "packed.mf4", (work / "b.mf4").read_bytes())
+    with TdmsWriter(work / "a.tdms") as writer:
+        group = GroupObject("fast")
+        channels = [ChannelObject("fast", name, values, properties={"unit_string": unit})
+                    for name, values, unit in [("time", time, "s"), ("u", u, "V")]]
+        writer.write_segment([RootObject(), group, *channels])
+        writer.write_segment(channels)
+    into("log-tdms", "plain.tdms", (work / "a.tdms").read_bytes())
+
+
+with tempfile.TemporaryDirectory() as folder:
+    blueprints()
+    systems(Path(folder))
+    logs(Path(folder))
+    descriptions(Path(folder))
+    for path in sorted(gap.glob("*.json")):
+        into("gap-json", path.name, path.read_bytes())

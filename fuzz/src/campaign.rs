@@ -1,0 +1,163 @@
+//! Many mutated inputs in this process, on any compiler: what makes a reader say something new is
+//! kept and mutated further.
+
+use std::collections::HashSet;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use crate::mutate::mutate;
+use crate::{Random, Target, corpus};
+
+/// Most memory that reading an input of [`crate::mutate::LONGEST`] bytes may take.
+pub const MOST_BYTES: usize = 64 << 20;
+/// Longest time that it may take on a machine that has other work too.
+pub const LONGEST: Duration = Duration::from_secs(10);
+/// Inputs that are kept.
+const POOL: usize = 4096;
+
+/// What a campaign did.
+#[derive(Clone, Debug, Default)]
+pub struct Figures {
+    /// Inputs that were read.
+    pub executions: u64,
+    /// Of them, accepted.
+    pub accepted: u64,
+    /// Different behaviours: texts without their numbers and quotations.
+    pub behaviours: usize,
+    /// Most memory one took, in bytes.
+    pub most_bytes: usize,
+    /// Longest that one took.
+    pub longest: Duration,
+    /// Time of the whole.
+    pub time: Duration,
+}
+
+/// An input that broke the rules.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// The input.
+    pub input: Vec<u8>,
+    /// What happened.
+    pub what: String,
+}
+
+/// Reads the target's corpus and then mutated inputs, `executions` together; stops at the first
+/// that panics or takes more memory than [`MOST_BYTES`]. One that takes longer than [`LONGEST`] ends
+/// the program with its input left in the scratch file, since nothing else could stop it.
+///
+/// The memory is only measured in a program whose allocator is `counting::Counting`.
+///
+/// # Errors
+/// The corpus cannot be read, or the scratch file in `folder` cannot be written.
+pub fn run(
+    target: &Target,
+    executions: u64,
+    seed: u64,
+    folder: &Path,
+) -> io::Result<Result<Figures, Box<Finding>>> {
+    let scratch = target.scratch(folder)?;
+    let mut pool = corpus(target)?;
+    let seeds = pool.clone();
+    let mut random = Random::new(seed);
+    let mut seen = HashSet::new();
+    let mut figures = Figures::default();
+    let watch = Watch::new(target.name, scratch.path());
+    let begin = Instant::now();
+    while figures.executions < executions {
+        let input = match seeds.get(figures.executions as usize) {
+            Some(seed) => seed.clone(),
+            None => {
+                let mut input = random.of(&pool).clone();
+                let other: &Vec<u8> = random.of(&pool);
+                mutate(target.kind, &mut input, other, &mut random);
+                input
+            }
+        };
+        let before = counting::reset_peak();
+        let started = Instant::now();
+        watch.begin();
+        let said = catch_unwind(AssertUnwindSafe(|| target.run(&input, &scratch)));
+        watch.end();
+        let took = started.elapsed();
+        let bytes = counting::peak().saturating_sub(before);
+        figures.executions += 1;
+        figures.longest = figures.longest.max(took);
+        figures.most_bytes = figures.most_bytes.max(bytes);
+        let said = match said {
+            Ok(said) => said?,
+            Err(payload) => {
+                let text = payload.downcast_ref::<String>().map(String::as_str);
+                let text = text.or_else(|| payload.downcast_ref::<&str>().copied());
+                let what = format!("panics: {}", text.unwrap_or("without a text"));
+                return Ok(Err(Box::new(Finding { input, what })));
+            }
+        };
+        if bytes > MOST_BYTES {
+            let what = format!("takes {bytes} bytes, more than {MOST_BYTES}");
+            return Ok(Err(Box::new(Finding { input, what })));
+        }
+        figures.accepted += u64::from(said.is_empty());
+        if seen.insert(behaviour(&said)) && pool.len() < POOL {
+            pool.push(input);
+        }
+    }
+    figures.behaviours = seen.len();
+    figures.time = begin.elapsed();
+    Ok(Ok(figures))
+}
+
+/// The beginning of a text as a number, without quotations, numbers and names: only what stands between
+/// blanks and is all small letters counts.
+fn behaviour(said: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    let outside = said.split('"').step_by(2).flat_map(|part| part.split_ascii_whitespace());
+    let is_word = |word: &&str| word.bytes().all(|byte| byte.is_ascii_lowercase());
+    outside.filter(is_word).take(60).for_each(|word| word.hash(&mut hasher));
+    hasher.finish()
+}
+
+/// Ends the program where one input takes too long.
+struct Watch {
+    /// Milliseconds since `zero` at which the present input began; 0: none.
+    since: Arc<AtomicU64>,
+    zero: Instant,
+}
+
+impl Watch {
+    fn new(name: &'static str, input: &Path) -> Self {
+        let (since, zero) = (Arc::new(AtomicU64::new(0)), Instant::now());
+        let (shared, input) = (Arc::downgrade(&since), input.to_path_buf());
+        std::thread::spawn(move || {
+            while let Some(since) = shared.upgrade() {
+                let began = since.load(Ordering::Relaxed);
+                let now = zero.elapsed().as_millis() as u64;
+                if began != 0 && now.saturating_sub(began) > LONGEST.as_millis() as u64 {
+                    // The file goes with its folder where the program ends well, not here.
+                    eprintln_hang(name, &input);
+                    std::process::abort();
+                }
+                drop(since);
+                std::thread::sleep(Duration::from_millis(200));
+            }
+        });
+        Self { since, zero }
+    }
+
+    fn begin(&self) {
+        self.since.store(self.zero.elapsed().as_millis() as u64 + 1, Ordering::Relaxed);
+    }
+
+    fn end(&self) {
+        self.since.store(0, Ordering::Relaxed);
+    }
+}
+
+#[allow(clippy::print_stderr, reason = "the last words of a program that hangs")]
+fn eprintln_hang(name: &str, input: &Path) {
+    eprintln!("{name}: {} takes longer than {LONGEST:?}", input.display());
+}

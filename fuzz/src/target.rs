@@ -1,0 +1,271 @@
+//! The readers under test. Each gives what it said, empty where it accepted the file.
+
+use std::fmt::Display;
+use std::fs::{self, File, OpenOptions};
+use std::io;
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
+
+use cosim::Plan;
+use data::{Blueprint, Log, ReadOptions};
+use modeldescription::package::{Limits, PackageBuilder};
+use modeldescription::ssp::{ParameterMapping, ParameterSet, Ssp, SystemStructure};
+use modeldescription::xml::XmlLimits;
+use modeldescription::{ModelDescription, Package, check, check_description};
+
+/// How inputs of a target are mutated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Words and lines.
+    Text,
+    /// Entries and records of a zip archive.
+    Zip,
+    /// Bytes and numbers.
+    Binary,
+}
+
+/// A reader.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// Name, which is that of its folder of inputs.
+    pub name: &'static str,
+    /// How its inputs are mutated.
+    pub kind: Kind,
+    /// Ending of the file that it reads.
+    ending: &'static str,
+    read: fn(&[u8], &Path) -> String,
+}
+
+/// All readers.
+pub const TARGETS: &[Target] = &[
+    target("fmu-archive", Kind::Zip, "fmu", fmu_archive),
+    target("fmu-unpacked", Kind::Zip, "fmu", fmu_unpacked),
+    target("model-description", Kind::Text, "xml", model_description),
+    target("ssp-archive", Kind::Zip, "ssp", ssp_archive),
+    target("ssp-structure", Kind::Text, "ssd", ssp_structure),
+    target("ssp-values", Kind::Text, "ssv", ssp_values),
+    target("blueprint", Kind::Text, "toml", blueprint),
+    target("system-plan", Kind::Text, "toml", system_plan),
+    target("log-csv", Kind::Text, "csv", log),
+    target("log-parquet", Kind::Binary, "parquet", log),
+    target("log-mat", Kind::Binary, "mat", log),
+    target("log-mf4", Kind::Binary, "mf4", log),
+    target("log-tdms", Kind::Binary, "tdms", log),
+    target("log-npy", Kind::Binary, "npy", log),
+    target("log-npz", Kind::Zip, "npz", log),
+    #[cfg(feature = "gap")]
+    target("gap-json", Kind::Text, "json", gap_json),
+];
+
+const fn target(
+    name: &'static str,
+    kind: Kind,
+    ending: &'static str,
+    read: fn(&[u8], &Path) -> String,
+) -> Target {
+    Target { name, kind, ending, read }
+}
+
+impl Target {
+    /// The target of this name.
+    #[must_use]
+    pub fn find(name: &str) -> Option<Self> {
+        TARGETS.iter().find(|target| target.name == name).copied()
+    }
+
+    /// Lets the reader read an input; what it says, nothing where it accepts it.
+    ///
+    /// # Errors
+    /// The scratch file cannot be written.
+    pub fn run(&self, input: &[u8], scratch: &Scratch) -> io::Result<String> {
+        scratch.hold(input)?;
+        Ok((self.read)(input, &scratch.path))
+    }
+
+    /// A file for it in this folder.
+    ///
+    /// # Errors
+    /// The folder cannot be written.
+    pub fn scratch(&self, folder: &Path) -> io::Result<Scratch> {
+        let path = folder.join(format!("input.{}", self.ending));
+        let file = OpenOptions::new().write(true).create(true).truncate(true).open(&path)?;
+        Ok(Scratch { path, file })
+    }
+}
+
+/// The file that holds the present input: readers of files read it, and it is there after a crash.
+#[derive(Debug)]
+pub struct Scratch {
+    path: PathBuf,
+    file: File,
+}
+
+impl Scratch {
+    fn hold(&self, input: &[u8]) -> io::Result<()> {
+        self.file.set_len(input.len() as u64)?;
+        self.file.write_all_at(input, 0)
+    }
+
+    /// Where it lies.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+/// The inputs that a target starts from: its files in `corpus/`, in the order of their names.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn corpus(target: &Target) -> io::Result<Vec<Vec<u8>>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target.name);
+    let mut paths = fs::read_dir(folder)?
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<io::Result<Vec<_>>>()?;
+    paths.sort();
+    paths.into_iter().map(fs::read).collect()
+}
+
+fn said<T>(result: Result<T, impl Display>) -> String {
+    result.map_or_else(|error| error.to_string(), |_| String::new())
+}
+
+fn all<T: Display>(problems: &[T]) -> String {
+    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}
+
+/// Bounds for inputs of some kilobytes, so that what they unpack to is small too.
+fn limits() -> Limits {
+    Limits {
+        free_bytes: 1 << 20,
+        total_bytes: 1 << 24,
+        xml: XmlLimits::default(),
+        ..Limits::default()
+    }
+}
+
+fn fmu_archive(_: &[u8], file: &Path) -> String {
+    check(file).map_or_else(|error| error.to_string(), |problems| all(&problems))
+}
+
+fn fmu_unpacked(_: &[u8], file: &Path) -> String {
+    match Package::open_within(file, &limits()) {
+        Ok(package) => {
+            let inside = package.folder().starts_with(tempfile::env::temp_dir());
+            assert!(inside, "unpacked to {}", package.folder().display());
+            said(package.binary())
+        }
+        Err(error) => error.to_string(),
+    }
+}
+
+/// What is read is checked, and, where it is accepted, written and read again as the same.
+fn model_description(input: &[u8], _: &Path) -> String {
+    let mut told = all(&check_description(input));
+    match ModelDescription::parse(input) {
+        Ok(read) => {
+            if let Ok(text) = read.to_xml() {
+                let again = ModelDescription::parse(text.as_bytes());
+                let again = again.unwrap_or_else(|error| panic!("{error}\n{text}"));
+                assert_eq!(again.variables.len(), read.variables.len());
+                told += &said(PackageBuilder::new(&again));
+            }
+        }
+        Err(error) => told += &error.to_string(),
+    }
+    told
+}
+
+fn ssp_archive(_: &[u8], file: &Path) -> String {
+    match Ssp::open_within(file, &limits()) {
+        Ok(ssp) => {
+            said(ssp.structure().flatten("SystemStructure.ssd").map_err(|problems| all(&problems)))
+        }
+        Err(error) => error.to_string(),
+    }
+}
+
+fn ssp_structure(input: &[u8], _: &Path) -> String {
+    match SystemStructure::parse(input, "SystemStructure.ssd") {
+        Ok(read) => {
+            if let Ok(text) = read.to_xml() {
+                let again = SystemStructure::parse(text.as_bytes(), "again.ssd");
+                assert!(again.is_ok(), "{:?}\n{text}", again.map(|_| ()).map_err(|p| all(&p)));
+            }
+            said(read.flatten("SystemStructure.ssd").map_err(|problems| all(&problems)))
+        }
+        Err(problems) => all(&problems),
+    }
+}
+
+fn ssp_values(input: &[u8], _: &Path) -> String {
+    let set = ParameterSet::parse(input, "values.ssv").map_err(|problems| all(&problems));
+    if let Ok(Ok(text)) = set.as_ref().map(ParameterSet::to_xml) {
+        let again = ParameterSet::parse(text.as_bytes(), "again.ssv");
+        assert!(again.is_ok(), "{:?}\n{text}", again.map(|_| ()).map_err(|p| all(&p)));
+    }
+    let mapping = ParameterMapping::parse(input, "values.ssm").map_err(|problems| all(&problems));
+    said(set) + &said(mapping)
+}
+
+/// What is accepted is built, and written and read again as the same.
+fn blueprint(input: &[u8], _: &Path) -> String {
+    let Ok(text) = std::str::from_utf8(input) else { return "is no UTF-8".into() };
+    let checked = match Blueprint::parse(text, "input.toml") {
+        Ok(read) => read.check(learned::COMPONENTS),
+        Err(problems) => return problems.to_string(),
+    };
+    match checked {
+        Ok(checked) => {
+            let written = checked.blueprint().to_toml();
+            let again = Blueprint::parse(&written, "again.toml");
+            let again = again.unwrap_or_else(|error| panic!("{error}\n{written}"));
+            assert!(again == *checked.blueprint(), "{written}");
+            let mut system = checked.build();
+            let run = system.initialise(0.0).and_then(|()| system.advance(1e-3));
+            said(run.map_err(|error| system.explain(&error)))
+        }
+        Err(problems) => problems.to_string(),
+    }
+}
+
+fn system_plan(input: &[u8], file: &Path) -> String {
+    let Ok(text) = std::str::from_utf8(input) else { return "is no UTF-8".into() };
+    said(Plan::parse_toml(text, file))
+}
+
+/// A log that is accepted holds finite numbers in times that grow.
+fn log(_: &[u8], file: &Path) -> String {
+    match Log::read(file, &ReadOptions::default()) {
+        Ok(log) => {
+            assert!(log.time().iter().all(|time| time.is_finite()));
+            for column in log.columns() {
+                assert_eq!(column.values.len(), log.len(), "{}", column.name);
+                assert!(column.values.iter().all(|value| value.is_finite()), "{}", column.name);
+            }
+            for record in log.records() {
+                let times = &log.time()[record.rows.clone()];
+                assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
+            }
+            String::new()
+        }
+        Err(problems) => problems.to_string(),
+    }
+}
+
+/// What is read is written as JSON and read again as the same.
+#[cfg(feature = "gap")]
+fn gap_json(input: &[u8], _: &Path) -> String {
+    let Ok(text) = std::str::from_utf8(input) else { return "is no UTF-8".into() };
+    let answer = said(gap_bench::Answer::parse(text));
+    match serde_json::from_str::<diagnose::Gap>(text) {
+        Ok(gap) => {
+            let written = serde_json::to_string(&gap);
+            let written = written.unwrap_or_else(|error| panic!("{error}"));
+            let again = serde_json::from_str::<diagnose::Gap>(&written);
+            assert!(again.is_ok_and(|again| again == gap), "{written}");
+            answer
+        }
+        Err(error) => answer + &error.to_string(),
+    }
+}

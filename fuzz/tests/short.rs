@@ -1,0 +1,35 @@
+//! A short campaign for every reader, and all inputs that once broke one.
+#![allow(clippy::print_stdout)]
+
+use counting::Counting;
+use piezoloop_fuzz::campaign;
+use piezoloop_fuzz::{TARGETS, corpus};
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Inputs for each reader; `cargo run --release -p piezoloop-fuzz` tries more.
+const EXECUTIONS: u64 = 3000;
+
+#[test]
+fn no_reader_panics_hangs_or_takes_memory_without_bound() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut wrong = Vec::new();
+    for target in TARGETS {
+        let inputs = corpus(target).unwrap().len();
+        assert!(inputs > 0, "{} has no inputs", target.name);
+        match campaign::run(target, EXECUTIONS, 20_261, folder.path()).unwrap() {
+            Ok(figures) => {
+                println!("{}: {figures:?}", target.name);
+                // The mutations reach the reader: it says many things.
+                assert!(figures.behaviours > 10, "{}: {figures:?}", target.name);
+            }
+            Err(finding) => {
+                let path = std::env::temp_dir().join(format!("{}.finding", target.name));
+                std::fs::write(&path, &finding.input).unwrap();
+                wrong.push(format!("{}: {} {}", target.name, path.display(), finding.what));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
