@@ -2,8 +2,7 @@
 
 use std::fmt::Display;
 use std::fs::{self, File, OpenOptions};
-use std::io;
-use std::os::unix::fs::FileExt;
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use cosim::Plan;
@@ -103,7 +102,9 @@ pub struct Scratch {
 impl Scratch {
     fn hold(&self, input: &[u8]) -> io::Result<()> {
         self.file.set_len(input.len() as u64)?;
-        self.file.write_all_at(input, 0)
+        let mut file = &self.file;
+        file.seek(SeekFrom::Start(0))?;
+        file.write_all(input)
     }
 
     /// Where it lies.

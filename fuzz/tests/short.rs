@@ -8,7 +8,7 @@ use piezoloop_fuzz::{TARGETS, corpus};
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Inputs for each reader; `cargo run --release -p piezoloop-fuzz` tries more.
+/// Inputs for each reader; `cargo run --release -p piezoloop-fuzz --bin fuzz` tries more.
 const EXECUTIONS: u64 = 3000;
 
 #[test]
