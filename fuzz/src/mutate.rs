@@ -198,13 +198,13 @@ fn text(input: &mut Vec<u8>, other: &[u8], random: &mut Random) {
 
 fn bytes(input: &mut Vec<u8>, random: &mut Random) {
     if input.is_empty() {
-        return input.push(random.next() as u8);
+        return input.push(random.draw() as u8);
     }
     let at = random.below(input.len());
     match random.below(5) {
-        0 => input[at] = random.next() as u8,
+        0 => input[at] = random.draw() as u8,
         1 => input[at] ^= 1 << random.below(8),
-        2 => input.insert(at, random.next() as u8),
+        2 => input.insert(at, random.draw() as u8),
         3 => drop(input.remove(at)),
         _ => input.truncate(at),
     }
@@ -218,11 +218,11 @@ fn binary(input: &mut Vec<u8>, other: &[u8], random: &mut Random) {
     match random.below(8) {
         0..=3 => {
             let width = 1 << random.below(4);
-            let near = random.next() % 3;
+            let near = random.draw() % 3;
             let number = match random.below(3) {
                 0 => random.of(&NUMBERS).wrapping_add(near).wrapping_sub(1),
                 1 => size as u64 + near,
-                _ => random.next() >> random.below(64),
+                _ => random.draw() >> random.below(64),
             };
             // Fields stand at multiples of their width, mostly.
             let at = match random.one_in(3) {

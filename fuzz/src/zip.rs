@@ -46,7 +46,8 @@ pub(crate) fn packed(entries: &[Entry]) -> Vec<u8> {
         let numbers = [&shared[..], &checksum, &size, &size, &length, &[0, 0]].concat();
         out.extend([&LOCAL[..], &numbers, name, &entry.content].concat());
         central.extend([&CENTRAL[..], &[20, 3], &numbers, &[0; 6]].concat());
-        central.extend([&0o100_644_0000_u32.to_le_bytes()[..], &at.to_le_bytes(), name].concat());
+        central
+            .extend([&(0o100_644_u32 << 12).to_le_bytes()[..], &at.to_le_bytes(), name].concat());
     }
     let count = (entries.len() as u16).to_le_bytes();
     let (size, at) = ((central.len() as u32).to_le_bytes(), (out.len() as u32).to_le_bytes());
@@ -62,7 +63,7 @@ pub(crate) fn fields(archive: &mut [u8], random: &mut Random, numbers: &[u64]) {
     let starts: Vec<usize> = starts.map(|(_, at)| at).collect();
     if starts.is_empty() {
         if let Some(byte) = archive.first_mut() {
-            *byte = random.next() as u8;
+            *byte = random.draw() as u8;
         }
         return;
     }
@@ -72,7 +73,7 @@ pub(crate) fn fields(archive: &mut [u8], random: &mut Random, numbers: &[u64]) {
     let number = match random.below(3) {
         0 => *random.of(numbers),
         1 => size.wrapping_sub(random.below(64) as u64),
-        _ => random.next() >> random.below(64),
+        _ => random.draw() >> random.below(64),
     };
     for (to, byte) in archive.iter_mut().skip(at).zip(&number.to_le_bytes()[..width]) {
         *to = *byte;
