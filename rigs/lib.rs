@@ -43,7 +43,7 @@ pub const RIGS: &[Rig] = &[
         name: "p1-truth",
         summary: "The same as a machine: Kuhnen hysteresis, creep, 40 Hz low-pass",
         blueprint: include_str!("p1-truth.toml"),
-        frozen: Some("7202412982e2d58f7e49884c646052d7cbc27a1f166d4103154a87e76c813d59"),
+        frozen: Some("e8f273e072c3f99e9fc4472c402c5872ced46d3b21a4010b4643e26c0d8663a0"),
     },
     Rig {
         name: "p2",
@@ -67,7 +67,7 @@ pub const RIGS: &[Rig] = &[
         name: "p3-truth",
         summary: "The same as a machine: plays that widen with the rate, creep, strain gauge",
         blueprint: include_str!("p3-truth.toml"),
-        frozen: Some("3868bfcab3a3d61730da15cf432a45e265fb976e33656ec6e916feded07784ec"),
+        frozen: Some("bca9710b7a7943078e3ca3ab7e496bf784953181cf44e452af3c1720bea065fd"),
     },
     Rig {
         name: "evc",
@@ -76,8 +76,14 @@ pub const RIGS: &[Rig] = &[
         frozen: None,
     },
     Rig {
+        name: "p4-truth",
+        summary: "The same device as the paper measured it: asymmetric hysteresis, creep, weak modes",
+        blueprint: include_str!("p4-truth.toml"),
+        frozen: Some("87784c9bfc157c35652b7b2ad2227e6cad6821ece8342c54c44d14fa39a15bda"),
+    },
+    Rig {
         name: "evc-truth",
-        summary: "The same device as a machine to be identified: another hysteresis family, creep, noise",
+        summary: "The same device with smoother loops, to be identified: another hysteresis family, noise",
         blueprint: include_str!("evc-truth.toml"),
         frozen: Some("508b1300cc93ac87e2907149ff00c4fc8e8f28b6f1aeda378026ffe71e3a3bb8"),
     },

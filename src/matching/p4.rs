@@ -4,24 +4,13 @@ use super::baseline::{Baseline, error};
 use super::{Figure, extremes, response, rig, signal};
 use crate::reproduce::Response;
 
-const RIG: &str = "evc-truth";
+const RIG: &str = "p4-truth";
+/// The same device with smoother loops, which has the paper's strokes and widths alone.
+const SMOOTH: &str = "evc-truth";
 
-/// P4: stroke and loop width of the third 1 Hz loop of 0 to 120 V.
+/// P4: stroke and loop width of the third 1 Hz loop of 0 to 120 V, and the static model fitted at 1 Hz.
 pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
-    let mut system = rig(RIG)?;
-    let mut all = Vec::new();
-    for (axis, name, stroke, width) in [(1, "Y", 5.53, 15.4), (2, "Z", 8.47, 9.3)] {
-        let (u, period) = signal("p4-loop-1hz", &[])?;
-        let y = response(&mut system, axis, &u, period)?;
-        // The last of three periods: the first starts from the virgin curve.
-        let last = 2 * u.len() / 3;
-        let (u, y) = (&u[last..], &y[last..]);
-        let (min, max) = extremes(y);
-        let what = format!("{name}: stroke, 0 to 120 V at 1 Hz");
-        all.push(Figure::new(RIG, what, "um", stroke, max - min));
-        let what = format!("{name}: greatest width of the loop");
-        all.push(Figure::new(RIG, what, "%", width, 100.0 * loop_width(u, y) / (max - min)));
-    }
+    let mut all = strokes_and_widths(RIG)?;
     let thresholds: Vec<f64> = (0..10).map(|i| 6.0 * f64::from(i)).collect();
     let printed = [(1, "Y", [0.0881, 0.0991, 0.1075]), (2, "Z", [0.1432, 0.1406, 0.1513])];
     for (axis, name, paper) in printed {
@@ -32,6 +21,25 @@ pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
             let what = format!("{name}: static model of 1 Hz at {frequency} Hz, rms");
             all.push(Figure::new(RIG, what, "um", paper, error(&model, &loops(axis, frequency)?)?));
         }
+    }
+    all.extend(strokes_and_widths(SMOOTH)?);
+    Ok(all)
+}
+
+fn strokes_and_widths(name: &'static str) -> anyhow::Result<Vec<Figure>> {
+    let mut system = rig(name)?;
+    let mut all = Vec::new();
+    for (axis, of, stroke, width) in [(1, "Y", 5.53, 15.4), (2, "Z", 8.47, 9.3)] {
+        let (u, period) = signal("p4-loop-1hz", &[])?;
+        let y = response(&mut system, axis, &u, period)?;
+        // The last of three periods: the first starts from the virgin curve.
+        let last = 2 * u.len() / 3;
+        let (u, y) = (&u[last..], &y[last..]);
+        let (min, max) = extremes(y);
+        let what = format!("{of}: stroke, 0 to 120 V at 1 Hz");
+        all.push(Figure::new(name, what, "um", stroke, max - min));
+        let what = format!("{of}: greatest width of the loop");
+        all.push(Figure::new(name, what, "%", width, 100.0 * loop_width(u, y) / (max - min)));
     }
     Ok(all)
 }

@@ -18,6 +18,10 @@
 //! changes unless alpha_1 = alpha_2, alpha_3 = alpha_4, beta_1 = beta_4 and beta_2 = beta_3.
 //! Nothing keeps w_i + φ positive.
 //!
+//! The inverse takes u̇ and ü from the wanted position (see `numeric_inverse`). The plays do not
+//! depend on rates, so what it leaves at each step is `|φ(u̇, ü) − φ(estimates)|·|Σ P_{r_i}[u]|`, at
+//! any frequency, as long as w_i + φ > 0 and the command is within its limits.
+//!
 //! Source: C. Zhang et al., Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated
 //! Elliptical Vibration Cutting Device, eqs. (3) and (4).
 
@@ -282,5 +286,49 @@ mod tests {
         let without = rms([0.0; 4], [0.0; 4]);
         assert!(without > 0.02, "the rate terms must act: {without}");
         assert!(with < 0.2 * without, "{with} of {without}");
+    }
+
+    #[test]
+    fn the_inverse_leaves_the_change_of_phi_times_the_plays_at_every_frequency() {
+        let (alpha, beta) = ([-2e-7, -3e-7, 2e-7, 1e-7], [1e-11, -1e-11, 2e-11, -2e-11]);
+        let plain = parameters(alpha, beta);
+        let limits = [-50.0, 150.0];
+        let slope = mean_slope(Plays { r: &R3, w: &W3 }, 0.0, limits);
+        for frequency in [0.1, 1.0, 10.0, 50.0, 100.0, 200.0] {
+            let period = 1e-3 / frequency;
+            let wanted = |n: u32| 4.0 - 3.0 * (core::f64::consts::TAU * 1e-3 * f64::from(n)).cos();
+            let forward = &DynamicPrandtlIshlinskii;
+            let mut forward = Instance::new(forward, &[3.0, 4.0], &plain, period).unwrap();
+            let p = [&plain[..], &limits].concat();
+            let mut inverse = Instance::new(&INVERSE, &[3.0, 4.0], &p, period).unwrap();
+            let mut plays = [0.0; 3];
+            let first = inverse.rest(&[wanted(0)]);
+            forward.rest(&[first]);
+            for (play_i, r) in plays.iter_mut().zip(R3) {
+                *play_i = play(first, r, 0.0);
+            }
+            let model = Parts {
+                plays: Plays { r: &R3, w: &W3 },
+                alpha,
+                beta,
+                offset: 0.3,
+                per_period: 1.0 / period,
+            };
+            let (mut last, mut last_rate, mut estimated) = (first, 0.0, 0.0);
+            for n in 1..3000 {
+                let u = inverse.step(&[wanted(n)]);
+                let left = forward.step(&[u]) - wanted(n);
+                let rate = (u - last) / period;
+                let estimate = (wanted(n) - wanted(n - 1)) / period / slope;
+                let phi = model.weight(rate, (rate - last_rate) / period);
+                let taken = model.weight(estimate, (estimate - estimated) / period);
+                (last, last_rate, estimated) = (u, rate, estimate);
+                for (play_i, r) in plays.iter_mut().zip(R3) {
+                    *play_i = play(u, r, *play_i);
+                }
+                let expected = (phi - taken) * plays.iter().sum::<f64>();
+                assert!((left - expected).abs() < 1e-9, "{frequency} Hz: {left} {expected}");
+            }
+        }
     }
 }

@@ -14,8 +14,10 @@
 //! models with a rate, the position is wrong by the effect of the difference between the rates of
 //! the command and those estimates: at each step, at any frequency, by no more than
 //! `L·||u̇| − |ẏ/slope||`, with L = rate·Σw for `rate-dependent-play` and `mpi`, and
-//! L = max(|a2|, |b2|)·Σw for `grpi`, since a play moves no further than its edges do. Positions that
-//! no command reaches give the nearest limit.
+//! L = max(|a2|, |b2|)·Σw for `grpi`, since a play moves no further than its edges do; for
+//! `dynamic-prandtl-ishlinskii`, whose plays know no rate, by exactly `|Δφ|·|Σ P_i|`, Δφ the
+//! difference of its φ between the command's rates and the estimates. Positions that no command
+//! reaches give the nearest limit.
 
 use libm::fmax;
 use model::{Component, Declaration, Sizes, Tick, Violation};

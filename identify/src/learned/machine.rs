@@ -165,6 +165,17 @@ impl Machine {
         self.frame.simulate(&self.machine, command, y0)
     }
 
+    /// One step ahead: each output from the true outputs before it.
+    ///
+    /// # Errors
+    /// As [`Samples::new`].
+    pub fn one_step(&self, command: &[f64], output: &[f64]) -> Result<Vec<f64>, learned::Error> {
+        let samples = self.frame.samples(&[(command, output)])?;
+        let (f, mut room) = (self.machine.kernel_sum(), vec![0.0; samples.dimension()]);
+        let value = |i| self.frame.output.outward(f.value(samples.input(i), &mut room));
+        Ok((0..samples.count()).map(value).collect())
+    }
+
     /// Prunes as Algorithm 1 of the laser beam paper, judged by the simulation of the first record.
     ///
     /// # Errors

@@ -17,15 +17,35 @@ const TOP: Parameter = Parameter::real(
     [8.5, 1e-3, 12.0],
 );
 
+const AFTER: Parameter = Parameter::real(
+    "after",
+    "1",
+    "Greatest reversal after the first wave, as a part of top.",
+    [1.0, 0.0, 1.0],
+);
+const SWING: Parameter = Parameter::real(
+    "swing",
+    "1",
+    "Least upper reversal after the first wave, as a part of the greatest; lower ones mirror it.",
+    [0.5, 0.5, 1.0],
+);
+const BIAS: Parameter = Parameter::real(
+    "bias",
+    "1",
+    "Exponent that favours the band's upper end; 1 is uniform.",
+    [1.0, 0.1, 100.0],
+);
+
 const T: Parameter = SAMPLE_TIME.start(2e-3).max(0.02);
 const PARAMETERS: &[Parameter] = &[T, DURATION];
 const FIVE_VOLTS: &[ChannelType] = &[ChannelType::new("u", "V", 0.0, 5.0)];
 
 const RANDOM_SOURCE: &str = "P1, table 2; the text gives the band only, the wave form and the \
-                             amplitude stand in (at most the 8.5 V of table 3)";
-const RANDOM_EQUATION: &str = "half cosine waves between random reversals, from 0 up; each lasts \
-                               1/(2f), f uniform in the band; upper reversals uniform in top/2 to \
-                               top (the first is top), lower ones in 0 to top/2";
+                             numbers stand in (at most the 8.5 V of table 3)";
+const RANDOM_EQUATION: &str = "half cosine waves from 0 up, each of 1/(2f); the first two at the \
+                               highest frequency, up to top and down, then f = f1 - (f1 - \
+                               f0)·v^bias; upper reversals uniform in swing to 1, lower ones in 0 \
+                               to 1 - swing, times after·top; v uniform in 0 to 1";
 const RANDOM_RULES: &[Rule] = &[BAND_IN_ORDER, BAND_BELOW_NYQUIST];
 
 /// Signals A to G.
@@ -57,8 +77,18 @@ pub(crate) static P1: &[SignalType] = &[
         summary: "Training signal C: random sinusoid of 1 to 7 Hz (stand-in wave form)",
         source: RANDOM_SOURCE,
         equation: RANDOM_EQUATION,
-        parameters: &[LOWEST, HIGHEST.start(7.0), TOP.start(4.0), SEED.start(3.0), T, DURATION],
-        channels: &[ChannelType::new("u", "V", 0.0, 4.0)],
+        parameters: &[
+            LOWEST,
+            HIGHEST.start(7.0),
+            TOP.start(8.1),
+            AFTER.start(0.17),
+            SWING,
+            BIAS,
+            SEED,
+            T,
+            DURATION,
+        ],
+        channels: &[ChannelType::new("u", "V", 0.0, 8.1)],
         rules: RANDOM_RULES,
         samples: over_duration,
         law: |s| vec![random_sinusoid(s)],
@@ -90,8 +120,18 @@ pub(crate) static P1: &[SignalType] = &[
         summary: "Test signal F: random sinusoid of 1 to 5 Hz (stand-in wave form)",
         source: RANDOM_SOURCE,
         equation: RANDOM_EQUATION,
-        parameters: &[LOWEST, HIGHEST.start(5.0), TOP.start(3.0), SEED.start(6.0), T, DURATION],
-        channels: &[ChannelType::new("u", "V", 0.0, 3.0)],
+        parameters: &[
+            LOWEST,
+            HIGHEST.start(5.0),
+            TOP.start(3.1),
+            AFTER,
+            SWING,
+            BIAS,
+            SEED.start(2.0),
+            T,
+            DURATION,
+        ],
+        channels: &[ChannelType::new("u", "V", 0.0, 3.1)],
         rules: RANDOM_RULES,
         samples: over_duration,
         law: |s| vec![random_sinusoid(s)],
@@ -101,8 +141,18 @@ pub(crate) static P1: &[SignalType] = &[
         summary: "Test signal G: random sinusoid of 1 to 20 Hz (stand-in wave form)",
         source: RANDOM_SOURCE,
         equation: RANDOM_EQUATION,
-        parameters: &[LOWEST, HIGHEST.start(20.0), TOP, SEED.start(7.0), T, DURATION],
-        channels: &[ChannelType::new("u", "V", 0.0, 8.5)],
+        parameters: &[
+            LOWEST,
+            HIGHEST.start(20.0),
+            TOP.start(7.7),
+            AFTER,
+            SWING.start(0.93),
+            BIAS.start(8.7),
+            SEED.start(3.0),
+            T,
+            DURATION,
+        ],
+        channels: &[ChannelType::new("u", "V", 0.0, 7.7)],
         rules: RANDOM_RULES,
         samples: over_duration,
         law: |s| vec![random_sinusoid(s)],
@@ -145,21 +195,26 @@ fn random_sinusoid(s: &Settings) -> Vec<f64> {
     values
 }
 
-/// Half waves that cover the record, from 0 up, in the order in which their numbers are drawn:
-/// frequency, then reversal.
+/// Half waves that cover the record: one wave up to the top, then random ones; each reversal's
+/// numbers are drawn in the order frequency, level.
 fn half_waves(s: &Settings) -> Vec<HalfWave> {
     let (top, end) = (s.get(&TOP), s.samples() as f64 * s.sample_time());
     let (lowest, highest) = (s.get(&LOWEST), s.get(&HIGHEST));
+    let (after, swing, bias) = (s.get(&AFTER) * top, s.get(&SWING), s.get(&BIAS));
     let mut random = Random::new(s.get(&SEED), 0);
     let mut waves: Vec<HalfWave> = Vec::new();
     let (mut begin, mut from) = (0.0, 0.0);
     while begin <= end {
-        let length = 0.5 / random.between(lowest, highest);
+        let frequency = match waves.len() {
+            0 | 1 => highest,
+            _ => highest - (highest - lowest) * libm::pow(random.between(0.0, 1.0), bias),
+        };
         let to = match waves.len() {
             0 => top,
-            n if n.is_multiple_of(2) => random.between(0.5 * top, top),
-            _ => random.between(0.0, 0.5 * top),
+            n if n.is_multiple_of(2) => after * random.between(swing, 1.0),
+            _ => after * random.between(0.0, 1.0 - swing),
         };
+        let length = 0.5 / frequency;
         waves.push(HalfWave { begin, length, from, to });
         (begin, from) = (begin + length, to);
     }
@@ -223,7 +278,7 @@ mod tests {
 
     #[test]
     fn random_signals_start_at_zero_and_reach_their_top() {
-        for (name, top) in [("p1-c", 4.0), ("p1-f", 3.0), ("p1-g", 8.5)] {
+        for (name, top) in [("p1-c", 8.1), ("p1-f", 3.1), ("p1-g", 7.7)] {
             for seed in 0..50 {
                 let u = values(name, &[("seed", f64::from(seed)), ("sample_time", 1e-4)]);
                 let highest = u.iter().copied().fold(0.0, f64::max);

@@ -14,7 +14,7 @@ use crate::answer::Screen;
 use crate::commands::{Command, demo};
 
 const ID: &str = "P4";
-const RIG: &str = "evc-truth";
+const RIG: &str = "p4-truth";
 /// Control period in s: the printed PID is stable at 50 us and unstable at 100 us.
 const PERIOD: f64 = 50e-6;
 const FREQUENCY: f64 = 100.0;
