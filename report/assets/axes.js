@@ -40,6 +40,36 @@ function withUnit(x, unit) {
   return unit === "" ? readable(x) : readable(x) + (unit === "°" ? "" : "\u202f") + unit;
 }
 
+// ---- Curves: three letters a value, its place on a grid between two ends; the last code is a gap.
+
+const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+const CODES = new Uint8Array(128);
+Array.from(LETTERS).forEach((letter, code) => { CODES[letter.charCodeAt(0)] = code; });
+const GAP = 2 ** 18 - 1;
+
+function unpack(text, [low, high], axis) {
+  const values = new Array(text.length / 3);
+  for (let k = 0; k < values.length; k++) {
+    const at = (i) => CODES[text.charCodeAt(3 * k + i)];
+    const code = (at(0) << 12) | (at(1) << 6) | at(2);
+    const part = code / (GAP - 1);
+    const place = low * (1 - part) + high * part;
+    values[k] = code === GAP ? null : axis.mapping === "log" ? Math.exp(place) : place;
+  }
+  return values;
+}
+
+function unpackAll(chart) {
+  if (chart.shared) chart.shared = unpack(chart.shared, chart.ends, chart.x);
+  for (const panel of chart.panels) {
+    for (const trace of panel.traces) {
+      if (trace.x) trace.x = unpack(trace.x, chart.ends, chart.x);
+      trace.y = unpack(trace.y, trace.ends, panel.y);
+    }
+  }
+  return chart;
+}
+
 // ---- Ticks, as in the SVG.
 
 function roundStep(range, wanted) {

@@ -6,7 +6,7 @@
 class LiveFigure {
   constructor(figure, chart) {
     this.figure = figure;
-    this.chart = chart;
+    this.chart = unpackAll(chart);
     this.free = chart.kind === "free";
     this.plots = [];
     this.left = 34;

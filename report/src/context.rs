@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::diagram::Diagram;
 use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::provenance::Provenance;
@@ -94,6 +95,8 @@ pub enum Block {
     Figure(Figure),
     /// A table.
     Table(Table),
+    /// Signal paths as rows of boxes.
+    Diagram(Diagram),
 }
 
 impl Section {
@@ -130,6 +133,12 @@ impl Section {
     #[must_use]
     pub fn table(self, table: Table) -> Self {
         self.block(Block::Table(table))
+    }
+
+    /// Appends a diagram.
+    #[must_use]
+    pub fn diagram(self, diagram: Diagram) -> Self {
+        self.block(Block::Diagram(diagram))
     }
 
     /// Appends any block.

@@ -28,6 +28,8 @@
 
 mod chart;
 mod context;
+mod density;
+mod diagram;
 mod error;
 mod figure;
 mod finite;
@@ -41,6 +43,7 @@ mod value;
 mod write;
 
 pub use context::{Block, Report, SCHEMA, Section, Verdict};
+pub use diagram::{Diagram, Lane, Look, Stage};
 pub use error::ReportError;
 pub use figure::{
     Axis, Band, Bode, Figure, Histogram, Limit, Loop, Marker, Panel, Response, Role, SampleSet,

@@ -6,8 +6,9 @@ use minijinja::{AutoEscape, Environment, Value as Jinja};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
-use crate::chart;
+use crate::chart::{self, Detail};
 use crate::context::{Block, Report};
+use crate::diagram::{Diagram, Lane, Look, Stage};
 use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::number::{format_decimals, format_integer, format_number, format_unit};
@@ -27,14 +28,28 @@ const UPLOT_STYLE: &str = include_str!("../assets/uPlot.min.css");
 /// Significant digits of a number on the page.
 const DIGITS: usize = 4;
 
-/// Renders the page.
+/// Most bytes of a page; figures of a larger one are drawn with fewer points.
+const MOST_BYTES: usize = 950_000;
+
+/// Renders the page: with all points where they have room.
 pub(crate) fn render(report: &Report) -> Result<String, ReportError> {
+    let mut page = String::new();
+    for detail in Detail::LEVELS {
+        page = render_at(report, detail)?;
+        if page.len() <= MOST_BYTES {
+            break;
+        }
+    }
+    Ok(page)
+}
+
+fn render_at(report: &Report, detail: Detail) -> Result<String, ReportError> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page.html", TEMPLATE)?;
-    let mut numbers = Numbering::default();
+    let mut numbers = Numbering { detail, figures: 0, tables: 0, diagrams: 0, sections: 0 };
     let sections: Vec<SectionView> =
         report.sections.iter().map(|section| section_view(section, &mut numbers)).collect();
     let interactive = numbers.figures > 0;
@@ -99,10 +114,11 @@ fn base64(bytes: &[u8]) -> String {
     text
 }
 
-#[derive(Default)]
 struct Numbering {
+    detail: Detail,
     figures: usize,
     tables: usize,
+    diagrams: usize,
     sections: usize,
 }
 
@@ -139,6 +155,27 @@ enum BlockView {
     Code { text: String },
     Figures { figures: Vec<Jinja> },
     Table { table: TableView },
+    Diagram { diagram: DiagramView },
+}
+
+#[derive(Serialize)]
+struct DiagramView {
+    number: usize,
+    title: String,
+    lanes: Vec<LaneView>,
+}
+
+#[derive(Serialize)]
+struct LaneView {
+    label: String,
+    stages: Vec<StageView>,
+}
+
+#[derive(Serialize)]
+struct StageView {
+    class: &'static str,
+    name: String,
+    detail: String,
 }
 
 #[derive(Serialize)]
@@ -185,7 +222,8 @@ fn section_view(section: &crate::context::Section, numbers: &mut Numbering) -> S
             continue;
         };
         numbers.figures += 1;
-        let html = Jinja::from_safe_string(chart::figure_html(figure, numbers.figures));
+        let html =
+            Jinja::from_safe_string(chart::figure_html(figure, numbers.figures, numbers.detail));
         match blocks.last_mut() {
             Some(BlockView::Figures { figures }) if row_open && is_compact(figure) => {
                 figures.push(html);
@@ -212,11 +250,34 @@ fn block_view(block: &Block, numbers: &mut Numbering) -> BlockView {
         Block::List(items) => BlockView::List { items: items.clone() },
         Block::Code(text) => BlockView::Code { text: text.clone() },
         Block::Figure(_) => BlockView::Figures { figures: Vec::new() },
+        Block::Diagram(diagram) => {
+            numbers.diagrams += 1;
+            BlockView::Diagram { diagram: diagram_view(diagram, numbers.diagrams) }
+        }
         Block::Table(table) => {
             numbers.tables += 1;
             BlockView::Table { table: table_view(table, numbers.tables) }
         }
     }
+}
+
+fn diagram_view(diagram: &Diagram, number: usize) -> DiagramView {
+    let stage = |stage: &Stage| StageView {
+        class: match stage.look {
+            Look::Signal => "signal",
+            Look::Box => "box",
+            Look::Shared => "shared",
+            Look::Off => "off",
+        },
+        name: stage.name.clone(),
+        detail: stage.detail.clone(),
+    };
+    let lane = |lane: &Lane| LaneView {
+        label: lane.label.clone(),
+        stages: lane.stages.iter().map(stage).collect(),
+    };
+    let lanes = diagram.lanes.iter().map(lane).collect();
+    DiagramView { number, title: diagram.title.clone(), lanes }
 }
 
 fn table_view(table: &Table, number: usize) -> TableView {

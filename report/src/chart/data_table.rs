@@ -1,12 +1,14 @@
 //! The numbers beside each chart.
 
+use super::detail::Detail;
 use super::svg::escape;
+use super::view::Chart;
 use crate::figure::{Bode, Figure, Histogram, Spectrum, TimeSeries, XyLoop};
 use crate::number::{format_integer, format_number, format_unit};
 use crate::summary::Summary;
 
 /// A table to be opened beside a chart: one row per curve.
-pub(super) fn details(figure: &Figure, number: usize) -> String {
+pub(super) fn details(figure: &Figure, chart: &Chart, detail: Detail, number: usize) -> String {
     let (headings, rows) = match figure {
         Figure::TimeSeries(figure) => time_series(figure),
         Figure::XyLoop(figure) => xy_loop(figure),
@@ -33,16 +35,20 @@ pub(super) fn details(figure: &Figure, number: usize) -> String {
         html.push_str("</tr>\n");
     }
     html.push_str("</tbody></table></div>\n");
-    html.push_str(&format!("<p class=\"drawn\">{}</p></details>\n", escape(&drawn(figure))));
+    html.push_str(&format!(
+        "<p class=\"drawn\">{}</p></details>\n",
+        escape(&drawn(figure, chart, detail))
+    ));
     html
 }
 
 type Rows = (Vec<&'static str>, Vec<Vec<String>>);
 
 /// What was left out of the drawing.
-fn drawn(figure: &Figure) -> String {
+fn drawn(figure: &Figure, chart: &Chart, detail: Detail) -> String {
+    let most = detail.curve();
     match figure {
-        Figure::TimeSeries(figure) => match figure.samples_per_point() {
+        Figure::TimeSeries(_) => match chart.stretch() {
             1 => "All samples are drawn.".to_owned(),
             n => format!(
                 "Drawn are the smallest and the largest of every {} samples; the statistics are of all samples.",
@@ -50,10 +56,14 @@ fn drawn(figure: &Figure) -> String {
             ),
         },
         Figure::XyLoop(_) => {
-            "Loops of more than 2000 points are drawn with the 2000 that keep their shape; the statistics are of all points.".to_owned()
+            format!(
+                "Loops of more than {most} points are drawn with the {most} that keep their shape; the statistics are of all points."
+            )
         }
         Figure::Spectrum(_) | Figure::Bode(_) => {
-            "Curves of more than 2000 lines are drawn with the extremes of equal stretches of the logarithmic axis.".to_owned()
+            format!(
+                "Curves of more than {most} lines are drawn with the extremes of equal stretches of the logarithmic axis."
+            )
         }
         Figure::Histogram(figure) => {
             format!("{} bins of equal width.", figure.edges.len().saturating_sub(1))
@@ -100,7 +110,14 @@ fn row(name: &str, cells: Vec<String>) -> Vec<String> {
 fn time_series(figure: &TimeSeries) -> Rows {
     let rows = figure.panels.iter().flat_map(|panel| {
         let unit = panel.unit.as_deref().unwrap_or_default();
-        panel.traces.iter().map(move |trace| row(&trace.name, statistics(unit, &trace.summary)))
+        let several = figure.panels.len() > 1 && !panel.label.is_empty();
+        panel.traces.iter().map(move |trace| {
+            let name = match several && panel.label != trace.name {
+                true => format!("{}, {}", trace.name, panel.label),
+                false => trace.name.clone(),
+            };
+            row(&name, statistics(unit, &trace.summary))
+        })
     });
     (with_statistics("Signal"), rows.collect())
 }

@@ -1,5 +1,6 @@
 //! A chart as SVG.
 
+use super::detail::Detail;
 use super::scale::{Scale, Ticks};
 use super::svg::{escape, path, px};
 use super::view::{BarsView, Chart, Kind, PanelView, TraceView};
@@ -27,7 +28,7 @@ pub(super) struct Layout<'a> {
 
 impl<'a> Layout<'a> {
     /// For a page of full width.
-    pub(super) fn wide(chart: &Chart) -> Self {
+    pub(super) fn wide(chart: &Chart, detail: Detail) -> Self {
         let (width, plot_height) = match (chart.compact, chart.panels.len()) {
             (true, _) => (440.0, 290.0),
             (false, 0 | 1) => (880.0, 260.0),
@@ -35,13 +36,13 @@ impl<'a> Layout<'a> {
             (false, _) => (880.0, 150.0),
         };
         let plot_height = if chart.kind == Kind::Curves { plot_height * 1.15 } else { plot_height };
-        Self { width, plot_height, max_points: 2000, legend: None }
+        Self { width, plot_height, max_points: detail.wide, legend: None }
     }
 
     /// For a telephone.
-    pub(super) fn narrow(chart: &Chart) -> Self {
+    pub(super) fn narrow(chart: &Chart, detail: Detail) -> Self {
         let plot_height = if chart.compact { 250.0 } else { 170.0 };
-        Self { width: 360.0, plot_height, max_points: 600, legend: None }
+        Self { width: 360.0, plot_height, max_points: detail.narrow, legend: None }
     }
 
     /// With title, legend and style sheet inside: a picture of its own.
@@ -303,11 +304,15 @@ fn draw_trace(
     let Some(entry) = chart.entries.get(trace.entry) else { return };
     let kept: Vec<usize> = match chart.kind {
         Kind::Shared => reduce::extremes(&trace.y, max_points),
-        _ => (0..trace.x.len().min(trace.y.len())).collect(),
+        Kind::Curves => reduce::log_extremes(&trace.x, &[&trace.y], max_points),
+        // Loops have been thinned once; what is left is their shape.
+        Kind::Free | Kind::Bars => (0..trace.x.len().min(trace.y.len())).collect(),
     };
     let at = |values: &[f64], i: usize| values.get(i).copied().unwrap_or(f64::NAN);
-    let points: Vec<(f64, f64)> =
-        kept.iter().map(|&i| (frame.across(at(trace.x, i)), frame.down(at(&trace.y, i)))).collect();
+    let points: Vec<(f64, f64)> = kept
+        .iter()
+        .map(|&i| (frame.across(at(&trace.x, i)), frame.down(at(&trace.y, i))))
+        .collect();
     let dashed = length(&points) < DENSE * frame.width;
     let classes = entry.style.classes(dashed);
     body.push_str(&format!(

@@ -1,7 +1,9 @@
 //! Charts: one view of a figure, drawn as SVG and handed to the interactive layer.
 
 mod data_table;
+mod detail;
 mod draw;
+mod packed;
 mod payload;
 mod scale;
 mod svg;
@@ -9,14 +11,17 @@ mod view;
 mod views;
 
 use crate::figure::Figure;
+pub(crate) use detail::Detail;
 use svg::escape;
 
 /// Colours and strokes, shared by the page and by pictures of their own.
 const STYLE: &str = include_str!("../../assets/chart.css");
 
 /// A figure as it stands in the page: title, legend, the picture in two widths, notes, data.
-pub(crate) fn figure_html(figure: &Figure, number: usize) -> String {
-    let chart = views::of(figure);
+pub(crate) fn figure_html(figure: &Figure, number: usize, detail: Detail) -> String {
+    let mut chart = views::of(figure);
+    detail.thin(&mut chart);
+    let chart = chart;
     let id = format!("figure-{number}");
     let mut html = format!(
         "<figure class=\"chart{}\" id=\"{id}\">\n<figcaption><span class=\"numbered\">Figure {number}</span> {}</figcaption>\n",
@@ -25,9 +30,17 @@ pub(crate) fn figure_html(figure: &Figure, number: usize) -> String {
     );
     html.push_str(&legend(&chart));
     html.push_str("<div class=\"plot\">\n<div class=\"picture wide\">");
-    html.push_str(&draw::picture(&chart, draw::Layout::wide(&chart), &format!("{id}-wide")));
+    html.push_str(&draw::picture(
+        &chart,
+        draw::Layout::wide(&chart, detail),
+        &format!("{id}-wide"),
+    ));
     html.push_str("</div>\n<div class=\"picture narrow\">");
-    html.push_str(&draw::picture(&chart, draw::Layout::narrow(&chart), &format!("{id}-narrow")));
+    html.push_str(&draw::picture(
+        &chart,
+        draw::Layout::narrow(&chart, detail),
+        &format!("{id}-narrow"),
+    ));
     html.push_str("</div>\n</div>\n");
     if let Some(caption) = figure.caption() {
         html.push_str(&format!("<p class=\"caption\">{}</p>\n", escape(caption)));
@@ -35,7 +48,7 @@ pub(crate) fn figure_html(figure: &Figure, number: usize) -> String {
     for note in figure.notes() {
         html.push_str(&format!("<p class=\"note\">{}</p>\n", escape(note)));
     }
-    html.push_str(&data_table::details(figure, number));
+    html.push_str(&data_table::details(figure, &chart, detail, number));
     html.push_str("</figure>\n");
     if let Some(json) = payload::json(&chart) {
         html.push_str(&format!(
@@ -48,7 +61,7 @@ pub(crate) fn figure_html(figure: &Figure, number: usize) -> String {
 /// A figure as a picture of its own.
 pub(crate) fn standalone(figure: &Figure) -> String {
     let chart = views::of(figure);
-    let layout = draw::Layout::wide(&chart).with_legend(&chart, STYLE);
+    let layout = draw::Layout::wide(&chart, Detail::LEVELS[0]).with_legend(&chart, STYLE);
     draw::picture(&chart, layout, "figure")
 }
 

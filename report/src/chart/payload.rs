@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use super::packed::Ends;
 use super::scale::{Mapping, Scale};
-use super::view::{AxisView, Chart, DASHES, Kind, PanelView};
+use super::view::{AxisView, Chart, DASHES, Kind, PanelView, TraceView};
 use crate::figure::{Band, Limit, Marker};
 
 #[derive(Serialize)]
@@ -13,9 +14,11 @@ struct Payload<'a> {
     /// How many samples a drawn pair of points stands for.
     stretch: usize,
     x: AxisData<'a>,
+    /// Ends of the grid of all horizontal values, so that equal ones stay equal.
+    ends: [f64; 2],
     /// Horizontal values of all curves, where they share them.
     #[serde(skip_serializing_if = "Option::is_none")]
-    shared: Option<&'a [f64]>,
+    shared: Option<String>,
     panels: Vec<PanelData<'a>>,
     entries: Vec<EntryData<'a>>,
     bands: &'a [Band],
@@ -38,16 +41,17 @@ struct AxisData<'a> {
 struct PanelData<'a> {
     y: AxisData<'a>,
     weight: f64,
-    traces: Vec<TraceData<'a>>,
+    traces: Vec<TraceData>,
     limits: &'a [Limit],
 }
 
 #[derive(Serialize)]
-struct TraceData<'a> {
+struct TraceData {
     entry: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
-    x: Option<&'a [f64]>,
-    y: &'a [f64],
+    x: Option<String>,
+    ends: [f64; 2],
+    y: String,
 }
 
 #[derive(Serialize)]
@@ -65,21 +69,24 @@ pub(super) fn json(chart: &Chart) -> Option<String> {
         Kind::Free => "free",
         Kind::Bars => return None,
     };
-    let mut traces = chart.panels.iter().flat_map(|panel| &panel.traces);
-    if !traces.any(|trace| trace.y.iter().any(|y| y.is_finite())) {
+    let traces = || chart.panels.iter().flat_map(|panel| &panel.traces);
+    if !traces().any(|trace| trace.y.iter().any(|y| y.is_finite())) {
         return None;
     }
+    let ends = Ends::of(chart.x.scale.mapping, traces().flat_map(|trace| trace.x.iter()));
     let shared = match chart.kind {
-        Kind::Shared => chart.panels.iter().flat_map(|p| &p.traces).next().map(|t| t.x),
+        Kind::Shared => traces().next().map(|trace| ends.text(&trace.x)),
         _ => None,
     };
+    let own = shared.is_none().then_some(ends);
     let payload = Payload {
         kind,
         equal: chart.equal_scale,
-        stretch: chart.stretch,
+        stretch: chart.stretch(),
         x: axis(&chart.x),
+        ends: ends.pair(),
         shared,
-        panels: chart.panels.iter().map(|p| panel(p, shared.is_some())).collect(),
+        panels: chart.panels.iter().map(|p| panel(p, own)).collect(),
         entries: chart
             .entries
             .iter()
@@ -115,19 +122,21 @@ fn axis(view: &AxisView) -> AxisData<'_> {
     }
 }
 
-fn panel<'a>(view: &'a PanelView, shared: bool) -> PanelData<'a> {
+/// `own`: the grid of the horizontal values, where each curve has its own.
+fn panel<'a>(view: &'a PanelView, own: Option<Ends>) -> PanelData<'a> {
+    let trace = |trace: &TraceView| {
+        let ends = Ends::of(view.y.scale.mapping, trace.y.iter());
+        TraceData {
+            entry: trace.entry,
+            x: own.map(|grid| grid.text(&trace.x)),
+            ends: ends.pair(),
+            y: ends.text(&trace.y),
+        }
+    };
     PanelData {
         y: axis(&view.y),
         weight: view.weight,
-        traces: view
-            .traces
-            .iter()
-            .map(|trace| TraceData {
-                entry: trace.entry,
-                x: (!shared).then_some(trace.x),
-                y: &trace.y,
-            })
-            .collect(),
+        traces: view.traces.iter().map(trace).collect(),
         limits: view.limits,
     }
 }

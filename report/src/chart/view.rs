@@ -16,8 +16,8 @@ pub(super) struct Chart<'a> {
     pub(super) kind: Kind,
     /// Half a page wide.
     pub(super) compact: bool,
-    /// How many samples a drawn pair of points stands for.
-    pub(super) stretch: usize,
+    /// How many samples each signal over time had.
+    pub(super) samples: usize,
     /// One length per unit on both axes.
     pub(super) equal_scale: bool,
     /// The horizontal axis.
@@ -30,6 +30,18 @@ pub(super) struct Chart<'a> {
     pub(super) bands: &'a [Band],
     /// Marked places of the horizontal axis.
     pub(super) markers: &'a [Marker],
+}
+
+impl Chart<'_> {
+    /// How many samples a drawn pair of points stands for; 1 if all are drawn.
+    pub(super) fn stretch(&self) -> usize {
+        let mut traces = self.panels.iter().flat_map(|panel| &panel.traces);
+        let points = traces.next().map_or(0, |trace| trace.x.len());
+        if self.kind != Kind::Shared || points == 0 || self.samples <= points {
+            return 1;
+        }
+        (2 * self.samples).div_ceil(points)
+    }
 }
 
 /// How curves relate to the horizontal axis.
@@ -101,7 +113,7 @@ pub(super) struct TraceView<'a> {
     /// Which entry of the legend it belongs to.
     pub(super) entry: usize,
     /// Horizontal values.
-    pub(super) x: &'a [f64],
+    pub(super) x: Cow<'a, [f64]>,
     /// Vertical values.
     pub(super) y: Cow<'a, [f64]>,
 }
@@ -134,6 +146,9 @@ pub(super) struct Style {
 }
 
 const COLOURS: usize = 8;
+/// Colours of curves without a role, the most legible first but for those of roles, which come late, so
+/// that the same curves look the same with and without measured signals, models and references.
+const FREE: [usize; COLOURS] = [1, 4, 2, 5, 6, 7, 3, 0];
 /// Lengths of strokes and gaps of each line style, in pixels; the style sheet holds the same.
 pub(super) const DASHES: [&[u8]; 4] = [&[], &[6, 4], &[2, 2], &[8, 3, 2, 3]];
 
@@ -157,8 +172,7 @@ pub(super) fn styles(roles: &[Role]) -> Vec<Style> {
     let first = |k: usize| roles.iter().position(|role| *role == roles[k]) == Some(k);
     let taken: Vec<usize> =
         roles.iter().filter_map(|role| own(*role)).map(|style| style.colour).collect();
-    // The most legible colours first; ink is left to what was measured.
-    let free: Vec<usize> = (1..COLOURS).chain([0]).filter(|c| !taken.contains(c)).collect();
+    let free: Vec<usize> = FREE.into_iter().filter(|c| !taken.contains(c)).collect();
     let mut next = 0_usize;
     (0..roles.len())
         .map(|k| match own(roles[k]) {

@@ -50,22 +50,24 @@ fn time_series(figure: &TimeSeries) -> Chart<'_> {
         &figure.x.unit,
         Scale::around(Mapping::Linear, figure.time.iter().copied(), 0.0),
     );
-    let all = || figure.panels.iter().flat_map(|panel| &panel.traces);
-    let entries = entries(all().map(|trace| (&trace.name, trace.role)));
-    let mut entry = 0;
+    let (named, numbers) = legend(&figure.panels);
+    let entries = entries(named.into_iter());
     let panels = figure
         .panels
         .iter()
-        .map(|panel| {
+        .zip(numbers)
+        .map(|(panel, numbers)| {
             let values = panel.traces.iter().flat_map(|trace| trace.values.iter().copied());
             let limits = panel.limits.iter().map(|limit| limit.value);
             let scale = Scale::around(Mapping::Linear, values.chain(limits), MARGIN);
             let traces = panel
                 .traces
                 .iter()
-                .map(|trace| {
-                    entry += 1;
-                    TraceView { entry: entry - 1, x: &figure.time, y: Cow::from(&trace.values) }
+                .zip(numbers)
+                .map(|(trace, entry)| TraceView {
+                    entry,
+                    x: Cow::from(&figure.time),
+                    y: Cow::from(&trace.values),
                 })
                 .collect();
             PanelView {
@@ -91,7 +93,7 @@ fn time_series(figure: &TimeSeries) -> Chart<'_> {
         ),
         kind: Kind::Shared,
         compact: false,
-        stretch: figure.samples_per_point(),
+        samples: figure.samples,
         equal_scale: false,
         x,
         panels,
@@ -99,6 +101,28 @@ fn time_series(figure: &TimeSeries) -> Chart<'_> {
         bands: &figure.bands,
         markers: &figure.markers,
     }
+}
+
+/// Names and roles of the legend, and for each panel the number of each trace's entry. A name that comes
+/// again in another panel, with the same role, is the same curve to the legend.
+fn legend(panels: &[crate::figure::Panel]) -> (Vec<(&String, Role)>, Vec<Vec<usize>>) {
+    let mut named: Vec<(&String, Role)> = Vec::new();
+    let mut numbers = Vec::new();
+    for panel in panels {
+        let before = named.len();
+        let mut own: Vec<usize> = Vec::new();
+        for trace in &panel.traces {
+            let this = (&trace.name, trace.role);
+            let known = named[..before].iter().position(|entry| *entry == this);
+            let number = known.filter(|number| !own.contains(number)).unwrap_or_else(|| {
+                named.push(this);
+                named.len() - 1
+            });
+            own.push(number);
+        }
+        numbers.push(own);
+    }
+    (named, numbers)
 }
 
 /// A panel's own label; a panel of one signal may carry the signal's name.
@@ -121,7 +145,7 @@ fn xy_loop(figure: &XyLoop) -> Chart<'_> {
         .loops
         .iter()
         .enumerate()
-        .map(|(entry, line)| TraceView { entry, x: &line.x, y: Cow::from(&line.y) })
+        .map(|(entry, line)| TraceView { entry, x: Cow::from(&line.x), y: Cow::from(&line.y) })
         .collect();
     Chart {
         title: &figure.title,
@@ -135,7 +159,7 @@ fn xy_loop(figure: &XyLoop) -> Chart<'_> {
         ),
         kind: Kind::Free,
         compact: true,
-        stretch: 1,
+        samples: 0,
         equal_scale: figure.equal_scale,
         x,
         panels: vec![PanelView { y, weight: 1.0, traces, bars: Vec::new(), limits: &[] }],
@@ -165,7 +189,11 @@ fn spectrum(figure: &Spectrum) -> Chart<'_> {
         .traces
         .iter()
         .enumerate()
-        .map(|(entry, trace)| TraceView { entry, x: &trace.frequency, y: Cow::from(&trace.values) })
+        .map(|(entry, trace)| TraceView {
+            entry,
+            x: Cow::from(&trace.frequency),
+            y: Cow::from(&trace.values),
+        })
         .collect();
     Chart {
         title: &figure.title,
@@ -177,7 +205,7 @@ fn spectrum(figure: &Spectrum) -> Chart<'_> {
         ),
         kind: Kind::Curves,
         compact: false,
-        stretch: 1,
+        samples: 0,
         equal_scale: false,
         x,
         panels: vec![PanelView {
@@ -223,7 +251,7 @@ fn bode(figure: &Bode) -> Chart<'_> {
         ),
         kind: Kind::Curves,
         compact: false,
-        stretch: 1,
+        samples: 0,
         equal_scale: false,
         x,
         panels,
@@ -245,7 +273,9 @@ fn response_panel<'a>(
         .responses
         .iter()
         .enumerate()
-        .filter_map(|(entry, r)| curve(r).map(|y| TraceView { entry, x: &r.frequency, y }))
+        .filter_map(|(entry, r)| {
+            curve(r).map(|y| TraceView { entry, x: Cow::from(&r.frequency), y })
+        })
         .collect();
     let values = traces.iter().flat_map(|trace| trace.y.iter().copied());
     let scale = Scale::around(mapping, values, MARGIN);
@@ -285,7 +315,7 @@ fn histogram(figure: &Histogram) -> Chart<'_> {
         ),
         kind: Kind::Bars,
         compact: true,
-        stretch: 1,
+        samples: 0,
         equal_scale: false,
         x,
         panels: vec![PanelView { y, weight: 1.0, traces: Vec::new(), bars, limits: &[] }],

@@ -102,6 +102,14 @@ impl Spectrum {
         self
     }
 
+    /// Adds the amplitude density of a signal that was sampled every `period` s: Welch's method,
+    /// segments that overlap by half, Hann's window; one-sided, in the signal's unit per √Hz.
+    #[must_use]
+    pub fn density(self, role: Role, name: impl Into<String>, values: &[f64], period: f64) -> Self {
+        let (frequency, density) = crate::density::density(values, period);
+        self.trace(role, name, &frequency, &density)
+    }
+
     /// Adds a horizontal line.
     #[must_use]
     pub fn limit(mut self, value: f64, label: impl Into<String>) -> Self {

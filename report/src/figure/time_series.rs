@@ -230,14 +230,6 @@ impl TimeSeries {
         self.caption = Some(text.into());
         self
     }
-
-    /// How many samples one drawn pair of points stands for; 1 if all are drawn.
-    pub(crate) fn samples_per_point(&self) -> usize {
-        match self.buckets() {
-            Some(_) => (2 * self.samples).div_ceil(self.time.len().max(1)),
-            None => 1,
-        }
-    }
 }
 
 /// The first value, counted from 1, that is not finite or not larger than the one before.
