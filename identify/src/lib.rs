@@ -30,9 +30,9 @@ mod structure;
 mod testing;
 
 pub use control::{
-    Calibration, CalibrationRecord, ControlSettings, CoordinateFit, Gains, Inversion, LoopFigures,
-    LoopRun, LoopVerdict, Machine, Ultimate, calibrate, impulse_of, invert, judge_loop, relay,
-    robust, simulate_loop, ultimate_by_gain, ziegler_nichols,
+    Calibration, CalibrationRecord, ControlSettings, CoordinateFit, Gains, Inversion, LoopCurves,
+    LoopFigures, LoopRun, LoopVerdict, Machine, Ultimate, calibrate, impulse_of, invert,
+    judge_loop, loop_curves, relay, robust, simulate_loop, ultimate_by_gain, ziegler_nichols,
 };
 pub use error::{Error, NotInvertible, Problem, SettingsProblem};
 pub use fit::operator::Search;

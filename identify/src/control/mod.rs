@@ -11,6 +11,6 @@ pub use calibration::{Calibration, CalibrationRecord, CoordinateFit, calibrate};
 pub use closed_loop::{LoopRun, simulate_loop};
 pub use invert::{ControlSettings, Inversion, LoopFigures, invert};
 pub use tuning::{
-    Gains, LoopVerdict, Machine, Ultimate, impulse_of, judge_loop, relay, robust, ultimate_by_gain,
-    ziegler_nichols,
+    Gains, LoopCurves, LoopVerdict, Machine, Ultimate, impulse_of, judge_loop, loop_curves, relay,
+    robust, ultimate_by_gain, ziegler_nichols,
 };

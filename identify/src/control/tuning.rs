@@ -52,6 +52,17 @@ pub struct Ultimate {
     pub amplitude: f64,
 }
 
+/// The linear response of the machine, and the open loop with given gains, over frequency.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopCurves {
+    /// In Hz, up to half the sample rate.
+    pub frequency: Vec<f64>,
+    /// Position per command, as the controller's samples see it.
+    pub plant: Vec<Complex<f64>>,
+    /// L.
+    pub open: Vec<Complex<f64>>,
+}
+
 /// What a loop does for given gains, on the linear response of the machine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoopVerdict {
@@ -325,6 +336,29 @@ pub fn judge_loop(
     computing: bool,
     frequencies: &[f64],
 ) -> LoopVerdict {
+    let LoopCurves { frequency, open, .. } = loop_curves(impulse, period, gains, computing);
+    let (gain_margin, phase_margin) = margins(&open, 1.0);
+    let one = Complex::new(1.0, 0.0);
+    let gain_of = |l: &Complex<f64>| 1.0 / (one + l).norm();
+    let crossing = open.iter().position(|l| gain_of(l) >= 1.0).unwrap_or(open.len() - 1);
+    let at = |wanted: f64| {
+        let near = frequency.partition_point(|f| *f < wanted).min(open.len() - 1);
+        (wanted, gain_of(&open[near]))
+    };
+    LoopVerdict {
+        stable: settles(impulse, period, gains, computing),
+        gain_margin,
+        phase_margin: phase_margin * 180.0 / PI,
+        sensitivity: sensitivity(&open, 1.0),
+        rejection_bandwidth: frequency[crossing],
+        disturbance: frequencies.iter().map(|f| at(*f)).collect(),
+    }
+}
+
+/// The open loop L of a PID law with these gains on a machine with this impulse response, sample by
+/// sample of `period` s; `computing`: with one period more for computing.
+#[must_use]
+pub fn loop_curves(impulse: &[f64], period: f64, gains: &Gains, computing: bool) -> LoopCurves {
     let response = Response::new(impulse, period, &[]);
     let keep =
         if gains.derivative_filter > 0.0 { (-period / gains.derivative_filter).exp() } else { 0.0 };
@@ -340,23 +374,16 @@ pub fn judge_loop(
         law * if computing { plant } else { plant / back }
     };
     let pairs = || response.angles.iter().zip(&response.values);
-    let open: Vec<Complex<f64>> = pairs().map(|(angle, plant)| open_at(*angle, *plant)).collect();
-    let (gain_margin, phase_margin) = margins(&open, 1.0);
-    let gain_of = |l: &Complex<f64>| 1.0 / (one + l).norm();
-    let crossing = open.iter().position(|l| gain_of(l) >= 1.0).unwrap_or(open.len() - 1);
-    let hertz = |angle: f64| angle / (TAU * period);
-    let at = |frequency: f64| {
-        let angle = TAU * frequency * period;
-        let near = response.angles.partition_point(|a| *a < angle).min(open.len() - 1);
-        (frequency, gain_of(&open[near]))
-    };
-    LoopVerdict {
-        stable: settles(impulse, period, gains, computing),
-        gain_margin,
-        phase_margin: phase_margin * 180.0 / PI,
-        sensitivity: sensitivity(&open, 1.0),
-        rejection_bandwidth: hertz(response.angles[crossing]),
-        disturbance: frequencies.iter().map(|f| at(*f)).collect(),
+    LoopCurves {
+        frequency: response.angles.iter().map(|angle| angle / (TAU * period)).collect(),
+        open: pairs().map(|(angle, plant)| open_at(*angle, *plant)).collect(),
+        plant: pairs()
+            .map(
+                |(angle, plant)| {
+                    if computing { *plant } else { plant / Complex::from_polar(1.0, -angle) }
+                },
+            )
+            .collect(),
     }
 }
 

@@ -36,13 +36,16 @@ pub struct MeasureSettings {
     pub degree: usize,
     /// Most lines at which the response is computed; lines between are used, not shown.
     pub most_lines: usize,
+    /// Power of a line, as a part of the greatest, up to whose first and last occurrence a record that
+    /// is not periodic counts as excited. Coherence tells how good such a line is.
+    pub band: f64,
 }
 
 impl MeasureSettings {
     /// The usual ones.
     #[must_use]
     pub fn new(sample_time: f64) -> Self {
-        Self { sample_time, period: None, degree: 2, most_lines: 4000 }
+        Self { sample_time, period: None, degree: 2, most_lines: 4000, band: IN_BAND }
     }
 }
 
@@ -115,7 +118,7 @@ pub fn measure(
         .iter()
         .map(|one| spectra(one, length, &mut planner))
         .collect::<Result<Vec<_>, _>>()?;
-    let excited = excited(&all, period.is_some());
+    let excited = excited(&all, period.is_none().then_some(settings.band));
     let window = Window {
         spectra: &all,
         degree: settings.degree,
@@ -150,8 +153,8 @@ pub fn measure(
     })
 }
 
-/// Lines that the inputs excite, without the constant and the last.
-fn excited(all: &[Spectra], periodic: bool) -> Vec<usize> {
+/// Lines that the inputs excite, without the constant and the last; `band` for a record without periods.
+fn excited(all: &[Spectra], band: Option<f64>) -> Vec<usize> {
     let Some(first) = all.first() else { return Vec::new() };
     let count = first.inputs.first().map_or(0, Vec::len).saturating_sub(1);
     let inputs = first.inputs.len();
@@ -160,9 +163,9 @@ fn excited(all: &[Spectra], periodic: bool) -> Vec<usize> {
         let power = |k: usize| all.iter().map(|s| s.inputs[input][k].norm_sqr()).sum::<f64>();
         let powers: Vec<f64> = (0..count).map(power).collect();
         let greatest = powers.iter().skip(1).copied().fold(0.0, f64::max);
-        let least = greatest * if periodic { EXCITED } else { IN_BAND };
+        let least = greatest * band.unwrap_or(EXCITED);
         let is = |k: &usize| powers[*k] > least;
-        if periodic {
+        if band.is_none() {
             (1..count).filter(is).for_each(|k| mark[k] = true);
         } else if let (Some(from), Some(to)) = ((1..count).find(is), (1..count).rev().find(is)) {
             mark[from..=to].fill(true);
