@@ -14,6 +14,7 @@ mod libraries;
 mod matching;
 mod pages;
 mod progress;
+mod reference;
 mod reproduce;
 mod window;
 

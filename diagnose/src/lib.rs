@@ -18,6 +18,7 @@ mod converter;
 mod data_set;
 mod error;
 mod experiment;
+pub mod figures;
 mod fit;
 mod fmu;
 mod gap;

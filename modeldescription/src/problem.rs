@@ -56,6 +56,8 @@ pub enum Topic {
     Distribution,
     /// The shared libraries and the functions they export.
     Binaries,
+    /// Further data that travels with the FMU, such as reference results.
+    Extra,
 }
 
 impl Topic {
@@ -80,7 +82,7 @@ impl Topic {
             Topic::Variables => "FMI 2.0.5, 2.2.7",
             Topic::Structure => "FMI 2.0.5, 2.2.8",
             Topic::Names => "FMI 2.0.5, 2.2.9",
-            Topic::Distribution | Topic::Binaries => "FMI 2.0.5, 2.3",
+            Topic::Distribution | Topic::Binaries | Topic::Extra => "FMI 2.0.5, 2.3",
         }
     }
 
@@ -100,6 +102,7 @@ impl Topic {
             Topic::Structure => "FMI 3.0.2, 2.4.8",
             Topic::Distribution => "FMI 3.0.2, 2.5",
             Topic::Binaries => "FMI 3.0.2, 2.5.1.4",
+            Topic::Extra => "FMI 3.0.2, 2.5.1.6",
         }
     }
 }
@@ -145,17 +148,22 @@ impl Problem {
         }
     }
 
-    /// An error of an entry of the archive.
-    pub(crate) fn in_entry(version: FmiVersion, topic: Topic, entry: &str, found: String) -> Self {
+    /// An error of an entry of the archive; the rule and the way out follow with [`Problem::rule`]
+    /// and [`Problem::way_out`].
+    pub fn in_entry(version: FmiVersion, topic: Topic, entry: &str, found: String) -> Self {
         Problem { file: entry.to_owned(), ..Problem::in_xml(version, topic, 0, found) }
     }
 
-    pub(crate) fn rule(mut self, rule: impl Into<String>) -> Self {
+    /// The same with the rule that is broken.
+    #[must_use]
+    pub fn rule(mut self, rule: impl Into<String>) -> Self {
         self.rule = rule.into();
         self
     }
 
-    pub(crate) fn way_out(mut self, way_out: impl Into<String>) -> Self {
+    /// The same with what to change.
+    #[must_use]
+    pub fn way_out(mut self, way_out: impl Into<String>) -> Self {
         self.way_out = way_out.into();
         self
     }

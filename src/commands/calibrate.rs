@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
+use crate::pages::{self, PageOptions};
 
 /// Calibrates the Jacobian of coupled axes from a log of their simultaneous motion
 ///
@@ -46,6 +47,8 @@ pub(crate) struct Calibrate {
     /// The blueprint to write, with J and p0 in it
     #[arg(short = 'o', long = "out", value_name = "FILE", requires = "blueprint")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageOptions,
 }
 
 #[derive(Serialize)]
@@ -59,10 +62,11 @@ struct Calibrated {
 
 impl Calibrate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
         if let Some(out) = &self.out {
-            let all: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
-            inputs::not_over(out, &all)?;
+            inputs::not_over(out, &logs)?;
         }
+        self.page.not_over(&logs)?;
         let mut blueprint = self.blueprint.as_deref().map(inputs::blueprint).transpose()?;
         let zeros = self.structural_zeros(blueprint.as_ref().map(|text| &text.blueprint))?;
         let (record, period) = self.record(zeros)?;
@@ -72,11 +76,16 @@ impl Calibrate {
             text.blueprint.check(learned::COMPONENTS)?;
             text.blueprint.write(out)?;
         }
-        screen.show(&Calibrated {
+        let answer = Calibrated {
             motions: self.motions.clone(),
             delay_s: calibration.delay * period,
             calibration,
             blueprint: self.out.clone(),
+        };
+        let files: Vec<(&str, &Path)> = logs.iter().map(|log| ("log", *log)).collect();
+        self.page.finish(screen, &answer, || {
+            let provenance = pages::provenance(&files)?;
+            Ok(pages::calibration(&answer.calibration, &record, period, provenance))
         })
     }
 

@@ -15,6 +15,7 @@ use super::Command;
 use super::identify::Identified;
 use super::simulate::{OutputFit, Simulated};
 use crate::answer::{Answer, Screen};
+use crate::pages::PageOptions;
 
 mod page;
 
@@ -29,6 +30,8 @@ pub(crate) struct Demo {
     /// Folder for everything that is made
     #[arg(short = 'o', long = "out", value_name = "FOLDER", default_value = "piezoloop-demo")]
     out: PathBuf,
+    #[command(flatten)]
+    page: PageOptions,
 }
 
 /// The figures of the demo.
@@ -106,7 +109,8 @@ impl Demo {
         result.seconds = begin.elapsed().as_secs_f64();
         let report = page::page(&result, &identified, &pid, &both, &stage.file("measured.csv"))?;
         report.write_html(&result.page)?;
-        screen.show(&result)
+        let pages = self.page.write(|| Ok(report))?;
+        self.page.with_own(pages, &result.page).show(screen, &result)
     }
 }
 

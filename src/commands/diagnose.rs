@@ -13,7 +13,8 @@ use serde::Serialize;
 use crate::answer::{Answer, STANDARD_OUTPUT, Screen};
 use crate::commands::pack;
 use crate::inputs::{self, LogOptions};
-use crate::{libraries, pages, progress};
+use crate::pages::{self, PageOptions, Pages};
+use crate::{documentation, libraries, progress, reference};
 
 /// Says which effect a model lacks, where the gap lies and how far it shrinks
 ///
@@ -60,9 +61,8 @@ pub(crate) struct Diagnose {
     /// Write the answer as JSON; without FILE to the standard output
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = STANDARD_OUTPUT)]
     json: Option<PathBuf>,
-    /// Write a page
-    #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageOptions,
     /// Write the repaired model, .toml or .fmu
     #[arg(long, value_name = "FILE")]
     repair: Option<PathBuf>,
@@ -106,18 +106,14 @@ impl Observer for Bar {
 
 impl Diagnose {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        let answer = self.execute(screen)?;
-        screen.show(&answer)
+        let (answer, pages) = self.execute(screen)?;
+        pages.show(screen, &answer)
     }
 
-    fn execute(&self, screen: &Screen) -> anyhow::Result<Diagnosed> {
+    fn execute(&self, screen: &Screen) -> anyhow::Result<(Diagnosed, Pages)> {
         let read: Vec<&Path> = self.files().map(PathBuf::as_path).collect();
-        let outputs = [
-            self.json_file(),
-            self.report.as_deref(),
-            self.repair.as_deref(),
-            self.next_experiment.as_deref(),
-        ];
+        let outputs = [self.json_file(), self.repair.as_deref(), self.next_experiment.as_deref()];
+        self.page.not_over(&read)?;
         for output in outputs.into_iter().flatten() {
             inputs::not_over(output, &read)?;
         }
@@ -163,15 +159,15 @@ impl Diagnose {
         }
         let repair = self.repair.as_deref().filter(|file| written.iter().any(|w| w == file));
         let files = Files { repair, notes: &notes, experiment };
-        if let Some(page) = &self.report {
+        let pages = self.page.write(|| {
             let read: Vec<(&str, &Path)> =
                 self.files().map(|path| ("input", path.as_path())).collect();
             let provenance = pages::provenance(&read)?.seed(self.seed);
-            diagnosis.report(&files).provenance(provenance).write_html(page)?;
-            written.push(page.clone());
-        }
+            Ok(diagnosis.report(&files).provenance(provenance))
+        })?;
+        written.extend(pages.files.iter().cloned());
         let fails = self.fail_above.is_some_and(|most| diagnosis.gap.shrink.relative_gap > most);
-        Ok(Diagnosed { gap: diagnosis.gap, written, notes, fails })
+        Ok((Diagnosed { gap: diagnosis.gap, written, notes, fails }, pages))
     }
 
     fn json_file(&self) -> Option<&Path> {
@@ -268,7 +264,28 @@ impl Diagnose {
         package.license("license.txt", notice.to_vec())?;
         package.license("LICENSE-MIT.txt", include_bytes!("../../LICENSE-MIT").to_vec())?;
         package.license("LICENSE-APACHE.txt", include_bytes!("../../LICENSE-APACHE").to_vec())?;
-        package.write(file)?;
+        let original = modeldescription::Package::open(&self.model)?;
+        let has = |path: &str| original.folder().join(path).is_file();
+        let version = original.description().fmi_version;
+        if !has("model.png") && !has("terminalsAndIcons/terminalsAndIcons.xml") {
+            pack::put_icon(package, version, include_bytes!("../icons/plant.png"))?;
+        }
+        let own =
+            has("documentation/index.html").then_some("resources/inner/documentation/index.html");
+        // An original that does not run under signals of our making has no reference results.
+        let reference = match pack::reference_of(package, reference::FOREIGN) {
+            Ok(reference) => Some(reference),
+            Err(error) => {
+                repaired.notes.push(format!("no reference results are inside: {error:#}"));
+                None
+            }
+        };
+        if let Some(reference) = &reference {
+            reference.pack(&mut repaired.package)?;
+        }
+        let page = documentation::repaired(&repaired, own, reference.as_ref())?;
+        repaired.package.documentation("index.html", page.into_bytes())?;
+        repaired.package.write(file)?;
         Ok(repaired.notes)
     }
 

@@ -10,7 +10,8 @@ use gap_bench::{Folders, Plan, Program, Scores, Settings};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
-use crate::{pages, progress};
+use crate::pages::{self, PageOptions};
+use crate::progress;
 
 /// How well does diagnose name what a machine does and its model does not?
 ///
@@ -46,6 +47,8 @@ pub(crate) struct GapBench {
     /// Folder for cases, labels, scores.json and index.html
     #[arg(short = 'o', long = "out", value_name = "FOLDER", default_value = "gap-bench")]
     out: PathBuf,
+    #[command(flatten)]
+    page: PageOptions,
 }
 
 /// Longest time for one diagnosis.
@@ -80,10 +83,13 @@ impl GapBench {
         let scores = Scores::of(&outcomes);
         let page = root.join("index.html");
         let provenance = pages::provenance(&[])?.seed(self.seed);
-        scores.page().provenance(provenance).write_html(&page)?;
+        let report = scores.page().provenance(provenance);
+        report.write_html(&page)?;
+        let pages = self.page.write(|| Ok(report))?;
         let json = serde_json::to_vec_pretty(&scores)?;
         data::WholeFile::write_all_of(&root.join("scores.json"), &json)?;
-        screen.show(&Benchmarked { page, scores })
+        let pages = self.page.with_own(pages, &page);
+        pages.show(screen, &Benchmarked { page, scores })
     }
 
     fn program(&self) -> anyhow::Result<PathBuf> {

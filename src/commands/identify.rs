@@ -13,7 +13,8 @@ use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
-use crate::{interrupt, pages, progress};
+use crate::pages::{self, PageOptions};
+use crate::{interrupt, progress};
 
 /// Identifies a plant from a measured log
 ///
@@ -76,9 +77,8 @@ pub(crate) struct Identify {
     /// Write the loop of the first axis, measured and simulated, as an SVG picture
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Write a page with loops, residuals and parameters
-    #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageOptions,
 }
 
 /// What can be fitted, as the command line takes it.
@@ -111,10 +111,12 @@ pub(crate) struct AxisResult {
 
 impl Identify {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        screen.show(&self.execute(screen)?)
+        let result = self.execute(screen)?;
+        let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
+        self.page.finish(screen, &result, || pages::identification(&result, &logs))
     }
 
-    /// Identifies, and writes the blueprint and the page.
+    /// Identifies, and writes the blueprint.
     pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Identified> {
         if self.inputs.len() != self.outputs.len() {
             bail!(
@@ -125,14 +127,11 @@ impl Identify {
         }
         let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
         inputs::not_over(&self.out, &logs)?;
+        self.page.not_over(&logs)?;
         let (plant, result) = self.work(screen)?;
         plant.blueprint().write(&self.out)?;
         if let Some(folder) = &self.all {
             write_all(folder, &result)?;
-        }
-        if let Some(page) = &self.report {
-            let report = pages::identification(&result, &logs)?;
-            report.write_html(page)?;
         }
         if let (Some(file), Some(axis)) = (&self.picture, result.axes.first()) {
             let svg = pages::picture(axis).context("there is no record to draw")?;

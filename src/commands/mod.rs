@@ -18,7 +18,7 @@ mod signal;
 pub(crate) mod simulate;
 mod sweep;
 mod system;
-mod tune;
+pub(crate) mod tune;
 
 use crate::answer::Screen;
 

@@ -10,9 +10,11 @@ use modeldescription::description::{CoSimulation, Interface};
 use modeldescription::package::{PackageBuilder, Platform};
 use modeldescription::{FmiVersion, ModelDescription, check_library};
 use serde::Serialize;
+use sha2::{Digest as _, Sha256};
 
 use crate::answer::{Answer, Screen};
-use crate::{inputs, libraries};
+use crate::reference::{self, Reference};
+use crate::{documentation, inputs, libraries};
 
 /// Packs a blueprint as an FMI co-simulation FMU
 ///
@@ -131,9 +133,7 @@ pub(crate) fn pack(
     let categories = fmi_bindings::export::LOG_CATEGORIES;
     about.log_categories =
         categories.iter().map(|(name, what)| ((*name).to_owned(), (*what).to_owned())).collect();
-    about.description = Some(source.blueprint.description.clone()).filter(|d| !d.is_empty());
-    about.generation_tool = Some(format!("Piezoloop {}", crate::VERSION));
-    about.license = Some("MIT OR Apache-2.0 (the shared library)".to_owned());
+    tell(&mut about, source);
     let description = describe(system.variables(), &about)?;
     let mut package = PackageBuilder::new(&description)?;
     let mut platforms = Vec::new();
@@ -151,9 +151,7 @@ pub(crate) fn pack(
             .with_context(|| format!("--binary {}: give one library per platform", binary.text))?;
         platforms.push(folder.to_owned());
     }
-    if version == FmiVersion::V2 {
-        package.entry("model.png", icon.to_vec())?;
-    }
+    put_icon(&mut package, version, icon)?;
     package.resource("blueprint.toml", source.text.clone().into_bytes())?;
     for (name, bytes) in checked.table_files() {
         package.resource(&name, bytes)?;
@@ -164,7 +162,15 @@ pub(crate) fn pack(
     package.license("license.txt", notice.to_vec())?;
     package.license("LICENSE-MIT.txt", include_bytes!("../../LICENSE-MIT").to_vec())?;
     package.license("LICENSE-APACHE.txt", include_bytes!("../../LICENSE-APACHE").to_vec())?;
-    let page = crate::documentation::page(&source.blueprint, system.period(), system.variables());
+    // What this platform's library computes; without one there is nothing to hold another against.
+    let reference = match carried {
+        Some(_) => Some(reference_of(&package, reference::OURS)?),
+        None => None,
+    };
+    if let Some(reference) = &reference {
+        reference.pack(&mut package)?;
+    }
+    let page = documentation::page(&source.blueprint, &description, reference.as_ref())?;
     package.documentation("index.html", page.into_bytes())?;
     let bytes = package.to_bytes()?.len();
     package.write(output)?;
@@ -179,6 +185,51 @@ pub(crate) fn pack(
         platforms,
         bytes,
     })
+}
+
+/// Who made the model, and what it may be used for.
+fn tell(about: &mut About, source: &inputs::BlueprintText) {
+    let some = |text: &str| Some(text.to_owned()).filter(|text| !text.is_empty());
+    let blueprint = &source.blueprint;
+    about.description = some(&blueprint.description);
+    about.generation_tool = Some(format!("Piezoloop {}", crate::VERSION));
+    about.author = some(&blueprint.author);
+    about.copyright = some(&blueprint.copyright);
+    let library = "MIT OR Apache-2.0 (the shared library)";
+    about.license = Some(match blueprint.license.as_str() {
+        "" => library.to_owned(),
+        own => format!("{own} (the model); {library}"),
+    });
+    // Without a version of its own, a model is told apart by what its blueprint says.
+    about.version = some(&blueprint.version).or_else(|| {
+        let digest = Sha256::digest(blueprint.to_toml().as_bytes());
+        let digits: String = digest.iter().take(6).map(|byte| format!("{byte:02x}")).collect();
+        Some(format!("blueprint {digits}"))
+    });
+}
+
+/// The icon, where each version of the standard wants it.
+pub(crate) fn put_icon(
+    package: &mut PackageBuilder,
+    version: FmiVersion,
+    icon: &[u8],
+) -> anyhow::Result<()> {
+    if version == FmiVersion::V2 {
+        package.entry("model.png", icon.to_vec())?;
+        return Ok(());
+    }
+    package.entry("terminalsAndIcons/icon.png", icon.to_vec())?;
+    let xml = include_bytes!("../icons/terminalsAndIcons.xml");
+    package.entry("terminalsAndIcons/terminalsAndIcons.xml", xml.to_vec())?;
+    Ok(())
+}
+
+/// Runs a package as far as it has come, as an importer would.
+pub(crate) fn reference_of(package: &PackageBuilder, tolerance: f64) -> anyhow::Result<Reference> {
+    let folder = tempfile::tempdir().context("no temporary folder can be made")?;
+    let file = folder.path().join("model.fmu");
+    package.write(&file)?;
+    Reference::of(&cosim::Fmu::open(&file)?, tolerance)
 }
 
 /// What the shared libraries can do.

@@ -6,6 +6,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
+use crate::pages::{self, PageOptions};
 use crate::reproduce::{self, Reproduction, Verdict};
 
 /// Reproduces the tables of a paper: paper | ours | verdict
@@ -14,7 +15,7 @@ use crate::reproduce::{self, Reproduction, Verdict};
 /// experiments run through packed FMUs; their match table comes first, and printed gains are tried first.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop reproduce p0\n  piezoloop reproduce p4 --part control\n  piezoloop reproduce all"
+    after_help = "Examples:\n  piezoloop reproduce p0\n  piezoloop reproduce p4 --part control --report p4.html\n  piezoloop reproduce all"
 )]
 pub(crate) struct Reproduce {
     /// p0, p1, p2, p3, p4 or all; none: all of them
@@ -22,6 +23,8 @@ pub(crate) struct Reproduce {
     /// What is reproduced
     #[arg(long, value_enum, default_value_t = Part::All)]
     part: Part,
+    #[command(flatten)]
+    page: PageOptions,
     /// Run the papers' own searches too (3000 trainings of a swarm), beside the default one
     #[arg(long)]
     searches: bool,
@@ -61,7 +64,9 @@ impl Reproduce {
                 all.push(reproduce::control::run(paper, &say)?);
             }
         }
-        screen.show(&Reproductions(all))
+        let all = Reproductions(all);
+        let page = || pages::reproduction(&all.0, pages::provenance(&[])?);
+        self.page.finish(screen, &all, page)
     }
 }
 

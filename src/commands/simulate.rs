@@ -15,8 +15,9 @@ use serde::Serialize;
 use crate::answer::{Answer, Screen};
 use crate::fmus::{self, Addresses};
 use crate::inputs::{self, LogOptions};
+use crate::pages::{self, PageOptions};
+use crate::progress;
 use crate::window::Window;
-use crate::{pages, progress};
 
 mod output_fit;
 
@@ -66,9 +67,8 @@ pub(crate) struct Simulate {
     /// Record the run in this file
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write a page with the run's signals
-    #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageOptions,
 }
 
 /// Who steps when in a loop.
@@ -99,10 +99,20 @@ pub(crate) struct Simulated {
 
 impl Simulate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        screen.show(&self.execute(screen)?)
+        let read: Vec<(&str, &Path)> = self.files();
+        self.page.not_over(&read.iter().map(|(_, path)| *path).collect::<Vec<_>>())?;
+        let result = self.execute(screen)?;
+        self.page.finish(screen, &result, || pages::simulation(&result, &read))
     }
 
-    /// Simulates, and writes the run and the page.
+    /// The files that are read; a rig is none.
+    fn files(&self) -> Vec<(&str, &Path)> {
+        let models = self.fmus.iter().map(|file| ("model", file.as_path()));
+        let logs = self.log.iter().chain(&self.reference).map(|file| ("log", file.as_path()));
+        models.chain(logs).filter(|(_, file)| file.exists()).collect()
+    }
+
+    /// Simulates, and writes the run.
     pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Simulated> {
         let result = match (self.closed, &self.fmus[..], &self.log, &self.reference) {
             (true, [plant, controller], _, Some(reference)) => {
@@ -114,9 +124,6 @@ impl Simulate {
             (false, [fmu], Some(log), _) => self.drive(fmu, log, screen)?,
             (false, _, _, _) => bail!("two FMUs make a loop: add --loop and --reference FILE"),
         };
-        if let Some(page) = &self.report {
-            pages::simulation(&result)?.write_html(page)?;
-        }
         Ok(result)
     }
 

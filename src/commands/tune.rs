@@ -9,6 +9,7 @@ use identify::{Gains, LoopVerdict, Ultimate};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
+use crate::pages::{self, PageOptions};
 use crate::reproduce::control::Bed;
 
 /// Finds PID gains by experiments on a plant FMU: Ziegler-Nichols, and a robust default
@@ -47,6 +48,8 @@ pub(crate) struct Tune {
     /// Samples of the step response
     #[arg(long, value_name = "N", default_value_t = 200)]
     samples: usize,
+    #[command(flatten)]
+    page: PageOptions,
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,21 +60,26 @@ enum Experiment {
     Gain,
 }
 
+/// What was found.
 #[derive(Serialize)]
-struct Tuned {
-    axis: usize,
-    period_s: f64,
-    slope: f64,
-    ultimate: Option<Ultimate>,
-    why_not: Option<String>,
-    loops: Vec<TunedLoop>,
+pub(crate) struct Tuned {
+    pub(crate) axis: usize,
+    pub(crate) period_s: f64,
+    pub(crate) slope: f64,
+    pub(crate) ultimate: Option<Ultimate>,
+    pub(crate) why_not: Option<String>,
+    pub(crate) loops: Vec<TunedLoop>,
+    /// The machine's answer to a command of 1 over one sample.
+    #[serde(skip)]
+    pub(crate) impulse: Vec<f64>,
 }
 
+/// Gains, and what they do.
 #[derive(Serialize)]
-struct TunedLoop {
-    name: &'static str,
-    gains: Gains,
-    verdict: LoopVerdict,
+pub(crate) struct TunedLoop {
+    pub(crate) name: &'static str,
+    pub(crate) gains: Gains,
+    pub(crate) verdict: LoopVerdict,
 }
 
 impl Tune {
@@ -120,14 +128,19 @@ impl Tune {
         }
         let robust = identify::robust(&impulse, self.period, self.sensitivity, self.noise)?;
         loops.push(judge("robust", robust));
-        screen.show(&Tuned {
+        let answer = Tuned {
             axis: self.axis,
             period_s: self.period,
             slope: impulse.iter().sum(),
             why_not: found.as_ref().err().map(ToString::to_string),
             ultimate: found.ok(),
             loops,
-        })
+            impulse,
+        };
+        let files = [("plant", self.plant.as_path())];
+        let read = if self.plant.exists() { &files[..] } else { &[] };
+        self.page.not_over(&read.iter().map(|(_, path)| *path).collect::<Vec<_>>())?;
+        self.page.finish(screen, &answer, || Ok(pages::tuning(&answer, pages::provenance(read)?)))
     }
 }
 

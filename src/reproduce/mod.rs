@@ -1,10 +1,12 @@
 //! The papers' tables again, on our matched machines: modelling.
 
 pub(crate) mod control;
+pub(crate) mod figures;
 mod p0;
 mod p1;
 mod p2;
 mod p3;
+pub(crate) mod stand_ins;
 
 use serde::Serialize;
 
@@ -59,6 +61,18 @@ pub(crate) struct Reproduction {
     pub(crate) orders: Vec<Order>,
     /// What stands in, and what the figures mean.
     pub(crate) remarks: Vec<String>,
+    /// `p0`, `p1`, …
+    pub(crate) paper: &'static str,
+    /// `modelling` or `control`.
+    pub(crate) part: &'static str,
+    /// The rig that stands in for the paper's machine.
+    pub(crate) rig: &'static str,
+    /// The machine beside the paper's, without the paper's method.
+    #[serde(skip)]
+    pub(crate) matched: Vec<matching::Figure>,
+    /// What was seen.
+    #[serde(skip)]
+    pub(crate) chapters: Vec<figures::Chapter>,
 }
 
 /// The papers with a reproduction of their modelling.
@@ -66,12 +80,33 @@ pub(crate) const PAPERS: [&str; 4] = ["p0", "p1", "p2", "p3"];
 
 /// Runs the reproduction of a paper's modelling; `searches`: also by the paper's own long searches.
 pub(crate) fn run(paper: &str, searches: bool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    match paper {
+    let answer = match paper {
         "p0" => p0::run(say),
         "p1" => p1::run(searches, say),
         "p2" => p2::run(say),
         "p3" => p3::run(say),
         other => anyhow::bail!("no paper \"{other}\"; known are {}", PAPERS.join(", ")),
+    };
+    Ok(answer?.of(paper, "modelling"))
+}
+
+/// Papers, and the rigs that stand in for their machines.
+const RIGS: [(&str, &str); 5] = [
+    ("p0", "p0-truth"),
+    ("p1", "p1-truth"),
+    ("p2", "p2-truth"),
+    ("p3", "p3-truth"),
+    ("p4", "evc-truth"),
+];
+
+impl Reproduction {
+    /// The same, of this part of a paper.
+    fn of(mut self, paper: &str, part: &'static str) -> Self {
+        if let Some((paper, rig)) = RIGS.iter().find(|(known, _)| *known == paper) {
+            (self.paper, self.rig) = (paper, rig);
+        }
+        self.part = part;
+        self
     }
 }
 

@@ -4,6 +4,7 @@ use identify::learned::{Arx, Frame, Machine, Recipe, Span, rms_difference};
 use learned::features::{Features, Narx, Stops};
 use learned::lssvm::{Pruning, Settings};
 
+use super::figures::{self, Chapter};
 use super::{Aim, Order, Reproduction, Row, response};
 
 const ID: &str = "P0";
@@ -118,8 +119,12 @@ impl Model {
         Ok(Self { hysteresis, linear })
     }
 
+    fn simulate(&self, from: &[f64], to0: f64) -> Vec<f64> {
+        self.linear.simulate(&self.hysteresis.simulate(from, to0), to0)
+    }
+
     fn error(&self, from: &[f64], to: &[f64], to0: f64) -> f64 {
-        percent(&self.linear.simulate(&self.hysteresis.simulate(from, to0), to0), to)
+        percent(&self.simulate(from, to0), to)
     }
 
     /// Without the linear part.
@@ -187,10 +192,34 @@ fn forward(
         let error = model.error(&record.u, &record.theta, record.theta0);
         row(format!("with D, test {number}"), paper, error, method.aim);
     }
+    if method.aim == Aim::Reach {
+        answer.chapters.push(seen(records, &model));
+    }
     let large = pruned(f64::INFINITY, 2059)?;
     table(method, records, &[&small, &large], answer)?;
     say(&format!("{name}: inverse"));
     inverse(method, records, &whole, answer)
+}
+
+/// The test signals, measured and simulated.
+fn seen(records: &Records, model: &Model) -> Chapter {
+    let text = "Normalised angle over normalised command, and over time; the model is simulated from the command alone.";
+    let mut chapter = Chapter::new("the model on the test signals", text);
+    for (record, number) in records.tests.iter().zip(1..) {
+        let simulated = model.simulate(&record.u, record.theta0);
+        chapter = chapter.figure(figures::over(
+            format!("Test {number}: angle over command"),
+            &record.u,
+            [("machine", &record.theta), ("model", &simulated)],
+        ));
+    }
+    for (record, number) in records.tests.iter().zip(1..) {
+        let simulated = model.simulate(&record.u, record.theta0);
+        let models = [("model", &simulated[..])];
+        let title = format!("Test {number}");
+        chapter = chapter.figure(figures::model(title, "1", 5e-3, &record.theta, &models));
+    }
+    chapter
 }
 
 /// Table I: proposed against plain machines on the first N samples, and against no linear part.

@@ -8,6 +8,7 @@ use learned::tune::{
     particle_swarm,
 };
 
+use super::figures::{self, Chapter};
 use super::{Aim, Order, Reproduction, Response, Row, response};
 
 const ID: &str = "P1";
@@ -82,6 +83,22 @@ pub(super) fn tuned(
     Ok((Machine::train(frame, pairs, settings)?.0, best))
 }
 
+/// The test signals, measured and simulated.
+fn seen(records: &Records, machines: &[(&str, Machine)]) -> Chapter {
+    let text = "The models are simulated from the command alone.";
+    let mut chapter = Chapter::new("the models on the test signals", text);
+    for (run, letter) in records.tests.iter().zip("DEFG".chars()) {
+        let simulated: Vec<(&str, Vec<f64>)> = machines
+            .iter()
+            .map(|(name, machine)| (*name, machine.simulate(&run.command, run.position[0])))
+            .collect();
+        let models: Vec<(&str, &[f64])> = simulated.iter().map(|(n, y)| (*n, &y[..])).collect();
+        let title = format!("Signal {letter}");
+        chapter = chapter.figure(figures::model(title, "um", run.period, run.after(), &models));
+    }
+    chapter
+}
+
 pub(super) fn run(searches: bool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let records = records()?;
     let pairs = records.pairs();
@@ -93,6 +110,7 @@ pub(super) fn run(searches: bool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
     let stops = Features::Stops(stops);
     let stops = Frame::new(stops, Span::UNIT, Span::UNIT, Recipe::Standardised, &pairs);
     let mut all = Vec::new();
+    let mut machines = Vec::new();
     for (name, frame, search, paper, aim) in [
         ("NARX 3, 3", &narx, Search::Default, [0.021, 0.072, 0.025, 0.166], Aim::Baseline),
         ("stops, default", &stops, Search::Default, [0.0106, 0.0109, 0.0123, 0.0126], Aim::Reach),
@@ -123,7 +141,9 @@ pub(super) fn run(searches: bool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
             best.point[1].exp()
         ));
         all.push(errors);
+        machines.push((name, machine));
     }
+    answer.chapters.push(seen(&records, &machines));
     for (k, letter) in "DEFG".chars().enumerate() {
         answer.orders.push(Order {
             paper_id: ID,

@@ -7,6 +7,7 @@
 use learned::lssvm::{LsSvm, Samples, Settings, leave_one_out};
 use learned::tune::grid_then_simplex;
 
+use super::figures::{self, Chapter};
 use super::{Aim, Order, Reproduction, Row, response};
 
 const ID: &str = "P2";
@@ -34,6 +35,8 @@ const MODELS: [Inputs; 3] = [
 
 /// A record with its hysteresis term, all of order one.
 struct Record {
+    /// Sample time in s.
+    period: f64,
     u: Vec<f64>,
     y: Vec<f64>,
     h: Vec<f64>,
@@ -56,6 +59,7 @@ fn record(name: &str) -> anyhow::Result<Record> {
     });
     let range = y.iter().copied().fold(0.0, f64::max) - y.iter().copied().fold(0.0, f64::min);
     Ok(Record {
+        period: t,
         h: h.collect(),
         u: u.iter().map(|u| u / SCALES[0]).collect(),
         y: y.iter().map(|y| y / SCALES[1]).collect(),
@@ -130,15 +134,37 @@ fn errors(inputs: Inputs, model: &LsSvm, record: &Record) -> [f64; 2] {
     [100.0 * rms / span(&record.h), 100.0 * y / record.range]
 }
 
+/// The hysteresis term, as it follows from the measured signals and as the models simulate it.
+fn seen(records: &[Record; 3], models: &[(Inputs, LsSvm)]) -> Chapter {
+    let text = "The hysteresis term h of the second-order model, as a displacement h/ω².";
+    let mut chapter = Chapter::new("the hysteresis term", text);
+    let scale = SCALES[2] / STIFFNESS;
+    let displacement = |h: &[f64]| h.iter().map(|h| h * scale).collect::<Vec<f64>>();
+    for (record, name) in records.iter().zip(["training", "test 1", "test 2"]) {
+        let simulated: Vec<(&str, Vec<f64>)> = models
+            .iter()
+            .map(|(inputs, model)| (inputs.name, displacement(&inputs.run(model, record))))
+            .collect();
+        let models: Vec<(&str, &[f64])> = simulated.iter().map(|(n, h)| (*n, &h[..])).collect();
+        let measured = displacement(&record.h);
+        let title = format!("h, {name}");
+        chapter = chapter.figure(figures::model(title, "um", record.period, &measured, &models));
+    }
+    chapter
+}
+
 pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let records = [record("p2-train")?, record("p2-test-1")?, record("p2-test-2")?];
     let mut answer = Reproduction::default();
     let mut all = Vec::new();
+    let mut models = Vec::new();
     for inputs in MODELS {
         say(inputs.name);
         let model = tuned(&inputs.samples(&records[0])?)?;
         all.push(records.each_ref().map(|record| errors(inputs, &model, record)));
+        models.push((inputs, model));
     }
+    answer.chapters.push(seen(&records, &models));
     let names = ["training", "test 1", "test 2"];
     for ((name, paper), error) in names.iter().zip([1.05, 0.35, 0.50]).zip(all[2]) {
         let what = format!("model III, y, {name}");

@@ -5,6 +5,7 @@ use identify::learned::{Frame, Machine, Recipe, Span, rms_difference};
 use learned::features::{Derivatives, Features};
 use learned::gp::{GaussianProcess, Hyperparameters, Search};
 
+use super::figures::{self, Chapter};
 use super::{Aim, Order, Reproduction, Response, Row, response};
 
 const ID: &str = "P3";
@@ -57,6 +58,26 @@ fn nrmse(machine: &Machine, run: &Response) -> f64 {
     100.0 * rms_difference(&y, run.after()) / (span.high - span.low)
 }
 
+/// The test signals, measured and simulated.
+fn seen(tests: &[Response], machines: &[(&str, Machine)]) -> Chapter {
+    let text =
+        "The models are simulated from the command alone; of each signal the last 2000 samples.";
+    let mut chapter = Chapter::new("the models on the test signals", text);
+    for (run, test) in tests.iter().zip(&TESTS) {
+        let from = run.after().len().saturating_sub(2000);
+        let simulated: Vec<(&str, Vec<f64>)> = machines
+            .iter()
+            .rev()
+            .map(|(name, m)| (*name, m.simulate(&run.command, run.position[0])))
+            .collect();
+        let models: Vec<(&str, &[f64])> =
+            simulated.iter().map(|(name, y)| (*name, &y[from..])).collect();
+        let measured = &run.after()[from..];
+        chapter = chapter.figure(figures::model(test.0, "um", run.period, measured, &models));
+    }
+    chapter
+}
+
 pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let of = |name, settings| response(RIG, name, settings, 1.0 / AMPLIFIER);
     let chirp = of("p3-chirp", &[])?;
@@ -64,6 +85,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let mut errors = Vec::new();
     let tests: anyhow::Result<Vec<Response>> = TESTS.iter().map(|t| of(t.1, t.2)).collect();
     let tests = tests?;
+    let mut machines = Vec::new();
     for dimension in DIMENSIONS {
         say(&format!("{dimension} inputs"));
         let machine = trained(dimension, &chirp)?;
@@ -81,7 +103,11 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
                 None => "600 centres are not enough for 5 % more training error".into(),
             });
         }
+        if dimension == 2 || dimension == 12 {
+            machines.push((if dimension == 2 { "2 inputs" } else { "12 inputs" }, machine));
+        }
     }
+    answer.chapters.push(seen(&tests, &machines));
     for (k, (name, _, _, paper)) in TESTS.iter().enumerate() {
         for (d, dimension) in DIMENSIONS.iter().enumerate() {
             let reach = *dimension == 12 && BOLD.contains(name);

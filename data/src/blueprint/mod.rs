@@ -79,6 +79,14 @@ pub struct Blueprint {
     pub description: String,
     /// Provenance, free text; may be empty.
     pub source: String,
+    /// Who made the model, person and organisation; may be empty.
+    pub author: String,
+    /// Version of the model; may be empty.
+    pub version: String,
+    /// Who holds the rights in the model; may be empty.
+    pub copyright: String,
+    /// Under which terms the model may be used; may be empty.
+    pub license: String,
     /// Internal step in s, or a text with a unit of time.
     pub step: Value,
     /// Short name, unit and start of the input `temperature`, where a component reads it.
@@ -208,6 +216,10 @@ impl Blueprint {
             name: name.into(),
             description: String::new(),
             source: String::new(),
+            author: String::new(),
+            version: String::new(),
+            copyright: String::new(),
+            license: String::new(),
             step: Value::Number(step),
             temperature: SignalBlueprint::default(),
             axes: Vec::new(),

@@ -108,6 +108,10 @@ impl Reader {
                 "name" => blueprint.name = self.name(value, &place),
                 "description" => blueprint.description = self.text(value, &place),
                 "source" => blueprint.source = self.text(value, &place),
+                "author" => blueprint.author = self.text(value, &place),
+                "version" => blueprint.version = self.text(value, &place),
+                "copyright" => blueprint.copyright = self.text(value, &place),
+                "license" => blueprint.license = self.text(value, &place),
                 "step" => blueprint.step = self.value(value, &place).unwrap_or(blueprint.step),
                 "temperature" => blueprint.temperature = self.signal(value, &place),
                 "axis" => blueprint.axes = self.axes(value, &place),
@@ -379,12 +383,16 @@ impl Reader {
     }
 }
 
-const KEYS: [&str; 10] = [
+const KEYS: [&str; 14] = [
     "piezoloop",
     "kind",
     "name",
     "description",
     "source",
+    "author",
+    "version",
+    "copyright",
+    "license",
     "step",
     "temperature",
     "axis",

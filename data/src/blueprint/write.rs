@@ -19,6 +19,10 @@ pub(super) fn to_toml(blueprint: &Blueprint) -> String {
     text_line(&mut text, "name", &blueprint.name);
     text_line(&mut text, "description", &blueprint.description);
     text_line(&mut text, "source", &blueprint.source);
+    text_line(&mut text, "author", &blueprint.author);
+    text_line(&mut text, "version", &blueprint.version);
+    text_line(&mut text, "copyright", &blueprint.copyright);
+    text_line(&mut text, "license", &blueprint.license);
     line(&mut text, "step", &inline(&blueprint.step));
     signal_line(&mut text, "temperature", &blueprint.temperature);
     for axis in &blueprint.axes {

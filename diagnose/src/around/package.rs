@@ -7,15 +7,21 @@ use modeldescription::structure::Unknown;
 use modeldescription::variable::{
     Causality, DataType, Initial, Number, Start, Variability, Variable,
 };
-use modeldescription::{FmiVersion, ModelDescription, Package, PackageBuilder, PackageError};
+use modeldescription::{
+    FmiVersion, ModelDescription, Package, PackageBuilder, PackageError, generation_time,
+};
 use surround::Repair;
 
 use crate::error::Error;
 
 /// A repaired FMU, to be written.
 pub struct Repaired {
-    /// The package; the caller adds licences and writes it.
+    /// The package; the caller adds licences, documentation and reference results, and writes it.
     pub package: PackageBuilder,
+    /// What it says about itself.
+    pub description: ModelDescription,
+    /// What is put around the original.
+    pub repair: Repair,
     /// What stays out of it, and what else its user should know, one sentence each.
     pub notes: Vec<String>,
 }
@@ -41,8 +47,11 @@ pub(crate) fn pack(
     for (path, content) in files(original.folder()).map_err(|e| failed(e.to_string()))? {
         package.resource(&format!("inner/{path}"), content).map_err(told)?;
     }
-    let page = page(&description, repair);
-    package.documentation("index.html", page.into_bytes()).map_err(told)?;
+    for path in looks(original) {
+        let content =
+            std::fs::read(original.folder().join(&path)).map_err(|e| failed(e.to_string()))?;
+        package.entry(path, content).map_err(told)?;
+    }
     let others: Vec<String> =
         original.platforms().into_iter().filter(|p| !is_same(p, platform)).collect();
     if !others.is_empty() {
@@ -51,7 +60,22 @@ pub(crate) fn pack(
             others.join(", ")
         ));
     }
-    Ok(Repaired { package, notes })
+    Ok(Repaired { package, notes, description, repair: repair.clone() })
+}
+
+/// The original's icons and terminals, which fit the repaired FMU too: it has all its variables.
+fn looks(original: &Package) -> Vec<String> {
+    let folder = original.folder();
+    let mut all = Vec::new();
+    if folder.join("model.png").is_file() {
+        all.push("model.png".to_owned());
+    }
+    let icons = std::fs::read_dir(folder.join("terminalsAndIcons")).into_iter().flatten().flatten();
+    for entry in icons.filter(|entry| entry.path().is_file()) {
+        all.push(format!("terminalsAndIcons/{}", entry.file_name().to_string_lossy()));
+    }
+    all.sort();
+    all
 }
 
 /// Whether a folder of binaries is of this platform, in either version's name.
@@ -108,7 +132,7 @@ fn describe(original: &ModelDescription, repair: &Repair) -> Result<ModelDescrip
     d.number_of_event_indicators = None;
     d.instantiation_token.clone_from(&repair.token);
     d.generation_tool = Some(format!("Piezoloop {}", env!("CARGO_PKG_VERSION")));
-    d.generation_date_and_time = None;
+    d.generation_date_and_time = generation_time().ok();
     let names: Vec<&str> = repair.effects.iter().map(|e| e.name.as_str()).collect();
     let told = d.description.take().filter(|t| !t.is_empty());
     let told = told.unwrap_or_else(|| d.model_name.clone());
@@ -117,6 +141,13 @@ fn describe(original: &ModelDescription, repair: &Repair) -> Result<ModelDescrip
         name: "repair".to_owned(),
         description: Some("What the repair around the original says".to_owned()),
         line: Line::default(),
+    });
+    let version = d.version.take().filter(|text| !text.is_empty());
+    d.version = Some(version.map_or("repaired".to_owned(), |text| format!("{text}, repaired")));
+    let license = d.license.take().filter(|text| !text.is_empty());
+    d.license = Some(match license {
+        Some(text) => format!("{text}; MIT OR Apache-2.0 (the shared library around the original)"),
+        None => "MIT OR Apache-2.0 (the shared library around the original)".to_owned(),
     });
     add_variables(&mut d, repair);
     restructure(&mut d, repair);
@@ -212,48 +243,4 @@ fn restructure(d: &mut ModelDescription, repair: &Repair) {
     if !has_states && told != wanted {
         d.structure.initial_unknowns = wanted.into_iter().map(Unknown::new).collect();
     }
-}
-
-/// What people see.
-fn page(d: &ModelDescription, repair: &Repair) -> String {
-    let escape = |text: &str| {
-        text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-    };
-    let mut rows = String::new();
-    for effect in &repair.effects {
-        let name = escape(&effect.name);
-        let about = escape(&effect.description);
-        rows += &format!(
-            "<tr><td><code>{name}.enabled</code></td><td>{}</td><td></td><td>{about}</td></tr>\n",
-            effect.enabled
-        );
-        for p in &effect.parameters {
-            rows += &format!(
-                "<tr><td><code>{name}.{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                escape(&p.name),
-                p.start,
-                escape(&p.unit),
-                escape(&p.description)
-            );
-        }
-    }
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\n\
-         <style>body{{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}}\
-         table{{border-collapse:collapse}}td,th{{border:1px solid #ccc;padding:.3em .6em;\
-         text-align:left}}</style></head><body>\n<h1>{title}, repaired</h1>\n\
-         <p>This FMU is the original, which lies untouched in <code>resources/inner</code> (SHA-256 \
-         of its archive: <code>{sha}</code>), with effects before and behind it that a diagnosis \
-         against measured logs has found. It takes the original's place: its inputs, outputs and \
-         parameters are here under the same names.</p>\n\
-         <p>Each effect has a switch; with all of them off, this FMU gives the original's outputs bit \
-         by bit. Communication steps longer than {step} s are divided where effects are on.</p>\n\
-         <table><tr><th>Variable</th><th>Start</th><th>Unit</th><th>Meaning</th></tr>\n{rows}</table>\n\
-         <p>Directional derivatives are offered where the original offers them. Not offered, whatever \
-         the original offers: adjoint derivatives, derivatives by time, event mode (the original \
-         handles its events itself), model exchange.</p>\n</body></html>\n",
-        title = escape(&d.model_name),
-        sha = escape(&repair.original.sha256),
-        step = repair.step,
-    )
 }

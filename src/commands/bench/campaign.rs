@@ -16,6 +16,7 @@ use serde::Serialize;
 use super::channels;
 use crate::answer::{Answer, Screen};
 use crate::fmus::{self, Opened};
+use crate::pages::{self, PageOptions};
 
 /// Tries a campaign of faults in virtual time: does each end as it should?
 ///
@@ -39,6 +40,8 @@ pub(crate) struct Run {
     /// The controller FMU [default: the plan's; none: the plan's sequence is the commands]
     #[arg(long, value_name = "FMU")]
     controller: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageOptions,
 }
 
 #[derive(Serialize)]
@@ -94,7 +97,12 @@ impl Run {
         let settle = bench.prepare()?.settings.settle;
         let trials = campaign.run(settle, |script| bench.rehearsal(script))?;
         let failed = trials.iter().filter(|trial| !trial.problems.is_empty()).count();
-        screen.show(&Tried { trials, failed })
+        let answer = Tried { trials, failed };
+        let read = [("campaign", file.as_path())];
+        self.page.not_over(&[file])?;
+        self.page.finish(screen, &answer, || {
+            Ok(pages::campaign(&answer.trials, pages::provenance(&read)?))
+        })
     }
 }
 

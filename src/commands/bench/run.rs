@@ -12,9 +12,11 @@ use bench::plan::{AxisPlan, Plan, Prepared, Step};
 use bench::record::{About, Converted, Format, Journal, Recorder, convert};
 use bench::runner::{Outcome, Percentiles, SharedOrders};
 use clap::Args;
+use report::Report;
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
+use crate::pages::{self, PageOptions, Rows};
 use crate::{fmus, inputs};
 
 /// Runs a controller FMU in real time next to a machine, and records it
@@ -58,7 +60,12 @@ pub(crate) struct Run {
     /// Processor for the cycle's thread [default: any]
     #[arg(long, value_name = "N")]
     cpu: Option<usize>,
+    #[command(flatten)]
+    page: PageOptions,
 }
+
+/// Newest rows that a page shows.
+const PAGE_ROWS: usize = 1_000_000;
 
 /// Rows that wait for the recorder: this many seconds.
 const RING_SECONDS: f64 = 2.0;
@@ -71,11 +78,38 @@ struct Ran {
     realtime: Realtime,
     record: Option<Converted>,
     notes: Vec<String>,
+    /// What the page shows.
+    #[serde(skip)]
+    rows: Option<Rows>,
 }
 
 impl Run {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        screen.show(&self.execute(screen)?)
+        self.page.not_over(&self.read())?;
+        let ran = self.execute(screen)?;
+        self.page.finish(screen, &ran, || self.report(&ran))
+    }
+
+    /// The files that are read.
+    fn read(&self) -> Vec<&Path> {
+        let all = [&self.controller, &self.plan, &self.reference];
+        all.into_iter().flatten().map(PathBuf::as_path).collect()
+    }
+
+    fn report(&self, ran: &Ran) -> anyhow::Result<Report> {
+        let files = [
+            ("controller", &self.controller),
+            ("plan", &self.plan),
+            ("reference", &self.reference),
+        ];
+        let read: Vec<(&str, &Path)> = files
+            .iter()
+            .filter_map(|(role, file)| Some((*role, file.as_deref()?)))
+            .filter(|(_, file)| file.exists())
+            .collect();
+        let provenance = pages::provenance(&read)?.remark("clock", ran.realtime.line.to_string());
+        let rows = ran.rows.as_ref().context("no row was recorded")?;
+        Ok(pages::bench_run(&ran.outcome, rows, provenance))
     }
 
     fn execute(&self, screen: &Screen) -> anyhow::Result<Ran> {
@@ -95,7 +129,13 @@ impl Run {
         for note in &prepared.notes {
             screen.say(&format!("note: {note}"));
         }
-        let journal = self.journal(&prepared, record.as_deref())?;
+        // Without a record the page has a journal of its own.
+        let folder = match (self.page.is_asked(), &record) {
+            (true, None) => Some(tempfile::tempdir().context("no temporary folder can be made")?),
+            _ => None,
+        };
+        let own = folder.as_ref().map(|folder| folder.path().join("run"));
+        let journal = self.journal(&prepared, record.as_deref().or(own.as_deref()))?;
         let depth = (RING_SECONDS * 1e9 / prepared.settings.period_ns as f64).max(16.0) as usize;
         let (recorder, mut ring) = Recorder::start(journal, prepared.columns.len(), depth);
         let dashboard = Dashboard::new(&prepared.columns);
@@ -126,6 +166,10 @@ impl Run {
             terminal.finish();
         }
         let recorded = recorder.finish()?;
+        let rows = match &recorded.journal {
+            Some(journal) if self.page.is_asked() => Some(Rows::newest(journal, PAGE_ROWS)?),
+            _ => None,
+        };
         let record = match (recorded.journal, record, format) {
             (Some(journal), Some(record), Some(format)) => {
                 Some(keep(&journal, &record, format, &outcome, &realtime)?)
@@ -135,7 +179,7 @@ impl Run {
         if let Some(web) = web {
             web.finish();
         }
-        Ok(Ran { outcome, realtime, record, notes: prepared.notes })
+        Ok(Ran { outcome, realtime, record, notes: prepared.notes, rows })
     }
 
     /// The plan with what the command line says.
@@ -179,12 +223,7 @@ impl Run {
         record: Option<&Path>,
     ) -> anyhow::Result<Option<Journal>> {
         let Some(record) = record else { return Ok(None) };
-        let read: Vec<&Path> = [&self.controller, &self.plan, &self.reference]
-            .into_iter()
-            .flatten()
-            .map(PathBuf::as_path)
-            .collect();
-        inputs::not_over(record, &read)?;
+        inputs::not_over(record, &self.read())?;
         let path = journal_of(record);
         if path.exists() {
             bail!(

@@ -28,8 +28,17 @@ pub(crate) struct Bed {
 /// What a closed loop did: per axis, per sample.
 pub(crate) struct Tracked {
     pub(crate) command: Vec<Vec<f64>>,
+    pub(crate) reference: Vec<Vec<f64>>,
+    pub(crate) position: Vec<Vec<f64>>,
     /// Wanted minus measured position.
     pub(crate) error: Vec<Vec<f64>>,
+}
+
+impl Tracked {
+    /// Number of rows.
+    pub(crate) fn rows(&self) -> usize {
+        self.error.iter().map(Vec::len).min().unwrap_or(0)
+    }
 }
 
 impl Bed {
@@ -158,7 +167,8 @@ impl Bed {
             .zip(&position)
             .map(|(r, y)| r.iter().zip(y).map(|(r, y)| r - y).collect())
             .collect();
-        Ok(Tracked { command, error })
+        let reference = references.iter().map(|r| r[..rows].to_vec()).collect();
+        Ok(Tracked { command, reference, position, error })
     }
 }
 

@@ -9,7 +9,7 @@ mod p3;
 mod p4;
 mod single;
 
-pub(crate) use bed::Bed;
+pub(crate) use bed::{Bed, Tracked};
 
 use anyhow::Context;
 
@@ -34,8 +34,10 @@ pub(crate) fn run(paper: &str, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
     let rig = PAPERS.iter().position(|known| *known == paper);
     let rig =
         rig.and_then(|at| matching::TABLES.get(at)).context("each paper has a match table")?;
-    judge_by_match(&rig()?, &mut answer);
-    Ok(answer)
+    let matched = rig()?;
+    judge_by_match(&matched, &mut answer);
+    answer.matched = matched;
+    Ok(answer.of(paper, "control"))
 }
 
 /// Puts the match table in front, and takes the verdicts back where the rig is not matched.

@@ -13,6 +13,7 @@ use super::bed::{Bed, Tracked};
 use super::inverse::{Linear, arx_component, learned_inverse, linear};
 use super::{Aim, Order, Reproduction, Row, rms_of};
 use crate::matching;
+use crate::reproduce::figures::{Chapter, Runs, open_loop};
 
 const ID: &str = "P0";
 const RIG: &str = "p0-truth";
@@ -234,6 +235,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         ));
         inverses.push(inverse);
     }
+    answer.chapters.push(machine(&mut bed)?);
     say("calibration of the Jacobian");
     let calibration = calibrate(&mut bed, &inverses)?;
     kinematics(&calibration, &mut answer);
@@ -263,6 +265,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     for rate in [1, 2] {
         let references = trajectory(rate, 1)?;
         let mut found = Vec::new();
+        let mut runs = Vec::new();
         for (name, design) in &designs {
             say(&format!("rate {rate}, system {name}"));
             let blueprint = controller(design, &inverses, &calibration)?;
@@ -277,7 +280,9 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
                 answer.rows.push(Row::new(ID, what, "%", paper, relative, aim));
             }
             found.push(error);
+            runs.push((*name, run));
         }
+        answer.chapters.push(tracked(rate, &runs));
         let mut order = |what: &str, holds: bool| {
             let what = format!("rate {rate}: {what}");
             answer.orders.push(Order { paper_id: ID, what, holds });
@@ -291,6 +296,42 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         beyond(&bed, (rate, found[3]), &both, &inverses, &calibration, &mut answer, say)?;
     }
     Ok(answer)
+}
+
+/// The loops of all axes, each moved alone.
+fn machine(bed: &mut Bed) -> anyhow::Result<Chapter> {
+    let (u, _) = matching::signal("p0-train-h", &[])?;
+    let mut chapter = Chapter::new(
+        "the machine",
+        "Each axis alone under the training signal: its coordinate on the detector over its command.",
+    );
+    for pair in [[0, 1], [2, 3]] {
+        let answers = pair.map(|axis| bed.response(axis, &u, 0.0, PERIOD).map(|y| (axis, y)));
+        let answers = answers.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+        let named: Vec<_> =
+            answers.iter().map(|(axis, y)| (NAMES[*axis], &u[..], &y[1..])).collect();
+        let title = format!("Loops of mirror {}", pair[0] / 2 + 1);
+        chapter = chapter.figure(open_loop(title, "um", &named));
+    }
+    Ok(chapter)
+}
+
+/// Trajectories on both detectors and the distances from them.
+fn tracked(rate: usize, runs: &[(&str, Tracked)]) -> Chapter {
+    let runs = Runs {
+        runs: runs.iter().map(|(name, run)| (*name, run)).collect(),
+        period: PERIOD,
+        from: PASS_FROM,
+        unit: "um",
+    };
+    let text = "The beam's path on both detectors under the four systems, and how far it is from where it should \
+                be.";
+    Chapter::new(format!("trajectory at rate {rate}"), text)
+        .figure(runs.paths("Path on PSD 1", [(0, "x1"), (1, "y1")]))
+        .figure(runs.paths("Path on PSD 2", [(2, "x2"), (3, "y2")]))
+        .figure(runs.distances("Distance on PSD 1", [0, 1]))
+        .figure(runs.distances("Distance on PSD 2", [2, 3]))
+        .figure(runs.tracking("Coordinate x2 and the command of M2x", 2))
 }
 
 fn kinematics(calibration: &Calibration, answer: &mut Reproduction) {
@@ -366,6 +407,16 @@ fn beyond(
     let run = bed.track(&blueprint, &references, PERIOD, design.preview)?;
     let from = references[0].len() - rows;
     let error = errors(&run, from);
+    let seen =
+        Runs { runs: vec![("system 4 and learning", &run)], period: PERIOD, from, unit: "um" };
+    answer.chapters.push(
+        Chapter::new(
+            format!("learning at rate {rate}"),
+            format!("Beyond the paper: {PASSES} passes with learning; the last one is judged."),
+        )
+        .figure(seen.distances("Distance on PSD 1, pass by pass", [0, 1]))
+        .figure(seen.distances("Distance on PSD 2, pass by pass", [2, 3])),
+    );
     for psd in 0..2 {
         let what =
             format!("rate {rate}, beyond: system 4 and learning, pass {PASSES}, PSD {}", psd + 1);

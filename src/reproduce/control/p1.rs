@@ -13,6 +13,7 @@ use super::inverse::learned_inverse;
 use super::single::{Design, impulse, is_unstable, rmse, ultimate, with_rest};
 use super::{Aim, Order, Reproduction, Row};
 use crate::matching;
+use crate::reproduce::figures::{Chapter, Runs, open_loop};
 use crate::reproduce::p1::{Search, tuned};
 
 const ID: &str = "P1";
@@ -35,6 +36,15 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     };
     let train = ['a', 'b', 'c'].into_iter().map(&mut record).collect::<Result<Vec<_>, _>>()?;
     let zero = train[0].1[0];
+    let named: Vec<_> =
+        ["A", "B", "C"].iter().zip(&train).map(|(name, (u, y))| (*name, &u[..], &y[1..])).collect();
+    let text = "The machine under the training signals: its loop widens with the rate, most of it by the \
+                anti-alias filter.";
+    answer.chapters.push(Chapter::new("the machine", text).figure(open_loop(
+        "Training signals",
+        "um",
+        &named,
+    )));
     let pairs: Vec<(&[f64], &[f64])> = train.iter().map(|(u, y)| (&y[1..], &u[..])).collect();
     let top = pairs.iter().flat_map(|(y, _)| y.iter()).fold(0.0_f64, |top, y| top.max(y.abs()));
     let stops = Stops { count: STOPS, range: top, period: PERIOD, rate_scale: 1.0 };
@@ -110,13 +120,35 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
             let blueprint = design.controller(&tables, parts, None, gains);
             bed.track(&blueprint, std::slice::from_ref(&reference), PERIOD, design.preview)
         };
-        let feedforward = rmse(&of(true, &none)?, part);
+        let inverse_alone = of(true, &none)?;
+        let feedforward = rmse(&inverse_alone, part);
         let tried = of(true, &printed)?;
         if is_unstable(&tried, COMMAND) && k == 0 {
             answer.remarks.push("printed gains, in V and um: unstable in the loop too".into());
         }
-        let feedback = rmse(&of(false, &robust)?, part);
-        let both = rmse(&of(true, &robust)?, part);
+        let feedback_alone = of(false, &robust)?;
+        let compound = of(true, &robust)?;
+        let (feedback, both) = (rmse(&feedback_alone, part), rmse(&compound, part));
+        let seen = Runs {
+            runs: vec![
+                ("inverse LS-SVM alone", &inverse_alone),
+                ("PID alone", &feedback_alone),
+                ("inverse and PID", &compound),
+            ],
+            period: PERIOD,
+            from: REST,
+            unit: "um",
+        };
+        answer.chapters.push(
+            Chapter::new(
+                format!("signal {upper}"),
+                "Reference, position, error and command; position over reference is a line where the \
+                 hysteresis is taken out.",
+            )
+            .figure(seen.straightness(format!("Position over reference, signal {upper}"), 0))
+            .figure(seen.loops(format!("Position over command, signal {upper}"), 0))
+            .figure(seen.tracking(format!("Signal {upper}"), 0)),
+        );
         let mut row = |what: &str, paper: f64, ours: f64, aim: Aim| {
             answer.rows.push(Row::new(ID, format!("{what}, {upper}"), "um", paper, ours, aim));
         };

@@ -14,6 +14,7 @@ use super::inverse::table_of;
 use super::single::{Design, impulse, rmse, ultimate, with_rest};
 use super::{Aim, Order, Reproduction, Row};
 use crate::matching;
+use crate::reproduce::figures::{Chapter, Runs, open_loop};
 
 const ID: &str = "P2";
 const RIG: &str = "p2-truth";
@@ -54,6 +55,13 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let (u, _) = matching::signal("p2-train", &[("sample_time", PERIOD)])?;
     let y = bed.response(0, &u, 0.0, PERIOD)?;
     let zero = y[0];
+    answer.chapters.push(
+        Chapter::new("the machine", "The bimorph under the training signal.").figure(open_loop(
+            "Training signal",
+            "um",
+            &[("machine", &u, &y[1..])],
+        )),
+    );
     let machine = trained(&u, &y[1..], zero)?;
     let (position, term) = (machine.frame.command, machine.frame.output);
     let mut tables = Blueprint::new(Kind::Controller, "tables", PERIOD);
@@ -131,6 +139,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         ("feedforward and PID, LS-SVM", &learned, law, 0.62),
     ];
     let mut errors = Vec::new();
+    let mut runs = Vec::new();
     for (name, feedforward, gains, paper) in rows {
         say(name);
         let blueprint = design.controller(&tables, std::slice::from_ref(feedforward), None, &gains);
@@ -139,7 +148,24 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         let aim = if name.ends_with("LS-SVM") { Aim::Reach } else { Aim::Told };
         answer.rows.push(Row::new(ID, name, "um", paper, error, aim));
         errors.push(error);
+        runs.push((name, run));
     }
+    let seen = Runs {
+        runs: runs.iter().map(|(name, run)| (*name, run)).collect(),
+        period: PERIOD,
+        from: references[0].len() - 2 * turn,
+        unit: "um",
+    };
+    answer.chapters.push(
+        Chapter::new(
+            "compensation of a 2 Hz sine",
+            "The last two turns are judged. Position over reference is a line where the hysteresis is taken out.",
+        )
+        .figure(seen.straightness("Position over reference", 0))
+        .figure(seen.loops("Position over command", 0))
+        .figure(seen.errors("Errors", 0))
+        .figure(seen.tracking("References, positions, commands", 0)),
+    );
     let mut order = |what: &str, holds: bool| {
         answer.orders.push(Order { paper_id: ID, what: what.into(), holds });
     };

@@ -10,11 +10,12 @@ use learned::features::{Derivatives, Features};
 use learned::gp::{GaussianProcess, Hyperparameters, Search};
 use model::Kind;
 
-use super::bed::Bed;
+use super::bed::{Bed, Tracked};
 use super::inverse::learned_inverse;
 use super::single::{Design, is_unstable};
 use super::{Aim, Order, Reproduction, Row};
 use crate::matching;
+use crate::reproduce::figures::{Chapter, Runs, open_loop};
 
 const ID: &str = "P3";
 const RIG: &str = "p3-truth";
@@ -64,6 +65,10 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let (u, _) = matching::signal("p3-chirp", &[])?;
     let u: Vec<f64> = u.iter().map(|u| u / AMPLIFIER).collect();
     let y = bed.response(0, &u, 0.0, PERIOD)?;
+    answer.chapters.push(
+        Chapter::new("the machine", "The stage under the training chirp of 25 to 1025 Hz.")
+            .figure(open_loop("Training chirp", "um", &[("machine", &u, &y[1..])])),
+    );
     let (zero, top) = (bed.rest(&[0.0], PERIOD)?[0], bed.rest(&[RANGE], PERIOD)?[0]);
     // V per um, as command and position are scaled equally in the paper.
     let scale = RANGE / (top - zero);
@@ -106,16 +111,33 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
             bed.track(&blueprint, &[reference.clone()], PERIOD, preview)
         };
         let none = Gains::default();
-        let percent =
-            |run: &super::bed::Tracked| 100.0 * super::rms_of(&run.error, &[0], from) / RANGE;
+        let percent = |run: &Tracked| 100.0 * super::rms_of(&run.error, &[0], from) / RANGE;
         let alone = of(None, &printed)?;
         if is_unstable(&alone, COMMAND) {
             answer.remarks.push(format!("{name}: PI with the printed gains is unstable here"));
         }
-        let open = inverses.iter().map(|i| Ok(percent(&of(Some(i), &none)?)));
-        let open = open.collect::<anyhow::Result<Vec<f64>>>()?;
-        let closed = inverses.iter().map(|i| Ok(percent(&of(Some(i), &printed)?)));
-        let closed = closed.collect::<anyhow::Result<Vec<f64>>>()?;
+        let all = |gains: &Gains| -> anyhow::Result<Vec<Tracked>> {
+            inverses.iter().map(|inverse| of(Some(inverse), gains)).collect()
+        };
+        let (open_runs, closed_runs) = (all(&none)?, all(&printed)?);
+        let open: Vec<f64> = open_runs.iter().map(percent).collect();
+        let closed: Vec<f64> = closed_runs.iter().map(percent).collect();
+        let seen = Runs {
+            runs: vec![
+                ("PI alone", &alone),
+                ("12 inputs, open loop", &open_runs[1]),
+                ("12 inputs and PI", &closed_runs[1]),
+            ],
+            period: PERIOD,
+            from,
+            unit: "um",
+        };
+        answer.chapters.push(
+            Chapter::new(name, "Position over reference and over command, errors, tracking.")
+                .figure(seen.straightness(format!("Position over reference, {name}"), 0))
+                .figure(seen.loops(format!("Position over command, {name}"), 0))
+                .figure(seen.tracking(format!("Tracking, {name}"), 0)),
+        );
         let alone = percent(&alone);
         let mut row = |what: &str, paper: f64, ours: f64, aim: Aim| {
             answer.rows.push(Row::new(ID, format!("{what}, {name}"), "%", paper, ours, aim));

@@ -12,6 +12,7 @@ use super::bed::{Bed, Tracked};
 use super::{Aim, Order, Reproduction, Row};
 use crate::answer::Screen;
 use crate::commands::{Command, demo};
+use crate::reproduce::figures::{Chapter, Runs};
 
 const ID: &str = "P4";
 const RIG: &str = "p4-truth";
@@ -186,6 +187,35 @@ fn rmse(run: &Tracked, axis: usize, turns: usize) -> f64 {
     super::rms_of(&run.error, &[axis], from)
 }
 
+/// Ellipses, errors and loops of a case; `learned` is the run with learning, whose last turns are judged.
+fn ellipses(case: &Case, runs: &[(&str, Tracked)], learned: &Tracked) -> Chapter {
+    let rows = |turns: usize| (turns as f64 / FREQUENCY / PERIOD).round() as usize;
+    let seen = Runs {
+        runs: runs.iter().map(|(name, run)| (*name, run)).collect(),
+        period: PERIOD,
+        from: rows(GROWING),
+        unit: "um",
+    };
+    let with = Runs {
+        runs: vec![("with learning", learned)],
+        period: PERIOD,
+        from: learned.rows().saturating_sub(rows(3)),
+        unit: "um",
+    };
+    Chapter::new(
+        case.name,
+        "The tool's path in the plane of Y and Z, the ellipse grown to its size; then the errors of both axes and \
+         their loops.",
+    )
+    .figure(seen.paths("The paper's controllers", [(0, "Y"), (1, "Z")]))
+    .figure(with.paths("With learning, the last three turns", [(0, "Y"), (1, "Z")]))
+    .figure(seen.errors("Error of Y", 0))
+    .figure(seen.errors("Error of Z", 1))
+    .figure(with.errors("Error of Z with learning, turn by turn", 1))
+    .figure(seen.loops("Position over command, Y", 0))
+    .figure(seen.loops("Position over command, Z", 1))
+}
+
 pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let folder = tempfile::tempdir()?;
     let mut bed = Bed::open(Path::new(RIG))?;
@@ -225,6 +255,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
             ("inverse dynamic PI and PID, re-tuned", Some(&dynamic), compound),
         ];
         let mut found = Vec::new();
+        let mut runs = Vec::new();
         for (name, dynamic, parts) in rows {
             let run = track(dynamic, parts, &references)?;
             let errors = worst(&run, TURNS[0] - GROWING);
@@ -249,6 +280,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
                 ));
             }
             found.push((errors, [rmse(&run, 0, 5), rmse(&run, 1, 5)]));
+            runs.push((name, run));
         }
         let compound_is_best = (0..2).all(|axis| found[4].0[axis] < found[2].0[axis]);
         answer.orders.push(Order {
@@ -260,6 +292,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         let learning = Parts { learning: Some(0.5), ..compound };
         let run = track(Some(&dynamic), learning, &references)?;
         let errors = worst(&run, 3);
+        answer.chapters.push(ellipses(case, &runs, &run));
         for axis in 0..2 {
             let name = ["Y", "Z"][axis];
             let ours = rmse(&run, axis, 3);

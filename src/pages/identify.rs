@@ -1,22 +1,14 @@
-//! Results as reports.
+//! The page of an identification: loop, time series, residuals and their spectra, frequency response,
+//! what was tried, parameters.
 
 use std::path::Path;
 
-use report::{
-    Axis, InputFile, KeyFigure, Provenance, Report, Section, Table, TimeSeries, Verdict, XyLoop,
-};
+use report::{Axis, Column, KeyFigure, Report, Role, Section, Table, TimeSeries, Verdict, XyLoop};
 
+use diagnose::figures::{self as response, Answered};
+
+use super::provenance;
 use crate::commands::identify::{AxisResult, Identified};
-use crate::commands::simulate::Simulated;
-
-/// Provenance of this call: tool, version, command line, files.
-pub(crate) fn provenance(files: &[(&str, &Path)]) -> anyhow::Result<Provenance> {
-    let mut all = Provenance::new("piezoloop", crate::VERSION).command_line(std::env::args());
-    for (role, path) in files {
-        all = all.file(InputFile::read(*role, path)?);
-    }
-    Ok(all)
-}
 
 /// The page of an identification.
 pub(crate) fn identification(result: &Identified, logs: &[&Path]) -> anyhow::Result<Report> {
@@ -76,38 +68,49 @@ pub(crate) fn sections(axis: &AxisResult) -> Vec<Section> {
             (0..record.len()).map(|k| record.start() + k as f64 * record.period()).collect();
         let simulated: Vec<f64> = fit.simulation.iter().map(|y| y + fit.held_out.offset).collect();
         let held = rows.first..rows.end;
-        let loops = hysteresis_loop(axis, record, &simulated, held);
+        let loops = hysteresis_loop(axis, record, &simulated, held.clone());
         let series = TimeSeries::new(format!("Axis {}: {}", axis.name, fit.record), &time)
             .measured("measured", unit, record.output())
             .model("plant", unit, &simulated)
             .panel("error")
             .residual("measured − plant", unit, &fit.residual)
             .other("measured − straight line", unit, &fit.baseline_residual);
-        all.push(
-            Section::new(format!("Axis {}", axis.name))
-                .paragraph(id.rules)
-                .figure(loops)
-                .figure(series),
-        );
+        let band = (record.time(held.start), record.time(held.end.saturating_sub(1)));
+        let mut section = Section::new(format!("Axis {}: {}", axis.name, fit.record))
+            .paragraph(sentence(id.rules))
+            .figure(loops)
+            .figure(histogram(axis, fit))
+            .figure(series.band(band.0, band.1, "held out"));
+        for figure in frequencies(axis, record, fit, &simulated) {
+            section = section.figure(figure);
+        }
+        all.push(section);
     }
     if let Some(section) = comparison(axis) {
         all.push(section);
     }
-    let columns =
-        ["structure", "fitted, % of range", "held out, % of range", "numbers", "s", "taken", "why"];
+    let columns = [
+        Column::new("structure"),
+        Column::new("fitted").unit("% of range").decimals(3),
+        Column::new("held out").unit("% of range").decimals(3),
+        Column::new("numbers"),
+        Column::new("time").unit("s").decimals(1),
+        Column::new("taken"),
+        Column::new("why"),
+    ];
     let mut table = Table::new("Structures that were tried", columns);
     for candidate in &id.candidates {
-        let percent = |part: Option<f64>| {
-            part.map_or("failed".to_owned(), |part| format!("{:.3}", 100.0 * part))
+        let percent = |part: Option<f64>| -> report::Value {
+            part.map_or("failed".into(), |part| (100.0 * part).into())
         };
         table = table.row([
-            candidate.structure.clone(),
+            candidate.structure.as_str().into(),
             percent(candidate.fitted_nrmse),
             percent(candidate.held_out_nrmse),
-            candidate.parameters.to_string(),
-            format!("{:.1}", candidate.seconds),
-            if candidate.accepted { "yes" } else { "" }.to_owned(),
-            candidate.reason.clone(),
+            candidate.parameters.into(),
+            candidate.seconds.into(),
+            if candidate.accepted { "yes" } else { "" }.into(),
+            candidate.reason.as_str().into(),
         ]);
     }
     let columns = [
@@ -135,6 +138,48 @@ pub(crate) fn sections(axis: &AxisResult) -> Vec<Section> {
     all
 }
 
+/// A text as a sentence.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}.", letters.as_str())
+}
+
+/// Residuals of the held-out rows, counted.
+fn histogram(axis: &AxisResult, fit: &identify::RecordFit) -> report::Histogram {
+    let rows = fit.held_out.rows;
+    let errors = [
+        (Role::Residual, "plant", rows.of(&fit.residual)),
+        (Role::Other, "straight line", rows.of(&fit.baseline_residual)),
+    ];
+    let title = format!("Residuals, axis {}, held-out rows", axis.name);
+    response::histogram(title, &axis.identification.unit, &errors)
+}
+
+/// Response from command to position, and what the residuals are made of.
+fn frequencies(
+    axis: &AxisResult,
+    record: &identify::Record,
+    fit: &identify::RecordFit,
+    simulated: &[f64],
+) -> Vec<report::Figure> {
+    let unit = axis.identification.unit.as_str();
+    let rows = fit.held_out.rows;
+    let errors = [
+        (Role::Residual, "plant", rows.of(&fit.residual)),
+        (Role::Other, "straight line", rows.of(&fit.baseline_residual)),
+    ];
+    let title = format!("Spectrum of the residuals, axis {}, held-out rows", axis.name);
+    let mut all = vec![response::spectrum(title, unit, record.period(), &errors).into()];
+    let outputs =
+        vec![(Role::Measured, "measured", record.output()), (Role::Model, "plant", simulated)];
+    let answered = Answered { input: record.input(), outputs, period: record.period() };
+    let title = format!("Frequency response, axis {}, whole record", axis.name);
+    let gain = format!("{unit}/{}", axis.command_unit);
+    all.extend(response::bode(title, &gain, &answered).map(report::Figure::from));
+    all
+}
+
 /// Every method's best structure on the held-out rows of the first record: residuals over the command,
 /// over time, and their spectra.
 fn comparison(axis: &AxisResult) -> Option<Section> {
@@ -150,9 +195,14 @@ fn comparison(axis: &AxisResult) -> Option<Section> {
         Axis::new("command", &axis.command_unit),
         Axis::new("measured − model", unit),
     );
+    let columns = [
+        Column::new("method"),
+        Column::new("frequency").unit("Hz"),
+        Column::new("amplitude").unit(unit),
+    ];
     let mut spectra = Table::new(
         "Amplitude of the residual at the strongest frequencies of the position",
-        ["method", "frequency in Hz", "amplitude"],
+        columns,
     );
     let frequencies = strongest(&record.output()[span.clone()], record.period());
     let mut seen: Vec<&str> = Vec::new();
@@ -169,12 +219,15 @@ fn comparison(axis: &AxisResult) -> Option<Section> {
         let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
         let errors: Vec<f64> = errors.iter().map(|e| e - mean).collect();
         series = series.other(method, unit, &errors);
-        loops = loops.model(method, &record.input()[span.clone()], &errors);
+        loops = loops.line(Role::Other, method, &record.input()[span.clone()], &errors);
         for &frequency in &frequencies {
             let amplitude = amplitude(&errors, frequency * record.period());
             spectra =
                 spectra.row::<report::Value>([method.into(), frequency.into(), amplitude.into()]);
         }
+    }
+    if seen.len() < 2 {
+        return None;
     }
     let heading = format!("Methods compared, axis {}", axis.name);
     Some(Section::new(heading).figure(loops).figure(series).table(spectra))
@@ -254,46 +307,4 @@ pub(crate) fn picture(axis: &AxisResult) -> Option<String> {
     let simulated: Vec<f64> = fit.simulation.iter().map(|y| y + fit.held_out.offset).collect();
     let figure = hysteresis_loop(axis, record, &simulated, rows.first..rows.end);
     Some(report::Figure::from(figure).to_svg())
-}
-
-/// The page of a simulation.
-pub(crate) fn simulation(result: &Simulated) -> anyhow::Result<Report> {
-    let sentence = match result.fits.first() {
-        Some(fit) => format!(
-            "{} against {}: rmse {:.4} {}, largest error {:.4} {} (offset {:.4} {} taken out).",
-            fit.output,
-            fit.against,
-            fit.rmse,
-            fit.unit,
-            fit.max_error,
-            fit.unit,
-            fit.offset,
-            fit.unit
-        ),
-        None => format!("{} rows of {} were simulated.", result.rows, result.model),
-    };
-    let mut page =
-        Report::new("simulate", format!("Run of {}", result.model), Verdict::neutral(sentence))
-            .provenance(provenance(&[])?);
-    for note in &result.notes {
-        page = page.warning(note);
-    }
-    for fit in &result.fits {
-        let label = format!("{}, record {}", fit.output, fit.record);
-        page = page.key_figure(KeyFigure::new(label, fit.rmse, fit.unit.as_str()).note("rmse"));
-    }
-    let memory = &result.signals;
-    for (number, rows) in memory.records().iter().enumerate() {
-        let mut figure = TimeSeries::new(format!("Record {number}"), &memory.time()[rows.clone()]);
-        for series in memory.series() {
-            let unit = series.column.unit.as_deref().unwrap_or("");
-            figure = figure.model(&series.column.name, unit, &series.values[rows.clone()]);
-            let measured = result.measured.iter().find(|(name, _)| name == &series.column.name);
-            if let Some(values) = measured.and_then(|(_, values)| values.get(rows.clone())) {
-                figure = figure.measured(format!("{} measured", series.column.name), unit, values);
-            }
-        }
-        page = page.section(Section::new(format!("Record {number}")).figure(figure));
-    }
-    Ok(page)
 }

@@ -1,15 +1,13 @@
 //! The answer as a page: the sentence first, then where, which, how much, what next.
 
+mod evidence;
+
 use std::collections::BTreeMap;
 
-use report::{
-    Axis, Column, KeyFigure, Report, Role, Section, Spectrum, Table, TimeSeries, Value,
-    Verdict as Word, XyLoop,
-};
+use report::{Column, KeyFigure, Report, Section, Table, TimeSeries, Value, Verdict as Word};
 
 use crate::gap::{Estimate, Gap, HeldOut, Verdict};
 use crate::outcome::Outcome;
-use crate::spectrum::{self, Bands};
 use crate::{Diagnosis, Files};
 
 pub(crate) fn report(diagnosis: &Diagnosis, files: &Files<'_>) -> Report {
@@ -83,54 +81,7 @@ fn place(gap: &Gap, o: &Outcome) -> Section {
         }
         section = section.table(table);
     }
-    over_command(map(signals(section, o), o), o)
-}
-
-/// Measured, simulated and what is left, record by record; spectra before and after.
-fn signals(mut section: Section, o: &Outcome) -> Section {
-    let data = &o.problem.data;
-    let scale = o.sigma / o.problem.factor;
-    let unit = o.problem.unit.as_str();
-    for record in &data.records {
-        let rows = record.rows.clone();
-        let in_unit = |v: &[f64]| v[rows.clone()].iter().map(|r| r * scale).collect::<Vec<f64>>();
-        let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.problem.factor).collect();
-        let (before, after) =
-            (in_unit(&o.found.base.judged.residual), in_unit(&o.found.last.judged.residual));
-        let model: Vec<f64> = y.iter().zip(&before).map(|(y, r)| y - r).collect();
-        let mut figure = TimeSeries::new(
-            format!("{}: {}", o.problem.output, record.name),
-            &data.time[rows.clone()],
-        )
-        .measured("measured", unit, &y)
-        .model("model, re-tuned", unit, &model)
-        .panel("gap")
-        .residual("before", unit, &before);
-        if !o.found.last.picks.is_empty() {
-            figure = figure.other("after", unit, &after);
-        }
-        section = section.figure(figure);
-        let curve = |v: &[f64]| {
-            let power = crate::spectrum::density(v);
-            let width = 1.0 / (v.len() as f64 * data.sample_time());
-            // One-sided amplitude density.
-            let factor = 2.0 * data.sample_time();
-            let frequency: Vec<f64> = (1..power.len()).map(|k| k as f64 * width).collect();
-            (frequency, power.iter().skip(1).map(|p| (p * factor).sqrt()).collect::<Vec<f64>>())
-        };
-        let axis = Axis::new("gap", format!("{unit}/sqrt(Hz)"));
-        let (f, values) = curve(&before);
-        let mut spectrum = Spectrum::new(format!("Spectrum of the gap: {}", record.name), axis)
-            .trace(Role::Residual, "before", &f, &values);
-        if !o.found.last.picks.is_empty() {
-            let (f, values) = curve(&after);
-            spectrum = spectrum.trace(Role::Other, "after", &f, &values);
-        }
-        let floor = scale * (2.0 * data.sample_time()).sqrt();
-        spectrum = spectrum.limit(floor, "noise");
-        section = section.figure(spectrum);
-    }
-    section
+    evidence::add(section, o)
 }
 
 fn which(gap: &Gap) -> Section {
@@ -351,57 +302,4 @@ fn switches(gap: &Gap) -> String {
         gap.effects.iter().map(|e| format!("\"{}.enabled\": True", e.effect)).collect();
     names.push("\"retune.enabled\": True".to_owned());
     names.join(", ")
-}
-
-/// Level of the gap over the noise, record by record and band by band, before and after.
-fn map(mut section: Section, o: &Outcome) -> Section {
-    let data = &o.problem.data;
-    let sample = data.sample_time();
-    let longest = data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
-    let bands = Bands::new(longest, sample);
-    if bands.ends.len() < 2 {
-        return section;
-    }
-    let centre = |k: usize| (bands.ends[k] * bands.ends[k + 1]).sqrt();
-    let axis = || Axis::new("over the noise", "dB");
-    for record in &data.records {
-        let level = |all: &[f64]| -> (Vec<f64>, Vec<f64>) {
-            let powers = spectrum::band_powers(&all[record.rows.clone()], &bands, sample);
-            let known = powers.iter().enumerate().filter(|(_, p)| p.is_finite() && **p > 0.0);
-            known.map(|(k, p)| (centre(k), 10.0 * p.log10())).unzip()
-        };
-        let title = format!("{}: gap over the noise by band, {}", o.problem.output, record.name);
-        let (f, before) = level(&o.robust);
-        let mut figure =
-            Spectrum::new(title, axis()).linear().trace(Role::Residual, "before", &f, &before);
-        if !o.found.last.picks.is_empty() {
-            let (f, after) = level(&o.found.last.judged.residual);
-            figure = figure.trace(Role::Other, "after", &f, &after);
-        }
-        section = section.figure(figure.limit(0.0, "noise"));
-    }
-    section
-}
-
-/// The gap over the command: loops are memory or lag, lines are maps.
-fn over_command(section: Section, o: &Outcome) -> Section {
-    let data = &o.problem.data;
-    let command: Vec<f64> =
-        data.row_hit.iter().map(|h| data.command[*h as usize] / o.problem.command_factor).collect();
-    let scale = o.sigma / o.problem.factor;
-    let in_unit = |all: &[f64]| all.iter().map(|r| r * scale).collect::<Vec<f64>>();
-    let title = format!("{}: gap over the command, all records", o.problem.output);
-    let mut figure = XyLoop::new(
-        title,
-        Axis::new(o.problem.input.as_str(), o.problem.command_unit.as_str()),
-        Axis::new("gap", o.problem.unit.as_str()),
-    )
-    .line(Role::Residual, "before", &command, &in_unit(&o.robust));
-    if !o.found.last.picks.is_empty() {
-        let after = in_unit(&o.found.last.judged.residual);
-        figure = figure.line(Role::Other, "after", &command, &after);
-    }
-    section.figure(figure.caption(
-        "A loop means memory or lag, a line that is the same both ways a static map, a cloud a disturbance.",
-    ))
 }

@@ -1,0 +1,135 @@
+//! Pictures of a gap: over time, over frequency, over the command, counted.
+
+use std::ops::Range;
+
+use report::{Axis, Histogram, Role, Section, Spectrum, TimeSeries, XyLoop};
+
+use crate::figures::{self, Answered};
+use crate::outcome::Outcome;
+use crate::spectrum::{self, Bands};
+
+/// Adds all pictures of an output.
+pub(super) fn add(section: Section, o: &Outcome) -> Section {
+    over_command(map(signals(section, o), o), o)
+}
+
+/// The command of some rows, in its unit.
+fn command_of(o: &Outcome, rows: Range<usize>) -> Vec<f64> {
+    let data = &o.problem.data;
+    let hits = data.row_hit[rows].iter();
+    hits.map(|hit| data.command[*hit as usize] / o.problem.command_factor).collect()
+}
+
+/// How often the gap has each size, before and after.
+fn histogram(o: &Outcome, record: &str, before: &[f64], after: &[f64]) -> Histogram {
+    let mut sets = vec![(Role::Residual, "before", before)];
+    if !o.found.last.picks.is_empty() {
+        sets.push((Role::Other, "after", after));
+    }
+    let title = format!("{}: size of the gap, {record}", o.problem.output);
+    figures::histogram(title, o.problem.unit.as_str(), &sets)
+}
+
+/// Measured, simulated and what is left, record by record; spectra before and after.
+fn signals(mut section: Section, o: &Outcome) -> Section {
+    let data = &o.problem.data;
+    let scale = o.sigma / o.problem.factor;
+    let unit = o.problem.unit.as_str();
+    for record in &data.records {
+        let rows = record.rows.clone();
+        let in_unit = |v: &[f64]| v[rows.clone()].iter().map(|r| r * scale).collect::<Vec<f64>>();
+        let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.problem.factor).collect();
+        let (before, after) =
+            (in_unit(&o.found.base.judged.residual), in_unit(&o.found.last.judged.residual));
+        let model: Vec<f64> = y.iter().zip(&before).map(|(y, r)| y - r).collect();
+        let mut figure = TimeSeries::new(
+            format!("{}: {}", o.problem.output, record.name),
+            &data.time[rows.clone()],
+        )
+        .measured("measured", unit, &y)
+        .model("model, re-tuned", unit, &model)
+        .panel("gap")
+        .residual("before", unit, &before);
+        if !o.found.last.picks.is_empty() {
+            figure = figure.other("after", unit, &after);
+        }
+        section = section.figure(figure);
+        let mut errors = vec![(Role::Residual, "before", &before[..])];
+        if !o.found.last.picks.is_empty() {
+            errors.push((Role::Other, "after", &after));
+        }
+        let title = format!("Spectrum of the gap: {}", record.name);
+        let mut spectrum = figures::spectrum(title, unit, data.sample_time(), &errors);
+        let floor = scale * (2.0 * data.sample_time()).sqrt();
+        spectrum = spectrum.limit(floor, "noise");
+        section = section.figure(spectrum);
+        section = section.figure(histogram(o, &record.name, &before, &after));
+        let command = command_of(o, rows.clone());
+        let mut outputs = vec![
+            (Role::Measured, "measured", &y[..]),
+            (Role::Model, "model, re-tuned", &model[..]),
+        ];
+        let repaired: Vec<f64> = y.iter().zip(&after).map(|(y, r)| y - r).collect();
+        if !o.found.last.picks.is_empty() {
+            outputs.push((Role::Other, "model, repaired", &repaired));
+        }
+        let answered = Answered { input: &command, outputs, period: data.sample_time() };
+        let title = format!("{}: frequency response, {}", o.problem.output, record.name);
+        let gain = format!("{unit}/{}", o.problem.command_unit);
+        if let Some(figure) = figures::bode(title, &gain, &answered) {
+            section = section.figure(figure);
+        }
+    }
+    section
+}
+
+/// Level of the gap over the noise, record by record and band by band, before and after.
+fn map(mut section: Section, o: &Outcome) -> Section {
+    let data = &o.problem.data;
+    let sample = data.sample_time();
+    let longest = data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
+    let bands = Bands::new(longest, sample);
+    if bands.ends.len() < 2 {
+        return section;
+    }
+    let centre = |k: usize| (bands.ends[k] * bands.ends[k + 1]).sqrt();
+    let axis = || Axis::new("over the noise", "dB");
+    for record in &data.records {
+        let level = |all: &[f64]| -> (Vec<f64>, Vec<f64>) {
+            let powers = spectrum::band_powers(&all[record.rows.clone()], &bands, sample);
+            let known = powers.iter().enumerate().filter(|(_, p)| p.is_finite() && **p > 0.0);
+            known.map(|(k, p)| (centre(k), 10.0 * p.log10())).unzip()
+        };
+        let title = format!("{}: gap over the noise by band, {}", o.problem.output, record.name);
+        let (f, before) = level(&o.robust);
+        let mut figure =
+            Spectrum::new(title, axis()).linear().trace(Role::Residual, "before", &f, &before);
+        if !o.found.last.picks.is_empty() {
+            let (f, after) = level(&o.found.last.judged.residual);
+            figure = figure.trace(Role::Other, "after", &f, &after);
+        }
+        section = section.figure(figure.limit(0.0, "noise"));
+    }
+    section
+}
+
+/// The gap over the command: loops are memory or lag, lines are maps.
+fn over_command(section: Section, o: &Outcome) -> Section {
+    let command = command_of(o, 0..o.problem.data.row_hit.len());
+    let scale = o.sigma / o.problem.factor;
+    let in_unit = |all: &[f64]| all.iter().map(|r| r * scale).collect::<Vec<f64>>();
+    let title = format!("{}: gap over the command, all records", o.problem.output);
+    let mut figure = XyLoop::new(
+        title,
+        Axis::new(o.problem.input.as_str(), o.problem.command_unit.as_str()),
+        Axis::new("gap", o.problem.unit.as_str()),
+    )
+    .line(Role::Residual, "before", &command, &in_unit(&o.robust));
+    if !o.found.last.picks.is_empty() {
+        let after = in_unit(&o.found.last.judged.residual);
+        figure = figure.line(Role::Other, "after", &command, &after);
+    }
+    section.figure(figure.caption(
+        "A loop means memory or lag, a line that is the same both ways a static map, a cloud a disturbance.",
+    ))
+}

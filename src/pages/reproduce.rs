@@ -1,0 +1,148 @@
+//! The page of a reproduction: the figures beside the paper's, what they rest on, and what was seen.
+
+use data::Blueprint;
+use report::{KeyFigure, Outcome, Provenance, Report, Section, Table, Value, Verdict as Word};
+
+use crate::reproduce::{Reproduction, Verdict, stand_ins};
+
+/// The page of some reproductions.
+pub(crate) fn reproduction(all: &[Reproduction], provenance: Provenance) -> anyhow::Result<Report> {
+    let rows = || all.iter().flat_map(|one| &one.rows);
+    let orders = || all.iter().flat_map(|one| &one.orders);
+    let count = |verdict: Verdict| rows().filter(|row| row.verdict == verdict).count();
+    let (reached, missed) = (count(Verdict::Reached), count(Verdict::NotReached));
+    let held = orders().filter(|order| order.holds).count();
+    let judged = reached + missed;
+    let sentence = match (judged, orders().count()) {
+        (0, 0) => "No figure is judged: the machine is not matched to the paper's.".to_owned(),
+        (_, orders) => format!(
+            "{reached} of {judged} figures that the papers report are reached or beaten on our machines, and {held} of {orders} orders of methods hold."
+        ),
+    };
+    let verdict = match (missed, held == orders().count(), judged) {
+        (_, _, 0) => Word::neutral(sentence),
+        (0, true, _) => Word::pass(sentence),
+        _ => Word::caution(sentence),
+    };
+    let mut page = Report::new("reproduce", "The papers' tables on our machines", verdict)
+        .provenance(provenance);
+    for one in all {
+        page = page.key_figure(key_figure(one));
+    }
+    for one in all {
+        page = page.section(figures(one));
+        for chapter in &one.chapters {
+            let heading = format!("{}: {}", one.paper.to_uppercase(), chapter.heading);
+            let mut section = Section::new(heading).paragraph(chapter.text.as_str());
+            for figure in &chapter.figures {
+                section = section.figure(figure.clone());
+            }
+            page = page.section(section);
+        }
+        page = page.section(assumptions(one)?);
+    }
+    Ok(page)
+}
+
+fn key_figure(one: &Reproduction) -> KeyFigure {
+    let of = |verdict| one.rows.iter().filter(|row| row.verdict == verdict).count();
+    let (reached, missed) = (of(Verdict::Reached), of(Verdict::NotReached));
+    let label = format!("{}, {}", one.paper.to_uppercase(), one.part);
+    let held = one.orders.iter().filter(|order| order.holds).count();
+    let figure = KeyFigure::new(label, format!("{reached} of {}", reached + missed), "reached");
+    let outcome = match (missed, reached) {
+        (0, 0) => Outcome::None,
+        (0, _) => Outcome::Pass,
+        _ => Outcome::Caution,
+    };
+    figure.outcome(outcome).note(format!("{held} of {} orders hold", one.orders.len()))
+}
+
+fn figures(one: &Reproduction) -> Section {
+    let paper = one.paper.to_uppercase();
+    let mut table = Table::new(
+        format!("Figures of {paper}, {}", one.part),
+        ["figure", "paper", "ours", "verdict", "rests most on"],
+    );
+    for row in &one.rows {
+        table = table.row([
+            Value::from(in_unit(&row.what, row.unit)),
+            row.paper.into(),
+            row.ours.into(),
+            word(row.verdict).into(),
+            stand_ins::rests_on(row.paper_id, &row.what).into(),
+        ]);
+    }
+    let mut orders = Table::new(format!("Orders of methods, {paper}"), ["order", "holds"]);
+    for order in &one.orders {
+        orders = orders.row([Value::from(order.what.as_str()), order.holds.into()]);
+    }
+    let remarks: Vec<&String> =
+        one.remarks.iter().filter(|remark| !remark.starts_with("match")).collect();
+    let mut section = Section::new(format!("{paper}: {}", one.part)).paragraph(
+        "“Ours” is measured on the rig that stands in for the paper's machine; the last column names the \
+         assumed parts that decide a figure most.",
+    );
+    section = section.table(table);
+    if !one.orders.is_empty() {
+        section = section.table(orders);
+    }
+    if !remarks.is_empty() {
+        section = section.list(remarks);
+    }
+    if one.matched.is_empty() { section } else { section.table(matched(one)) }
+}
+
+/// `greatest error [µm]`.
+fn in_unit(what: &str, unit: &str) -> String {
+    match report::format_unit(unit).as_str() {
+        "" => what.to_owned(),
+        unit => format!("{what} [{unit}]"),
+    }
+}
+
+/// How near the machine is to the paper's, without the paper's method.
+fn matched(one: &Reproduction) -> Table {
+    let caption = format!("The rig {} beside the paper's machine, without its method", one.rig);
+    let columns = ["figure", "paper", "ours", "within 25 %"];
+    one.matched.iter().fold(Table::new(caption, columns), |table, figure| {
+        table.row([
+            Value::from(in_unit(&figure.what, figure.unit)),
+            figure.paper.into(),
+            figure.ours.into(),
+            figure.within.into(),
+        ])
+    })
+}
+
+fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Reached => "reached",
+        Verdict::NotReached => "not reached",
+        Verdict::Matched => "as the paper's",
+        Verdict::NotMatched => "not as the paper's",
+        Verdict::NotJudged => "",
+    }
+}
+
+fn assumptions(one: &Reproduction) -> anyhow::Result<Section> {
+    let paper = one.paper.to_uppercase();
+    let columns = ["axis", "part", "values", "what is known"];
+    let mut table = Table::new(format!("Assumed parts of the rig {}", one.rig), columns);
+    if let Some(rig) = rigs::find(one.rig) {
+        for part in stand_ins::of(&Blueprint::parse(rig.blueprint, rig.name)?) {
+            table = table.row([
+                part.axes.join(", "),
+                part.component.clone(),
+                part.values.clone(),
+                part.note.clone(),
+            ]);
+        }
+    }
+    Ok(Section::new(format!("{paper}: what stands in, {}", one.part))
+        .paragraph(
+            "The paper does not describe these parts of its machine. They were assumed, or matched to what \
+             it prints of the machine without its own method; values are in the units of the blueprint.",
+        )
+        .table(table))
+}
