@@ -94,7 +94,20 @@ fn our_stage_repaired(version: &str) {
     let out = compare("stage.fmu", "repaired.fmu", ports, folder);
     assert_nearer(&out, 2e-3);
     let checked = piezoloop(&["check", "repaired.fmu"], folder);
-    assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stdout));
+    let said = String::from_utf8_lossy(&checked.stdout);
+    assert!(checked.status.success(), "{said}");
+    assert!(said.contains("reference results repeated"), "{said}");
+    // It explains itself: a page with switches and the original's page, the original's icon.
+    let page = fs::read_to_string(fmu.package.folder().join("documentation/index.html"));
+    let page = page.expect("a page");
+    for words in ["creep.enabled", "own page: resources", "the original"] {
+        assert!(page.contains(words), "{words}");
+    }
+    let icon = if version == "2" { "model.png" } else { "terminalsAndIcons/icon.png" };
+    assert!(fmu.package.folder().join(icon).is_file(), "{icon}");
+    let told = fmu.package.description();
+    assert!(told.version.as_deref().is_some_and(|text| text.ends_with("repaired")));
+    assert!(told.generation_date_and_time.is_some() && told.license.is_some());
     // The original travels inside, untouched.
     let mut inner = Vec::new();
     let original = Package::open(folder.join("stage.fmu")).expect("an FMU");

@@ -1,0 +1,136 @@
+//! FMUs that explain themselves: fields, variables, page, icon, reference results; and `check` repeats
+//! the results.
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::packed::{CONTROLLER, PLANT};
+use common::{piezoloop, root, succeed};
+use modeldescription::Package;
+use modeldescription::variable::{Causality, DataType};
+
+const REFERENCE: &str = "extra/io.github.piezoloop/reference";
+
+fn packed(blueprint: &str, version: &str, folder: &Path) -> Package {
+    succeed(&["pack", blueprint, "--fmi", version, "-o", "model.fmu"], folder);
+    Package::open(folder.join("model.fmu")).expect("an FMU")
+}
+
+#[test]
+fn every_variable_has_a_sentence_and_a_unit_and_the_page_names_all_ports() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (blueprint, version) in [(PLANT, "2"), (PLANT, "3"), (CONTROLLER, "2"), (CONTROLLER, "3")] {
+        let package = packed(blueprint, version, folder.path());
+        let description = package.description();
+        let read = |path: &str| fs::read_to_string(package.folder().join(path));
+        let page = read("documentation/index.html").expect("a page");
+        for variable in &description.variables {
+            let name = &variable.name;
+            assert!(variable.description.is_some(), "{name}: no sentence");
+            let unit = description.properties(variable).unit;
+            let measured = variable.data_type == DataType::Float64
+                && variable.causality != Causality::Independent;
+            assert!(!measured || unit.is_some(), "{name}: no unit");
+            if matches!(variable.causality, Causality::Input | Causality::Output) {
+                assert!(page.contains(name.split('[').next().expect("a name")), "{name}");
+            }
+        }
+        for words in ["Signal paths", "Parameters", "Reference results", "prefers-color-scheme"] {
+            assert!(page.contains(words), "{words}");
+        }
+        assert!(page.len() < 1_000_000, "{} bytes", page.len());
+        // What fmpy takes as its step without being told one: at most 1000 steps of the own size.
+        let experiment = description.default_experiment.as_ref().expect("a default experiment");
+        let steps = experiment.stop_time.expect("a stop") / experiment.step_size.expect("a step");
+        assert!(steps <= 1000.0 + 1e-9, "{steps}");
+        let (icon, other) = match version {
+            "2" => ("model.png", "terminalsAndIcons/terminalsAndIcons.xml"),
+            _ => ("terminalsAndIcons/icon.png", "model.png"),
+        };
+        assert!(package.folder().join(icon).is_file() && !package.folder().join(other).exists());
+        let table = read(&format!("{REFERENCE}/output.csv")).expect("results");
+        assert_eq!(table.lines().count(), 202);
+        assert!(table.lines().next().is_some_and(|names| names.contains("[1]")), "{table}");
+    }
+}
+
+#[test]
+fn what_a_blueprint_says_of_its_maker_is_in_the_fmu() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let stage = root().join("tests/blueprints/stage.toml");
+    let blueprint = fs::read_to_string(&stage).expect("the blueprint");
+    let told = "author = \"A. Smith, Motion Ltd\"\nversion = \"1.2\"\ncopyright = \"© Motion Ltd\"\n\
+                license = \"proprietary\"\n";
+    fs::write(folder.path().join("told.toml"), told.to_owned() + &blueprint).expect("a file");
+    for version in ["2", "3"] {
+        let package = packed("told.toml", version, folder.path());
+        let description = package.description();
+        assert_eq!(description.author.as_deref(), Some("A. Smith, Motion Ltd"));
+        assert_eq!(description.version.as_deref(), Some("1.2"));
+        assert_eq!(description.copyright.as_deref(), Some("© Motion Ltd"));
+        assert!(description.license.as_deref().is_some_and(|text| text.starts_with("proprietary")));
+        assert!(description.generation_tool.as_deref().is_some_and(|t| t.starts_with("Piezoloop")));
+    }
+    let package = packed(stage.to_str().expect("UTF-8"), "2", folder.path());
+    let version = package.description().version.clone().expect("a version");
+    assert!(version.starts_with("blueprint ") && version.len() == 22, "{version}");
+}
+
+/// Copies an unpacked FMU.
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).expect("a folder");
+    for entry in fs::read_dir(from).expect("a folder").flatten() {
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).expect("a copy");
+        }
+    }
+}
+
+#[test]
+fn check_repeats_the_reference_results_and_tells_a_difference() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    for (blueprint, version) in [(PLANT, "2"), (CONTROLLER, "3")] {
+        let package = packed(blueprint, version, at);
+        let said = succeed(&["check", "model.fmu", "--strict"], at);
+        assert!(said.contains("reference results repeated, largest difference 0"), "{said}");
+
+        // A value in the middle, off by a millionth of the range.
+        let changed = at.join("changed");
+        copy(package.folder(), &changed);
+        let file = changed.join(REFERENCE).join("output.csv");
+        let text = fs::read_to_string(&file).expect("results");
+        let rows: Vec<Vec<f64>> = text
+            .lines()
+            .skip(1)
+            .map(|row| row.split(',').map(|cell| cell.parse().expect("a number")).collect())
+            .collect();
+        let ends = rows
+            .iter()
+            .map(|row| row[1])
+            .fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let mut row = rows[100].clone();
+        row[1] += 1e-6 * (ends.1 - ends.0);
+        lines[101] = row.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
+        fs::write(&file, lines.join("\n") + "\n").expect("a file");
+        let output = piezoloop(&["check", "changed"], at);
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("output.csv") && said.contains("1.000e-6"), "{said}");
+        succeed(&["check", "changed", "--no-replay"], at);
+
+        // Nothing to compare with: said, not skipped.
+        fs::write(changed.join(REFERENCE).join("reference.toml"), "format = 7\n").expect("a file");
+        let output = piezoloop(&["check", "changed"], at);
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("cannot be repeated") && said.contains("reference.toml"), "{said}");
+        fs::remove_dir_all(&changed).expect("it goes");
+    }
+}
