@@ -138,6 +138,9 @@ fn inputs(noted: &Noted) -> Vec<f64> {
     noted.lock().unwrap().0.clone()
 }
 
+/// Makes an algorithm for a system and the order of its FMUs.
+type Make = fn(&System, &[&str]) -> Box<dyn Algorithm>;
+
 /// A controller at rest under its reference gives a command, whatever it measures; the plant turns it
 /// into a position. The controller must leave the initialization with that position as measured,
 /// not with the plant's output at a command of zero: else it sees a jump in its first step.
@@ -154,7 +157,7 @@ fn the_controller_begins_with_the_position_that_the_plant_begins_with() {
             }
             system(slaves, &[("controller", "plant", 1), ("plant", "controller", 1)])
         };
-        let algorithms: [fn(&System, &[&str]) -> Box<dyn Algorithm>; 2] = [
+        let algorithms: [Make; 2] = [
             |_, _| Box::new(Jacobi),
             |system, order| Box::new(GaussSeidel::in_order(system, order).unwrap()),
         ];

@@ -256,7 +256,7 @@ fn every_function_survives_a_panic_inside() {
     assert!(!c.is_null() && !i.is_null());
     for (name, entry) in ENTRIES_2 {
         WANTED.set(true);
-        assert_eq!(entry(c), fmi2Error.0 as u32, "{name}");
+        assert_eq!(i64::from(entry(c)), i64::from(fmi2Error.0), "{name}");
         assert!(!WANTED.get(), "{name} never came to the guard");
         // SAFETY: the instance is alive.
         assert_eq!(unsafe { v2::fmi2Reset(c) }, fmi2OK, "{name}");
@@ -264,7 +264,7 @@ fn every_function_survives_a_panic_inside() {
     for (name, entry) in ENTRIES_3 {
         told.lock().unwrap().clear();
         WANTED.set(true);
-        assert_eq!(entry(i), fmi3Error.0 as u32, "{name}");
+        assert_eq!(i64::from(entry(i)), i64::from(fmi3Error.0), "{name}");
         let said = told.lock().unwrap().join("|");
         let right = said.starts_with(&format!("{name}: internal defect"));
         assert!(right && said.contains("a forced panic"), "{name}: {said}");
