@@ -15,7 +15,8 @@ const HEAD: &str = "# Effects and components\n\n\
 Written from the registry by `piezoloop effects-docs docs`; a test compares it.\n\n\
 A component with an *effect* can be switched off by its start value `enabled`. The figure of an \
 effect shows the position over the command of an axis of 0.1 um/V without (measured colour) and with it \
-at its default strength (`rigs/effects.toml`): the last of ten loops of 0 to 100 V at 20 Hz. \
+at its default strength (`rigs/effects.toml`): the last of ten loops of 0 to 100 V at 20 Hz; of an \
+effect of less than 5 % of the stroke it shows the change of the position instead. \
 *Default strength* is the greatest and the rms change of the position over all ten loops, in percent \
 of the stroke of 10 um; for a hysteresis model that against the straight line through its stroke.\n\n\
 *In a rig* is the same at the strength that the effect has in the truth rig of a machine: the change of \
@@ -302,6 +303,9 @@ fn percent(x: f64) -> String {
     if x >= 1e-3 { format!("{x:.3} %") } else { format!("{x:.1e} %") }
 }
 
+/// Change in percent of the stroke from which two loops can be told apart by eye.
+const VISIBLE: f64 = 5.0;
+
 /// What an effect does to a loop.
 struct Trial {
     command: Vec<f64>,
@@ -379,10 +383,16 @@ impl Trial {
     fn figure(&self, declaration: &Declaration) -> String {
         let last = (LOOPS - 1) * LOOP;
         let (u, without, with) = (&self.command[last..], &self.without[last..], &self.with[last..]);
-        let figure =
-            XyLoop::new(declaration.kind, Axis::new("command", "V"), Axis::new("position", "um"))
+        let command = Axis::new("command", "V");
+        let figure = if self.greatest < VISIBLE {
+            let change: Vec<f64> = with.iter().zip(without).map(|(a, b)| 1e3 * (a - b)).collect();
+            let axis = Axis::new("change of the position", "nm");
+            XyLoop::new(declaration.kind, command, axis).model("with less without", u, &change)
+        } else {
+            XyLoop::new(declaration.kind, command, Axis::new("position", "um"))
                 .measured("without", u, without)
-                .model("with", u, with);
+                .model("with", u, with)
+        };
         Figure::from(figure).to_svg()
     }
 }
