@@ -7,6 +7,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 
 use common::{foreign, refuse, root, succeed};
 
@@ -100,6 +101,9 @@ fn a_set_that_does_not_fit_is_refused_with_its_line() {
     assert!(said.contains("none.ssv: cannot be read"), "{said}");
 }
 
+/// Two kernels that start at once may choose the same ports, and one of them dies.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
 /// Runs the last of these files of an example, a notebook; what its cells print, or nothing where
 /// notebooks cannot be run.
 fn notebook(example: &str, files: &[&str]) -> Option<String> {
@@ -115,6 +119,7 @@ fn notebook(example: &str, files: &[&str]) -> Option<String> {
     let mut run = Command::new(python);
     run.arg(root().join("tests/python/run_notebook.py")).arg(files.last()?);
     run.env("PATH", std::env::join_paths(paths).expect("a PATH"));
+    let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     Some(foreign::said(&mut run, folder.path()))
 }
 
