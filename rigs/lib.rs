@@ -85,7 +85,7 @@ pub const RIGS: &[Rig] = &[
         name: "evc-truth",
         summary: "The same device with smoother loops, to be identified: another hysteresis family, noise",
         blueprint: include_str!("evc-truth.toml"),
-        frozen: Some("508b1300cc93ac87e2907149ff00c4fc8e8f28b6f1aeda378026ffe71e3a3bb8"),
+        frozen: Some("0041c5cd88a645d4dd33f38b1230c4c45c287c9c7f05c0f277926e7832762abc"),
     },
     Rig {
         name: "p885",

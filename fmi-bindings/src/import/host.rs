@@ -72,21 +72,11 @@ impl FloatMode {
 
     /// Puts this mode back where a call has left another one.
     #[inline]
-    pub(super) fn keep(self, log: &Log, call: &str) {
+    pub(super) fn keep(self, log: &Log) {
         if FloatMode::now() != self {
-            self.put_back(log, call);
+            self.set();
+            log.mode_has_changed();
         }
-    }
-
-    #[cold]
-    fn put_back(self, log: &Log, call: &str) {
-        self.set();
-        tell(
-            log,
-            format!(
-                "{call} left another floating-point mode (rounding, flush to zero or traps); it was put back"
-            ),
-        );
     }
 }
 

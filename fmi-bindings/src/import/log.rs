@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::ffi::{c_char, c_void};
 use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::error::Status;
@@ -44,21 +45,26 @@ pub type OnMessage = std::sync::Arc<dyn Fn(&Message) + Send + Sync>;
 pub struct Log {
     messages: Mutex<VecDeque<Message>>,
     on_message: Option<OnMessage>,
+    /// A step, a set or a get changed the floating-point mode. They may run in a cycle, which takes no
+    /// lock: the message follows when messages are asked for.
+    mode_changed: AtomicBool,
 }
 
 impl Log {
     /// An empty log; `on_message` sees each message as it comes.
     pub fn new(on_message: Option<OnMessage>) -> Self {
-        Log { messages: Mutex::default(), on_message }
+        Log { messages: Mutex::default(), on_message, mode_changed: AtomicBool::new(false) }
     }
 
     /// All messages that are kept (the last 256), oldest first.
     pub fn messages(&self) -> Vec<Message> {
+        self.tell_of_mode();
         self.lock().iter().cloned().collect()
     }
 
     /// The last messages, for an error.
     pub(crate) fn latest(&self) -> Vec<Message> {
+        self.tell_of_mode();
         let messages = self.lock();
         messages.iter().skip(messages.len().saturating_sub(IN_ERROR)).cloned().collect()
     }
@@ -72,6 +78,20 @@ impl Log {
             messages.pop_front();
         }
         messages.push_back(message);
+    }
+
+    /// Notes that a call left another floating-point mode, without a lock.
+    pub(super) fn mode_has_changed(&self) {
+        self.mode_changed.store(true, Ordering::Relaxed);
+    }
+
+    fn tell_of_mode(&self) {
+        if self.mode_changed.swap(false, Ordering::Relaxed) {
+            let text = "a call left another floating-point mode (rounding, flush to zero or traps); \
+                        it was put back";
+            let (status, category) = (Status::Warning, super::host::HOST.to_owned());
+            self.push(Message { status, category, text: text.to_owned() });
+        }
     }
 
     fn lock(&self) -> MutexGuard<'_, VecDeque<Message>> {

@@ -84,7 +84,7 @@ impl Instance {
                 logging_on.into(),
             )
         };
-        mode.keep(&log, "fmi2Instantiate");
+        mode.keep(&log);
         folder.keep(&log, "fmi2Instantiate");
         if component.is_null() {
             let said = Said(log.latest());
@@ -193,7 +193,7 @@ impl Instance {
         // SAFETY: the instance is alive.
         let status =
             unsafe { (self.functions().do_step)(component, time, step, drop_earlier_state) };
-        mode.keep(&self.log, CALL);
+        mode.keep(&self.log);
         if status == fmi2OK {
             return Ok(StepResult::Completed);
         }
@@ -304,7 +304,7 @@ impl Instance {
         let mode = FloatMode::now();
         // SAFETY: the instance is alive.
         let status = unsafe { function(component) };
-        mode.keep(&self.log, call);
+        mode.keep(&self.log);
         self.folder.keep(&self.log, call);
         self.check(call, status)
     }

@@ -84,7 +84,7 @@ impl Instance {
                 None,
             )
         };
-        mode.keep(&log, "fmi3InstantiateCoSimulation");
+        mode.keep(&log);
         folder.keep(&log, "fmi3InstantiateCoSimulation");
         if pointer.is_null() {
             return Err(Error::Instantiate {
@@ -197,7 +197,7 @@ impl Instance {
                 &raw mut reached,
             )
         };
-        mode.keep(&self.log, CALL);
+        mode.keep(&self.log);
         let [_, terminated, early] = flags.map(|flag| flag != 0);
         if status == fmi3Discard {
             return Ok(StepResult::Discarded { reached: None, terminated });
@@ -238,7 +238,7 @@ impl Instance {
         let mode = FloatMode::now();
         // SAFETY: the instance is alive.
         let status = unsafe { function(instance) };
-        mode.keep(&self.log, call);
+        mode.keep(&self.log);
         self.folder.keep(&self.log, call);
         self.check(call, status)
     }
