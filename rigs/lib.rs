@@ -79,7 +79,7 @@ pub const RIGS: &[Rig] = &[
         name: "p4-truth",
         summary: "The same device as the paper measured it: asymmetric hysteresis, creep, weak modes",
         blueprint: include_str!("p4-truth.toml"),
-        frozen: Some("87784c9bfc157c35652b7b2ad2227e6cad6821ece8342c54c44d14fa39a15bda"),
+        frozen: Some("46c55e859afba6065e13ace66fa3f5c52f9228eef1f6e7333c8c99ec7a1b7966"),
     },
     Rig {
         name: "evc-truth",

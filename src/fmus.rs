@@ -33,7 +33,7 @@ pub(crate) fn open(what: &Path) -> anyhow::Result<Opened> {
     let source = inputs::blueprint(what)?;
     let folder = tempfile::tempdir().context("no temporary folder can be made")?;
     let file = folder.path().join("packed.fmu");
-    pack::pack(&source, crate::commands::simulate::PACKED_WITH, &[], &file)?;
+    pack::pack_to_run(&source, &file)?;
     let fmu = Fmu::open(&file)?;
     Ok(Opened { name: source.blueprint.name, fmu, _folder: Some(folder) })
 }

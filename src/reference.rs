@@ -12,7 +12,8 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use cosim::{Drive, Fmu, InstanceOptions, Memory, Signal, Signals};
+use cosim::record::Column;
+use cosim::{CsvRecorder, Drive, Fmu, InstanceOptions, Memory, Recorder, Signals};
 use data::{Log, ReadOptions};
 use modeldescription::PackageBuilder;
 use modeldescription::variable::{Causality, DataType, Number};
@@ -100,26 +101,25 @@ impl Reference {
         let text = toml::to_string(&about)?;
         package.extra(&format!("{FOLDER}/reference.toml"), text.into_bytes())?;
         for (name, columns) in [("input.csv", &self.inputs), ("output.csv", &self.outputs)] {
-            package.extra(&format!("{FOLDER}/{name}"), table(&self.time, columns).into_bytes())?;
+            package.extra(&format!("{FOLDER}/{name}"), table(&self.time, columns)?)?;
         }
         Ok(())
     }
 }
 
 /// A table of numbers that read back to the bit.
-fn table(time: &[f64], columns: &[Named]) -> String {
-    let names: Vec<&str> = columns.iter().map(|(name, _, _)| name.as_str()).collect();
-    let mut text = format!("time,{}\n", names.join(","));
-    if columns.is_empty() {
-        text = "time\n".to_owned();
-    }
+fn table(time: &[f64], columns: &[Named]) -> anyhow::Result<Vec<u8>> {
+    let heads: Vec<Column> =
+        columns.iter().map(|(name, _, _)| Column { name: name.clone(), unit: None }).collect();
+    let mut recorder = CsvRecorder::new(Vec::new());
+    recorder.begin(0, &heads, time.len())?;
+    let mut row = vec![0.0; columns.len()];
     for (k, t) in time.iter().enumerate() {
-        let values = columns.iter().map(|(_, _, values)| values[k].to_string());
-        let row: Vec<String> = std::iter::once(t.to_string()).chain(values).collect();
-        text.push_str(&row.join(","));
-        text.push('\n');
+        row.iter_mut().zip(columns).for_each(|(cell, (_, _, values))| *cell = values[k]);
+        recorder.row(*t, &row)?;
     }
-    text
+    recorder.end()?;
+    Ok(recorder.into_inner()?)
 }
 
 /// Two tones for each real input, within its bounds; truth values are on.
@@ -173,16 +173,8 @@ fn start_of(variable: &modeldescription::variable::Variable) -> f64 {
 /// The outputs of an FMU under these inputs.
 fn run(fmu: &Fmu, time: &[f64], inputs: &[Named]) -> anyhow::Result<Vec<Named>> {
     let slave = fmu.instantiate("reference", &InstanceOptions::default())?;
-    let column =
-        |(name, _, values): &Named| -> (String, Vec<f64>) { (name.clone(), values.clone()) };
-    let columns: Vec<(String, Vec<f64>)> = inputs.iter().map(column).collect();
-    let signals = Signals {
-        time,
-        columns: columns
-            .iter()
-            .map(|(name, values)| Signal { name: name.clone(), unit: None, values })
-            .collect(),
-    };
+    let signals =
+        inputs.iter().fold(Signals::new(time), |all, (name, _, values)| all.with(name, values));
     let names = fmu.names(Causality::Output);
     let drive = Drive { record: names.clone(), ..Drive::default() };
     let mut memory = Memory::new();

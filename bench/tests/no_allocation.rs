@@ -1,54 +1,18 @@
 //! The cycle allocates nothing and takes no lock.
 #![allow(clippy::print_stdout)]
-// A counting allocator can only be written with `unsafe`; it hands every call to the system's.
-#![allow(unsafe_code)]
 
 mod common;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::path::Path;
 
 use common::{control_law, controller, cycle, emulator};
+use counting::Counting;
 use piezoloop_bench::cycle::{Cycle, Orders, Tick};
 use piezoloop_bench::emulate::Script;
 use piezoloop_bench::gateway::{Address, End, Gateway, open};
 use piezoloop_bench::runner::{Settings, SharedOrders, run};
 use piezoloop_bench::safety::State;
 use rtrb::RingBuffer;
-
-struct Counting;
-
-thread_local! {
-    /// Calls of this thread: other threads may allocate.
-    static CALLS: Cell<u64> = const { Cell::new(0) };
-}
-
-fn count() {
-    // A thread that ends has no counter any more.
-    let _ = CALLS.try_with(|calls| calls.set(calls.get() + 1));
-}
-
-// SAFETY: every call goes to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: as promised by the caller.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        count();
-        // SAFETY: as promised by the caller.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
-        // SAFETY: as promised by the caller.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
 
 #[global_allocator]
 static COUNTING: Counting = Counting;
@@ -81,9 +45,9 @@ fn allocations(mut runner: Box<dyn Gateway>, mut machine: Box<dyn Gateway>) -> (
     let mut now_ns = 1_000_000;
     for index in 0..3000 {
         let tick = Tick { index, now_ns, ..Tick::default() };
-        let before = CALLS.get();
+        let before = counting::calls();
         cycle.run(&tick, &orders, &mut *runner);
-        inside += CALLS.get() - before;
+        inside += counting::calls() - before;
         machine.wait(std::time::Duration::from_millis(100));
         emulator.serve(now_ns, &mut *machine).unwrap();
         now_ns += 1_000_000;
@@ -120,10 +84,10 @@ fn the_runner_itself_allocates_as_often_for_many_cycles_as_for_few() {
         let mut cycle = cycle(AXES, controller(AXES, control_law(AXES)));
         let (mut ring, _rows) = RingBuffer::new(10_000);
         let settings = Settings { period_ns: 100_000, settle: 10, patience };
-        let before = CALLS.get();
+        let before = counting::calls();
         let outcome = run(&mut cycle, &mut silent, &SharedOrders::default(), &settings, &mut ring);
         assert!(outcome.cycles >= patience.min(outcome.cycles + outcome.skipped));
-        CALLS.get() - before
+        counting::calls() - before
     };
     count(10);
     assert_eq!(count(20), count(2000));

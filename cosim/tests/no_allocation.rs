@@ -1,41 +1,13 @@
 //! Steps allocate nothing: a run of any length takes as many allocations as a short one.
 #![allow(clippy::print_stdout)]
-// A counting allocator can only be written with `unsafe`; it hands every call to the system's.
-#![allow(unsafe_code)]
 
 mod common;
 
-use std::alloc::{GlobalAlloc, Layout, System as SystemAllocator};
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use common::instance;
+use counting::Counting;
 use piezoloop_cosim::{
     Coupling, CsvRecorder, Loop, LoopSettings, Memory, Points, Recorder, Run, Signals, Wiring,
 };
-
-struct Counting;
-
-static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
-
-// SAFETY: every call goes to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: as promised by the caller.
-        unsafe { SystemAllocator.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as promised by the caller.
-        unsafe { SystemAllocator.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: as promised by the caller.
-        unsafe { SystemAllocator.realloc(pointer, layout, size) }
-    }
-}
 
 #[global_allocator]
 static COUNTING: Counting = Counting;
@@ -57,9 +29,9 @@ fn the_number_of_allocations_does_not_grow_with_the_number_of_steps() {
         let mut count = |steps: u32, recorder: &mut dyn Recorder| {
             let points = Points::uniform(0.0, f64::from(steps) * 1e-3, 1e-3).unwrap();
             let run = Run { record: 0, points, signals: &signals, tolerance: None };
-            let before = ALLOCATIONS.load(Ordering::Relaxed);
+            let before = counting::calls();
             closed.run(&run, recorder).unwrap();
-            ALLOCATIONS.load(Ordering::Relaxed) - before
+            counting::calls() - before
         };
         count(10, &mut ());
         assert_eq!(count(10, &mut ()), count(1000, &mut ()));

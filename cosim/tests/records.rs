@@ -1,43 +1,15 @@
 //! Records on disk: others read them, and memory does not grow with the run.
 #![allow(clippy::print_stdout)]
-// A counting allocator can only be written with `unsafe`; it hands every call to the system's.
-#![allow(unsafe_code)]
 
 mod common;
 
-use std::alloc::{GlobalAlloc, Layout, System as SystemAllocator};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::atomic::{AtomicI64, Ordering};
 
 use common::instance;
+use counting::Counting;
 use piezoloop_cosim::record::Column;
 use piezoloop_cosim::{Diagram, Jacobi, Points, RecordFile, Recorder, Run, Signals};
-
-struct Counting;
-
-static NOW: AtomicI64 = AtomicI64::new(0);
-static MOST: AtomicI64 = AtomicI64::new(0);
-
-fn add(bytes: i64) {
-    let now = NOW.fetch_add(bytes, Ordering::Relaxed) + bytes;
-    MOST.fetch_max(now, Ordering::Relaxed);
-}
-
-// SAFETY: every call goes to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        add(layout.size() as i64);
-        // SAFETY: as promised by the caller.
-        unsafe { SystemAllocator.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        add(-(layout.size() as i64));
-        // SAFETY: as promised by the caller.
-        unsafe { SystemAllocator.dealloc(pointer, layout) }
-    }
-}
 
 #[global_allocator]
 static COUNTING: Counting = Counting;
@@ -152,7 +124,7 @@ fn endings_are_checked_and_files_appear_whole() {
 }
 
 /// Heap at its highest during a run of so many steps, beyond what was taken before.
-fn most_of_a_run(fmus: &common::Fmus, ending: &str, steps: usize) -> i64 {
+fn most_of_a_run(fmus: &common::Fmus, ending: &str, steps: usize) -> usize {
     let path = fmus.path(&format!("run.{ending}"));
     let mut diagram = Diagram::new();
     diagram.add(instance(&fmus.integrator(), "p")).record(("p", "position[1]"));
@@ -161,12 +133,11 @@ fn most_of_a_run(fmus: &common::Fmus, ending: &str, steps: usize) -> i64 {
     let points = Points::uniform(0.0, steps as f64 * 1e-3, 1e-3).unwrap();
     let run = Run { record: 0, points, signals: &signals, tolerance: None };
     let mut file = RecordFile::create(&path).unwrap();
-    let before = NOW.load(Ordering::Relaxed);
-    MOST.store(before, Ordering::Relaxed);
+    let before = counting::reset_peak();
     system.run(&run, &Jacobi, &mut file).unwrap();
     file.finish().unwrap();
     assert!(std::fs::metadata(&path).unwrap().len() > 8 * steps as u64);
-    MOST.load(Ordering::Relaxed) - before
+    counting::peak() - before
 }
 
 fn memory_does_not_grow_with_the_run() {

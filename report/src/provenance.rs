@@ -58,7 +58,7 @@ impl InputFile {
         Self {
             role: role.into(),
             path: name.into(),
-            sha256: hexadecimal(&Sha256::digest(content)),
+            sha256: hex::encode(Sha256::digest(content)),
             bytes: content.len() as u64,
         }
     }
@@ -119,15 +119,11 @@ fn fingerprint(path: &Path) -> std::io::Result<(String, u64)> {
     loop {
         let n = file.read(&mut buffer)?;
         if n == 0 {
-            return Ok((hexadecimal(&hash.finalize()), bytes));
+            return Ok((hex::encode(hash.finalize()), bytes));
         }
         hash.update(&buffer[..n]);
         bytes += n as u64;
     }
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn quote(arg: &str) -> String {

@@ -302,7 +302,7 @@ impl Diagnose {
         if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {
             let text = repaired.to_toml();
             let source = inputs::BlueprintText { text, blueprint: repaired };
-            pack::pack(&source, crate::commands::simulate::PACKED_WITH, &[], file)?;
+            pack::pack(&source, pack::PACKED_WITH, &[], file)?;
             return Ok(notes);
         }
         repaired.write(file)?;

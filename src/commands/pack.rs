@@ -49,6 +49,9 @@ pub(crate) struct Pack {
     libraries: Option<PathBuf>,
 }
 
+/// FMI version that blueprints are packed with before they are simulated.
+pub(crate) const PACKED_WITH: FmiVersion = FmiVersion::V2;
+
 /// Version of the standard.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 enum Version {
@@ -114,13 +117,63 @@ impl Pack {
     }
 }
 
-/// Writes the FMU of a blueprint.
+/// Writes the FMU of a blueprint for a user, with its page and reference results.
 pub(crate) fn pack(
     source: &inputs::BlueprintText,
     version: FmiVersion,
     given: &[Binary],
     output: &Path,
 ) -> anyhow::Result<Packed> {
+    let mut assembled = assemble(source, version, given)?;
+    let Assembled { package, description, .. } = &mut assembled;
+    // What this platform's library computes; without one there is nothing to hold another against.
+    let reference = match Platform::from_name(libraries::PLATFORM) {
+        Some(_) => Some(reference_of(package, reference::OURS)?),
+        None => None,
+    };
+    if let Some(reference) = &reference {
+        reference.pack(package)?;
+    }
+    let page = documentation::page(&source.blueprint, description, reference.as_ref())?;
+    package.documentation("index.html", page.into_bytes())?;
+    let bytes = package.to_bytes()?.len();
+    package.write(output)?;
+    let Assembled { system, kind, platforms, description, .. } = assembled;
+    Ok(Packed {
+        fmu: output.to_owned(),
+        fmi_version: version.text(),
+        model: system.name().to_owned(),
+        kind,
+        guid: description.instantiation_token,
+        variables: system.variables().len(),
+        internal_step_s: system.period(),
+        platforms,
+        bytes,
+    })
+}
+
+/// Writes the FMU of a blueprint for a run of our own: nobody reads it, so it has no page and no
+/// reference results.
+pub(crate) fn pack_to_run(source: &inputs::BlueprintText, output: &Path) -> anyhow::Result<()> {
+    assemble(source, PACKED_WITH, &[])?.package.write(output)?;
+    Ok(())
+}
+
+/// An FMU before its page and reference results.
+struct Assembled {
+    package: PackageBuilder,
+    description: ModelDescription,
+    system: model::System,
+    kind: &'static str,
+    platforms: Vec<String>,
+}
+
+/// Everything of an FMU that follows from the blueprint alone.
+fn assemble(
+    source: &inputs::BlueprintText,
+    version: FmiVersion,
+    given: &[Binary],
+) -> anyhow::Result<Assembled> {
     let checked = source.blueprint.check(learned::COMPONENTS)?;
     let system = checked.build();
     let (library, kind, icon): (_, _, &[u8]) = match system.kind() {
@@ -162,29 +215,7 @@ pub(crate) fn pack(
     package.license("license.txt", notice.to_vec())?;
     package.license("LICENSE-MIT.txt", include_bytes!("../../LICENSE-MIT").to_vec())?;
     package.license("LICENSE-APACHE.txt", include_bytes!("../../LICENSE-APACHE").to_vec())?;
-    // What this platform's library computes; without one there is nothing to hold another against.
-    let reference = match carried {
-        Some(_) => Some(reference_of(&package, reference::OURS)?),
-        None => None,
-    };
-    if let Some(reference) = &reference {
-        reference.pack(&mut package)?;
-    }
-    let page = documentation::page(&source.blueprint, &description, reference.as_ref())?;
-    package.documentation("index.html", page.into_bytes())?;
-    let bytes = package.to_bytes()?.len();
-    package.write(output)?;
-    Ok(Packed {
-        fmu: output.to_owned(),
-        fmi_version: version.text(),
-        model: system.name().to_owned(),
-        kind,
-        guid: description.instantiation_token.clone(),
-        variables: system.variables().len(),
-        internal_step_s: system.period(),
-        platforms,
-        bytes,
-    })
+    Ok(Assembled { package, description, system, kind, platforms })
 }
 
 /// Who made the model, and what it may be used for.
@@ -203,7 +234,7 @@ fn tell(about: &mut About, source: &inputs::BlueprintText) {
     // Without a version of its own, a model is told apart by what its blueprint says.
     about.version = some(&blueprint.version).or_else(|| {
         let digest = Sha256::digest(blueprint.to_toml().as_bytes());
-        let digits: String = digest.iter().take(6).map(|byte| format!("{byte:02x}")).collect();
+        let digits = hex::encode(&digest[..6]);
         Some(format!("blueprint {digits}"))
     });
 }

@@ -8,7 +8,6 @@ use clap::Args;
 use cosim::{Coupling, Drive, Fmu, InstanceOptions, Loop, LoopSettings, Memory, Points, Run};
 use cosim::{Signal, Signals, Slave, Value, Wiring};
 use data::{Log, UnitPlace};
-use modeldescription::FmiVersion;
 use modeldescription::description::Unit;
 use serde::Serialize;
 
@@ -473,6 +472,3 @@ impl Answer for Simulated {
         }
     }
 }
-
-/// FMI version that blueprints are packed with before they are simulated.
-pub(crate) const PACKED_WITH: FmiVersion = FmiVersion::V2;

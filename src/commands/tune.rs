@@ -84,6 +84,9 @@ pub(crate) struct TunedLoop {
 
 impl Tune {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let files = [("plant", self.plant.as_path())];
+        let read = if self.plant.exists() { &files[..] } else { &[] };
+        self.page.not_over(&[&self.plant])?;
         let mut bed = Bed::open(&self.plant)?;
         let axes = bed.axes();
         if !(1..=axes).contains(&self.axis) {
@@ -137,9 +140,6 @@ impl Tune {
             loops,
             impulse,
         };
-        let files = [("plant", self.plant.as_path())];
-        let read = if self.plant.exists() { &files[..] } else { &[] };
-        self.page.not_over(&read.iter().map(|(_, path)| *path).collect::<Vec<_>>())?;
         self.page.finish(screen, &answer, || Ok(pages::tuning(&answer, pages::provenance(read)?)))
     }
 }

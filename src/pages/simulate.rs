@@ -45,8 +45,10 @@ pub(crate) fn simulation(
             _ => format!("Record {number}"),
         };
         let run = Run { result, rows: rows.clone() };
+        let compared = run.compared();
+        let (signals, errors) = (run.signals(&compared).into(), run.errors(&compared));
         let mut section = Section::new(heading);
-        for figure in run.planes().into_iter().chain([run.signals().into()]).chain(run.errors()) {
+        for figure in run.planes().into_iter().chain([signals]).chain(errors) {
             section = section.figure(figure);
         }
         page = page.section(section);
@@ -70,6 +72,9 @@ fn sentence(result: &Simulated) -> String {
         None => format!("{} rows of {} were simulated.", result.rows, result.model),
     }
 }
+
+/// An output that is held against something, and its errors.
+type Compared<'a> = (&'a OutputFit, Vec<f64>);
 
 /// One record of a run.
 struct Run<'a> {
@@ -101,7 +106,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn signals(&self) -> TimeSeries {
+    fn signals(&self, compared: &[Compared<'_>]) -> TimeSeries {
         let mut figure = TimeSeries::new("Signals over time", self.time());
         for series in self.result.signals.series() {
             let name = &series.column.name;
@@ -119,7 +124,7 @@ impl<'a> Run<'a> {
             }
             figure = figure.signal(role, name, unit, values);
         }
-        for (k, (fit, errors)) in self.compared().iter().enumerate() {
+        for (k, (fit, errors)) in compared.iter().enumerate() {
             figure = if k == 0 { figure.panel("error") } else { figure };
             figure = figure.residual(
                 format!("{} − {}", fit.against, fit.output),
@@ -132,8 +137,8 @@ impl<'a> Run<'a> {
 
     /// The outputs that are held against something in this record, and their errors, the offset of each
     /// taken out as in its figures.
-    fn compared(&self) -> Vec<(&'a OutputFit, Vec<f64>)> {
-        let mut all: Vec<(&OutputFit, Vec<f64>)> = Vec::new();
+    fn compared(&self) -> Vec<Compared<'a>> {
+        let mut all: Vec<Compared<'a>> = Vec::new();
         for fit in &self.result.fits {
             let (Some((_, wanted)), Some(got)) = (self.against(fit), self.values(&fit.output))
             else {
@@ -148,14 +153,14 @@ impl<'a> Run<'a> {
     }
 
     /// Histogram and spectrum of the errors.
-    fn errors(&self) -> Vec<report::Figure> {
+    fn errors(&self, compared: &[Compared<'_>]) -> Vec<report::Figure> {
         let mut all = Vec::new();
         let time = self.time();
         let period = match time {
             [first, .., last] => (last - first) / (time.len() - 1) as f64,
             _ => 0.0,
         };
-        for (fit, errors) in self.compared() {
+        for (fit, errors) in compared {
             let set = [(Role::Residual, fit.output.as_str(), &errors[..])];
             let title = format!("Error of {}", fit.output);
             all.push(response::histogram(title, &fit.unit, &set).into());

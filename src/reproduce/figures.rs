@@ -113,9 +113,8 @@ impl Runs<'_> {
         let name = |what: &str| Axis::new(what, self.unit);
         let figure = XyLoop::new(title, name("reference"), name("position"));
         self.runs.iter().fold(figure, |figure, (name, run)| {
-            let part = |values: &[f64]| values[self.from..].to_vec();
-            let (r, y) = (part(&run.reference[axis]), part(&run.position[axis]));
-            figure.line(Role::Other, *name, &r, &y)
+            let (r, y) = (&run.reference[axis][self.from..], &run.position[axis][self.from..]);
+            figure.line(Role::Other, *name, r, y)
         })
     }
 
@@ -124,9 +123,8 @@ impl Runs<'_> {
         let figure =
             XyLoop::new(title, Axis::new("command", "V"), Axis::new("position", self.unit));
         self.runs.iter().fold(figure, |figure, (name, run)| {
-            let part = |values: &[f64]| values[self.from..].to_vec();
-            let (u, y) = (part(&run.command[axis]), part(&run.position[axis]));
-            figure.line(Role::Other, *name, &u, &y)
+            let (u, y) = (&run.command[axis][self.from..], &run.position[axis][self.from..]);
+            figure.line(Role::Other, *name, u, y)
         })
     }
 }

@@ -96,7 +96,7 @@ const RIGS: [(&str, &str); 5] = [
     ("p1", "p1-truth"),
     ("p2", "p2-truth"),
     ("p3", "p3-truth"),
-    ("p4", "evc-truth"),
+    ("p4", "p4-truth"),
 ];
 
 impl Reproduction {

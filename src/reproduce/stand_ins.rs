@@ -84,7 +84,7 @@ const P2: [Rest; 2] = [
 const P3: [Rest; 3] = [
     (
         &["PI alone", "closed loop"],
-        "mode (2.74 kHz, damping 0.573: what the printed PI allows), gauge",
+        "modes (what the printed PI and the MPI model at 500 Hz allow), gauge",
     ),
     (&["open loop"], "hysteresis (matched), creep, noise of the gauge; preview"),
     (&[""], "hysteresis (matched), creep, noise of the gauge"),
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn every_truth_rig_says_what_is_assumed() {
-        for name in ["p0-truth", "p1-truth", "p2-truth", "p3-truth", "evc-truth"] {
+        for name in ["p0-truth", "p1-truth", "p2-truth", "p3-truth", "p4-truth", "evc-truth"] {
             let rig = rigs::find(name).expect("a rig");
             let blueprint = Blueprint::parse(rig.blueprint, name).expect("a blueprint");
             let all = of(&blueprint);

@@ -1,5 +1,7 @@
 //! The row of a run.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 /// What a run leaves: one cell per column of the sweep.
@@ -24,6 +26,19 @@ pub enum Cell {
     Truth(bool),
     /// A text.
     Text(String),
+}
+
+/// The value as an option of a command takes it; nothing where there is none.
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Cell::Missing => Ok(()),
+            Cell::Real(value) => value.fmt(f),
+            Cell::Whole(value) => value.fmt(f),
+            Cell::Truth(value) => value.fmt(f),
+            Cell::Text(text) => text.fmt(f),
+        }
+    }
 }
 
 /// Name, kind and unit of a column.

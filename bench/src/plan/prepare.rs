@@ -323,7 +323,7 @@ impl Plan {
             let bytes = std::fs::read(file).map_err(|error| {
                 PlanError::one(format!("{}: cannot be read: {error}", file.display()))
             })?;
-            let hash: String = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+            let hash = hex::encode(Sha256::digest(&bytes));
             put(name, json!(file.display().to_string()));
             put(&format!("{name}_sha256"), json!(hash));
         }

@@ -247,10 +247,7 @@ fn parameter(parameter: &Parameter) -> Xml {
         ParameterValue::Enumeration(items, name) => {
             texts_of("ssv:Enumeration", items).maybe("name", name.as_deref())
         }
-        ParameterValue::Binary(bytes) => {
-            let hex: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
-            element("ssv:Binary").with("value", &hex)
-        }
+        ParameterValue::Binary(bytes) => element("ssv:Binary").with("value", &hex::encode(bytes)),
     };
     element("ssv:Parameter").with("name", &parameter.name).holding(content)
 }

@@ -193,14 +193,14 @@ fn start_text(start: &Start) -> String {
         Start::Integer(values) => integers(values),
         Start::Boolean(values) => integers(values),
         Start::Text(values) => values.join(" "),
-        Start::Binary(values) => values.iter().map(|v| hex(v)).collect::<Vec<_>>().join(" "),
+        Start::Binary(values) => values.iter().map(hex::encode).collect::<Vec<_>>().join(" "),
     }
 }
 
 fn start_elements(xml: &mut Text, variable: &Variable) {
     let values: Vec<String> = match &variable.start {
         Some(Start::Text(values)) => values.clone(),
-        Some(Start::Binary(values)) => values.iter().map(|v| hex(v)).collect(),
+        Some(Start::Binary(values)) => values.iter().map(hex::encode).collect(),
         _ => return,
     };
     for value in values {
@@ -208,10 +208,6 @@ fn start_elements(xml: &mut Text, variable: &Variable) {
         xml.attribute("value", &value);
         xml.close();
     }
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn number(value: Number) -> String {

@@ -64,6 +64,7 @@ struct Bench {
 impl Run {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let file = &self.campaign;
+        self.page.not_over(&[file])?;
         let text = std::fs::read_to_string(file)
             .with_context(|| format!("{} cannot be read", file.display()))?;
         let campaign = Campaign::parse(&text, &file.display().to_string())?;
@@ -99,7 +100,6 @@ impl Run {
         let failed = trials.iter().filter(|trial| !trial.problems.is_empty()).count();
         let answer = Tried { trials, failed };
         let read = [("campaign", file.as_path())];
-        self.page.not_over(&[file])?;
         self.page.finish(screen, &answer, || {
             Ok(pages::campaign(&answer.trials, pages::provenance(&read)?))
         })

@@ -114,7 +114,7 @@ impl CampaignRuns {
         let campaign = self.campaign()?;
         let folder = tempfile::tempdir().context("no temporary folder can be made")?;
         let named = design.variables().iter().map(|variable| variable.target.name.as_str());
-        let values: Vec<(&str, String)> = named.zip(point.iter().map(text)).collect();
+        let values: Vec<(&str, String)> = named.zip(point.iter().map(Cell::to_string)).collect();
         let varied = |name: &str| values.iter().find(|(n, _)| *n == name).map(|(_, value)| value);
         let logs = match varied("log") {
             Some(log) => vec![self.stage.file(&materials::varied_log(log))?],
@@ -270,17 +270,6 @@ impl CampaignRuns {
             bail!("{}: {text}", arguments.first().map_or("", String::as_str));
         }
         serde_json::from_slice(&output.stdout).context("the answer is no JSON")
-    }
-}
-
-/// A value as an option takes it.
-fn text(cell: &Cell) -> String {
-    match cell {
-        Cell::Missing => String::new(),
-        Cell::Real(value) => value.to_string(),
-        Cell::Whole(value) => value.to_string(),
-        Cell::Truth(value) => value.to_string(),
-        Cell::Text(text) => text.clone(),
     }
 }
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use sweep::{Campaign, Kind, Law, Plan};
 
-use crate::commands::{pack, simulate};
+use crate::commands::pack;
 use crate::inputs::{self, LogOptions};
 
 /// The plan and all that it names: blueprints packed as FMUs, logs as CSV with their units.
@@ -90,7 +90,7 @@ impl Materials {
         let files: Vec<_> = self.files.iter().map(|file| (&file.name, &file.source)).collect();
         let relevant = (&self.plan, self.seed, &self.tool, files);
         let digest = Sha256::digest(postcard::to_allocvec(&relevant)?);
-        Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
+        Ok(hex::encode(digest))
     }
 
     /// The plan, with the seed that was asked for.
@@ -276,7 +276,7 @@ pub(super) fn varied_model(value: &str) -> String {
 }
 
 fn hashed(value: &str) -> String {
-    Sha256::digest(value).iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+    hex::encode(&Sha256::digest(value)[..8])
 }
 
 fn is_fmu(path: &Path) -> bool {
@@ -306,6 +306,6 @@ fn fmu_file(name: String, path: &Path, all_effects: bool) -> anyhow::Result<File
     }
     let folder = tempfile::tempdir().context("no temporary folder can be made")?;
     let file = folder.path().join("packed.fmu");
-    pack::pack(&source, simulate::PACKED_WITH, &[], &file)?;
+    pack::pack_to_run(&source, &file)?;
     Ok(File { name, content: std::fs::read(file)?, source: hash.finalize().to_vec() })
 }

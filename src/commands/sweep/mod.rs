@@ -19,6 +19,7 @@ use clap::Args;
 use sweep::{Cell, Design, Journal, Row, Shard, Table, work};
 
 use crate::answer::Screen;
+use crate::pages::PageOptions;
 use crate::{inputs, interrupt, progress};
 use job::Job;
 use materials::Materials;
@@ -52,9 +53,8 @@ pub(crate) struct Sweep {
     /// The table to write [default: the plan's name with .parquet, and the shard]
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write a page: distributions of the figures, and what they go with
-    #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageOptions,
 }
 
 const AFTER_HELP: &str = "\
@@ -90,6 +90,7 @@ impl Sweep {
         let materials = Materials::gather(plan, self.seed)?;
         let out = self.out.clone().unwrap_or_else(|| default_out(plan, self.shard));
         inputs::not_over(&out, &[plan])?;
+        self.page.not_over(&[plan])?;
         let job = Job::new(&materials)?;
         let part = self.shard.map_or(0..job.design.runs(), |shard| shard.range(job.design.runs()));
         let (table, answer) = match finished(&job, &part, &out) {
@@ -106,10 +107,7 @@ impl Sweep {
                 (table, answer)
             }
         };
-        if let Some(file) = &self.report {
-            page::page(&table, &answer, &[("plan", plan)])?.write_html(file)?;
-        }
-        screen.show(&answer)
+        self.page.finish(screen, &answer, || page::page(&table, &answer, &[("plan", plan)]))
     }
 
     /// Runs what is not done yet, and writes the table.

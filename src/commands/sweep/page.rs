@@ -58,7 +58,7 @@ fn histogram(table: &Table, at: usize) -> Option<Histogram> {
         Some((varied, cells)) => cells
             .iter()
             .map(|cell| {
-                let name = format!("{} = {}", table.about.columns[*varied].name, shown(cell));
+                let name = format!("{} = {cell}", table.about.columns[*varied].name);
                 (name, values(table, at, |cells| cells.get(*varied) == Some(cell)))
             })
             .collect(),
@@ -85,16 +85,6 @@ fn few_values(table: &Table, at: usize) -> Option<Vec<Cell>> {
         }
     }
     (found.len() > 1).then_some(found)
-}
-
-fn shown(cell: &Cell) -> String {
-    match cell {
-        Cell::Missing => "-".to_owned(),
-        Cell::Real(value) => value.to_string(),
-        Cell::Whole(value) => value.to_string(),
-        Cell::Truth(value) => value.to_string(),
-        Cell::Text(text) => text.clone(),
-    }
 }
 
 /// Rank correlations (Spearman) of what varied with what came out.

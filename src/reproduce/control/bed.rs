@@ -10,7 +10,7 @@ use cosim::{
 use data::Blueprint;
 use modeldescription::variable::Causality;
 
-use crate::commands::{pack, simulate};
+use crate::commands::pack;
 use crate::fmus::{self, Opened};
 use crate::inputs::BlueprintText;
 
@@ -128,7 +128,7 @@ impl Bed {
         let folder = tempfile::tempdir().context("no temporary folder can be made")?;
         let file = folder.path().join("controller.fmu");
         let source = BlueprintText { text: controller.to_toml(), blueprint: controller.clone() };
-        pack::pack(&source, simulate::PACKED_WITH, &[], &file)?;
+        pack::pack_to_run(&source, &file)?;
         let packed = cosim::Fmu::open(&file)?;
         let options = InstanceOptions::default();
         let (c, p) = (

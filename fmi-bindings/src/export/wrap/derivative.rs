@@ -78,11 +78,12 @@ impl<O: Differentiable> Wrapped<O> {
         let shown = self.surround.output_directions(&around, &moved).map_err(jump)?;
         let mut at = 0;
         for reference in unknowns {
-            let of =
-                |all: &Directions| all.iter().find(|(r, _)| r == reference).map(|d| d.1.clone());
             let size = self.surround.size(*reference);
-            let values = of(&shown).or_else(|| of(&moved)).unwrap_or_else(|| vec![0.0; size]);
-            out[at..at + size].copy_from_slice(&values);
+            // What the effects show goes before what the original has; `moved` holds each unknown.
+            let found = shown.iter().chain(&moved).find(|(known, _)| known == reference);
+            if let Some((_, values)) = found {
+                out[at..at + size].copy_from_slice(values);
+            }
             at += size;
         }
         Ok(code)
