@@ -40,6 +40,19 @@ impl LogOptions {
     }
 }
 
+/// A column of one of several logs, in the unit that it has in the first; `unit` is that unit, once it is known.
+pub(crate) fn column(log: &Log, name: &str, unit: &mut Option<String>) -> anyhow::Result<Vec<f64>> {
+    let own = log.require(name)?;
+    let text = own.unit.as_ref().map(|unit| unit.text.clone());
+    match unit {
+        Some(first) => Ok(log.convert(name, first)?),
+        None => {
+            *unit = text;
+            Ok(own.values.clone())
+        }
+    }
+}
+
 /// A blueprint with the text that it was read from.
 pub(crate) struct BlueprintText {
     /// As it stands in the file; with the values of records put in.

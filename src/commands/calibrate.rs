@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use data::{Blueprint, Log, Value};
+use data::{Blueprint, Value};
 use identify::{Calibration, CalibrationRecord};
 use serde::Serialize;
 
@@ -105,7 +105,7 @@ impl Calibrate {
             record.starts.extend(log.records().iter().map(|r| before + r.rows.start));
             let columns = record.motions.iter_mut().chain(&mut record.positions);
             for ((name, values), unit) in columns.zip(&mut units) {
-                values.extend(column(&log, name, unit)?);
+                values.extend(inputs::column(&log, name, unit)?);
             }
             let (first, last) = (log.time().first(), log.time().last());
             let rows = log.len().max(2) as f64 - 1.0;
@@ -152,19 +152,6 @@ impl Calibrate {
             zeros[k / columns][k % columns] |= *value == 0.0;
         }
         Ok(zeros)
-    }
-}
-
-/// A column in the unit of its first log.
-fn column(log: &Log, name: &str, unit: &mut Option<String>) -> anyhow::Result<Vec<f64>> {
-    let own = log.require(name)?;
-    let text = own.unit.as_ref().map(|unit| unit.text.clone());
-    match unit {
-        Some(first) => Ok(log.convert(name, first)?),
-        None => {
-            *unit = text;
-            Ok(own.values.clone())
-        }
     }
 }
 

@@ -6,6 +6,7 @@ mod check;
 pub(crate) mod demo;
 mod diagnose;
 mod effects_docs;
+pub(crate) mod frequency_response;
 mod gap_bench;
 pub(crate) mod identify;
 mod invert;
@@ -31,6 +32,7 @@ pub(crate) enum Command {
     Identify(identify::Identify),
     Invert(invert::Invert),
     Calibrate(calibrate::Calibrate),
+    FrequencyResponse(frequency_response::FrequencyResponse),
     Tune(tune::Tune),
     Pack(pack::Pack),
     Simulate(simulate::Simulate),
@@ -61,6 +63,7 @@ impl Command {
             Self::Identify(command) => command.run(screen),
             Self::Invert(command) => command.run(screen),
             Self::Calibrate(command) => command.run(screen),
+            Self::FrequencyResponse(command) => command.run(screen),
             Self::Tune(command) => command.run(screen),
             Self::Pack(command) => command.run(screen),
             Self::Simulate(command) => command.run(screen),

@@ -1,0 +1,378 @@
+//! `piezoloop frequency-response`: what a machine does linearly, line by line, and how well that is known.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+use data::{Log, SampleTime, WholeFile};
+use identify::frequency::{
+    self, Choice, Domain, Experiment, FrequencyResponse as Response, Levels, MeasureSettings, Mode,
+    RationalSettings,
+};
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::inputs::{self, LogOptions};
+use crate::pages::{self, PageOptions};
+
+/// Power of a line, as a part of the greatest, up to which a record without periods counts as excited;
+/// coherence tells how good such a line is.
+const BAND: f64 = 1e-4;
+
+/// Measures the frequency response of a machine, with coherence, noise and nonlinear distortion
+///
+/// From multisines, swept sines or any other rich signal, of one axis or of several that move together
+/// (then at least as many experiments as inputs; each record of a log is one). Local polynomial method;
+/// where the records consist of whole periods noise and distortion are told apart, and lines that a
+/// multisine leaves out show even and odd nonlinearities. Modes and a delay are fitted to the response.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop frequency-response sweep.csv --input u --output y --report page.html\n  piezoloop frequency-response mirror-*.csv --input u1 --input u2 --output x --output y --modes 4 -o response.csv"
+)]
+pub(crate) struct FrequencyResponse {
+    /// Logs; each record of each is an experiment
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// Column of an input (once per input)
+    #[arg(long = "input", required = true, value_name = "COLUMN")]
+    inputs: Vec<String>,
+    /// Column of an output (once per output)
+    #[arg(long = "output", required = true, value_name = "COLUMN")]
+    outputs: Vec<String>,
+    /// Samples of one period [default: looked for; a record that does not repeat has none]
+    #[arg(long, value_name = "SAMPLES")]
+    period: Option<usize>,
+    /// Leave out the beginning of each record, in s: the transient before a steady state
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    skip: f64,
+    /// Most lines at which the response is computed
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    lines: usize,
+    /// Most modes that are fitted; as many are taken as the response supports; 0: no fit
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    modes: usize,
+    /// Real poles that are fitted beside the modes, such as an amplifier's
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    lags: usize,
+    /// Longest delay that is tried in the fit, in s
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    longest_delay: f64,
+    #[command(flatten)]
+    options: LogOptions,
+    /// Also write the response as this CSV file, a row per line
+    #[arg(short = 'o', long = "out", value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageOptions,
+}
+
+/// A signal by its column.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Signal {
+    pub(crate) name: String,
+    pub(crate) unit: Option<String>,
+}
+
+impl Signal {
+    /// Its unit; 1 where none is known.
+    pub(crate) fn unit(&self) -> &str {
+        self.unit.as_deref().unwrap_or("1")
+    }
+}
+
+/// What was measured.
+#[derive(Serialize)]
+pub(crate) struct Measured {
+    pub(crate) inputs: Vec<Signal>,
+    pub(crate) outputs: Vec<Signal>,
+    pub(crate) sample_time_s: f64,
+    pub(crate) experiments: usize,
+    /// Samples of a period; `null` where the records do not repeat.
+    pub(crate) period_samples: Option<usize>,
+    pub(crate) periods: usize,
+    pub(crate) lines: usize,
+    pub(crate) from_hz: f64,
+    pub(crate) to_hz: f64,
+    /// Per output.
+    pub(crate) levels: Vec<OutputLevels>,
+    pub(crate) fit: Option<Fit>,
+    pub(crate) notes: Vec<String>,
+    pub(crate) written: Option<PathBuf>,
+    #[serde(skip)]
+    pub(crate) response: Response,
+    #[serde(skip)]
+    pub(crate) model: Option<Choice>,
+}
+
+/// How large signal, noise and distortion of an output are, rms over the lines, in its unit.
+#[derive(Serialize)]
+pub(crate) struct OutputLevels {
+    pub(crate) name: String,
+    #[serde(flatten)]
+    pub(crate) levels: Levels,
+    /// Least and mean coherence over the lines.
+    pub(crate) least_coherence: f64,
+    pub(crate) mean_coherence: f64,
+}
+
+/// The rational model that was fitted.
+#[derive(Serialize)]
+pub(crate) struct Fit {
+    pub(crate) modes: Vec<Mode>,
+    pub(crate) delay_s: f64,
+    /// Mean square of what the fit leaves over the response's own variance.
+    pub(crate) misfit: f64,
+    /// Static gain of the fit, outputs by inputs.
+    pub(crate) static_gain: Vec<Vec<f64>>,
+}
+
+impl FrequencyResponse {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
+        if let Some(out) = &self.out {
+            inputs::not_over(out, &logs)?;
+        }
+        self.page.not_over(&logs)?;
+        let answer = self.execute()?;
+        if let Some(out) = &self.out {
+            write_table(&answer, out)?;
+        }
+        let files: Vec<(&str, &Path)> = logs.iter().map(|log| ("log", *log)).collect();
+        self.page.finish(screen, &answer, || {
+            Ok(pages::frequency_response(&answer, pages::provenance(&files)?))
+        })
+    }
+
+    fn execute(&self) -> anyhow::Result<Measured> {
+        for (option, value) in [("--skip", self.skip), ("--longest-delay", self.longest_delay)] {
+            if !(value.is_finite() && value >= 0.0) {
+                bail!("{option} {value}: give a time in s, 0 or more");
+            }
+        }
+        let mut signals: Vec<Signal> = self
+            .inputs
+            .iter()
+            .chain(&self.outputs)
+            .map(|name| Signal { name: name.clone(), unit: None })
+            .collect();
+        let (experiments, sample_time) = self.experiments(&mut signals)?;
+        let settings = MeasureSettings {
+            period: self.period,
+            most_lines: self.lines.max(1),
+            band: BAND,
+            ..MeasureSettings::new(sample_time)
+        };
+        let response = frequency::measure(&experiments, &settings)?;
+        let mut notes = Vec::new();
+        let model = self.fit(&response, &mut notes);
+        let outputs = signals.split_off(self.inputs.len());
+        let levels = outputs.iter().enumerate().map(|(k, output)| {
+            let coherence = || response.lines.iter().map(|line| line.coherence[k]);
+            OutputLevels {
+                name: output.name.clone(),
+                levels: response.levels(k),
+                least_coherence: coherence().fold(1.0, f64::min),
+                mean_coherence: coherence().sum::<f64>() / response.lines.len().max(1) as f64,
+            }
+        });
+        let levels: Vec<OutputLevels> = levels.collect();
+        let edge = |line: Option<&frequency::Line>| line.map_or(0.0, |line| line.frequency);
+        Ok(Measured {
+            inputs: signals,
+            levels,
+            sample_time_s: sample_time,
+            experiments: response.experiments,
+            period_samples: response.period,
+            periods: response.periods,
+            lines: response.lines.len(),
+            from_hz: edge(response.lines.first()),
+            to_hz: edge(response.lines.last()),
+            fit: model.as_ref().map(fit_of),
+            notes,
+            written: self.out.clone(),
+            response,
+            outputs,
+            model,
+        })
+    }
+
+    /// The records of all logs as experiments on one grid.
+    fn experiments(&self, signals: &mut [Signal]) -> anyhow::Result<(Vec<Experiment>, f64)> {
+        let mut experiments = Vec::new();
+        let mut grid: Option<(f64, String)> = None;
+        for path in &self.logs {
+            let log = self.options.read(path)?;
+            let columns = signals
+                .iter_mut()
+                .map(|signal| inputs::column(&log, &signal.name, &mut signal.unit))
+                .collect::<anyhow::Result<Vec<_>>>()?;
+            for record in log.records() {
+                let name = format!("{}, record {}", path.display(), record.id);
+                let period = log.sample_time(record, SampleTime::TOLERANCE)?.period;
+                match &grid {
+                    None => grid = Some((period, name.clone())),
+                    Some((first, of)) if (period / first - 1.0).abs() > 1e-6 => bail!(
+                        "{name} has a sample every {period} s, {of} every {first} s: all experiments need \
+                         one sample time; resample one of them"
+                    ),
+                    Some(_) => {}
+                }
+                let first = record.rows.start + self.skipped(&log, record)?;
+                let part = |values: &Vec<f64>| values[first..record.rows.end].to_vec();
+                let mut all: Vec<Vec<f64>> = columns.iter().map(part).collect();
+                let outputs = all.split_off(self.inputs.len());
+                experiments.push(Experiment { name, inputs: all, outputs });
+            }
+        }
+        let (period, _) = grid.context("the logs have no record")?;
+        Ok((experiments, period))
+    }
+
+    /// Rows of a record that --skip leaves out.
+    fn skipped(&self, log: &Log, record: &data::Record) -> anyhow::Result<usize> {
+        let time = &log.time()[record.rows.clone()];
+        let start = time.first().copied().unwrap_or_default();
+        // A row that lies on the border up to rounding stays.
+        let skipped = time.iter().take_while(|t| *t - start < self.skip * (1.0 - 1e-9)).count();
+        if skipped == time.len() {
+            bail!(
+                "--skip {} leaves nothing of record {}, which is {} s long",
+                self.skip,
+                record.id,
+                time.last().copied().unwrap_or_default() - start
+            );
+        }
+        Ok(skipped)
+    }
+
+    /// A rational model, where one was asked for and can be had.
+    fn fit(&self, response: &Response, notes: &mut Vec<String>) -> Option<Choice> {
+        if self.modes == 0 {
+            return None;
+        }
+        let settings = RationalSettings {
+            single: self.lags,
+            longest_delay: self.longest_delay,
+            ..RationalSettings::default()
+        };
+        match frequency::choose(response, Domain::Continuous, &settings, self.modes) {
+            Ok((mut tried, best)) => Some(tried.swap_remove(best).1),
+            Err(error) => {
+                notes.push(format!("no modes were fitted: {error}"));
+                None
+            }
+        }
+    }
+}
+
+fn fit_of(choice: &Choice) -> Fit {
+    let gain = choice.model.response(0.0);
+    Fit {
+        modes: choice.model.modes(),
+        delay_s: choice.model.delay,
+        misfit: choice.misfit,
+        static_gain: gain.row_iter().map(|row| row.iter().map(|g| g.re).collect()).collect(),
+    }
+}
+
+/// A row per line: frequency; magnitude, phase and standard deviation of each element; coherence, amplitude,
+/// and what is not linear, of each output.
+fn write_table(measured: &Measured, path: &Path) -> anyhow::Result<()> {
+    let cannot = || format!("{} cannot be written", path.display());
+    let mut file = WholeFile::create(path).with_context(cannot)?;
+    {
+        let mut table = csv::Writer::from_writer(&mut file);
+        let mut head = vec!["frequency [Hz]".to_owned()];
+        for (output, input) in elements(measured) {
+            let name = format!("{}/{}", output.name, input.name);
+            let unit = format!("{}/{}", output.unit(), input.unit());
+            let parts = [("magnitude", unit.as_str()), ("phase", "rad"), ("deviation", &unit)];
+            head.extend(parts.map(|(what, unit)| format!("{what} {name} [{unit}]")));
+        }
+        for output in &measured.outputs {
+            let unit = output.unit();
+            let parts =
+                [("coherence", "1"), ("amplitude", unit), ("not linear", unit), ("noise", unit)];
+            head.extend(parts.map(|(what, unit)| format!("{what} {} [{unit}]", output.name)));
+        }
+        table.write_record(&head).with_context(cannot)?;
+        for line in &measured.response.lines {
+            let mut row = vec![line.frequency];
+            for o in 0..measured.outputs.len() {
+                for i in 0..measured.inputs.len() {
+                    let g = line.response[(o, i)];
+                    row.extend([g.norm(), g.arg(), line.deviation[(o, i)]]);
+                }
+            }
+            for o in 0..measured.outputs.len() {
+                let noise = line.noise.as_ref().map_or(f64::NAN, |noise| noise[o]);
+                row.extend([line.coherence[o], line.amplitude[o], line.total[o], noise]);
+            }
+            let cells = row.iter().map(|x| if x.is_nan() { String::new() } else { x.to_string() });
+            table.write_record(cells).with_context(cannot)?;
+        }
+        table.flush().with_context(cannot)?;
+    }
+    file.commit().with_context(cannot)
+}
+
+/// Output and input of each element of the response, row by row.
+fn elements(measured: &Measured) -> impl Iterator<Item = (&Signal, &Signal)> {
+    let inputs = &measured.inputs;
+    measured.outputs.iter().flat_map(move |output| inputs.iter().map(move |input| (output, input)))
+}
+
+impl Answer for Measured {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let repeated = match self.period_samples {
+            Some(samples) => format!("{} periods of {samples} samples", self.periods),
+            None => "no periods".to_owned(),
+        };
+        writeln!(
+            out,
+            "{} lines from {:.4} to {:.4} Hz; {} experiments, {repeated}",
+            self.lines, self.from_hz, self.to_hz, self.experiments
+        )?;
+        for one in &self.levels {
+            let OutputLevels { name, levels, least_coherence, mean_coherence } = one;
+            let or =
+                |value: Option<f64>| value.map_or("unknown".to_owned(), |x| format!("{x:.3e}"));
+            writeln!(
+                out,
+                "{name}: rms per line {:.3e}, noise {}, distortion {} (even lines {}, odd lines {}); coherence {:.4}, \
+                 at least {:.4}",
+                levels.output,
+                or(levels.noise),
+                or(levels.distortion),
+                or(levels.even),
+                or(levels.odd),
+                mean_coherence,
+                least_coherence
+            )?;
+        }
+        if let Some(fit) = &self.fit {
+            for mode in &fit.modes {
+                let Mode { frequency, damping, height } = mode;
+                let what = if *damping < 1.0 { "mode" } else { "real pole" };
+                writeln!(
+                    out,
+                    "{what} {frequency:.3} Hz, damping {damping:.4}, height {height:.3e}"
+                )?;
+            }
+            writeln!(
+                out,
+                "delay {} s; the fit leaves {:.3} times the response's own scatter",
+                fit.delay_s,
+                fit.misfit.sqrt()
+            )?;
+        }
+        for note in &self.notes {
+            writeln!(out, "note: {note}")?;
+        }
+        match &self.written {
+            Some(file) => writeln!(out, "{}: written", file.display()),
+            None => Ok(()),
+        }
+    }
+}
