@@ -44,9 +44,13 @@ pub(crate) struct Sight {
 }
 
 impl Sight {
+    /// With this re-tuned model.
+    pub(crate) fn new(base: &Candidate, adequate: f64) -> Self {
+        Self { base_excess: (base.judged.held_out - 1.0).max(0.0), adequate }
+    }
+
     pub(crate) fn of(outcome: &Outcome) -> Self {
-        let base_excess = (outcome.found.base.judged.held_out - 1.0).max(0.0);
-        Self { base_excess, adequate: outcome.adequate }
+        Self::new(&outcome.found.base, outcome.adequate)
     }
 }
 
@@ -121,3 +125,6 @@ pub(crate) fn set(beliefs: &[Belief]) -> Vec<usize> {
     }
     set
 }
+
+#[cfg(test)]
+mod tests;

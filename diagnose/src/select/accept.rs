@@ -115,7 +115,7 @@ impl Search<'_> {
 
     /// What beliefs are formed from.
     fn sight(&self, base: &Candidate) -> Sight {
-        Sight { base_excess: (base.judged.held_out - 1.0).max(0.0), adequate: self.adequate }
+        Sight::new(base, self.adequate)
     }
 
     /// Whether one more effect is believed.
