@@ -115,20 +115,24 @@ pub fn mutate(kind: Kind, input: &mut Vec<u8>, other: &[u8], random: &mut Random
     input.truncate(LONGEST);
 }
 
-/// A place to cut a text: where a word begins or ends, mostly.
-fn places(input: &[u8]) -> Vec<usize> {
+/// Whether a text is cut here: where a word begins or ends.
+fn is_cut(input: &[u8], at: usize) -> bool {
     let is_word = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-');
-    let inner = input.windows(2).zip(1..).filter(|(pair, _)| is_word(pair[0]) != is_word(pair[1]));
-    std::iter::once(0).chain(inner.map(|(_, at)| at)).chain(std::iter::once(input.len())).collect()
+    at == 0 || at >= input.len() || is_word(input[at - 1]) != is_word(input[at])
 }
 
-/// A range of whole words.
+/// A range of whole words, mostly a short one.
 fn words(input: &[u8], random: &mut Random) -> std::ops::Range<usize> {
-    let places = places(input);
-    let first = random.below(places.len());
-    let most = if random.one_in(8) { places.len() } else { 6 };
-    let last = (first + random.below(most)).min(places.len() - 1);
-    places[first]..places[last]
+    let cut = |from: usize| (from..=input.len()).find(|at| is_cut(input, *at));
+    let first = random.below(input.len() + 1);
+    let start = (0..=first).rfind(|at| is_cut(input, *at)).unwrap_or(0);
+    if random.one_in(8) {
+        let far = start + random.below(input.len() - start + 1);
+        return start..cut(far).unwrap_or(input.len());
+    }
+    let count = random.below(6);
+    let end = (0..count).fold(start, |end, _| cut(end + 1).unwrap_or(input.len()));
+    start..end
 }
 
 /// The range of the line around a place.
