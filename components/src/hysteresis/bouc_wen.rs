@@ -327,6 +327,18 @@ mod tests {
     }
 
     #[test]
+    fn the_offset_is_added_at_rest_and_in_motion() {
+        let p = SETS[1];
+        let shifted = [p[0], p[1], p[2], p[3], p[4], p[5], 5.0];
+        let mut model = Instance::new(&BoucWen, &[], &p, 1e-3).unwrap();
+        let mut other = Instance::new(&BoucWen, &[], &shifted, 1e-3).unwrap();
+        for u in [0.0, 10.0, -7.0] {
+            assert!((other.rest(&[u]) - model.rest(&[u]) - 5.0).abs() < 1e-12);
+            assert!((other.step(&[2.0 * u]) - model.step(&[2.0 * u]) - 5.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
     fn unbounded_parameters_are_refused() {
         let refused =
             |p: [f64; 7]| Instance::new(&BoucWen, &[], &p, 1e-3).err().map(|v| v.quantity);

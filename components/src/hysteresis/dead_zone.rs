@@ -94,6 +94,16 @@ mod tests {
     use crate::testing::Random;
 
     #[test]
+    fn the_map_changes_its_slope_beyond_each_edge() {
+        let zones = DeadZones { edges: &[-2.0, -1.0, 0.5, 2.0], slopes: &[0.5, -0.25, -0.5, 2.0] };
+        let map = |x| zones.map(x);
+        assert_eq!([map(-1.0), map(-0.5), map(0.0), map(0.5)], [-1.0, -0.5, 0.0, 0.5]);
+        // Slopes 0.5 and 2.5 on the right, 0.75 and 1.25 on the left.
+        assert_eq!([map(1.5), map(2.0), map(3.0)], [1.0, 1.25, 3.75]);
+        assert_eq!([map(-1.5), map(-2.0), map(-3.0)], [-1.375, -1.75, -3.0]);
+    }
+
+    #[test]
     fn the_inverse_undoes_the_map() {
         let zones = DeadZones { edges: &[-3.0, -1.0, 0.5, 2.0], slopes: &[0.5, -0.2, -0.3, -0.4] };
         zones.check().unwrap();

@@ -140,7 +140,9 @@ mod tests {
     use core::f64::consts::TAU;
 
     use super::*;
-    use crate::hysteresis::{grpi, mpi, rate_dependent_play};
+    use crate::hysteresis::{
+        INVERSE_BOUC_WEN, dynamic_prandtl_ishlinskii, grpi, mpi, rate_dependent_play,
+    };
     use crate::testing::Instance;
 
     const LIMITS: [f64; 2] = [-50.0, 150.0];
@@ -201,5 +203,67 @@ mod tests {
             let [_, part] = errors(pair, &p, (slope, lipschitz), frequency);
             assert!(part <= 1.0, "grpi at {frequency} Hz: {part} of the bound");
         }
+    }
+
+    /// The quantity for which an inverse is refused between -64 and 128.
+    fn refused(
+        inverse: &'static dyn Component,
+        structure: &[f64],
+        parts: &[&[f64]],
+    ) -> Option<(&'static str, Option<usize>)> {
+        let parameters = [&parts.concat()[..], &[-64.0, 128.0]].concat();
+        let made = Instance::new(inverse, structure, &parameters, 1e-3);
+        made.err().map(|violation| (violation.quantity, violation.index))
+    }
+
+    #[test]
+    fn models_that_have_no_inverse_are_refused() {
+        let r = [0.0, 8.0, 20.0];
+        let dead = [1.0, 8.0, 20.0];
+        let w = [0.05, 0.02, 0.01];
+        let weightless = [0.0, 0.02, 0.01];
+        let at =
+            |inverse, r: &[f64], w: &[f64], rest: &[f64]| refused(inverse, &[3.0], &[r, w, rest]);
+        let neutral = [0.3, 1.0, 0.0, 1.0, 0.0];
+        assert_eq!(at(&grpi::INVERSE, &r, &w, &neutral), None);
+        assert_eq!(at(&grpi::INVERSE, &dead, &w, &neutral), Some(("r", Some(0))));
+        assert_eq!(at(&grpi::INVERSE, &r, &weightless, &neutral), Some(("w", Some(0))));
+
+        let dynamic = |r: &[f64], w: &[f64]| {
+            let inverse = &dynamic_prandtl_ishlinskii::INVERSE;
+            refused(inverse, &[3.0, 4.0], &[r, w, &[0.0; 8], &[0.3]])
+        };
+        assert_eq!(dynamic(&r, &w), None);
+        assert_eq!(dynamic(&dead, &w), Some(("r", Some(0))));
+        assert_eq!(dynamic(&r, &weightless), Some(("w", Some(0))));
+
+        let plays = |gain| at(&rate_dependent_play::INVERSE, &R, &W, &[0.3, gain, 1e-4]);
+        assert_eq!((plays(0.05), plays(0.0)), (None, Some(("gain", None))));
+
+        // 3 * 2^-20 * 128^2 = 3/64 is the fall of the cubic part's slope.
+        let cubic = -(-20.0_f64).exp2();
+        let polynomial =
+            |linear, cubic| at(&mpi::INVERSE, &R, &W, &[0.3, linear, cubic, 1.0, 1e-4]);
+        assert_eq!((polynomial(0.05, cubic), polynomial(0.05, 0.0)), (None, None));
+        assert_eq!(polynomial(3.0 / 64.0, cubic), Some(("cubic", None)));
+        assert_eq!(polynomial(0.0, 0.0), Some(("linear", None)));
+
+        // alpha*(1 + (0.05 - 0.01 + 0.02)/(0.05 + 0.01 - 0.02)) = 2.5*alpha.
+        let bouc_wen = |alpha| {
+            let parameters = [1.0, alpha, 0.05, 0.01, 0.02, 1.0, 0.0];
+            refused(&INVERSE_BOUC_WEN, &[], &[&parameters])
+        };
+        assert_eq!((bouc_wen(0.39), bouc_wen(0.41)), (None, Some(("alpha", None))));
+    }
+
+    #[test]
+    fn limits_without_a_range_are_refused() {
+        let p = [&R[..], &W, &[0.3, 0.05, 1e-4]].concat();
+        let made = |limits: [f64; 2]| {
+            let parameters = [&p[..], &limits].concat();
+            Instance::new(&rate_dependent_play::INVERSE, &[3.0], &parameters, 1e-3).err()
+        };
+        assert_eq!(made([5.0, 5.0]).map(|v| (v.quantity, v.value)), Some(("command_min", 5.0)));
+        assert!(made([5.0, 5.5]).is_none());
     }
 }

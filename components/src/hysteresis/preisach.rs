@@ -344,4 +344,22 @@ mod tests {
         let error = Instance::new(&Preisach, &[2.0], &p, 1e-3).err();
         assert_eq!(error.map(|v| (v.quantity, v.value)), Some(("mu", 2.0)));
     }
+
+    #[test]
+    fn a_range_without_width_and_negative_weights_are_refused() {
+        let refused = |p: [f64; 4]| {
+            Instance::new(&Preisach, &[1.0], &p, 1e-3).err().map(|v| (v.quantity, v.value))
+        };
+        assert_eq!(refused([1.0, 5.0, 5.0, 0.0]), Some(("low", 5.0)));
+        assert_eq!(refused([1.0, 6.0, 5.0, 0.0]), Some(("low", 6.0)));
+        assert_eq!(refused([-1.0, 0.0, 5.0, 0.0]), Some(("mu", -1.0)));
+        assert_eq!(refused([0.0, 0.0, 5.0, 0.0]), None);
+    }
+
+    #[test]
+    fn memory_is_that_of_the_table_and_of_the_deepest_stack() {
+        // 3 levels: 4 x 4 sums behind 3 numbers; at most 5 extrema behind 2 numbers.
+        let sizes = Preisach.sizes(&[6.0], 1e-3);
+        assert_eq!((sizes.coefficients, sizes.states), (19, 12));
+    }
 }

@@ -173,4 +173,15 @@ mod tests {
         assert_eq!(inverse.step(&[2.0 * range]), 102.5);
         assert_eq!(inverse.step(&[-range]), 2.5);
     }
+
+    #[test]
+    fn of_commands_that_give_the_same_position_the_present_one_stays() {
+        // One relay alone, on from 40 V and off below 10 V: between them the position says nothing.
+        let p = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 40.0, 0.0];
+        let mut inverse = Instance::new(&InversePreisach, &[10.0], &p, 1e-3).unwrap();
+        assert_eq!(inverse.rest(&[0.0]), 5.0);
+        assert_eq!([inverse.step(&[0.0]), inverse.step(&[1.0])], [5.0, 45.0]);
+        assert_eq!([inverse.step(&[1.0]), inverse.step(&[1.0])], [45.0, 45.0]);
+        assert_eq!([inverse.step(&[0.0]), inverse.step(&[0.0])], [5.0, 5.0]);
+    }
 }
