@@ -1,4 +1,5 @@
-//! Whole lives of our FMUs under valgrind and under the address sanitizer: no wrong access, no leak.
+//! Whole lives of our FMUs under valgrind and under the address sanitizer: no wrong access, no leak,
+//! no race.
 #![cfg(target_os = "linux")]
 #![allow(clippy::print_stdout)]
 
@@ -50,6 +51,24 @@ fn valgrind_finds_no_wrong_access_and_no_leak() {
         for (blueprint, _) in BOTH {
             let fmu = Packed::new(blueprint, version);
             lives(&fmu, version, "60", &hosts, Host::run_under_valgrind);
+        }
+    }
+}
+
+/// Instances side by side in eight threads. The thread sanitizer would need the standard library compiled
+/// with it, which a stable compiler does not have.
+#[test]
+fn valgrind_finds_no_race_between_instances() {
+    if Command::new("valgrind").arg("--version").output().is_err() {
+        println!("SKIPPED: no valgrind");
+        return;
+    }
+    let host = Host::new("life.c");
+    for (blueprint, _) in BOTH {
+        let fmu = Packed::new(blueprint, "2");
+        let arguments = with(fmu.arguments(), &["threads"]);
+        for tool in ["helgrind", "drd"] {
+            print!("{tool}: {}", host.run_under_checker(tool, &arguments));
         }
     }
 }

@@ -181,6 +181,13 @@ impl Host {
         well(&command.arg(&self.program).args(arguments).output().expect("valgrind starts"))
     }
 
+    /// Runs it under one of valgrind's checkers of threads, which must find no race.
+    pub(crate) fn run_under_checker(&self, tool: &str, arguments: &[String]) -> String {
+        let mut command = Command::new("valgrind");
+        command.args(["-q", &format!("--tool={tool}"), "--error-exitcode=9"]);
+        well(&command.arg(&self.program).args(arguments).output().expect("valgrind starts"))
+    }
+
     /// Runs it; it must end well and print nothing to standard error. Returns what it printed.
     pub(crate) fn run(&self, arguments: &[String]) -> String {
         well(&self.output(arguments))
