@@ -225,4 +225,19 @@ mod tests {
         let error = Instance::new(&INVERSE, &[1.0], &p, 1e-4).err();
         assert_eq!(error.map(|v| v.quantity), Some("cubic"));
     }
+
+    #[test]
+    fn values_are_those_of_the_polynomial_and_the_play() {
+        // y = 0.5 + (2 + u^2/4)*u + u, at rest and in motion.
+        let mut model = Instance::new(&Mpi, &[1.0], &[0.0, 1.0, 0.5, 2.0, 0.25, 1.0, 0.0], 1e-4);
+        let model = model.as_mut().unwrap();
+        assert_eq!([model.rest(&[2.0]), model.rest(&[-4.0])], [8.5, -27.5]);
+        assert_eq!([model.step(&[2.0]), model.step(&[-4.0])], [8.5, -27.5]);
+    }
+
+    #[test]
+    fn a_scale_of_zero_is_refused() {
+        let error = Instance::new(&Mpi, &[1.0], &[0.0, 1.0, 0.5, 2.0, 0.25, 0.0, 0.0], 1e-4).err();
+        assert_eq!(error.map(|v| v.quantity), Some("scale"));
+    }
 }
