@@ -2,18 +2,14 @@
 //!
 //! `cargo bench -p piezoloop-cosim`
 #![allow(clippy::print_stdout)]
-// The bare C functions are called here as any C program would.
-#![allow(unsafe_code)]
 
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use std::ffi::CString;
-use std::hint::black_box;
+use std::process::Command;
 use std::time::Instant;
 
 use common::instance;
-use fmi_bindings::fmi2::*;
 use piezoloop_cosim::{
     Coupling, Loop, LoopSettings, Memory, Points, Recorder, Run, Signals, Wiring,
 };
@@ -22,71 +18,6 @@ const STEPS: usize = 1_000_000;
 const H: f64 = 1e-3;
 const REPEATS: usize = 7;
 
-/// The functions of one FMU, without anything around them.
-struct Bare {
-    component: fmi2Component,
-    set: fmi2SetRealTYPE,
-    step: fmi2DoStepTYPE,
-    get: fmi2GetRealTYPE,
-    _library: libloading::Library,
-}
-
-impl Bare {
-    fn new(path: &std::path::Path, guid: &str) -> Self {
-        let callbacks = Box::leak(Box::new(fmi2CallbackFunctions {
-            logger: None,
-            allocateMemory: None,
-            freeMemory: None,
-            stepFinished: None,
-            componentEnvironment: std::ptr::null_mut(),
-        }));
-        let guid = CString::new(guid).expect("no zero byte");
-        // SAFETY: the library is our own test FMU; types are those of the standard.
-        unsafe {
-            let library = libloading::Library::new(path).expect("it loads");
-            let instantiate =
-                *library.get::<fmi2InstantiateTYPE>("fmi2Instantiate").expect("a function");
-            let component = instantiate(
-                c"bare".as_ptr(),
-                fmi2CoSimulation,
-                guid.as_ptr(),
-                c"file:///".as_ptr(),
-                callbacks,
-                0,
-                0,
-            );
-            let phase = |name: &str| {
-                let call = *library.get::<fmi2TerminateTYPE>(name).expect("a function");
-                assert_eq!(call(component), fmi2OK);
-            };
-            phase("fmi2EnterInitializationMode");
-            phase("fmi2ExitInitializationMode");
-            Bare {
-                component,
-                set: *library.get("fmi2SetReal").expect("a function"),
-                step: *library.get("fmi2DoStep").expect("a function"),
-                get: *library.get("fmi2GetReal").expect("a function"),
-                _library: library,
-            }
-        }
-    }
-
-    fn exchange(&self, time: f64, inputs: &[(u32, f64)], output: u32) -> f64 {
-        let (mut references, mut values) = ([0_u32; 2], [0.0; 2]);
-        for (i, (reference, value)) in inputs.iter().enumerate() {
-            (references[i], values[i]) = (*reference, *value);
-        }
-        let mut y = 0.0;
-        // SAFETY: the instance is alive, the slices are long enough.
-        unsafe {
-            (self.set)(self.component, references.as_ptr(), inputs.len(), values.as_ptr());
-            (self.step)(self.component, time, H, 1);
-            (self.get)(self.component, &raw const output, 1, &raw mut y);
-        }
-        y
-    }
-}
-
 /// The same loop by hand in fmpy, ns per step and FMU; `None` where there is no Python with it.
 fn fmpy(fmus: &common::Fmus) -> Option<f64> {
     let workspace = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
@@ -94,8 +25,7 @@ fn fmpy(fmus: &common::Fmus) -> Option<f64> {
     let python = std::env::var_os("PIEZOLOOP_PYTHON").map_or_else(own, std::path::PathBuf::from);
     let controller = fmus.pack("controller", &common::controller());
     let plant = fmus.pack("integrator", &common::integrator());
-    let output =
-        std::process::Command::new(python).args(["-c", FMPY]).args([controller, plant]).output();
+    let output = Command::new(python).args(["-c", FMPY]).args([controller, plant]).output();
     let text = String::from_utf8(output.ok()?.stdout).ok()?;
     text.lines().find_map(|line| line.strip_prefix("ns ")?.parse().ok())
 }
@@ -143,19 +73,26 @@ fn best(mut run: impl FnMut()) -> f64 {
     nanoseconds.fold(f64::INFINITY, f64::min)
 }
 
+/// The same by the bare C functions, in a C program.
 fn bare(fmus: &common::Fmus) -> f64 {
-    let (controller, plant) = (fmus.compile("controller"), fmus.compile("integrator"));
-    best(|| {
-        let controller = Bare::new(&controller, "controller");
-        let plant = Bare::new(&plant, "integrator");
-        let mut y = 0.0;
-        for k in 0..STEPS {
-            let time = k as f64 * H;
-            let u = controller.exchange(time, &[(0, 1.0), (1, y)], 2);
-            y = plant.exchange(time, &[(0, u)], 1);
-        }
-        black_box(y);
-    })
+    let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/bare.c");
+    let program = fmus.path("bare");
+    let made = Command::new("cc")
+        .args(["-std=gnu11", "-O2", "-o"])
+        .args([&program, &source])
+        .arg("-ldl")
+        .status()
+        .expect("the C compiler runs");
+    assert!(made.success(), "{} does not compile", source.display());
+    let output = Command::new(program)
+        .args([fmus.compile("controller"), fmus.compile("integrator")])
+        .args([STEPS.to_string(), REPEATS.to_string()])
+        .output()
+        .expect("it starts");
+    let said = String::from_utf8_lossy(&output.stdout);
+    said.trim()
+        .parse()
+        .unwrap_or_else(|_| panic!("{said}{}", String::from_utf8_lossy(&output.stderr)))
 }
 
 fn master(

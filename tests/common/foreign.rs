@@ -44,7 +44,15 @@ fn make(name: &str) -> Result<PathBuf, String> {
     }
     let _ = fs::remove_dir_all(&folder);
     succeed(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"];
+    let pip = [
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "--require-hashes",
+        "-r",
+    ];
     succeed(Command::new(&interpreter).args(pip).arg(&requirements))?;
     fs::write(&stamp, wanted).map_err(|e| e.to_string())?;
     Ok(interpreter)

@@ -28,7 +28,15 @@ pub(crate) fn python() -> PathBuf {
     let host = if cfg!(windows) { "python" } else { "python3" };
     run(Command::new(host).args(["-m", "venv"]).arg(&folder));
     run(Command::new(&interpreter)
-        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"])
+        .args([
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--disable-pip-version-check",
+            "--require-hashes",
+            "-r",
+        ])
         .arg(&requirements));
     fs::write(&stamp, wanted).expect("the environment is writable");
     interpreter

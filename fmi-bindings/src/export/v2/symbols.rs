@@ -11,6 +11,7 @@ macro_rules! forward {
             pub unsafe extern "C" fn $function($($argument: $type),*) $(-> $result)? {
                 use $module as edge;
                 #[allow(unused_unsafe)]
+                // SAFETY: handed on as the importer, who keeps to the standard, gave it.
                 unsafe { edge::$function($($argument),*) }
             }
         )*
@@ -56,6 +57,7 @@ macro_rules! fmi2_symbols {
             ) -> fmi2Component {
                 $crate::export::install_panic_hook();
                 use $edge as edge;
+                // SAFETY: handed on as the importer, who keeps to the standard, gave it.
                 unsafe {
                     edge::fmi2Instantiate(
                         $($factory,)?

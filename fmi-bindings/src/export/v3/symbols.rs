@@ -45,6 +45,7 @@ macro_rules! fmi3_symbols {
             ) -> fmi3Instance {
                 $crate::export::install_panic_hook();
                 use $edge as edge;
+                // SAFETY: handed on as the importer, who keeps to the standard, gave it.
                 unsafe {
                     edge::fmi3InstantiateCoSimulation(
                         $($factory,)?
