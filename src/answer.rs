@@ -1,8 +1,12 @@
 //! What a command answers, and how it reaches the screen. Only this file prints.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+use std::fs::File;
 use std::io::{self, Write};
+use std::sync::OnceLock;
 
+#[cfg(unix)]
+use anyhow::Context;
 use serde::Serialize;
 
 /// The result of a command: data for machines, sentences for people.
@@ -19,6 +23,45 @@ pub(crate) trait Answer: Serialize {
 /// Stands for the standard output where `--json` takes a file.
 pub(crate) const STANDARD_OUTPUT: &str = "-";
 
+/// The standard output, once it is kept for the answer.
+static KEPT: OnceLock<File> = OnceLock::new();
+
+/// From now on only the answer goes to standard output. What FMUs print, which would make JSON
+/// unreadable, goes to standard error.
+#[cfg(unix)]
+pub(crate) fn keep_standard_output() -> anyhow::Result<()> {
+    let kept = fmi_bindings::import::keep_standard_output()
+        .context("the standard output cannot be kept for the answer")?;
+    KEPT.get_or_init(|| kept);
+    Ok(())
+}
+
+/// Elsewhere what FMUs print stands beside the answer.
+#[cfg(not(unix))]
+pub(crate) fn keep_standard_output() -> anyhow::Result<()> {
+    Ok(())
+}
+
+/// The standard output as answers reach it.
+pub(crate) fn standard_output() -> Box<dyn Write> {
+    match KEPT.get() {
+        Some(kept) => Box::new(kept),
+        None => Box::new(io::stdout().lock()),
+    }
+}
+
+/// The way out where a file cannot be written, for errors that only say why.
+fn way_out(error: &anyhow::Error) -> Option<&'static str> {
+    use io::ErrorKind::{PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+    let kind = error.chain().find_map(|cause| Some(cause.downcast_ref::<io::Error>()?.kind()))?;
+    match kind {
+        StorageFull | QuotaExceeded => Some("free some space, or name a file on another disk"),
+        ReadOnlyFilesystem => Some("name a file in a folder that can be written"),
+        PermissionDenied => Some("name a file in a folder of yours, or change the permissions"),
+        _ => None,
+    }
+}
+
 /// How results are shown.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Screen {
@@ -31,13 +74,13 @@ pub(crate) struct Screen {
 impl Screen {
     /// Shows an answer and returns its exit code. A closed pipe is no error: the reader has enough.
     pub(crate) fn show(&self, answer: &dyn ErasedAnswer) -> anyhow::Result<u8> {
-        let mut out = io::stdout().lock();
+        let mut out = standard_output();
         let written = if self.json {
             writeln!(out, "{}", answer.json()?)
         } else if self.quiet {
             Ok(())
         } else {
-            answer.write(&mut out)
+            answer.write(&mut *out)
         };
         match written.and_then(|()| out.flush()) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(answer.exit_code()),
@@ -55,11 +98,14 @@ impl Screen {
 
     /// Shows an error on standard error.
     pub(crate) fn error(&self, error: &anyhow::Error) {
+        let error = match way_out(error) {
+            Some(way_out) => format!("{error:#}; {way_out}"),
+            None => format!("{error:#}"),
+        };
         let _ = if self.json {
-            let text = serde_json::json!({ "error": format!("{error:#}") });
-            writeln!(io::stderr(), "{text}")
+            writeln!(io::stderr(), "{}", serde_json::json!({ "error": error }))
         } else {
-            writeln!(io::stderr(), "error: {error:#}")
+            writeln!(io::stderr(), "error: {error}")
         };
     }
 }

@@ -1,9 +1,12 @@
 //! FMUs as the commands take them: opened, or packed from a blueprint first; and their short names.
 
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
-use anyhow::Context;
-use cosim::Fmu;
+use anyhow::{Context, bail};
+use clap::Args;
+use cosim::{Fmu, HOST, InstanceOptions, Message, Worker};
 use data::{Blueprint, Log, NameMap};
 use modeldescription::description::{BaseUnit, Line, Unit};
 use modeldescription::variable::Causality;
@@ -19,22 +22,89 @@ pub(crate) struct Opened {
     _folder: Option<tempfile::TempDir>,
 }
 
+/// In which process FMUs run.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct Isolation {
+    /// Each FMU in a process of its own: one that crashes or hangs is an error that names it
+    #[arg(long)]
+    pub(crate) isolate: bool,
+    /// Longest time of one call to an FMU in s
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 60.0,
+        requires = "isolate",
+        allow_negative_numbers = true
+    )]
+    timeout: f64,
+}
+
+impl Isolation {
+    /// How processes for FMUs are started; none: they run in this one.
+    pub(crate) fn worker(&self) -> anyhow::Result<Option<Worker>> {
+        if !self.isolate {
+            return Ok(None);
+        }
+        if !(self.timeout > 0.0 && self.timeout < 1e9) {
+            bail!("--timeout {}: give a time in s, greater than 0", self.timeout);
+        }
+        let timeout = Duration::from_secs_f64(self.timeout);
+        let worker = Worker::this_program(crate::commands::WORKER, timeout)
+            .context("this program does not find itself to start FMUs in their own processes")?;
+        Ok(Some(worker))
+    }
+}
+
+/// Hears what FMUs change of the program that runs them, or that they do not end well; the rest of what
+/// they say comes with errors.
+#[derive(Clone, Default)]
+pub(crate) struct Ear(Arc<Mutex<Vec<String>>>);
+
+impl Ear {
+    /// For an instance of this name.
+    pub(crate) fn options(&self, fmu: &str) -> InstanceOptions {
+        let (heard, fmu) = (Arc::clone(&self.0), fmu.to_owned());
+        let hear = move |message: &Message| {
+            let note = format!("FMU `{fmu}`: {}", message.text);
+            let mut heard = heard.lock().unwrap_or_else(PoisonError::into_inner);
+            if message.category == HOST && !heard.contains(&note) {
+                heard.push(note);
+            }
+        };
+        InstanceOptions { on_message: Some(Arc::new(hear)), ..InstanceOptions::default() }
+    }
+
+    /// What was heard so far; ask when the FMUs are gone.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
 /// Opens an FMU; packs a blueprint or a rig first.
 pub(crate) fn open(what: &Path) -> anyhow::Result<Opened> {
+    open_in(what, None)
+}
+
+/// As [`open`], to run in processes of its own where there is a worker.
+pub(crate) fn open_in(what: &Path, worker: Option<&Worker>) -> anyhow::Result<Opened> {
+    let load = |file: &Path| match worker {
+        Some(worker) => Fmu::open_isolated(file, worker),
+        None => Fmu::open(file),
+    };
     let is_blueprint =
         what.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) || !what.exists();
     if !is_blueprint {
-        let fmu = Fmu::open(what)?;
+        let fmu = load(what)?;
         return Ok(Opened { name: fmu.description().model_name.clone(), fmu, _folder: None });
     }
     if what.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {
-        anyhow::bail!("{}: there is no such file", what.display());
+        bail!("{}: there is no such file", what.display());
     }
     let source = inputs::blueprint(what)?;
     let folder = tempfile::tempdir().context("no temporary folder can be made")?;
     let file = folder.path().join("packed.fmu");
     pack::pack_to_run(&source, &file)?;
-    let fmu = Fmu::open(&file)?;
+    let fmu = load(&file)?;
     Ok(Opened { name: source.blueprint.name, fmu, _folder: Some(folder) })
 }
 

@@ -55,7 +55,8 @@ fn main() -> ExitCode {
         Cli::command().error(clap::error::ErrorKind::ArgumentConflict, message).exit();
     }
     let screen = answer::Screen { json, quiet: cli.quiet };
-    match cli.command.run(&screen) {
+    let kept = if json { answer::keep_standard_output() } else { Ok(()) };
+    match kept.and_then(|()| cli.command.run(&screen)) {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
             screen.error(&error);

@@ -35,6 +35,32 @@ pub enum Error {
         /// The value.
         value: String,
     },
+    /// An output that is no number, or none that anything can be computed with.
+    #[error(
+        "FMU `{fmu}`: variable `{variable}` has become {value}; look whether its inputs and \
+         parameters are those it is made for, or try a smaller communication step"
+    )]
+    NotFinite {
+        /// Name of the FMU.
+        fmu: String,
+        /// Name of the variable.
+        variable: String,
+        /// NaN, inf or -inf.
+        value: f64,
+    },
+    /// An FMU wrote more values than it was asked for.
+    #[error(
+        "FMU `{fmu}`: {call} was asked for {asked} values and wrote more, which the standard forbids: \
+         its library does not fit its modelDescription.xml; ask its maker for a sound export"
+    )]
+    Overrun {
+        /// Name of the FMU.
+        fmu: String,
+        /// The function.
+        call: &'static str,
+        /// Values that it was asked for.
+        asked: usize,
+    },
     /// The FMU does not offer what is asked for.
     #[error("FMU `{fmu}` cannot {what}: its model description does not state {attribute}")]
     NotOffered {
@@ -88,6 +114,9 @@ pub enum Error {
     /// An FMU in a process of its own failed; the message names it.
     #[error("{0}")]
     Worker(String),
+    /// An FMU in a process of its own crashed or took too long; the message names it.
+    #[error("{0}")]
+    Lost(String),
     /// The record cannot be written.
     #[error("the record cannot be written: {0}")]
     Record(#[from] std::io::Error),

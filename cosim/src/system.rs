@@ -113,6 +113,21 @@ impl Gather {
         }
         Ok(())
     }
+
+    /// No value is NaN or infinite.
+    #[inline]
+    fn check(&self, slave: &dyn Slave) -> Result<(), Error> {
+        match self.values.iter().position(|value| !value.is_finite()) {
+            None => Ok(()),
+            Some(at) => Err(self.not_finite(slave, at)),
+        }
+    }
+
+    #[cold]
+    fn not_finite(&self, slave: &dyn Slave, at: usize) -> Error {
+        let variable = self.selection.names().get(at).cloned().unwrap_or_default();
+        Error::NotFinite { fmu: slave.name().to_owned(), variable, value: self.values[at] }
+    }
 }
 
 impl Participant {
@@ -343,6 +358,9 @@ impl System {
     }
 
     /// Reads the slave's connected and recorded variables to the bus.
+    ///
+    /// # Errors
+    /// What the slave says, and a value that is NaN or infinite.
     #[inline]
     pub fn read(&mut self, slave: usize) -> Result<(), Error> {
         let participant = &mut self.participants[slave];
@@ -350,7 +368,9 @@ impl System {
             return Ok(());
         }
         participant.outputs.read(&mut *participant.slave, &mut self.bus)?;
-        participant.observed.read(&mut *participant.slave, &mut self.bus)
+        participant.observed.read(&mut *participant.slave, &mut self.bus)?;
+        participant.outputs.check(&*participant.slave)?;
+        participant.observed.check(&*participant.slave)
     }
 
     /// In initialization mode: sets the slave's inputs and reads its connected outputs.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use data::CheckedBlueprint;
 use model::{AxisSpec, Conversion, NodeSpec, Stage, Unit, unit_on_axis};
 
+use crate::black_box::BlackBox;
 use crate::block::Memory;
 use crate::chain::{Chain, ComponentNode, Link, Node, Parameter};
 use crate::error::Error;
@@ -56,6 +57,15 @@ pub(crate) struct Base {
 }
 
 impl Base {
+    /// The FMUs among the nodes.
+    pub(crate) fn black_boxes(&self) -> Vec<BlackBox> {
+        let boxes = self.nodes.iter().filter_map(|node| match node {
+            Node::BlackBox(fmu) => Some(fmu.clone()),
+            _ => None,
+        });
+        boxes.collect()
+    }
+
     /// The chain of one axis of a blueprint, with its number from 1.
     pub(crate) fn white(
         blueprint: &CheckedBlueprint,

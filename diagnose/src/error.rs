@@ -11,6 +11,18 @@ pub enum Error {
     /// An FMU that does not open, load or run.
     #[error(transparent)]
     Fmu(#[from] cosim::Error),
+    /// An FMU that failed over a record.
+    #[error("{record}: {cause}; {row} of {rows} rows had been run until then")]
+    Run {
+        /// Name of the record.
+        record: String,
+        /// Rows until then.
+        row: usize,
+        /// All its rows.
+        rows: usize,
+        /// What happened, when.
+        cause: Box<cosim::RunError>,
+    },
     /// A value of an option that makes no sense.
     #[error("{option} {value}: {message}")]
     Option {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use cosim::Fmu;
+use cosim::{Fmu, Worker};
 use model::{Unit, UnitError};
 use modeldescription::variable::{Causality, DataType, Number, Variable};
 
@@ -15,9 +15,17 @@ use crate::library::Slot;
 use crate::problem::{Port, Problem, assemble, choose};
 use crate::request::Request;
 
+/// Opens an FMU, to run in this process or in others.
+pub(crate) fn open(path: &Path, worker: Option<&Worker>) -> Result<Fmu, Error> {
+    Ok(match worker {
+        Some(worker) => Fmu::open_isolated(path, worker)?,
+        None => Fmu::open(path)?,
+    })
+}
+
 /// All problems of a black box.
 pub(crate) fn problems(request: &Request, path: &Path) -> Result<Vec<Problem>, Error> {
-    let fmu = Fmu::open(path)?;
+    let fmu = open(path, request.worker.as_ref())?;
     let description = fmu.description();
     let model = description.model_name.clone();
     let ports = |causality: Causality| -> Vec<Port> {
@@ -60,7 +68,7 @@ fn problem(
     input: usize,
     output: usize,
 ) -> Result<Problem, Error> {
-    let fmu = Fmu::open(path)?;
+    let fmu = open(path, request.worker.as_ref())?;
     let tuned = tuned(request, &fmu);
     let mut names = vec![inputs[input].name.clone()];
     names.extend(

@@ -60,6 +60,7 @@ pub struct Diagnosis {
     /// The answer.
     pub gap: Gap,
     outcomes: Vec<outcome::Outcome>,
+    worker: Option<cosim::Worker>,
 }
 
 /// What was written beside the page.
@@ -74,6 +75,17 @@ pub struct Files<'a> {
 }
 
 impl Diagnosis {
+    /// What the FMU that was diagnosed did beside its answers, in sentences: failures with other
+    /// inputs or parameters than its own, what it changed of the program that ran it.
+    #[must_use]
+    pub fn incidents(&self) -> Vec<String> {
+        let boxes = self.outcomes.iter().flat_map(|outcome| outcome.problem.base.black_boxes());
+        let mut all: Vec<String> = boxes.flat_map(|fmu| fmu.incidents()).collect();
+        all.sort();
+        all.dedup();
+        all
+    }
+
     /// The page; the caller adds its provenance.
     #[must_use]
     pub fn report(&self, files: &Files<'_>) -> report::Report {
@@ -100,7 +112,7 @@ impl Diagnosis {
         names: &data::NameMap,
         library: (&str, &[u8]),
     ) -> Result<Repaired, Error> {
-        let fmu = cosim::Fmu::open(file)?;
+        let fmu = fmu::open(file, self.worker.as_ref())?;
         let archive = match file.is_dir() {
             true => file.join("modelDescription.xml"),
             false => file.to_path_buf(),
@@ -150,9 +162,17 @@ pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnos
     let mut outcomes = Vec::with_capacity(total);
     for (number, problem) in problems.into_iter().enumerate() {
         observer.progress("diagnose", number, total);
-        outcomes.push(pool.install(|| outcome::of(problem, request, &count))?);
+        let boxes = problem.base.black_boxes();
+        let outcome = pool.install(|| outcome::of(problem, request, &count));
+        // Without its FMU a search finds nothing; what it says of that is no answer.
+        boxes.iter().try_for_each(black_box::BlackBox::is_alive)?;
+        outcomes.push(
+            outcome.map_err(|error| {
+                boxes.iter().find_map(|fmu| fmu.reason(&error)).unwrap_or(error)
+            })?,
+        );
     }
     observer.progress("diagnose", total, total);
     let gap = pool.install(|| answer::gap(request, &outcomes, count.load(Ordering::Relaxed)));
-    Ok(Diagnosis { gap, outcomes })
+    Ok(Diagnosis { gap, outcomes, worker: request.worker.clone() })
 }

@@ -72,6 +72,9 @@ pub struct Request {
     pub threads: usize,
     /// Seed of the resampling of blocks.
     pub seed: u64,
+    /// Runs an FMU in processes of its own, so that one that crashes or hangs is an error; none: it
+    /// runs in this process.
+    pub worker: Option<cosim::Worker>,
 }
 
 impl Request {
@@ -91,6 +94,7 @@ impl Request {
             without: Vec::new(),
             threads: 0,
             seed: 1,
+            worker: None,
         }
     }
 }

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::answer::{Answer, STANDARD_OUTPUT, Screen};
 use crate::commands::pack;
+use crate::fmus::Isolation;
 use crate::inputs::{self, LogOptions};
 use crate::pages::{self, PageOptions, Pages};
 use crate::{documentation, libraries, progress, reference};
@@ -69,6 +70,8 @@ pub(crate) struct Diagnose {
     /// Write the signal of the next experiment, CSV to be played, where one is proposed
     #[arg(long, value_name = "FILE")]
     next_experiment: Option<PathBuf>,
+    #[command(flatten)]
+    isolation: Isolation,
     /// Number of threads; 0: one per processor
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
@@ -130,10 +133,10 @@ impl Diagnose {
                 .with_context(|| format!("{} cannot be written", file.display()))?;
             written.push(file.to_owned());
         }
-        let mut notes = Vec::new();
+        let mut notes = diagnosis.incidents();
         if let Some(file) = &self.repair {
             if matches!(diagnosis.gap.verdict, Verdict::Effects | Verdict::Retune) {
-                notes = self.write_repair(&diagnosis, file)?;
+                notes.extend(self.write_repair(&diagnosis, file)?);
                 written.push(file.clone());
             } else {
                 notes.push(format!(
@@ -196,6 +199,7 @@ impl Diagnose {
         request.without.clone_from(&self.without);
         request.threads = self.threads;
         request.seed = self.seed;
+        request.worker = self.isolation.worker()?;
         Ok(request)
     }
 
@@ -273,7 +277,11 @@ impl Diagnose {
         let own =
             has("documentation/index.html").then_some("resources/inner/documentation/index.html");
         // An original that does not run under signals of our making has no reference results.
-        let reference = match pack::reference_of(package, reference::FOREIGN) {
+        let reference = match pack::reference_of(
+            package,
+            reference::FOREIGN,
+            self.isolation.worker()?.as_ref(),
+        ) {
             Ok(reference) => Some(reference),
             Err(error) => {
                 repaired.notes.push(format!("no reference results are inside: {error:#}"));

@@ -24,7 +24,7 @@ pub(crate) mod tune;
 use crate::answer::Screen;
 
 /// The command by which the tool starts itself for one FMU.
-const WORKER: &str = "fmu-worker";
+pub(crate) const WORKER: &str = "fmu-worker";
 
 /// What the tool can do.
 #[derive(clap::Subcommand, Debug)]

@@ -14,7 +14,7 @@ use sha2::{Digest as _, Sha256};
 
 use crate::answer::{Answer, Screen};
 use crate::reference::{self, Reference};
-use crate::{documentation, inputs, libraries};
+use crate::{documentation, fmus, inputs, libraries};
 
 /// Packs a blueprint as an FMI co-simulation FMU
 ///
@@ -128,7 +128,7 @@ pub(crate) fn pack(
     let Assembled { package, description, .. } = &mut assembled;
     // What this platform's library computes; without one there is nothing to hold another against.
     let reference = match Platform::from_name(libraries::PLATFORM) {
-        Some(_) => Some(reference_of(package, reference::OURS)?),
+        Some(_) => Some(reference_of(package, reference::OURS, None)?),
         None => None,
     };
     if let Some(reference) = &reference {
@@ -256,11 +256,15 @@ pub(crate) fn put_icon(
 }
 
 /// Runs a package as far as it has come, as an importer would.
-pub(crate) fn reference_of(package: &PackageBuilder, tolerance: f64) -> anyhow::Result<Reference> {
+pub(crate) fn reference_of(
+    package: &PackageBuilder,
+    tolerance: f64,
+    worker: Option<&cosim::Worker>,
+) -> anyhow::Result<Reference> {
     let folder = tempfile::tempdir().context("no temporary folder can be made")?;
     let file = folder.path().join("model.fmu");
     package.write(&file)?;
-    Reference::of(&cosim::Fmu::open(&file)?, tolerance)
+    Reference::of(&fmus::open_in(&file, worker)?.fmu, tolerance)
 }
 
 /// What the shared libraries can do.

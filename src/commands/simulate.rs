@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use cosim::{Coupling, Drive, Fmu, InstanceOptions, Loop, LoopSettings, Memory, Points, Run};
+use cosim::{Coupling, Drive, Fmu, Loop, LoopSettings, Memory, Points, Run};
 use cosim::{Signal, Signals, Slave, Value, Wiring};
 use data::{Log, UnitPlace};
 use modeldescription::description::Unit;
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
-use crate::fmus::{self, Addresses};
+use crate::fmus::{self, Addresses, Ear, Isolation};
 use crate::inputs::{self, LogOptions};
 use crate::pages::{self, PageOptions};
 use crate::progress;
@@ -63,6 +63,8 @@ pub(crate) struct Simulate {
     options: LogOptions,
     #[command(flatten)]
     window: Window,
+    #[command(flatten)]
+    isolation: Isolation,
     /// Record the run in this file
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
@@ -130,7 +132,7 @@ impl Simulate {
         if let Some(out) = &self.out {
             inputs::not_over(out, &[log_path, what])?;
         }
-        let opened = fmus::open(what)?;
+        let opened = fmus::open_in(what, self.isolation.worker()?.as_ref())?;
         let log = self.options.read(log_path)?;
         let names = self.options.names()?;
         let addresses = Addresses::of(&opened.fmu);
@@ -141,7 +143,8 @@ impl Simulate {
             parameters: self.parameters(&addresses, &opened.fmu)?,
             ..Drive::default()
         };
-        let slave = opened.fmu.instantiate(opened.name.clone(), &InstanceOptions::default())?;
+        let ear = Ear::default();
+        let slave = opened.fmu.instantiate(opened.name.clone(), &ear.options(&opened.name))?;
         let mut memory = Memory::new();
         let mut bar = progress::Rows::new(screen, "simulate", log.len());
         let outcome =
@@ -156,6 +159,7 @@ impl Simulate {
             .flatten()
             .map(|ending| format!("the FMU asked for the end of the run: {ending:?}"))
             .collect();
+        notes.extend(ear.notes());
         let (fits, measured) = self.fits(&memory, &log, &names, &addresses, &mut notes)?;
         self.result(opened.name, memory, fits, measured, notes)
     }
@@ -211,7 +215,9 @@ impl Simulate {
         if let Some(out) = &self.out {
             inputs::not_over(out, &[plant, controller, reference])?;
         }
-        let (plant, controller) = (fmus::open(plant)?, fmus::open(controller)?);
+        let worker = self.isolation.worker()?;
+        let open = |what: &Path| fmus::open_in(what, worker.as_ref());
+        let (plant, controller) = (open(plant)?, open(controller)?);
         let log = self.options.read(reference)?;
         let [_] = log.records() else {
             bail!(
@@ -223,10 +229,10 @@ impl Simulate {
         let points = points(&log, &controller.fmu, self.step, None)?;
         let addresses = Addresses::of(&controller.fmu);
         let columns = addresses.columns(&self.options.names()?, &log)?;
-        let options = InstanceOptions::default();
+        let ear = Ear::default();
         let (c, p) = (
-            controller.fmu.instantiate("controller", &options)?,
-            plant.fmu.instantiate("plant", &options)?,
+            controller.fmu.instantiate("controller", &ear.options("controller"))?,
+            plant.fmu.instantiate("plant", &ear.options("plant"))?,
         );
         let wiring = wiring(&*c, &*p, &columns)?;
         let pairs = wiring.clone();
@@ -246,12 +252,14 @@ impl Simulate {
         let mut memory = Memory::new();
         let run = Run { record: 0, points, signals: &table, tolerance: None };
         let outcome = closed.run(&run, &mut memory);
+        drop(closed);
         if let (Err(error), Some(out)) = (&outcome, &self.out) {
             return Err(broken_off(error, &memory, out)?);
         }
         outcome?;
         let fits = self.tracking(&memory, &pairs)?;
-        let notes = slow_plant(&plant.fmu, &controller.fmu);
+        let mut notes = slow_plant(&plant.fmu, &controller.fmu);
+        notes.extend(ear.notes());
         let name = format!("{} with {}", plant.name, controller.name);
         self.result(name, memory, fits, Vec::new(), notes)
     }

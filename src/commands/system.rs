@@ -2,20 +2,20 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use anyhow::{Context, bail};
 use clap::Args;
 use cosim::plan::Coupling;
-use cosim::{Ending, Fmu, InstanceOptions, Plan, Points, RecordFile, Run, Signal, Signals, Worker};
+use cosim::{Ending, Fmu, Plan, Points, RecordFile, Run, Signal, Signals};
 use data::Log;
 use modeldescription::ModelDescription;
 use serde::Serialize;
 
 use super::simulate;
 use crate::answer::{Answer, Screen};
+use crate::fmus::{self, Ear, Isolation};
 use crate::inputs::{self, LogOptions};
-use crate::{fmus, progress};
+use crate::progress;
 
 /// Runs any number of FMUs together, connected by a short TOML or by an SSP
 ///
@@ -43,12 +43,8 @@ pub(crate) struct System {
     /// Who steps when [default: the system's, else gauss-seidel]
     #[arg(long, value_name = "NAME")]
     algorithm: Option<Algorithm>,
-    /// Each FMU in a process of its own: one that crashes or hangs is an error that names it
-    #[arg(long)]
-    isolate: bool,
-    /// Longest time of one call to an FMU in s
-    #[arg(long, value_name = "S", default_value_t = 60.0, requires = "isolate")]
-    timeout: f64,
+    #[command(flatten)]
+    isolation: Isolation,
     #[command(flatten)]
     options: LogOptions,
     /// Record the run in this file: .csv, .npy, .npz or .parquet
@@ -155,8 +151,7 @@ impl System {
             step,
             stop,
             algorithm: None,
-            isolate: false,
-            timeout: 0.0,
+            isolation: Isolation::default(),
             options,
             out: None,
             export: None,
@@ -195,11 +190,12 @@ impl System {
         let (points, step) = self.points(plan, &descriptions, log.as_ref())?;
         let table = self.table(plan, log.as_ref())?;
         let units = simulate::units(&table);
+        let ear = Ear::default();
         let slaves = plan
             .fmus
             .iter()
             .zip(&fmus)
-            .map(|(planned, fmu)| fmu.instantiate(&planned.name, &InstanceOptions::default()))
+            .map(|(planned, fmu)| fmu.instantiate(&planned.name, &ear.options(&planned.name)))
             .collect::<Result<Vec<_>, _>>()?;
         let mut prepared = plan.prepare(slaves, step, &units)?;
         let rows = points.steps() + 1;
@@ -223,11 +219,13 @@ impl System {
                  found; the run begins with those of one pass through it"
             )
         }));
+        drop(prepared.system);
+        notes.extend(ear.notes());
         match (outcome, &self.out) {
-            (Err(error), Some(out)) => {
+            (Err(error), Some(out)) if rows > 0 => {
                 bail!("{error}; the {rows} rows until then are in {}", out.display())
             }
-            (Err(error), None) => return Err(error.into()),
+            (Err(error), _) => return Err(error.into()),
             (Ok(Some(Ending { slave, time })), _) => {
                 notes.push(format!("FMU `{slave}` asked for the end of the run at {time} s"));
             }
@@ -247,20 +245,11 @@ impl System {
     }
 
     fn open(&self, plan: &Plan) -> anyhow::Result<Vec<Fmu>> {
-        if !self.isolate {
-            let open = |path: &Path| fmus::open(path).map(|opened| opened.fmu);
-            return plan.fmus.iter().map(|fmu| open(&fmu.path)).collect();
-        }
-        if plan.master.coupling == Coupling::Extrapolation {
+        if self.isolation.isolate && plan.master.coupling == Coupling::Extrapolation {
             bail!("jacobi-extrapolated runs FMUs in this process only; leave out --isolate");
         }
-        if !(self.timeout > 0.0 && self.timeout < 1e9) {
-            bail!("--timeout {}: give a time in s, greater than 0", self.timeout);
-        }
-        let timeout = Duration::from_secs_f64(self.timeout);
-        let worker = Worker::this_program(super::WORKER, timeout)
-            .context("this program does not find itself to start FMUs in their own processes")?;
-        let open = |path: &Path| Ok(Fmu::open_isolated(path, &worker)?);
+        let worker = self.isolation.worker()?;
+        let open = |path: &Path| Ok(fmus::open_in(path, worker.as_ref())?.fmu);
         plan.fmus.iter().map(|fmu| open(&fmu.path)).collect()
     }
 

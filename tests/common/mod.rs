@@ -1,8 +1,11 @@
 //! What the tests of the tool share: the built tool, a Python with the foreign checkers, folders.
 #![allow(dead_code, clippy::print_stderr, clippy::print_stdout)]
 
+pub(crate) mod faulty;
 pub(crate) mod foreign;
 pub(crate) mod four_axes;
+#[cfg(unix)]
+pub(crate) mod jobs;
 pub(crate) mod packed;
 pub(crate) mod python;
 pub(crate) mod repaired;

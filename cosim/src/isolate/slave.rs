@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use fmi_bindings::import::{Experiment, StepResult};
+use fmi_bindings::import::{Experiment, HOST, Message, Status, StepResult};
 use modeldescription::{FmiVersion, ModelDescription, Package};
 
 use super::Worker;
@@ -77,7 +77,7 @@ impl IsolatedSlave {
     }
 
     fn ended(&self, what: &str) -> Error {
-        Error::Worker(format!("FMU `{}`: {what}", self.settings.name))
+        Error::Lost(format!("FMU `{}`: {what}", self.settings.name))
     }
 
     fn ask(&mut self, call: &str, request: &Request) -> Result<Answer, Error> {
@@ -114,7 +114,8 @@ impl IsolatedSlave {
     }
 
     fn odd(&self, call: &str, answer: &Answer) -> Error {
-        self.ended(&format!("{} was answered by {answer:?}", self.call_name(call)))
+        let call = self.call_name(call);
+        Error::Worker(format!("FMU `{}`: {call} was answered by {answer:?}", self.settings.name))
     }
 
     /// The worker has crashed, or does not answer.
@@ -195,10 +196,20 @@ fn waited(child: &mut Child, longest: Duration) -> Option<std::process::ExitStat
 }
 
 impl Drop for IsolatedSlave {
-    /// Hangs up, upon which the worker frees the FMU and ends.
+    /// Hangs up, upon which the worker frees the FMU and ends. One that does not end well is told of.
     fn drop(&mut self) {
         self.socket = None;
-        waited(&mut self.child, LONGEST_END.min(self.timeout));
+        let longest = LONGEST_END.min(self.timeout);
+        let status = waited(&mut self.child, longest);
+        let how = match status {
+            Some(status) if status.success() => return,
+            Some(status) => format!("crashed: its process ended with {status}"),
+            None => format!("has not returned within {} s and was ended", longest.as_secs_f64()),
+        };
+        if let (None, Some(on_message)) = (&self.ended, &self.settings.on_message) {
+            let text = format!("{} {how}", self.call_name("FreeInstance"));
+            on_message(&Message { status: Status::Warning, category: HOST.to_owned(), text });
+        }
     }
 }
 

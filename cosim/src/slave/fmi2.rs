@@ -10,7 +10,8 @@ use modeldescription::{ModelDescription, Package};
 use super::address::Address;
 use super::selection::{Selection, TypeRun};
 use super::support::{
-    Settings, States, instance_of, offers_bytes, offers_state, problem, same_length, type_error,
+    Room, Settings, States, instance_of, offers_bytes, offers_state, problem, same_length,
+    type_error,
 };
 use super::value::Value;
 use super::{Slave, StateId};
@@ -27,6 +28,7 @@ pub(crate) struct Fmi2Slave {
     description: Arc<ModelDescription>,
     settings: Settings,
     states: States,
+    room: Room,
     /// Also keeps the unpacked folder, which the FMU reads from.
     package: Arc<Package>,
 }
@@ -39,6 +41,7 @@ impl Fmi2Slave {
         settings: Settings,
     ) -> Result<Self, Error> {
         let mut slave = Fmi2Slave {
+            room: Room::of(&description),
             instance: None,
             library,
             description,
@@ -164,12 +167,14 @@ impl Slave for Fmi2Slave {
     #[inline]
     fn get(&mut self, selection: &Selection, values: &mut [f64]) -> Result<(), Error> {
         same_length(&self.settings.name, "get", selection, values.len())?;
-        let instance = self.instance()?;
+        let name = &self.settings.name;
+        let instance = instance_of(&mut self.instance, name)?;
         for run in selection.runs() {
             let references = &selection.references()[run.range.clone()];
             let values = &mut values[run.range.clone()];
             if run.data_type == DataType::Float64 {
-                instance.get_real(references, values)?;
+                let get = |room: &mut [f64]| instance.get_real(references, room);
+                self.room.read("fmi2GetReal", values, name, get)?;
             } else {
                 get_whole(instance, run.data_type, references, values)?;
             }

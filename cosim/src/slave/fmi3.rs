@@ -11,7 +11,8 @@ use super::address::Address;
 use super::array::Arrays;
 use super::selection::{Selection, TypeRun};
 use super::support::{
-    Settings, States, instance_of, offers_bytes, offers_state, problem, same_length, type_error,
+    Room, Settings, States, instance_of, offers_bytes, offers_state, problem, same_length,
+    type_error,
 };
 use super::value::Value;
 use super::{Slave, StateId};
@@ -30,6 +31,7 @@ pub(crate) struct Fmi3Slave {
     experiment: Experiment,
     states: States,
     arrays: Arrays,
+    room: Room,
     package: Arc<Package>,
 }
 
@@ -41,6 +43,7 @@ impl Fmi3Slave {
         settings: Settings,
     ) -> Result<Self, Error> {
         let mut slave = Fmi3Slave {
+            room: Room::of(&description),
             instance: None,
             library,
             description,
@@ -160,14 +163,16 @@ impl Slave for Fmi3Slave {
     #[inline]
     fn get(&mut self, selection: &Selection, values: &mut [f64]) -> Result<(), Error> {
         same_length(&self.settings.name, "get", selection, values.len())?;
-        let instance = instance_of(&mut self.instance, &self.settings.name)?;
+        let name = &self.settings.name;
+        let instance = instance_of(&mut self.instance, name)?;
         for run in selection.runs() {
             let references = &selection.references()[run.range.clone()];
             let values = &mut values[run.range.clone()];
             if let Some(array) = &run.array {
                 self.arrays.get(instance, run, array, values)?;
             } else if run.data_type == DataType::Float64 {
-                instance.get_float64(references, values)?;
+                let get = |room: &mut [f64]| instance.get_float64(references, room);
+                self.room.read("fmi3GetFloat64", values, name, get)?;
             } else {
                 get_other(instance, run.data_type, references, values)?;
             }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use fmi_bindings::import::{Error as ImportError, OnMessage, SavedState};
+use modeldescription::ModelDescription;
 use modeldescription::variable::DataType;
 
 use super::selection::Selection;
@@ -17,6 +18,48 @@ pub(crate) struct Settings {
     pub(crate) visible: bool,
     pub(crate) logging_on: bool,
     pub(crate) on_message: Option<OnMessage>,
+}
+
+/// Room for the numbers that an FMU writes. Behind those it was asked for there is more room, so that
+/// an FMU that writes too many hits nothing, and is found out.
+pub(super) struct Room {
+    values: Vec<f64>,
+}
+
+/// Values that an FMU may write too many before it hits something.
+const SPARE: usize = 64;
+/// Stands behind the values that are asked for: a NaN that no computation gives.
+const MARK: u64 = 0x7ff8_5e7d_0c0f_fee5;
+
+impl Room {
+    /// Room for every number of an FMU at once.
+    pub(super) fn of(description: &ModelDescription) -> Self {
+        Room { values: vec![0.0; description.variables.len() + SPARE] }
+    }
+
+    /// Reads `values`; `get` is the FMU's function `call`. Several times the same variable may be too
+    /// many to be looked after.
+    #[inline]
+    pub(super) fn read(
+        &mut self,
+        call: &'static str,
+        values: &mut [f64],
+        fmu: &str,
+        get: impl FnOnce(&mut [f64]) -> Result<(), ImportError>,
+    ) -> Result<(), Error> {
+        let asked = values.len();
+        if asked + SPARE > self.values.len() {
+            return Ok(get(values)?);
+        }
+        let mark = f64::from_bits(MARK);
+        self.values[asked] = mark;
+        get(&mut self.values[..asked])?;
+        if self.values[asked].to_bits() != MARK {
+            return Err(Error::Overrun { fmu: fmu.to_owned(), call, asked });
+        }
+        values.copy_from_slice(&self.values[..asked]);
+        Ok(())
+    }
 }
 
 /// Saved states by their numbers.

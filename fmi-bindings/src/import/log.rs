@@ -85,7 +85,8 @@ impl Log {
         self.mode_changed.store(true, Ordering::Relaxed);
     }
 
-    fn tell_of_mode(&self) {
+    /// Passes on that the mode was changed, where it was; not to be called in a cycle.
+    pub(super) fn tell_of_mode(&self) {
         if self.mode_changed.swap(false, Ordering::Relaxed) {
             let text = "a call left another floating-point mode (rounding, flush to zero or traps); \
                         it was put back";

@@ -11,7 +11,7 @@ use sweep::{Journal, Table, Worker, frame};
 use super::job::Job;
 use super::materials::Materials;
 use super::results::Swept;
-use crate::answer::{Answer, Screen};
+use crate::answer::{self, Answer, Screen};
 use crate::inputs;
 
 /// What is done with parts of a sweep.
@@ -129,7 +129,9 @@ impl Serve {
             .with_context(|| format!("{} cannot be read", self.bundle.display()))?;
         let job = Job::new(&Materials::from_bytes(&bytes)?)?;
         let mut worker = job.hire()?;
-        let mut out = io::stdout().lock();
+        // The master reads it: what FMUs print must not stand between.
+        answer::keep_standard_output()?;
+        let mut out = answer::standard_output();
         // Tells that everything is set up.
         writeln!(out, "{}", job.design.runs())?;
         out.flush()?;

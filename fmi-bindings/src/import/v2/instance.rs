@@ -305,6 +305,7 @@ impl Instance {
         // SAFETY: the instance is alive.
         let status = unsafe { function(component) };
         mode.keep(&self.log);
+        self.log.tell_of_mode();
         self.folder.keep(&self.log, call);
         self.check(call, status)
     }
@@ -339,6 +340,7 @@ impl Drop for Instance {
         // SAFETY: the instance is alive and is not used again; the standard allows the call in
         // every state but after a fatal status.
         unsafe { (self.functions().free_instance)(self.component) };
+        self.log.tell_of_mode();
         self.folder.keep(&self.log, "fmi2FreeInstance");
     }
 }

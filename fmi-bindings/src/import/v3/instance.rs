@@ -239,6 +239,7 @@ impl Instance {
         // SAFETY: the instance is alive.
         let status = unsafe { function(instance) };
         mode.keep(&self.log);
+        self.log.tell_of_mode();
         self.folder.keep(&self.log, call);
         self.check(call, status)
     }
@@ -272,6 +273,7 @@ impl Drop for Instance {
         self.free_all_states();
         // SAFETY: the instance is alive and is not used again.
         unsafe { (self.functions().free_instance)(self.pointer) };
+        self.log.tell_of_mode();
         self.folder.keep(&self.log, "fmi3FreeInstance");
     }
 }

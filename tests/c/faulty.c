@@ -1,0 +1,139 @@
+/* A co-simulation FMU with one fault, chosen when it is compiled by -DFAULT=NAME. Without a fault
+   y = gain·u, one step later. Faults of a step strike at t = 0.5 s. The declarations are the test's
+   own: a faulty FMU is rarely built with care.
+
+   references: 0 u, 1 y, 2 gain; as a controller (-DCONTROLLER) 0 reference, 1 measured, 2 command */
+#include <fenv.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum {
+    SOUND, CRASH_LOAD, CRASH_INSTANTIATE, CRASH_STEP, CRASH_FREE, EXIT_STEP, HANG_INSTANTIATE, HANG_STEP, HANG_FREE,
+    ERROR_STEP, FATAL_STEP, DISCARD_STEP, LEAK, PRINT, ROUNDING, FOLDER, FOLDER_ERROR, NO_NUMBER, INFINITE, MANY,
+    CRASH_TUNED, ERROR_TUNED, ERROR_SOMETIMES
+};
+#ifndef FAULT
+#define FAULT SOUND
+#endif
+
+typedef enum { OK, WARNING, DISCARD, ERROR, FATAL } Status;
+typedef void (*Logger)(void *, const char *, Status, const char *, const char *, ...);
+struct callbacks { Logger logger; void *allocate, *release, *finished, *environment; };
+struct faulty { double real[3], next, time; int stepping; struct callbacks callbacks; };
+
+static int never = 0, runs = 0;
+
+static void hang(void) { while (!*(volatile int *)&never) usleep(1000); }
+/* Writes where nothing is; the compiler does not see that it does. */
+static void crash(void) {
+    int *nowhere = NULL;
+    __asm__ volatile("" : "+r"(nowhere));
+    *nowhere = 1;
+}
+static void say(struct faulty *it, Status status, const char *text) {
+    it->callbacks.logger(it->callbacks.environment, "faulty", status, "logStatus", text);
+}
+
+__attribute__((constructor)) static void loaded(void) { if (FAULT == CRASH_LOAD) crash(); }
+
+const char *fmi2GetTypesPlatform(void) { return "default"; }
+const char *fmi2GetVersion(void) { return "2.0"; }
+
+void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
+                      const struct callbacks *callbacks, int visible, int logging) {
+    if (FAULT == CRASH_INSTANTIATE) crash();
+    if (FAULT == HANG_INSTANTIATE) hang();
+    if (FAULT == FOLDER) (void)!chdir("/");
+    if (FAULT == PRINT) { printf("faulty: %s is made\n", name); fflush(stdout); }
+    if (strcmp(guid, "faulty")) {
+        callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "this GUID is not mine");
+        return NULL;
+    }
+    struct faulty *it = calloc(1, sizeof *it);
+    it->real[2] = 2;
+    it->callbacks = *callbacks;
+    return it;
+}
+void fmi2FreeInstance(void *c) {
+    if (FAULT == CRASH_FREE) crash();
+    if (FAULT == HANG_FREE) hang();
+    free(c);
+}
+Status fmi2SetupExperiment(void *c, int td, double t, double start, int sd, double stop) {
+    ((struct faulty *)c)->time = start;
+    __atomic_add_fetch(&runs, 1, __ATOMIC_RELAXED);
+    return OK;
+}
+Status fmi2EnterInitializationMode(void *c) { return OK; }
+Status fmi2ExitInitializationMode(void *c) { return OK; }
+Status fmi2Terminate(void *c) { return OK; }
+Status fmi2Reset(void *c) {
+    struct faulty *it = c;
+    memset(it->real, 0, sizeof it->real);
+    it->real[2] = 2;
+    return OK;
+}
+Status fmi2SetDebugLogging(void *c, int on, size_t n, const char *const categories[]) { return OK; }
+
+Status fmi2SetReal(void *c, const unsigned vr[], size_t n, const double value[]) {
+    for (size_t k = 0; k < n; k++) {
+        if (vr[k] > 2) return ERROR;
+        ((struct faulty *)c)->real[vr[k]] = value[k];
+    }
+    return OK;
+}
+Status fmi2GetReal(void *c, const unsigned vr[], size_t n, double value[]) {
+    for (size_t k = 0; k < n; k++) {
+        if (vr[k] > 2) { say(c, ERROR, "there is no such variable"); return ERROR; }
+        value[k] = ((struct faulty *)c)->real[vr[k]];
+    }
+    /* As one that writes all its outputs, whatever it is asked for. */
+    if (FAULT == MANY && ((struct faulty *)c)->time > 0.55)
+        for (size_t k = n; k < n + 20; k++) value[k] = 7;
+    return OK;
+}
+#define NONE(name, type) Status fmi2##name(void *c, const unsigned vr[], size_t n, type v[]) { return n ? ERROR : OK; }
+NONE(GetInteger, int)
+NONE(SetInteger, const int)
+NONE(GetBoolean, int)
+NONE(SetBoolean, const int)
+NONE(GetString, const char *)
+NONE(SetString, const char *const)
+
+#ifndef NO_STEP
+static Status strike(struct faulty *it) {
+    switch (FAULT) {
+    case CRASH_STEP: crash(); break;
+    case EXIT_STEP: exit(0);
+    case HANG_STEP: hang(); break;
+    case FOLDER_ERROR: (void)!chdir("/"); /* fall through */
+    case ERROR_STEP: say(it, ERROR, "the bearing is worn"); return ERROR;
+    case FATAL_STEP: say(it, FATAL, "the bearing is gone"); return FATAL;
+    case DISCARD_STEP: return DISCARD;
+    case NO_NUMBER: it->real[1] = 0.0 / *(volatile double *)&(double){0}; break;
+    case INFINITE: it->real[1] = 1.0 / *(volatile double *)&(double){0}; break;
+    default: break;
+    }
+    return OK;
+}
+
+Status fmi2DoStep(void *c, double time, double step, int forget) {
+    struct faulty *it = c;
+    it->time = time + step;
+#ifdef CONTROLLER
+    it->real[2] = 0.25 * (it->real[0] - it->real[1]);
+    return OK;
+#endif
+    it->real[1] = it->real[2] * it->real[0];
+    if (FAULT == PRINT) { printf("faulty: t = %g\n", time); (void)!write(1, "raw\n", 4); }
+    if (FAULT == LEAK) memset(malloc(1 << 20), 1, 1 << 20);
+    if (FAULT == ROUNDING) fesetround(FE_UPWARD);
+    if (FAULT == FOLDER) (void)!chdir("/");
+    if (FAULT == CRASH_TUNED && it->real[2] != 2) crash();
+    if (FAULT == ERROR_SOMETIMES && runs % 40 == 39) { say(it, ERROR, "not now"); return ERROR; }
+    if (FAULT == ERROR_TUNED && it->real[2] > 2.0001) { say(it, ERROR, "the gain is not 2"); return ERROR; }
+    return time > 0.499 ? strike(it) : OK;
+}
+#endif
