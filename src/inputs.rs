@@ -90,7 +90,17 @@ pub(crate) fn output(given: Option<PathBuf>, name: &str, ending: &str) -> PathBu
     given.unwrap_or_else(|| PathBuf::from(format!("{name}.{ending}")))
 }
 
-/// Refuses to write over one of the files that are read.
+/// Whether a file can be written there; told before the work, so that no result is lost.
+fn can_write(output: &Path) -> anyhow::Result<()> {
+    // A pipe is opened once, by who writes to it.
+    if std::fs::metadata(output).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        return Ok(());
+    }
+    let begun = data::WholeFile::create(output);
+    begun.map(drop).with_context(|| format!("{} cannot be written", output.display()))
+}
+
+/// Refuses to write over one of the files that are read, or where nothing can be written.
 pub(crate) fn not_over(output: &Path, inputs: &[&Path]) -> anyhow::Result<()> {
     let same = |a: &Path| match (a.canonicalize(), output.canonicalize()) {
         (Ok(a), Ok(b)) => a == b,
@@ -100,6 +110,6 @@ pub(crate) fn not_over(output: &Path, inputs: &[&Path]) -> anyhow::Result<()> {
         Some(input) => {
             bail!("{} is also read by this command; give another file with -o", input.display())
         }
-        None => Ok(()),
+        None => can_write(output),
     }
 }

@@ -24,15 +24,22 @@ impl WholeFile {
     /// Starts to write the file `target`.
     ///
     /// # Errors
-    /// The folder is absent or not writable, or `target` is a folder.
+    /// The folder is absent or not writable, or `target` is a folder or write-protected.
     pub fn create(target: &Path) -> io::Result<Self> {
-        // A symbolic link stays one: its file is replaced.
-        let target = fs::canonicalize(target).unwrap_or_else(|_| target.to_path_buf());
+        // A symbolic link stays one: its file is replaced. The whole path, so that another working
+        // folder, which a foreign FMU may bring about, does not move the file.
+        let target = fs::canonicalize(target).or_else(|_| std::path::absolute(target))?;
         match fs::metadata(&target) {
             Ok(found) if found.is_dir() => {
                 return Err(io::Error::new(
                     io::ErrorKind::IsADirectory,
                     "is a folder; give the name of a file in it",
+                ));
+            }
+            Ok(found) if found.is_file() && found.permissions().readonly() => {
+                return Err(io::Error::new(
+                    io::ErrorKind::PermissionDenied,
+                    "is write-protected; take the protection off or give another file",
                 ));
             }
             Ok(found) if !found.is_file() => {
@@ -139,6 +146,21 @@ mod tests {
         let mut file = WholeFile::create(&path).unwrap();
         file.write_all(b"half").unwrap();
         drop(file);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["run.csv"]);
+    }
+
+    #[test]
+    fn a_write_protected_file_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.csv");
+        fs::write(&path, "old").unwrap();
+        let mut protected = fs::metadata(&path).unwrap().permissions();
+        protected.set_readonly(true);
+        fs::set_permissions(&path, protected).unwrap();
+        let error = WholeFile::write_all_of(&path, b"new").unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::PermissionDenied);
+        assert!(error.to_string().contains("write-protected"), "{error}");
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["run.csv"]);
     }
