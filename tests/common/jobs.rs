@@ -121,22 +121,28 @@ fn inputs(folder: &Path) {
     succeed(&["simulate", "plant.fmu", "--log", "u.csv", "-o", "run.csv"], folder);
 }
 
-/// The folder that calls run in; anybody may read it.
+/// The folder that calls run in; anybody may read it. What killed ones leave in their temporary folder
+/// lies in it too, until the next time.
 pub(crate) fn base() -> &'static Path {
-    static BASE: OnceLock<tempfile::TempDir> = OnceLock::new();
-    let folder = BASE.get_or_init(|| {
-        let folder = tempfile::tempdir().expect("a folder");
-        readable(folder.path());
-        inputs(folder.path());
+    static BASE: OnceLock<PathBuf> = OnceLock::new();
+    BASE.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("jobs");
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(folder.join(TEMPORARY)).expect("a folder");
+        allow(&folder, 0o755);
+        allow(&folder.join(TEMPORARY), 0o777);
+        inputs(&folder);
         folder
-    });
-    folder.path()
+    })
 }
 
-/// Lets others look into a folder of ours.
-pub(crate) fn readable(folder: &Path) {
+/// The temporary folder of the calls.
+const TEMPORARY: &str = "temporary";
+
+/// Gives a folder of ours these permissions.
+pub(crate) fn allow(folder: &Path, mode: u32) {
     use std::os::unix::fs::PermissionsExt;
-    fs::set_permissions(folder, fs::Permissions::from_mode(0o755)).expect("it is ours");
+    fs::set_permissions(folder, fs::Permissions::from_mode(mode)).expect("it is ours");
 }
 
 /// All jobs, each run once.
@@ -176,6 +182,7 @@ impl Job {
     pub(crate) fn command(&self, out: &Path) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_piezoloop"));
         command.args(self.arguments(out)).current_dir(base());
+        command.env("TMPDIR", base().join(TEMPORARY));
         command
     }
 
@@ -184,6 +191,7 @@ impl Job {
         let mut command = Command::new(program[0]);
         command.args(&program[1..]).arg(env!("CARGO_BIN_EXE_piezoloop"));
         command.args(self.arguments(out)).current_dir(base());
+        command.env("TMPDIR", base().join(TEMPORARY));
         command
     }
 
