@@ -7,6 +7,7 @@ mod common;
 
 use common::packed::{CONTROLLER, Host, PLANT, Packed, compile_library, copy, with};
 use common::{refuse, succeed};
+use std::collections::BTreeSet;
 use std::process::Command;
 
 const BOTH: [&str; 2] = [PLANT, CONTROLLER];
@@ -43,6 +44,10 @@ fn only_the_standards_functions_are_exported_and_only_the_c_library_is_needed() 
         let of = |prefix: &str| names.iter().filter(|name| name.starts_with(prefix)).count();
         assert_eq!((of("fmi2"), of("fmi3")), (44, 75), "{names:?}");
         assert_eq!(names.len(), 44 + 75, "more than the standard's: {names:?}");
+        // What Windows' linkers are told to export.
+        let list = include_str!("../fmi-bindings/fmi.def").lines();
+        let told: BTreeSet<&str> = list.filter_map(|line| line.strip_prefix("    ")).collect();
+        assert_eq!(told, names.into_iter().collect());
 
         let dynamic = tool("readelf", &["-d", "-W"], &file);
         let needed: Vec<_> = dynamic
