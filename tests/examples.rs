@@ -96,7 +96,8 @@ fn gap() {
         .collect();
     let &[before, white, black] = errors.as_slice() else { panic!("{errors:?}") };
     assert!(before > 0.5 && white < 2.2e-3 && black < 2.2e-3, "{errors:?}");
-    for file in ["gap.json", "gap.html", "repaired.toml", "gap_fmu.html", "repaired.fmu"] {
+    for file in ["gap.json", "gap.html", "gap.svg", "repaired.toml", "gap_fmu.html", "repaired.fmu"]
+    {
         assert!(folder.path().join(file).is_file(), "{file}");
     }
 }
@@ -113,7 +114,12 @@ fn measured_gaps() {
             continue;
         }
         assert!(said.contains(word), "{said}");
-        for file in ["gap.json", "gap.html", "repaired.toml"] {
+        // The README quotes the sentence, in lines that begin with >.
+        let readme = common::root().join("examples").join(example).join("README.md");
+        let readme = std::fs::read_to_string(readme).expect("a README");
+        let quoted: Vec<&str> = readme.lines().filter_map(|line| line.strip_prefix("> ")).collect();
+        assert_eq!(said.lines().next(), Some(&*quoted.join(" ")), "{example}");
+        for file in ["gap.json", "gap.html", "repaired.toml", "gap.svg"] {
             assert!(folder.path().join(file).is_file(), "{file}");
         }
     }

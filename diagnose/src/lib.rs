@@ -92,6 +92,12 @@ impl Diagnosis {
         page::report(self, files)
     }
 
+    /// The gap of the first output over its command, before and after, as an SVG picture.
+    #[must_use]
+    pub fn picture(&self) -> Option<String> {
+        page::picture(self)
+    }
+
     /// The signal of the next experiment as a log without readings, to be played; none where nothing
     /// is undecided.
     #[must_use]

@@ -20,7 +20,8 @@ done
 # The model as a blueprint: effects go in where they act.
 piezoloop diagnose --model model.toml --log log_multisine.csv --log log_loops.csv \
     --log log_stairs.csv --holdout log_new.csv \
-    --json gap.json --report gap.html --repair repaired.toml --next-experiment next.csv
+    --json gap.json --report gap.html --repair repaired.toml --next-experiment next.csv \
+    --picture gap.svg
 
 # The same model as an FMU, of which nobody sees the inside: effects go around it.
 piezoloop pack model.toml -o model.fmu

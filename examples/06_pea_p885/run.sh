@@ -12,4 +12,5 @@ cd "${1:-$(mktemp -d)}"
 cp "$here/line.toml" .
 piezoloop diagnose --model line.toml --log "$data/test_ff.csv" \
     --unit u1=V --unit u2=V --unit u3=V --unit y=um --map u=u1 \
-    --json gap.json --report gap.html --repair repaired.toml --next-experiment next.csv
+    --json gap.json --report gap.html --repair repaired.toml --next-experiment next.csv \
+    --picture gap.svg

@@ -13,4 +13,5 @@ fi
 cd "${1:-$(mktemp -d)}"
 cp "$here/servo.toml" .
 piezoloop diagnose --model servo.toml --log "$log" --unit r=um --unit y=um \
-    --json gap.json --report gap.html --repair repaired.toml --next-experiment next.csv
+    --json gap.json --report gap.html --repair repaired.toml --next-experiment next.csv \
+    --picture gap.svg

@@ -64,6 +64,9 @@ pub(crate) struct Diagnose {
     json: Option<PathBuf>,
     #[command(flatten)]
     page: PageOptions,
+    /// Write the gap of the first output over its command, before and after, as an SVG picture
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
     /// Write the repaired model, .toml or .fmu
     #[arg(long, value_name = "FILE")]
     repair: Option<PathBuf>,
@@ -115,7 +118,8 @@ impl Diagnose {
 
     fn execute(&self, screen: &Screen) -> anyhow::Result<(Diagnosed, Pages)> {
         let read: Vec<&Path> = self.files().map(PathBuf::as_path).collect();
-        let outputs = [self.json_file(), self.repair.as_deref(), self.next_experiment.as_deref()];
+        let (picture, repair) = (self.picture.as_deref(), self.repair.as_deref());
+        let outputs = [self.json_file(), picture, repair, self.next_experiment.as_deref()];
         self.page.not_over(&read)?;
         for output in outputs.into_iter().flatten() {
             inputs::not_over(output, &read)?;
@@ -132,6 +136,12 @@ impl Diagnose {
             WholeFile::write_all_of(file, text.as_bytes())
                 .with_context(|| format!("{} cannot be written", file.display()))?;
             written.push(file.to_owned());
+        }
+        if let Some(file) = &self.picture {
+            let svg = diagnosis.picture().context("there is no output to draw")?;
+            WholeFile::write_all_of(file, svg.as_bytes())
+                .with_context(|| format!("{} cannot be written", file.display()))?;
+            written.push(file.clone());
         }
         let mut notes = diagnosis.incidents();
         if let Some(file) = &self.repair {

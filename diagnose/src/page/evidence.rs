@@ -115,6 +115,13 @@ fn map(mut section: Section, o: &Outcome) -> Section {
 
 /// The gap over the command: loops are memory or lag, lines are maps.
 fn over_command(section: Section, o: &Outcome) -> Section {
+    section.figure(gap_over_command(o).caption(
+        "A loop means memory or lag, a line that is the same both ways a static map, a cloud a disturbance.",
+    ))
+}
+
+/// Before and after, of all records.
+pub(super) fn gap_over_command(o: &Outcome) -> XyLoop {
     let command = command_of(o, 0..o.problem.data.row_hit.len());
     let scale = o.sigma / o.problem.factor;
     let in_unit = |all: &[f64]| all.iter().map(|r| r * scale).collect::<Vec<f64>>();
@@ -129,7 +136,5 @@ fn over_command(section: Section, o: &Outcome) -> Section {
         let after = in_unit(&o.found.last.judged.residual);
         figure = figure.line(Role::Other, "after", &command, &after);
     }
-    section.figure(figure.caption(
-        "A loop means memory or lag, a line that is the same both ways a static map, a cloud a disturbance.",
-    ))
+    figure
 }

@@ -10,6 +10,12 @@ use crate::gap::{Estimate, Gap, HeldOut, Verdict};
 use crate::outcome::Outcome;
 use crate::{Diagnosis, Files};
 
+/// The gap of the first output over its command, as SVG.
+pub(crate) fn picture(diagnosis: &Diagnosis) -> Option<String> {
+    let outcome = diagnosis.outcomes.first()?;
+    Some(report::Figure::from(evidence::gap_over_command(outcome)).to_svg())
+}
+
 pub(crate) fn report(diagnosis: &Diagnosis, files: &Files<'_>) -> Report {
     let gap = &diagnosis.gap;
     let verdict = match gap.verdict {
