@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use anyhow::{Context, anyhow};
 use data::{Blueprint, ComponentBlueprint};
-use model::{Conversion, Declaration};
+use model::{Conversion, Declaration, Within};
 use report::{Axis, Figure, XyLoop};
 
 use crate::effects;
@@ -80,15 +80,23 @@ fn section(d: &Declaration) -> String {
             s.description
         );
     }
+    let setting = |k: usize| format!("`{}`", d.structure.get(k).map_or("", |s| s.name));
     for q in d.parameters {
+        let (least, greatest) = match q.within {
+            Within::Any => (bound(q.min), bound(q.max)),
+            Within::Commands => ("of the commands".to_owned(), "of the commands".to_owned()),
+            Within::Settings(least, greatest) => {
+                (least.map_or_else(|| bound(q.min), setting), setting(greatest))
+            }
+        };
         let _ = writeln!(
             text,
             "| `{}` | {} | {} | {} | {} | {} |",
             q.name,
             q.unit,
             start(q.start),
-            bound(q.min),
-            bound(q.max),
+            least,
+            greatest,
             q.description
         );
     }

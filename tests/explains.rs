@@ -3,6 +3,7 @@
 
 mod common;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
@@ -54,6 +55,54 @@ fn every_variable_has_a_sentence_and_a_unit_and_the_page_names_all_ports() {
         assert_eq!(table.lines().count(), 202);
         assert!(table.lines().next().is_some_and(|names| names.contains("[1]")), "{table}");
     }
+}
+
+/// The names that docs/fmi.md gives in its section on numbers without bounds.
+fn documented_as_unbounded(page: &str) -> BTreeSet<&str> {
+    let (_, after) = page.split_once("\n## Numbers without bounds\n").expect("the section");
+    let section = after.split("\n## ").next().expect("text");
+    let rows = section.lines().filter(|line| line.starts_with("| ") && line.contains('`'));
+    rows.flat_map(|row| row.split('|').nth(2).expect("names").split('`').skip(1).step_by(2))
+        .collect()
+}
+
+/// The last part of a variable's name, without its index.
+fn last_part(name: &str) -> &str {
+    let part = name.rsplit('.').next().expect("a part");
+    part.split('[').next().expect("a name")
+}
+
+/// The FMUs of all rigs and of a controller; how many have a bound is what docs/fmi.md says.
+#[test]
+fn every_number_has_a_bound_or_a_reason_in_the_documentation() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let page = fs::read_to_string(root().join("docs/fmi.md")).expect("the page");
+    let free = documented_as_unbounded(&page);
+    let rigs = succeed(&["list", "rigs", "--json"], folder.path());
+    let rigs: serde_json::Value = serde_json::from_str(&rigs).expect("JSON");
+    let rigs = rigs.as_array().expect("a list").iter().map(|rig| rig["name"].as_str());
+    let (mut numbers, mut bounded) = (0, 0);
+    for blueprint in rigs.map(|name| name.expect("a name")).chain([CONTROLLER]) {
+        let package = packed(blueprint, "2", folder.path());
+        let description = package.description();
+        for variable in &description.variables {
+            if variable.data_type != DataType::Float64 {
+                continue;
+            }
+            let (name, properties) = (&variable.name, description.properties(variable));
+            let is_bounded = properties.min.is_some() || properties.max.is_some();
+            let reason = free.contains(last_part(name));
+            assert!(is_bounded || reason, "{blueprint}, {name}: neither a bound nor a reason");
+            numbers += 1;
+            bounded += usize::from(is_bounded);
+            // What an importer must have of its users: the commands.
+            if last_part(name) == "command" {
+                assert!(properties.min.is_some() && properties.max.is_some(), "{blueprint} {name}");
+            }
+        }
+    }
+    let told = format!("bounds of {bounded} of the {numbers} numbers of the rigs and a controller");
+    assert!(page.contains(&told), "docs/fmi.md should say: {told}");
 }
 
 #[test]

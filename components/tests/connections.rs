@@ -20,6 +20,7 @@ fn axis(name: &str, components: Vec<NodeSpec>) -> AxisSpec {
         command_unit: "V".into(),
         position_unit: "um".into(),
         command_range: (-200.0, 200.0),
+        position_range: (f64::NEG_INFINITY, f64::INFINITY),
         start: 0.0,
         aliases: vec![],
         components,

@@ -25,6 +25,7 @@ fn axis(name: &str, components: Vec<NodeSpec>) -> AxisSpec {
         command_unit: "V".into(),
         position_unit: "um".into(),
         command_range: (-1000.0, 1000.0),
+        position_range: (f64::NEG_INFINITY, f64::INFINITY),
         start: 0.0,
         aliases: vec![Some("u".into()), Some("y".into())],
         components,

@@ -91,6 +91,23 @@ kp = 0.5
         assert_eq!(variables.find(alias), variables.find(name), "{alias}");
         assert!(variables.find(name).is_some());
     }
+    let ranged = text.replace("{ unit = \"um\" }", "{ unit = \"um\", min = \"-500 nm\", max = 6 }");
+    let checked = Blueprint::parse(&ranged, "c.toml").unwrap().check(REGISTRY).unwrap();
+    assert_eq!(checked.spec().axes[0].position_range, (-0.5, 6.0));
+    let again = Blueprint::parse(&checked.blueprint().to_toml(), "again.toml").unwrap();
+    assert_eq!(again.check(REGISTRY).unwrap().spec().axes[0].position_range, (-0.5, 6.0));
+    let found =
+        problems(&ranged.replace("max = 6", "max = 1").replace("0.5\n", "0.5\npark = 121\n"));
+    let wanted = [
+        "plant.toml:8: axis[1].reference.start = 2 um: must be at most 1 um; give a smaller value",
+        "plant.toml:13: axis[1].law.park = 121 V: is no command of this axis, which are 0 V to 120 V; \
+         give one of these, or widen min and max of the axis' command",
+    ];
+    assert_eq!(found, wanted);
+    let found = problems(&ranged.replace("max = 6", "max = -1"));
+    let rule = "plant.toml:7: axis[1].position.max = -1 um: must be at least min = -0.5 um; ";
+    assert!(found.len() == 1 && found[0].starts_with(rule), "{found:#?}");
+
     let wrong = text
         .replace("position = { unit = \"um\" }", "position = { unit = \"um\", name = \"p\" }")
         .replace("start = 2 }", "unit = \"um\" }")

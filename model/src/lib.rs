@@ -27,7 +27,7 @@ pub use component::{
 };
 pub use context::{Context, ContextError};
 pub use effect::{Effect, Group};
-pub use quantity::{Quantity, Shape, Structural, Variability, unit_on_axis};
+pub use quantity::{Quantity, Shape, Structural, Variability, Within, unit_on_axis};
 pub use system::{
     AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, PortSpec,
     StepError, System, SystemSpec,

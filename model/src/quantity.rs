@@ -20,6 +20,17 @@ pub enum Shape {
     Array(usize),
 }
 
+/// What bounds a quantity beside its own least and greatest value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Within {
+    /// Nothing.
+    Any,
+    /// The least and the greatest command of its axis.
+    Commands,
+    /// The structural settings with these indices: the least value, where one says it, the greatest.
+    Settings(Option<usize>, usize),
+}
+
 /// A parameter of a component: name, unit, sentence, start, bounds, and whether it may be fitted.
 ///
 /// The unit is a text in which `{command}` and `{position}` stand for the units of the axis, so that
@@ -39,6 +50,8 @@ pub struct Quantity {
     pub min: f64,
     /// Greatest value allowed.
     pub max: f64,
+    /// What else bounds it.
+    pub within: Within,
     /// Number of values.
     pub shape: Shape,
     /// Whether it may change during a run.
@@ -61,6 +74,7 @@ impl Quantity {
             start: None,
             min: f64::NEG_INFINITY,
             max: f64::INFINITY,
+            within: Within::Any,
             shape: Shape::Scalar,
             variability: Variability::Fixed,
             fit: false,
@@ -83,6 +97,24 @@ impl Quantity {
     #[must_use]
     pub const fn max(mut self, value: f64) -> Self {
         self.max = value;
+        self
+    }
+    /// A command: from the least to the greatest one of its axis.
+    #[must_use]
+    pub const fn a_command(mut self) -> Self {
+        self.within = Within::Commands;
+        self
+    }
+    /// At most what structural setting number `greatest` says.
+    #[must_use]
+    pub const fn at_most(mut self, greatest: usize) -> Self {
+        self.within = Within::Settings(None, greatest);
+        self
+    }
+    /// From what structural setting number `least` says to what number `greatest` says.
+    #[must_use]
+    pub const fn from_to(mut self, least: usize, greatest: usize) -> Self {
+        self.within = Within::Settings(Some(least), greatest);
         self
     }
     /// An array with as many values as structural setting number `index` says.
@@ -108,6 +140,20 @@ impl Quantity {
     pub const fn fitted(mut self) -> Self {
         self.fit = true;
         self
+    }
+    /// Least and greatest value in a component with these structural settings, on an axis with these
+    /// commands.
+    #[must_use]
+    pub fn bounds(&self, structure: &[f64], commands: (f64, f64)) -> (f64, f64) {
+        let setting = |index: usize, free: f64| structure.get(index).copied().unwrap_or(free);
+        let (least, greatest) = match self.within {
+            Within::Any => (self.min, self.max),
+            Within::Commands => commands,
+            Within::Settings(least, greatest) => {
+                (least.map_or(self.min, |k| setting(k, self.min)), setting(greatest, self.max))
+            }
+        };
+        (least.max(self.min), greatest.min(self.max))
     }
 }
 

@@ -53,6 +53,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("delay", "s", "Dead time from the inverse to the measured position")
             .start(0.0)
             .min(0.0)
+            .at_most(0)
             .tunable(),
         Quantity::new("limit", "{position}", "Greatest disturbance that is taken off")
             .min(0.0)

@@ -10,9 +10,9 @@ pub(super) const ENABLE: Input =
     Input { name: "enable", source: Source::System("enable"), at_rest: true };
 
 pub(super) const OUTPUT_MIN: Quantity =
-    Quantity::new("output_min", "{command}", "Least command").tunable();
+    Quantity::new("output_min", "{command}", "Least command").a_command().tunable();
 pub(super) const OUTPUT_MAX: Quantity =
-    Quantity::new("output_max", "{command}", "Greatest command").tunable();
+    Quantity::new("output_max", "{command}", "Greatest command").a_command().tunable();
 pub(super) const KFF: Quantity =
     Quantity::new("feedforward_gain", "1", "Share of the feedforward that is added")
         .start(1.0)

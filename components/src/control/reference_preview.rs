@@ -46,6 +46,7 @@ static DECLARATION: Declaration = Declaration {
     )],
     parameters: &[Quantity::new("preview", "s", "How far the reference input is ahead")
         .min(0.0)
+        .at_most(0)
         .tunable()],
 };
 

@@ -54,7 +54,8 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("gain", "1", "Growth of the position in a decade of time").fitted(),
         Quantity::new("reference", "s", "Time after a step at which the growth counts as zero")
             .start(0.1)
-            .min(0.0),
+            .min(0.0)
+            .from_to(0, 1),
     ],
 };
 

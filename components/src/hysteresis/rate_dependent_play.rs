@@ -43,9 +43,10 @@ pub(super) const RATE: Quantity =
         .min(0.0)
         .fitted();
 pub(super) const COMMAND_MIN: Quantity =
-    Quantity::new("command_min", "{command}", "Least command that the inverse gives");
+    Quantity::new("command_min", "{command}", "Least command that the inverse gives").a_command();
 pub(super) const COMMAND_MAX: Quantity =
-    Quantity::new("command_max", "{command}", "Greatest command that the inverse gives");
+    Quantity::new("command_max", "{command}", "Greatest command that the inverse gives")
+        .a_command();
 
 static DECLARATION: Declaration = Declaration {
     kind: "rate-dependent-play",

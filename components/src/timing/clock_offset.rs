@@ -39,7 +39,7 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[Structural::real("longest", "s", "Longest delay", 0.01, 0.0, 10.0)],
     parameters: &[
-        Quantity::new("initial", "s", "Delay at the start").start(0.0).min(0.0).fitted(),
+        Quantity::new("initial", "s", "Delay at the start").start(0.0).min(0.0).at_most(0).fitted(),
         Quantity::new("offset", "1", "Relative clock error").start(0.0).fitted(),
         Quantity::new("jitter", "s", "Standard deviation of the jitter")
             .start(0.0)

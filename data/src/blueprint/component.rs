@@ -1,12 +1,12 @@
 //! The check of the components of an axis.
 
 use model::{
-    AxisSpec, Component, ComponentRef, Declaration, NodeSpec, Quantity, Shape, unit_on_axis,
+    AxisSpec, Component, ComponentRef, Declaration, NodeSpec, Quantity, Shape, Within, unit_on_axis,
 };
 
 use super::check::{Checker, DraftAxis, DraftNode};
 use super::origin::Place;
-use super::{AxisBlueprint, ComponentBlueprint, TABLE, Value, frame, structure};
+use super::{AxisBlueprint, ComponentBlueprint, TABLE, Value, frame, measure, structure};
 use crate::nearest::did_you_mean;
 
 /// Keys of a component that are not quantities.
@@ -271,6 +271,15 @@ impl Member<'_> {
     ) -> Option<f64> {
         let number = checker.number(place, value, unit)?;
         let bounds = (quantity.min, quantity.max);
+        // Bounds by structural settings are the component's to check.
+        let (low, high) = self.axis.command_range;
+        if quantity.within == Within::Commands && !(low..=high).contains(&number) {
+            let [low, high, found] = [low, high, number].map(|value| measure::shown(value, unit));
+            let rule = format!("is no command of this axis, which are {low} to {high}");
+            let way_out = "give one of these, or widen min and max of the axis' command";
+            checker.report(place, &found, rule, way_out);
+            return None;
+        }
         checker.is_within(place, number, bounds, unit).then_some(number)
     }
 

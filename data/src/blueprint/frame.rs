@@ -105,8 +105,9 @@ fn axis_frame(
     let [reference, measured] = ["reference", "measured"].map(|key| place.child(key));
     let command_unit = unit(checker, &command, &axis.command);
     let position_unit = unit(checker, &position, &axis.position);
-    forbid(checker, &position, &axis.position, &["min", "max", "start"]);
+    forbid(checker, &position, &axis.position, &["start"]);
     let range = bounds(checker, &command, &axis.command, &command_unit);
+    let position_range = bounds(checker, &position, &axis.position, &position_unit);
     let start = if is_plant {
         for (place, signal) in [(&reference, &axis.reference), (&measured, &axis.measured)] {
             if *signal != SignalBlueprint::default() {
@@ -120,8 +121,7 @@ fn axis_frame(
         forbid(checker, &position, &axis.position, &["name"]);
         forbid(checker, &reference, &axis.reference, &["unit", "min", "max"]);
         forbid(checker, &measured, &axis.measured, &["unit", "min", "max", "start"]);
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        start(checker, &reference, &axis.reference, free, &position_unit)
+        start(checker, &reference, &axis.reference, position_range, &position_unit)
     };
     let named = if is_plant {
         vec![(&command, &axis.command), (&position, &axis.position)]
@@ -135,6 +135,7 @@ fn axis_frame(
         command_unit,
         position_unit,
         command_range: range,
+        position_range,
         start,
         aliases,
         components: Vec::new(),
@@ -180,7 +181,7 @@ pub(super) fn forbid(
         if is_given {
             let way_out = match *key {
                 "start" => "leave it out; a plant has it at command, a controller at reference",
-                "min" | "max" => "leave it out; bounds belong to command",
+                "min" | "max" => "leave it out; bounds belong to command and position",
                 "unit" => "leave it out; the unit is that of position",
                 _ => "leave it out; a controller names reference, measured and command",
             };

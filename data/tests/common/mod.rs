@@ -107,6 +107,7 @@ static LAW: Declaration = Declaration {
         Quantity::new("kp", "{command}/{position}", "Proportional gain").tunable(),
         Quantity::new("output_min", "{command}", "Least output").start(f64::MIN),
         Quantity::new("output_max", "{command}", "Greatest output").start(f64::MAX),
+        Quantity::new("park", "{command}", "Command at the end").start(0.0).a_command(),
     ],
     ..BASE
 };

@@ -322,6 +322,8 @@ fn controller_axis(
         .note(&note);
     let mut controller = AxisBlueprint::new(&axis.name, &axis.command_unit, &axis.position_unit);
     controller.command = controller.command.named(&plant.command.name).between(low, high);
+    (controller.position.min, controller.position.max) =
+        (plant.position.min.clone(), plant.position.max.clone());
     let position = &plant.position.name;
     controller.reference = SignalBlueprint::default().start(actuation.at_rest(axis.start));
     if !position.is_empty() {

@@ -152,7 +152,8 @@ pub(crate) fn values(node: &NodeSpec, name: &str) -> Vec<f64> {
 pub(crate) fn linear_axis(axis: &AxisSpec, shift: f64) -> AxisSpec {
     let mut linear = axis.clone();
     linear.start = 0.0;
-    linear.command_range = (f64::NEG_INFINITY, f64::INFINITY);
+    let free = (f64::NEG_INFINITY, f64::INFINITY);
+    (linear.command_range, linear.position_range) = (free, free);
     linear.aliases = Vec::new();
     for node in &mut linear.components {
         match node.component.declaration().kind {

@@ -17,6 +17,7 @@ use super::cells::FEW_PORTS;
 use super::{AxisSpec, BuildError, Kind, Node, NodeSpec, Plan, System, SystemSpec, Wire, Wiring};
 use crate::{
     Context, DataType, Declaration, Output, Quantity, Shape, Source, Unit, Variable, VariableTable,
+    Within,
 };
 
 /// Signal 0 is always zero: ports that have nothing to read read it.
@@ -57,6 +58,8 @@ struct Site<'a> {
     /// The signal path on each of them.
     paths: &'a [usize],
     units: Units<'a>,
+    /// Least and greatest command there.
+    commands: (f64, f64),
 }
 
 /// A port that reads a point of the path behind it.
@@ -176,7 +179,7 @@ impl<'a> Builder<'a> {
             self.publish(output, signal, &place, site);
         }
         let outputs = first..self.dependencies.len();
-        let parameters = self.parameters_of(node, &place, &site.units);
+        let parameters = self.parameters_of(node, &place, site);
         let sizes = node.component.sizes(&node.structure, self.spec.period);
         let coefficients = self.coefficients..self.coefficients + sizes.coefficients;
         let state = self.states..self.states + sizes.states;
@@ -360,8 +363,9 @@ impl<'a> Builder<'a> {
         &mut self,
         node: &NodeSpec,
         place: &str,
-        units: &Units<'_>,
+        site: &Site<'_>,
     ) -> Vec<(Variable, f64)> {
+        let units = &site.units;
         let declaration = node.component.declaration();
         let count = declaration.parameter_count(&node.structure);
         if count != node.values.len() {
@@ -373,13 +377,14 @@ impl<'a> Builder<'a> {
         let mut all = Vec::with_capacity(count + 1);
         for (index, quantity) in declaration.parameters.iter().enumerate() {
             let length = declaration.length(index, &node.structure);
+            let bounds = quantity.bounds(&node.structure, site.commands);
             for (k, value) in (1..=length).zip(values.by_ref()) {
                 let name = match quantity.shape {
                     Shape::Scalar => format!("{place}.{}", quantity.name),
                     Shape::Array(_) => format!("{place}.{}[{k}]", quantity.name),
                 };
-                self.check_value(&name, quantity, value, units);
-                all.push((parameter_variable(name, quantity, value, units), value));
+                self.check_value(&name, quantity, value, site);
+                all.push((parameter_variable(name, quantity, value, units, bounds), value));
             }
         }
         if declaration.can_be_disabled() {
@@ -392,26 +397,32 @@ impl<'a> Builder<'a> {
         all
     }
 
-    fn check_value(&mut self, name: &str, quantity: &Quantity, value: f64, units: &Units<'_>) {
-        let unit = units.of(quantity.unit);
+    /// Bounds that structural settings say are left to the component, which knows the way out.
+    fn check_value(&mut self, name: &str, quantity: &Quantity, value: f64, site: &Site<'_>) {
+        let unit = site.units.of(quantity.unit);
+        let (min, max) = match quantity.within {
+            Within::Commands => quantity.bounds(&[], site.commands),
+            _ => (quantity.min, quantity.max),
+        };
         if !value.is_finite() {
             self.error(name, format!("{value} is not a finite number; give one in {unit}"));
-        } else if value < quantity.min || value > quantity.max {
-            let (min, max) = (quantity.min, quantity.max);
+        } else if value < min || value > max {
             self.error(name, format!("{value} {unit} is outside {min} to {max} {unit}"));
         }
     }
 
     fn exit(&mut self, axis: &AxisSpec, number: usize, path: usize) {
         let plant = self.spec.kind == Kind::Plant;
-        let (name, unit, alias, sentence) = if plant {
-            ("position", &axis.position_unit, 1, "Position as the sensor reads it")
+        let (name, unit, range, alias, sentence) = if plant {
+            let sentence = "Position as the sensor reads it";
+            ("position", &axis.position_unit, axis.position_range, 1, sentence)
         } else {
-            ("command", &axis.command_unit, 2, "Command to the amplifier")
+            ("command", &axis.command_unit, axis.command_range, 2, "Command to the amplifier")
         };
         let description = format!("{sentence}, axis {}", axis.name);
         let mut variable = output_variable(format!("{name}[{number}]"), description, unit.clone());
         variable.alias = axis.aliases.get(alias).cloned().flatten();
+        (variable.min, variable.max) = range;
         // The main outputs come first, in the order of the axes.
         self.outputs.insert(number - 1, (variable, path));
     }

@@ -40,8 +40,11 @@ pub struct AxisSpec {
     pub command_unit: String,
     /// Unit of the position.
     pub position_unit: String,
-    /// Least and greatest command, for the FMU's variables (not a saturation).
+    /// Least and greatest command, for the FMU's variables (not a saturation; the limits of a
+    /// controller's laws are within it).
     pub command_range: (f64, f64),
+    /// Least and greatest position that the axis is made for, for the FMU's variables.
+    pub position_range: (f64, f64),
     /// Start values of the inputs: of `command` (plant) or of `reference` and `measured`.
     pub start: f64,
     /// Short names of the inputs and outputs in the order of the variables (`u`, `y`).

@@ -111,7 +111,8 @@ impl<'a> Builder<'a> {
             }
             cursor.domain = domain;
             let units = Units { command: &axis.command_unit, position: cursor.position_unit };
-            let site = Site { axes: &[cursor.axis], paths: &[cursor.path], units };
+            let commands = axis.command_range;
+            let site = Site { axes: &[cursor.axis], paths: &[cursor.path], units, commands };
             cursor.path = self.node(node, place, &site);
             self.replace(declaration, cursor.axis, cursor.path, 1);
             cursor.next += 1;
@@ -160,7 +161,8 @@ impl<'a> Builder<'a> {
             }
             _ => Units { command, position: motion },
         };
-        let site = Site { axes: &coupling.axes, paths: &paths, units };
+        let commands = self.spec.axes[first].command_range;
+        let site = Site { axes: &coupling.axes, paths: &paths, units, commands };
         let output = self.node(&coupling.node, place, &site);
         for (port, axis) in coupling.axes.iter().enumerate() {
             let cursor = &mut cursors[*axis];

@@ -67,8 +67,7 @@ impl Builder<'_> {
         let spec = &self.spec.axes[axis];
         let is_command = name == "command";
         let unit = if is_command { &spec.command_unit } else { &spec.position_unit };
-        let (min, max) =
-            if is_command { spec.command_range } else { (f64::NEG_INFINITY, f64::INFINITY) };
+        let (min, max) = if is_command { spec.command_range } else { spec.position_range };
         let variable = Variable {
             alias: spec.aliases.get(alias).cloned().flatten(),
             min,

@@ -79,8 +79,9 @@ impl Builder<'_> {
                 values: Vec::new(),
                 enabled: true,
             };
-            let site =
-                Site { axes: &[], paths: &paths, units: Units { command: "1", position: "1" } };
+            let units = Units { command: "1", position: "1" };
+            let commands = (f64::NEG_INFINITY, f64::INFINITY);
+            let site = Site { axes: &[], paths: &paths, units, commands };
             let signal = self.node(&node, String::from("status"), &site);
             status = status.or(Some(signal));
         }

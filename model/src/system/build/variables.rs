@@ -58,6 +58,7 @@ pub(super) fn parameter_variable(
     quantity: &Quantity,
     value: f64,
     units: &Units<'_>,
+    (min, max): (f64, f64),
 ) -> Variable {
     let unit = units.of(quantity.unit);
     Variable {
@@ -73,8 +74,8 @@ pub(super) fn parameter_variable(
         },
         discrete: false,
         start: Some(value),
-        min: quantity.min,
-        max: quantity.max,
+        min,
+        max,
         fit: quantity.fit,
         initial_dependencies: None,
     }
