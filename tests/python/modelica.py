@@ -197,13 +197,12 @@ def fmu(tool, blueprint, inputs, output):
 def blueprint(kind, axes, components, coupling=""):
     text = f'piezoloop = 1\nkind = "{kind}"\nname = "run"\nstep = {STEP!r}\n'
     for axis in range(1, axes + 1):
-        limits = "min = -1000, max = 1000"
         text += f'[[axis]]\nname = "A{axis}"\n'
         if kind == "plant":
-            text += f'command = {{ name = "u{axis}", unit = "V", {limits}, start = 0 }}\n'
+            text += f'command = {{ name = "u{axis}", unit = "V", min = -1000, max = 1000, start = 0 }}\n'
             text += f'position = {{ name = "y{axis}", unit = "um" }}\n'
         else:
-            text += f'command = {{ name = "u{axis}", unit = "V", {limits} }}\nposition = {{ unit = "um" }}\n'
+            text += f'command = {{ name = "u{axis}", unit = "V" }}\nposition = {{ unit = "um" }}\n'
             text += f'reference = {{ name = "r{axis}" }}\nmeasured = {{ name = "m{axis}" }}\n'
         for name, parameters in components:
             text += f'[[axis.component]]\ntype = "{name}"\n{toml(parameters)}\n'
