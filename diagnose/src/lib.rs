@@ -92,7 +92,8 @@ impl Diagnosis {
         page::report(self, files)
     }
 
-    /// The gap of the first output over its command, before and after, as an SVG picture.
+    /// The gap of the first output over its command, before and after, in the record in which the
+    /// command changes most slowly, as an SVG picture.
     #[must_use]
     pub fn picture(&self) -> Option<String> {
         page::picture(self)

@@ -64,7 +64,8 @@ pub(crate) struct Diagnose {
     json: Option<PathBuf>,
     #[command(flatten)]
     page: PageOptions,
-    /// Write the gap of the first output over its command, before and after, as an SVG picture
+    /// Write the gap of the first output over its command in the slowest record, before and after,
+    /// as an SVG picture
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
     /// Write the repaired model, .toml or .fmu

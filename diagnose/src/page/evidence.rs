@@ -115,17 +115,30 @@ fn map(mut section: Section, o: &Outcome) -> Section {
 
 /// The gap over the command: loops are memory or lag, lines are maps.
 fn over_command(section: Section, o: &Outcome) -> Section {
-    section.figure(gap_over_command(o).caption(
+    let all = gap_over_command(o, "all records", 0..o.problem.data.row_hit.len());
+    section.figure(all.caption(
         "A loop means memory or lag, a line that is the same both ways a static map, a cloud a disturbance.",
     ))
 }
 
-/// Before and after, of all records.
-pub(super) fn gap_over_command(o: &Outcome) -> XyLoop {
-    let command = command_of(o, 0..o.problem.data.row_hit.len());
+/// The gap over the command of the record in which the command changes most slowly; a fast one is a
+/// cloud.
+pub(super) fn slowest(o: &Outcome) -> Option<XyLoop> {
+    let records = o.problem.data.records.iter().map(|record| {
+        let command = command_of(o, record.rows.clone());
+        let steps = command.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        (steps.fold(0.0, f64::max), record)
+    });
+    let (_, record) = records.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(gap_over_command(o, &record.name, record.rows.clone()))
+}
+
+/// Before and after, of these rows.
+fn gap_over_command(o: &Outcome, name: &str, rows: Range<usize>) -> XyLoop {
+    let command = command_of(o, rows.clone());
     let scale = o.sigma / o.problem.factor;
-    let in_unit = |all: &[f64]| all.iter().map(|r| r * scale).collect::<Vec<f64>>();
-    let title = format!("{}: gap over the command, all records", o.problem.output);
+    let in_unit = |all: &[f64]| all[rows.clone()].iter().map(|r| r * scale).collect::<Vec<f64>>();
+    let title = format!("{}: gap over the command, {name}", o.problem.output);
     let mut figure = XyLoop::new(
         title,
         Axis::new(o.problem.input.as_str(), o.problem.command_unit.as_str()),

@@ -10,10 +10,10 @@ use crate::gap::{Estimate, Gap, HeldOut, Verdict};
 use crate::outcome::Outcome;
 use crate::{Diagnosis, Files};
 
-/// The gap of the first output over its command, as SVG.
+/// The gap of the first output over its command, in its slowest record, as SVG.
 pub(crate) fn picture(diagnosis: &Diagnosis) -> Option<String> {
-    let outcome = diagnosis.outcomes.first()?;
-    Some(report::Figure::from(evidence::gap_over_command(outcome)).to_svg())
+    let figure = evidence::slowest(diagnosis.outcomes.first()?)?;
+    Some(report::Figure::from(figure).to_svg())
 }
 
 pub(crate) fn report(diagnosis: &Diagnosis, files: &Files<'_>) -> Report {
