@@ -345,4 +345,12 @@ mod tests {
         assert_eq!(refused([1.0, 0.3, 0.05, -0.05, 0.0, 1.0, 0.0]), Some("gamma"));
         assert_eq!(refused([1.0, 0.3, 0.01, 0.05, 0.02, 1.0, 0.0]), Some("beta"));
     }
+
+    #[test]
+    fn at_rest_it_is_on_the_virgin_curve() {
+        // Exponent 1, rising: h = slope/(beta + gamma + delta)*(1 - exp(-(beta + gamma + delta)*u)).
+        let mut model = Instance::new(&BoucWen, &[], &SETS[1], 1e-3).unwrap();
+        let wanted = 20.0 - 0.3 / 0.08 * (1.0 - (-0.08_f64 * 20.0).exp());
+        assert!((model.rest(&[20.0]) - wanted).abs() < 1e-12);
+    }
 }

@@ -237,4 +237,14 @@ mod tests {
         assert!(without > 0.02, "the rate term must act: {without}");
         assert!(with < 0.2 * without, "{with} of {without}");
     }
+
+    #[test]
+    fn envelopes_that_do_not_rise_are_refused() {
+        let refused = |a1: f64, b1: f64| {
+            let p = [&PLAIN[..], &[a1, 0.0, b1, 0.0]].concat();
+            Instance::new(&Grpi, &[3.0], &p, 1e-4).err().map(|v| v.quantity)
+        };
+        assert_eq!((refused(0.0, 1.0), refused(1.0, 0.0)), (Some("a1"), Some("b1")));
+        assert_eq!(refused(0.5, 0.5), None);
+    }
 }

@@ -252,4 +252,13 @@ mod tests {
         assert!(without > 0.02, "the rate term must act: {without}");
         assert!(with < 0.2 * without, "{with} of {without}");
     }
+
+    #[test]
+    fn a_threshold_is_wider_by_the_rate_of_the_step() {
+        // Threshold 1 V and 0.125 s: 2 V in a step of 4 V in 0.5 s, 1 V once the command is held.
+        let p = [1.0, 1.0, 0.5, 0.25, 0.125];
+        let mut model = Instance::new(&RateDependentPlay, &[1.0], &p, 0.5).unwrap();
+        assert_eq!(model.rest(&[0.0]), 0.5);
+        assert_eq!([model.step(&[4.0]), model.step(&[4.0])], [0.5 + 1.0 + 2.0, 0.5 + 1.0 + 3.0]);
+    }
 }
