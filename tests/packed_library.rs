@@ -223,7 +223,11 @@ fn a_library_that_is_given_takes_the_place_of_the_tools_own() {
         refuse(&["pack", PLANT, "--libraries", libraries, "-o", "z.fmu"], folder.path())
     };
     assert!(refused("none").contains("no such folder"));
-    assert!(refused("all/notes").contains("no library of a plant"));
+    assert!(refused("all/notes").contains("no library piezoloop_plant"));
+    // Told before the work: there is no such log either.
+    let diagnose = ["diagnose", "--model", "y.fmu", "--log", "no.csv", "--repair", "r.fmu"];
+    let error = refuse(&[&diagnose[..], &["--libraries", "all"]].concat(), folder.path());
+    assert!(error.contains("no library piezoloop_wrap"), "{error}");
 }
 
 #[test]

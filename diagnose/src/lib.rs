@@ -117,7 +117,7 @@ impl Diagnosis {
         &self,
         file: &std::path::Path,
         names: &data::NameMap,
-        library: (&str, &[u8]),
+        libraries: &[(&str, &[u8])],
     ) -> Result<Repaired, Error> {
         let fmu = fmu::open(file, self.worker.as_ref())?;
         let archive = match file.is_dir() {
@@ -126,7 +126,7 @@ impl Diagnosis {
         };
         let sha256 = report::InputFile::read("original", archive)?.sha256;
         let (repair, notes) = around::repair(&self.outcomes, &fmu, names, &sha256)?;
-        around::pack(fmu.package(), &repair, notes, library)
+        around::pack(fmu.package(), &repair, notes, libraries)
     }
 
     /// The blueprint that was diagnosed with re-tuned values and the effects in place. Disturbances of a

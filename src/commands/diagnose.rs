@@ -8,10 +8,12 @@ use clap::Args;
 use data::WholeFile;
 use diagnose::{Diagnosis, Files, Gap, Model, Noise, Observer, Request, Tolerance, Verdict};
 use indicatif::ProgressBar;
+use modeldescription::FmiVersion;
+use modeldescription::package::Platform;
 use serde::Serialize;
 
 use crate::answer::{Answer, STANDARD_OUTPUT, Screen};
-use crate::commands::pack;
+use crate::commands::pack::{self, Binary};
 use crate::fmus::Isolation;
 use crate::inputs::{self, LogOptions};
 use crate::pages::{self, PageOptions, Pages};
@@ -71,6 +73,10 @@ pub(crate) struct Diagnose {
     /// Write the repaired model, .toml or .fmu
     #[arg(long, value_name = "FILE")]
     repair: Option<PathBuf>,
+    /// A folder with a folder of this tool's shared libraries per platform, as tools/portable makes
+    /// it: a repaired FMU runs wherever the original does
+    #[arg(long, value_name = "FOLDER", requires = "repair")]
+    libraries: Option<PathBuf>,
     /// Write the signal of the next experiment, CSV to be played, where one is proposed
     #[arg(long, value_name = "FILE")]
     next_experiment: Option<PathBuf>,
@@ -126,6 +132,7 @@ impl Diagnose {
             inputs::not_over(output, &read)?;
         }
         self.check_repair()?;
+        let libraries = self.libraries()?;
         let request = self.request()?;
         let mut bar = Bar(progress::bar(screen, "diagnose", 1));
         let diagnosis = diagnose::examine(&request, &mut bar);
@@ -147,7 +154,7 @@ impl Diagnose {
         let mut notes = diagnosis.incidents();
         if let Some(file) = &self.repair {
             if matches!(diagnosis.gap.verdict, Verdict::Effects | Verdict::Retune) {
-                notes.extend(self.write_repair(&diagnosis, file)?);
+                notes.extend(self.write_repair(&diagnosis, file, &libraries)?);
                 written.push(file.clone());
             } else {
                 notes.push(format!(
@@ -268,11 +275,31 @@ impl Diagnose {
         }
     }
 
+    /// The libraries of other platforms, where they were given.
+    fn libraries(&self) -> anyhow::Result<Vec<Binary>> {
+        let Some(folder) = &self.libraries else { return Ok(Vec::new()) };
+        let kind = match self.is_fmu() {
+            true => "wrap",
+            false => pack::kind_of(&inputs::blueprint(&self.model)?.blueprint),
+        };
+        let mut all = pack::binaries_in(folder, kind)?;
+        all.retain(|binary| Some(binary.platform) != Platform::from_name(libraries::PLATFORM));
+        Ok(all)
+    }
+
     /// Writes an FMU with the diagnosed one inside.
-    fn write_around(&self, diagnosis: &Diagnosis, file: &Path) -> anyhow::Result<Vec<String>> {
-        let library = (libraries::PLATFORM, libraries::WRAP.bytes);
+    fn write_around(
+        &self,
+        diagnosis: &Diagnosis,
+        file: &Path,
+        others: &[Binary],
+    ) -> anyhow::Result<Vec<String>> {
+        let mut carried = vec![(libraries::PLATFORM, libraries::WRAP.bytes)];
+        carried
+            .extend(others.iter().map(|b| (b.platform.folder(FmiVersion::V3), b.bytes.as_slice())));
         let names = self.options.names()?;
-        let mut repaired = diagnosis.repair_fmu(&self.model, &names, library)?;
+        let mut repaired = diagnosis.repair_fmu(&self.model, &names, &carried)?;
+        others.iter().try_for_each(|binary| binary.check_platform(&repaired.description))?;
         let notice = b"The shared library of this FMU is licensed under MIT or Apache-2.0, at your option.\n\
             The FMU in resources/inner belongs to whoever made it.\n";
         let package = &mut repaired.package;
@@ -309,9 +336,14 @@ impl Diagnose {
     }
 
     /// Writes the repaired model; what stays out of it, one sentence each.
-    fn write_repair(&self, diagnosis: &Diagnosis, file: &Path) -> anyhow::Result<Vec<String>> {
+    fn write_repair(
+        &self,
+        diagnosis: &Diagnosis,
+        file: &Path,
+        others: &[Binary],
+    ) -> anyhow::Result<Vec<String>> {
         if self.is_fmu() {
-            return self.write_around(diagnosis, file);
+            return self.write_around(diagnosis, file, others);
         }
         let source = inputs::blueprint(&self.model)?;
         let (repaired, notes) = diagnosis.repair(&source.blueprint);
@@ -321,7 +353,7 @@ impl Diagnose {
         if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {
             let text = repaired.to_toml();
             let source = inputs::BlueprintText { text, blueprint: repaired };
-            pack::pack(&source, pack::PACKED_WITH, &[], file)?;
+            pack::pack(&source, pack::PACKED_WITH, others, file)?;
             return Ok(notes);
         }
         repaired.write(file)?;

@@ -98,12 +98,7 @@ impl Pack {
         let mut binaries: Vec<_> =
             self.binaries.iter().map(|text| Binary::read(text)).collect::<Result<_, _>>()?;
         if let Some(folder) = &self.libraries {
-            let kind = match source.blueprint.kind {
-                model::Kind::Plant => "plant",
-                model::Kind::Controller => "controller",
-            };
-            for text in libraries_of(folder, kind)? {
-                let binary = Binary::read(&text)?;
+            for binary in binaries_in(folder, kind_of(&source.blueprint))? {
                 if !binaries.iter().any(|given: &Binary| given.platform == binary.platform) {
                     binaries.push(binary);
                 }
@@ -285,6 +280,19 @@ fn co_simulation(system: &model::System) -> CoSimulation {
     }
 }
 
+/// Which of the shared libraries a blueprint needs.
+pub(crate) fn kind_of(blueprint: &data::Blueprint) -> &'static str {
+    match blueprint.kind {
+        model::Kind::Plant => "plant",
+        model::Kind::Controller => "controller",
+    }
+}
+
+/// The libraries of one kind in a folder.
+pub(crate) fn binaries_in(folder: &Path, kind: &str) -> anyhow::Result<Vec<Binary>> {
+    libraries_of(folder, kind)?.iter().map(|text| Binary::read(text)).collect()
+}
+
 /// The libraries of one kind in a folder, as `PLATFORM=FILE`.
 fn libraries_of(folder: &Path, kind: &str) -> anyhow::Result<Vec<String>> {
     let entries = |folder: &Path| -> anyhow::Result<Vec<PathBuf>> {
@@ -310,7 +318,7 @@ fn libraries_of(folder: &Path, kind: &str) -> anyhow::Result<Vec<String>> {
     }
     if found.is_empty() {
         bail!(
-            "--libraries {}: no library of a {kind} lies in a folder of a platform there, such as \
+            "--libraries {}: no library piezoloop_{kind} lies in a folder of a platform there, such as \
              linux64/libpiezoloop_{kind}.so; tools/portable makes such a folder",
             folder.display()
         );
@@ -322,8 +330,8 @@ fn libraries_of(folder: &Path, kind: &str) -> anyhow::Result<Vec<String>> {
 pub(crate) struct Binary {
     /// As it was given, for messages.
     text: String,
-    platform: Platform,
-    bytes: Vec<u8>,
+    pub(crate) platform: Platform,
+    pub(crate) bytes: Vec<u8>,
 }
 
 impl Binary {
@@ -343,12 +351,18 @@ impl Binary {
         Ok(Self { text: text.to_owned(), platform, bytes })
     }
 
+    /// Whether it is a library for the platform that was said.
+    pub(crate) fn check_platform(&self, description: &ModelDescription) -> anyhow::Result<()> {
+        match check_library(&self.bytes, self.platform, description).first() {
+            Some(fault) => bail!("--binary {}: {fault}", self.text),
+            None => Ok(()),
+        }
+    }
+
     /// Whether it is this tool's library of the kind that the FMU needs, for the platform that was
     /// said.
     fn check(&self, kind: &str, description: &ModelDescription) -> anyhow::Result<()> {
-        if let Some(fault) = check_library(&self.bytes, self.platform, description).first() {
-            bail!("--binary {}: {fault}", self.text);
-        }
+        self.check_platform(description)?;
         // Each library carries this sentence, which it says when it finds the other's blueprint.
         let holds = |kind: &str| {
             let sentence = format!("this is the binary of a {kind}");

@@ -100,7 +100,7 @@ impl Ring<'_> {
         let Some((place, cells)) = self.0.split_first_mut() else { return u };
         let room = cells.len();
         let last = *place as usize;
-        let at = if last + 1 < room { last + 1 } else { 0 };
+        let at = if last < room.saturating_sub(1) { last + 1 } else { 0 };
         *place = at as f64;
         if let Some(cell) = cells.get_mut(at) {
             *cell = u;

@@ -26,12 +26,13 @@ pub struct Repaired {
     pub notes: Vec<String>,
 }
 
-/// Packs a repair around an FMU.
+/// Packs a repair around an FMU; with the first of the libraries, and with those for platforms that the original
+/// runs on too.
 pub(crate) fn pack(
     original: &Package,
     repair: &Repair,
     mut notes: Vec<String>,
-    library: (&str, &[u8]),
+    libraries: &[(&str, &[u8])],
 ) -> Result<Repaired, Error> {
     let failed = |message: String| Error::Model {
         model: original.path().display().to_string(),
@@ -40,8 +41,12 @@ pub(crate) fn pack(
     let description = describe(original.description(), repair).map_err(&failed)?;
     let told = |e: PackageError| failed(e.to_string());
     let mut package = PackageBuilder::new(&description).map_err(told)?;
-    let (platform, bytes) = library;
-    package.binary(platform, bytes.to_vec()).map_err(told)?;
+    let platforms = original.platforms();
+    for (number, (platform, bytes)) in libraries.iter().enumerate() {
+        if number == 0 || platforms.iter().any(|own| is_same(own, platform)) {
+            package.binary(platform, bytes.to_vec()).map_err(told)?;
+        }
+    }
     let text = repair.to_toml().map_err(|e| failed(e.to_string()))?;
     package.resource(surround::FILE, text.into_bytes()).map_err(told)?;
     for (path, content) in files(original.folder()).map_err(|e| failed(e.to_string()))? {
@@ -52,11 +57,11 @@ pub(crate) fn pack(
             std::fs::read(original.folder().join(&path)).map_err(|e| failed(e.to_string()))?;
         package.entry(path, content).map_err(told)?;
     }
-    let others: Vec<String> =
-        original.platforms().into_iter().filter(|p| !is_same(p, platform)).collect();
+    let is_missing = |own: &String| !libraries.iter().any(|(given, _)| is_same(own, given));
+    let others: Vec<String> = platforms.into_iter().filter(is_missing).collect();
     if !others.is_empty() {
         notes.push(format!(
-            "the original also runs on {}; the repaired FMU carries the library for {platform} only",
+            "the original also runs on {}; the repaired FMU does not, no library was given for it",
             others.join(", ")
         ));
     }
