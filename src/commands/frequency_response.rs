@@ -20,7 +20,7 @@ use crate::pages::{self, PageOptions};
 /// coherence tells how good such a line is.
 const BAND: f64 = 1e-4;
 
-/// Measures the frequency response of a machine, with coherence, noise and nonlinear distortion
+/// Measures a frequency response, with coherence, noise and distortion
 ///
 /// From multisines, swept sines or any other rich signal, of one axis or of several that move together
 /// (then at least as many experiments as inputs; each record of a log is one). Local polynomial method;
