@@ -14,8 +14,10 @@ fn commands(folder: &Path) -> Vec<String> {
     let help = succeed(&["--help"], folder);
     let rows = help.split("Commands:").nth(1).expect("the help lists commands");
     let rows = rows.split("Options:").next().expect("options follow");
-    let names = rows.lines().filter_map(|row| row.strip_prefix("  ")?.split_whitespace().next());
-    names.filter(|name| *name != "help").map(str::to_owned).collect()
+    // A sentence that goes on in the next line is indented more.
+    let rows = rows.lines().filter_map(|row| row.strip_prefix("  "));
+    let names = rows.filter(|row| !row.starts_with(' ')).filter_map(|row| row.split(' ').next());
+    names.filter(|name| !["help", ""].contains(name)).map(str::to_owned).collect()
 }
 
 #[test]
