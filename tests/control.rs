@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 
 use common::packed::{Host, Packed};
-use common::{four_axes, json, refuse, root, succeed};
+use common::{COORDINATED, four_axes, json, refuse, root, succeed};
 use data::Blueprint;
 
 const J: [[f64; 2]; 2] = [[500.0, 0.0], [14.0, -515.0]];
@@ -26,42 +26,6 @@ fn log(at: &Path, second: impl Fn(f64) -> f64) {
     }
     fs::write(at.join("log.csv"), text).expect("a file");
 }
-
-const CONTROLLER: &str = r#"piezoloop = 1
-kind = "controller"
-name = "coordinated"
-step = 0.005
-
-[[axis]]
-name = "a"
-command = { unit = "V" }
-position = { unit = "um" }
-motion = { unit = "1" }
-
-[[axis.component]]
-type = "pid"
-kp = 10
-output_min = -1000
-output_max = 1000
-
-[[axis]]
-name = "b"
-command = { unit = "V" }
-position = { unit = "um" }
-motion = { unit = "1" }
-
-[[axis.component]]
-type = "pid"
-kp = 10
-output_min = -1000
-output_max = 1000
-
-[[coupling]]
-type = "jacobian-coordinator"
-axes = ["a", "b"]
-matrix = [[400, 0], [1, -400]]
-offset = [0, 0]
-"#;
 
 const CALIBRATE: [&str; 10] = [
     "calibrate",
@@ -81,7 +45,7 @@ fn a_calibrated_jacobian_coordinates_the_controller() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
     log(at, |turn| 0.5 - 0.4 * (4.0 * turn).cos());
-    fs::write(at.join("controller.toml"), CONTROLLER).expect("a file");
+    fs::write(at.join("controller.toml"), COORDINATED).expect("a file");
     let more = ["--blueprint", "controller.toml", "-o", "calibrated.toml"];
     let answer = json(&[&CALIBRATE[..], &more].concat(), at);
     assert!(answer["condition"].as_f64().is_some_and(|c| (1.0..1.1).contains(&c)), "{answer}");
@@ -130,7 +94,7 @@ fn a_badly_conditioned_jacobian_is_refused_with_its_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
     for matrix in ["[[400, 800], [1, 2]]", "[[400, 0], [1, -0.001]]"] {
-        let text = CONTROLLER.replace("[[400, 0], [1, -400]]", matrix);
+        let text = COORDINATED.replace("[[400, 0], [1, -400]]", matrix);
         fs::write(at.join("bad.toml"), text).expect("a file");
         let message = refuse(&["pack", "bad.toml", "-o", "bad.fmu"], at);
         assert!(

@@ -1,11 +1,10 @@
 //! Further Python environments, with foreign tools that not every machine can have.
 
-use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-use super::root;
+use super::{python, root};
 
 /// The interpreter with the foreign tools, or `None` with a line that says why tests are skipped.
 pub(crate) fn python() -> Option<&'static Path> {
@@ -30,41 +29,8 @@ fn make(name: &str) -> Result<PathBuf, String> {
     }
     let requirements = root().join(format!("tests/python/requirements-{name}.txt"));
     let base = root().join("tests/python/requirements.txt");
-    let text = |path: &Path| fs::read_to_string(path).map_err(|e| e.to_string());
-    let wanted = text(&base)? + &text(&requirements)?;
-    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().ok_or("no target folder")?;
-    let folder = target.join(format!("python-{name}"));
-    let lock =
-        File::create(target.join(format!("python-{name}.lock"))).map_err(|e| e.to_string())?;
-    lock.lock().map_err(|e| e.to_string())?;
-    let interpreter = folder.join("bin/python");
-    let stamp = folder.join("requirements.txt");
-    if text(&stamp).is_ok_and(|made_with| made_with == wanted) {
-        return Ok(interpreter);
-    }
-    let _ = fs::remove_dir_all(&folder);
-    succeed(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
-    let pip = [
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-        "--require-hashes",
-        "-r",
-    ];
-    succeed(Command::new(&interpreter).args(pip).arg(&requirements))?;
-    fs::write(&stamp, wanted).map_err(|e| e.to_string())?;
-    Ok(interpreter)
-}
-
-fn succeed(command: &mut Command) -> Result<(), String> {
-    let output = command.output().map_err(|error| format!("{command:?}: {error}"))?;
-    if output.status.success() {
-        return Ok(());
-    }
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    Err(errors.lines().last().unwrap_or("no message").to_owned())
+    let base = std::fs::read_to_string(base).map_err(|error| error.to_string())?;
+    python::environment(&format!("python-{name}"), &requirements, &base)
 }
 
 /// A command-line tool of the environment.

@@ -7,7 +7,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use super::{root, succeed};
+use super::{COORDINATED, root, succeed};
 
 /// A call whose files go to a folder.
 pub(crate) struct Job {
@@ -49,43 +49,6 @@ const CALLS: [(&str, &str); 14] = [
     ),
 ];
 
-const JACOBIAN: &str = r#"
-piezoloop = 1
-kind = "controller"
-name = "two"
-step = 0.005
-
-[[axis]]
-name = "a"
-command = { unit = "V", min = -1000, max = 1000 }
-position = { unit = "um" }
-motion = { unit = "1" }
-
-[[axis.component]]
-type = "pid"
-kp = 10
-output_min = -1000
-output_max = 1000
-
-[[axis]]
-name = "b"
-command = { unit = "V", min = -1000, max = 1000 }
-position = { unit = "um" }
-motion = { unit = "1" }
-
-[[axis.component]]
-type = "pid"
-kp = 10
-output_min = -1000
-output_max = 1000
-
-[[coupling]]
-type = "jacobian-coordinator"
-axes = ["a", "b"]
-matrix = [[400, 0], [1, -400]]
-offset = [0, 0]
-"#;
-
 const PLAN: &str = "runs = 20\nseed = 7\n\n[loop]\nplant = \"evc\"\ncontroller = \"controller.toml\"\n\
     reference = \"r.csv\"\nfrom = 0.01\n\n[vary]\n\
     \"plant.*.mechanics.frequency\" = { tolerance = 0.05 }\n";
@@ -100,7 +63,7 @@ fn inputs(folder: &Path) {
     fs::copy(example.join("loop.toml"), folder.join("loop.toml")).expect("the example");
     let reference = fs::read_to_string(example.join("reference.csv")).expect("the example");
     write("r.csv", &reference.lines().take(1000).fold(String::new(), |t, line| t + line + "\n"));
-    write("jacobian.toml", JACOBIAN);
+    write("jacobian.toml", COORDINATED);
     write("plan.toml", PLAN);
     let (mut u, mut motion) =
         ("time,command[1],command[2]\n".to_owned(), "time [s],a,b,x [um],y [um]\n".to_owned());

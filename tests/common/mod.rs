@@ -14,6 +14,9 @@ pub(crate) mod spy;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+/// A controller of two axes with a Jacobian that is not calibrated yet.
+pub(crate) const COORDINATED: &str = include_str!("../blueprints/coordinated.toml");
+
 /// Runs the tool and returns what it said.
 pub(crate) fn piezoloop(arguments: &[&str], folder: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_piezoloop"))

@@ -14,44 +14,50 @@ pub(crate) fn python() -> PathBuf {
         return PathBuf::from(given);
     }
     let requirements = root().join("tests/python/requirements.txt");
-    let wanted = fs::read_to_string(&requirements).expect("the requirements are in the project");
-    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().expect("a target folder");
-    let folder = target.join("python-env");
-    let lock = File::create(target.join("python-env.lock")).expect("the target folder is writable");
-    lock.lock().expect("a lock on the environment");
+    let made = environment("python-env", &requirements, "");
+    made.unwrap_or_else(|error| {
+        panic!("{error}\nThe tests need Python 3 with venv (Debian: python3-venv), and PyPI once")
+    })
+}
+
+/// The interpreter of `target/<folder>` with the packages of a file of requirements, made anew where
+/// that file, or the text `also`, is another one than when it was made.
+pub(crate) fn environment(
+    folder: &str,
+    requirements: &Path,
+    also: &str,
+) -> Result<PathBuf, String> {
+    let text = |path: &Path| {
+        fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
+    };
+    let wanted = also.to_owned() + &text(requirements)?;
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().ok_or("no target folder")?;
+    let lock = File::create(target.join(format!("{folder}.lock"))).map_err(|e| e.to_string())?;
+    lock.lock().map_err(|error| error.to_string())?;
+    let folder = target.join(folder);
     let interpreter = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let stamp = folder.join("requirements.txt");
-    if fs::read_to_string(&stamp).is_ok_and(|made_with| made_with == wanted) {
-        return interpreter;
+    if text(&stamp).is_ok_and(|made_with| made_with == wanted) {
+        return Ok(interpreter);
     }
     let _ = fs::remove_dir_all(&folder);
     let host = if cfg!(windows) { "python" } else { "python3" };
-    run(Command::new(host).args(["-m", "venv"]).arg(&folder));
-    run(Command::new(&interpreter)
-        .args([
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            "--disable-pip-version-check",
-            "--require-hashes",
-            "-r",
-        ])
-        .arg(&requirements));
-    fs::write(&stamp, wanted).expect("the environment is writable");
-    interpreter
+    run(Command::new(host).args(["-m", "venv"]).arg(&folder))?;
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    let mut install = Command::new(&interpreter);
+    install.args(pip).args(["--require-hashes", "-r"]).arg(requirements);
+    run(&mut install)?;
+    fs::write(&stamp, wanted).map_err(|error| error.to_string())?;
+    Ok(interpreter)
 }
 
-fn run(command: &mut Command) {
-    let output = command.output().unwrap_or_else(|error| {
-        panic!("{command:?}: {error}; the tests need Python 3 with its venv module (Debian: python3-venv)")
-    });
-    assert!(
-        output.status.success(),
-        "{command:?} failed:\n{}{}\nThe tests need Python 3 with venv, and PyPI once",
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr)
-    );
+fn run(command: &mut Command) -> Result<(), String> {
+    let output = command.output().map_err(|error| format!("{command:?}: {error}"))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    Err(errors.lines().last().unwrap_or("no message").to_owned())
 }
 
 /// Runs a script with arguments; it must succeed. Returns its standard output.
