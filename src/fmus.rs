@@ -85,16 +85,20 @@ pub(crate) fn open(what: &Path) -> anyhow::Result<Opened> {
     open_in(what, None)
 }
 
-/// As [`open`], to run in processes of its own where there is a worker.
-pub(crate) fn open_in(what: &Path, worker: Option<&Worker>) -> anyhow::Result<Opened> {
-    let load = |file: &Path| match worker {
+/// An FMU's file, to run in processes of its own where there is a worker.
+pub(crate) fn load(file: &Path, worker: Option<&Worker>) -> Result<Fmu, cosim::Error> {
+    match worker {
         Some(worker) => Fmu::open_isolated(file, worker),
         None => Fmu::open(file),
-    };
+    }
+}
+
+/// As [`open`], to run in processes of its own where there is a worker.
+pub(crate) fn open_in(what: &Path, worker: Option<&Worker>) -> anyhow::Result<Opened> {
     let is_blueprint =
         what.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) || !what.exists();
     if !is_blueprint {
-        let fmu = load(what)?;
+        let fmu = load(what, worker)?;
         return Ok(Opened { name: fmu.description().model_name.clone(), fmu, _folder: None });
     }
     if what.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {
@@ -104,7 +108,7 @@ pub(crate) fn open_in(what: &Path, worker: Option<&Worker>) -> anyhow::Result<Op
     let folder = tempfile::tempdir().context("no temporary folder can be made")?;
     let file = folder.path().join("packed.fmu");
     pack::pack_to_run(&source, &file)?;
-    let fmu = load(&file)?;
+    let fmu = load(&file, worker)?;
     Ok(Opened { name: source.blueprint.name, fmu, _folder: Some(folder) })
 }
 

@@ -279,3 +279,32 @@ fn in_a_loop_and_in_a_system_the_one_that_fails_is_named() {
         assert_eq!(run(at), whole);
     }
 }
+
+/// Runs in which the plant crashes are rows that say so; the others have their figures.
+#[test]
+fn a_sweep_outlives_an_fmu_that_crashes() {
+    let folder = prepared();
+    if !has_compiler() {
+        return;
+    }
+    let at = folder.path();
+    build(at, "controller", &["CONTROLLER"], Lie::None);
+    build(at, "plant", &["FAULT=CRASH_TUNED"], Lie::None);
+    let plan = "seed = 1\n\n[loop]\nplant = \"plant.fmu\"\ncontroller = \"controller.fmu\"\n\
+                reference = \"reference.csv\"\n\n[vary]\n\"plant.gain\" = { grid = [2.0, 3.0, 2.0] }\n";
+    fs::write(at.join("plan.toml"), plan).expect("writable");
+    let said = succeed(&[&["sweep", "plan.toml"][..], &ISOLATED].concat(), at);
+    contains(&said, &["3 runs", "1 failed", "the FMU crashed"]);
+}
+
+#[test]
+fn tuning_names_a_machine_that_crashes() {
+    let folder = prepared();
+    if !has_compiler() {
+        return;
+    }
+    let at = folder.path();
+    let fmu = build(at, "CRASH_STEP", &["FAULT=CRASH_STEP"], Lie::None);
+    let call = [&["tune", &fmu, "--period", "0.1", "--amplitude", "1"][..], &ISOLATED].concat();
+    contains(&fails(&call, at), &["FMU `machine`", "because the FMU crashed"]);
+}

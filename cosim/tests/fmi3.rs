@@ -198,6 +198,23 @@ fn elements_of_arrays_are_fed_connected_and_recorded() {
     assert_eq!(found("b.y[3]"), [0.0, 1.0, 3.0]);
 }
 
+/// With k = -77 the FMU writes four values where it is asked for three.
+#[test]
+fn an_array_that_is_written_beyond_its_end_is_told() {
+    let fmus = fmus_or_skip!();
+    let mut slave = instance(&integrator3(&fmus), "p");
+    for names in [&["y[1]", "y[2]", "y[3]"][..], &["y[2]"]] {
+        let selection = Selection::of(slave.description(), names).expect("elements");
+        let mut values = vec![9.0; names.len()];
+        slave.set_start("k", &Value::Real(1.0)).expect("a parameter");
+        slave.get(&selection, &mut values).expect("values");
+        assert_eq!(values, vec![0.0; names.len()]);
+        slave.set_start("k", &Value::Real(-77.0)).expect("a parameter");
+        let error = slave.get(&selection, &mut values).expect_err("too many").to_string();
+        assert!(error.contains("fmi3GetFloat64 was asked for 3 values and wrote more"), "{error}");
+    }
+}
+
 #[test]
 fn what_is_no_element_is_told() {
     let fmus = fmus_or_skip!();

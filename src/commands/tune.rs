@@ -9,6 +9,7 @@ use identify::{Gains, LoopVerdict, Ultimate};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
+use crate::fmus::Isolation;
 use crate::pages::{self, PageOptions};
 use crate::reproduce::control::Bed;
 
@@ -49,6 +50,8 @@ pub(crate) struct Tune {
     #[arg(long, value_name = "N", default_value_t = 200)]
     samples: usize,
     #[command(flatten)]
+    isolation: Isolation,
+    #[command(flatten)]
     page: PageOptions,
 }
 
@@ -87,7 +90,7 @@ impl Tune {
         let files = [("plant", self.plant.as_path())];
         let read = if self.plant.exists() { &files[..] } else { &[] };
         self.page.not_over(&[&self.plant])?;
-        let mut bed = Bed::open(&self.plant)?;
+        let mut bed = Bed::open_in(&self.plant, self.isolation.worker()?.as_ref())?;
         let axes = bed.axes();
         if !(1..=axes).contains(&self.axis) {
             bail!("--axis {}: the plant has axes 1 to {axes}", self.axis);

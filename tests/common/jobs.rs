@@ -20,7 +20,7 @@ pub(crate) struct Job {
     pub(crate) time: Duration,
 }
 
-const CALLS: [(&str, &str); 14] = [
+const CALLS: [(&str, &str); 16] = [
     ("signal", "signal multisine-odd -o OUT/signal.csv"),
     ("log", "log u.csv -o OUT/copy.csv"),
     ("invert", "invert evc -o OUT/controller.toml"),
@@ -40,6 +40,15 @@ const CALLS: [(&str, &str); 14] = [
         "identify",
         "identify --log run.csv --input command[1] --output position[1] -o OUT/found.toml \
          --picture OUT/loop.svg --report OUT/page.html",
+    ),
+    (
+        "tune",
+        "tune plant.fmu --period 5e-5 --middle 60 --amplitude 2 --samples 40 --report OUT/page.html",
+    ),
+    (
+        "frequency-response",
+        "frequency-response run.csv --input command[1] --output position[1] -o OUT/response.csv \
+         --report OUT/page.html",
     ),
     ("sweep", "sweep plan.toml -o OUT/table.parquet"),
     (

@@ -5,7 +5,7 @@ use modeldescription::ModelDescription;
 use modeldescription::variable::{DataType, Start};
 
 use super::selection::{ArrayRun, TypeRun};
-use super::support::type_error;
+use super::support::{Room, SPARE, type_error};
 use super::value::Value;
 use crate::error::Error;
 
@@ -52,21 +52,30 @@ impl Arrays {
     pub(super) fn get(
         &mut self,
         instance: &mut Instance,
+        room: &mut Room,
         run: &TypeRun,
         array: &ArrayRun,
         values: &mut [f64],
     ) -> Result<(), Error> {
         if array.is_whole() {
-            return read(instance, run.data_type, array.reference, values);
+            return read(instance, room, run.data_type, array.reference, values);
         }
         self.scratch.clear();
         self.scratch.resize(array.size, 0.0);
-        read(instance, run.data_type, array.reference, &mut self.scratch)?;
+        read(instance, room, run.data_type, array.reference, &mut self.scratch)?;
         for (index, value) in array.indices.iter().zip(values) {
             *value = self.scratch.get(*index).copied().unwrap_or(f64::NAN);
         }
         Ok(())
     }
+}
+
+/// Stands behind the integers that are asked for.
+const MARK: u8 = 0x5e;
+
+#[cold]
+fn overrun(instance: &Instance, call: &'static str, asked: usize) -> Error {
+    Error::Overrun { fmu: instance.name().to_owned(), call, asked }
 }
 
 /// The array as its description starts it.
@@ -133,33 +142,43 @@ fn write(
 
 fn read(
     instance: &mut Instance,
+    room: &mut Room,
     data_type: DataType,
     reference: u32,
     values: &mut [f64],
 ) -> Result<(), Error> {
+    let asked = values.len();
+    // As `Room` does, there is more room behind what is asked for.
     macro_rules! get {
-        ($type:ty, $get:ident) => {{
-            let mut found = vec![<$type>::default(); values.len()];
-            instance.$get(&[reference], &mut found)?;
+        ($type:ty, $get:ident, $call:literal) => {{
+            let mark = MARK as $type;
+            let mut found = vec![mark; asked + SPARE];
+            instance.$get(&[reference], &mut found[..asked])?;
+            if found[asked] != mark {
+                return Err(overrun(instance, $call, asked));
+            }
             values.iter_mut().zip(found).for_each(|(value, found)| *value = found as f64);
         }};
     }
     match data_type {
-        DataType::Float64 => instance.get_float64(&[reference], values)?,
-        DataType::Float32 => get!(f32, get_float32),
-        DataType::Int8 => get!(i8, get_int8),
-        DataType::UInt8 => get!(u8, get_uint8),
-        DataType::Int16 => get!(i16, get_int16),
-        DataType::UInt16 => get!(u16, get_uint16),
-        DataType::Int32 => get!(i32, get_int32),
-        DataType::UInt32 => get!(u32, get_uint32),
-        DataType::UInt64 => get!(u64, get_uint64),
+        DataType::Float64 => {
+            let get = |room: &mut [f64]| instance.get_float64(&[reference], room);
+            room.read("fmi3GetFloat64", values, get)?;
+        }
+        DataType::Float32 => get!(f32, get_float32, "fmi3GetFloat32"),
+        DataType::Int8 => get!(i8, get_int8, "fmi3GetInt8"),
+        DataType::UInt8 => get!(u8, get_uint8, "fmi3GetUInt8"),
+        DataType::Int16 => get!(i16, get_int16, "fmi3GetInt16"),
+        DataType::UInt16 => get!(u16, get_uint16, "fmi3GetUInt16"),
+        DataType::Int32 => get!(i32, get_int32, "fmi3GetInt32"),
+        DataType::UInt32 => get!(u32, get_uint32, "fmi3GetUInt32"),
+        DataType::UInt64 => get!(u64, get_uint64, "fmi3GetUInt64"),
         DataType::Boolean => {
-            let mut found = vec![false; values.len()];
-            instance.get_boolean(&[reference], &mut found)?;
+            let mut found = vec![false; asked + SPARE];
+            instance.get_boolean(&[reference], &mut found[..asked])?;
             values.iter_mut().zip(found).for_each(|(value, on)| *value = f64::from(u8::from(on)));
         }
-        _ => get!(i64, get_int64),
+        _ => get!(i64, get_int64, "fmi3GetInt64"),
     }
     Ok(())
 }

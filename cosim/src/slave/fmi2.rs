@@ -41,7 +41,7 @@ impl Fmi2Slave {
         settings: Settings,
     ) -> Result<Self, Error> {
         let mut slave = Fmi2Slave {
-            room: Room::of(&description),
+            room: Room::of(&settings.name, &description),
             instance: None,
             library,
             description,
@@ -174,7 +174,7 @@ impl Slave for Fmi2Slave {
             let values = &mut values[run.range.clone()];
             if run.data_type == DataType::Float64 {
                 let get = |room: &mut [f64]| instance.get_real(references, room);
-                self.room.read("fmi2GetReal", values, name, get)?;
+                self.room.read("fmi2GetReal", values, get)?;
             } else {
                 get_whole(instance, run.data_type, references, values)?;
             }

@@ -43,7 +43,7 @@ impl Fmi3Slave {
         settings: Settings,
     ) -> Result<Self, Error> {
         let mut slave = Fmi3Slave {
-            room: Room::of(&description),
+            room: Room::of(&settings.name, &description),
             instance: None,
             library,
             description,
@@ -169,10 +169,10 @@ impl Slave for Fmi3Slave {
             let references = &selection.references()[run.range.clone()];
             let values = &mut values[run.range.clone()];
             if let Some(array) = &run.array {
-                self.arrays.get(instance, run, array, values)?;
+                self.arrays.get(instance, &mut self.room, run, array, values)?;
             } else if run.data_type == DataType::Float64 {
                 let get = |room: &mut [f64]| instance.get_float64(references, room);
-                self.room.read("fmi3GetFloat64", values, name, get)?;
+                self.room.read("fmi3GetFloat64", values, get)?;
             } else {
                 get_other(instance, run.data_type, references, values)?;
             }

@@ -23,39 +23,38 @@ pub(crate) struct Settings {
 /// Room for the numbers that an FMU writes. Behind those it was asked for there is more room, so that
 /// an FMU that writes too many hits nothing, and is found out.
 pub(super) struct Room {
+    fmu: String,
     values: Vec<f64>,
 }
 
 /// Values that an FMU may write too many before it hits something.
-const SPARE: usize = 64;
+pub(super) const SPARE: usize = 64;
 /// Stands behind the values that are asked for: a NaN that no computation gives.
 const MARK: u64 = 0x7ff8_5e7d_0c0f_fee5;
 
 impl Room {
-    /// Room for every number of an FMU at once.
-    pub(super) fn of(description: &ModelDescription) -> Self {
-        Room { values: vec![0.0; description.variables.len() + SPARE] }
+    /// Room for every number of this FMU at once.
+    pub(super) fn of(fmu: &str, description: &ModelDescription) -> Self {
+        Room { fmu: fmu.to_owned(), values: vec![0.0; description.variables.len() + SPARE] }
     }
 
-    /// Reads `values`; `get` is the FMU's function `call`. Several times the same variable may be too
-    /// many to be looked after.
+    /// Reads `values`; `get` is the FMU's function `call`.
     #[inline]
     pub(super) fn read(
         &mut self,
         call: &'static str,
         values: &mut [f64],
-        fmu: &str,
         get: impl FnOnce(&mut [f64]) -> Result<(), ImportError>,
     ) -> Result<(), Error> {
         let asked = values.len();
         if asked + SPARE > self.values.len() {
-            return Ok(get(values)?);
+            self.values.resize(asked + SPARE, 0.0);
         }
         let mark = f64::from_bits(MARK);
         self.values[asked] = mark;
         get(&mut self.values[..asked])?;
         if self.values[asked].to_bits() != MARK {
-            return Err(Error::Overrun { fmu: fmu.to_owned(), call, asked });
+            return Err(Error::Overrun { fmu: self.fmu.clone(), call, asked });
         }
         values.copy_from_slice(&self.values[..asked]);
         Ok(())

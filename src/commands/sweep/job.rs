@@ -21,14 +21,18 @@ enum Runs {
 }
 
 impl Job {
-    /// Sets everything up once and says what is wrong.
-    pub(super) fn new(materials: &Materials) -> anyhow::Result<Self> {
+    /// Sets everything up once and says what is wrong. With an isolation each FMU runs in a process
+    /// of its own.
+    pub(super) fn new(
+        materials: &Materials,
+        isolation: Option<cosim::Worker>,
+    ) -> anyhow::Result<Self> {
         let plan = materials.plan()?;
         let stage = materials.lay()?;
         let text = plan.text.clone();
         let (runs, design) = match plan.kind {
             Kind::Loop(_) | Kind::System(_) => {
-                let runs = SignalRuns::new(stage, plan.clone())?;
+                let runs = SignalRuns::new(stage, plan.clone(), isolation)?;
                 let design = Design::new(&plan, &runs.targets()?)?;
                 (Runs::Signals(Box::new(runs)), design)
             }

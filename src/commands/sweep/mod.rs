@@ -19,6 +19,7 @@ use clap::Args;
 use sweep::{Cell, Design, Journal, Row, Shard, Table, work};
 
 use crate::answer::Screen;
+use crate::fmus::Isolation;
 use crate::pages::PageOptions;
 use crate::{inputs, interrupt, progress};
 use job::Job;
@@ -53,6 +54,8 @@ pub(crate) struct Sweep {
     /// The table to write [default: the plan's name with .parquet, and the shard]
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    isolation: Isolation,
     #[command(flatten)]
     page: PageOptions,
 }
@@ -91,7 +94,7 @@ impl Sweep {
         let out = self.out.clone().unwrap_or_else(|| default_out(plan, self.shard));
         inputs::not_over(&out, &[plan])?;
         self.page.not_over(&[plan])?;
-        let job = Job::new(&materials)?;
+        let job = Job::new(&materials, self.isolation.worker()?)?;
         let part = self.shard.map_or(0..job.design.runs(), |shard| shard.range(job.design.runs()));
         let (table, answer) = match finished(&job, &part, &out) {
             Some(table) => {

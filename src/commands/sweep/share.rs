@@ -105,7 +105,7 @@ impl Bundle {
     fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         inputs::not_over(&self.out, &[&self.plan])?;
         let materials = Materials::gather(&self.plan, self.seed)?;
-        let job = Job::new(&materials)?;
+        let job = Job::new(&materials, None)?;
         let runs = job.design.runs();
         let journal = super::journal_of(&self.table);
         let todo = match super::finished(&job, &(0..runs), &self.table) {
@@ -127,7 +127,7 @@ impl Serve {
     fn run(self) -> anyhow::Result<u8> {
         let bytes = std::fs::read(&self.bundle)
             .with_context(|| format!("{} cannot be read", self.bundle.display()))?;
-        let job = Job::new(&Materials::from_bytes(&bytes)?)?;
+        let job = Job::new(&Materials::from_bytes(&bytes)?, None)?;
         let mut worker = job.hire()?;
         // The master reads it: what FMUs print must not stand between.
         answer::keep_standard_output()?;

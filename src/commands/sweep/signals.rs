@@ -19,7 +19,7 @@ use sweep::{Target, Worker};
 use super::figures::{self, Figure, Meter};
 use super::materials::Stage;
 use crate::commands::{simulate, system};
-use crate::fmus::Addresses;
+use crate::fmus::{self, Addresses};
 use crate::inputs::LogOptions;
 
 /// Closed loops or systems, ready to be set up on any thread.
@@ -31,6 +31,7 @@ pub(super) struct SignalRuns {
     _system: Option<SystemPlan>,
     log: Option<Log>,
     options: LogOptions,
+    isolation: Option<cosim::Worker>,
 }
 
 /// An FMU of the loop or the system.
@@ -55,7 +56,12 @@ struct Ready {
 
 impl SignalRuns {
     /// What the plan needs, read.
-    pub(super) fn new(stage: Stage, plan: Plan) -> anyhow::Result<Self> {
+    pub(super) fn new(
+        stage: Stage,
+        plan: Plan,
+        isolation: Option<cosim::Worker>,
+    ) -> anyhow::Result<Self> {
+        let worker = isolation.as_ref();
         let mut system = None;
         let (fmus, input, map) = match &plan.kind {
             Kind::Loop(closed) => {
@@ -71,14 +77,14 @@ impl SignalRuns {
             _ => bail!("this plan runs no FMUs by itself"),
         };
         let part = |(name, path): (String, PathBuf)| -> anyhow::Result<Part> {
-            let addresses = Addresses::of(&Fmu::open(&path)?);
+            let addresses = Addresses::of(&fmus::load(&path, worker)?);
             Ok(Part { name, path, addresses })
         };
         let parts = fmus.into_iter().map(part).collect::<anyhow::Result<_>>()?;
         let map = map.iter().map(|(variable, column)| format!("{variable}={column}")).collect();
         let options = LogOptions { map, ..LogOptions::default() };
         let log = stage.path(input).map(|path| options.read(&path)).transpose()?;
-        Ok(SignalRuns { parts, _system: system, log, options, stage, plan })
+        Ok(SignalRuns { parts, _system: system, log, options, stage, plan, isolation })
     }
 
     /// What may vary: every parameter, as `fmu.name`, around its start value.
@@ -86,7 +92,8 @@ impl SignalRuns {
         let mut targets = Vec::new();
         for part in &self.parts {
             let prefix = format!("{}.", part.name);
-            targets.extend(parameters(&Fmu::open(&part.path)?, &prefix, self.starts())?);
+            let fmu = fmus::load(&part.path, self.isolation.as_ref())?;
+            targets.extend(parameters(&fmu, &prefix, self.starts())?);
         }
         Ok(targets)
     }
@@ -156,7 +163,7 @@ impl SignalRuns {
     fn ready(&self, design: &Design) -> anyhow::Result<Ready> {
         let starts = self.start_values(design)?;
         let open = |part: &Part| -> anyhow::Result<(Fmu, Box<dyn Slave>)> {
-            let fmu = Fmu::open(&part.path)?;
+            let fmu = fmus::load(&part.path, self.isolation.as_ref())?;
             let slave = fmu.instantiate(&part.name, &InstanceOptions::default())?;
             Ok((fmu, slave))
         };

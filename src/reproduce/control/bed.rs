@@ -44,7 +44,12 @@ impl Tracked {
 impl Bed {
     /// A rig, a blueprint or an FMU.
     pub(crate) fn open(what: &Path) -> anyhow::Result<Self> {
-        let machine = fmus::open(what)?;
+        Self::open_in(what, None)
+    }
+
+    /// As [`open`](Self::open), to run in processes of its own where there is a worker.
+    pub(crate) fn open_in(what: &Path, worker: Option<&cosim::Worker>) -> anyhow::Result<Self> {
+        let machine = fmus::open_in(what, worker)?;
         let axes = numbered(&machine, Causality::Input, "command");
         anyhow::ensure!(
             axes > 0 && numbered(&machine, Causality::Output, "position") == axes,
