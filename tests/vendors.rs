@@ -193,6 +193,7 @@ fn what_an_fmu_changes_of_the_program_is_put_back_and_told() {
     let faults = [
         ("LEAK", None),
         ("ROUNDING", Some("another floating-point mode")),
+        ("ROUNDING_GET", Some("another floating-point mode")),
         ("FOLDER", Some("the working folder had become /")),
     ];
     for (fault, note) in faults {

@@ -11,7 +11,7 @@
 
 enum {
     SOUND, CRASH_LOAD, CRASH_INSTANTIATE, CRASH_STEP, CRASH_FREE, EXIT_STEP, HANG_INSTANTIATE, HANG_STEP, HANG_FREE,
-    ERROR_STEP, FATAL_STEP, DISCARD_STEP, LEAK, PRINT, ROUNDING, FOLDER, FOLDER_ERROR, NO_NUMBER, INFINITE, MANY,
+    ERROR_STEP, FATAL_STEP, DISCARD_STEP, LEAK, PRINT, ROUNDING, FOLDER, FOLDER_ERROR, NO_NUMBER, INFINITE, MANY, ROUNDING_GET,
     CRASH_TUNED, ERROR_TUNED, ERROR_SOMETIMES,
     CRASH_SOMETIMES
 };
@@ -90,6 +90,7 @@ Status fmi2GetReal(void *c, const unsigned vr[], size_t n, double value[]) {
         if (vr[k] > 2) { say(c, ERROR, "there is no such variable"); return ERROR; }
         value[k] = ((struct faulty *)c)->real[vr[k]];
     }
+    if (FAULT == ROUNDING_GET) fesetround(FE_UPWARD);
     /* As one that writes all its outputs, whatever it is asked for. */
     if (FAULT == MANY && ((struct faulty *)c)->time > 0.55)
         for (size_t k = n; k < n + 20; k++) value[k] = 7;

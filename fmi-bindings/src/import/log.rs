@@ -89,7 +89,8 @@ impl Log {
     pub(super) fn tell_of_mode(&self) {
         if self.mode_changed.swap(false, Ordering::Relaxed) {
             let text = "a call left another floating-point mode (rounding, flush to zero or traps); \
-                        it was put back";
+                        it was put back (found after a step: its own, or gets and sets of any \
+                        FMU since the step before)";
             let (status, category) = (Status::Warning, super::host::HOST.to_owned());
             self.push(Message { status, category, text: text.to_owned() });
         }

@@ -41,6 +41,9 @@ pub struct Instance {
     pub(super) states: States,
     log: Arc<Log>,
     folder: Folder,
+    /// That of the thread when the instance was made. Gets and sets, which are not looked after one
+    /// by one, are found out by the next step.
+    mode: FloatMode,
     // FMUs made for the first releases of 2.0 keep the pointer: the struct lives with the instance.
     _callbacks: Box<fmi2CallbackFunctions>,
 }
@@ -99,7 +102,7 @@ impl Instance {
         }
         let library = Arc::clone(library);
         let states = States::default();
-        Ok(Instance { component, library, name, states, log, folder, _callbacks: callbacks })
+        Ok(Instance { component, library, name, states, log, folder, mode, _callbacks: callbacks })
     }
 
     /// Name of the instance.
@@ -189,11 +192,10 @@ impl Instance {
         const CALL: &str = "fmi2DoStep";
         let component = self.alive(CALL)?;
         let drop_earlier_state = (!keep_earlier_state).into();
-        let mode = FloatMode::now();
         // SAFETY: the instance is alive.
         let status =
             unsafe { (self.functions().do_step)(component, time, step, drop_earlier_state) };
-        mode.keep(&self.log);
+        self.mode.keep(&self.log);
         if status == fmi2OK {
             return Ok(StepResult::Completed);
         }
@@ -301,10 +303,9 @@ impl Instance {
         function: unsafe extern "C" fn(fmi2Component) -> fmi2Status,
     ) -> Result<(), Error> {
         let component = self.alive(call)?;
-        let mode = FloatMode::now();
         // SAFETY: the instance is alive.
         let status = unsafe { function(component) };
-        mode.keep(&self.log);
+        self.mode.keep(&self.log);
         self.log.tell_of_mode();
         self.folder.keep(&self.log, call);
         self.check(call, status)

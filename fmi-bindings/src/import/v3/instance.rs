@@ -42,6 +42,9 @@ pub struct Instance {
     pub(super) states: States,
     log: Arc<Log>,
     folder: Folder,
+    /// That of the thread when the instance was made. Gets and sets, which are not looked after one
+    /// by one, are found out by the next step.
+    mode: FloatMode,
 }
 
 // SAFETY: the standard lets an instance be called from any thread, one at a time; `&mut self` on
@@ -96,7 +99,7 @@ impl Instance {
             });
         }
         let library = Arc::clone(library);
-        Ok(Instance { pointer, library, name, states: States::default(), log, folder })
+        Ok(Instance { pointer, library, name, states: States::default(), log, folder, mode })
     }
 
     /// Name of the instance.
@@ -183,7 +186,6 @@ impl Instance {
         let mut flags = [0_u8; 3];
         let mut reached = time + step;
         let [event, terminate, early] = flags.each_mut().map(|flag| ptr::from_mut(flag).cast());
-        let mode = FloatMode::now();
         // SAFETY: the instance is alive; each result has a place of the size of C's `bool`.
         let status = unsafe {
             (self.functions().do_step)(
@@ -197,7 +199,7 @@ impl Instance {
                 &raw mut reached,
             )
         };
-        mode.keep(&self.log);
+        self.mode.keep(&self.log);
         let [_, terminated, early] = flags.map(|flag| flag != 0);
         if status == fmi3Discard {
             return Ok(StepResult::Discarded { reached: None, terminated });
@@ -235,10 +237,9 @@ impl Instance {
         function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,
     ) -> Result<(), Error> {
         let instance = self.alive(call)?;
-        let mode = FloatMode::now();
         // SAFETY: the instance is alive.
         let status = unsafe { function(instance) };
-        mode.keep(&self.log);
+        self.mode.keep(&self.log);
         self.log.tell_of_mode();
         self.folder.keep(&self.log, call);
         self.check(call, status)
