@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use common::faulty::{Lie, build, has_compiler};
-use common::{json, piezoloop, succeed};
+use common::{json, piezoloop, python, succeed};
 
 /// Rows of the log, and rows that are kept of a run whose step at 0.5 s fails.
 const ROWS: usize = 20;
@@ -289,13 +289,21 @@ fn a_sweep_outlives_an_fmu_that_crashes() {
         return;
     }
     let at = folder.path();
-    build(at, "controller", &["CONTROLLER"], Lie::None);
-    build(at, "plant", &["FAULT=CRASH_TUNED"], Lie::None);
+    // A sweep takes archives, which it can send elsewhere.
+    build(at, "law", &["CONTROLLER"], Lie::None);
+    build(at, "stage", &["FAULT=CRASH_TUNED"], Lie::None);
+    let archives = "import shutil\nfor folder, file in [('law.fmu', 'controller'), ('stage.fmu', 'plant')]:\n    \
+                    shutil.move(shutil.make_archive(file, 'zip', folder), file + '.fmu')\n";
+    python::script(archives, &[], at);
     let plan = "seed = 1\n\n[loop]\nplant = \"plant.fmu\"\ncontroller = \"controller.fmu\"\n\
                 reference = \"reference.csv\"\n\n[vary]\n\"plant.gain\" = { grid = [2.0, 3.0, 2.0] }\n";
     fs::write(at.join("plan.toml"), plan).expect("writable");
-    let said = succeed(&[&["sweep", "plan.toml"][..], &ISOLATED].concat(), at);
-    contains(&said, &["3 runs", "1 failed", "the FMU crashed"]);
+    let output = piezoloop(&[&["sweep", "plan.toml"][..], &ISOLATED].concat(), at);
+    assert_eq!(output.status.code(), Some(1), "one run has failed");
+    let said = String::from_utf8_lossy(&output.stdout);
+    let first = "1 failed, the first is run 1: in record 1 at t = 0 s: FMU `plant`: fmi2DoStep has not \
+                 returned, because the FMU crashed";
+    contains(&said, &["3 runs", first]);
 }
 
 #[test]
@@ -306,6 +314,8 @@ fn tuning_names_a_machine_that_crashes() {
     }
     let at = folder.path();
     let fmu = build(at, "CRASH_STEP", &["FAULT=CRASH_STEP"], Lie::None);
-    let call = [&["tune", &fmu, "--period", "0.1", "--amplitude", "1"][..], &ISOLATED].concat();
+    let call =
+        [&["tune", &fmu, "--period", "0.1", "--middle", "0", "--amplitude", "1"][..], &ISOLATED]
+            .concat();
     contains(&fails(&call, at), &["FMU `machine`", "because the FMU crashed"]);
 }
