@@ -22,6 +22,8 @@ pub struct Arx {
 
 /// Greatest magnitude of a pole that counts as stable.
 const STABLE: f64 = 1.0 - 1e-9;
+/// Repetitions of the linear start.
+const REPEATS: usize = 8;
 
 impl Arx {
     /// Fits `zeros` + 1 numerator and `poles` denominator coefficients.
@@ -29,7 +31,21 @@ impl Arx {
     /// # Errors
     /// [`Error::NoSolution`] where the record does not determine them.
     pub fn fit(input: &[f64], output: &[f64], zeros: usize, poles: usize) -> Result<Self, Error> {
-        let start = Self::by_equation_error(input, output, zeros, poles)?;
+        let first = output.first().copied().unwrap_or(0.0);
+        Self::fit_all(&[(input, output, first)], zeros, poles)
+    }
+
+    /// The same for several records of input and output, each from rest with its position before the
+    /// first sample.
+    ///
+    /// # Errors
+    /// As [`fit`](Self::fit).
+    pub fn fit_all(
+        records: &[(&[f64], &[f64], f64)],
+        zeros: usize,
+        poles: usize,
+    ) -> Result<Self, Error> {
+        let start = Self::by_equation_error(records, zeros, poles)?;
         let unknowns: Vec<Unknown> = start
             .b
             .iter()
@@ -37,14 +53,18 @@ impl Arx {
             .map(|x| Unknown { start: *x, lower: x - 4.0, upper: x + 4.0 })
             .collect();
         let of = |p: &[f64]| Self { b: p[..=zeros].to_vec(), a: p[zeros + 1..].to_vec() };
-        let residuals = |p: &[f64]| {
-            let run = of(p).simulate(input, output[0]);
-            Ok(run.iter().zip(output).map(|(s, y)| (s - y).clamp(-1e3, 1e3)).collect())
+        let errors = |tried: &Self| -> Vec<f64> {
+            let of = |(input, output, y0): &(&[f64], &[f64], f64)| {
+                let run = tried.simulate(input, *y0);
+                run.iter().zip(*output).map(|(s, y)| (s - y).clamp(-1e3, 1e3)).collect::<Vec<_>>()
+            };
+            records.iter().flat_map(of).collect()
         };
-        let before = super::rms_difference(&start.simulate(input, output[0]), output);
+        let squares = |tried: &Self| errors(tried).iter().map(|e| e * e).sum::<f64>();
+        let residuals = |p: &[f64]| Ok(errors(&of(p)));
         let Ok(minimum) = minimise(&unknowns, PATIENT, residuals, |_| ()) else { return Ok(start) };
         let fitted = of(&minimum.parameters);
-        let after = super::rms_difference(&fitted.simulate(input, output[0]), output);
+        let (before, after) = (squares(&start), squares(&fitted));
         Ok(if after < before || before.is_nan() { fitted } else { start })
     }
 
@@ -59,6 +79,14 @@ impl Arx {
         });
         self.a.iter().all(|a| a.is_finite())
             && (n == 0 || companion.complex_eigenvalues().iter().all(|p| p.norm() < STABLE))
+    }
+
+    /// What undoes it: h(t) = (y(t) + Σ a_j y(t−j) − Σ b_i h(t−i))/b_0. It may be unstable.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let first = self.b.first().copied().unwrap_or(1.0);
+        let b = core::iter::once(&1.0).chain(&self.a).map(|a| a / first).collect();
+        Self { b, a: self.b.iter().skip(1).map(|b| b / first).collect() }
     }
 
     /// The orders of least error in simulation on the last third of the record, among those whose fit to
@@ -91,25 +119,64 @@ impl Arx {
     }
 
     fn by_equation_error(
-        input: &[f64],
-        output: &[f64],
+        records: &[(&[f64], &[f64], f64)],
         zeros: usize,
         poles: usize,
     ) -> Result<Self, Error> {
         let first = zeros.max(poles);
-        let rows = input.len().min(output.len()).saturating_sub(first);
-        let at = |i: usize, k: usize| match k.checked_sub(zeros + 1) {
-            None => input[first + i - k],
-            Some(j) => -output[first + i - j - 1],
-        };
-        let matrix = DMatrix::from_fn(rows, zeros + 1 + poles, at);
-        let right = DVector::from_fn(rows, |i, _| output[first + i]);
-        let solution = matrix.svd(true, true).solve(&right, 1e-12).ok();
-        let Some(p) = solution.filter(|p| p.iter().all(|x| x.is_finite())) else {
-            return Err(Error::NoSolution { reason: "the record does not move the linear part" });
-        };
-        let all = p.as_slice();
-        Ok(Self { b: all[..=zeros].to_vec(), a: all[zeros + 1..].to_vec() })
+        let rows: Vec<(usize, usize)> = (0..records.len())
+            .flat_map(|r| {
+                let count = records[r].0.len().min(records[r].1.len());
+                (first..count).map(move |k| (r, k))
+            })
+            .collect();
+        // Steiglitz and McBride: again with both signals behind the poles found before, so that the
+        // equation's error becomes that of the simulation.
+        let mut best: Option<(f64, Self)> = None;
+        let mut poles_before = Self { b: vec![1.0], a: vec![0.0; poles] };
+        for _ in 0..REPEATS {
+            let filtered: Vec<(Vec<f64>, Vec<f64>)> = records
+                .iter()
+                .map(|(input, output, _)| (poles_before.shaped(input), poles_before.shaped(output)))
+                .collect();
+            let at = |row: usize, column: usize| {
+                let (r, k) = rows[row];
+                match column.checked_sub(zeros + 1) {
+                    None => filtered[r].0[k - column],
+                    Some(j) => -filtered[r].1[k - j - 1],
+                }
+            };
+            let matrix = DMatrix::from_fn(rows.len(), zeros + 1 + poles, at);
+            let right = DVector::from_fn(rows.len(), |row, _| filtered[rows[row].0].1[rows[row].1]);
+            let solution = matrix.svd(true, true).solve(&right, 1e-12).ok();
+            let Some(p) = solution.filter(|p| p.iter().all(|x| x.is_finite())) else { break };
+            let all = p.as_slice();
+            let found = Self { b: all[..=zeros].to_vec(), a: all[zeros + 1..].to_vec() };
+            let error: f64 = records
+                .iter()
+                .map(|(input, output, y0)| {
+                    let run = found.simulate(input, *y0);
+                    super::rms_difference(&run, output).powi(2) * output.len() as f64
+                })
+                .sum();
+            let stable = found.is_stable();
+            if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                best = Some((error, found.clone()));
+            }
+            if !stable {
+                break;
+            }
+            poles_before.a = found.a;
+        }
+        let reason = "the record does not move the linear part";
+        best.map(|(_, found)| found).ok_or(Error::NoSolution { reason })
+    }
+
+    /// A signal behind 1/A, whose gain at rest is kept at one, from rest at its first value.
+    fn shaped(&self, signal: &[f64]) -> Vec<f64> {
+        let gain: f64 = 1.0 + self.a.iter().sum::<f64>();
+        let first = signal.first().copied().unwrap_or(0.0);
+        Self { b: vec![gain], a: self.a.clone() }.simulate(signal, first)
     }
 
     /// The response to `input` of a system that rested at `y0` under the first input.
@@ -141,6 +208,17 @@ mod tests {
         for (a, b) in found.b.iter().chain(&found.a).zip(truth.b.iter().chain(&truth.a)) {
             assert!((a - b).abs() < 1e-6, "{found:?}");
         }
+    }
+
+    #[test]
+    fn the_inverse_undoes_it() {
+        let truth = Arx { b: vec![0.4, -0.1, 0.02], a: vec![-1.2, 0.3] };
+        let inverse = truth.inverse();
+        assert!(inverse.is_stable());
+        let input: Vec<f64> = (0..300).map(|t| (0.002 * f64::from(t * t)).sin()).collect();
+        // At rest with the first input 0.
+        let back = inverse.simulate(&truth.simulate(&input, 0.0), 0.0);
+        assert!(input.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-9));
     }
 
     #[test]

@@ -5,10 +5,14 @@
 //! row k of a log and row k + 1 ([`pairs`]).
 
 mod arx;
+mod evidence;
 mod machine;
+mod series;
 
 pub use arx::Arx;
+pub use evidence::{Weighed, weigh};
 pub use machine::{Frame, Machine, Recipe, Span};
+pub use series::{Run, Series};
 
 /// Commands with the positions that they lead to: the position of row k + 1 belongs to the command
 /// of row k.

@@ -1,0 +1,166 @@
+//! A learned hysteresis and the linear part behind it, each made for the other.
+//!
+//! ```text
+//! h = H(u),   y = D·h
+//! ```
+//!
+//! H is trained on y − (D − 1)·h, which is h where y = D·h, then D is fitted to what H simulates; so
+//! in turn. A hysteresis that is trained on positions alone takes lag and creep for its own, and is
+//! wrong wherever the rate is another.
+
+use learned::lssvm::Settings;
+
+use super::{Arx, Frame, Machine, rms_difference};
+
+/// A record: commands, the position at the end of each, and the position before the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Run<'a> {
+    /// Held over a sample each.
+    pub command: &'a [f64],
+    /// At the end of each sample.
+    pub position: &'a [f64],
+    /// At rest, before the first.
+    pub start: f64,
+}
+
+/// A hysteresis and its linear part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// H.
+    pub machine: Machine,
+    /// D.
+    pub linear: Arx,
+}
+
+impl Series {
+    /// Trains H and D in turn from `first`, a linear part that is known or `b = [1]`, over this many
+    /// rounds; the round of least error over the records stays. Of the `orders` of
+    /// zeros and poles, those that err least are taken.
+    ///
+    /// # Errors
+    /// As [`Machine::train`].
+    pub fn train(
+        frame: &Frame,
+        settings: Settings,
+        runs: &[Run<'_>],
+        (first, orders): (&Arx, &[(usize, usize)]),
+        rounds: usize,
+    ) -> Result<Self, learned::Error> {
+        let mut linear = first.clone();
+        let mut h: Vec<Vec<f64>> = runs.iter().map(|run| run.position.to_vec()).collect();
+        let mut best: Option<(f64, Self)> = None;
+        for _ in 0..rounds.max(1) {
+            let targets: Vec<Vec<f64>> =
+                runs.iter().zip(&h).map(|(run, h)| before(&linear, run, h)).collect();
+            let pairs: Vec<(&[f64], &[f64])> =
+                runs.iter().zip(&targets).map(|(run, target)| (run.command, &target[..])).collect();
+            let (machine, _) = Machine::train(frame.clone(), &pairs, settings)?;
+            h = runs.iter().map(|run| machine.simulate(run.command, run.start)).collect();
+            let records: Vec<(&[f64], &[f64], f64)> =
+                runs.iter().zip(&h).map(|(run, h)| (&h[..], run.position, run.start)).collect();
+            let fits = orders.iter().filter_map(|(zeros, poles)| {
+                let fit = Arx::fit_all(&records, *zeros, *poles).ok().filter(Arx::is_stable)?;
+                Some((mean_square(&fit, &records), fit))
+            });
+            if let Some((_, fit)) = fits.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                linear = fit;
+            }
+            let tried = Self { machine, linear: linear.clone() };
+            let error = tried.error(runs);
+            if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                best = Some((error, tried));
+            }
+        }
+        best.map(|(_, series)| series).ok_or(learned::Error::TooFew { found: 0, needed: 1 })
+    }
+
+    /// What the hysteresis would have to give for these records: their positions without what the linear part
+    /// adds.
+    #[must_use]
+    pub fn targets(&self, runs: &[Run<'_>]) -> Vec<Vec<f64>> {
+        let of = |run: &Run<'_>| {
+            let h = self.machine.simulate(run.command, run.start);
+            before(&self.linear, run, &h)
+        };
+        runs.iter().map(of).collect()
+    }
+
+    /// The response from rest with position `start`.
+    #[must_use]
+    pub fn simulate(&self, command: &[f64], start: f64) -> Vec<f64> {
+        self.linear.simulate(&self.machine.simulate(command, start), start)
+    }
+
+    /// Root mean square error over records.
+    #[must_use]
+    pub fn error(&self, runs: &[Run<'_>]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for run in runs {
+            let simulated = self.simulate(run.command, run.start);
+            sum += rms_difference(&simulated, run.position).powi(2) * run.position.len() as f64;
+            count += run.position.len();
+        }
+        let error = (sum / count.max(1) as f64).sqrt();
+        if error.is_nan() { f64::INFINITY } else { error }
+    }
+}
+
+fn mean_square(linear: &Arx, records: &[(&[f64], &[f64], f64)]) -> f64 {
+    let error = |(h, y, y0): &(&[f64], &[f64], f64)| {
+        rms_difference(&linear.simulate(h, *y0), y).powi(2) * y.len() as f64
+    };
+    records.iter().map(error).sum()
+}
+
+/// y − (D − 1)·h.
+fn before(linear: &Arx, run: &Run<'_>, h: &[f64]) -> Vec<f64> {
+    let behind = linear.simulate(h, run.start);
+    let with = run.position.iter().zip(h).zip(behind);
+    with.map(|((y, h), behind)| y + h - behind).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use learned::features::{Features, Stops};
+
+    use super::super::{Recipe, Span};
+    use super::*;
+
+    #[test]
+    fn a_play_behind_a_lag_is_told_from_the_lag() {
+        let play = |u: &[f64]| -> Vec<f64> {
+            let mut p = 0.0_f64;
+            u.iter()
+                .map(|u| {
+                    p = (u - 1.0).max((u + 1.0).min(p));
+                    u + 0.5 * p
+                })
+                .collect()
+        };
+        let lag = Arx { b: vec![0.3], a: vec![-0.7] };
+        let wave = |top: f64, step: f64| -> Vec<f64> {
+            (0..300).map(|k| 0.5 * top * (1.0 - (step * f64::from(k)).cos())).collect()
+        };
+        let (slow, fast, test) = (wave(6.0, 0.05), wave(6.0, 0.15), wave(6.0, 0.4));
+        let truth = |u: &[f64]| lag.simulate(&play(u), 0.0);
+        let (y_slow, y_fast) = (truth(&slow), truth(&fast));
+        let runs = [
+            Run { command: &slow, position: &y_slow, start: 0.0 },
+            Run { command: &fast, position: &y_fast, start: 0.0 },
+        ];
+        let stops = Stops { count: 8, range: 6.0, period: 1e-2, rate_scale: 1e9 };
+        let pairs = runs.map(|run| (run.command, run.position));
+        let mut frame =
+            Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &pairs);
+        frame.widths[..8].fill(20.0);
+        let settings = Settings { gamma: 1e6, sigma2: 1.0 };
+        let first = Arx { b: vec![1.0], a: vec![] };
+        let found = Series::train(&frame, settings, &runs, (&first, &[(0, 1)]), 12).unwrap();
+        assert!((found.linear.a[0] + 0.7).abs() < 0.03, "{:?}", found.linear);
+        // Three times as fast as any record: without the linear part it cannot be followed.
+        let error = rms_difference(&found.simulate(&test, 0.0), &truth(&test));
+        let (alone, _) = Machine::train(frame, &pairs, settings).unwrap();
+        let without = rms_difference(&alone.simulate(&test, 0.0), &truth(&test));
+        assert!(error < 0.1 && error < 0.1 * without, "{error} {without}");
+    }
+}
