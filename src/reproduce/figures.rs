@@ -162,7 +162,8 @@ pub(crate) fn model(
     models: &[(&str, &[f64])],
 ) -> TimeSeries {
     let time: Vec<f64> = (0..measured.len()).map(|k| k as f64 * period).collect();
-    let mut figure = TimeSeries::new(title, &time).panel("").measured("machine", unit, measured);
+    let mut figure =
+        TimeSeries::new(title, &time).panel("position").measured("machine", unit, measured);
     for (k, (name, simulated)) in models.iter().enumerate() {
         let role = if k == 0 { Role::Model } else { Role::Other };
         figure = figure.signal(role, *name, unit, simulated);

@@ -1,6 +1,6 @@
 //! Nanopositioning stage: LS-SVM over stop operators against LS-SVM with NARX inputs.
 
-use identify::learned::{Frame, Machine, Recipe, Span, rms_difference};
+use identify::learned::{Arx, Frame, Machine, Recipe, Run, Series, Span, rms_difference, weigh};
 use learned::features::{Features, Narx, Stops};
 use learned::lssvm::{Folds, Settings, Validation};
 use learned::tune::{
@@ -58,7 +58,8 @@ pub(super) fn tuned(
     search: Search,
 ) -> anyhow::Result<(Machine, Best)> {
     let samples = frame.samples(pairs)?;
-    let folds = Folds::interleaved(samples.count(), 5);
+    // A sample between two that the machine was trained with judges nothing.
+    let folds = Folds::blocks(samples.count(), 5);
     let mut validation = Validation::new(&samples, &folds)?;
     let mut row = |s: f64, gammas: &[f64]| -> Vec<f64> {
         let gammas: Vec<f64> = gammas.iter().map(|g| g.exp()).collect();
@@ -84,14 +85,17 @@ pub(super) fn tuned(
 }
 
 /// The test signals, measured and simulated.
-fn seen(records: &Records, machines: &[(&str, Machine)]) -> Chapter {
+fn seen(records: &Records, machines: &[(&str, Machine)], series: &Series) -> Chapter {
     let text = "The models are simulated from the command alone.";
     let mut chapter = Chapter::new("the models on the test signals", text);
     for (run, letter) in records.tests.iter().zip("DEFG".chars()) {
-        let simulated: Vec<(&str, Vec<f64>)> = machines
-            .iter()
-            .map(|(name, machine)| (*name, machine.simulate(&run.command, run.position[0])))
-            .collect();
+        let ours = series.simulate(&run.command, run.position[0]);
+        let mut simulated = vec![("stops and linear part", ours)];
+        simulated.extend(
+            machines
+                .iter()
+                .map(|(name, machine)| (*name, machine.simulate(&run.command, run.position[0]))),
+        );
         let models: Vec<(&str, &[f64])> = simulated.iter().map(|(n, y)| (*n, &y[..])).collect();
         let title = format!("Signal {letter}");
         chapter = chapter.figure(figures::model(title, "um", run.period, run.after(), &models));
@@ -99,58 +103,160 @@ fn seen(records: &Records, machines: &[(&str, Machine)]) -> Chapter {
     chapter
 }
 
+/// First widths of the stops and of the command, in parts of the greatest command, and γ.
+const START: ([f64; 2], f64) = ([40.0, 0.08], 1e5);
+/// Numbers of zeros and poles behind the filter: the lag of the filter, and creep.
+const ORDERS: [(usize, usize); 1] = [(2, 2)];
+const ROUNDS: usize = 10;
+
+/// The 40 Hz filter that the paper names, sampled.
+fn filter(period: f64) -> Arx {
+    let keep = (-std::f64::consts::TAU * 40.0 * period).exp();
+    Arx { b: vec![1.0 - keep], a: vec![-keep] }
+}
+
+/// Frame over stop operators and the command, without its rate.
+pub(super) fn stops_frame(
+    range: f64,
+    output: Span,
+    period: f64,
+    pairs: &[(&[f64], &[f64])],
+) -> Frame {
+    let stops = Stops { count: STOPS, range, period, rate_scale: 1e12 };
+    Frame::new(Features::Stops(stops), Span::UNIT, output, Recipe::Plain, pairs)
+}
+
+/// Whether an input of the stops' frame is the command (or its rate, which is nothing).
+pub(super) fn is_command(input: usize) -> usize {
+    usize::from(input >= STOPS)
+}
+
+/// The LS-SVM over stop operators with the linear part behind it: widths and γ by the evidence of the
+/// training signals alone.
+pub(super) fn series(
+    train: &[Run<'_>],
+    period: f64,
+    say: &dyn Fn(&str),
+) -> anyhow::Result<(Series, String)> {
+    let before = filter(period);
+    let inward: Vec<Vec<f64>> = train.iter().map(|run| before_filter(&before, run)).collect();
+    let pairs: Vec<(&[f64], &[f64])> =
+        train.iter().zip(&inward).map(|(run, x)| (run.command, &x[..])).collect();
+    let frame = stops_frame(RANGE, Span::UNIT, period, &pairs);
+    say("widths by the evidence");
+    let search = (70, 750);
+    let found = weigh(&frame, &pairs, &is_command, (&START.0, START.1), search)?;
+    say("hysteresis and linear part in turn");
+    let first = (&before, &ORDERS[..]);
+    let series = Series::train(&found.frame, found.settings, train, first, ROUNDS)?;
+    let told = format!(
+        "stops and linear part: {} evaluations of the evidence; widths of stops and command {:.3} and {:.3} of \
+         8.5 V, gamma = {:.2e}; training error {:.4} um; D: b = {:.4?}, a = {:.4?}",
+        found.evaluations,
+        found.factors[0],
+        found.factors[1],
+        found.settings.gamma,
+        series.error(train),
+        series.linear.b,
+        series.linear.a
+    );
+    Ok((series, told))
+}
+
+/// What went into a filter with one pole for this record to come out.
+fn before_filter(filter: &Arx, run: &Run<'_>) -> Vec<f64> {
+    let (gain, keep) = (filter.b[0], -filter.a[0]);
+    let mut before = run.start;
+    let value = |y: &f64| {
+        let x = (y - keep * before) / gain;
+        before = *y;
+        x
+    };
+    run.position.iter().map(value).collect()
+}
+
+fn runs(records: &[Response]) -> Vec<Run<'_>> {
+    fn of(r: &Response) -> Run<'_> {
+        Run { command: &r.command, position: r.after(), start: r.position[0] }
+    }
+    records.iter().map(of).collect()
+}
+
 pub(super) fn run(searches: bool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let records = records()?;
     let pairs = records.pairs();
+    let period = records.train[0].period;
     let mut answer = Reproduction::default();
     let narx = Features::Narx(Narx { commands: 3, outputs: 3 });
     let narx = Frame::new(narx, Span::UNIT, Span::UNIT, Recipe::Standardised, &pairs);
-    let stops =
-        Stops { count: STOPS, range: RANGE, period: records.train[0].period, rate_scale: 1.0 };
+    let stops = Stops { count: STOPS, range: RANGE, period, rate_scale: 1.0 };
     let stops = Features::Stops(stops);
     let stops = Frame::new(stops, Span::UNIT, Span::UNIT, Recipe::Standardised, &pairs);
-    let mut all = Vec::new();
+    let printed = [0.0106, 0.0109, 0.0123, 0.0126];
     let mut machines = Vec::new();
-    for (name, frame, search, paper, aim) in [
-        ("NARX 3, 3", &narx, Search::Default, [0.021, 0.072, 0.025, 0.166], Aim::Baseline),
-        ("stops, default", &stops, Search::Default, [0.0106, 0.0109, 0.0123, 0.0126], Aim::Reach),
-        (
-            "stops, annealing",
-            &stops,
-            Search::Annealing,
-            [0.0193, 0.0316, 0.0176, 0.0330],
-            Aim::Told,
-        ),
-        ("stops, swarm", &stops, Search::Swarm, [0.0106, 0.0109, 0.0123, 0.0126], Aim::Told),
+    let mut row = |name: &str, errors: &[f64], paper: [f64; 4], aim: Aim| {
+        for ((error, paper), letter) in errors.iter().zip(paper).zip("DEFG".chars()) {
+            let what = format!("{name}, signal {letter}");
+            answer.rows.push(Row::new(ID, what, "um", paper, *error, aim));
+        }
+    };
+    let mut remarks = Vec::new();
+    say("NARX 3, 3");
+    let (machine, best) = tuned(narx, &pairs, Search::Default)?;
+    remarks.push(searched("NARX 3, 3", &best));
+    let ahead = |r: &Response| -> anyhow::Result<f64> {
+        Ok(rms_difference(&machine.one_step(&r.command, r.after())?, r.after()))
+    };
+    let ahead = records.tests.iter().map(ahead).collect::<anyhow::Result<Vec<f64>>>()?;
+    let narx_errors = records.errors(&machine);
+    row("NARX 3, 3, one step ahead", &ahead, [0.021, 0.072, 0.025, 0.166], Aim::Baseline);
+    row("NARX 3, 3, simulated", &narx_errors, [0.021, 0.072, 0.025, 0.166], Aim::Told);
+    for (name, search, paper) in [
+        ("stops and rate, one width", Search::Default, printed),
+        ("stops and rate, annealing", Search::Annealing, [0.0193, 0.0316, 0.0176, 0.0330]),
+        ("stops and rate, swarm", Search::Swarm, printed),
     ] {
         if !searches && !matches!(search, Search::Default) {
             continue;
         }
         say(name);
-        let (machine, best) = tuned(frame.clone(), &pairs, search)?;
-        let errors = records.errors(&machine);
-        for ((error, paper), letter) in errors.iter().zip(paper).zip("DEFG".chars()) {
-            let what = format!("{name}, signal {letter}");
-            answer.rows.push(Row::new(ID, what, "um", paper, *error, aim));
-        }
-        answer.remarks.push(format!(
-            "{name}: {} evaluations, cross-validated rms {:.4} um, sigma^2 = {:.3}, gamma = {:.3e}",
-            best.evaluations,
-            best.value.sqrt(),
-            best.point[0].exp(),
-            best.point[1].exp()
-        ));
-        all.push(errors);
+        let (machine, best) = tuned(stops.clone(), &pairs, search)?;
+        row(name, &records.errors(&machine), paper, Aim::Told);
+        remarks.push(searched(name, &best));
         machines.push((name, machine));
     }
-    answer.chapters.push(seen(&records, &machines));
+    let (series, told) = series(&runs(&records.train), period, say)?;
+    let error =
+        |r: &Response| rms_difference(&series.simulate(&r.command, r.position[0]), r.after());
+    let errors: Vec<f64> = records.tests.iter().map(error).collect();
+    row("stops and linear part", &errors, printed, Aim::Reach);
+    remarks.push(told);
+    remarks.push(
+        "the rate as an input stands for a lag that is short beside a wave. The filter of 40 Hz is not: at 20 Hz \
+         it turns by 27°, and a kernel over stops, command and rate of signals up to 10 Hz cannot know it. So \
+         the linear part is taken out, as the laser beam paper does it; the rows with the rate and one \
+         width are the paper's own inputs. The paper does not say whether NARX ran on its own outputs"
+            .into(),
+    );
+    answer.chapters.push(seen(&records, &machines, &series));
     for (k, letter) in "DEFG".chars().enumerate() {
         answer.orders.push(Order {
             paper_id: ID,
-            what: format!("signal {letter}: stops better than NARX"),
-            holds: all[1][k] < all[0][k],
+            what: format!("signal {letter}: stops better than NARX, both simulated"),
+            holds: errors[k] < narx_errors[k],
         });
     }
+    answer.remarks = remarks;
     answer.remarks.push("signals C, F and G stand in: the paper gives their bands only".into());
     Ok(answer)
+}
+
+fn searched(name: &str, best: &Best) -> String {
+    format!(
+        "{name}: {} evaluations, cross-validated rms {:.4} um, sigma^2 = {:.3}, gamma = {:.3e}",
+        best.evaluations,
+        best.value.sqrt(),
+        best.point[0].exp(),
+        best.point[1].exp()
+    )
 }

@@ -61,21 +61,33 @@ pub(super) fn learned_inverse(
 }
 
 /// The stable linear part of least error from `from` (which may run `ahead` rows ahead) to `to`.
-pub(super) struct Linear {
-    pub(super) arx: Arx,
-    pub(super) ahead: usize,
-    pub(super) error: f64,
+pub(crate) struct Linear {
+    pub(crate) arx: Arx,
+    pub(crate) ahead: usize,
+    pub(crate) error: f64,
+}
+
+impl Linear {
+    /// The response to `from`, which is told `ahead` rows early.
+    pub(crate) fn simulate(&self, from: &[f64], to0: f64) -> Vec<f64> {
+        self.arx.simulate(&early(from, self.ahead), to0)
+    }
+}
+
+/// A signal some rows earlier, its last value held.
+pub(crate) fn early(x: &[f64], rows: usize) -> Vec<f64> {
+    let last = x.len().saturating_sub(1);
+    (0..x.len()).map(|k| x[(k + rows).min(last)]).collect()
 }
 
 /// Numerator and denominator orders that are tried.
 const ORDERS: [(usize, usize); 6] = [(1, 1), (2, 1), (2, 2), (2, 3), (3, 1), (4, 1)];
 
 /// Fits a linear part with up to `most_ahead` rows of preview.
-pub(super) fn linear(from: &[f64], to: &[f64], period: f64, most_ahead: usize) -> Option<Linear> {
+pub(crate) fn linear(from: &[f64], to: &[f64], period: f64, most_ahead: usize) -> Option<Linear> {
     let mut best: Option<Linear> = None;
     for ahead in 0..=most_ahead {
-        let last = from.len() - 1;
-        let early: Vec<f64> = (0..from.len()).map(|k| from[(k + ahead).min(last)]).collect();
+        let early = early(from, ahead);
         for (zeros, poles) in ORDERS {
             let Ok(arx) = Arx::fit(&early, to, zeros, poles) else { continue };
             if !is_stable(&arx, period) {

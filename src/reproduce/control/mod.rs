@@ -2,6 +2,7 @@
 
 mod bed;
 mod inverse;
+mod learning;
 mod p0;
 mod p1;
 mod p2;
@@ -10,6 +11,7 @@ mod p4;
 mod single;
 
 pub(crate) use bed::{Bed, Tracked};
+pub(crate) use inverse::{Linear, linear};
 
 use anyhow::Context;
 

@@ -3,17 +3,17 @@
 use std::path::Path;
 
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, SignalBlueprint, Value};
-use identify::learned::{Frame, Machine, Recipe, Span};
+use identify::learned::{Arx, Machine, Span};
 use identify::{Calibration, CalibrationRecord, Gains};
-use learned::features::{Features, Stops};
-use learned::lssvm::Settings;
 use model::Kind;
 
 use super::bed::{Bed, Tracked};
 use super::inverse::{Linear, arx_component, learned_inverse, linear};
+use super::learning::{Learning, learn as learn_passes};
 use super::{Aim, Order, Reproduction, Row, rms_of};
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
+use crate::reproduce::p0::stops;
 
 const ID: &str = "P0";
 const RIG: &str = "p0-truth";
@@ -25,11 +25,12 @@ const GREATEST: f64 = 150.0;
 const RANGES: [f64; 2] = [720.0, 495.0];
 /// The rows of the pass, behind approach and rest.
 const PASS_FROM: usize = 400;
-const SETTINGS: Settings = Settings { gamma: 1e4, sigma2: 300.0 };
+/// Trainings of hysteresis and linear part in turn.
+const TURNS: usize = 4;
 /// Support vectors of the paper's inverse.
 const CENTRES: usize = 350;
-/// Passes of the learning control.
-const PASSES: usize = 12;
+/// Passes that learn.
+const PASSES: usize = 8;
 
 /// The inverse of one axis, in volts per normalised angle.
 struct Inverse {
@@ -49,30 +50,54 @@ fn learn(bed: &mut Bed, axis: usize) -> anyhow::Result<Inverse> {
     let (from, span) = if rising { (low, high - low) } else { (high, low - high) };
     let angle = |d: &[f64]| -> Vec<f64> { d.iter().map(|d| (d - from) / span).collect() };
     let theta = angle(&d);
-    let frame = |pairs: &[(&[f64], &[f64])], command: Span, output: Span| {
-        let stops = Stops { count: 10, range: 1.0, period: PERIOD, rate_scale: 1e9 };
-        let features = Features::Stops(stops);
-        let mut frame = Frame::new(features, command, output, Recipe::Standardised, pairs);
-        if let Some(rate) = frame.widths.last_mut() {
-            *rate = 1.0;
-        }
-        frame
-    };
     let volts = Span { low: 0.0, high: GREATEST };
-    let pairs = [(&u[..], &theta[1..])];
-    let (forward, _) = Machine::train(frame(&pairs, volts, Span::UNIT), &pairs, SETTINGS)?;
+    let broad = broad()?;
+    let answer = angle(&bed.response(axis, &broad, 0.0, PERIOD)?);
+    // Hysteresis and linear part in turn, each trained with the other taken out.
+    let (frame, settings) = stops(&[(&u[..], &theta[1..])], [volts, Span::UNIT])?;
+    let mut targets = theta[1..].to_vec();
+    let mut turn = 0;
+    let forward = loop {
+        let pairs = [(&u[..], &targets[..])];
+        let (forward, _) = Machine::train(frame.clone(), &pairs, settings)?;
+        turn += 1;
+        let h = forward.simulate(&broad, answer[0]);
+        let Ok(behind) = Arx::fit(&h, &answer[1..], 2, 3) else { break forward };
+        if turn == TURNS || !behind.is_stable() {
+            break forward;
+        }
+        let own = forward.simulate(&u, theta[0]);
+        let behind = behind.simulate(&own, theta[0]);
+        let whole = theta[1..].iter().zip(&own).zip(behind);
+        targets = whole.map(|((y, h), behind)| y + h - behind).collect();
+    };
     let clean = forward.simulate(&u, theta[0]);
     let pairs = [(&clean[..], &u[..])];
-    let (whole, _) = Machine::train(frame(&pairs, Span::UNIT, volts), &pairs, SETTINGS)?;
+    let (frame, settings) = stops(&pairs, [Span::UNIT, volts])?;
+    let (whole, _) = Machine::train(frame, &pairs, settings)?;
     let own = identify::learned::rms_difference(&whole.simulate(&clean, u[0]), &u);
-    let machine = whole.compress(&pairs, CENTRES, 1.05 * own + 1e-3).unwrap_or(whole);
-    let (u, _) = matching::signal("p0-train-d", &[])?;
-    let theta = angle(&bed.response(axis, &u, 0.0, PERIOD)?);
-    let h = machine.simulate(&theta[1..], u[0]);
-    let linear = linear(&h, &u, PERIOD, 3).ok_or_else(|| {
+    let machine = whole.compress(&pairs, CENTRES, 1.05 * own + 0.03).unwrap_or(whole);
+    let h = forward.simulate(&broad, answer[0]);
+    let linear = linear(&answer[1..], &h, PERIOD, 3).ok_or_else(|| {
         anyhow::anyhow!("no stable linear part of the inverse of axis {}", axis + 1)
     })?;
     Ok(Inverse { machine, linear, from, span })
+}
+
+/// The paper's signal for the linear part, and small steps behind it, as it ends at 2 Hz.
+fn broad() -> anyhow::Result<Vec<f64>> {
+    let (mut u, _) = matching::signal("p0-train-d", &[])?;
+    let last = u[u.len() - 1];
+    u.extend((1..=200).map(|k| last + (75.0 - last) * f64::from(k) / 200.0));
+    let (mut seed, mut level) = (1_u32, 0.0);
+    for k in 0..1500 {
+        if k % 3 == 0 {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            level = if seed >> 31 == 1 { 6.0 } else { -6.0 };
+        }
+        u.push(75.0 + level);
+    }
+    Ok(u)
 }
 
 /// A controller: which of its parts there are.
@@ -83,8 +108,6 @@ struct Design<'a> {
     apart: bool,
     feedforward: Option<f64>,
     gains: Gains,
-    /// Period of a learned reference in s, and its gain in V.
-    learning: Option<(f64, f64)>,
     /// Rows that the reference runs ahead.
     preview: usize,
 }
@@ -109,21 +132,12 @@ fn controller(
             let late = design.preview - 1 - inverse.linear.ahead;
             let own_inverse =
                 learned_inverse(&mut blueprint, &format!("inverse{axis}"), &inverse.machine)?;
-            own = own.component(own_inverse).component(arx_component(&inverse.linear.arx, PERIOD));
+            own = own.component(arx_component(&inverse.linear.arx, PERIOD)).component(own_inverse);
             if late > 0 {
                 let delay = ComponentBlueprint::new("delay").named("align");
                 let late = late as f64 * PERIOD;
                 own = own.component(delay.value("longest", 0.1).value("delay", late));
             }
-        }
-        if let Some((cycle, gain)) = design.learning {
-            let law = ComponentBlueprint::new("repetitive")
-                .value("cycle", cycle)
-                .value("half", 3.0)
-                .value("gain", gain)
-                .value("lead", 2.0 * PERIOD)
-                .value("limit", 30.0);
-            own = own.component(law);
         }
         let Gains { kp, ki, kd, derivative_filter } = design.gains;
         let pid = ComponentBlueprint::new("pid")
@@ -159,8 +173,8 @@ fn calibrate(bed: &mut Bed, inverses: &[Inverse]) -> anyhow::Result<Calibration>
         // The command of a row leads to the angle at its end.
         let ahead = 1 + inverse.linear.ahead;
         let early: Vec<f64> = (0..rows).map(|k| theta[(k + ahead).min(rows - 1)]).collect();
-        let h = inverse.machine.simulate(&early, 0.0);
-        let u = inverse.linear.arx.simulate(&h, h[0]);
+        let h = inverse.linear.arx.simulate(&early, early[0]);
+        let u = inverse.machine.simulate(&h, 0.0);
         commands.push(u.into_iter().map(|u| u.clamp(0.0, GREATEST)).collect::<Vec<_>>());
     }
     let first: Vec<f64> = commands.iter().map(|u| u[0]).collect();
@@ -200,16 +214,10 @@ fn retuned(bed: &mut Bed, inverse: &Inverse) -> anyhow::Result<Gains> {
     Ok(identify::robust(&impulse, PERIOD, 1.6, 20.0)?)
 }
 
-/// The trajectory at a rate, with its pass `passes` times.
-fn trajectory(rate: usize, passes: usize) -> anyhow::Result<Vec<Vec<f64>>> {
+/// The trajectory at a rate.
+fn trajectory(rate: usize) -> anyhow::Result<Vec<Vec<f64>>> {
     let signal = signals::lookup(&format!("p0-trajectory-{rate}"))?.generate(&[])?;
-    let repeat = |values: Vec<f64>| {
-        let pass = values[PASS_FROM..].to_vec();
-        let mut all = values;
-        (1..passes).for_each(|_| all.extend(&pass));
-        all
-    };
-    Ok(signal.channels.into_iter().map(|c| repeat(c.values)).collect())
+    Ok(signal.channels.into_iter().map(|c| c.values).collect())
 }
 
 /// Errors on both detectors in um, from a row on.
@@ -226,12 +234,12 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         let inverse = learn(&mut bed, axis)?;
         answer.remarks.push(format!(
             "inverse of {name}: {} support vectors (the paper: 350), linear part of orders {}, {} with \
-             {} rows of preview, {:.2} % of 150 V on the frequency-varying signal",
+             {} rows of preview, {:.2} % of the angle's range on the frequency-varying signal and small steps",
             inverse.machine.machine.count(),
             inverse.linear.arx.b.len() - 1,
             inverse.linear.arx.a.len(),
             inverse.linear.ahead,
-            100.0 * inverse.linear.error / GREATEST
+            100.0 * inverse.linear.error
         ));
         inverses.push(inverse);
     }
@@ -251,7 +259,6 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         apart: false,
         feedforward: None,
         gains: Gains::default(),
-        learning: None,
         preview: 0,
     };
     printed(&bed, &base, &inverses, &calibration, &mut answer, say)?;
@@ -263,7 +270,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         ("4: feedforward and PID", both),
     ];
     for rate in [1, 2] {
-        let references = trajectory(rate, 1)?;
+        let references = trajectory(rate)?;
         let mut found = Vec::new();
         let mut runs = Vec::new();
         for (name, design) in &designs {
@@ -360,7 +367,7 @@ fn printed(
     answer: &mut Reproduction,
     say: &dyn Fn(&str),
 ) -> anyhow::Result<()> {
-    let references = trajectory(1, 1)?;
+    let references = trajectory(1)?;
     for (reading, unit) in [("command normalised to 1", GREATEST), ("command in V", 1.0)] {
         say(&format!("printed gains, {reading}"));
         let gains = Gains {
@@ -399,27 +406,40 @@ fn beyond(
     answer: &mut Reproduction,
     say: &dyn Fn(&str),
 ) -> anyhow::Result<()> {
-    let references = trajectory(rate, PASSES)?;
-    let rows = (references[0].len() - PASS_FROM) / PASSES;
+    let references = trajectory(rate)?;
     say(&format!("rate {rate}, beyond the paper: learning over {PASSES} passes"));
-    let design = Design { learning: Some((rows as f64 * PERIOD, 50.0)), ..*both };
-    let blueprint = controller(&design, inverses, calibration)?;
-    let run = bed.track(&blueprint, &references, PERIOD, design.preview)?;
-    let from = references[0].len() - rows;
-    let error = errors(&run, from);
-    let seen =
-        Runs { runs: vec![("system 4 and learning", &run)], period: PERIOD, from, unit: "um" };
+    let (lead, pass): (Vec<_>, Vec<_>) =
+        references.iter().map(|r| (r[..PASS_FROM].to_vec(), r[PASS_FROM..].to_vec())).unzip();
+    let learning = Learning {
+        lead: &lead,
+        pass: &pass,
+        judged: pass[0].len(),
+        period: PERIOD,
+        preview: both.preview,
+        passes: PASSES,
+        probe: 0.01,
+        band: 20.0,
+    };
+    let blueprint = controller(both, inverses, calibration)?;
+    let learned = learn_passes(bed, &blueprint, &learning)?;
+    answer.remarks.push(learned.told(&format!("rate {rate}")));
+    let error = errors(&learned.run, learned.from);
+    let seen = Runs {
+        runs: vec![("system 4 and learning", &learned.run)],
+        period: PERIOD,
+        from: learned.from,
+        unit: "um",
+    };
     answer.chapters.push(
         Chapter::new(
             format!("learning at rate {rate}"),
-            format!("Beyond the paper: {PASSES} passes with learning; the last one is judged."),
+            "Beyond the paper: passes with a learned correction of the reference; the last one is judged.",
         )
         .figure(seen.distances("Distance on PSD 1, pass by pass", [0, 1]))
         .figure(seen.distances("Distance on PSD 2, pass by pass", [2, 3])),
     );
     for psd in 0..2 {
-        let what =
-            format!("rate {rate}, beyond: system 4 and learning, pass {PASSES}, PSD {}", psd + 1);
+        let what = format!("rate {rate}, beyond: system 4 and learning, PSD {}", psd + 1);
         let relative = 100.0 * error[psd] / RANGES[psd];
         answer.rows.push(Row::new(ID, what, "%", f64::NAN, relative, Aim::Told));
         answer.orders.push(Order {
@@ -436,7 +456,7 @@ fn beyond(
         &blueprint,
         &references.iter().map(|r| vec![r[PASS_FROM]; 1600]).collect::<Vec<_>>(),
         PERIOD,
-        design.preview,
+        both.preview,
     )?;
     let floor = errors(&still, 1200);
     answer.remarks.push(format!(

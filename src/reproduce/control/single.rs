@@ -15,15 +15,47 @@ pub(super) struct Design {
     pub(super) preview: usize,
     /// The law's type, `pid` or `incremental-pid`.
     pub(super) law: &'static str,
+    /// What the command goes through at the end.
+    pub(super) notch: Option<Notch>,
+}
+
+/// The component `notch` of full depth, as a filter of a sampled signal too.
+#[derive(Clone, Copy)]
+pub(super) struct Notch {
+    /// In Hz.
+    pub(super) frequency: f64,
+    pub(super) damping: f64,
+}
+
+impl Notch {
+    fn component(self) -> ComponentBlueprint {
+        let notch = ComponentBlueprint::new("notch").value("frequency", self.frequency);
+        notch.value("damping", self.damping).value("depth", 0.0)
+    }
+
+    /// The same on samples, from rest at `first`.
+    pub(super) fn filter(self, period: f64, first: f64) -> impl FnMut(f64) -> f64 {
+        let w = (std::f64::consts::PI * self.frequency * period).tan();
+        let (square, broad) = (w * w, 2.0 * self.damping * w);
+        let sum = 1.0 + square + broad;
+        let (b0, b1) = ((1.0 + square) / sum, 2.0 * (square - 1.0) / sum);
+        let a2 = (1.0 + square - broad) / sum;
+        let (mut newer, mut older) = ((1.0 - b0) * first, (b0 - a2) * first);
+        move |u| {
+            let y = b0 * u + newer;
+            newer = b1 * (u - y) + older;
+            older = b0 * u - a2 * y;
+            y
+        }
+    }
 }
 
 impl Design {
-    /// The blueprint with this feedforward (with its tables), learning law, and these gains.
+    /// The blueprint with this feedforward (with its tables) and these gains.
     pub(super) fn controller(
         &self,
         tables: &Blueprint,
         feedforward: &[ComponentBlueprint],
-        learning: Option<ComponentBlueprint>,
         gains: &Gains,
     ) -> Blueprint {
         let mut blueprint = Blueprint::new(Kind::Controller, "control", self.period);
@@ -40,9 +72,6 @@ impl Design {
         for component in feedforward {
             axis = axis.component(component.clone());
         }
-        if let Some(law) = learning {
-            axis = axis.component(law);
-        }
         let mut law = ComponentBlueprint::new(self.law)
             .value("kp", gains.kp)
             .value("ki", gains.ki)
@@ -52,7 +81,11 @@ impl Design {
         if self.law == "pid" {
             law.set("derivative_filter", gains.derivative_filter);
         }
-        blueprint.axis(axis.component(law))
+        let axis = axis.component(law);
+        blueprint.axis(match self.notch {
+            Some(notch) => axis.component(notch.component()),
+            None => axis,
+        })
     }
 }
 
@@ -69,18 +102,31 @@ pub(super) fn is_unstable(run: &Tracked, (low, high): (f64, f64)) -> bool {
     jumps as f64 > 0.05 * u.len() as f64
 }
 
+/// A bed's only axis as a function, behind a notch.
+fn behind<'a>(
+    bed: &'a mut Bed,
+    notch: Option<Notch>,
+    period: f64,
+    middle: f64,
+) -> impl FnMut(f64) -> Result<f64, identify::Error> + 'a {
+    let mut filter = notch.map(|notch| notch.filter(period, middle));
+    move |u| {
+        let u = filter.as_mut().map_or(u, |filter| filter(u));
+        let moved = bed.step(&[u]).map(|p| p[0]);
+        moved.map_err(|e| identify::Error::Tuning { message: format!("{e:#}") })
+    }
+}
+
 /// The impulse response of a bed's only axis about a command.
 pub(super) fn impulse(
     bed: &mut Bed,
     [middle, amplitude]: [f64; 2],
     period: f64,
     samples: usize,
+    notch: Option<Notch>,
 ) -> anyhow::Result<Vec<f64>> {
     bed.rest(&[middle], period)?;
-    let mut machine = |u: f64| {
-        let moved = bed.step(&[u]).map(|p| p[0]);
-        moved.map_err(|e| identify::Error::Tuning { message: format!("{e:#}") })
-    };
+    let mut machine = behind(bed, notch, period, middle);
     Ok(identify::impulse_of(&mut machine, [middle, amplitude], samples, 4)?)
 }
 
@@ -89,17 +135,73 @@ pub(super) fn ultimate(
     bed: &mut Bed,
     point: [f64; 2],
     period: f64,
+    notch: Option<Notch>,
 ) -> anyhow::Result<identify::Ultimate> {
     bed.rest(&[point[0]], period)?;
-    let mut machine = |u: f64| {
-        let moved = bed.step(&[u]).map(|p| p[0]);
-        moved.map_err(|e| identify::Error::Tuning { message: format!("{e:#}") })
-    };
+    let mut machine = behind(bed, notch, period, point[0]);
     Ok(identify::relay(&mut machine, period, point, 20)?)
+}
+
+/// The frequency at which a bed's only axis rings after a step, as its samples see it, in Hz.
+pub(super) fn ringing(
+    bed: &mut Bed,
+    [middle, amplitude]: [f64; 2],
+    period: f64,
+) -> anyhow::Result<f64> {
+    bed.rest(&[middle], period)?;
+    let count = 1500;
+    let y: Vec<f64> = (0..count)
+        .map(|_| Ok(bed.step(&[middle + amplitude])?[0]))
+        .collect::<anyhow::Result<_>>()?;
+    // Differences take out creep; a window keeps the step's rest from hiding the peak.
+    let change: Vec<f64> = y.windows(2).map(|w| w[1] - w[0]).collect();
+    let strength = |f: f64| {
+        let turn = std::f64::consts::TAU * f * period;
+        let window = |k: usize| (std::f64::consts::PI * k as f64 / count as f64).sin();
+        let sum = |part: fn(f64) -> f64| -> f64 {
+            change.iter().enumerate().map(|(k, y)| y * window(k) * part(turn * k as f64)).sum()
+        };
+        sum(f64::sin).hypot(sum(f64::cos))
+    };
+    let highest = 0.5 / period;
+    let (mut best, mut width) = (0.0, highest);
+    for _ in 0..4 {
+        let steps = if best == 0.0 { 2000 } else { 40 };
+        let from = (best - width).max(0.05 * highest);
+        let to = (best + width).min(0.98 * highest);
+        let tried = (0..=steps).map(|k| from + (to - from) * f64::from(k) / f64::from(steps));
+        best = tried
+            .map(|f| (strength(f), f))
+            .fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a })
+            .1;
+        width = 2.0 * (to - from) / f64::from(steps);
+    }
+    Ok(best)
 }
 
 /// A reference held at its first value for `rows` rows, then as given.
 pub(super) fn with_rest(reference: &[f64], rows: usize) -> Vec<f64> {
     let first = reference.first().copied().unwrap_or(0.0);
     std::iter::repeat_n(first, rows).chain(reference.iter().copied()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ringing_of_the_bimorph_is_found_and_taken_out() -> anyhow::Result<()> {
+        let mut bed = Bed::open(std::path::Path::new("p2-truth"))?;
+        let (point, period) = ([5.0, 0.3], 4e-3);
+        let found = ringing(&mut bed, point, period)?;
+        // 404 Hz at 250 Hz: 2·250 − 404.
+        assert!((found - 96.0).abs() < 1.5, "{found}");
+        let notch = Some(Notch { frequency: found, damping: 0.1 });
+        let with = impulse(&mut bed, point, period, 300, notch)?;
+        let without = impulse(&mut bed, point, period, 300, None)?;
+        // At least ten times less of it is left behind the notch.
+        let late = |h: &[f64]| h[150..].iter().map(|h| h * h).sum::<f64>().sqrt();
+        assert!(late(&with) < 0.1 * late(&without), "{} {}", late(&with), late(&without));
+        Ok(())
+    }
 }
