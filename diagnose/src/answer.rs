@@ -15,6 +15,7 @@ use crate::outcome::Outcome;
 use crate::place::Maps;
 use crate::problem::HELD_OUT;
 use crate::request::{Model, Request};
+use crate::score::Judged;
 use crate::select::Candidate;
 use crate::shrink::Evidence;
 
@@ -79,8 +80,31 @@ fn maps(outcome: &Outcome) -> Maps<'_> {
     }
 }
 
+/// Says of the shrinks what the models do that are handed back, one per outcome where it can be told.
+pub(crate) fn hand_back(gap: &mut Gap, outcomes: &[Outcome], after: &[Option<Judged>]) {
+    let is_main = |output: &str| *output == gap.place.output;
+    let mut of_main = None;
+    for (o, after) in outcomes.iter().zip(after) {
+        let Some(after) = after.as_ref().filter(|_| !o.found.last.picks.is_empty()) else {
+            continue;
+        };
+        let Some(own) = gap.outputs.iter_mut().find(|own| own.output == o.problem.output) else {
+            continue;
+        };
+        let as_found = own.shrink.fraction;
+        own.shrink = Shrink { as_found, ..shrink(o, after, gap.provenance.seed) };
+        if is_main(&own.output) {
+            of_main = Some(own.shrink.clone());
+        }
+    }
+    if let Some(shrink) = of_main {
+        gap.shrink = shrink;
+        gap.sentence = crate::sentence::of(gap);
+    }
+}
+
 fn output(o: &Outcome, seed: u64) -> OutputGap {
-    let shrink = shrink(o, seed);
+    let shrink = shrink(o, &o.found.last.judged, seed);
     OutputGap {
         output: o.problem.output.clone(),
         verdict: o.verdict,
@@ -90,14 +114,14 @@ fn output(o: &Outcome, seed: u64) -> OutputGap {
     }
 }
 
-fn shrink(o: &Outcome, seed: u64) -> Shrink {
+fn shrink(o: &Outcome, after: &Judged, seed: u64) -> Shrink {
     let range = 2.0 * o.problem.data.output_span.half / o.problem.factor;
     let evidence = Evidence {
         data: &o.problem.data,
         judge: &o.judge,
         given: &o.given,
         before: &o.found.base.judged,
-        after: &o.found.last.judged,
+        after,
         sigma: o.sigma / o.problem.factor,
         unit: &o.problem.unit,
         range,

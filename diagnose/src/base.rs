@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use data::CheckedBlueprint;
-use model::{AxisSpec, Conversion, NodeSpec, Stage, Unit, unit_on_axis};
+use model::{AxisSpec, Conversion, Declaration, NodeSpec, Source, Stage, Unit, unit_on_axis};
 
 use crate::black_box::BlackBox;
 use crate::block::Memory;
@@ -106,7 +106,7 @@ impl Base {
             if is_noise || !spec.enabled {
                 continue;
             }
-            if declaration.inputs.len() != 1 {
+            if !(declaration.inputs.len() == 1 || reads_command(declaration)) {
                 let message = format!(
                     "axis[{number}].{} ({}) reads other signals than its axis' own; pack the \
                      blueprint (piezoloop pack) and diagnose the FMU",
@@ -181,6 +181,7 @@ impl Base {
             structure: spec.structure.clone(),
             values,
             links: Vec::new(),
+            reads_command: reads_command(declaration),
         }));
     }
 
@@ -219,6 +220,11 @@ impl Base {
                 effect,
             });
         }
+    }
+
+    /// Whether a component behind the first of an axis reads its command.
+    pub(crate) fn reads_command(&self) -> bool {
+        self.nodes.iter().any(|node| matches!(node, Node::Component(c) if c.reads_command))
     }
 
     /// What is before the actuator, for a column that reads the command there.
@@ -315,6 +321,12 @@ pub(crate) fn tolerance(
         Some(deviation) if deviation > 0.0 => (deviation, true),
         _ => (FREE * value.abs(), false),
     }
+}
+
+/// Whether a component reads its path and the command of its axis.
+fn reads_command(declaration: &Declaration) -> bool {
+    matches!(declaration.inputs, [path, other]
+        if path.source == Source::Path && other.source == Source::Axis("command"))
 }
 
 /// The effect that stands for a parameter beyond its tolerance.

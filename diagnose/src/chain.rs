@@ -60,6 +60,8 @@ pub(crate) struct ComponentNode {
     /// Parameters in SI.
     pub(crate) values: Vec<f64>,
     pub(crate) links: Vec<Link>,
+    /// Whether it reads the command of the axis beside its path.
+    pub(crate) reads_command: bool,
 }
 
 /// What is added to the equation of motion of a mode.
@@ -233,7 +235,10 @@ impl<'a> Bench<'a> {
             }
             let (x, out) = (&x[range.clone()], &mut out[range.clone()]);
             match node {
-                Node::Component(node) => node.run(theta, x, self.data.step, out)?,
+                Node::Component(node) => {
+                    let command = &self.data.command[range.clone()];
+                    node.run(theta, (x, command), self.data.step, out)?;
+                }
                 Node::Forced { mode, force, first, centre, half } => {
                     let p = natural(parameters, theta, *first, force.count());
                     forced(mode, *force, &p, (*centre, *half), theta, x, self.data.step, out)?;
@@ -241,8 +246,9 @@ impl<'a> Bench<'a> {
                 Node::Block { block, first, count, aux } => {
                     let p = natural(parameters, theta, *first, *count);
                     let aux = self.data.aux.get(*aux).map_or(x, |a| &a.hits[range.clone()]);
-                    let drive = &drive[range.clone()];
-                    block.run(&p, Wires { x, drive, aux, step: self.data.step }, out);
+                    let (drive, command) =
+                        (&drive[range.clone()], &self.data.command[range.clone()]);
+                    block.run(&p, Wires { x, drive, command, aux, step: self.data.step }, out);
                 }
                 Node::Gain { parameter, deviation } => {
                     let gain = 1.0 + deviation * theta.get(*parameter).copied().unwrap_or(0.0);
@@ -314,7 +320,14 @@ impl ComponentNode {
         values
     }
 
-    fn run(&self, theta: &[f64], x: &[f64], step: f64, out: &mut [f64]) -> Result<(), Failed> {
+    fn run(
+        &self,
+        theta: &[f64],
+        (x, command): (&[f64], &[f64]),
+        step: f64,
+        out: &mut [f64],
+    ) -> Result<(), Failed> {
+        let inputs = if self.reads_command { 2 } else { 1 };
         let component = &self.component;
         let sizes = component.sizes(&self.structure, step);
         let mut coefficients = vec![0.0; sizes.coefficients];
@@ -322,13 +335,13 @@ impl ComponentNode {
         let mut outputs = vec![0.0; component.declaration().outputs.len()];
         let values = self.values_at(theta);
         component.prepare(&self.structure, &values, step, &mut coefficients).map_err(|_| Failed)?;
-        let mut pairs = x.iter().zip(out.iter_mut());
-        let Some((u, y)) = pairs.next() else { return Ok(()) };
-        component.rest(&coefficients, &[*u], &mut state, &mut outputs);
+        let mut pairs = x.iter().zip(command).zip(out.iter_mut());
+        let Some(((x, u), y)) = pairs.next() else { return Ok(()) };
+        component.rest(&coefficients, &[*x, *u][..inputs], &mut state, &mut outputs);
         *y = outputs.first().copied().unwrap_or(f64::NAN);
-        for ((u, y), index) in pairs.zip(1u64..) {
+        for (((x, u), y), index) in pairs.zip(1u64..) {
             let tick = Tick { index, time: index as f64 * step, period: step };
-            component.step(&coefficients, &mut state, tick, &[*u], &mut outputs);
+            component.step(&coefficients, &mut state, tick, &[*x, *u][..inputs], &mut outputs);
             *y = outputs[0];
         }
         Ok(())

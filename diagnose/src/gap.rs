@@ -159,6 +159,9 @@ pub struct Shrink {
     /// The same with whole records left out of the fit; null where logs were given to be held out,
     /// where there are less than three records, or where no effect is named.
     pub second_opinion: Option<SecondOpinion>,
+    /// `fraction` with the effects' formulas as they were found, where a repaired blueprint was written:
+    /// the other figures are then those of the model that was handed back. Null else.
+    pub as_found: Option<f64>,
 }
 
 /// What goes in records that were left out of the fit.

@@ -132,14 +132,18 @@ impl Diagnosis {
     /// The blueprint that was diagnosed with re-tuned values and the effects in place. Disturbances of a
     /// record (drift, hum, lines) are no part of a model and stay out.
     ///
-    /// Beside it what stays out of it, one sentence each.
+    /// Beside it what stays out of it, one sentence each. The answer's `shrink` then is that of the
+    /// repaired blueprint, as it is written.
     #[must_use]
-    pub fn repair(&self, blueprint: &data::Blueprint) -> (data::Blueprint, Vec<String>) {
+    pub fn repair(&mut self, blueprint: &data::Blueprint) -> (data::Blueprint, Vec<String>) {
         let mut repaired = blueprint.clone();
-        let mut notes = Vec::new();
+        let (mut notes, mut after) = (Vec::new(), Vec::new());
         for outcome in &self.outcomes {
-            notes.extend(repair::repair(outcome, outcome.problem.axis, &mut repaired));
+            let (own, judged) = repair::repair(outcome, outcome.problem.axis, &mut repaired);
+            notes.extend(own);
+            after.push(judged);
         }
+        answer::hand_back(&mut self.gap, &self.outcomes, &after);
         (repaired, notes)
     }
 }

@@ -1,13 +1,18 @@
 //! The blueprint with the effects in place.
 
+mod handed;
 mod parts;
+mod zones;
 
 use components::effects;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
 
+use crate::base::Base;
 use crate::block::Block;
+use crate::chain::Chain;
 use crate::library::{Formula, Slot};
 use crate::outcome::Outcome;
+use crate::score::Judged;
 use crate::select::Candidate;
 use crate::stand_in::stand_in;
 
@@ -21,10 +26,13 @@ enum Change {
 }
 
 /// Writes the re-tuned values and the effects of one axis (from 1) into a blueprint; what stays out
-/// of it, one sentence each.
-pub(crate) fn repair(o: &Outcome, axis: usize, blueprint: &mut Blueprint) -> Vec<String> {
-    let spec_of = &o.problem.base.components;
-    let Some(target) = blueprint.axes.get_mut(axis - 1) else { return Vec::new() };
+/// of it, one sentence each, and what the repaired axis leaves of the logs, where it can be run alone.
+pub(crate) fn repair(
+    o: &Outcome,
+    axis: usize,
+    blueprint: &mut Blueprint,
+) -> (Vec<String>, Option<Judged>) {
+    let Some(target) = blueprint.axes.get_mut(axis - 1) else { return (Vec::new(), None) };
     let axis_given = target.clone();
     let is_written = |effect: &str, formula: &Formula, values: &[f64]| {
         write(o, &o.found.last, effect, formula, values, (&axis_given, &axis_given)).is_some()
@@ -34,7 +42,7 @@ pub(crate) fn repair(o: &Outcome, axis: usize, blueprint: &mut Blueprint) -> Vec
     if o.louder.is_some() {
         notes.push(format!("{}: noise is no part of a repaired model", effects::SENSOR_NOISE.name));
     }
-    retune(o, last, target, spec_of);
+    retune(&o.problem.base, (&last.chain, &last.fit.theta), o, target);
     let given = blueprint.clone();
     let mut first = last.chain.parameters.iter().take_while(|p| p.is_base).count();
     let mut changes: Vec<Change> = Vec::new();
@@ -66,7 +74,8 @@ pub(crate) fn repair(o: &Outcome, axis: usize, blueprint: &mut Blueprint) -> Vec
         }
     }
     *blueprint = apply(&given, axis, &changes);
-    notes
+    let judged = handed::settle(o, last, (axis, &axis_given), blueprint);
+    (notes, judged)
 }
 
 fn is_same_place(a: &Change, b: &Change) -> bool {
@@ -128,7 +137,8 @@ fn write(
         let node = base.slots.get(&piece.slot).copied().unwrap_or(0);
         let actuator = place_of(base.actuator);
         let old = now.components.get(place_now(given, now, actuator)?)?;
-        if let Some(component) = actuator_with(o, last, &piece.block, own, old) {
+        let bent = zones::bent(o, last, piece, own, old);
+        if let Some(component) = bent.or_else(|| actuator_with(o, last, &piece.block, own, old)) {
             all.push(Change::Replace { place: actuator, component: component.note(&note) });
             continue;
         }
@@ -169,7 +179,7 @@ fn actuator_with(
     let mut component = match block {
         Block::Plays { bank, gain } => {
             let (linear, weights) = p.split_at(usize::from(*gain));
-            let factor = output_gain(o, last);
+            let factor = output_gain(&o.problem.base, (&last.chain, &last.fit.theta));
             let weight = |w: f64| factor * w * u / y;
             let sum: f64 = weights.iter().sum();
             let mut all = plays;
@@ -193,11 +203,16 @@ fn actuator_with(
         }
         _ => return None,
     };
+    take_place(&mut component, old);
+    Some(component)
+}
+
+/// Name and offset of the actuator that another one takes the place of.
+fn take_place(component: &mut ComponentBlueprint, old: &ComponentBlueprint) {
     component.name.clone_from(&old.name);
     if let Some(offset) = old.get("offset") {
         component.set("offset", offset.clone());
     }
-    Some(component)
 }
 
 /// Plays of an actuator: threshold and weight, in the axis' units.
@@ -279,9 +294,9 @@ impl Plays {
 }
 
 /// The re-tuned factor of the output.
-fn output_gain(o: &Outcome, last: &Candidate) -> f64 {
-    let gain = last.chain.parameters.iter().position(|p| p.is_base && p.name == "output.gain");
-    gain.map_or(1.0, |k| 1.0 + o.problem.base.gain_tolerance * last.fit.theta[k])
+fn output_gain(base: &Base, (chain, theta): (&Chain, &[f64])) -> f64 {
+    let gain = chain.parameters.iter().position(|p| p.is_base && p.name == "output.gain");
+    gain.map_or(1.0, |k| 1.0 + base.gain_tolerance * theta[k])
 }
 
 /// A name that the axis does not have yet.
@@ -304,21 +319,21 @@ fn with_free_name(mut component: ComponentBlueprint, axis: &AxisBlueprint) -> Co
 }
 
 /// Re-tuned and released parameters, and the output's gain in the actuator.
-fn retune(o: &Outcome, last: &Candidate, axis: &mut AxisBlueprint, spec_of: &[usize]) {
-    let base = &o.problem.base;
-    for (node, place) in spec_of.iter().enumerate() {
+fn retune(base: &Base, fitted: (&Chain, &[f64]), o: &Outcome, axis: &mut AxisBlueprint) {
+    let (chain, theta) = fitted;
+    for (node, place) in base.components.iter().enumerate() {
         let Some(crate::chain::Node::Component(component)) = base.nodes.get(node) else { continue };
         let Some(target) = axis.components.get_mut(*place) else { continue };
         let mut values = component.values.clone();
         for p in base.parameters.iter().filter(|p| p.node == node) {
-            let at = last.chain.parameters.iter().position(|c| c.is_base && c.name == p.name);
+            let at = chain.parameters.iter().position(|c| c.is_base && c.name == p.name);
             let Some(at) = at else { continue };
             for (index, deviation) in &p.indices {
-                values[*index] += deviation * last.fit.theta[at];
+                values[*index] += deviation * theta[at];
             }
         }
         let declaration = component.component.declaration();
-        let factor = output_gain(o, last);
+        let factor = output_gain(base, fitted);
         let mut at = 0;
         for (k, quantity) in declaration.parameters.iter().enumerate() {
             let length = declaration.length(k, &component.structure);

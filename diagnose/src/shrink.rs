@@ -7,6 +7,8 @@ use crate::score::{Judge, Judged, mean_square};
 
 /// Draws of the bootstrap.
 const DRAWS: usize = 400;
+/// Spread of the logarithm of what is left over what was, from one set of records to another.
+const RATIO: f64 = 0.25;
 
 /// What the figures are made from.
 pub(crate) struct Evidence<'a> {
@@ -48,6 +50,7 @@ impl Evidence<'_> {
             relative_gap: root(self.given.held_out) / self.range.max(f64::MIN_POSITIVE),
             holdout: self.stretches(),
             second_opinion: None,
+            as_found: None,
         }
     }
 
@@ -117,6 +120,10 @@ impl Evidence<'_> {
         let noise = 0.12 / (self.before.held_out - 1.0).max(0.1);
         let low = total - widen * (total - low).max(0.0) - noise - 0.01;
         let high = total + widen * (high - total).max(0.0) + noise + 0.01;
+        // What is left over what was is another ratio in a record of another level, and with a model
+        // that was re-tuned to other records.
+        let left = |spread: f64| 1.0 - (1.0 - total) * (1.96 * spread).exp();
+        let (low, high) = (low.min(left(RATIO)), high.max(left(-RATIO)));
         [low.max(-1.0), high.min(1.0)]
     }
 }

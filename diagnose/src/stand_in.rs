@@ -41,6 +41,10 @@ pub(crate) fn stand_in(
         }
         let goes = |c: &Candidate| explained(&o.found.base.judged, &c.judged);
         let Ok(without) = search.refit_without(&last, slot) else { continue };
+        // A disturbance of each record's own is no part of a model; its terms stay in the fit.
+        if best.pieces.is_empty() && best.force.is_none() {
+            continue;
+        }
         let others = family.formulas.iter().enumerate().filter(|(_, f)| {
             let first = f.starts.first().map_or(&[][..], Vec::as_slice);
             // The model's own parameters are written in any case.
@@ -50,10 +54,10 @@ pub(crate) fn stand_in(
         let fitted = others.filter_map(|(number, formula)| {
             Some((formula, search.exchange(&last, slot, number).ok()?))
         });
-        let Some((formula, other)) = fitted.max_by(|a, b| goes(&a.1).total_cmp(&goes(&b.1))) else {
-            continue;
-        };
-        if goes(&other) > goes(&without) + WORTH {
+        let stand_in = fitted
+            .max_by(|a, b| goes(&a.1).total_cmp(&goes(&b.1)))
+            .filter(|(_, other)| goes(other) > goes(&without) + WORTH);
+        if let Some((formula, other)) = stand_in {
             notes.push(format!(
                 "{effect} is written as {}, as no component does what was found ({}): {:.0} % of the gap's power goes in place of {:.0} %",
                 formula.name,
@@ -62,6 +66,10 @@ pub(crate) fn stand_in(
                 100.0 * goes(&last)
             ));
             last = other;
+        } else {
+            // Values that were fitted beside an effect are wrong without it.
+            notes.push(crate::around::stays_out(effect, best));
+            last = without;
         }
     }
     (last, notes)

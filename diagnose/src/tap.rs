@@ -79,6 +79,16 @@ pub(crate) fn cut(
     monitor: &str,
 ) -> Result<[Problem; 2], Error> {
     let input = &inputs[index];
+    if base.reads_command() {
+        return Err(Error::Model {
+            model: input.label().to_owned(),
+            message: format!(
+                "is read by a component behind the column {monitor}, at which the model would be cut; \
+                 leave that column out of the logs, or pack the blueprint (piezoloop pack) and \
+                 diagnose the FMU"
+            ),
+        });
+    }
     let tap = Port { name: monitor.to_owned(), alias: None, ..input.clone() };
     let mut read = outputs.to_vec();
     read[index] = tap.clone();

@@ -28,7 +28,7 @@ fn threads_do_not_change_a_byte() {
 #[test]
 fn the_repaired_blueprint_no_longer_lacks_the_effect() {
     let machine = Machine::new(32, 1.0).with(Effect::Creep, 10.0);
-    let first = examine(&request(&machine, machine.logs()), &mut Silent).unwrap();
+    let mut first = examine(&request(&machine, machine.logs()), &mut Silent).unwrap();
     assert_eq!(first.gap.effects[0].effect, "creep");
     let repaired: Blueprint = first.repair(blueprint().blueprint()).0;
     let text = repaired.to_toml();

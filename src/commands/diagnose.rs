@@ -137,8 +137,16 @@ impl Diagnose {
         let mut bar = Bar(progress::bar(screen, "diagnose", 1));
         let diagnosis = diagnose::examine(&request, &mut bar);
         bar.0.finish_and_clear();
-        let diagnosis = diagnosis?;
+        let mut diagnosis = diagnosis?;
         let mut written = Vec::new();
+        // Before the answer, which speaks of the model that is handed back; where that cannot be
+        // written the answer is there all the same.
+        let is_repaired = matches!(diagnosis.gap.verdict, Verdict::Effects | Verdict::Retune);
+        let repaired = self
+            .repair
+            .as_deref()
+            .filter(|_| is_repaired)
+            .map(|file| self.write_repair(&mut diagnosis, file, &libraries));
         if let Some(file) = self.json_file() {
             let text = serde_json::to_string_pretty(&diagnosis.gap)? + "\n";
             WholeFile::write_all_of(file, text.as_bytes())
@@ -153,14 +161,15 @@ impl Diagnose {
         }
         let mut notes = diagnosis.incidents();
         if let Some(file) = &self.repair {
-            if matches!(diagnosis.gap.verdict, Verdict::Effects | Verdict::Retune) {
-                notes.extend(self.write_repair(&diagnosis, file, &libraries)?);
-                written.push(file.clone());
-            } else {
-                notes.push(format!(
+            match repaired {
+                Some(of_it) => {
+                    notes.extend(of_it?);
+                    written.push(file.clone());
+                }
+                None => notes.push(format!(
                     "{} is not written: there is no effect to add and no parameter to re-tune",
                     file.display()
-                ));
+                )),
             }
         }
         let mut experiment = None;
@@ -338,7 +347,7 @@ impl Diagnose {
     /// Writes the repaired model; what stays out of it, one sentence each.
     fn write_repair(
         &self,
-        diagnosis: &Diagnosis,
+        diagnosis: &mut Diagnosis,
         file: &Path,
         others: &[Binary],
     ) -> anyhow::Result<Vec<String>> {

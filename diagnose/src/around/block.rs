@@ -174,7 +174,11 @@ mod tests {
         let (x, drive, aux) = (signal(0.1), signal(0.7), signal(1.3));
         for (block, p) in all() {
             let mut whole = vec![0.0; x.len()];
-            block.run(&p, Wires { x: &x, drive: &drive, aux: &aux, step: STEP }, &mut whole);
+            block.run(
+                &p,
+                Wires { x: &x, drive: &drive, command: &drive, aux: &aux, step: STEP },
+                &mut whole,
+            );
             let around = stepping(&block, 0.0).expect("it goes around an FMU");
             if let Some(count) = around.parameters() {
                 assert_eq!(count, p.len(), "{around:?}");

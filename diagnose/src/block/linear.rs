@@ -127,6 +127,16 @@ pub(super) fn aux(scale: f64, rate: bool, p: &[f64], w: Wires<'_>, out: &mut [f6
     add_signal(a / scale, 1e-3 * b / scale, w.aux, w, out);
 }
 
+pub(super) fn droop(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    let (&[corner, part], Some(&first)) = (p, w.x.first()) else { return };
+    let fraction = -(-core::f64::consts::TAU * corner * w.step).exp_m1();
+    let mut gone = part * first;
+    for (y, x) in out.iter_mut().zip(w.x) {
+        *y = x - gone;
+        gone += fraction * (x - gone);
+    }
+}
+
 pub(super) fn lagged_aux(scale: f64, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     let &[a, bandwidth] = p else { return };
     out.copy_from_slice(w.x);
@@ -143,7 +153,14 @@ pub(super) fn modal_aux(scale: f64, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     mode(frequency, damping, w.aux, w.step, |n, value| out[n] = w.x[n] + a / scale * value);
 }
 
-pub(super) fn feed_through(scale: f64, time: f64, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+pub(super) fn feed_through(
+    scale: f64,
+    time: f64,
+    p: &[f64],
+    signal: &[f64],
+    w: Wires<'_>,
+    out: &mut [f64],
+) {
     let &[value, rate] = p else { return };
-    add_signal(value / scale, rate * time / scale, w.drive, w, out);
+    add_signal(value / scale, rate * time / scale, signal, w, out);
 }

@@ -59,6 +59,8 @@ pub(crate) struct Wires<'a> {
     pub(crate) x: &'a [f64],
     /// The path before the actuator; for output-side blocks of a black box the command.
     pub(crate) drive: &'a [f64],
+    /// The command as it enters the model.
+    pub(crate) command: &'a [f64],
     /// An auxiliary column.
     pub(crate) aux: &'a [f64],
     /// Step of the grid in s.
@@ -230,8 +232,18 @@ pub(crate) enum Block {
         /// Scale of the signal over that of the path.
         scale: f64,
     },
-    /// Feed-through of the command: weight of its value and of its rate (s).
+    /// A reading that droops towards zero, as behind a capacitor in series: corner in Hz, part of the
+    /// first value that has drooped before the record begins.
+    Droop,
+    /// Feed-through of the path before the actuator: weight of its value and of its rate (s).
     FeedThrough {
+        /// Scale of the command over that of the path.
+        scale: f64,
+        /// Time in s that scales the rate.
+        time: f64,
+    },
+    /// The same of the command as it enters the model.
+    CommandFeedThrough {
         /// Scale of the command over that of the path.
         scale: f64,
         /// Time in s that scales the rate.
@@ -263,7 +275,13 @@ impl Block {
             Self::Aux { scale, rate } => linear::aux(*scale, *rate, p, w, out),
             Self::LaggedAux { scale } => linear::lagged_aux(*scale, p, w, out),
             Self::ModalAux { scale } => linear::modal_aux(*scale, p, w, out),
-            Self::FeedThrough { scale, time } => linear::feed_through(*scale, *time, p, w, out),
+            Self::Droop => linear::droop(p, w, out),
+            Self::FeedThrough { scale, time } => {
+                linear::feed_through(*scale, *time, p, w.drive, w, out);
+            }
+            Self::CommandFeedThrough { scale, time } => {
+                linear::feed_through(*scale, *time, p, w.command, w, out);
+            }
             Self::ClampHigh
             | Self::ClampLow
             | Self::ClampBoth(_)
@@ -300,6 +318,19 @@ impl Block {
     /// Share and time constant of each element of a creep.
     pub(crate) fn elements(&self, p: &[f64]) -> Option<Vec<(f64, f64)>> {
         linear::elements(self, p)
+    }
+
+    /// Whether it maps each value by itself, whatever the rest value is.
+    pub(crate) fn is_map(&self) -> bool {
+        matches!(
+            self,
+            Self::Tanh(_) | Self::Sigmoid(_) | Self::DeadZones(_) | Self::Polynomial { .. }
+        )
+    }
+
+    /// What such a block makes of one value.
+    pub(crate) fn map(&self, p: &[f64], x: f64) -> f64 {
+        map::value(self, p, x, 0.0)
     }
 
     /// Runs a block that maps each value by itself.

@@ -7,7 +7,10 @@ use crate::block::Block;
 use crate::nuisance::Nuisance;
 
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
-    all.push(Family::new(&effects::THERMAL_DRIFT, drift(s)));
+    let mut family = Family::new(&effects::THERMAL_DRIFT, drift(s));
+    // What follows the position slowly, in every record by the same rule, is no drift.
+    family.null = Some(droop(s));
+    all.push(family);
     all.push(Family::new(&effects::SENSOR_BANDWIDTH, super::input::lags(s, Slot::Reading)));
     all.push(Family::new(&effects::SENSOR_NONLINEARITY, nonlinearity(s)));
     let rounded =
@@ -44,6 +47,15 @@ fn drift(s: &Setting<'_>) -> Vec<Formula> {
         );
     }
     all
+}
+
+fn droop(s: &Setting<'_>) -> Formula {
+    let corner = Free::log("corner", "Hz", 1e-3 / s.length, 10.0 / s.length);
+    let part = Free::linear("part drooped at the start", "1", -1.0, 2.0).step(0.02);
+    let starts = [0.02, 0.2].into_iter().flat_map(|k| [0.0, 1.0].map(|p| vec![k / s.length, p]));
+    Formula::new("reading that droops")
+        .block(Slot::Reading, Block::Droop, vec![corner, part])
+        .starts(starts)
 }
 
 fn nonlinearity(s: &Setting<'_>) -> Vec<Formula> {
@@ -101,10 +113,20 @@ fn crosstalk(s: &Setting<'_>) -> Vec<Formula> {
     let weight = |name| Free::linear(name, "1", -2.0, 2.0).step(1e-3);
     let scale = s.command.half / s.position.half;
     let time = s.command.half / s.slope_power.sqrt().max(f64::MIN_POSITIVE);
-    let block = || Block::FeedThrough { scale, time };
-    vec![
-        Formula::new("value and rate of the command")
-            .block(Slot::Reading, block(), vec![weight("value"), weight("rate")])
-            .start(&[0.0, 0.0]),
-    ]
+    let formula = |name, block| {
+        Formula::new(name)
+            .block(Slot::Reading, block, vec![weight("value"), weight("rate")])
+            .start(&[0.0, 0.0])
+    };
+    let behind = Block::FeedThrough { scale, time };
+    // An FMU's command is all that is known of what is in front of its actuator.
+    if !s.base.is_white {
+        return vec![formula("value and rate of the command", behind)];
+    }
+    let mut all =
+        vec![formula("value and rate of the command", Block::CommandFeedThrough { scale, time })];
+    if s.base.actuator > 0 {
+        all.push(formula("value and rate of the actuator's voltage", behind));
+    }
+    all
 }
