@@ -79,16 +79,7 @@ pub(crate) fn of(
     let position = simulated_span(&base, &problem.data, count).unwrap_or(problem.data.output_span);
     let moves = position.half > 3.0 * sigma && problem.data.command_span.half > 0.0;
     let library = library::families(&setting(&problem, &base, position, sigma), &request.without);
-    let search = Search {
-        base: &problem.base,
-        data: &problem.data,
-        judge: &judge,
-        library: &library,
-        sigma,
-        adequate,
-        count,
-        max_effects: request.max_effects,
-    };
+    let search = search_in(&problem, &library, (&judge, sigma, adequate), request, count);
     let is_asked = !request.without.iter().any(|name| name == effects::SENSOR_NOISE.name);
     let louder = (is_asked && problem.noise.source == "given" && has_gap(&base, adequate))
         .then(|| louder::factor(&base.judged.residual, &problem.data))
@@ -98,6 +89,33 @@ pub(crate) fn of(
     } else {
         Found { last: base.clone(), base, rivals: Vec::new(), first: Vec::new(), alone: Vec::new() }
     };
+    let quiet = quieter(&problem, &found);
+    let (found, given, judge, sigma) = match quiet {
+        None => (found, given, judge, sigma),
+        Some((ratio, shape)) => {
+            let (judge, sigma) = (Judge::new(&problem.data, shape), ratio * sigma);
+            let search = search_in(&problem, &library, (&judge, sigma, adequate), request, count);
+            let given = judge.figures(scaled(&given.residual, ratio), &problem.data);
+            let mut found = found;
+            let rows = search.fitter().effective();
+            found.each(|c| {
+                c.judged = judge.figures(scaled(&c.judged.residual, ratio), &problem.data);
+                c.fit.mean_square /= ratio * ratio;
+                c.rank -= 2.0 * rows * ratio.ln();
+            });
+            // Under the smaller noise there may be more to see.
+            if has_gap(&found.last, adequate) {
+                let base = found.base.clone();
+                found = search.run(base).map_err(|_| model_error(&problem.output))?;
+            }
+            (found, given, judge, sigma)
+        }
+    };
+    if let Some((ratio, shape)) = quiet {
+        problem.noise.sigma *= ratio;
+        problem.noise.corner = Some(shape.corner).filter(|c| *c > 0.0);
+    }
+    let search = search_in(&problem, &library, (&judge, sigma, adequate), request, count);
     let has_one = !found.last.picks.is_empty() || louder.is_some();
     let robust = if has_gap(&found.base, adequate) && louder.is_none() {
         robust::residual(search.fitter(), &judge, &found.base)
@@ -138,6 +156,45 @@ pub(crate) fn of(
     })
 }
 
+fn scaled(residual: &[f64], ratio: f64) -> Vec<f64> {
+    residual.iter().map(|r| r / ratio).collect()
+}
+
+fn search_in<'a>(
+    problem: &'a Problem,
+    library: &'a [Family],
+    (judge, sigma, adequate): (&'a Judge, f64, f64),
+    request: &Request,
+    count: &'a AtomicU64,
+) -> Search<'a> {
+    let (base, data, max_effects) = (&problem.base, &problem.data, request.max_effects);
+    Search { base, data, judge, library, sigma, adequate, count, max_effects }
+}
+
+/// Where the noise was estimated from residuals that held the gap: the noise over it and its shape,
+/// from what the effects leave, where that is clearly less.
+fn quieter(problem: &Problem, found: &Found) -> Option<(f64, Shape)> {
+    /// A ratio that is worth another look.
+    const LESS: f64 = 0.95;
+    let is_estimated = problem.noise.source == "second differences";
+    if !is_estimated || found.last.picks.is_empty() {
+        return None;
+    }
+    let estimate = estimated(&problem.data, &found.last.judged.residual);
+    Some(estimate).filter(|(ratio, _)| *ratio > 0.0 && *ratio < LESS)
+}
+
+/// The noise over what residuals are given in, and its shape, from the residuals themselves.
+fn estimated(data: &DataSet, residual: &[f64]) -> (f64, Shape) {
+    let sample = data.sample_time();
+    let (low, high) = (1.0 / data.longest(), 0.5 / sample);
+    let rows = || data.records.iter().map(|r| r.rows.clone());
+    let finest = noise::fourth_differences(residual, rows()).unwrap_or(1.0).min(1.0);
+    let corner = noise::corner_under(residual, rows(), finest * finest, sample);
+    let colour = noise::coloured(corner, low, high);
+    (finest * colour.sqrt(), Shape { white: 1.0 / colour, corner })
+}
+
 /// Says how large the noise is, how it is spread over frequency, and up to which mean square over it
 /// nothing is left: the less is known about it, the more.
 fn settle_noise(problem: &mut Problem, residual: &[f64]) -> (Shape, f64) {
@@ -161,11 +218,9 @@ fn settle_noise(problem: &mut Problem, residual: &[f64]) -> (Shape, f64) {
         }
         ("given", None) => (Shape::with_white(finest * finest, low, high), GIVEN),
         _ => {
-            let finest = finest.min(1.0);
-            let corner = noise::corner_under(residual, rows(), finest * finest, sample);
-            let colour = noise::coloured(corner, low, high);
-            noise.sigma *= finest * colour.sqrt();
-            (Shape { white: 1.0 / colour, corner }, ESTIMATED)
+            let (ratio, shape) = estimated(data, residual);
+            noise.sigma *= ratio;
+            (shape, ESTIMATED)
         }
     };
     noise.corner = Some(shape.corner).filter(|c| *c > 0.0);

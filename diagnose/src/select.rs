@@ -59,6 +59,16 @@ pub(crate) struct Found {
     pub(crate) alone: Vec<f64>,
 }
 
+impl Found {
+    /// Changes all candidates that were fitted.
+    pub(crate) fn each(&mut self, mut change: impl FnMut(&mut Candidate)) {
+        change(&mut self.base);
+        change(&mut self.last);
+        let looked = self.rivals.iter_mut().flatten().chain(&mut self.first);
+        looked.filter_map(|l| l.best.as_mut()).for_each(change);
+    }
+}
+
 /// The search for one output.
 pub(crate) struct Search<'a> {
     pub(crate) base: &'a Base,
@@ -203,16 +213,15 @@ impl<'a> Search<'a> {
         let mut with = fixed.to_vec();
         with.push(null);
         let chain = self.base.compose(&with);
-        let theta = self.carry(from, &chain, null, &null.starts[0]);
-        let fitted = self.fitter().fit_quickly(&chain, &theta, linear).and_then(|fit| {
+        let left = |start: &Vec<f64>| -> Result<f64, Failed> {
+            let theta = self.carry(from, &chain, null, start);
+            let fit = self.fitter().fit_quickly(&chain, &theta, linear)?;
             let judged = self.judge.judge(&chain, &fit.theta, self.data, self.sigma, self.count)?;
-            Ok((fit.mean_square, judged.held_out))
-        });
-        if let Ok((training, held_out)) = fitted {
-            let own = 0.5 * (best.fit.mean_square + best.judged.held_out);
-            if 0.5 * (training + held_out) < 1.1 * own {
-                entry.best = None;
-            }
+            Ok(0.5 * (fit.mean_square + judged.held_out))
+        };
+        let own = 0.5 * (best.fit.mean_square + best.judged.held_out);
+        if null.starts.iter().any(|start| left(start).is_ok_and(|left| left < 1.1 * own)) {
+            entry.best = None;
         }
     }
 

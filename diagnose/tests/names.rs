@@ -6,7 +6,7 @@ mod common;
 use common::diagnose_machine;
 use common::machine::Machine;
 use common::truth::Effect;
-use piezoloop_diagnose::{Gap, Verdict};
+use piezoloop_diagnose::{Gap, Model, Request, Silent, Verdict, diagnose};
 
 fn gap_of(effect: Effect, size: f64, seed: u64, without: &[&str]) -> Gap {
     let machine = Machine::new(seed, 1.0).with(effect, size);
@@ -82,7 +82,7 @@ fn parameters_within_tolerance_are_no_effect() {
 
 #[test]
 fn what_is_in_no_library_is_unknown() {
-    for effect in [Effect::GainModulation, Effect::Glitches] {
+    for effect in [Effect::GainModulation, Effect::Glitches, Effect::AcCoupling] {
         let gap = gap_of(effect, 6.0, 20, &[]);
         assert_eq!(gap.verdict, Verdict::Unknown, "{effect:?}: {}", gap.sentence);
     }
@@ -93,6 +93,19 @@ fn an_effect_that_was_taken_out_is_not_given_another_name() {
     let gap = gap_of(Effect::Creep, 10.0, 705, &["creep"]);
     assert_eq!(gap.verdict, Verdict::Unknown, "{}", gap.sentence);
     assert!(gap.candidates.iter().all(|c| c.effect != "creep"));
+}
+
+#[test]
+fn noise_that_is_estimated_beside_an_effect_is_not_taken_from_it() {
+    let machine = Machine::new(14, 1.0).with(Effect::ExtraMode, 20.0);
+    let gap = estimated(&machine);
+    let ratio = gap.shrink.noise_floor / machine.sigma;
+    assert!((ratio - 1.0).abs() < 0.12, "{ratio}: {}", gap.sentence);
+}
+
+fn estimated(machine: &Machine) -> Gap {
+    let model = Model::Blueprint(Box::new(common::machine::blueprint()));
+    diagnose(&Request::new(model, machine.logs()), &mut Silent).unwrap()
 }
 
 #[test]
