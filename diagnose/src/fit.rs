@@ -470,9 +470,9 @@ fn relevant(chain: &Chain, values: &[f64]) -> Vec<f64> {
         .nuisances
         .iter()
         .filter_map(|n| match n {
-            Nuisance::Settling { parameter } | Nuisance::Lines { parameter, .. } => {
-                values.get(*parameter).copied()
-            }
+            Nuisance::Settling { parameter }
+            | Nuisance::Lines { parameter, .. }
+            | Nuisance::Modulation { parameter } => values.get(*parameter).copied(),
             Nuisance::Drift { .. } | Nuisance::Knots { .. } => None,
         })
         .collect()

@@ -26,6 +26,11 @@ pub(crate) enum Nuisance {
         /// Number of multiples.
         harmonics: usize,
     },
+    /// Sines and cosines of a frequency times the reading: a gain that changes with time.
+    Modulation {
+        /// Number of the frequency's parameter.
+        parameter: usize,
+    },
     /// Straight lines between this many equidistant knots.
     Knots {
         /// Number of knots.
@@ -41,6 +46,7 @@ impl Nuisance {
             Self::Lines { parameter, harmonics } => {
                 Self::Lines { parameter: parameter + first, harmonics: *harmonics }
             }
+            Self::Modulation { parameter } => Self::Modulation { parameter: parameter + first },
             other => other.clone(),
         }
     }
@@ -54,14 +60,15 @@ impl Nuisance {
     pub(crate) fn count(&self) -> usize {
         match self {
             Self::Drift { order } => *order,
-            Self::Settling { .. } => 2,
+            Self::Settling { .. } | Self::Modulation { .. } => 2,
             Self::Lines { harmonics, .. } => 2 * harmonics,
             Self::Knots { count } => *count,
         }
     }
 
-    /// The terms at time t of a record of this length; z is t over the record from −1 to 1.
-    fn terms(&self, values: &[f64], t: f64, length: f64, row: &mut Vec<f64>) {
+    /// The terms at time t of a record of this length, where the reading over its range is y; z is t
+    /// over the record from −1 to 1.
+    fn terms(&self, values: &[f64], (t, length): (f64, f64), y: f64, row: &mut Vec<f64>) {
         let z = 2.0 * t / length - 1.0;
         let value = |parameter: usize| values.get(parameter).copied().unwrap_or(1.0);
         match self {
@@ -83,6 +90,11 @@ impl Nuisance {
                     row.push(s);
                     row.push(c);
                 }
+            }
+            Self::Modulation { parameter } => {
+                let (s, c) = (std::f64::consts::TAU * value(*parameter) * t).sin_cos();
+                row.push(y * s);
+                row.push(y * c);
             }
             Self::Knots { count } => {
                 let place = 0.5 * (z + 1.0) * *count as f64;
@@ -146,7 +158,8 @@ impl Projector {
         for row in rows {
             all.push(1.0);
             for nuisance in &self.nuisances {
-                nuisance.terms(&self.values, data.time[row] - start, length, &mut all);
+                let y = data.y[row] / data.output_span.half;
+                nuisance.terms(&self.values, (data.time[row] - start, length), y, &mut all);
             }
         }
         DMatrix::from_row_slice(count, columns, &all)

@@ -75,7 +75,21 @@ pub(crate) fn repair(
     }
     *blueprint = apply(&given, axis, &changes);
     let judged = handed::settle(o, last, (axis, &axis_given), blueprint);
-    (notes, judged)
+    let base = &o.found.base;
+    let is_worse = |j: &Judged| j.held_out > base.judged.held_out && !last.picks.is_empty();
+    if !judged.as_ref().is_some_and(is_worse) {
+        return (notes, judged);
+    }
+    if let Some(target) = blueprint.axes.get_mut(axis - 1) {
+        *target = axis_given;
+        retune(&o.problem.base, (&base.chain, &base.fit.theta), o, target);
+    }
+    notes.push(
+        "the effects stay out of the repaired blueprint: with what components can do in their place \
+         it would be further from the logs than without"
+            .to_owned(),
+    );
+    (notes, Some(base.judged.clone()))
 }
 
 fn is_same_place(a: &Change, b: &Change) -> bool {

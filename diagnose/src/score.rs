@@ -43,6 +43,7 @@ pub(crate) struct Judge {
     floor: Vec<(f64, f64)>,
     /// Mean of the logarithms of how far.
     margin: f64,
+    shape: Shape,
 }
 
 /// Some rows of one record.
@@ -86,7 +87,7 @@ impl Judge {
                 (shape.density(ends[0], ends[1]), margin)
             })
             .collect();
-        let mut judge = Self { blocks, stretches, bands, floor, margin: 0.0 };
+        let mut judge = Self { blocks, stretches, bands, floor, margin: 0.0, shape };
         judge.margin = judge.level(&vec![0.0; data.time.len()], sample);
         judge
     }
@@ -120,7 +121,31 @@ impl Judge {
         let values = chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
         Projector::new(&chain.nuisances, values, data).extend(data, &mut residual);
         residual.iter_mut().for_each(|r| *r /= sigma);
+        self.level_off(&mut residual, data);
         Ok(self.figures(residual, data))
+    }
+
+    /// Takes out of the held-out end of a record what its mean may differ from that of the record's
+    /// begin by noise that grows as 1/f; an offset that is larger stays with the rest.
+    fn level_off(&self, residual: &mut [f64], data: &DataSet) {
+        /// Variance of the difference of the means of the first 70 and the last 30 % of a record, of
+        /// noise with the density 1/f: ∫ |H|²/f df.
+        const DIFFERENCE: f64 = 2.9;
+        /// Standard deviations.
+        const MOST: f64 = 2.0;
+        let nyquist = 0.5 / data.sample_time();
+        let pink = self.shape.white * self.shape.corner / nyquist;
+        let most = MOST * (DIFFERENCE * pink).sqrt();
+        for record in data.records.iter().filter(|r| !r.training.is_empty()) {
+            let rows = DataSet::held_out(record);
+            if rows.is_empty() {
+                continue;
+            }
+            let part = &mut residual[rows];
+            let mean = part.iter().sum::<f64>() / part.len() as f64;
+            let offset = mean.clamp(-most, most);
+            part.iter_mut().for_each(|r| *r -= offset);
+        }
     }
 
     /// The figures of residuals in standard deviations.

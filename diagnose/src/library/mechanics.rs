@@ -16,7 +16,10 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     }
     all.push(Family::new(&effects::BACKLASH, backlash(s)));
     all.push(Family::new(&effects::FRICTION, friction(s)));
-    all.push(Family::new(&effects::PERIODIC_DISTURBANCE, periodic(s)));
+    let mut family = Family::new(&effects::PERIODIC_DISTURBANCE, periodic(s));
+    // A line that grows with the position is a gain that changes, and no disturbance.
+    family.null = Some(modulation(s));
+    all.push(family);
     all.push(Family::new(&effects::CROSS_COUPLING, coupling(s)));
 }
 
@@ -183,6 +186,17 @@ fn periodic(s: &Setting<'_>) -> Vec<Formula> {
         f
     };
     vec![formula("one line", 1), formula("line with two harmonics", 3)]
+}
+
+fn modulation(s: &Setting<'_>) -> Formula {
+    let resolution = 0.5 / s.length;
+    let frequency =
+        Free::log("frequency", "Hz", resolution, 0.49 / s.sample).step(1e-3 * resolution);
+    let mut f =
+        Formula::new("gain that changes with time").starts(s.lines.iter().map(|f| vec![*f]));
+    f.parameters = vec![frequency];
+    f.nuisance = Some(Nuisance::Modulation { parameter: 0 });
+    f
 }
 
 fn coupling(s: &Setting<'_>) -> Vec<Formula> {

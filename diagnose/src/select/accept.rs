@@ -24,6 +24,9 @@ const LINES: f64 = 0.92;
 const FURTHER: (f64, f64) = (0.08, 0.15);
 /// Most members that are exchanged once the search stands.
 const MOST_SWAPS: usize = 2;
+/// Part of the fitted rows' gap that must go, and most coefficients of each effect, where the rows that
+/// are held out have no gap to be explained.
+const FITTED: (f64, usize) = (0.9, 4);
 /// Loss of score below which an effect is dropped again.
 const DROPPED: f64 = 0.02;
 
@@ -46,7 +49,8 @@ impl Search<'_> {
             best = next;
         }
         // Where even all together explain too little, which of them it is is no question.
-        let is_hopeless = self.judge.score(&base.judged, &best.judged) < EXPLAINED - HOPELESS
+        let is_hopeless = !self.is_fitted_well(&base, &best)
+            && self.judge.score(&base.judged, &best.judged) < EXPLAINED - HOPELESS
             && explained(&base.judged, &best.judged) < POWER - HOPELESS;
         if is_hopeless {
             let last = base.clone();
@@ -78,7 +82,8 @@ impl Search<'_> {
             // Nearly all of the power is as good as a good score: bands that nothing in the library
             // reaches do not take a name from what does.
             let is_enough = reached >= EXPLAINED || (power >= MOST && reached >= SOME);
-            if best.picks.is_empty() || !is_enough || power < least {
+            let holds = (is_enough && power >= least) || self.is_fitted_well(base, &best);
+            if best.picks.is_empty() || !holds {
                 return Ok(base.clone());
             }
             let sight = self.sight(base);
@@ -102,6 +107,18 @@ impl Search<'_> {
                 _ => return Ok(best),
             }
         }
+    }
+
+    /// Whether the rows that are held out do not show the gap and the fitted ones do, nearly all of it goes
+    /// there with few coefficients, and nothing is lost on the others. An effect that only acts on the
+    /// largest or fastest commands needs no second record of them.
+    fn is_fitted_well(&self, base: &Candidate, with: &Candidate) -> bool {
+        let (before, after) = (&base.judged, &with.judged);
+        let is_seen_there = before.held_out <= self.adequate && before.training > self.adequate;
+        let gone = 1.0 - (after.training - 1.0).max(0.0) / (before.training - 1.0).max(0.1);
+        let is_plain = with.freedom <= FITTED.1 * with.picks.len()
+            && self.formulas(&with.picks).iter().all(|f| f.nuisance.is_none());
+        is_seen_there && is_plain && gone >= FITTED.0 && after.held_out <= before.held_out
     }
 
     /// A single effect gives way to the more probable of its rivals: of those that leave alike the one
@@ -129,7 +146,7 @@ impl Search<'_> {
         );
         let paired = self.judge.paired(&before.judged, &after.judged);
         if before.picks.is_empty() {
-            return s1 > 0.2 && paired > 3.0;
+            return (s1 > 0.2 && paired > 3.0) || self.is_fitted_well(base, after);
         }
         let e0 = explained(&base.judged, &before.judged);
         let e1 = explained(&base.judged, &after.judged);
