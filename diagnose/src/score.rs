@@ -213,3 +213,39 @@ pub(crate) fn explained(before: &Judged, after: &Judged) -> f64 {
 pub(crate) fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data_set::RecordRows;
+
+    #[test]
+    fn the_end_of_a_record_may_be_off_by_as_much_as_slow_noise_is_and_no_more() {
+        let rows = 1000;
+        let record = RecordRows {
+            name: "a".to_owned(),
+            time: (0..rows).map(|k| 1e-3 * k as f64).collect(),
+            command: vec![0.0; rows],
+            y: vec![0.0; rows],
+            aux: Vec::new(),
+            others: Vec::new(),
+            training: 0.7,
+        };
+        let data = DataSet::new(vec![record], &[], None);
+        let level_off = |shape: Shape, offset: f64| {
+            let judge = Judge::new(&data, shape);
+            let mut residual = vec![offset; rows];
+            judge.level_off(&mut residual, &data);
+            (residual[0], residual[rows - 1])
+        };
+        let pink = Shape { white: 0.7, corner: 50.0 };
+        // √(2.9·0.7·50/500) = 0.45 of the noise is one standard deviation of the offset.
+        let most = 2.0 * (2.9_f64 * 0.7 * 50.0 / 500.0).sqrt();
+        assert_eq!(level_off(pink, 0.5), (0.5, 0.0));
+        let (begin, end) = level_off(pink, -3.0);
+        assert_eq!(begin, -3.0);
+        assert!((end + 3.0 - most).abs() < 1e-12, "{end}");
+        // White noise has no slow part.
+        assert_eq!(level_off(Shape::WHITE, 0.5), (0.5, 0.5));
+    }
+}

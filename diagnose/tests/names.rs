@@ -6,7 +6,7 @@ mod common;
 use common::diagnose_machine;
 use common::machine::Machine;
 use common::truth::Effect;
-use piezoloop_diagnose::{Gap, Model, Request, Silent, Verdict, diagnose};
+use piezoloop_diagnose::{Gap, Model, Noise, Request, Silent, Verdict, diagnose};
 
 fn gap_of(effect: Effect, size: f64, seed: u64, without: &[&str]) -> Gap {
     let machine = Machine::new(seed, 1.0).with(effect, size);
@@ -93,6 +93,22 @@ fn an_effect_that_was_taken_out_is_not_given_another_name() {
     let gap = gap_of(Effect::Creep, 10.0, 705, &["creep"]);
     assert_eq!(gap.verdict, Verdict::Unknown, "{}", gap.sentence);
     assert!(gap.candidates.iter().all(|c| c.effect != "creep"));
+}
+
+#[test]
+fn an_effect_that_the_rows_held_out_do_not_show_is_named_from_the_others() {
+    // Only steps come near the limit of the slope; the sweep that is held out does not.
+    let machine = Machine::new(15, 1.0).with(Effect::AmplifierSlew, 3.0);
+    let model = Model::Blueprint(Box::new(common::machine::blueprint()));
+    let mut logs = machine.logs();
+    let sweep = logs.pop().unwrap();
+    let mut request = Request::new(model, logs);
+    request.holdout = vec![sweep];
+    request.noise = Noise::Given(vec![(None, machine.sigma)]);
+    let gap = diagnose(&request, &mut Silent).unwrap();
+    let held_out = (gap.shrink.rms_before / machine.sigma).powi(2);
+    assert!(held_out < 1.2, "the rows that are held out show it: {held_out}");
+    assert_eq!(gap.effects[0].effect, "amplifier_slew", "{}", gap.sentence);
 }
 
 #[test]
