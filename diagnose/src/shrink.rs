@@ -8,7 +8,7 @@ use crate::score::{Judge, Judged, mean_square};
 /// Draws of the bootstrap.
 const DRAWS: usize = 400;
 /// Spread of the logarithm of what is left over what was, from one set of records to another.
-const RATIO: f64 = 0.25;
+const RATIO: f64 = 0.35;
 
 /// What the figures are made from.
 pub(crate) struct Evidence<'a> {

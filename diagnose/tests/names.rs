@@ -112,6 +112,15 @@ fn an_effect_that_the_rows_held_out_do_not_show_is_named_from_the_others() {
 }
 
 #[test]
+fn a_lag_that_imitates_a_delay_does_not_hide_what_is_beside_it() {
+    let machine = Machine::new(16, 1.0).with(Effect::Delay, 20.0).with(Effect::Damping, 10.0);
+    let gap = diagnose_machine(&machine, machine.logs(), &[]);
+    let names: Vec<&str> = gap.effects.iter().map(|e| e.effect.as_str()).collect();
+    assert!(names.contains(&"damping") && names.len() == 2, "{}", gap.sentence);
+    assert!(gap.effects.iter().any(|e| e.group.as_deref() == Some("lag")), "{}", gap.sentence);
+}
+
+#[test]
 fn noise_that_is_estimated_beside_an_effect_is_not_taken_from_it() {
     let machine = Machine::new(14, 1.0).with(Effect::ExtraMode, 20.0);
     let gap = estimated(&machine);

@@ -19,9 +19,13 @@ const SOME: f64 = 0.35;
 /// Below both limits by this much, a set of effects is not looked at again.
 const HOPELESS: f64 = 0.2;
 /// The same where the effect is a line in the spectrum.
-const LINES: f64 = 0.92;
+const LINES: f64 = 0.8;
 /// Least part of the gap's power, or of the score, that each further effect must bring.
 const FURTHER: (f64, f64) = (0.08, 0.15);
+/// Part of the held-out power from which a first effect is clear.
+const CLEAR: f64 = 0.8;
+/// Single effects beside the best one that a pair is looked for from.
+const RIVALS: usize = 3;
 /// Most members that are exchanged once the search stands.
 const MOST_SWAPS: usize = 2;
 /// Part of the fitted rows' gap that must go, and most coefficients of each effect, where the rows that
@@ -48,6 +52,9 @@ impl Search<'_> {
             rivals.push(looked);
             best = next;
         }
+        if best.picks.len() == 1 && self.max_effects > 1 && has_gap(&best, self.adequate) {
+            best = self.from_rivals(&base, best, &first, &mut rivals)?;
+        }
         // Where even all together explain too little, which of them it is is no question.
         let is_hopeless = !self.is_fitted_well(&base, &best)
             && self.judge.score(&base.judged, &best.judged) < EXPLAINED - HOPELESS
@@ -63,6 +70,29 @@ impl Search<'_> {
         let last = self.believed(&base, best, &mut rivals)?;
         let alone = self.alone(&base, &last)?;
         Ok(Found { base, last, rivals, first, alone })
+    }
+
+    /// A pair whose first member is not the best single effect: a formula that imitates both, as a lag
+    /// does a delay beside something else, leaves no room for the second.
+    fn from_rivals(
+        &self,
+        base: &Candidate,
+        single: Candidate,
+        first: &[Looked],
+        rivals: &mut Vec<Vec<Looked>>,
+    ) -> Result<Candidate, Failed> {
+        let mut best = single.clone();
+        let others = first.iter().filter_map(|l| l.best.as_ref());
+        let others = others.filter(|c| c.picks[0].0 != single.picks[0].0);
+        for other in others.take(RIVALS) {
+            let looked = self.expand(other)?;
+            let Some(pair) = looked.iter().find_map(|l| l.best.clone()) else { continue };
+            if pair.rank < best.rank && self.is_worth_it(base, &single, &pair) {
+                best = pair;
+                *rivals = vec![first.to_vec(), looked];
+            }
+        }
+        Ok(best)
     }
 
     /// The effects that can be named: those that explain enough together, without those whose name is
@@ -146,7 +176,10 @@ impl Search<'_> {
         );
         let paired = self.judge.paired(&before.judged, &after.judged);
         if before.picks.is_empty() {
-            return (s1 > 0.2 && paired > 3.0) || self.is_fitted_well(base, after);
+            // Most of the power on rows that no fit has seen needs no count of blocks: few steps may
+            // be all that shows the effect.
+            let is_clear = s1 >= EXPLAINED && explained(&base.judged, &after.judged) >= CLEAR;
+            return (s1 > 0.2 && paired > 3.0) || is_clear || self.is_fitted_well(base, after);
         }
         let e0 = explained(&base.judged, &before.judged);
         let e1 = explained(&base.judged, &after.judged);
