@@ -26,6 +26,8 @@ const FURTHER: (f64, f64) = (0.08, 0.15);
 const CLEAR: f64 = 0.8;
 /// Single effects beside the best one that a pair is looked for from.
 const RIVALS: usize = 3;
+/// How many times what the best one leaves they may leave.
+const NEAR: f64 = 3.0;
 /// Most members that are exchanged once the search stands.
 const MOST_SWAPS: usize = 2;
 /// Part of the fitted rows' gap that must go, and most coefficients of each effect, where the rows that
@@ -33,6 +35,11 @@ const MOST_SWAPS: usize = 2;
 const FITTED: (f64, usize) = (0.9, 4);
 /// Loss of score below which an effect is dropped again.
 const DROPPED: f64 = 0.02;
+
+/// What is left over the noise's power, on training and held-out rows alike.
+fn left(c: &Candidate) -> f64 {
+    (0.5 * (c.judged.training + c.judged.held_out) - 1.0).max(1e-3)
+}
 
 impl Search<'_> {
     /// The whole search.
@@ -83,7 +90,8 @@ impl Search<'_> {
     ) -> Result<Candidate, Failed> {
         let mut best = single.clone();
         let others = first.iter().filter_map(|l| l.best.as_ref());
-        let others = others.filter(|c| c.picks[0].0 != single.picks[0].0);
+        let most = NEAR * left(&single);
+        let others = others.filter(|c| c.picks[0].0 != single.picks[0].0 && left(c) < most);
         for other in others.take(RIVALS) {
             let looked = self.expand(other)?;
             let Some(pair) = looked.iter().find_map(|l| l.best.clone()) else { continue };
@@ -185,7 +193,6 @@ impl Search<'_> {
         let e1 = explained(&base.judged, &after.judged);
         // Where nothing is left the two effects are the whole of it, however small the second one is;
         // what only takes a part of what is left may repair another formula of the first.
-        let left = |c: &Candidate| (0.5 * (c.judged.training + c.judged.held_out) - 1.0).max(1e-3);
         let cut = left(before) / left(after);
         let is_large = e1 - e0 > FURTHER.0 || s1 - s0 > FURTHER.1;
         let is_whole = !has_gap(after, self.adequate) && cut > CUT_TO_NOISE;
