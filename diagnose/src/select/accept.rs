@@ -22,7 +22,7 @@ const HOPELESS: f64 = 0.2;
 const LINES: f64 = 0.8;
 /// Least part of the gap's power, or of the score, that each further effect must bring.
 const FURTHER: (f64, f64) = (0.08, 0.15);
-/// Part of the held-out power from which a first effect is clear.
+/// Part of the held-out power from which a first effect is clear, or imitates a pair.
 const CLEAR: f64 = 0.8;
 /// Single effects beside the best one that a pair is looked for from.
 const RIVALS: usize = 3;
@@ -89,6 +89,10 @@ impl Search<'_> {
         rivals: &mut Vec<Vec<Looked>>,
     ) -> Result<Candidate, Failed> {
         let mut best = single.clone();
+        // A formula that leaves much imitates nothing: what is missing may be in no library.
+        if explained(&base.judged, &single.judged) < CLEAR {
+            return Ok(best);
+        }
         let others = first.iter().filter_map(|l| l.best.as_ref());
         let most = NEAR * left(&single);
         let others = others.filter(|c| c.picks[0].0 != single.picks[0].0 && left(c) < most);
