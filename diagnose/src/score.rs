@@ -183,19 +183,11 @@ impl Judge {
     }
 
     /// Mean difference of the blocks' logarithmic losses (a worse than b is positive) over its standard
-    /// error: of all blocks, or of those alone in which either leaves something, as an effect that acts
-    /// on few steps drowns in the others.
+    /// error.
     pub(crate) fn paired(&self, a: &Judged, b: &Judged) -> f64 {
-        /// Mean square over the noise's from which something is left in a block.
-        const LEFT: f64 = 2.0;
-        let pairs = || a.blocks.iter().copied().zip(b.blocks.iter().copied());
-        let loud = pairs().filter(|(a, b)| a.max(*b) > LEFT);
-        Self::over_error(pairs()).max(Self::over_error(loud))
-    }
-
-    fn over_error(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
         let loss = |m: f64| m.max(0.5).ln();
-        let differences: Vec<f64> = pairs.map(|(a, b)| loss(a) - loss(b)).collect();
+        let differences: Vec<f64> =
+            a.blocks.iter().zip(&b.blocks).map(|(a, b)| loss(*a) - loss(*b)).collect();
         let n = differences.len() as f64;
         if n < 4.0 {
             return 0.0;

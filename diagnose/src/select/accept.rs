@@ -60,7 +60,7 @@ impl Search<'_> {
             best = next;
         }
         if best.picks.len() == 1 && self.max_effects > 1 && has_gap(&best, self.adequate) {
-            best = self.from_rivals(&base, best, &first, &mut rivals)?;
+            best = self.pair_beside_rivals(&base, best, &first, &mut rivals)?;
         }
         // Where even all together explain too little, which of them it is is no question.
         let is_hopeless = !self.is_fitted_well(&base, &best)
@@ -81,7 +81,7 @@ impl Search<'_> {
 
     /// A pair whose first member is not the best single effect: a formula that imitates both, as a lag
     /// does a delay beside something else, leaves no room for the second.
-    fn from_rivals(
+    fn pair_beside_rivals(
         &self,
         base: &Candidate,
         single: Candidate,
