@@ -70,32 +70,7 @@ pub(crate) fn of_rest(records: &[&[f64]], sample: f64) -> Option<(f64, f64)> {
         (loss, level, corner)
     });
     let best = fitted.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.1 > 0.0).then(|| (without_spikes(records) * best.1.sqrt(), best.2))
-}
-
-/// Spread of records by their middle half over their standard deviation, where it is so small that
-/// few rows make up the most of it; 1 else.
-fn without_spikes(records: &[&[f64]]) -> f64 {
-    /// Least ratio of a normal distribution in few slow swings.
-    const NORMAL: f64 = 0.75;
-    let mut away: Vec<f64> = Vec::new();
-    let mut squares = 0.0;
-    for record in records.iter().filter(|record| !record.is_empty()) {
-        let mut sorted = record.to_vec();
-        let middle = sorted.len() / 2;
-        let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let mean = record.iter().sum::<f64>() / record.len() as f64;
-        squares += record.iter().map(|y| (y - mean).powi(2)).sum::<f64>();
-        away.extend(record.iter().map(|y| (y - median).abs()));
-    }
-    if away.is_empty() {
-        return 1.0;
-    }
-    let deviation = (squares / away.len() as f64).sqrt();
-    let middle = away.len() / 2;
-    let spread = *away.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.6745;
-    // A reading that is rounded so that its middle half is one code has no spread.
-    if spread > 0.0 && spread < NORMAL * deviation { spread / deviation } else { 1.0 }
+    (best.1 > 0.0).then(|| (best.1.sqrt(), best.2))
 }
 
 /// Mean and number of the powers without those that stand out.
@@ -281,19 +256,6 @@ mod tests {
         {
             assert!((sigma.unwrap() / 0.01 - 1.0).abs() < 0.05, "{sigma:?}");
         }
-    }
-
-    #[test]
-    fn spikes_in_a_record_at_rest_are_no_noise() {
-        let still = noise(6000);
-        let (quiet, corner) = of_rest(&[&still], 1e-3).unwrap();
-        assert!((quiet - 1.0).abs() < 0.05 && corner < 5.0, "{quiet} {corner}");
-        let mut spiked = still;
-        for (k, y) in spiked.iter_mut().enumerate() {
-            *y += 60.0 * (-((k % 3000) as f64) / 10.0).exp();
-        }
-        let (level, _) = of_rest(&[&spiked], 1e-3).unwrap();
-        assert!((level - 1.0).abs() < 0.25, "{level}");
     }
 
     #[test]
