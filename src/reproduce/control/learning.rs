@@ -260,7 +260,8 @@ pub(super) fn learn(
     experiment.play(none())?;
     let mut now = none();
     let mut step = 0.8;
-    let mut best: Option<(f64, Vec<Vec<f64>>, Vec<Vec<f64>>)> = None;
+    // Error, corrections, and what was left of the last period.
+    let mut best: Option<(f64, [Vec<Vec<f64>>; 2])> = None;
     let (mut errors, mut rejected) = (Vec::new(), 0);
     for _ in 0..learning.passes {
         let run = experiment.play(now.clone())?;
@@ -269,14 +270,14 @@ pub(super) fn learn(
         let last = experiment.played.len() - 1;
         let seen: Vec<Vec<f64>> =
             run.error.iter().map(|e| experiment.part(e, last).to_vec()).collect();
-        if best.as_ref().is_none_or(|(least, _, _)| error < *least) {
-            best = Some((error, now.clone(), seen));
+        if best.as_ref().is_none_or(|(least, _)| error < *least) {
+            best = Some((error, [now.clone(), seen]));
             step = (1.3_f64 * step).min(0.8);
         } else {
             rejected += 1;
             step *= 0.5;
         }
-        let Some((_, from, seen)) = &best else { break };
+        let Some((_, [from, seen])) = &best else { break };
         for (axis, seen) in seen.iter().enumerate() {
             let found = waves.of(seen);
             let change: Vec<Complex> = found
@@ -289,7 +290,7 @@ pub(super) fn learn(
             now[axis] = from[axis].iter().zip(change).map(|(c, d)| c + step * d).collect();
         }
     }
-    let chosen = best.map_or_else(none, |(_, chosen, _)| chosen);
+    let chosen = best.map_or_else(none, |(_, [chosen, _])| chosen);
     let run = experiment.play(chosen)?;
     errors.push(experiment.error(&run));
     let from = learning.lead[0].len() + (experiment.played.len() - 1) * rows;

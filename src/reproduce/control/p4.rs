@@ -57,10 +57,10 @@ fn spans(bed: &mut Bed) -> anyhow::Result<Spans> {
     let wave = |k: usize| 0.5 * GREATEST * (1.0 - (TAU * FREQUENCY * PERIOD * k as f64).cos());
     let u: Vec<f64> = (0..rows).map(wave).collect();
     let mut spans = Spans { half: MOST, centre: [0.0; 2] };
-    for axis in 0..2 {
+    for (axis, most) in MOST.into_iter().enumerate() {
         let y = bed.response(axis, &u, 0.0, PERIOD)?;
         let (low, high) = crate::matching::extremes(&y[rows / 2..]);
-        spans.half[axis] = MOST[axis].min(0.5 * PART * (high - low));
+        spans.half[axis] = most.min(0.5 * PART * (high - low));
         spans.centre[axis] = 0.5 * (low + high);
     }
     Ok(spans)
