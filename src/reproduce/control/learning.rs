@@ -10,7 +10,11 @@
 //! A pass that errs more than the best one before is taken back, and the step is halved. The pass
 //! that is judged plays the best correction once more.
 
+use std::sync::Arc;
+
 use data::Blueprint;
+use identify::frequency::Complex;
+use rustfft::{Fft, FftPlanner};
 
 use super::bed::{Bed, Tracked};
 
@@ -60,72 +64,46 @@ impl Learned {
 
 /// Least magnitude of T at which something is learned.
 const ANSWER: f64 = 0.15;
+/// Least drive that is divided by.
+const SMALL: f64 = 1e-6;
 /// Passes without and with the multisine that are compared.
 const WITHOUT: usize = 1;
 const WITH: usize = 3;
 
-/// A complex number.
-#[derive(Clone, Copy, Default)]
-struct Complex {
-    re: f64,
-    im: f64,
+/// a/b; 0 where b is smaller than `least`.
+fn quotient(a: Complex, b: Complex, least: f64) -> Complex {
+    if b.norm_sqr() < least * least { Complex::default() } else { a / b }
 }
 
-impl Complex {
-    fn times(self, other: Self) -> Self {
-        Self {
-            re: self.re * other.re - self.im * other.im,
-            im: self.re * other.im + self.im * other.re,
-        }
-    }
-
-    /// Divided by `other`, but never by less than [`ANSWER`].
-    fn over(self, other: Self) -> Self {
-        let square = other.re * other.re + other.im * other.im;
-        if square < ANSWER * ANSWER {
-            return Self::default();
-        }
-        let product = self.times(Self { re: other.re, im: -other.im });
-        Self { re: product.re / square, im: product.im / square }
-    }
-}
-
-/// Sums of x with e^(−j2πkm/n) for k from 0 to n/2; the waves of a pass.
+/// The waves of a pass: sums of x with e^(−j2πkm/n) for k from 0 to n/2.
 struct Waves {
-    turn: Vec<Complex>,
+    forward: Arc<dyn Fft<f64>>,
+    back: Arc<dyn Fft<f64>>,
 }
 
 impl Waves {
     fn new(n: usize) -> Self {
-        let wave = |k: usize| {
-            let angle = std::f64::consts::TAU * k as f64 / n as f64;
-            Complex { re: angle.cos(), im: angle.sin() }
-        };
-        Self { turn: (0..n).map(wave).collect() }
+        let mut planner = FftPlanner::new();
+        Self { forward: planner.plan_fft_forward(n), back: planner.plan_fft_inverse(n) }
     }
 
     fn of(&self, x: &[f64]) -> Vec<Complex> {
-        let n = self.turn.len();
-        let sum = |k: usize| {
-            x.iter().enumerate().fold(Complex::default(), |sum, (m, x)| {
-                let turn = self.turn[k * m % n];
-                Complex { re: sum.re + x * turn.re, im: sum.im - x * turn.im }
-            })
-        };
-        (0..=n / 2).map(sum).collect()
+        let mut all: Vec<Complex> = x.iter().map(|x| Complex::new(*x, 0.0)).collect();
+        self.forward.process(&mut all);
+        all.truncate(x.len() / 2 + 1);
+        all
     }
 
+    /// The signal of these waves; the ones behind them are 0.
     fn back(&self, waves: &[Complex]) -> Vec<f64> {
-        let n = self.turn.len();
-        let value = |m: usize| {
-            let part = |(k, w): (usize, &Complex)| {
-                let turn = self.turn[k * m % n];
-                let twice = if k == 0 || 2 * k == n { 1.0 } else { 2.0 };
-                twice * (w.re * turn.re - w.im * turn.im)
-            };
-            waves.iter().enumerate().map(part).sum::<f64>() / n as f64
-        };
-        (0..n).map(value).collect()
+        let n = self.back.len();
+        let mut all = vec![Complex::default(); n];
+        for (k, wave) in waves.iter().enumerate() {
+            all[k] = *wave;
+            all[(n - k) % n] = if k == 0 || 2 * k == n { *wave } else { wave.conj() };
+        }
+        self.back.process(&mut all);
+        all.into_iter().map(|x| x.re / n as f64).collect()
     }
 }
 
@@ -156,24 +134,23 @@ fn response(
     reference: &[Complex],
     axes: usize,
 ) -> Vec<Complex> {
-    let size = |x: &Complex| x.re.hypot(x.im);
-    let most = drive.iter().map(size).fold(0.0, f64::max);
+    let most = drive.iter().map(|x| x.norm()).fold(0.0, f64::max);
     let weight = |k: usize| {
-        let own = size(&drive[k]);
+        let own = drive[k].norm();
         if own < 0.1 * most {
             0.0
         } else {
-            1.0 / (1.0 + (0.01 * size(&reference[k]) / own).powi(2))
+            1.0 / (1.0 + (0.01 * reference[k].norm() / own).powi(2))
         }
     };
     let reach = axes;
     let mean = |k: usize| {
         let near = k.saturating_sub(reach)..(k + reach + 1).min(drive.len());
         let (sum, whole) = near.fold((Complex::default(), 0.0), |(sum, whole), j| {
-            let (w, t) = (weight(j), quotient(answer[j], drive[j]));
-            (Complex { re: sum.re + w * t.re, im: sum.im + w * t.im }, whole + w)
+            let w = weight(j);
+            (sum + w * quotient(answer[j], drive[j], SMALL), whole + w)
         });
-        if whole == 0.0 { sum } else { Complex { re: sum.re / whole, im: sum.im / whole } }
+        if whole == 0.0 { sum } else { sum / whole }
     };
     (0..drive.len()).map(mean).collect()
 }
@@ -284,7 +261,7 @@ pub(super) fn learn(
                 .iter()
                 .zip(&responses[axis])
                 .take(highest + 1)
-                .map(|(e, t)| e.over(*t))
+                .map(|(e, t)| quotient(*e, *t, ANSWER))
                 .collect();
             let change = waves.back(&change);
             now[axis] = from[axis].iter().zip(change).map(|(c, d)| c + step * d).collect();
@@ -295,16 +272,6 @@ pub(super) fn learn(
     errors.push(experiment.error(&run));
     let from = learning.lead[0].len() + (experiment.played.len() - 1) * rows;
     Ok(Learned { run, from, errors, rejected })
-}
-
-/// a/b; 0 where b is.
-fn quotient(a: Complex, b: Complex) -> Complex {
-    let square = b.re * b.re + b.im * b.im;
-    if square < 1e-12 {
-        return Complex::default();
-    }
-    let product = a.times(Complex { re: b.re, im: -b.im });
-    Complex { re: product.re / square, im: product.im / square }
 }
 
 #[cfg(test)]
