@@ -208,6 +208,8 @@ impl Stepping<'_, '_> {
     #[inline]
     fn hold(&mut self, held: &mut Held<'_>, time: f64) {
         let columns = self.system.externals.len();
-        held.at(time, &mut self.system.bus[..columns]);
+        if columns > 0 {
+            held.at(time, &mut self.system.bus[..columns]);
+        }
     }
 }

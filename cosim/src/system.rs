@@ -26,6 +26,7 @@ pub struct System {
     pub(crate) owners: Vec<Option<usize>>,
     pub(crate) columns: Vec<Column>,
     taps: Vec<Tap>,
+    input_taps: Vec<InputTap>,
     pub(crate) row: Vec<f64>,
     pub(crate) ending: Option<Ending>,
     /// It has run, and must be reset before it runs again.
@@ -76,10 +77,17 @@ pub(crate) struct Gather {
     pub(crate) places: Vec<usize>,
 }
 
-/// Where the value of a recorded variable is found.
-enum Tap {
-    Bus(usize),
-    Input { slave: usize, place: usize },
+/// A recorded variable that is found on the bus, and its column of the row.
+struct Tap {
+    column: usize,
+    place: usize,
+}
+
+/// A recorded variable that is an input, and its column of the row.
+struct InputTap {
+    column: usize,
+    slave: usize,
+    place: usize,
 }
 
 /// A variable to record.
@@ -102,31 +110,26 @@ impl Gather {
         self.selection.position(variable).map(|i| self.places[i])
     }
 
-    #[inline]
-    fn read(&mut self, slave: &mut dyn Slave, bus: &mut [f64]) -> Result<(), Error> {
+    /// Reads the values to the bus. Whether all of them are finite numbers.
+    #[inline(always)]
+    fn read(&mut self, slave: &mut dyn Slave, bus: &mut [f64]) -> Result<bool, Error> {
         if self.places.is_empty() {
-            return Ok(());
+            return Ok(true);
         }
         slave.get(&self.selection, &mut self.values)?;
+        // Zero times a number is zero, of whatever sign, unless the number is not finite.
+        let mut zero = 0.0;
         for (place, value) in self.places.iter().zip(&self.values) {
             bus[*place] = *value;
+            zero += 0.0 * *value;
         }
-        Ok(())
+        Ok(zero == 0.0)
     }
 
-    /// No value is NaN or infinite.
-    #[inline]
-    fn check(&self, slave: &dyn Slave) -> Result<(), Error> {
-        match self.values.iter().position(|value| !value.is_finite()) {
-            None => Ok(()),
-            Some(at) => Err(self.not_finite(slave, at)),
-        }
-    }
-
-    #[cold]
-    fn not_finite(&self, slave: &dyn Slave, at: usize) -> Error {
-        let variable = self.selection.names().get(at).cloned().unwrap_or_default();
-        Error::NotFinite { fmu: slave.name().to_owned(), variable, value: self.values[at] }
+    /// The first value that is NaN or infinite.
+    fn not_finite(&self) -> Option<(String, f64)> {
+        let at = self.values.iter().position(|value| !value.is_finite())?;
+        Some((self.selection.names().get(at).cloned().unwrap_or_default(), self.values[at]))
     }
 }
 
@@ -153,6 +156,14 @@ impl Participant {
         at.and_then(|at| self.outputs.selection.names().get(at)).map(String::as_str)
     }
 
+    /// The error of a value that is NaN or infinite.
+    #[cold]
+    fn not_finite(&self) -> Error {
+        let found = self.outputs.not_finite().or_else(|| self.observed.not_finite());
+        let (variable, value) = found.unwrap_or_default();
+        Error::NotFinite { fmu: self.slave.name().to_owned(), variable, value }
+    }
+
     pub(crate) fn drive(&mut self, address: &Address, wire: Wire) -> Result<(), Problem> {
         self.driven.add_address(self.slave.name(), address)?;
         self.wires.push(wire);
@@ -170,6 +181,7 @@ impl System {
             owners: Vec::new(),
             columns: Vec::new(),
             taps: Vec::new(),
+            input_taps: Vec::new(),
             row: Vec::new(),
             ending: None,
             used: false,
@@ -213,17 +225,17 @@ impl System {
             return Err(Problem::SameColumn { name });
         }
         let participant = &self.participants[slave];
-        let tap = if let Some(place) = participant.driven.position(variable) {
-            Tap::Input { slave, place }
+        let number = self.columns.len();
+        if let Some(place) = participant.driven.position(variable) {
+            self.input_taps.push(InputTap { column: number, slave, place });
         } else if let Some(place) = participant.outputs.place(variable) {
-            Tap::Bus(place)
+            self.taps.push(Tap { column: number, place });
         } else {
             let place = self.add_place(None);
             let participant = &mut self.participants[slave];
             participant.observed.add(participant.slave.name(), address, place)?;
-            Tap::Bus(place)
-        };
-        self.taps.push(tap);
+            self.taps.push(Tap { column: number, place });
+        }
         self.columns.push(Column { name, unit });
         self.row.push(0.0);
         Ok(())
@@ -310,7 +322,7 @@ impl System {
     }
 
     /// Sets the slave's driven inputs to the values on the bus.
-    #[inline]
+    #[inline(always)]
     pub fn transfer(&mut self, slave: usize) -> Result<(), Error> {
         if !self.participants[slave].pace.due {
             return Ok(());
@@ -324,7 +336,7 @@ impl System {
     }
 
     /// Computes the slave's driven inputs without setting them.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn gather(&mut self, slave: usize) {
         let participant = &mut self.participants[slave];
         for (input, wire) in participant.inputs.iter_mut().zip(&participant.wires) {
@@ -337,7 +349,7 @@ impl System {
     /// # Errors
     /// Whatever the slave says, and a step that it discards without asking for the end of the run.
     /// If it asks for the end, the run ends after this communication step.
-    #[inline]
+    #[inline(always)]
     pub fn advance(&mut self, slave: usize, time: f64, step: f64) -> Result<(), Error> {
         let participant = &mut self.participants[slave];
         if !participant.pace.due {
@@ -348,29 +360,40 @@ impl System {
             StepResult::Completed => Ok(()),
             StepResult::Discarded { reached, terminated } => {
                 let slave = participant.slave.name().to_owned();
-                if !terminated {
-                    return Err(Error::Discarded { fmu: slave, step, reached });
-                }
-                self.ending = Some(Ending { slave, time: reached.unwrap_or(time + step) });
-                Ok(())
+                self.discarded(slave, (time, step), reached, terminated)
             }
         }
+    }
+
+    /// A slave has given up its step, or asks for the end.
+    #[cold]
+    fn discarded(
+        &mut self,
+        slave: String,
+        (time, step): (f64, f64),
+        reached: Option<f64>,
+        terminated: bool,
+    ) -> Result<(), Error> {
+        if !terminated {
+            return Err(Error::Discarded { fmu: slave, step, reached });
+        }
+        self.ending = Some(Ending { slave, time: reached.unwrap_or(time + step) });
+        Ok(())
     }
 
     /// Reads the slave's connected and recorded variables to the bus.
     ///
     /// # Errors
     /// What the slave says, and a value that is NaN or infinite.
-    #[inline]
+    #[inline(always)]
     pub fn read(&mut self, slave: usize) -> Result<(), Error> {
         let participant = &mut self.participants[slave];
         if !participant.pace.due {
             return Ok(());
         }
-        participant.outputs.read(&mut *participant.slave, &mut self.bus)?;
-        participant.observed.read(&mut *participant.slave, &mut self.bus)?;
-        participant.outputs.check(&*participant.slave)?;
-        participant.observed.check(&*participant.slave)
+        let outputs = participant.outputs.read(&mut *participant.slave, &mut self.bus)?;
+        let observed = participant.observed.read(&mut *participant.slave, &mut self.bus)?;
+        if outputs && observed { Ok(()) } else { Err(participant.not_finite()) }
     }
 
     /// In initialization mode: sets the slave's inputs and reads its connected outputs.
@@ -384,26 +407,22 @@ impl System {
     /// Reads the slave's connected outputs only.
     pub(crate) fn read_outputs(&mut self, slave: usize) -> Result<(), Error> {
         let participant = &mut self.participants[slave];
-        participant.outputs.read(&mut *participant.slave, &mut self.bus)
+        participant.outputs.read(&mut *participant.slave, &mut self.bus).map(|_| ())
     }
 
     /// Notes the recorded outputs of this communication point.
     #[inline]
     pub(crate) fn tap_outputs(&mut self) {
-        for (value, tap) in self.row.iter_mut().zip(&self.taps) {
-            if let Tap::Bus(place) = tap {
-                *value = self.bus[*place];
-            }
+        for Tap { column, place } in &self.taps {
+            self.row[*column] = self.bus[*place];
         }
     }
 
     /// Notes the recorded inputs as they act from this communication point on.
     #[inline]
     pub(crate) fn tap_inputs(&mut self) {
-        for (value, tap) in self.row.iter_mut().zip(&self.taps) {
-            if let Tap::Input { slave, place } = tap {
-                *value = self.participants[*slave].inputs[*place];
-            }
+        for InputTap { column, slave, place } in &self.input_taps {
+            self.row[*column] = self.participants[*slave].inputs[*place];
         }
     }
 }

@@ -10,7 +10,7 @@ use modeldescription::{ModelDescription, Package};
 use super::address::Address;
 use super::selection::{Selection, TypeRun};
 use super::support::{
-    Room, Settings, States, instance_of, offers_bytes, offers_state, problem, same_length,
+    Room, Settings, States, failed, instance_of, offers_bytes, offers_state, problem, same_length,
     type_error,
 };
 use super::value::Value;
@@ -19,6 +19,8 @@ use crate::error::Error;
 
 /// Integers, booleans and orders are made on the stack, so many at once.
 const CHUNK: usize = 32;
+/// The call whose room is watched.
+const GET_REAL: &str = "fmi2GetReal";
 
 /// One instance of an FMI 2.0 co-simulation FMU.
 pub(crate) struct Fmi2Slave {
@@ -68,6 +70,39 @@ impl Fmi2Slave {
         let options =
             Instantiation { name, guid, resource_location, visible, logging_on, on_message };
         self.instance = Some(Instance::new(&self.library, options)?);
+        Ok(())
+    }
+
+    /// Writes variables of any types.
+    #[inline(never)]
+    fn set_runs(&mut self, selection: &Selection, values: &[f64]) -> Result<(), Error> {
+        let instance = self.instance()?;
+        for run in selection.runs() {
+            let references = &selection.references()[run.range.clone()];
+            let values = &values[run.range.clone()];
+            if run.data_type == DataType::Float64 {
+                instance.set_real(references, values)?;
+            } else {
+                set_whole(instance, selection, run, values)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads variables of any types.
+    #[inline(never)]
+    fn get_runs(&mut self, selection: &Selection, values: &mut [f64]) -> Result<(), Error> {
+        let instance = instance_of(&mut self.instance, &self.settings.name)?;
+        for run in selection.runs() {
+            let references = &selection.references()[run.range.clone()];
+            let values = &mut values[run.range.clone()];
+            if run.data_type == DataType::Float64 {
+                let get = |room: &mut [f64]| instance.get_real(references, room);
+                self.room.read(GET_REAL, values, get)?;
+            } else {
+                get_whole(instance, run.data_type, references, values)?;
+            }
+        }
         Ok(())
     }
 }
@@ -151,35 +186,24 @@ impl Slave for Fmi2Slave {
     #[inline]
     fn set(&mut self, selection: &Selection, values: &[f64]) -> Result<(), Error> {
         same_length(&self.settings.name, "set", selection, values.len())?;
-        let instance = self.instance()?;
-        for run in selection.runs() {
-            let references = &selection.references()[run.range.clone()];
-            let values = &values[run.range.clone()];
-            if run.data_type == DataType::Float64 {
-                instance.set_real(references, values)?;
-            } else {
-                set_whole(instance, selection, run, values)?;
+        match &mut self.instance {
+            Some(instance) if selection.is_float64() => {
+                instance.set_real(selection.references(), values).map_err(failed)
             }
+            _ => self.set_runs(selection, values),
         }
-        Ok(())
     }
 
     #[inline]
     fn get(&mut self, selection: &Selection, values: &mut [f64]) -> Result<(), Error> {
         same_length(&self.settings.name, "get", selection, values.len())?;
-        let name = &self.settings.name;
-        let instance = instance_of(&mut self.instance, name)?;
-        for run in selection.runs() {
-            let references = &selection.references()[run.range.clone()];
-            let values = &mut values[run.range.clone()];
-            if run.data_type == DataType::Float64 {
-                let get = |room: &mut [f64]| instance.get_real(references, room);
-                self.room.read("fmi2GetReal", values, get)?;
-            } else {
-                get_whole(instance, run.data_type, references, values)?;
+        match &mut self.instance {
+            Some(instance) if selection.is_float64() => {
+                let get = |room: &mut [f64]| instance.get_real(selection.references(), room);
+                self.room.read(GET_REAL, values, get)
             }
+            _ => self.get_runs(selection, values),
         }
-        Ok(())
     }
 
     fn output_slopes(&mut self, outputs: &Selection, slopes: &mut [f64]) -> Result<(), Error> {
@@ -204,7 +228,7 @@ impl Slave for Fmi2Slave {
     #[inline]
     fn step(&mut self, time: f64, step: f64) -> Result<StepResult, Error> {
         let keep_earlier_state = !self.states.is_empty();
-        Ok(self.instance()?.do_step(time, step, keep_earlier_state)?)
+        self.instance()?.do_step(time, step, keep_earlier_state).map_err(failed)
     }
 
     fn terminate(&mut self) -> Result<(), Error> {

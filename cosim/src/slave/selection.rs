@@ -137,6 +137,13 @@ impl Selection {
         &self.runs
     }
 
+    /// Whether all are scalars of type Float64, which one call of the C interface reads or writes.
+    #[inline]
+    pub(crate) fn is_float64(&self) -> bool {
+        let [run] = &self.runs[..] else { return false };
+        run.data_type == DataType::Float64 && run.array.is_none()
+    }
+
     /// Place of a name.
     pub fn position(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|there| there == name)

@@ -52,13 +52,36 @@ impl Room {
         }
         let mark = f64::from_bits(MARK);
         self.values[asked] = mark;
-        get(&mut self.values[..asked])?;
+        get(&mut self.values[..asked]).map_err(failed)?;
         if self.values[asked].to_bits() != MARK {
-            return Err(Error::Overrun { fmu: self.fmu.clone(), call, asked });
+            return Err(self.overrun(call, asked));
         }
-        values.copy_from_slice(&self.values[..asked]);
+        copy(values, &self.values[..asked]);
         Ok(())
     }
+
+    #[cold]
+    fn overrun(&self, call: &'static str, asked: usize) -> Error {
+        Error::Overrun { fmu: self.fmu.clone(), call, asked }
+    }
+}
+
+/// Copies a slice into one of the same length, without a call where it is short.
+#[inline]
+fn copy(to: &mut [f64], from: &[f64]) {
+    match (to, from) {
+        ([a], [x]) => *a = *x,
+        ([a, b], [x, y]) => (*a, *b) = (*x, *y),
+        ([a, b, c], [x, y, z]) => (*a, *b, *c) = (*x, *y, *z),
+        (to, from) => to.copy_from_slice(from),
+    }
+}
+
+/// The error of a call of the FMU, apart so that calls that go well are short.
+#[cold]
+#[inline(never)]
+pub(super) fn failed(error: ImportError) -> Error {
+    error.into()
 }
 
 /// Saved states by their numbers.
