@@ -45,11 +45,21 @@ impl Plays<'_> {
         self.step(u, state)
     }
 
-    /// Moves the input monotonically to `u` and returns the sum.
+    /// Moves the input monotonically to `u` and returns the sum, added up from the first play on.
     #[inline]
     pub fn step(&self, u: f64, state: &mut [f64]) -> f64 {
+        let count = state.len().min(self.r.len()).min(self.w.len());
+        // Two plays move at once, in one register.
+        let (p, last_p) = state[..count].as_chunks_mut::<2>();
+        let (r, last_r) = self.r[..count].as_chunks::<2>();
+        let (w, last_w) = self.w[..count].as_chunks::<2>();
         let mut sum = 0.0;
-        for ((p, r), w) in state.iter_mut().zip(self.r).zip(self.w) {
+        for ((p, r), w) in p.iter_mut().zip(r).zip(w) {
+            *p = [play(u, r[0], p[0]), play(u, r[1], p[1])];
+            sum += w[0] * p[0];
+            sum += w[1] * p[1];
+        }
+        if let ([p], [r], [w]) = (last_p, last_r, last_w) {
             *p = play(u, *r, *p);
             sum += w * *p;
         }
