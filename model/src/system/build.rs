@@ -14,7 +14,9 @@ use alloc::vec::Vec;
 
 use self::variables::{Units, enabled_variable, output_variable, parameter_variable};
 use super::cells::FEW_PORTS;
-use super::{AxisSpec, BuildError, Kind, Node, NodeSpec, Plan, System, SystemSpec, Wire, Wiring};
+use super::{
+    ALWAYS_ON, AxisSpec, BuildError, Kind, Node, NodeSpec, Plan, System, SystemSpec, Wire, Wiring,
+};
 use crate::{
     Context, DataType, Declaration, Output, Quantity, Shape, Source, Unit, Variable, VariableTable,
     Within,
@@ -195,7 +197,7 @@ impl<'a> Builder<'a> {
             structure: node.structure.clone(),
             parameters: 0..0,
             seeds: seeds(declaration, &node.structure),
-            enabled: None,
+            enabled: ALWAYS_ON,
             wiring: Wiring {
                 coefficients: coefficients.into(),
                 state: state.into(),
@@ -450,7 +452,7 @@ impl<'a> Builder<'a> {
                 values.push(value);
             }
             node.parameters = start..start + count;
-            node.enabled = switch.then_some(start + count);
+            node.enabled = if switch { start + count } else { ALWAYS_ON };
             widest = widest.max(count);
         }
         let blocks = [

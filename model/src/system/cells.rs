@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::{Node, Past, Plan};
+use super::{Node, Past, Plan, Wire};
 use crate::{MAX_PORTS, Tick};
 
 /// Input ports that an instance holds in place.
@@ -134,10 +134,34 @@ impl Plan {
     #[inline(always)]
     pub(super) fn begin(&self, cells: &mut [f64], past: &mut Past) {
         self.note_state(cells, past);
-        for ((input, wire), noted) in self.inputs.iter().enumerate().zip(&mut past.inputs) {
-            *noted = cells[input];
-            cells[wire.signal] = wire.unit.to_si(*noted);
+        let (values, rest) = cells.split_at_mut(self.blocks[0]);
+        for ((value, wire), noted) in values.iter().zip(&self.inputs).zip(&mut past.inputs) {
+            *noted = *value;
+            rest[wire.signal - self.blocks[0]] = wire.unit.to_si(*value);
         }
+    }
+
+    /// Shows the signals as values of the outputs, and notes what these were before where there is
+    /// room for it. Whether all of them are finite numbers.
+    #[inline(always)]
+    pub(super) fn show(&self, cells: &mut [f64], noted: &mut [f64]) -> bool {
+        let (values, rest) = cells.split_at_mut(self.blocks[0]);
+        let values = &mut values[self.inputs.len()..];
+        // Zero times a number is zero, of whatever sign, unless the number is not finite.
+        let mut zero = 0.0;
+        let mut show = |value: &mut f64, wire: &Wire| {
+            *value = wire.unit.from_si(rest[wire.signal - self.blocks[0]]);
+            zero += 0.0 * *value;
+        };
+        if noted.len() == self.outputs.len() {
+            for ((value, wire), noted) in values.iter_mut().zip(&self.outputs).zip(noted) {
+                *noted = *value;
+                show(value, wire);
+            }
+        } else {
+            values.iter_mut().zip(&self.outputs).for_each(|(value, wire)| show(value, wire));
+        }
+        zero == 0.0
     }
 
     /// Notes the state.
@@ -222,7 +246,8 @@ impl Plan {
 impl Node {
     #[inline(always)]
     fn is_off(&self, cells: &[f64]) -> bool {
-        self.enabled.is_some_and(|at| cells.get(at) == Some(&0.0))
+        // Zero of whatever sign has no other bit than that of the sign.
+        cells.get(self.enabled).is_some_and(|enabled| enabled.to_bits() << 1 == 0)
     }
 
     /// One hit within a straight chain; returns the signal behind it.

@@ -67,6 +67,9 @@ pub(crate) struct Plan {
     straight: Option<Straight>,
 }
 
+/// Where no value switches a node on.
+const ALWAYS_ON: usize = usize::MAX;
+
 /// An instance of a component.
 #[derive(Clone)]
 struct Node {
@@ -78,8 +81,8 @@ struct Node {
     parameters: Range<usize>,
     /// Which of its parameters are seeds.
     seeds: Vec<usize>,
-    /// Value that switches it on; `None`: always on.
-    enabled: Option<usize>,
+    /// Value that switches it on; [`ALWAYS_ON`], which no value is, where there is none.
+    enabled: usize,
     wiring: Wiring,
     /// Number of signal paths through it: the first inputs and the first outputs.
     paths: usize,
@@ -159,7 +162,14 @@ impl System {
     #[inline]
     #[must_use]
     pub fn get(&self, reference: u32) -> Option<f64> {
-        self.context.cells[..self.plan.blocks[0]].get(reference as usize).copied()
+        self.values().get(reference as usize).copied()
+    }
+
+    /// The values of all variables in their own units, by value reference.
+    #[inline]
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.context.cells[..self.plan.blocks[0]]
     }
 
     /// Sets an input or a parameter, in its own unit. A parameter takes effect at the next hit.

@@ -1,6 +1,6 @@
 //! Rest and steps: what runs at each communication step, and allocates nothing.
 
-use super::cells::{Span, copy, own_seed};
+use super::cells::{Span, own_seed};
 use super::{Past, Plan, StepError, System};
 use crate::{Context, Tick};
 
@@ -20,6 +20,12 @@ impl System {
         self.prepare()?;
         self.settle()?;
         self.show(&mut [])
+    }
+
+    /// As that of the plan, with an error where an output is not finite.
+    fn show(&mut self, noted: &mut [f64]) -> Result<(), StepError> {
+        let (plan, cells) = self.split();
+        if plan.show(cells, noted) { Ok(()) } else { Err(self.not_finite()) }
     }
 
     /// Puts every node at rest; where a signal is read back, until all signals stay as they are.
@@ -153,24 +159,6 @@ impl System {
         let noted = past.map_or(&mut [][..], |past| &mut past.outputs);
         self.show(noted)?;
         Ok(last - first)
-    }
-
-    /// Shows the signals as values of the outputs, and notes what they were before where there is
-    /// room for it.
-    #[inline(always)]
-    fn show(&mut self, noted: &mut [f64]) -> Result<(), StepError> {
-        let (plan, cells) = self.split();
-        let first = plan.inputs.len();
-        if !noted.is_empty() {
-            copy(noted, &cells[first..][..noted.len()]);
-        }
-        let mut finite = true;
-        for (output, wire) in (first..).zip(&plan.outputs) {
-            let value = wire.unit.from_si(cells[wire.signal]);
-            cells[output] = value;
-            finite &= value.abs() <= f64::MAX;
-        }
-        if finite { Ok(()) } else { Err(self.not_finite()) }
     }
 
     /// The first output that is not finite.

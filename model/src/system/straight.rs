@@ -1,4 +1,4 @@
-//! The usual step of the usual model: one hit of one axis, whose signal goes from node to node.
+//! The usual step: one hit with held inputs, and that of one axis, whose signal goes from node to node.
 
 use super::{Past, Plan, System, Wire};
 use crate::Tick;
@@ -40,9 +40,9 @@ impl Plan {
 }
 
 impl System {
-    /// Does what [`advance_noted`](Self::advance_noted) does with held inputs, if the step has no hit,
-    /// or one hit and the chain is straight: then the signal stays in a register from input to
-    /// output, and the loops over axes and hits fall away.
+    /// Does what [`advance_noted`](Self::advance_noted) does with held inputs, if the step has no hit
+    /// or one hit. If the chain is straight too, the signal stays in a register from input to output,
+    /// and the loops over axes fall away.
     #[inline(always)]
     pub fn quick_step(&mut self, time: f64, from: f64, past: &mut Past) -> Quick {
         let (limit, next) = self.reach_of(time);
@@ -52,13 +52,15 @@ impl System {
         }
         let System { plan, context, .. } = self;
         let period = plan.period;
-        let Some(Straight { input, output }) = &plan.straight else { return Quick::Other };
         // Nearer to the hit after the next one, the loop decides; it does for what is not finite too.
-        let [u, y, ..] = &mut context.cells[..] else { return Quick::Other };
         let is_one = limit - next < 0.5 * period;
         if !is_one || context.dirty {
             return Quick::Other;
         }
+        let Some(Straight { input, output }) = &plan.straight else {
+            return self.one_hit(next, from, past);
+        };
+        let [u, y, ..] = &mut context.cells[..] else { return Quick::Other };
         past.note_step(context.index, from, &[]);
         past.note_values(*u, *y);
         let mut signal = input.unit.to_si(*u);
@@ -74,5 +76,17 @@ impl System {
         // The variables begin with the input and the output.
         cells[1] = value;
         if value.abs() <= f64::MAX { Quick::Done } else { Quick::Broken }
+    }
+
+    /// The hit at the time `next`, of a chain of any form.
+    #[inline(always)]
+    fn one_hit(&mut self, next: f64, from: f64, past: &mut Past) -> Quick {
+        let System { plan, context, .. } = self;
+        let cells = &mut context.cells[..];
+        past.note_step(context.index, from, &[]);
+        plan.begin(cells, past);
+        context.index += 1;
+        plan.step(cells, &Tick { index: context.index, time: next, period: plan.period });
+        if plan.show(cells, &mut past.outputs) { Quick::Done } else { Quick::Broken }
     }
 }

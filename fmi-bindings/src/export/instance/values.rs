@@ -18,70 +18,35 @@ impl Instance {
         if self.progress.stale && self.progress.phase == Phase::Initialization {
             self.settle()?;
         }
-        if let [reference] = references {
-            let value =
-                self.system.get(*reference).filter(|_| self.gate(*reference, wanted).is_some());
-            let Some(value) = value else { return Err(self.mismatch(*reference, wanted)) };
-            write(0, value);
-            return Ok(());
-        }
-        self.get_many(wanted, references, write)
-    }
-
-    /// Apart from the calls for one variable, which need few registers.
-    #[inline(never)]
-    fn get_many(
-        &self,
-        wanted: DataType,
-        references: &[u32],
-        mut write: impl FnMut(usize, f64),
-    ) -> Outcome {
         for reference in references {
             if self.gate(*reference, wanted).is_none() {
                 return Err(self.mismatch(*reference, wanted));
             }
         }
+        let values = self.system.values();
         for (at, reference) in references.iter().enumerate() {
-            write(at, self.system.get(*reference).unwrap_or(f64::NAN));
+            // Each variable that has a gate has a value.
+            let Some(value) = values.get(*reference as usize) else { break };
+            write(at, *value);
         }
         Ok(())
     }
 
-    /// Sets values of one type; `read` gives the value at a position. Nothing is set on failure.
+    /// Sets values of one type, as many as there are references. Nothing is set on failure.
     #[inline]
     pub(in crate::export) fn set(
         &mut self,
         wanted: DataType,
         references: &[u32],
-        read: impl Fn(usize) -> f64,
+        values: impl Iterator<Item = f64> + Clone,
     ) -> Outcome {
-        if let [reference] = references {
-            let value = read(0);
+        for (reference, value) in references.iter().zip(values.clone()) {
             if !self.takes(*reference, wanted, value) {
                 return Err(self.not_taken(*reference, wanted, value));
             }
+        }
+        for (reference, value) in references.iter().zip(values) {
             self.system.put(*reference, value);
-            self.follow();
-            return Ok(());
-        }
-        self.set_many(wanted, references, read)
-    }
-
-    /// Apart from the calls for one variable, which need few registers.
-    #[inline(never)]
-    fn set_many(
-        &mut self,
-        wanted: DataType,
-        references: &[u32],
-        read: impl Fn(usize) -> f64,
-    ) -> Outcome {
-        for (at, reference) in references.iter().enumerate() {
-            if !self.takes(*reference, wanted, read(at)) {
-                return Err(self.not_taken(*reference, wanted, read(at)));
-            }
-        }
-        for (at, reference) in references.iter().enumerate() {
-            self.system.put(*reference, read(at));
         }
         self.follow();
         Ok(())

@@ -250,7 +250,7 @@ pub unsafe extern "C" fn fmi2SetReal(
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's arrays of `nvr` elements.
         let (vr, value) = unsafe { (array(vr, nvr, "vr")?, array(value, nvr, "value")?) };
-        instance.set(DataType::Real, vr, |at| value[at])
+        instance.set(DataType::Real, vr, value.iter().copied())
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, &SET_REAL, body) }
@@ -266,7 +266,7 @@ pub unsafe extern "C" fn fmi2SetInteger(
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's arrays of `nvr` elements.
         let (vr, value) = unsafe { (array(vr, nvr, "vr")?, array(value, nvr, "value")?) };
-        instance.set(DataType::Integer, vr, |at| f64::from(value[at]))
+        instance.set(DataType::Integer, vr, value.iter().map(|value| f64::from(*value)))
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, &SET_INTEGER, body) }
@@ -282,7 +282,8 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     let body = |instance: &mut Instance| {
         // SAFETY: the caller's arrays of `nvr` elements.
         let (vr, value) = unsafe { (array(vr, nvr, "vr")?, array(value, nvr, "value")?) };
-        instance.set(DataType::Boolean, vr, |at| f64::from(u8::from(value[at] != fmi2False)))
+        let truth = |value: &fmi2Boolean| f64::from(u8::from(*value != fmi2False));
+        instance.set(DataType::Boolean, vr, value.iter().map(truth))
     };
     // SAFETY: the contract of all functions here.
     unsafe { call(c, &SET_BOOLEAN, body) }
