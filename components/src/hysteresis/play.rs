@@ -124,6 +124,25 @@ mod tests {
     }
 
     #[test]
+    fn plays_in_pairs_are_single_plays_to_the_bit() {
+        for count in 0..6 {
+            let mut random = Random::new(11);
+            let (r, w) = (random.signal(0.0, 1.0, count), random.signal(-1.0, 1.0, count));
+            let plays = Plays { r: &r, w: &w };
+            let (mut pairs, mut single) = (std::vec![0.0; count], std::vec![0.0; count]);
+            for u in random.signal(-2.0, 2.0, 500) {
+                let mut sum = 0.0;
+                for ((p, r), w) in single.iter_mut().zip(&r).zip(&w) {
+                    *p = play(u, *r, *p);
+                    sum += w * *p;
+                }
+                assert_eq!(plays.step(u, &mut pairs).to_bits(), sum.to_bits(), "{count} plays");
+                assert_eq!(pairs, single);
+            }
+        }
+    }
+
+    #[test]
     fn stop_is_the_input_minus_the_play() {
         let signal = Random::new(7).signal(-2.0, 2.0, 2000);
         let (mut p, mut e, mut last) = (0.0, 0.0, 0.0);
