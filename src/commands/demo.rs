@@ -241,7 +241,7 @@ const SAMPLE_TIME: f64 = 2e-4;
 
 /// Commands of the measurement at 5 kHz: decaying triangles, a chirp over the resonances, twice with
 /// other amplitudes, so that what is held out differs from what is fitted.
-pub(crate) fn excitation() -> anyhow::Result<Log> {
+fn excitation() -> anyhow::Result<Log> {
     let mut command = Vec::new();
     for (high, top) in [(115.0, 6.0), (108.0, 5.0)] {
         let triangle = [

@@ -130,6 +130,13 @@ impl Response {
         Self { angles, values, period }
     }
 
+    /// The same plant without the period of delay: the command acts at once.
+    pub(super) fn at_once(&self) -> Self {
+        let ahead = self.angles.iter().map(|angle| Complex::from_polar(1.0, *angle));
+        let values = self.values.iter().zip(ahead).map(|(value, ahead)| value * ahead).collect();
+        Self { angles: self.angles.clone(), values, period: self.period }
+    }
+
     /// The open loop at each frequency for a gain ki of 1.
     fn loop_of(&self, shape: Shape) -> Vec<Complex<f64>> {
         let t = self.period;
@@ -257,5 +264,26 @@ mod tests {
         let plant = Response::new(&[-2.0], 0.01, &[]);
         let found = shape(&[plant], INTEGRAL, -2.0, LIMITS).expect("shaped");
         assert!(found.ki < 0.0);
+    }
+
+    #[test]
+    fn robust_gains_keep_the_sensitivity_of_a_light_mode_with_and_without_computing() {
+        use super::super::tuning::{judge_loop, robust};
+        // A mode at a fifth of the sample rate with a quality of about 16, and gain 1.
+        let (keep, angle) = (0.98_f64.powi(2), 0.4 * PI);
+        let (a1, a2) = (2.0 * keep.sqrt() * angle.cos(), -keep);
+        let (mut last, mut before) = (0.0, 0.0);
+        let step = |_| {
+            let y = 1.0 - a1 - a2 + a1 * last + a2 * before;
+            let impulse = y - last;
+            (before, last) = (last, y);
+            impulse
+        };
+        let impulse: Vec<f64> = (0..600).map(step).collect();
+        let gains = robust(&impulse, 5e-5, 1.5, 20.0).expect("gains");
+        for computing in [true, false] {
+            let found = judge_loop(&impulse, 5e-5, &gains, computing, &[]);
+            assert!(found.stable && found.sensitivity <= 1.51, "{computing}: {found:?}");
+        }
     }
 }

@@ -292,7 +292,9 @@ pub fn impulse_of(
 }
 
 /// The gains with the largest integral part whose loop keeps max |1/(1 + L)| ≤ `most` and amplifies
-/// white noise of the sensor at most `noise` times on its way to the command, as a position.
+/// white noise of the sensor at most `noise` times on its way to the command, as a position. The loop
+/// keeps it with and without one period of computing: a light mode that a delay turns out of harm's way
+/// may be in it without the delay.
 ///
 /// # Errors
 /// [`Error::Tuning`] where none does.
@@ -301,7 +303,8 @@ pub fn robust(impulse: &[f64], period: f64, most: f64, noise: f64) -> Result<Gai
     // How long the response takes: the mean time of its impulse response.
     let mean = impulse.iter().zip(1..).map(|(h, k)| h * f64::from(k)).sum::<f64>() / slope;
     let lag = (mean.clamp(1.0, impulse.len() as f64) - 0.5) * period;
-    let response = [Response::new(impulse, period, &[])];
+    let computing = Response::new(impulse, period, &[]);
+    let response = [computing.at_once(), computing];
     let limits = Limits { sensitivity: most, noise };
     let mut best = None;
     for a in [0.0, 0.15, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0].map(|x| x * lag) {
