@@ -228,12 +228,12 @@ fn feedforward(plant: &AxisBlueprint) -> anyhow::Result<Vec<ComponentBlueprint>>
     Ok(vec![lead, inverse])
 }
 
+/// The greatest errors of both axes with these gains.
+type Trial<'a> = dyn FnMut(&mut Bed, [Gains; 2]) -> anyhow::Result<[f64; 2]> + 'a;
+
 /// Gains of both axes by trial, as the paper finds its own: of the robust gains on the measured steps, from cautious to
 /// usual, those with the least greatest error.
-fn by_trial(
-    bed: &mut Bed,
-    errors: &mut dyn FnMut(&mut Bed, [Gains; 2]) -> anyhow::Result<[f64; 2]>,
-) -> anyhow::Result<[Gains; 2]> {
+fn by_trial(bed: &mut Bed, errors: &mut Trial<'_>) -> anyhow::Result<[Gains; 2]> {
     let mut impulses = Vec::new();
     for axis in 0..2 {
         let mut commands = [STEPS[0]; 2];
