@@ -1,7 +1,8 @@
 //! Many mutated inputs in this process, on any compiler: what makes a reader say something new is
-//! kept and mutated further.
+//! kept and mutated further, the shorter the likelier.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -61,10 +62,9 @@ pub fn run(
     folder: &Path,
 ) -> io::Result<Result<Figures, Box<Finding>>> {
     let scratch = target.scratch(folder)?;
-    let mut pool = corpus(target)?;
-    let seeds = pool.clone();
+    let seeds = corpus(target)?;
+    let mut pool = Pool::new(seeds.clone());
     let mut random = Random::new(seed);
-    let mut seen = HashSet::new();
     let mut figures = Figures::default();
     let watch = Watch::new(target.name, scratch.path());
     let begin = Instant::now();
@@ -72,9 +72,8 @@ pub fn run(
         let input = match seeds.get(figures.executions as usize) {
             Some(seed) => seed.clone(),
             None => {
-                let mut input = random.of(&pool).clone();
-                let other: &Vec<u8> = random.of(&pool);
-                mutate(target.kind, &mut input, other, &mut random);
+                let mut input = pool.draw(&mut random).clone();
+                mutate(target.kind, &mut input, pool.draw(&mut random), &mut random);
                 input
             }
         };
@@ -102,13 +101,49 @@ pub fn run(
             return Ok(Err(Box::new(Finding { input, what })));
         }
         figures.accepted += u64::from(said.is_empty());
-        if seen.insert(behaviour(&said)) && pool.len() < POOL {
-            pool.push(input);
-        }
+        pool.offer(input, behaviour(&said));
     }
-    figures.behaviours = seen.len();
+    figures.behaviours = pool.seen.len();
     figures.time = begin.elapsed();
     Ok(Ok(figures))
+}
+
+/// Inputs that made a reader say something new, the short ones preferred: they are read faster, and a
+/// mutation of one is likelier to matter.
+struct Pool {
+    inputs: Vec<Vec<u8>>,
+    /// Where the input of each behaviour is; none where there was no room.
+    seen: HashMap<u64, Option<usize>>,
+}
+
+impl Pool {
+    fn new(inputs: Vec<Vec<u8>>) -> Self {
+        Self { inputs, seen: HashMap::new() }
+    }
+
+    /// The shorter of two.
+    fn draw(&self, random: &mut Random) -> &Vec<u8> {
+        let (one, other) = (random.of(&self.inputs), random.of(&self.inputs));
+        if other.len() < one.len() { other } else { one }
+    }
+
+    /// Keeps an input of a new behaviour, or in place of one that is twice as long.
+    fn offer(&mut self, input: Vec<u8>, behaviour: u64) {
+        match self.seen.entry(behaviour) {
+            Entry::Vacant(entry) if self.inputs.len() < POOL => {
+                entry.insert(Some(self.inputs.len()));
+                self.inputs.push(input);
+            }
+            Entry::Vacant(entry) => drop(entry.insert(None)),
+            Entry::Occupied(entry) => {
+                if let Some(at) = *entry.get()
+                    && 2 * input.len() <= self.inputs[at].len()
+                {
+                    self.inputs[at] = input;
+                }
+            }
+        }
+    }
 }
 
 /// The beginning of a text as a number, without quotations, numbers and names: only what stands between
