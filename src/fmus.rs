@@ -22,6 +22,9 @@ pub(crate) struct Opened {
     _folder: Option<tempfile::TempDir>,
 }
 
+/// What the process of an FMU takes itself, with room, in MB.
+const LEAST_MEMORY: f64 = 32.0;
+
 /// In which process FMUs run.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct Isolation {
@@ -37,6 +40,9 @@ pub(crate) struct Isolation {
         allow_negative_numbers = true
     )]
     timeout: f64,
+    /// Most memory of each FMU's process in MB; one that asks for more gets none
+    #[arg(long, value_name = "MB", requires = "isolate", allow_negative_numbers = true)]
+    memory: Option<f64>,
 }
 
 impl Isolation {
@@ -49,8 +55,16 @@ impl Isolation {
             bail!("--timeout {}: give a time in s, greater than 0", self.timeout);
         }
         let timeout = Duration::from_secs_f64(self.timeout);
-        let worker = Worker::this_program(crate::commands::WORKER, timeout)
+        let mut worker = Worker::this_program(crate::commands::WORKER, timeout)
             .context("this program does not find itself to start FMUs in their own processes")?;
+        if let Some(megabytes) = self.memory {
+            if !(LEAST_MEMORY..1e9).contains(&megabytes) {
+                bail!(
+                    "--memory {megabytes}: give at least {LEAST_MEMORY} MB, which the process itself needs"
+                );
+            }
+            worker.memory = Some((megabytes * 1e6) as u64);
+        }
         Ok(Some(worker))
     }
 }

@@ -105,6 +105,27 @@ fn a_step_that_crashes_or_hangs_is_named_and_the_record_kept() {
 }
 
 #[test]
+fn memory_beyond_the_limit_is_not_given_and_the_limit_told() {
+    let folder = prepared();
+    if !has_compiler() {
+        return;
+    }
+    let at = folder.path();
+    let limited = [&ISOLATED[..], &["--memory", "200"]].concat();
+    let fmu = build(at, "LEAK_MUCH", &["FAULT=LEAK_MUCH"], Lie::None);
+    let said = fails(&simulate(&fmu, &limited), at);
+    contains(&said, &["at t = 0.5 s: FMU `faulty`", "the 200 MB that it is allowed"]);
+    contains(&said, &["6 rows until then are in run.csv"]);
+    holds_rows(at, KEPT);
+    // A sound one does not notice; so little that the process itself cannot live is refused.
+    let fmu = build(at, "SOUND", &["FAULT=SOUND"], Lie::None);
+    succeed(&simulate(&fmu, &[&ISOLATED[..], &["--memory", "32"]].concat()), at);
+    holds_rows(at, ROWS);
+    let said = fails(&simulate(&fmu, &[&ISOLATED[..], &["--memory", "1"]].concat()), at);
+    contains(&said, &["--memory 1", "at least 32 MB"]);
+}
+
+#[test]
 fn an_fmu_that_cannot_even_begin_is_named_and_an_old_record_stays() {
     let folder = prepared();
     if !has_compiler() {

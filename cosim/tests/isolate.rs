@@ -27,7 +27,7 @@ fn serve() {
 fn worker(timeout: Duration) -> Worker {
     let arguments = ["serve", "--exact", "--nocapture", "--quiet", "--include-ignored"];
     let program = std::env::current_exe().expect("this program");
-    Worker { program, arguments: arguments.map(Into::into).to_vec(), timeout }
+    Worker { program, arguments: arguments.map(Into::into).to_vec(), timeout, memory: None }
 }
 
 fn isolated(path: PathBuf, name: &str, timeout: f64) -> Box<dyn Slave> {
@@ -179,7 +179,8 @@ fn a_program_that_is_no_worker_is_told() {
         [("/bin/true", "fmi2Instantiate has not returned"), ("/no/such", "cannot be started")]
     {
         let timeout = Duration::from_secs(20);
-        let worker = Worker { program: program.into(), arguments: Vec::new(), timeout };
+        let worker =
+            Worker { program: program.into(), arguments: Vec::new(), timeout, memory: None };
         let fmu = Fmu::open_isolated(&path, &worker).unwrap();
         let error = fmu.instantiate("p", &InstanceOptions::default()).err().unwrap().to_string();
         assert!(error.contains("FMU `p`: ") && error.contains(words), "{error}");

@@ -13,7 +13,7 @@ enum {
     SOUND, CRASH_LOAD, CRASH_INSTANTIATE, CRASH_STEP, CRASH_FREE, EXIT_STEP, HANG_INSTANTIATE, HANG_STEP, HANG_FREE,
     ERROR_STEP, FATAL_STEP, DISCARD_STEP, LEAK, PRINT, ROUNDING, FOLDER, FOLDER_ERROR, NO_NUMBER, INFINITE, MANY, ROUNDING_GET,
     CRASH_TUNED, ERROR_TUNED, ERROR_SOMETIMES,
-    CRASH_SOMETIMES
+    CRASH_SOMETIMES, LEAK_MUCH
 };
 #ifndef FAULT
 #define FAULT SOUND
@@ -121,6 +121,13 @@ static Status strike(struct faulty *it) {
     return OK;
 }
 
+/* Memory that nobody frees, written so that it is really there; the compiler must not see through it. */
+static void take(size_t bytes) {
+    static char *volatile last;
+    last = malloc(bytes);
+    for (size_t i = 0; i < bytes; i += 4096) last[i] = 1;
+}
+
 Status fmi2DoStep(void *c, double time, double step, int forget) {
     struct faulty *it = c;
     it->time = time + step;
@@ -130,7 +137,8 @@ Status fmi2DoStep(void *c, double time, double step, int forget) {
 #endif
     it->real[1] = it->real[2] * it->real[0];
     if (FAULT == PRINT) { printf("faulty: t = %g\n", time); (void)!write(1, "raw\n", 4); }
-    if (FAULT == LEAK) memset(malloc(1 << 20), 1, 1 << 20);
+    if (FAULT == LEAK) take(1 << 20);
+    if (FAULT == LEAK_MUCH && time > 0.45) take(1 << 30);
     if (FAULT == ROUNDING) fesetround(FE_UPWARD);
     if (FAULT == FOLDER) (void)!chdir("/");
     if (FAULT == CRASH_TUNED && it->real[2] != 2) crash();

@@ -27,6 +27,9 @@ pub struct Worker {
     pub arguments: Vec<OsString>,
     /// A call that takes longer ends the process.
     pub timeout: Duration,
+    /// Most memory for data that a process may have, in bytes; none: as much as there is. An FMU that asks
+    /// for more gets none, upon which most crash.
+    pub memory: Option<u64>,
 }
 
 impl Worker {
@@ -36,6 +39,6 @@ impl Worker {
     /// If the operating system does not tell which program this is.
     pub fn this_program(argument: &str, timeout: Duration) -> std::io::Result<Self> {
         let program = std::env::current_exe()?;
-        Ok(Worker { program, arguments: vec![argument.into()], timeout })
+        Ok(Worker { program, arguments: vec![argument.into()], timeout, memory: None })
     }
 }

@@ -21,6 +21,8 @@ pub(super) enum Request {
         name: String,
         visible: bool,
         logging_on: bool,
+        /// Most memory for data in bytes.
+        memory: Option<u64>,
     },
     Setup {
         start: f64,

@@ -28,6 +28,7 @@ pub(crate) struct IsolatedSlave {
     socket: Option<Socket>,
     child: Child,
     timeout: Duration,
+    memory: Option<u64>,
     /// Selections that the worker knows, by their numbers.
     selections: Vec<Selection>,
     /// Why nothing can be asked any more.
@@ -53,17 +54,19 @@ impl IsolatedSlave {
         let (socket, child) = start(worker).map_err(failed)?;
         let folder = package.folder().to_string_lossy().into_owned();
         let Settings { name, visible, logging_on, .. } = settings.clone();
+        let memory = worker.memory;
         let mut slave = IsolatedSlave {
             settings,
             description,
             socket: Some(socket),
             child,
             timeout: worker.timeout,
+            memory,
             selections: Vec::new(),
             ended: None,
             _package: package,
         };
-        slave.done("Instantiate", &Request::Open { folder, name, visible, logging_on })?;
+        slave.done("Instantiate", &Request::Open { folder, name, visible, logging_on, memory })?;
         Ok(slave)
     }
 
@@ -139,7 +142,14 @@ impl IsolatedSlave {
                 || "it was ended".to_owned(),
                 |status| format!("its process ended with {status}"),
             );
-            format!("{call} has not returned, because the FMU crashed: {status}")
+            let limit = self.memory.map_or_else(String::new, |bytes| {
+                let megabytes = bytes as f64 / 1e6;
+                format!(
+                    ". It may have asked for more memory than the {megabytes} MB that it is allowed; \
+                     if it needs more, allow it more"
+                )
+            });
+            format!("{call} has not returned, because the FMU crashed: {status}{limit}")
         };
         self.ended = Some(what.clone());
         self.ended(&what)

@@ -63,6 +63,17 @@ mod unix {
         late: Option<Error>,
     }
 
+    /// Of what this process asks for from now on.
+    fn limit(memory: Option<u64>) -> Result<(), Error> {
+        use rustix::process::{Resource, Rlimit, setrlimit};
+        let Some(memory) = memory else { return Ok(()) };
+        // On Linux private memory that can be written; address space that is only reserved does not count.
+        let limit = Rlimit { current: Some(memory), maximum: Some(memory) };
+        setrlimit(Resource::Data, limit).map_err(|error| {
+            Error::Worker(format!("memory cannot be limited to {memory} bytes: {error}"))
+        })
+    }
+
     impl Server {
         pub(super) fn new(socket: UnixStream) -> io::Result<Server> {
             Ok(Server {
@@ -115,7 +126,8 @@ mod unix {
 
         fn answer(&mut self, request: Request) -> Result<Answer, Error> {
             match request {
-                Request::Open { folder, name, visible, logging_on } => {
+                Request::Open { folder, name, visible, logging_on, memory } => {
+                    limit(memory)?;
                     self.open(&folder, &name, visible, logging_on)?;
                 }
                 Request::Setup { start, stop, tolerance } => {
