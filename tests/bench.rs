@@ -4,82 +4,14 @@
 
 mod common;
 
-use std::io::{BufRead, BufReader, Read};
+use std::io::BufRead;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
-use std::sync::atomic::{AtomicU16, Ordering};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
+use common::bench::{Process, machine, port, stage};
 use common::{refuse, succeed};
 use serde_json::Value;
-
-/// A free pair of ports of this test process.
-fn port() -> u16 {
-    static NEXT: AtomicU16 = AtomicU16::new(0);
-    let base = 21_000 + (std::process::id() % 1000) as u16 * 20;
-    loop {
-        let port = base + 2 * NEXT.fetch_add(1, Ordering::Relaxed);
-        let free = |port: u16| std::net::UdpSocket::bind(("127.0.0.1", port)).is_ok();
-        if free(port) && free(port + 1) {
-            return port;
-        }
-    }
-}
-
-/// A process whose first line has been read.
-struct Process {
-    child: Child,
-    out: BufReader<std::process::ChildStdout>,
-    first: String,
-}
-
-impl Process {
-    fn start(command: &mut Command) -> Self {
-        let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
-        let mut out = BufReader::new(child.stdout.take().expect("a pipe"));
-        let mut first = String::new();
-        out.read_line(&mut first).expect("it speaks");
-        Process { child, out, first }
-    }
-
-    fn tool(arguments: &[&str], folder: &Path) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_piezoloop"));
-        Process::start(command.args(arguments).current_dir(folder))
-    }
-
-    fn signal(&self, name: &str) {
-        let id = self.child.id().to_string();
-        assert!(Command::new("kill").args([name, &id]).status().expect("kill runs").success());
-    }
-
-    /// What it said until its end, and its exit code.
-    fn end(mut self) -> (String, Option<i32>) {
-        let mut text = self.first.clone();
-        self.out.read_to_string(&mut text).expect("UTF-8");
-        (text, self.child.wait().expect("it ends").code())
-    }
-}
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-/// A folder with a plan that plays commands to a machine of one axis.
-fn stage(seconds: f64) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    let plan = format!(
-        "rate = 200\nsettle = 0.05\napproach = 0.1\npatience = 20\n\
-         [[axis]]\ncommand_limits = [-2, 12]\nsafe_rate = 100\n\
-         command_unit = \"V\"\nposition_unit = \"um\"\n\
-         [watch]\nhold = 150\nmax_age = 100\n\
-         [[sequence]]\nkind = \"rest\"\nseconds = {seconds}\nat = [6]\n"
-    );
-    std::fs::write(folder.path().join("plan.toml"), plan).expect("a plan");
-    folder
-}
 
 fn run(port: u16, more: &[&str], folder: &Path) -> (Value, Option<i32>) {
     let gateway = format!("udp://127.0.0.1:{port}");
@@ -89,14 +21,6 @@ fn run(port: u16, more: &[&str], folder: &Path) -> (Value, Option<i32>) {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     let answer = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
     (answer, output.status.code())
-}
-
-/// The machine that the tool plays: p1, a stage of one axis.
-fn machine(port: u16, more: &[&str], folder: &Path) -> Process {
-    let gateway = format!("udp://127.0.0.1:{port}");
-    let mut all = vec!["bench", "emulate", "p1", "--gateway", &gateway, "--rate", "200"];
-    all.extend(more);
-    Process::tool(&all, folder)
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! What the tests of the tool share: the built tool, a Python with the foreign checkers, folders.
 #![allow(dead_code, clippy::print_stderr, clippy::print_stdout)]
 
+#[cfg(unix)]
+pub(crate) mod bench;
 pub(crate) mod faulty;
 pub(crate) mod foreign;
 pub(crate) mod four_axes;

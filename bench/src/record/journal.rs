@@ -49,6 +49,14 @@ pub enum JournalError {
         /// What the system says.
         error: io::Error,
     },
+    /// It ends within its description.
+    #[error("{}: its {bytes} bytes end within its description; a run that was killed as it began leaves that, without a row: delete it", path.display())]
+    Short {
+        /// File.
+        path: PathBuf,
+        /// Its length.
+        bytes: u64,
+    },
     /// It is none.
     #[error("{}: is no journal of the bench: {rule}; give the file that `bench run` left, which ends in .journal", path.display())]
     NotOne {
@@ -148,14 +156,17 @@ impl JournalReader {
         let failed = |error| JournalError::Io { path: path.to_owned(), what: "read", error };
         let not = |rule| JournalError::NotOne { path: path.to_owned(), rule };
         let mut file = BufReader::new(File::open(path).map_err(failed)?);
-        let mut magic = [0; 8];
-        if file.read_exact(&mut magic).is_err() || &magic != MAGIC {
+        let mut magic = Vec::new();
+        file.by_ref().take(8).read_to_end(&mut magic).map_err(failed)?;
+        if !MAGIC.starts_with(&magic) {
             return Err(not("it does not begin with PZLJRNL1"));
         }
-        let text = sized(&mut file, 1).ok_or_else(|| not("its description is broken off"))?;
+        let bytes = file.get_ref().metadata().map_err(failed)?.len();
+        let short = || JournalError::Short { path: path.to_owned(), bytes };
+        let text = sized(&mut file, 1).ok_or_else(short)?;
         let mut checksum = [0; 4];
-        let there = file.read_exact(&mut checksum).is_ok();
-        if !there || crc32fast::hash(&text).to_le_bytes() != checksum {
+        file.read_exact(&mut checksum).map_err(|_| short())?;
+        if crc32fast::hash(&text).to_le_bytes() != checksum {
             return Err(not("its description is damaged"));
         }
         let about: About = serde_json::from_slice(&text)

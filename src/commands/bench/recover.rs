@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use bench::record::{Converted, Format, convert};
+use anyhow::bail;
+use bench::record::{Converted, Format, convert, rows};
 use clap::Args;
 use serde::Serialize;
 
@@ -28,6 +29,10 @@ impl Recover {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let out = self.out.unwrap_or_else(|| self.journal.with_extension(""));
         let format = Format::of(&out).map_err(anyhow::Error::msg)?;
+        if rows(&self.journal)? == 0 {
+            let journal = self.journal.display();
+            bail!("{journal}: has no row; the run was killed before its first: delete it");
+        }
         let more = serde_json::json!({ "recovered": true });
         let more = more.as_object().cloned().unwrap_or_default();
         screen.show(&Recovered(convert(&self.journal, &out, format, &more)?))
