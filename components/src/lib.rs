@@ -1,9 +1,9 @@
 //! The plant library and the control laws: one file per component.
 //!
-//! Folders are the stages of the signal path. A component is a unit type that implements
-//! [`model::Component`]; to add one, write its file and its line in [`COMPONENTS`]. The physical
-//! causes that components stand for are in [`effects`]. Nothing here allocates; functions come from
-//! `libm`, so that results are equal on every machine.
+//! Folders are the stages of the signal path. A component is a unit type, or a static of a type that
+//! several share, that implements [`model::Component`]; to add one, write its file and its line in
+//! [`COMPONENTS`]. The physical causes that components stand for are in [`effects`]. Nothing here
+//! allocates; functions come from `libm`, so that results are equal on every machine.
 #![no_std]
 #[cfg(test)]
 extern crate std;
@@ -24,6 +24,8 @@ pub mod solve;
 pub mod timing;
 pub mod turn;
 
+mod affine;
+mod low_pass;
 mod quantiser;
 mod rules;
 #[cfg(test)]
@@ -35,7 +37,7 @@ pub static COMPONENTS: model::Registry = &[
     &timing::ClockOffset,
     &timing::DAC_QUANTISATION,
     &amplifier::AmplifierLag,
-    &amplifier::AmplifierSecondOrder,
+    &amplifier::AMPLIFIER_SECOND_ORDER,
     &amplifier::AmplifierRc,
     &amplifier::AmplifierSlew,
     &amplifier::AmplifierFoldback,
@@ -43,7 +45,7 @@ pub static COMPONENTS: model::Registry = &[
     &amplifier::AmplifierNonlinearity,
     &amplifier::PiezoCharge,
     &actuator::PolarisationSaturation,
-    &actuator::ActuatorGain,
+    &actuator::ACTUATOR_GAIN,
     &actuator::ActuatorTemperature,
     &actuator::ActuatorAgeing,
     &actuator::SelfHeating,
@@ -63,11 +65,11 @@ pub static COMPONENTS: model::Registry = &[
     &creep::LogarithmicCreep,
     &creep::FractionalCreep,
     &mechanics::LoadForce,
-    &mechanics::Mode,
+    &mechanics::MODE,
     &mechanics::ModePair,
     &mechanics::Arx,
     &mechanics::CollocatedMode,
-    &mechanics::LoadedMode,
+    &mechanics::LOADED_MODE,
     &mechanics::Duffing,
     &mechanics::PositionStiffness,
     &mechanics::Friction,
@@ -84,9 +86,9 @@ pub static COMPONENTS: model::Registry = &[
     &environment::Disturbance,
     &environment::FloorVibration,
     &sensor::SensorLag,
-    &sensor::SensorSecondOrder,
+    &sensor::SENSOR_SECOND_ORDER,
     &sensor::SensorButterworth,
-    &sensor::SensorScale,
+    &sensor::SENSOR_SCALE,
     &sensor::SensorPolynomial,
     &sensor::SensorQuadCell,
     &sensor::SensorNoise,

@@ -8,7 +8,7 @@ mod self_heating;
 mod temperature;
 
 pub use ageing::ActuatorAgeing;
-pub use gain::ActuatorGain;
+pub use gain::ACTUATOR_GAIN;
 pub use polarisation_saturation::PolarisationSaturation;
 pub use remanence::Remanence;
 pub use self_heating::SelfHeating;

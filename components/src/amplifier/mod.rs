@@ -15,5 +15,5 @@ pub use lag::AmplifierLag;
 pub use nonlinearity::AmplifierNonlinearity;
 pub use piezo_charge::PiezoCharge;
 pub use rc::AmplifierRc;
-pub use second_order::AmplifierSecondOrder;
+pub use second_order::AMPLIFIER_SECOND_ORDER;
 pub use slew::AmplifierSlew;

@@ -8,16 +8,14 @@
 //!
 //! Limits: linear: no current limit, no saturation.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Conversion, Declaration, Input, Output, Quantity, Stage};
 
 use crate::effects;
-use crate::linear::SecondOrder;
-use crate::rules::{WRONG_LENGTH, second_order};
+use crate::low_pass::{self, LowPass};
 
 /// The component `amplifier-second-order`.
-pub struct AmplifierSecondOrder;
+pub static AMPLIFIER_SECOND_ORDER: LowPass =
+    LowPass { declaration: &DECLARATION, law: low_pass::with_gain };
 
 static DECLARATION: Declaration = Declaration {
     kind: "amplifier-second-order",
@@ -39,58 +37,6 @@ static DECLARATION: Declaration = Declaration {
     ],
 };
 
-impl Component for AmplifierSecondOrder {
-    fn declaration(&self) -> &'static Declaration {
-        &DECLARATION
-    }
-
-    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: SecondOrder::COEFFICIENTS, states: 2 }
-    }
-
-    fn prepare(
-        &self,
-        _structure: &[f64],
-        parameters: &[f64],
-        period: f64,
-        coefficients: &mut [f64],
-    ) -> Result<(), Violation> {
-        let (&[frequency, damping, gain], Ok(values)) =
-            (parameters, <&mut [f64; 4]>::try_from(coefficients))
-        else {
-            return Err(WRONG_LENGTH);
-        };
-        second_order(frequency, damping, period)?;
-        *values = SecondOrder::new(frequency, damping, gain, period).to_array();
-        Ok(())
-    }
-
-    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[a, b, c, d], &[u], Ok(state), [y]) =
-            (coefficients, inputs, state.try_into(), outputs)
-        else {
-            return;
-        };
-        *y = SecondOrder::of([a, b, c, d]).rest(u, state);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        let (&[a, b, c, d], &[u], Ok(state), [y]) =
-            (coefficients, inputs, state.try_into(), outputs)
-        else {
-            return;
-        };
-        *y = SecondOrder::of([a, b, c, d]).step(u, state);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,7 +45,7 @@ mod tests {
     #[test]
     fn a_flat_amplifier_overshoots_by_four_percent() {
         let mut amplifier = Instance::new(
-            &AmplifierSecondOrder,
+            &AMPLIFIER_SECOND_ORDER,
             &[],
             &[1000.0, core::f64::consts::FRAC_1_SQRT_2, 10.0],
             1e-6,

@@ -80,12 +80,12 @@ impl Component for FeedforwardGain {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::actuator::ActuatorGain;
+    use crate::actuator::ACTUATOR_GAIN;
     use crate::testing::Instance;
 
     #[test]
     fn is_the_inverse_of_a_linear_actuator() {
-        let mut actuator = Instance::new(&ActuatorGain, &[], &[0.25, 3.0], 1e-3).unwrap();
+        let mut actuator = Instance::new(&ACTUATOR_GAIN, &[], &[0.25, 3.0], 1e-3).unwrap();
         let mut feedforward = Instance::new(&FeedforwardGain, &[], &[4.0, 3.0], 1e-3).unwrap();
         for u in [-7.5, 0.0, 120.0] {
             assert_eq!(feedforward.step(&[actuator.step(&[u])]), u);

@@ -145,7 +145,7 @@ impl Component for Duffing {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Mode;
+    use super::super::MODE;
     use super::*;
     use crate::testing::{Instance, Random};
 
@@ -153,7 +153,7 @@ mod tests {
     fn without_hardening_it_is_the_mode() {
         let signal = Random::new(2).signal(-1.0, 1.0, 200);
         let duffing = Instance::new(&Duffing, &[], &[400.0, 0.02, 0.0, 1.0], 1e-4);
-        let mode = Instance::new(&Mode, &[], &[400.0, 0.02, 1.0], 1e-4);
+        let mode = Instance::new(&MODE, &[], &[400.0, 0.02, 1.0], 1e-4);
         let (a, b) =
             (duffing.unwrap().response(0.0, &signal), mode.unwrap().response(0.0, &signal));
         assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-11));

@@ -16,16 +16,15 @@
 use core::f64::consts::TAU;
 
 use libm::sqrt;
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Conversion, Declaration, Input, Output, Quantity, Stage, Violation};
 
 use crate::effects;
 use crate::linear::SecondOrder;
+use crate::low_pass::LowPass;
 use crate::rules::{WRONG_LENGTH, require, second_order};
 
 /// The component `loaded-mode`.
-pub struct LoadedMode;
+pub static LOADED_MODE: LowPass = LowPass { declaration: &DECLARATION, law: loaded };
 
 static DECLARATION: Declaration = Declaration {
     kind: "loaded-mode",
@@ -54,74 +53,30 @@ static DECLARATION: Declaration = Declaration {
     ],
 };
 
-impl Component for LoadedMode {
-    fn declaration(&self) -> &'static Declaration {
-        &DECLARATION
-    }
-
-    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: SecondOrder::COEFFICIENTS, states: 2 }
-    }
-
-    fn prepare(
-        &self,
-        _structure: &[f64],
-        parameters: &[f64],
-        period: f64,
-        coefficients: &mut [f64],
-    ) -> Result<(), Violation> {
-        let (&[frequency, damping, mass, payload, external], Ok(values)) =
-            (parameters, <&mut [f64; 4]>::try_from(coefficients))
-        else {
-            return Err(WRONG_LENGTH);
-        };
-        require(mass > 0.0, "mass", mass, "must be above zero")?;
-        second_order(frequency, damping, period)?;
-        let stiffness = mass * (TAU * frequency) * (TAU * frequency);
-        let (heavier, stiffer) = (1.0 + payload / mass, 1.0 + external / stiffness);
-        let frequency = frequency * sqrt(stiffer / heavier);
-        let damping = damping / sqrt(stiffer * heavier);
-        *values = SecondOrder::new(frequency, damping, 1.0 / stiffer, period).to_array();
-        Ok(())
-    }
-
-    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[a, b, c, d], &[u], Ok(state), [y]) =
-            (coefficients, inputs, state.try_into(), outputs)
-        else {
-            return;
-        };
-        *y = SecondOrder::of([a, b, c, d]).rest(u, state);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        let (&[a, b, c, d], &[u], Ok(state), [y]) =
-            (coefficients, inputs, state.try_into(), outputs)
-        else {
-            return;
-        };
-        *y = SecondOrder::of([a, b, c, d]).step(u, state);
-    }
+fn loaded(parameters: &[f64], period: f64) -> Result<SecondOrder, Violation> {
+    let &[frequency, damping, mass, payload, external] = parameters else {
+        return Err(WRONG_LENGTH);
+    };
+    require(mass > 0.0, "mass", mass, "must be above zero")?;
+    second_order(frequency, damping, period)?;
+    let stiffness = mass * (TAU * frequency) * (TAU * frequency);
+    let (heavier, stiffer) = (1.0 + payload / mass, 1.0 + external / stiffness);
+    let frequency = frequency * sqrt(stiffer / heavier);
+    let damping = damping / sqrt(stiffer * heavier);
+    Ok(SecondOrder::new(frequency, damping, 1.0 / stiffer, period))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Mode;
+    use super::super::MODE;
     use super::*;
     use crate::testing::{Instance, Random};
 
     #[test]
     fn without_load_it_is_the_mode() {
         let signal = Random::new(2).signal(-1.0, 1.0, 300);
-        let loaded = Instance::new(&LoadedMode, &[], &[290.7, 0.02, 0.3, 0.0, 0.0], 1e-4);
-        let mode = Instance::new(&Mode, &[], &[290.7, 0.02, 1.0], 1e-4);
+        let loaded = Instance::new(&LOADED_MODE, &[], &[290.7, 0.02, 0.3, 0.0, 0.0], 1e-4);
+        let mode = Instance::new(&MODE, &[], &[290.7, 0.02, 1.0], 1e-4);
         assert_eq!(loaded.unwrap().response(0.0, &signal), mode.unwrap().response(0.0, &signal));
     }
 
@@ -129,12 +84,13 @@ mod tests {
     fn three_times_the_mass_halve_the_frequency_and_an_equal_spring_halves_the_gain() {
         let k = 0.3 * (TAU * 290.7) * (TAU * 290.7);
         let mut heavy =
-            Instance::new(&LoadedMode, &[], &[290.7, 0.02, 0.3, 0.9, 0.0], 1e-4).unwrap();
-        let mut half = Instance::new(&Mode, &[], &[145.35, 0.01, 1.0], 1e-4).unwrap();
+            Instance::new(&LOADED_MODE, &[], &[290.7, 0.02, 0.3, 0.9, 0.0], 1e-4).unwrap();
+        let mut half = Instance::new(&MODE, &[], &[145.35, 0.01, 1.0], 1e-4).unwrap();
         for u in Random::new(2).signal(-1.0, 1.0, 300) {
             assert!((heavy.step(&[u]) - half.step(&[u])).abs() < 1e-12);
         }
-        let mut stiff = Instance::new(&LoadedMode, &[], &[290.7, 0.02, 0.3, 0.0, k], 1e-4).unwrap();
+        let mut stiff =
+            Instance::new(&LOADED_MODE, &[], &[290.7, 0.02, 0.3, 0.0, k], 1e-4).unwrap();
         assert!((stiff.rest(&[3.0]) - 1.5).abs() < 1e-12);
     }
 }

@@ -11,16 +11,13 @@
 //!
 //! Limits: one mode, collocated; linear.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Conversion, Declaration, Input, Output, Quantity, Stage};
 
 use crate::effects;
-use crate::linear::SecondOrder;
-use crate::rules::{WRONG_LENGTH, second_order};
+use crate::low_pass::{self, LowPass};
 
 /// The component `mode`.
-pub struct Mode;
+pub static MODE: LowPass = LowPass { declaration: &DECLARATION, law: low_pass::with_gain };
 
 static DECLARATION: Declaration = Declaration {
     kind: "mode",
@@ -40,58 +37,6 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("gain", "1", "Static gain").start(1.0).fitted(),
     ],
 };
-
-impl Component for Mode {
-    fn declaration(&self) -> &'static Declaration {
-        &DECLARATION
-    }
-
-    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: SecondOrder::COEFFICIENTS, states: 2 }
-    }
-
-    fn prepare(
-        &self,
-        _structure: &[f64],
-        parameters: &[f64],
-        period: f64,
-        coefficients: &mut [f64],
-    ) -> Result<(), Violation> {
-        let (&[frequency, damping, gain], Ok(values)) =
-            (parameters, <&mut [f64; 4]>::try_from(coefficients))
-        else {
-            return Err(WRONG_LENGTH);
-        };
-        second_order(frequency, damping, period)?;
-        *values = SecondOrder::new(frequency, damping, gain, period).to_array();
-        Ok(())
-    }
-
-    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[a, b, c, d], &[u], Ok(state), [y]) =
-            (coefficients, inputs, state.try_into(), outputs)
-        else {
-            return;
-        };
-        *y = SecondOrder::of([a, b, c, d]).rest(u, state);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        let (&[a, b, c, d], &[u], Ok(state), [y]) =
-            (coefficients, inputs, state.try_into(), outputs)
-        else {
-            return;
-        };
-        *y = SecondOrder::of([a, b, c, d]).step(u, state);
-    }
-}
 
 #[cfg(test)]
 mod tests {
@@ -121,7 +66,7 @@ mod tests {
         for damping in [3.63e-4, 0.02, 0.5, 0.99, 1.0, 1.01, 2.0, 20.0] {
             for period in [1e-6, 2e-5, 1e-4, 4e-3, 0.02] {
                 let p = [404.0, damping, 3.0];
-                let mut mode = Instance::new(&Mode, &[], &p, period).unwrap();
+                let mut mode = Instance::new(&MODE, &[], &p, period).unwrap();
                 mode.rest(&[0.0]);
                 for n in 1..400 {
                     let exact = 3.0 * step_response(404.0, damping, f64::from(n) * period);
@@ -136,7 +81,7 @@ mod tests {
     fn critical_damping_is_no_special_case() {
         let signal = Random::new(5).signal(-1.0, 1.0, 500);
         let response = |damping: f64| {
-            let mode = Instance::new(&Mode, &[], &[100.0, damping, 1.0], 1e-4);
+            let mode = Instance::new(&MODE, &[], &[100.0, damping, 1.0], 1e-4);
             mode.unwrap().response(0.0, &signal)
         };
         let critical = response(1.0);
@@ -149,14 +94,14 @@ mod tests {
 
     #[test]
     fn rest_is_an_equilibrium_to_the_bit() {
-        let mut mode = Instance::new(&Mode, &[], &[482.6, 0.01, 0.9], 2e-5).unwrap();
+        let mut mode = Instance::new(&MODE, &[], &[482.6, 0.01, 0.9], 2e-5).unwrap();
         let rest = mode.rest(&[0.3]);
         assert!((0..10).all(|_| mode.step(&[0.3]).to_bits() == rest.to_bits()));
     }
 
     #[test]
     fn undamped_and_static_modes_are_refused() {
-        let refused = |p: [f64; 3]| Instance::new(&Mode, &[], &p, 1e-4).err().map(|e| e.quantity);
+        let refused = |p: [f64; 3]| Instance::new(&MODE, &[], &p, 1e-4).err().map(|e| e.quantity);
         assert_eq!(refused([0.0, 0.1, 1.0]), Some("frequency"));
         assert_eq!(refused([100.0, 0.0, 1.0]), Some("damping"));
         assert_eq!(refused([1e300, 0.1, 1.0]), None);

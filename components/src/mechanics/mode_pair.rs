@@ -106,7 +106,7 @@ impl Component for ModePair {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Mode;
+    use super::super::MODE;
     use super::*;
     use crate::testing::{Instance, Random};
 
@@ -117,7 +117,7 @@ mod tests {
             Instance::new(component, &[], p, 1e-4).unwrap().response(0.5, &signal)
         };
         let pair = run(&ModePair, &[300.0, 0.02, 700.0, 0.01, 0.2]);
-        let (one, two) = (run(&Mode, &[300.0, 0.02, 1.0]), run(&Mode, &[700.0, 0.01, 1.0]));
+        let (one, two) = (run(&MODE, &[300.0, 0.02, 1.0]), run(&MODE, &[700.0, 0.01, 1.0]));
         for ((y, a), b) in pair.iter().zip(&one).zip(&two) {
             assert!((y - 0.8 * a - 0.2 * b).abs() < 1e-13);
         }

@@ -182,7 +182,7 @@ impl Component for PositionStiffness {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Mode;
+    use super::super::MODE;
     use super::*;
     use crate::testing::{Instance, Random};
 
@@ -191,7 +191,7 @@ mod tests {
         let signal = Random::new(2).signal(-1.0, 1.0, 200);
         let p = [400.0, 0.02, 0.0, 0.0, 0.3, 2.0];
         let stage = Instance::new(&PositionStiffness, &[], &p, 1e-4);
-        let mode = Instance::new(&Mode, &[], &[400.0, 0.02, 1.0], 1e-4);
+        let mode = Instance::new(&MODE, &[], &[400.0, 0.02, 1.0], 1e-4);
         let (a, b) = (stage.unwrap().response(0.0, &signal), mode.unwrap().response(0.0, &signal));
         assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-11));
     }

@@ -158,7 +158,7 @@ impl Component for SensorButterworth {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{SensorLag, SensorSecondOrder};
+    use super::super::{SENSOR_SECOND_ORDER, SensorLag};
     use super::*;
     use crate::testing::{Instance, Random};
 
@@ -171,7 +171,7 @@ mod tests {
         let one = run(&SensorButterworth, &[1.0], &[40.0]);
         let lag = run(&SensorLag, &[], &[40.0]);
         let two = run(&SensorButterworth, &[2.0], &[40.0]);
-        let flat = run(&SensorSecondOrder, &[], &[40.0, core::f64::consts::FRAC_1_SQRT_2]);
+        let flat = run(&SENSOR_SECOND_ORDER, &[], &[40.0, core::f64::consts::FRAC_1_SQRT_2]);
         for n in 0..300 {
             assert!((one[n] - lag[n]).abs() < 1e-12 && (two[n] - flat[n]).abs() < 1e-12);
         }

@@ -21,5 +21,5 @@ pub use noise::SensorNoise;
 pub use polynomial::SensorPolynomial;
 pub use quad_cell::SensorQuadCell;
 pub use quantisation::SENSOR_QUANTISATION;
-pub use scale::SensorScale;
-pub use second_order::SensorSecondOrder;
+pub use scale::SENSOR_SCALE;
+pub use second_order::SENSOR_SECOND_ORDER;

@@ -5,16 +5,15 @@
 //! * frequency in Hz: natural frequency (the −3 dB bandwidth for ζ = 0.707); damping: ζ > 0.
 //! * State: y and y′/ω. Exact at any period, as the input is held over a step.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Conversion, Declaration, Input, Output, Quantity, Stage, Violation};
 
 use crate::effects;
 use crate::linear::SecondOrder;
+use crate::low_pass::LowPass;
 use crate::rules::{WRONG_LENGTH, second_order};
 
 /// The component `sensor-second-order`.
-pub struct SensorSecondOrder;
+pub static SENSOR_SECOND_ORDER: LowPass = LowPass { declaration: &DECLARATION, law: unit_gain };
 
 static DECLARATION: Declaration = Declaration {
     kind: "sensor-second-order",
@@ -37,56 +36,10 @@ static DECLARATION: Declaration = Declaration {
     ],
 };
 
-impl Component for SensorSecondOrder {
-    fn declaration(&self) -> &'static Declaration {
-        &DECLARATION
-    }
-
-    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: SecondOrder::COEFFICIENTS, states: 2 }
-    }
-
-    fn prepare(
-        &self,
-        _structure: &[f64],
-        parameters: &[f64],
-        period: f64,
-        coefficients: &mut [f64],
-    ) -> Result<(), Violation> {
-        let (&[frequency, damping], Ok(values)) =
-            (parameters, <&mut [f64; 4]>::try_from(coefficients))
-        else {
-            return Err(WRONG_LENGTH);
-        };
-        second_order(frequency, damping, period)?;
-        *values = SecondOrder::new(frequency, damping, 1.0, period).to_array();
-        Ok(())
-    }
-
-    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[a, b, c, d], &[u], Ok(state), [y]) =
-            (coefficients, inputs, state.try_into(), outputs)
-        else {
-            return;
-        };
-        *y = SecondOrder::of([a, b, c, d]).rest(u, state);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        let (&[a, b, c, d], &[u], Ok(state), [y]) =
-            (coefficients, inputs, state.try_into(), outputs)
-        else {
-            return;
-        };
-        *y = SecondOrder::of([a, b, c, d]).step(u, state);
-    }
+fn unit_gain(parameters: &[f64], period: f64) -> Result<SecondOrder, Violation> {
+    let &[frequency, damping] = parameters else { return Err(WRONG_LENGTH) };
+    second_order(frequency, damping, period)?;
+    Ok(SecondOrder::new(frequency, damping, 1.0, period))
 }
 
 #[cfg(test)]
@@ -96,7 +49,7 @@ mod tests {
 
     #[test]
     fn a_ramp_is_read_late_by_twice_the_damping_over_the_angular_frequency() {
-        let mut sensor = Instance::new(&SensorSecondOrder, &[], &[40.0, 0.707], 1e-4).unwrap();
+        let mut sensor = Instance::new(&SENSOR_SECOND_ORDER, &[], &[40.0, 0.707], 1e-4).unwrap();
         sensor.rest(&[0.0]);
         let mut y = 0.0;
         for n in 1..=10_000 {

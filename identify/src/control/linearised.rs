@@ -1,7 +1,7 @@
 //! The plant as its controller sees it: hysteresis replaced by its steepest slope, sampled with the
 //! controller's hold.
 
-use components::actuator::ActuatorGain;
+use components::actuator::ACTUATOR_GAIN;
 use components::hysteresis::play::Plays;
 use model::{AxisSpec, ComponentRef, Connections, Conversion, Kind, NodeSpec, System, SystemSpec};
 
@@ -159,7 +159,7 @@ pub(crate) fn linear_axis(axis: &AxisSpec, shift: f64) -> AxisSpec {
         match node.component.declaration().kind {
             "prandtl-ishlinskii" => {
                 let slope = values(node, "w").iter().sum();
-                node.component = ComponentRef::Static(&ActuatorGain);
+                node.component = ComponentRef::Static(&ACTUATOR_GAIN);
                 node.structure = Vec::new();
                 node.values = vec![slope, 0.0];
             }

@@ -137,7 +137,7 @@ pub(crate) fn before_hysteresis(linear: &LinearPart, step: f64) -> Result<Vec<Pa
 
 pub(crate) fn after_hysteresis(linear: &LinearPart, step: f64) -> Result<Option<Part>, Error> {
     let Some(ModeShape { frequency, damping }) = linear.mode else { return Ok(None) };
-    let mode = &components::mechanics::Mode;
+    let mode = &components::mechanics::MODE;
     Part::new(mode, &[], &[frequency, damping, 1.0], step).map(Some)
 }
 

@@ -1,0 +1,50 @@
+//! Gain and offset: one component with several declarations.
+
+use model::{Component, Declaration, Sizes, Tick, Violation};
+
+use crate::rules::WRONG_LENGTH;
+
+/// `y = gain·u + offset`; no state.
+pub struct Affine {
+    pub(crate) declaration: &'static Declaration,
+}
+
+impl Component for Affine {
+    fn declaration(&self) -> &'static Declaration {
+        self.declaration
+    }
+
+    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
+        Sizes { coefficients: 2, states: 0 }
+    }
+
+    fn prepare(
+        &self,
+        _structure: &[f64],
+        parameters: &[f64],
+        _period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        if parameters.len() != coefficients.len() {
+            return Err(WRONG_LENGTH);
+        }
+        coefficients.copy_from_slice(parameters);
+        Ok(())
+    }
+
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
+        let (&[gain, offset], &[u], [y]) = (coefficients, inputs, outputs) else { return };
+        *y = gain * u + offset;
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        _tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        self.rest(coefficients, inputs, state, outputs);
+    }
+}
