@@ -236,9 +236,11 @@ fn what_is_wrong_with_a_plan_is_told() {
         assert!(words.iter().all(|word| said.contains(word)), "{said}");
     }
     plan(folder, 3, VARY);
+    fs::create_dir(folder.join("open.fmu")).expect("writable");
     let text = fs::read_to_string(folder.join("plan.toml")).expect("the plan");
     for (old, new, words) in [
         ("plant = \"evc\"", "plant = \"evk\"", ["plant = \"evk\"", "rigs are"]),
+        ("plant = \"evc\"", "plant = \"open.fmu\"", ["open.fmu: is a folder", "zip"]),
         ("ellipse.csv", "elipse.csv", ["elipse.csv", ""]),
         ("= \"y\"", "= \"x\"", ["x", "y"]),
     ] {

@@ -206,11 +206,7 @@ impl Gatherer {
     fn model(&mut self, role: &str, what: &str) -> anyhow::Result<()> {
         let path = self.resolve(what);
         let (ending, bytes) = if is_fmu(&path) {
-            (
-                "fmu",
-                std::fs::read(&path)
-                    .with_context(|| format!("{} cannot be read", path.display()))?,
-            )
+            ("fmu", archive(&path)?)
         } else {
             let source = inputs::blueprint(&path)?;
             if !source.blueprint.check(learned::COMPONENTS)?.table_files().is_empty() {
@@ -283,16 +279,24 @@ fn is_fmu(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"))
 }
 
+/// The bytes of an FMU.
+fn archive(path: &Path) -> anyhow::Result<Vec<u8>> {
+    if path.is_dir() {
+        bail!(
+            "{}: is a folder; a sweep takes an FMU as one file, which can go to other machines: zip what is \
+             in the folder",
+            path.display()
+        );
+    }
+    std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))
+}
+
 fn fmu_file(name: String, path: &Path, all_effects: bool) -> anyhow::Result<File> {
     if is_fmu(path) {
         if all_effects {
             bail!("{}: all-effects goes with a blueprint or a rig, this is an FMU", path.display());
         }
-        let bytes = std::fs::read(path);
-        return Ok(File::new(
-            name,
-            bytes.with_context(|| format!("{} cannot be read", path.display()))?,
-        ));
+        return Ok(File::new(name, archive(path)?));
     }
     let mut source = inputs::blueprint(path)?;
     if all_effects {
