@@ -118,6 +118,21 @@ kp = 0.5
 }
 
 #[test]
+fn a_step_too_short_for_any_run_is_told() {
+    let with = |step: &str| {
+        format!(
+            "piezoloop = 1\nkind = \"plant\"\nname = \"short\"\nstep = {step}\n\n[[axis]]\nname = \"X\"\n\
+             command = {{ name = \"u\", unit = \"V\" }}\nposition = {{ name = \"y\", unit = \"um\" }}\n"
+        )
+    };
+    let step = |problem: &String| problem.contains("step =");
+    let found = problems(&with("1e-32"));
+    let words = "plant.toml:4: step = 1e-32 s: is shorter than 1 ns";
+    assert!(found.iter().any(|problem| problem.contains(words)), "{found:#?}");
+    assert!(!problems(&with("1e-9")).iter().any(step));
+}
+
+#[test]
 fn every_problem_is_told_at_its_line() {
     let text = r#"piezoloop = 1
 kind = "plant"

@@ -62,15 +62,23 @@ pub(super) fn draft(checker: &mut Checker<'_>) -> Draft {
     Draft { spec: SystemSpec { name, kind, period, axes: specs, connections }, axes, couplings }
 }
 
+/// Shortest internal step in s.
+const LEAST_STEP: f64 = 1e-9;
+
 /// The internal step in s, or a harmless one.
 fn step(checker: &mut Checker<'_>) -> f64 {
     let place = Place::new("step");
     let value = &checker.blueprint.step;
     match checker.number(&place, value, "s") {
-        Some(step) if step > 0.0 => step,
+        Some(step) if step >= LEAST_STEP => step,
         Some(step) => {
+            let (value, rule) = if step > 0.0 {
+                (format!("{step:e} s"), "is shorter than 1 ns, with which a run would not end")
+            } else {
+                (format!("{step} s"), "is no internal step")
+            };
             let way_out = "give a positive time, as in 20e-6 or \"20 us\"";
-            checker.report(&place, &format!("{step} s"), "is no internal step", way_out);
+            checker.report(&place, &value, rule, way_out);
             1e-3
         }
         None => 1e-3,
