@@ -1,8 +1,9 @@
 //! MATLAB 5: arrays of real numbers, by crate `matfile`.
 
-use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
+use flate2::read::ZlibDecoder;
 use matfile::{Array, MatFile, NumericData};
 
 use super::tables::{Group, Raw};
@@ -11,8 +12,9 @@ use super::{Refusal, broken};
 /// Arrays of the same length are one group, named by that length; columns of a matrix get indices
 /// from 1. Structures and `timeseries` objects are not read by the crate.
 pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
-    let file = File::open(path).map_err(|error| broken("MATLAB 5", error))?;
-    let file = MatFile::parse(file).map_err(|error| broken("MATLAB 5", error))?;
+    let bytes = std::fs::read(path).map_err(|error| broken("MATLAB 5", error))?;
+    only_variables(&bytes)?;
+    let file = MatFile::parse(&bytes[..]).map_err(|error| broken("MATLAB 5", error))?;
     let mut groups: Vec<Group> = Vec::new();
     for array in file.arrays() {
         let columns = columns(array);
@@ -29,6 +31,44 @@ pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
         return Err((rule.into(), way_out.into()));
     }
     Ok(groups)
+}
+
+/// Refuses a file whose elements are not all variables: the crate would print that to standard output,
+/// among our answers, and pass over it.
+fn only_variables(bytes: &[u8]) -> Result<(), Refusal> {
+    const HEADER: usize = 128;
+    const MATRIX: u32 = 14;
+    const COMPRESSED: u32 = 15;
+    let is_little = bytes.get(126..HEADER) == Some(b"IM");
+    let number = |bytes: [u8; 4]| match is_little {
+        true => u32::from_le_bytes(bytes),
+        false => u32::from_be_bytes(bytes),
+    };
+    let mut at = HEADER;
+    while let Some(&[a, b, c, d, e, f, g, h]) = bytes.get(at..).and_then(|rest| rest.first_chunk())
+    {
+        let (mut kind, size) = (number([a, b, c, d]), number([e, f, g, h]) as usize);
+        let content = at + 8;
+        let end = content.saturating_add(size);
+        at = if kind == COMPRESSED { end } else { end.saturating_add(7) & !7 };
+        if kind == COMPRESSED {
+            let mut inside = [0; 4];
+            let packed = bytes.get(content..end.min(bytes.len())).unwrap_or_default();
+            // What cannot be unpacked the crate refuses.
+            if ZlibDecoder::new(packed).read_exact(&mut inside).is_ok() {
+                kind = number(inside);
+            } else {
+                kind = MATRIX;
+            }
+        }
+        if kind != MATRIX {
+            return Err(broken(
+                "MATLAB 5",
+                format_args!("at byte {} there is data of type {kind}, no variable", content - 8),
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// The columns of an array; none where it is a scalar, empty, complex or has more dimensions.
@@ -66,4 +106,44 @@ fn real(data: &NumericData) -> Option<Vec<f64>> {
         UInt16: |v| f64::from(*v), Int32: |v| f64::from(*v), UInt32: |v| f64::from(*v),
         Int64: |v| *v as f64, UInt64: |v| *v as f64, Single: |v| f64::from(*v), Double: |v| *v
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use flate2::Compression;
+    use flate2::write::ZlibEncoder;
+
+    use super::*;
+
+    /// A file with one element of this type and content.
+    fn file(kind: u32, content: &[u8]) -> Vec<u8> {
+        let mut bytes = vec![b' '; 124];
+        bytes.extend([0, 1, b'I', b'M']);
+        bytes.extend(kind.to_le_bytes());
+        bytes.extend((content.len() as u32).to_le_bytes());
+        bytes.extend(content);
+        bytes
+    }
+
+    #[test]
+    fn what_is_no_variable_is_refused_packed_or_not() {
+        let packed = |kind: u32| {
+            let mut packed = ZlibEncoder::new(Vec::new(), Compression::default());
+            packed.write_all(&file(kind, &[0; 8])[128..]).unwrap();
+            file(15, &packed.finish().unwrap())
+        };
+        assert!(only_variables(&file(14, &[0; 8])).is_ok());
+        assert!(only_variables(&packed(14)).is_ok());
+        for bytes in [file(9, &[0; 8]), packed(9)] {
+            let (rule, _) = only_variables(&bytes).unwrap_err();
+            assert!(rule.contains("at byte 128 there is data of type 9"), "{rule}");
+        }
+        let mut second = file(14, &[0; 5]);
+        second.extend([0; 3]);
+        second.extend(&file(7, &[])[128..]);
+        assert!(only_variables(&second).unwrap_err().0.contains("at byte 144"));
+        assert!(only_variables(&file(14, &[])[..100]).is_ok(), "the crate refuses it");
+    }
 }
