@@ -270,13 +270,14 @@ mod tests {
         h
     }
 
-    /// The bimorph's numbers, and others of every sign.
-    const SETS: [[f64; 7]; 5] = [
+    /// The bimorph's numbers, and others of every sign; the last has no restoring term against the motion.
+    const SETS: [[f64; 7]; 6] = [
         [24.373, 0.1947, 3.3626, -2.8526, 0.0, 1.0, 0.0],
         [1.0, 0.3, 0.05, 0.01, 0.02, 1.0, 0.0],
         [1.0, 0.3, 0.05, 0.2, -0.03, 1.0, 0.0],
         [1.0, 0.3, 0.05, -0.02, 0.01, 2.0, 0.0],
         [1.0, 0.3, 0.05, 0.02, 0.0, 1.5, 0.0],
+        [1.0, 0.3, 0.05, 0.05, 0.0, 1.0, 0.0],
     ];
 
     #[test]

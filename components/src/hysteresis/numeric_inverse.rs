@@ -257,6 +257,12 @@ mod tests {
     }
 
     #[test]
+    fn a_play_of_a_fourth_of_the_range_adds_half_its_weight() {
+        let plays = Plays { r: &[0.0, 50.0, 120.0], w: &[0.01, 0.02, 0.04] };
+        assert!((mean_slope(plays, 0.3, LIMITS) - 0.32).abs() < 1e-15);
+    }
+
+    #[test]
     fn limits_without_a_range_are_refused() {
         let p = [&R[..], &W, &[0.3, 0.05, 1e-4]].concat();
         let made = |limits: [f64; 2]| {
