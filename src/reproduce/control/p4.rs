@@ -50,7 +50,7 @@ const RAMP: f64 = 0.05;
 const STEPS: [f64; 2] = [60.0, 40.0];
 /// Greatest sensitivities of the gains that are tried. What the feedforward leaves has waves up to some hundred Hz, where a
 /// brisk loop makes it larger.
-const SENSITIVITIES: [f64; 4] = [1.05, 1.1, 1.2, 1.5];
+const SENSITIVITIES: [f64; 6] = [1.005, 1.02, 1.05, 1.1, 1.2, 1.5];
 
 /// Spans of the ellipse in um.
 #[derive(Clone, Copy)]
