@@ -15,6 +15,10 @@ enum {
     CRASH_TUNED, ERROR_TUNED, ERROR_SOMETIMES,
     CRASH_SOMETIMES, LEAK_MUCH
 };
+/* Bytes per step. */
+#ifndef LEAKED
+#define LEAKED (1 << 20)
+#endif
 #ifndef FAULT
 #define FAULT SOUND
 #endif
@@ -137,7 +141,7 @@ Status fmi2DoStep(void *c, double time, double step, int forget) {
 #endif
     it->real[1] = it->real[2] * it->real[0];
     if (FAULT == PRINT) { printf("faulty: t = %g\n", time); (void)!write(1, "raw\n", 4); }
-    if (FAULT == LEAK) take(1 << 20);
+    if (FAULT == LEAK) take(LEAKED);
     if (FAULT == LEAK_MUCH && time > 0.45) take(1 << 30);
     if (FAULT == ROUNDING) fesetround(FE_UPWARD);
     if (FAULT == FOLDER) (void)!chdir("/");
