@@ -121,10 +121,12 @@ impl Pool {
         Self { inputs, seen: HashMap::new() }
     }
 
-    /// The shorter of two.
+    /// Any one, or the shorter of two. Never to draw evenly would leave out what only long inputs reach: the
+    /// short ones of archives are mostly broken.
     fn draw(&self, random: &mut Random) -> &Vec<u8> {
         let (one, other) = (random.of(&self.inputs), random.of(&self.inputs));
-        if other.len() < one.len() { other } else { one }
+        let is_shorter = other.len() < one.len();
+        if is_shorter && random.one_in(2) { other } else { one }
     }
 
     /// Keeps an input of a new behaviour, or in place of one that is twice as long.
