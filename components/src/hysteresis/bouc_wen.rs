@@ -300,6 +300,41 @@ mod tests {
     }
 
     #[test]
+    fn moves_within_the_loop_are_accurate_with_any_exponent() {
+        let mut worst = 0.0_f64;
+        for p in SETS.iter().filter(|p| p[5] != 1.0) {
+            let mut model = Instance::new(&BoucWen, &[], p, 1e-3).unwrap();
+            model.rest(&[0.0]);
+            let level = p[0] * p[1] / (p[2] + p[3]);
+            let (mut h, mut last) = (0.0, 0.0);
+            for u in Random::new(6).signal(-0.3 / p[2], 0.3 / p[2], 200) {
+                h = reference(p, h, u - last);
+                last = u;
+                let found = p[0] * u - model.step(&[u]);
+                worst = worst.max((found - h).abs() / level);
+                h = found;
+            }
+        }
+        assert!(worst < 4e-5, "{worst}");
+    }
+
+    #[test]
+    fn a_long_way_ends_where_the_equation_has_no_slope() {
+        for p in SETS.iter().filter(|p| p[5] != 1.0) {
+            let level = p[0] * p[1] / (p[2] + p[3]);
+            for sign in [-1.0, 1.0] {
+                let mut model = Instance::new(&BoucWen, &[], p, 1e-3).unwrap();
+                model.rest(&[0.0]);
+                let u = sign * 1e4;
+                let h = p[0] * u - model.step(&[u]);
+                let part = (p[2] + p[3]) / (p[2] + p[3] + p[4] * sign);
+                let expected = sign * level * part.powf(1.0 / p[5]);
+                assert!((h / expected - 1.0).abs() < 1e-9, "{p:?}: {h} for {expected}");
+            }
+        }
+    }
+
+    #[test]
     fn does_not_depend_on_how_finely_the_command_moves() {
         for p in &SETS[..3] {
             let run = |points: usize| {
