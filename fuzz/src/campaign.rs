@@ -121,8 +121,8 @@ impl Pool {
         Self { inputs, seen: HashMap::new() }
     }
 
-    /// Any one, or the shorter of two. Never to draw evenly would leave out what only long inputs reach: the
-    /// short ones of archives are mostly broken.
+    /// Half of the time any one, else the shorter of two: short inputs are read faster, but only long ones
+    /// reach everything; archives that have become short are mostly broken.
     fn draw(&self, random: &mut Random) -> &Vec<u8> {
         let (one, other) = (random.of(&self.inputs), random.of(&self.inputs));
         let is_shorter = other.len() < one.len();

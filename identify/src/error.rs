@@ -21,6 +21,12 @@ pub enum Error {
         /// What was found.
         reason: &'static str,
     },
+    /// None of the methods that were named has a model.
+    #[error("{}", no_model(.failures))]
+    NoModel {
+        /// Name of each method, and why it has none.
+        failures: Vec<(&'static str, Error)>,
+    },
     /// A Jacobian cannot be calibrated from these motions.
     #[error("{message}")]
     Calibration {
@@ -204,6 +210,11 @@ pub struct NotInvertible {
 
 fn names() -> String {
     crate::methods::methods().map(|(name, _)| name).collect::<Vec<_>>().join(", ")
+}
+
+fn no_model(failures: &[(&str, Error)]) -> String {
+    let lines = failures.iter().map(|(method, error)| format!("method \"{method}\": {error}"));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 fn list<T: std::fmt::Display>(problems: &[T]) -> String {

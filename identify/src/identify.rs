@@ -36,7 +36,7 @@ const STATIC: &str = "prandtl-ishlinskii";
 ///    is returned.
 /// 4. The other methods that were asked for, each with the linear parts found so far as its start,
 ///    the simplest first, by the same rule. Methods that are named are not compared with the static
-///    model: the best of them is returned.
+///    model: the best of them is returned, and an error where none has a model.
 ///
 /// Every error is that of the plant that is returned, simulated ([`RULES`]). Where the observer asks to
 /// stop, the best of what is finished is returned.
@@ -280,6 +280,7 @@ impl<'a> Session<'a> {
         let scene = self.scene();
         let known = best.linear;
         let mut first = self.plan.named;
+        let mut failures = Vec::new();
         for method in self.plan.methods.clone() {
             if method.name() == STATIC {
                 first = false;
@@ -292,9 +293,11 @@ impl<'a> Session<'a> {
             let mut tried = match self.method(method, &scene, known) {
                 Ok(tried) => tried,
                 Err(Error::Stopped) => return Ok(true),
-                // A method that the data do not support is no reason to return nothing.
+                // A method that the data do not support is no reason to return nothing, unless only
+                // such were asked for.
                 Err(error) => {
                     candidates.push(failed(Some(method.name()), method.name().to_owned(), &error));
+                    failures.push((method.name(), error));
                     continue;
                 }
             };
@@ -318,7 +321,7 @@ impl<'a> Session<'a> {
                 *best = tried;
             }
         }
-        Ok(false)
+        if first { Err(Error::NoModel { failures }) } else { Ok(false) }
     }
 
     /// Parameters of the shape, and weights of any sign, that the records leave uncertain: a model that rests on them fits these

@@ -178,3 +178,34 @@ fn an_unknown_method_is_named_with_those_that_exist() {
     assert!(matches!(error, Error::NoMethod { .. }));
     assert!(error.to_string().contains("\"preisac\"") && error.to_string().contains("preisach"));
 }
+
+#[test]
+fn no_other_model_stands_in_where_none_of_the_named_methods_has_one() {
+    let input = command();
+    let line: Vec<f64> = input.iter().map(|u| 0.05 * u).collect();
+    let time: Vec<f64> = (0..input.len()).map(|k| k as f64 * PERIOD).collect();
+    let record = Record::new(Columns {
+        name: "straight",
+        time: &time,
+        input_name: "u",
+        input: &input,
+        output_name: "y",
+        output: &line,
+    })
+    .unwrap_or_else(|e| panic!("{e:?}"));
+    let run = |names: &[&str]| {
+        let methods = Methods::Named(names.iter().map(|name| (*name).to_owned()).collect());
+        let dynamics = Dynamics::Static;
+        let settings = Settings { plays: 12, dynamics, methods, ..Settings::default() };
+        identify(std::slice::from_ref(&record), &target("x"), &settings, &mut Silent)
+    };
+    let error = run(&["bouc-wen", "mpi"]).map(|id| id.method).expect_err("a line has no loop");
+    assert!(matches!(&error, Error::NoModel { failures } if failures.len() == 2));
+    for part in ["method \"bouc-wen\"", "method \"mpi\"", "must be above zero"] {
+        assert!(error.to_string().contains(part), "{part} in {error}");
+    }
+    assert_eq!(run(&["bouc-wen", "grpi"]).expect("one of them").method, "grpi");
+    let method =
+        run(&["bouc-wen", "prandtl-ishlinskii"]).expect("the static model was named").method;
+    assert_eq!(method, "prandtl-ishlinskii");
+}

@@ -10,7 +10,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::json;
 use thiserror::Error;
@@ -24,6 +24,8 @@ const INTERVAL: Duration = Duration::from_millis(50);
 const MOST: usize = 8;
 /// Longest head of a request.
 const HEAD: u64 = 8192;
+/// How long the end of a run waits for the streams to send its last row.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 const PAGE: &str = include_str!("page.html");
 
@@ -32,6 +34,7 @@ const PAGE: &str = include_str!("page.html");
 pub struct Web {
     address: SocketAddr,
     stop: Arc<AtomicBool>,
+    streams: Arc<AtomicUsize>,
     thread: JoinHandle<()>,
 }
 
@@ -53,6 +56,7 @@ struct Shared {
     stop: Arc<AtomicBool>,
     address: SocketAddr,
     open: AtomicUsize,
+    streams: Arc<AtomicUsize>,
 }
 
 impl Web {
@@ -67,9 +71,17 @@ impl Web {
         let address = listener.local_addr().map_err(failed)?;
         let stop = Arc::new(AtomicBool::new(false));
         let open = AtomicUsize::new(0);
-        let shared = Arc::new(Shared { dashboard, view, stop: Arc::clone(&stop), address, open });
+        let streams = Arc::new(AtomicUsize::new(0));
+        let shared = Arc::new(Shared {
+            dashboard,
+            view,
+            stop: Arc::clone(&stop),
+            address,
+            open,
+            streams: Arc::clone(&streams),
+        });
         let thread = std::thread::spawn(move || listen(&listener, &shared));
-        Ok(Web { address, stop, thread })
+        Ok(Web { address, stop, streams, thread })
     }
 
     /// Where it is.
@@ -78,10 +90,14 @@ impl Web {
         format!("http://{}/", self.address)
     }
 
-    /// Ends it.
+    /// Ends it, once the open streams have sent the last row, or after a second.
     pub fn finish(self) {
         self.stop.store(true, Ordering::Relaxed);
         let _ = self.thread.join();
+        let begin = Instant::now();
+        while self.streams.load(Ordering::Acquire) > 0 && begin.elapsed() < PATIENCE {
+            std::thread::sleep(INTERVAL / 10);
+        }
     }
 }
 
@@ -116,7 +132,12 @@ fn answer(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
     }
     match path.as_deref() {
         Some("/") => say(&mut stream, "200 OK", "text/html; charset=utf-8", PAGE),
-        Some("/events") => events(&mut stream, shared),
+        Some("/events") => {
+            shared.streams.fetch_add(1, Ordering::AcqRel);
+            let sent = events(&mut stream, shared);
+            shared.streams.fetch_sub(1, Ordering::AcqRel);
+            sent
+        }
         _ => say(&mut stream, "404 Not Found", "text/plain", "there is / and /events\n"),
     }
 }
@@ -239,5 +260,33 @@ mod tests {
         assert!(get(web.address, "/x", &host).starts_with("HTTP/1.1 404"));
         assert!(get(web.address, "/", "evil.example").starts_with("HTTP/1.1 403"));
         web.finish();
+    }
+
+    /// The process ends after `finish`, and its threads with it.
+    #[test]
+    fn the_last_row_has_been_sent_when_it_has_finished() {
+        let axis = |word: &str| [(format!("{word}[1]"), Some("um".to_owned()))];
+        let columns = columns(&axis("reference"), &axis("position"), &axis("command"));
+        let (recorder, mut ring) = Recorder::start(None, columns.len(), 100);
+        let web = Web::start(Dashboard::new(&columns), recorder.view().clone(), 0).unwrap();
+        let mut stream = TcpStream::connect(web.address).unwrap();
+        write!(stream, "GET /events HTTP/1.1\r\nHost: {}\r\n\r\n", web.address).unwrap();
+        let mut reader = BufReader::new(stream.try_clone().unwrap());
+        let mut line = String::new();
+        while !line.starts_with("data:") {
+            line.clear();
+            assert!(reader.read_line(&mut line).unwrap() > 0, "the first event");
+        }
+        for k in 0..columns.len() {
+            ring.push(k as f64).unwrap();
+        }
+        recorder.finish().unwrap();
+        web.finish();
+        stream.set_nonblocking(true).unwrap();
+        let mut rest = Vec::new();
+        // Nothing more comes: the stream has ended, or would have to be waited for.
+        let _ = reader.read_to_end(&mut rest);
+        let rest = String::from_utf8_lossy(&rest);
+        assert!(rest.contains("\"position\":2.0") && rest.contains("event: end"), "{rest}");
     }
 }

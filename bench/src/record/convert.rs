@@ -81,7 +81,7 @@ pub fn convert(
     format: Format,
     more: &serde_json::Map<String, serde_json::Value>,
 ) -> Result<Converted, ConvertError> {
-    let rows = rows(journal)?;
+    let rows = count(journal)?;
     let mut reader = JournalReader::open(journal)?;
     let mut about = reader.about().clone();
     about.provenance.extend(more.clone());
@@ -103,10 +103,7 @@ pub fn convert(
 }
 
 /// How many whole rows a journal has.
-///
-/// # Errors
-/// It cannot be read, or is none.
-pub fn rows(journal: &Path) -> Result<u64, JournalError> {
+fn count(journal: &Path) -> Result<u64, JournalError> {
     let mut reader = JournalReader::open(journal)?;
     let width = reader.about().columns.len().max(1);
     let mut rows = 0;

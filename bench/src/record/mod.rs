@@ -5,6 +5,6 @@ mod convert;
 mod journal;
 mod recorder;
 
-pub use convert::{ConvertError, Converted, Format, convert, rows};
+pub use convert::{ConvertError, Converted, Format, convert};
 pub use journal::{About, Journal, JournalError, JournalReader};
 pub use recorder::{Latest, Recorded, Recorder, View};

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use anyhow::bail;
-use bench::record::{Converted, Format, convert, rows};
+use bench::record::{Converted, Format, JournalReader, convert};
 use clap::Args;
 use serde::Serialize;
 
@@ -29,7 +29,7 @@ impl Recover {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let out = self.out.unwrap_or_else(|| self.journal.with_extension(""));
         let format = Format::of(&out).map_err(anyhow::Error::msg)?;
-        if rows(&self.journal)? == 0 {
+        if JournalReader::open(&self.journal)?.block()?.is_none() {
             let journal = self.journal.display();
             bail!("{journal}: has no row; the run was killed before its first: delete it");
         }

@@ -1,6 +1,7 @@
 //! MATLAB 5: arrays of real numbers, by crate `matfile`.
 
-use std::io::Read;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use flate2::read::ZlibDecoder;
@@ -12,9 +13,11 @@ use super::{Refusal, broken};
 /// Arrays of the same length are one group, named by that length; columns of a matrix get indices
 /// from 1. Structures and `timeseries` objects are not read by the crate.
 pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
-    let bytes = std::fs::read(path).map_err(|error| broken("MATLAB 5", error))?;
-    only_variables(&bytes)?;
-    let file = MatFile::parse(&bytes[..]).map_err(|error| broken("MATLAB 5", error))?;
+    let failed = |error| broken("MATLAB 5", error);
+    let mut bytes = BufReader::new(File::open(path).map_err(failed)?);
+    only_variables(&mut bytes)?;
+    bytes.rewind().map_err(failed)?;
+    let file = MatFile::parse(bytes).map_err(|error| broken("MATLAB 5", error))?;
     let mut groups: Vec<Group> = Vec::new();
     for array in file.arrays() {
         let columns = columns(array);
@@ -34,39 +37,42 @@ pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
 }
 
 /// Refuses a file whose elements are not all variables: the crate would print that to standard output,
-/// among our answers, and pass over it.
-fn only_variables(bytes: &[u8]) -> Result<(), Refusal> {
-    const HEADER: usize = 128;
+/// among our answers, and pass over it. A file that ends early the crate refuses.
+fn only_variables(mut bytes: impl Read + Seek) -> Result<(), Refusal> {
     const MATRIX: u32 = 14;
     const COMPRESSED: u32 = 15;
-    let is_little = bytes.get(126..HEADER) == Some(b"IM");
+    let failed = |error| broken("MATLAB 5", error);
+    let mut header = [0; 128];
+    if bytes.read_exact(&mut header).is_err() {
+        return Ok(());
+    }
+    let is_little = header.ends_with(b"IM");
     let number = |bytes: [u8; 4]| match is_little {
         true => u32::from_le_bytes(bytes),
         false => u32::from_be_bytes(bytes),
     };
-    let mut at = HEADER;
-    while let Some(&[a, b, c, d, e, f, g, h]) = bytes.get(at..).and_then(|rest| rest.first_chunk())
-    {
-        let (mut kind, size) = (number([a, b, c, d]), number([e, f, g, h]) as usize);
-        let content = at + 8;
-        let end = content.saturating_add(size);
-        at = if kind == COMPRESSED { end } else { end.saturating_add(7) & !7 };
-        if kind == COMPRESSED {
-            let mut inside = [0; 4];
-            let packed = bytes.get(content..end.min(bytes.len())).unwrap_or_default();
-            // What cannot be unpacked the crate refuses.
-            if ZlibDecoder::new(packed).read_exact(&mut inside).is_ok() {
-                kind = number(inside);
-            } else {
-                kind = MATRIX;
+    let mut tag = [[0; 4]; 2];
+    while bytes.read_exact(tag.as_flattened_mut()).is_ok() {
+        let [kind, size] = tag.map(number);
+        let content = bytes.stream_position().map_err(failed)?;
+        let end = content + u64::from(size);
+        let (kind, next) = match kind {
+            COMPRESSED => {
+                let mut inside = [0; 4];
+                let packed = ZlibDecoder::new((&mut bytes).take(u64::from(size)));
+                let unpacked = { packed }.read_exact(&mut inside);
+                // What cannot be unpacked the crate refuses.
+                (unpacked.map_or(MATRIX, |()| number(inside)), end)
             }
-        }
+            kind => (kind, end.next_multiple_of(8)),
+        };
         if kind != MATRIX {
             return Err(broken(
                 "MATLAB 5",
                 format_args!("at byte {} there is data of type {kind}, no variable", content - 8),
             ));
         }
+        bytes.seek(SeekFrom::Start(next)).map_err(failed)?;
     }
     Ok(())
 }
@@ -110,7 +116,7 @@ fn real(data: &NumericData) -> Option<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write;
+    use std::io::{Cursor, Write};
 
     use flate2::Compression;
     use flate2::write::ZlibEncoder;
@@ -134,16 +140,16 @@ mod tests {
             packed.write_all(&file(kind, &[0; 8])[128..]).unwrap();
             file(15, &packed.finish().unwrap())
         };
-        assert!(only_variables(&file(14, &[0; 8])).is_ok());
-        assert!(only_variables(&packed(14)).is_ok());
+        assert!(only_variables(Cursor::new(file(14, &[0; 8]))).is_ok());
+        assert!(only_variables(Cursor::new(packed(14))).is_ok());
         for bytes in [file(9, &[0; 8]), packed(9)] {
-            let (rule, _) = only_variables(&bytes).unwrap_err();
+            let (rule, _) = only_variables(Cursor::new(bytes)).unwrap_err();
             assert!(rule.contains("at byte 128 there is data of type 9"), "{rule}");
         }
         let mut second = file(14, &[0; 5]);
         second.extend([0; 3]);
         second.extend(&file(7, &[])[128..]);
-        assert!(only_variables(&second).unwrap_err().0.contains("at byte 144"));
-        assert!(only_variables(&file(14, &[])[..100]).is_ok(), "the crate refuses it");
+        assert!(only_variables(Cursor::new(second)).unwrap_err().0.contains("at byte 144"));
+        assert!(only_variables(Cursor::new(&file(14, &[])[..100])).is_ok(), "the crate refuses it");
     }
 }
