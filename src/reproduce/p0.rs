@@ -3,10 +3,11 @@
 use anyhow::Context;
 use identify::learned::{Arx, Frame, Machine, Recipe, Span, rms_difference, weigh};
 use learned::features::{Features, Narx, Stops};
-use learned::lssvm::{Pruning, Settings};
+use learned::lssvm::{LsSvm, Pruning, Settings, prune};
 
 use super::control::{Linear, linear};
 use super::figures::{self, Chapter};
+use super::rehearsal::{Rehearsal, Waves, trained};
 use super::{Aim, Order, Reproduction, Row, response};
 
 const ID: &str = "P0";
@@ -291,6 +292,10 @@ fn table(
     Ok(())
 }
 
+/// For the inverse over stop operators: signal H begins at rest at 0, the tests do not.
+const WAVES: Waves =
+    Waves { count: 8, rows: 4000, period: PERIOD, band: [0.35, 2.0], range: [0.0, 1.0] };
+
 /// The inverse, learned from samples that the unpruned forward hysteresis simulates. What undoes the linear
 /// part comes in front of it, and looks some rows ahead.
 fn inverse(
@@ -300,18 +305,24 @@ fn inverse(
     answer: &mut Reproduction,
 ) -> anyhow::Result<()> {
     let (h, d) = (&records.train_h, &records.train_d);
-    let clean = whole.simulate(&h.u, h.theta0);
-    let pairs = [(&clean[..], &h.u[..])];
-    let (frame, settings) = match method.aim {
-        Aim::Reach => stops(&pairs, [Span::UNIT; 2])?,
-        _ => (method.frame.clone(), method.inverse),
+    let ours = method.aim == Aim::Reach;
+    let rehearsal =
+        Rehearsal::new(&[&h.u], ours.then_some(WAVES), |u| whole.simulate(u, h.theta0))?;
+    let pairs = rehearsal.pairs();
+    let (clean, _) = pairs[0];
+    let (frame, settings) = match ours {
+        true => stops(&pairs, [Span::UNIT; 2])?,
+        false => (method.frame.clone(), method.inverse),
     };
-    let (trained, report) = Machine::train(frame.clone(), &pairs, settings)?;
-    let own = rms_difference(&trained.simulate(&clean, h.u[0]), &h.u);
+    let samples = rehearsal.samples(&frame, if ours { 2 } else { 1 }, 16)?;
+    let (trained, report) = trained(&frame, &samples, settings)?;
+    let judge = |machine: &LsSvm| rms_difference(&frame.simulate(machine, clean, h.u[0]), &h.u);
+    let own = judge(&trained.machine);
     // τ of the paper, or what this machine allows.
     let most_error = 5e-5_f64.max(1.05 * own);
     let pruning = Pruning { least_count: LEAST, most_error, ..Pruning::default() };
-    let (small, _) = Machine::prune(frame, &pairs, settings, pruning)?;
+    let pruned = prune(&samples, settings, pruning, judge)?;
+    let small = Machine { machine: pruned.model, frame: frame.clone() };
     let (name, count) = (method.name, small.machine.count());
     let undone = linear(&d.theta, &whole.simulate(&d.u, d.theta0), PERIOD, 3)
         .context("no stable linear part in front of the inverse")?;

@@ -106,8 +106,8 @@ fn seen(records: &Records, machines: &[(&str, Machine)], series: &Series) -> Cha
 /// First widths of the stops and of the command, in parts of the greatest command, and γ.
 const START: ([f64; 2], f64) = ([40.0, 0.08], 1e5);
 /// Numbers of zeros and poles behind the filter: the lag of the filter, and creep.
-const ORDERS: [(usize, usize); 1] = [(2, 2)];
-const ROUNDS: usize = 10;
+const ORDERS: [(usize, usize); 1] = [(3, 3)];
+const ROUNDS: usize = 100;
 
 /// The 40 Hz filter that the paper names, sampled.
 fn filter(period: f64) -> Arx {

@@ -12,6 +12,9 @@ use learned::lssvm::Settings;
 
 use super::{Arx, Frame, Machine, rms_difference};
 
+/// Least part of the error that a round takes off, or training in turn has ended.
+const ROUND: f64 = 1e-4;
+
 /// A record: commands, the position at the end of each, and the position before the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run<'a> {
@@ -33,8 +36,9 @@ pub struct Series {
 }
 
 impl Series {
-    /// Trains H and D in turn from `first`, a linear part that is known or `b = [1]`, over this many
-    /// rounds; the round of least error over the records stays. Of the `orders` of
+    /// Trains H and D in turn from `first`, a linear part that is known or `b = [1]`, until a round takes
+    /// less than 10⁻⁴ of the error over the records off, or over this many rounds; the round of
+    /// least error stays. Of the `orders` of
     /// zeros and poles, those that err least are taken.
     ///
     /// # Errors
@@ -67,8 +71,12 @@ impl Series {
             }
             let tried = Self { machine, linear: linear.clone() };
             let error = tried.error(runs);
-            if best.as_ref().is_none_or(|(least, _)| error < *least) {
+            let least = best.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
+            if error < least {
                 best = Some((error, tried));
+            }
+            if error < least && error > (1.0 - ROUND) * least {
+                break;
             }
         }
         best.map(|(_, series)| series).ok_or(learned::Error::TooFew { found: 0, needed: 1 })
