@@ -58,3 +58,26 @@ fn the_identified_stack_follows_the_measured_one() {
     assert_eq!((fit["first_row"].as_u64(), fit["last_row"].as_u64()), (Some(5051), Some(6050)));
     assert!(error <= OTHER);
 }
+
+/// The learned model knows the motion that it was shown: one large sine.
+#[test]
+fn a_learned_stack_follows_the_motion_that_it_was_shown() {
+    let Some(log) = measured("pea_p885_1hz_inverse_ff/model_1hz_3v6.csv") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = log.to_string_lossy();
+    let mut arguments = vec!["identify", "--log", &log, "--input", "u", "--output", "y"];
+    arguments.extend(["--model", "lssvm-stops", "--rest", "0", "--drop", "2", "-o", "plant.toml"]);
+    let identified = json(&arguments, folder.path());
+    let record = &identified["axes"][0]["records"][0];
+    let percent = 100.0 * record["held_out"]["nrmse"].as_f64().expect("a figure");
+    println!("held-out half of model_1hz_3v6.csv, LS-SVM: {percent:.3} % of the range");
+    assert!(percent <= 0.3, "{percent}");
+    assert!(folder.path().join("plant-y.npy").is_file(), "the table lies beside the blueprint");
+    succeed(&["pack", "plant.toml", "-o", "plant.fmu"], folder.path());
+    let rows = record["held_out"]["rows"].clone();
+    let rows = format!("{}..{}", rows["first"].as_u64().unwrap_or(0) + 1, rows["end"]);
+    let run = json(&["simulate", "plant.fmu", "--log", &log, "--rows", &rows], folder.path());
+    let packed = run["fits"][0]["nrmse_percent"].as_f64().expect("a figure");
+    println!("the same by the packed FMU, which starts under the first command: {packed:.3} %");
+    assert!((packed - percent).abs() < 0.05, "{packed} {percent}");
+}

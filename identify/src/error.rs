@@ -21,6 +21,12 @@ pub enum Error {
         /// What was found.
         reason: &'static str,
     },
+    /// A learned model that was not trained.
+    #[error("{message}")]
+    Learned {
+        /// What was found, and the way out.
+        message: String,
+    },
     /// None of the methods that were named has a model.
     #[error("{}", no_model(.failures))]
     NoModel {

@@ -3,7 +3,9 @@
 use data::CheckedBlueprint;
 use serde::Serialize;
 
-use crate::judge::Figures;
+use crate::error::Error;
+use crate::judge::{Figures, compare};
+use crate::record::{Record, Rows};
 
 /// A plant identified from records, with the evidence for it.
 #[derive(Clone, Debug, Serialize)]
@@ -133,5 +135,52 @@ impl Identification {
         self.parameters
             .iter()
             .filter(|p| matches!(p.verdict, Verdict::Uncertain | Verdict::NotExcited))
+    }
+}
+
+impl RecordFit {
+    /// Of one record, with the model's and the straight line's simulation.
+    pub(crate) fn of(
+        record: &Record,
+        fitted: Rows,
+        judged: Rows,
+        simulation: &[f64],
+        line: &[f64],
+    ) -> Self {
+        let output = record.output();
+        let held_out = compare(output, simulation, judged);
+        let baseline_held_out = compare(output, line, judged);
+        let residual = |simulation: &[f64], offset: f64| {
+            output.iter().zip(simulation).map(|(y, s)| y - s - offset).collect()
+        };
+        Self {
+            record: record.name().to_owned(),
+            fitted: compare(output, simulation, fitted),
+            held_out,
+            baseline_fitted: compare(output, line, fitted),
+            baseline_held_out,
+            simulation: simulation.to_vec(),
+            residual: residual(simulation, held_out.offset),
+            baseline_residual: residual(line, baseline_held_out.offset),
+        }
+    }
+}
+
+impl Candidate {
+    /// A candidate whose fit failed.
+    pub(crate) fn failed(method: Option<&'static str>, structure: String, error: &Error) -> Self {
+        Self {
+            method,
+            structure,
+            held_out_rmse: None,
+            held_out_nrmse: None,
+            fitted_nrmse: None,
+            parameters: 0,
+            seconds: 0.0,
+            accepted: false,
+            reason: error.to_string(),
+            plant: None,
+            simulations: Vec::new(),
+        }
     }
 }

@@ -13,7 +13,11 @@ use crate::fit::response::LinearPart;
 use crate::fit::weights::{Fitted, Task, independent_samples, mean};
 use crate::identification::{Candidate, Estimate, Identification, RULES, RecordFit, Verdict};
 use crate::judge::{compare, simulate};
-use crate::methods::{Method, Scene};
+use crate::learned::{
+    self,
+    plant::{Learned, Lesson},
+};
+use crate::methods::{Chain, Method, Scene, Way};
 use crate::observer::Observer;
 use crate::plant::{Actuator, Plant};
 use crate::record::{Record, Rows};
@@ -51,10 +55,12 @@ pub fn identify(
 ) -> Result<Identification, Error> {
     let plan = settings.plan(records)?;
     structure::check_sign(records, &plan)?;
-    let mut session = Session { records, target, plan, observer };
+    let offsets = vec![0.0; records.len()];
+    let mut session = Session { records, target, plan, observer, offsets };
     let baseline = session.line()?;
     let delayed_line = session.delayed_line()?;
     let (static_model, static_fit) = session.static_model()?;
+    session.offsets.clone_from(&static_fit.offsets);
     let mut candidates = vec![
         session.candidate(&baseline, "the baseline, for comparison"),
         session.candidate(
@@ -93,6 +99,8 @@ struct Tried {
     held_out_rmse: f64,
     linear: LinearPart,
     parameters: Vec<Estimate>,
+    /// Numbers that were fitted or learned, where these are not the parameters.
+    numbers: Option<usize>,
     seconds: f64,
 }
 
@@ -101,6 +109,8 @@ struct Session<'a> {
     target: &'a Target,
     plan: Plan,
     observer: &'a mut dyn Observer,
+    /// Of each record, by the static model.
+    offsets: Vec<f64>,
 }
 
 impl<'a> Session<'a> {
@@ -171,7 +181,7 @@ impl<'a> Session<'a> {
                 // A structure that the data do not support is no reason to return nothing.
                 Err(error @ Error::NoSolution { .. }) => {
                     let method = Some(STATIC);
-                    candidates.push(failed(
+                    candidates.push(Candidate::failed(
                         method,
                         structure::name_of(structure).to_owned(),
                         &error,
@@ -248,7 +258,19 @@ impl<'a> Session<'a> {
     ) -> Result<Tried, Error> {
         let structure = structure::describe(method, actuator, &linear);
         let step = self.plan.period / substeps as f64;
-        let plant = Plant { actuator: actuator.clone(), offset, linear, deviations, step };
+        let actuator = actuator.clone();
+        let plant = Plant { actuator, offset, linear, deviations, step, table: None };
+        self.written(method, structure, &plant)
+    }
+
+    /// What is found, simulated as it will be written.
+    fn written(
+        &self,
+        method: Option<&'static str>,
+        structure: String,
+        plant: &Plant<'_>,
+    ) -> Result<Tried, Error> {
+        let linear = plant.linear;
         let names: Vec<&str> = self.records.iter().map(Record::name).collect();
         let description = format!("{structure}, identified from {}", names.join(", "));
         let plant = plant.blueprint(self.target, self.records, description)?;
@@ -267,6 +289,7 @@ impl<'a> Session<'a> {
             held_out_rmse,
             linear,
             parameters,
+            numbers: None,
             seconds: 0.0,
         })
     }
@@ -290,20 +313,31 @@ impl<'a> Session<'a> {
                 return Ok(true);
             }
             let started = Instant::now();
-            let mut tried = match self.method(method, &scene, known) {
+            let tried = match method {
+                Way::Operator(method) => self.method(method, &scene, known),
+                Way::Learned => self.learned(known),
+            };
+            let mut tried = match tried {
                 Ok(tried) => tried,
                 Err(Error::Stopped) => return Ok(true),
                 // A method that the data do not support is no reason to return nothing, unless only
                 // such were asked for.
                 Err(error) => {
-                    candidates.push(failed(Some(method.name()), method.name().to_owned(), &error));
+                    candidates.push(Candidate::failed(
+                        Some(method.name()),
+                        method.name().to_owned(),
+                        &error,
+                    ));
                     failures.push((method.name(), error));
                     continue;
                 }
             };
             tried.seconds = started.elapsed().as_secs_f64();
             let fall = 1.0 - tried.held_out_rmse / best.held_out_rmse;
-            let open = self.open_shape(&tried, method, &scene);
+            let open = match method {
+                Way::Operator(method) => self.open_shape(&tried, method, &scene),
+                Way::Learned => Vec::new(),
+            };
             let mut reason = format!(
                 "held-out error {:+.1} % against {} ({:.0} % less is needed)",
                 -100.0 * fall,
@@ -348,7 +382,7 @@ impl<'a> Session<'a> {
         Scene {
             command,
             position,
-            zero: zero(command, position),
+            zero: Scene::zero_of(command, position),
             duration: duration.fold(0.0, f64::max),
             thresholds: self.plan.thresholds.clone(),
             levels: self.plan.levels,
@@ -382,6 +416,38 @@ impl<'a> Session<'a> {
         Ok(tried)
     }
 
+    /// An LS-SVM with the linear part behind it, in the place of operator, lag and mode.
+    fn learned(&mut self, known: LinearPart) -> Result<Tried, Error> {
+        let lesson = Lesson {
+            records: self.records,
+            fitted: &self.plan.fitted,
+            offsets: &self.offsets,
+            period: self.plan.period,
+            known,
+            stops: self.plan.thresholds.len(),
+            dynamic: self.plan.dynamics == Dynamics::Automatic,
+        };
+        let file = format!("{}.npy", self.target.axis.name);
+        let Learned { chain, table, numbers } = lesson.learn(&file, &mut *self.observer)?;
+        let chain = Chain { hysteresis: chain, reading: Vec::new() };
+        let late = lesson.late();
+        let delay = late as f64 * self.plan.period;
+        let plant = Plant {
+            actuator: Actuator::Chain(&chain),
+            offset: 0.0,
+            linear: LinearPart { delay, ..LinearPart::default() },
+            deviations: Deviations::default(),
+            step: self.plan.period,
+            table: Some((file, table)),
+        };
+        let kinds = chain.hysteresis.iter().map(|component| component.kind.as_str());
+        let structure = (late > 0).then_some("delay").into_iter().chain(kinds);
+        let structure = structure.collect::<Vec<_>>().join(", ");
+        let mut tried = self.written(Some(learned::plant::NAME), structure, &plant)?;
+        tried.numbers = Some(numbers);
+        Ok(tried)
+    }
+
     fn candidate(&self, tried: &Tried, reason: &str) -> Candidate {
         let worst = |rows: &[Rows]| {
             let each = self.records.iter().zip(rows).zip(&tried.simulations);
@@ -393,7 +459,7 @@ impl<'a> Session<'a> {
             held_out_rmse: Some(tried.held_out_rmse),
             held_out_nrmse: Some(worst(&self.plan.judged)),
             fitted_nrmse: Some(worst(&self.plan.fitted)),
-            parameters: tried.parameters.len(),
+            parameters: tried.numbers.unwrap_or(tried.parameters.len()),
             seconds: tried.seconds,
             accepted: false,
             reason: reason.to_owned(),
@@ -426,7 +492,7 @@ impl<'a> Session<'a> {
             .map(|k| {
                 let (fitted, judged) = (self.plan.fitted[k], self.plan.judged[k]);
                 let (model, line) = (&best.simulations[k], &baseline.simulations[k]);
-                record_fit(&self.records[k], fitted, judged, model, line)
+                RecordFit::of(&self.records[k], fitted, judged, model, line)
             })
             .collect();
         Identification {
@@ -439,52 +505,5 @@ impl<'a> Session<'a> {
             candidates,
             parameters: best.parameters,
         }
-    }
-}
-
-fn record_fit(
-    record: &Record,
-    fitted: Rows,
-    judged: Rows,
-    simulation: &[f64],
-    line: &[f64],
-) -> RecordFit {
-    let output = record.output();
-    let held_out = compare(output, simulation, judged);
-    let baseline_held_out = compare(output, line, judged);
-    let residual = |simulation: &[f64], offset: f64| {
-        output.iter().zip(simulation).map(|(y, s)| y - s - offset).collect()
-    };
-    RecordFit {
-        record: record.name().to_owned(),
-        fitted: compare(output, simulation, fitted),
-        held_out,
-        baseline_fitted: compare(output, line, fitted),
-        baseline_held_out,
-        simulation: simulation.to_vec(),
-        residual: residual(simulation, held_out.offset),
-        baseline_residual: residual(line, baseline_held_out.offset),
-    }
-}
-
-/// Position at zero command on the line from the least to the greatest command and position.
-fn zero([low, high]: [f64; 2], [bottom, top]: [f64; 2]) -> f64 {
-    bottom - low * (top - bottom) / (high - low)
-}
-
-/// A candidate whose fit failed.
-fn failed(method: Option<&'static str>, structure: String, error: &Error) -> Candidate {
-    Candidate {
-        method,
-        structure,
-        held_out_rmse: None,
-        held_out_nrmse: None,
-        fitted_nrmse: None,
-        parameters: 0,
-        seconds: 0.0,
-        accepted: false,
-        reason: error.to_string(),
-        plant: None,
-        simulations: Vec::new(),
     }
 }

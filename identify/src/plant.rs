@@ -1,8 +1,7 @@
 //! From fitted numbers to a blueprint.
 
-use components::COMPONENTS;
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, Value};
-use model::Kind;
+use model::{Kind, Table};
 
 use crate::error::Error;
 use crate::fit::linear_part::Deviations;
@@ -30,6 +29,8 @@ pub(crate) struct Plant<'a> {
     pub(crate) deviations: Deviations,
     /// Internal step in s.
     pub(crate) step: f64,
+    /// The table of what is learned, by the name of its file.
+    pub(crate) table: Option<(String, Table)>,
 }
 
 impl Plant<'_> {
@@ -48,7 +49,8 @@ impl Plant<'_> {
         let mut blueprint = Blueprint::new(Kind::Plant, &target.model, self.step).axis(axis);
         blueprint.description = description;
         blueprint.source.clone_from(&target.source);
-        blueprint.check(COMPONENTS).map_err(|problems| Error::Model {
+        blueprint.tables.extend(self.table.clone());
+        blueprint.check(learned::COMPONENTS).map_err(|problems| Error::Model {
             name: target.model.clone(),
             message: problems.to_string(),
         })

@@ -4,7 +4,7 @@ use data::AxisBlueprint;
 
 use crate::error::{Error, Problem, SettingsProblem};
 use crate::fit::operator::Search;
-use crate::methods::{self, METHODS, Method};
+use crate::methods::{self, METHODS, Way};
 use crate::record::{Record, Rows, common_period};
 
 /// Choices of an identification; [`Settings::default`] suits a log of some periods of a large slow
@@ -40,7 +40,7 @@ pub enum Methods {
     /// The static Prandtl–Ishlinskii model only.
     #[default]
     PrandtlIshlinskii,
-    /// All that are sensible for the records ([`methods`](crate::methods) lists them).
+    /// All operators of [`methods`](crate::methods), none that is learned.
     Sensible,
     /// These, by name; the best of them is returned.
     Named(Vec<String>),
@@ -107,7 +107,7 @@ pub(crate) struct Plan {
     pub(crate) dynamics: Dynamics,
     /// Half the range of the command in the rows fitted on.
     pub(crate) half_range: f64,
-    pub(crate) methods: Vec<&'static dyn Method>,
+    pub(crate) methods: Vec<Way>,
     /// Whether the best of the methods is returned and not the static model.
     pub(crate) named: bool,
     pub(crate) levels: usize,
@@ -158,10 +158,10 @@ impl Settings {
     }
 
     /// The methods that are tried beside the static model.
-    fn chosen(&self) -> Result<Vec<&'static dyn Method>, Error> {
+    fn chosen(&self) -> Result<Vec<Way>, Error> {
         match &self.methods {
             Methods::PrandtlIshlinskii => Ok(Vec::new()),
-            Methods::Sensible => Ok(METHODS.iter().copied().skip(1).collect()),
+            Methods::Sensible => Ok(METHODS.iter().copied().skip(1).map(Way::Operator).collect()),
             Methods::Named(names) => {
                 let find = |name: &String| {
                     methods::find(name).ok_or_else(|| Error::NoMethod { name: name.clone() })

@@ -29,6 +29,10 @@ fn command() -> Vec<f64> {
 fn log(component: ComponentBlueprint, noise: f64) -> Record {
     let mut axis = AxisBlueprint::new("Y", "V", "um");
     axis.components = vec![component];
+    measured(axis, noise)
+}
+
+fn measured(axis: AxisBlueprint, noise: f64) -> Record {
     let truth = Blueprint::new(Kind::Plant, "truth", PERIOD).axis(axis);
     let truth = truth.check(COMPONENTS).unwrap_or_else(|e| panic!("{e}"));
     let input = command();
@@ -208,4 +212,45 @@ fn no_other_model_stands_in_where_none_of_the_named_methods_has_one() {
     let method =
         run(&["bouc-wen", "prandtl-ishlinskii"]).expect("the static model was named").method;
     assert_eq!(method, "prandtl-ishlinskii");
+}
+
+#[test]
+fn what_no_operator_describes_is_learned_with_its_lag() {
+    let mut axis = AxisBlueprint::new("Y", "V", "um");
+    axis.components = vec![
+        ComponentBlueprint::new("delay")
+            .value("longest", 10.0 * PERIOD)
+            .value("delay", 3.0 * PERIOD),
+        bouc_wen(),
+        ComponentBlueprint::new("sensor-polynomial")
+            .value("quadratic", 0.3)
+            .value("cubic", 0.1)
+            .value("centre", 2.5)
+            .value("half_range", 2.5),
+        ComponentBlueprint::new("sensor-lag").value("bandwidth", 20.0),
+    ];
+    let record = measured(axis, 0.002);
+    let run = |method: &str, dynamics: Dynamics| {
+        let methods = Methods::Named(vec![method.to_owned()]);
+        let settings = Settings { plays: 20, dynamics, methods, ..Settings::default() };
+        identify(std::slice::from_ref(&record), &target("found"), &settings, &mut Silent)
+            .unwrap_or_else(|e| panic!("{method}: {e}"))
+    };
+    let learned = run("lssvm-stops", Dynamics::Automatic);
+    let still = run("lssvm-stops", Dynamics::Static);
+    let operator = run("bouc-wen", Dynamics::Automatic);
+    let rmse = |id: &Identification| id.records[0].held_out.rmse;
+    println!(
+        "learned {}, without a linear part {}, Bouc-Wen {}",
+        rmse(&learned),
+        rmse(&still),
+        rmse(&operator)
+    );
+    assert!(learned.records[0].held_out.nrmse < 0.01, "{:?}", learned.records[0].held_out);
+    assert!(rmse(&learned) < 0.5 * rmse(&still) && rmse(&learned) < 0.5 * rmse(&operator));
+    let plant = learned.plant.blueprint();
+    let kinds: Vec<&str> = plant.axes[0].components.iter().map(|c| c.kind.as_str()).collect();
+    assert_eq!(kinds, ["delay", "lssvm-stops", "arx"]);
+    let again = simulate(&learned.plant, &record).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(again, learned.candidates.last().map_or(&[][..], |c| &c.simulations[0]));
 }

@@ -35,8 +35,8 @@ pub(crate) struct Identify {
     /// Column of the position; once per axis, in the order of the inputs
     #[arg(long = "output", value_name = "COLUMN", required = true)]
     outputs: Vec<String>,
-    /// What is fitted (may be given several times) [default: every hysteresis model, and the best is
-    /// written]
+    /// What is fitted (may be given several times) [default: every hysteresis model but the
+    /// learned one, and the best is written]
     #[arg(long = "model", value_name = "MODEL", value_parser = model_names())]
     models: Vec<String>,
     /// Write the plant of every model that was tried to this folder, one file each
@@ -129,9 +129,9 @@ impl Identify {
         inputs::not_over(&self.out, &logs)?;
         self.page.not_over(&logs)?;
         let (plant, result) = self.work(screen)?;
-        plant.blueprint().write(&self.out)?;
+        write(&plant, &self.out, &logs)?;
         if let Some(folder) = &self.all {
-            write_all(folder, &result)?;
+            write_all(folder, &result, &logs)?;
         }
         if let (Some(file), Some(axis)) = (&self.picture, result.axes.first()) {
             let svg = pages::picture(axis).context("there is no record to draw")?;
@@ -276,7 +276,7 @@ fn axis(input: &str, output: &str, command_unit: &str, position_unit: &str) -> A
 
 /// Writes the plant of each model that was tried, `<axis>-<model>.toml`; of several structures of one
 /// model the last, which is the richest.
-fn write_all(folder: &Path, result: &Identified) -> anyhow::Result<()> {
+fn write_all(folder: &Path, result: &Identified, logs: &[&Path]) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder).with_context(|| {
         format!("{} cannot be made; name a folder to write to", folder.display())
     })?;
@@ -285,10 +285,28 @@ fn write_all(folder: &Path, result: &Identified) -> anyhow::Result<()> {
             let Some(plant) = &candidate.plant else { continue };
             let model = candidate.method.unwrap_or("line");
             let file = folder.join(format!("{}-{model}.toml", identifier(&axis.name)));
-            plant.blueprint().write(&file)?;
+            write(plant, &file, logs)?;
         }
     }
     Ok(())
+}
+
+/// Writes a plant, and before it its learned tables, whose files are named after its own.
+fn write(plant: &CheckedBlueprint, file: &Path, logs: &[&Path]) -> anyhow::Result<()> {
+    let mut blueprint = plant.blueprint().clone();
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    for (name, bytes) in plant.table_files() {
+        let own = format!("{stem}-{name}");
+        let table = file.with_file_name(&own);
+        inputs::not_over(&table, logs)?;
+        data::WholeFile::write_all_of(&table, &bytes)
+            .with_context(|| format!("{} cannot be written", table.display()))?;
+        let parts = blueprint.axes.iter_mut().flat_map(|axis| &mut axis.components);
+        for part in parts.filter(|part| part.get("table") == Some(&name.as_str().into())) {
+            part.set("table", own.as_str());
+        }
+    }
+    Ok(blueprint.write(file)?)
 }
 
 /// One blueprint with the axes of all.
@@ -308,6 +326,7 @@ fn join(axes: &[AxisResult]) -> anyhow::Result<CheckedBlueprint> {
             );
         }
         whole.axes.extend(other.axes.iter().cloned());
+        whole.tables.extend(other.tables.clone());
     }
     Ok(whole.check(learned::COMPONENTS)?)
 }

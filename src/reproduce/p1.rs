@@ -1,6 +1,8 @@
 //! Nanopositioning stage: LS-SVM over stop operators against LS-SVM with NARX inputs.
 
-use identify::learned::{Arx, Frame, Machine, Recipe, Run, Series, Span, rms_difference, weigh};
+use identify::learned::{
+    Arx, Frame, Machine, Recipe, Run, Series, Span, Turns, rms_difference, weigh,
+};
 use learned::features::{Features, Narx, Stops};
 use learned::lssvm::{Folds, Settings, Validation};
 use learned::tune::{
@@ -148,7 +150,7 @@ pub(super) fn series(
     let found = weigh(&frame, &pairs, &is_command, (&START.0, START.1), search)?;
     say("hysteresis and linear part in turn");
     let first = (&before, &ORDERS[..]);
-    let series = Series::train(&found.frame, found.settings, train, first, ROUNDS)?;
+    let series = Series::train(&found.frame, found.settings, train, first, Turns::of(ROUNDS))?;
     let told = format!(
         "stops and linear part: {} evaluations of the evidence; widths of stops and command {:.3} and {:.3} of \
          8.5 V, gamma = {:.2e}; training error {:.4} um; D: b = {:.4?}, a = {:.4?}",
@@ -177,7 +179,7 @@ fn before_filter(filter: &Arx, run: &Run<'_>) -> Vec<f64> {
 
 fn runs(records: &[Response]) -> Vec<Run<'_>> {
     fn of(r: &Response) -> Run<'_> {
-        Run { command: &r.command, position: r.after(), start: r.position[0] }
+        Run { command: &r.command, position: r.after(), start: r.position[0], first: 0 }
     }
     records.iter().map(of).collect()
 }

@@ -1,7 +1,9 @@
 //! Nanopositioning at 20 kHz: Gaussian process over the command and its derivatives.
 
 use anyhow::Context;
-use identify::learned::{Arx, Frame, Machine, Recipe, Run, Series, Span, rms_difference, weigh};
+use identify::learned::{
+    Arx, Frame, Machine, Recipe, Run, Series, Span, Turns, rms_difference, weigh,
+};
 use learned::features::{Derivatives, Features, Stops};
 use learned::gp::{GaussianProcess, Hyperparameters, Search};
 use learned::lssvm::Samples;
@@ -89,7 +91,12 @@ fn series(chirp: &Response) -> anyhow::Result<(Series, String)> {
     let pairs = [(&chirp.command[..], chirp.after())];
     let frame = Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &pairs);
     let group = |input: usize| input.saturating_sub(COUNT - 1);
-    let run = Run { command: &chirp.command, position: chirp.after(), start: chirp.position[0] };
+    let run = Run {
+        command: &chirp.command,
+        position: chirp.after(),
+        start: chirp.position[0],
+        first: 0,
+    };
     let mut series: Option<Series> = None;
     let mut at = (vec![40.0, 4.0, 2.0], 1e5);
     // With the linear part taken out, the evidence sees the hysteresis alone.
@@ -104,7 +111,8 @@ fn series(chirp: &Response) -> anyhow::Result<(Series, String)> {
         let first = Arx { b: vec![1.0], a: vec![] };
         let first = series.as_ref().map_or(&first, |series| &series.linear);
         let start = (first, &[(3, 3), (4, 4), (5, 5)][..]);
-        series = Some(Series::train(&found.frame, found.settings, &[run], start, rounds)?);
+        series =
+            Some(Series::train(&found.frame, found.settings, &[run], start, Turns::of(rounds))?);
     }
     let series = series.context("a round")?;
     let told = format!(

@@ -7,7 +7,7 @@ use learned::lssvm::{LsSvm, Report, Samples, Settings};
 use crate::matching;
 
 /// Half cosine waves of random frequency and height within a range around 0 or above it. Half of the signals
-/// begin at 0, the others at other levels, with a memory that is empty there.
+/// begin at 0, the others at other levels, with the memory of a rise from 0.
 #[derive(Clone, Copy)]
 pub(super) struct Waves {
     pub(super) count: usize,

@@ -68,6 +68,23 @@ impl Arx {
         Ok(if after < before || before.is_nan() { fitted } else { start })
     }
 
+    /// This one and another behind it.
+    #[must_use]
+    pub fn then(&self, other: &Self) -> Self {
+        let product = |x: &[f64], y: &[f64]| {
+            let mut all = vec![0.0; x.len() + y.len() - 1];
+            for (i, x) in x.iter().enumerate() {
+                for (j, y) in y.iter().enumerate() {
+                    all[i + j] += x * y;
+                }
+            }
+            all
+        };
+        let whole = |arx: &Self| [&[1.0][..], &arx.a].concat();
+        let a = product(&whole(self), &whole(other)).split_off(1);
+        Self { b: product(&self.b, &other.b), a }
+    }
+
     /// Whether a bounded input gives a bounded output: every zero of zⁿ + a_1 zⁿ⁻¹ + … lies inside the
     /// unit circle.
     #[must_use]

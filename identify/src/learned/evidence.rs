@@ -45,7 +45,18 @@ pub fn weigh(
     (start, gamma): (&[f64], f64),
     (evaluations, most): (usize, usize),
 ) -> Result<Weighed, learned::Error> {
-    let whole = frame.samples(records)?;
+    Ok(weigh_samples(frame, &frame.samples(records)?, group, (start, gamma), (evaluations, most)))
+}
+
+/// The same for the samples of the frame that are given.
+#[must_use]
+pub fn weigh_samples(
+    frame: &Frame,
+    whole: &Samples,
+    group: &dyn Fn(usize) -> usize,
+    (start, gamma): (&[f64], f64),
+    (evaluations, most): (usize, usize),
+) -> Weighed {
     let every = whole.count().div_ceil(most.max(2)).max(1);
     let some: Vec<usize> = (0..whole.count()).step_by(every).collect();
     let few = whole.subset(&some);
@@ -76,7 +87,7 @@ pub fn weigh(
     }
     let gamma = best.point.last().map_or(gamma, |x| x.exp());
     let settings = Settings { gamma, sigma2: 1.0 };
-    Ok(Weighed { frame: chosen, settings, factors, evaluations: best.evaluations })
+    Weighed { frame: chosen, settings, factors, evaluations: best.evaluations }
 }
 
 /// The evidence at ln of the factors and of γ, up to a constant.

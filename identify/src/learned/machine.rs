@@ -3,6 +3,7 @@
 use learned::features::Features;
 use learned::lssvm::{LsSvm, Pruned, Pruning, Report, Samples, Settings, prune};
 use learned::{Compressor, KernelSum};
+use model::Table;
 
 use super::rms_difference;
 
@@ -146,6 +147,24 @@ impl Frame {
 }
 
 impl Machine {
+    /// The table of a component that runs this machine: bias and width of each input, then weight and
+    /// centre of each support vector.
+    ///
+    /// # Errors
+    /// A machine without inputs.
+    pub fn table(&self) -> Result<Table, String> {
+        let sigma = self.machine.sigma2.sqrt();
+        let widths = &self.frame.widths;
+        let d = widths.len();
+        let mut rows = vec![self.machine.bias];
+        rows.extend(widths.iter().map(|width| width * sigma));
+        for (weight, centre) in self.machine.weights.iter().zip(self.machine.centres.chunks(d)) {
+            rows.push(*weight);
+            rows.extend(centre.iter().zip(widths).map(|(x, width)| x * width));
+        }
+        Table::new(d + 1, rows)
+    }
+
     /// Trains on records of command and output.
     ///
     /// # Errors

@@ -7,12 +7,13 @@
 mod arx;
 mod evidence;
 mod machine;
+pub(crate) mod plant;
 mod series;
 
 pub use arx::Arx;
-pub use evidence::{Weighed, weigh};
+pub use evidence::{Weighed, weigh, weigh_samples};
 pub use machine::{Frame, Machine, Recipe, Span};
-pub use series::{Run, Series};
+pub use series::{Run, Series, Turns};
 
 /// Commands with the positions that they lead to: the position of row k + 1 belongs to the command
 /// of row k.

@@ -8,7 +8,7 @@
 //! in turn. A hysteresis that is trained on positions alone takes lag and creep for its own, and is
 //! wrong wherever the rate is another.
 
-use learned::lssvm::Settings;
+use learned::lssvm::{LsSvm, Settings};
 
 use super::{Arx, Frame, Machine, rms_difference};
 
@@ -24,6 +24,25 @@ pub struct Run<'a> {
     pub position: &'a [f64],
     /// At rest, before the first.
     pub start: f64,
+    /// The first sample that is fitted; those before are only simulated.
+    pub first: usize,
+}
+
+/// How long hysteresis and linear part are trained in turn, and on how much.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Turns {
+    /// Most rounds.
+    pub rounds: usize,
+    /// Most samples that the hysteresis is trained on; of more, every few.
+    pub most: usize,
+}
+
+impl Turns {
+    /// At most so many rounds, on all samples.
+    #[must_use]
+    pub fn of(rounds: usize) -> Self {
+        Self { rounds, most: usize::MAX }
+    }
 }
 
 /// A hysteresis and its linear part.
@@ -48,20 +67,22 @@ impl Series {
         settings: Settings,
         runs: &[Run<'_>],
         (first, orders): (&Arx, &[(usize, usize)]),
-        rounds: usize,
+        turns: Turns,
     ) -> Result<Self, learned::Error> {
+        let rows = rows(runs, turns.most);
         let mut linear = first.clone();
         let mut h: Vec<Vec<f64>> = runs.iter().map(|run| run.position.to_vec()).collect();
         let mut best: Option<(f64, Self)> = None;
-        for _ in 0..rounds.max(1) {
+        for _ in 0..turns.rounds.max(1) {
             let targets: Vec<Vec<f64>> =
                 runs.iter().zip(&h).map(|(run, h)| before(&linear, run, h)).collect();
             let pairs: Vec<(&[f64], &[f64])> =
                 runs.iter().zip(&targets).map(|(run, target)| (run.command, &target[..])).collect();
-            let (machine, _) = Machine::train(frame.clone(), &pairs, settings)?;
+            let (machine, _) = LsSvm::train(&frame.samples(&pairs)?.subset(&rows), settings)?;
+            let machine = Machine { frame: frame.clone(), machine };
             h = runs.iter().map(|run| machine.simulate(run.command, run.start)).collect();
             let records: Vec<(&[f64], &[f64], f64)> =
-                runs.iter().zip(&h).map(|(run, h)| (&h[..], run.position, run.start)).collect();
+                runs.iter().zip(&h).map(|(run, h)| run.fitted(h)).collect();
             let fits = orders.iter().filter_map(|(zeros, poles)| {
                 let fit = Arx::fit_all(&records, *zeros, *poles).ok().filter(Arx::is_stable)?;
                 Some((mean_square(&fit, &records), fit))
@@ -105,12 +126,39 @@ impl Series {
         let (mut sum, mut count) = (0.0, 0);
         for run in runs {
             let simulated = self.simulate(run.command, run.start);
-            sum += rms_difference(&simulated, run.position).powi(2) * run.position.len() as f64;
-            count += run.position.len();
+            let (simulated, position, _) = run.fitted(&simulated);
+            sum += rms_difference(simulated, position).powi(2) * position.len() as f64;
+            count += position.len();
         }
         let error = (sum / count.max(1) as f64).sqrt();
         if error.is_nan() { f64::INFINITY } else { error }
     }
+}
+
+impl<'a> Run<'a> {
+    /// A signal of this record and its position, where they are fitted, and the position before.
+    fn fitted<'s>(&self, signal: &'s [f64]) -> (&'s [f64], &'a [f64], f64) {
+        let before = self.first.checked_sub(1).and_then(|row| self.position.get(row));
+        let part = |x: &'s [f64]| x.get(self.first..).unwrap_or(&[]);
+        (
+            part(signal),
+            self.position.get(self.first..).unwrap_or(&[]),
+            *before.unwrap_or(&self.start),
+        )
+    }
+}
+
+/// The rows of all records together that are fitted, or every few of them.
+pub(crate) fn rows(runs: &[Run<'_>], most: usize) -> Vec<usize> {
+    let mut begin = 0;
+    let mut all = Vec::new();
+    for run in runs {
+        let count = run.command.len().min(run.position.len());
+        all.extend((run.first..count).map(|row| begin + row));
+        begin += count;
+    }
+    let every = all.len().div_ceil(most.max(1)).max(1);
+    all.into_iter().step_by(every).collect()
 }
 
 fn mean_square(linear: &Arx, records: &[(&[f64], &[f64], f64)]) -> f64 {
@@ -153,8 +201,8 @@ mod tests {
         let truth = |u: &[f64]| lag.simulate(&play(u), 0.0);
         let (y_slow, y_fast) = (truth(&slow), truth(&fast));
         let runs = [
-            Run { command: &slow, position: &y_slow, start: 0.0 },
-            Run { command: &fast, position: &y_fast, start: 0.0 },
+            Run { command: &slow, position: &y_slow, start: 0.0, first: 0 },
+            Run { command: &fast, position: &y_fast, start: 0.0, first: 0 },
         ];
         let stops = Stops { count: 8, range: 6.0, period: 1e-2, rate_scale: 1e9 };
         let pairs = runs.map(|run| (run.command, run.position));
@@ -163,7 +211,8 @@ mod tests {
         frame.widths[..8].fill(20.0);
         let settings = Settings { gamma: 1e6, sigma2: 1.0 };
         let first = Arx { b: vec![1.0], a: vec![] };
-        let found = Series::train(&frame, settings, &runs, (&first, &[(0, 1)]), 12).unwrap();
+        let found =
+            Series::train(&frame, settings, &runs, (&first, &[(0, 1)]), Turns::of(12)).unwrap();
         assert!((found.linear.a[0] + 0.7).abs() < 0.03, "{:?}", found.linear);
         // Three times as fast as any record: without the linear part it cannot be followed.
         let error = rms_difference(&found.simulate(&test, 0.0), &truth(&test));

@@ -22,6 +22,7 @@ use data::ComponentBlueprint;
 
 use crate::error::Error;
 use crate::fit::response::Part;
+use crate::learned::plant;
 
 /// All methods, the simplest first. Among methods that differ little the simpler one is returned.
 pub(crate) static METHODS: &[&dyn Method] = &[
@@ -101,6 +102,11 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
+    /// Position at zero command on the line from the least to the greatest command and position.
+    pub(crate) fn zero_of([low, high]: [f64; 2], [bottom, top]: [f64; 2]) -> f64 {
+        bottom - low * (top - bottom) / (high - low)
+    }
+
     /// Middle and half of the command's range.
     pub(crate) fn centre(&self) -> (f64, f64) {
         let [low, high] = self.command;
@@ -197,13 +203,33 @@ pub(crate) fn states_of(
 }
 
 /// The method of this name.
-pub(crate) fn find(name: &str) -> Option<&'static dyn Method> {
-    METHODS.iter().copied().find(|m| m.name() == name)
+pub(crate) fn find(name: &str) -> Option<Way> {
+    let operator = METHODS.iter().copied().find(|m| m.name() == name).map(Way::Operator);
+    operator.or_else(|| (name == plant::NAME).then_some(Way::Learned))
+}
+
+/// How a plant is found.
+#[derive(Clone, Copy)]
+pub(crate) enum Way {
+    /// By a fit of an operator.
+    Operator(&'static dyn Method),
+    /// By learning.
+    Learned,
+}
+
+impl Way {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Way::Operator(method) => method.name(),
+            Way::Learned => plant::NAME,
+        }
+    }
 }
 
 /// Name and sentence of every method that can be identified.
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
-    METHODS.iter().map(|m| (m.name(), m.summary()))
+    let learned = std::iter::once((plant::NAME, plant::SUMMARY));
+    METHODS.iter().map(|m| (m.name(), m.summary())).chain(learned)
 }
 
 #[cfg(test)]
@@ -215,7 +241,7 @@ mod tests {
     #[test]
     fn names_are_unique_and_found() {
         let names: BTreeSet<_> = methods().map(|(name, _)| name).collect();
-        assert_eq!(names.len(), METHODS.len());
+        assert_eq!(names.len(), METHODS.len() + 1);
         assert!(names.iter().all(|name| find(name).is_some()));
     }
 

@@ -3,21 +3,6 @@
 use data::{Blueprint, ComponentBlueprint, Value};
 use identify::learned::{Arx, Machine, rms_difference};
 use learned::features::Features;
-use model::Table;
-
-/// The table of a machine: bias and widths, then weight and centre of each support vector.
-pub(super) fn table_of(machine: &Machine) -> anyhow::Result<Table> {
-    let sigma = machine.machine.sigma2.sqrt();
-    let widths = &machine.frame.widths;
-    let d = widths.len();
-    let mut rows = vec![machine.machine.bias];
-    rows.extend(widths.iter().map(|width| width * sigma));
-    for (weight, centre) in machine.machine.weights.iter().zip(machine.machine.centres.chunks(d)) {
-        rows.push(*weight);
-        rows.extend(centre.iter().zip(widths).map(|(x, width)| x * width));
-    }
-    Table::new(d + 1, rows).map_err(|error| anyhow::anyhow!("{error:?}"))
-}
 
 /// Adds the table of an inverse to a blueprint, and gives its component. Its commands and positions are those
 /// of the machine, from output and input.
@@ -27,7 +12,8 @@ pub(super) fn learned_inverse(
     machine: &Machine,
 ) -> anyhow::Result<ComponentBlueprint> {
     let file = format!("{name}.npy");
-    blueprint.tables.insert(file.clone(), table_of(machine)?);
+    let table = machine.table().map_err(anyhow::Error::msg)?;
+    blueprint.tables.insert(file.clone(), table);
     let (input, output) = (machine.frame.command, machine.frame.output);
     let component = match &machine.frame.features {
         Features::Stops(stops) => ComponentBlueprint::new("lssvm-stops-inverse")

@@ -58,8 +58,10 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         "um",
         &named,
     )));
-    let runs: Vec<Run<'_>> =
-        train.iter().map(|(u, y)| Run { command: u, position: &y[1..], start: y[0] }).collect();
+    let runs: Vec<Run<'_>> = train
+        .iter()
+        .map(|(u, y)| Run { command: u, position: &y[1..], start: y[0], first: 0 })
+        .collect();
     let (forward, told) = series(&runs, PERIOD, say)?;
     answer.remarks.push(told);
     say("inverse LS-SVM over 55 stop operators");

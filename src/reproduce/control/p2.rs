@@ -10,7 +10,6 @@ use learned::lssvm::Settings;
 use model::Kind;
 
 use super::bed::Bed;
-use super::inverse::table_of;
 use super::learning::{Learning, learn};
 use super::single::{Design, Notch, impulse, ringing, rmse, ultimate, with_rest};
 use super::{Aim, Order, Reproduction, Row};
@@ -71,7 +70,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let machine = trained(&u, &y[1..], zero)?;
     let (position, term) = (machine.frame.command, machine.frame.output);
     let mut tables = Blueprint::new(Kind::Controller, "tables", PERIOD);
-    tables.tables.insert("term.npy".into(), table_of(&machine)?);
+    tables.tables.insert("term.npy".into(), machine.table().map_err(anyhow::Error::msg)?);
     let limit = 5.0;
     let learned = ComponentBlueprint::new("lssvm-feedforward")
         .value("table", Value::Text("term.npy".into()))
