@@ -228,8 +228,13 @@ fn named(o: &Outcome) -> Vec<NamedEffect> {
             .get(slot)
             .map(|looked| belief::beliefs(&Sight::of(o), looked, last))
             .unwrap_or_default();
+        let explained = o.found.alone.get(slot).copied().unwrap_or(0.0);
+        let is_effect = match last.picks.len() {
+            1 => 1.0,
+            _ => belief::is_effect(&Sight::of(o), last, explained),
+        };
         let probability =
-            beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.probability);
+            is_effect * beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.probability);
         let mut set: Vec<String> = belief::set(&beliefs)
             .into_iter()
             .map(|f| o.library[f].effect.name.to_owned())
@@ -245,7 +250,7 @@ fn named(o: &Outcome) -> Vec<NamedEffect> {
             set,
             group: effect.group.map(|g| group(g).to_owned()),
             parameters: parameters(o, last, slot),
-            explained: o.found.alone.get(slot).copied().unwrap_or(0.0),
+            explained,
         }
     });
     noisier(o).into_iter().chain(picked).collect()

@@ -14,18 +14,24 @@ const SHARPNESS: f64 = 3.0;
 const ORDER: f64 = 1.2;
 /// Formulas leave alike up to this factor.
 const ALIKE: f64 = 1.25;
-/// Share below which neither the name nor its group is given.
+/// Probability below which neither the name nor its group is given.
 pub(crate) const TRUSTED: f64 = 0.5;
-/// Probability that the cause is in the library below which no name is given.
-const KNOWN: f64 = 0.5;
-/// Probability that the cause is in the library where nothing is left.
-const LIBRARY: f64 = 0.985;
+/// Probability that the cause is in the library where nothing is left; from the benchmark.
+const LIBRARY: f64 = 0.97;
+/// The same where the name is one of a group: what looks like the others of its group in a log, looks like
+/// many things that are in no library.
+const LIBRARY_OF_GROUPS: f64 = 0.87;
 /// Part of the gap that is left where the cause is as likely in the library as not, and how fast that
 /// changes; from the benchmark.
 const LEFT_OF_UNKNOWN: f64 = 0.12;
 const STEEPNESS: f64 = 1.2;
-/// Excess over the noise that is told from none.
-const SEEN: f64 = 0.02;
+/// Part of the noise's power that the right formula may leave unseen.
+const SEEN: f64 = 0.01;
+/// Part of the gap that a further effect takes away where it is as likely an effect as a repair of the
+/// others' formulas.
+const REPAIR: f64 = 0.01;
+/// The same for how many times what is left at last it takes away.
+const REPAIRED: f64 = 30.0;
 
 /// One name for a slot.
 #[derive(Clone, Debug)]
@@ -36,32 +42,39 @@ pub(crate) struct Belief {
 
 /// What beliefs are formed from beside the candidates.
 #[derive(Clone, Copy)]
-pub(crate) struct Sight {
+pub(crate) struct Sight<'a> {
+    pub(crate) library: &'a [Family],
     /// Held-out mean square of the re-tuned model over the noise's, less 1.
     pub(crate) base_excess: f64,
     /// Mean square over the noise's up to which nothing is left.
     pub(crate) adequate: f64,
 }
 
-impl Sight {
+impl<'a> Sight<'a> {
     /// With this re-tuned model.
-    pub(crate) fn new(base: &Candidate, adequate: f64) -> Self {
-        Self { base_excess: (base.judged.held_out - 1.0).max(0.0), adequate }
+    pub(crate) fn new(library: &'a [Family], base: &Candidate, adequate: f64) -> Self {
+        Self { library, base_excess: (base.judged.held_out - 1.0).max(0.0), adequate }
     }
 
-    pub(crate) fn of(outcome: &Outcome) -> Self {
-        Self::new(&outcome.found.base, outcome.adequate)
+    pub(crate) fn of(outcome: &'a Outcome) -> Self {
+        Self::new(&outcome.library, &outcome.found.base, outcome.adequate)
+    }
+
+    fn is_of_group(&self, family: usize) -> bool {
+        self.library[family].effect.group.is_some()
     }
 }
 
 /// Probabilities of the families for one slot, largest first; the rest to 1 is 'none of these'.
-pub(crate) fn beliefs(sight: &Sight, looked: &[Looked], own: &Candidate) -> Vec<Belief> {
+pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> Vec<Belief> {
     let fitted: Vec<(usize, &Candidate)> =
         looked.iter().filter_map(|l| Some((l.family, l.best.as_ref()?))).collect();
     let Some(best) = fitted.iter().map(|(_, c)| *c).min_by(|a, b| a.rank.total_cmp(&b.rank)) else {
         return Vec::new();
     };
-    let times = |c: &Candidate| ((excess(c) + SEEN) / (excess(best) + SEEN)).max(1.0);
+    // The noise is the same in all of them: by how much one leaves more than the best is known far better
+    // than how far either is above the noise.
+    let times = |c: &Candidate| 1.0 + (left(c) - left(best)).max(0.0) / (excess(best) + SEEN);
     let simplest =
         fitted.iter().filter(|(_, c)| times(c) < ALIKE).map(|(_, c)| c.freedom).min().unwrap_or(0);
     let weights: Vec<f64> = fitted
@@ -75,7 +88,12 @@ pub(crate) fn beliefs(sight: &Sight, looked: &[Looked], own: &Candidate) -> Vec<
         })
         .collect();
     let total: f64 = weights.iter().sum();
-    let known = known(sight, own);
+    // None of these is as likely as it is beside each of the names, weighted by their shares.
+    let library = |family: usize| {
+        if sight.is_of_group(family) { LIBRARY_OF_GROUPS } else { LIBRARY }
+    };
+    let prior: f64 = fitted.iter().zip(&weights).map(|((f, _), w)| library(*f) * w / total).sum();
+    let known = prior * formula_is_known(sight, own);
     let mut all: Vec<Belief> = fitted
         .iter()
         .zip(weights)
@@ -85,30 +103,40 @@ pub(crate) fn beliefs(sight: &Sight, looked: &[Looked], own: &Candidate) -> Vec<
     all
 }
 
-/// What is left over the noise's power, on training and held-out rows alike.
+/// What is left in powers of the noise, on training and held-out rows alike.
+fn left(c: &Candidate) -> f64 {
+    0.5 * (c.fit.mean_square + c.judged.held_out)
+}
+
+/// How far that is above the noise.
 fn excess(c: &Candidate) -> f64 {
-    (0.5 * (c.fit.mean_square + c.judged.held_out) - 1.0).max(0.0)
+    (left(c) - 1.0).max(0.0)
 }
 
-/// Probability that the cause is in the library at all: the more is left over what the noise alone may
+/// How likely a formula of the library leaves so much: the more is left over what the noise alone may
 /// leave, and the larger a part of the gap that is, the less.
-fn known(sight: &Sight, own: &Candidate) -> f64 {
+fn formula_is_known(sight: &Sight<'_>, own: &Candidate) -> f64 {
     let left = (excess(own) - (sight.adequate - 1.0)).max(0.0) / sight.base_excess.max(0.1);
-    LIBRARY / (1.0 + (left / LEFT_OF_UNKNOWN).powf(STEEPNESS))
+    1.0 / (1.0 + (left / LEFT_OF_UNKNOWN).powf(STEEPNESS))
 }
 
-/// How far a name can be trusted: its share among the candidates, or that of its group where the group
-/// is what the data can tell; 0 where the cause is most likely none of them.
+/// How likely one of several effects is one, and no repair of what the others' formulas leave: `alone` is
+/// the part of the gap that comes back without it. A repair takes a small part of the gap, and does not
+/// fit it much better than the formula that it repairs.
+pub(crate) fn is_effect(sight: &Sight<'_>, own: &Candidate, alone: f64) -> f64 {
+    let times = alone * sight.base_excess / (excess(own) + SEEN);
+    let odds = (alone / REPAIR).powf(STEEPNESS) + (times / REPAIRED).powf(STEEPNESS);
+    odds / (1.0 + odds)
+}
+
+/// How far a name can be trusted: its probability, or that of its group where the group is what the data
+/// can tell.
 pub(crate) fn trust(library: &[Family], beliefs: &[Belief], family: usize) -> f64 {
-    let known: f64 = beliefs.iter().map(|b| b.probability).sum();
-    if known < KNOWN {
-        return 0.0;
-    }
     let group = library[family].effect.group;
     let is_with = |b: &&Belief| {
         b.family == family || (group.is_some() && library[b.family].effect.group == group)
     };
-    beliefs.iter().filter(is_with).map(|b| b.probability).sum::<f64>() / known
+    beliefs.iter().filter(is_with).map(|b| b.probability).sum()
 }
 
 /// The smallest set of names that reaches 0.95 of what is known, most probable first.

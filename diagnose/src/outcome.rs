@@ -107,6 +107,8 @@ pub(crate) fn of(
             if has_gap(&found.last, adequate) {
                 let base = found.base.clone();
                 found = search.run(base).map_err(|_| model_error(&problem.output))?;
+            } else {
+                search.name_again(&mut found);
             }
             (found, given, judge, sigma)
         }

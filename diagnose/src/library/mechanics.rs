@@ -1,6 +1,7 @@
 //! Mechanics and coupling.
 
 use components::effects;
+use model::Effect;
 
 use super::{Family, Formula, Free, Setting, Slot};
 use crate::block::Block;
@@ -12,15 +13,34 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(Family::new(&effects::DAMPING, damping(s)));
     all.push(Family::new(&effects::EXTRA_MODE, extra_mode(s)));
     if s.base.mode.is_some() {
-        all.push(Family::new(&effects::DUFFING, duffing(s)));
+        let mut family = Family::new(&effects::DUFFING, duffing(s));
+        // A spring that is stiffer at every amplitude bends nothing.
+        family.null = released(s, &effects::RESONANCE_SHIFT);
+        all.push(family);
     }
     all.push(Family::new(&effects::BACKLASH, backlash(s)));
-    all.push(Family::new(&effects::FRICTION, friction(s)));
+    let mut family = Family::new(&effects::FRICTION, friction(s));
+    // What brakes at every speed alike is damping.
+    family.null = released(s, &effects::DAMPING);
+    all.push(family);
     let mut family = Family::new(&effects::PERIODIC_DISTURBANCE, periodic(s));
     // A line that grows with the position is a gain that changes, and no disturbance.
     family.null = Some(modulation(s));
     all.push(family);
     all.push(Family::new(&effects::CROSS_COUPLING, coupling(s)));
+}
+
+/// The model's own parameters of an effect.
+fn own(s: &Setting<'_>, effect: &Effect) -> Vec<usize> {
+    let all = s.base.parameters.iter().enumerate();
+    all.filter(|(_, p)| p.effect == Some(effect.name)).map(|(k, _)| k).collect()
+}
+
+/// Those without their tolerance, and nothing else.
+fn released(s: &Setting<'_>, effect: &Effect) -> Option<Formula> {
+    let releases = own(s, effect);
+    let formula = Formula::new("the model's own parameter").start(&[]);
+    (!releases.is_empty()).then_some(Formula { releases, ..formula })
 }
 
 /// For a black box: the poles of a resonance moved, as a filter behind the model.
@@ -45,9 +65,7 @@ fn resonance(s: &Setting<'_>) -> Vec<Formula> {
 
 /// A spring that is softer or stiffer moves the frequency and the static gain.
 fn stiffness(s: &Setting<'_>) -> Vec<Formula> {
-    let own = s.base.parameters.iter().enumerate();
-    let releases: Vec<usize> =
-        own.filter(|(_, p)| p.effect == Some("resonance_shift")).map(|(k, _)| k).collect();
+    let releases = own(s, &effects::RESONANCE_SHIFT);
     if releases.is_empty() {
         return Vec::new();
     }
@@ -61,9 +79,7 @@ fn stiffness(s: &Setting<'_>) -> Vec<Formula> {
 
 /// Damping that grows with the speed, beside the model's own.
 fn damping(s: &Setting<'_>) -> Vec<Formula> {
-    let own = s.base.parameters.iter().enumerate();
-    let releases: Vec<usize> =
-        own.filter(|(_, p)| p.effect == Some("damping")).map(|(k, _)| k).collect();
+    let releases = own(s, &effects::DAMPING);
     if s.base.mode.is_none() || releases.is_empty() {
         return Vec::new();
     }
@@ -152,7 +168,7 @@ fn friction(s: &Setting<'_>) -> Vec<Formula> {
     let h = s.position.half;
     let size = || Free::log("friction over stiffness", "{position}", 1e-5 * h, 0.5 * h);
     let distance = || Free::log("pre-sliding distance", "{position}", 1e-4 * h, h);
-    let starts = || [0.01, 0.1].map(|k| vec![0.01 * h, k * h]);
+    let starts = || [(0.01, 0.01), (0.01, 0.1), (0.001, 0.01)].map(|(a, d)| vec![a * h, d * h]);
     let series = Formula::new("pre-sliding spring, before the mechanics")
         .block(Slot::BeforeMechanics, Block::Dahl, vec![size(), distance()])
         .starts(starts());
@@ -163,7 +179,7 @@ fn friction(s: &Setting<'_>) -> Vec<Formula> {
     inside.parameters = vec![size(), distance()];
     inside.force = Some((Force::Friction, s.position.centre, h));
     let mut coulomb = Formula::new("Coulomb friction in the mode")
-        .starts([0.003, 0.02].map(|k| vec![0.005 * h, k * h]));
+        .starts([(0.005, 0.003), (0.005, 0.02), (0.0007, 0.003)].map(|(a, k)| vec![a * h, k * h]));
     // A bend so wide that no speed leaves it is damping.
     let smooth = Free::log("speed of full friction over ω", "{position}", 1e-4 * h, 0.03 * h);
     coulomb.parameters = vec![size(), smooth];
@@ -185,7 +201,37 @@ fn periodic(s: &Setting<'_>) -> Vec<Formula> {
         f.nuisance = Some(Nuisance::Lines { parameter: 0, harmonics });
         f
     };
-    vec![formula("one line", 1), formula("line with two harmonics", 3)]
+    let mut all = vec![formula("one line", 1), formula("line with two harmonics", 3)];
+    let resolution = 1.0 / s.length;
+    if let Some(fundamental) = fundamental(&s.lines, resolution) {
+        let mut pulses = formula("pulses: line with nine harmonics", PULSE);
+        pulses.starts = vec![vec![fundamental]];
+        all.push(pulses);
+    }
+    all
+}
+
+/// Lines of a train of pulses, as of a force that acts during a part of each turn.
+const PULSE: usize = 10;
+
+/// The largest frequency of which most lines are multiples, where these are at least three and one of
+/// them is above the third.
+fn fundamental(lines: &[f64], resolution: f64) -> Option<f64> {
+    let orders = |f: f64| -> Vec<f64> {
+        let order = |line: &f64| {
+            let order = (line / f).round();
+            let is_near = (line - order * f).abs() < resolution * order.sqrt();
+            (is_near && order <= PULSE as f64).then_some(order)
+        };
+        lines.iter().filter_map(order).collect()
+    };
+    // A train whose first line is hidden still has its second to fourth.
+    let lowest = lines.iter().copied().fold(f64::INFINITY, f64::min);
+    let all = (1..=4).map(|part| lowest / f64::from(part)).filter(|f| *f > 4.0 * resolution);
+    let most = |a: &f64, b: &f64| orders(*a).len().cmp(&orders(*b).len()).then(a.total_cmp(b));
+    let best = all.max_by(most)?;
+    let orders = orders(best);
+    (orders.len() >= 3 && orders.iter().any(|order| *order > 3.0)).then_some(best)
 }
 
 fn modulation(s: &Setting<'_>) -> Formula {
@@ -241,4 +287,21 @@ fn coupling(s: &Setting<'_>) -> Vec<Formula> {
         ]);
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fundamental;
+
+    #[test]
+    fn pulses_are_known_by_lines_that_are_multiples_of_one_frequency() {
+        let near = |found: Option<f64>, wanted: f64| (found.unwrap() / wanted - 1.0).abs() < 1e-2;
+        // In the order of their strength; the fifth is none where a fifth of the turn is on.
+        assert!(near(fundamental(&[111.1, 37.05, 74.1, 148.2, 259.3], 0.5), 37.05));
+        // The first line may be hidden under one of the command's.
+        assert!(near(fundamental(&[74.1, 111.1, 148.2, 222.2, 259.3], 0.5), 37.05));
+        assert_eq!(fundamental(&[50.3, 100.6, 150.9], 0.5), None, "two harmonics are no train");
+        assert_eq!(fundamental(&[31.0, 74.1, 111.9], 0.5), None, "lines of their own");
+        assert_eq!(fundamental(&[], 0.5), None);
+    }
 }

@@ -165,16 +165,30 @@ impl Search<'_> {
 
     /// A single effect gives way to the more probable of its rivals: of those that leave alike the one
     /// with fewer coefficients.
-    fn most_probable(&self, sight: &Sight, rivals: &[Vec<Looked>], best: Candidate) -> Candidate {
+    fn most_probable(
+        &self,
+        sight: &Sight<'_>,
+        rivals: &[Vec<Looked>],
+        best: Candidate,
+    ) -> Candidate {
         let (&[(family, _)], [looked]) = (&best.picks[..], rivals) else { return best };
         let first = belief::beliefs(sight, looked, &best).first().map(|b| b.family);
         let rival = looked.iter().find(|l| first.is_some_and(|f| f != family && f == l.family));
         rival.and_then(|l| l.best.clone()).unwrap_or(best)
     }
 
+    /// Names the most probable one once the noise is known better.
+    pub(crate) fn name_again(&self, found: &mut Found) {
+        let last = found.last.clone();
+        found.last = self.most_probable(&self.sight(&found.base), &found.rivals, last);
+        if let [alone] = &mut found.alone[..] {
+            *alone = explained(&found.base.judged, &found.last.judged).max(0.0);
+        }
+    }
+
     /// What beliefs are formed from.
-    fn sight(&self, base: &Candidate) -> Sight {
-        Sight::new(base, self.adequate)
+    fn sight(&self, base: &Candidate) -> Sight<'_> {
+        Sight::new(self.library, base, self.adequate)
     }
 
     /// Whether one more effect is believed.
