@@ -14,7 +14,7 @@ const SHARPNESS: f64 = 3.0;
 const ORDER: f64 = 1.2;
 /// Formulas leave alike up to this factor.
 const ALIKE: f64 = 1.25;
-/// Probability below which neither the name nor its group is given.
+/// Trust below which neither the name nor its group is given.
 pub(crate) const TRUSTED: f64 = 0.5;
 /// Probability that the cause is in the library where nothing is left; from the benchmark.
 const LIBRARY: f64 = 0.97;
@@ -59,10 +59,11 @@ impl<'a> Sight<'a> {
     pub(crate) fn of(outcome: &'a Outcome) -> Self {
         Self::new(&outcome.library, &outcome.found.base, outcome.adequate)
     }
+}
 
-    fn is_of_group(&self, family: usize) -> bool {
-        self.library[family].effect.group.is_some()
-    }
+/// Probability that the cause is in the library where this name leaves nothing.
+fn prior(library: &[Family], family: usize) -> f64 {
+    if library[family].effect.group.is_some() { LIBRARY_OF_GROUPS } else { LIBRARY }
 }
 
 /// Probabilities of the families for one slot, largest first; the rest to 1 is 'none of these'.
@@ -89,10 +90,8 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
         .collect();
     let total: f64 = weights.iter().sum();
     // None of these is as likely as it is beside each of the names, weighted by their shares.
-    let library = |family: usize| {
-        if sight.is_of_group(family) { LIBRARY_OF_GROUPS } else { LIBRARY }
-    };
-    let prior: f64 = fitted.iter().zip(&weights).map(|((f, _), w)| library(*f) * w / total).sum();
+    let prior: f64 =
+        fitted.iter().zip(&weights).map(|((f, _), w)| prior(sight.library, *f) * w / total).sum();
     let known = prior * formula_is_known(sight, own);
     let mut all: Vec<Belief> = fitted
         .iter()
@@ -129,14 +128,19 @@ pub(crate) fn is_effect(sight: &Sight<'_>, own: &Candidate, alone: f64) -> f64 {
     odds / (1.0 + odds)
 }
 
-/// How far a name can be trusted: its probability, or that of its group where the group is what the data
-/// can tell.
+/// How far a name can be trusted by what it leaves: its probability, or that of its group where the group
+/// is what the data can tell, over what it would have if nothing were left.
 pub(crate) fn trust(library: &[Family], beliefs: &[Belief], family: usize) -> f64 {
     let group = library[family].effect.group;
     let is_with = |b: &&Belief| {
         b.family == family || (group.is_some() && library[b.family].effect.group == group)
     };
-    beliefs.iter().filter(is_with).map(|b| b.probability).sum()
+    let sum: f64 = beliefs.iter().map(|b| b.probability).sum();
+    let most: f64 = beliefs.iter().map(|b| prior(library, b.family) * b.probability).sum();
+    if most <= 0.0 {
+        return 0.0;
+    }
+    beliefs.iter().filter(is_with).map(|b| b.probability).sum::<f64>() * sum / most
 }
 
 /// The smallest set of names that reaches 0.95 of what is known, most probable first.
