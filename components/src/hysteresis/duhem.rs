@@ -152,6 +152,18 @@ mod tests {
     const P: [f64; 4] = [0.06, 0.04, 0.05, 0.3];
 
     #[test]
+    fn at_rest_it_stays_where_the_command_has_led_it_from_0() {
+        for u in [-40.0, 0.0, 25.0] {
+            let mut moved = Instance::new(&Duhem, &[], &P, 1e-3).unwrap();
+            moved.rest(&[0.0]);
+            let there = moved.step(&[u]);
+            let mut model = Instance::new(&Duhem, &[], &P, 1e-3).unwrap();
+            assert!((model.rest(&[u]) - there).abs() < 1e-12);
+            assert!((model.step(&[u]) - there).abs() < 1e-12);
+        }
+    }
+
+    #[test]
     fn follows_the_differential_equation() {
         let mut model = Instance::new(&Duhem, &[], &P, 1e-3).unwrap();
         let (mut y, mut last) = (model.rest(&[0.0]), 0.0);

@@ -242,6 +242,15 @@ mod tests {
     }
 
     #[test]
+    fn at_rest_it_stays() {
+        let p = parameters([1.0, 2.0, 3.0, 4.0], [0.1, 0.2, 0.3, 0.4]);
+        let mut model = Instance::new(&DynamicPrandtlIshlinskii, &[3.0, 4.0], &p, 1e-3).unwrap();
+        let plays = 0.05 * 12.0 + 0.02 * 4.0;
+        assert!((model.rest(&[12.0]) - (0.3 + plays)).abs() < 1e-13);
+        assert!((model.step(&[12.0]) - (0.3 + plays)).abs() < 1e-13);
+    }
+
+    #[test]
     fn each_segment_has_its_own_coefficients() {
         let period = 0.5;
         let (alpha, beta) = ([1.0, 2.0, 3.0, 4.0], [0.1, 0.2, 0.3, 0.4]);

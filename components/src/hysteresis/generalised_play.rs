@@ -287,6 +287,19 @@ mod tests {
     }
 
     #[test]
+    fn a_play_between_envelopes_that_leave_out_zero_begins_at_the_nearer_one() {
+        // At 0 it rests on that envelope; a small way back lies within the gap and does not move it.
+        for (bottom, top, u, play) in [(40.0, 60.0, -10.0, 40.0), (-60.0, -40.0, 10.0, -40.0_f64)] {
+            let p = parameters([180.0, 0.006, 0.0, bottom], [180.0, 0.006, 0.0, top]);
+            let mut model = Instance::new(&GeneralisedPlay, &[3.0], &p, 1e-4).unwrap();
+            let sum: f64 = R3.iter().zip(W3).map(|(r, w)| w * (play.abs() - r)).sum();
+            let expected = 0.3 + play.signum() * sum;
+            let found = model.rest(&[u]);
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    #[test]
     fn the_inverse_before_the_machine_gives_the_wanted_position() {
         let p = asymmetric();
         let mut forward = Instance::new(&GeneralisedPlay, &[3.0], &p, 1e-4).unwrap();
