@@ -167,6 +167,30 @@ fn a_swept_sine_gives_the_response_without_periods() {
     }
 }
 
+/// All other lines of the record hold what leaks from that of the sine.
+#[test]
+fn a_sine_that_does_not_close_has_no_response_beside_its_line() {
+    let omega = core::f64::consts::TAU * 7.3;
+    let (keep, mut y, mut random) = (0.9, 0.0, uniform(5));
+    let input: Vec<f64> =
+        (0..6000).map(|n| 5.0 - 5.0 * (omega * n as f64 * PERIOD).cos()).collect();
+    let output = input.iter().map(|u| {
+        y = keep * y + (1.0 - keep) * u;
+        y + 1e-3 * (random() - 0.5)
+    });
+    let output = output.collect();
+    let record = Experiment { name: "sine".into(), inputs: vec![input], outputs: vec![output] };
+    let settings = MeasureSettings { band: 1e-6, ..MeasureSettings::new(PERIOD) };
+    let lines = measure(&[record], &settings).map(|found| found.lines).unwrap_or_default();
+    for line in &lines {
+        let z = Complex::new(0.0, core::f64::consts::TAU * line.frequency * PERIOD).exp();
+        let truth = (Complex::new(1.0 - keep, 0.0) / (Complex::new(1.0, 0.0) - keep / z)).norm();
+        let found = line.response[(0, 0)].norm();
+        println!("seed 5, {} Hz: {found} for {truth}", line.frequency);
+        assert!(found < 20.0 * truth, "{} Hz: {found} for {truth}", line.frequency);
+    }
+}
+
 #[test]
 fn inputs_that_move_together_are_refused() {
     let u = repeated(&multisine(1..500, 1), 2);

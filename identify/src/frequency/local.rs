@@ -86,6 +86,9 @@ pub struct FrequencyResponse {
     pub distortion: Distortion,
 }
 
+/// Where the inputs' part is so many times the output, it only cancels the transient: the line holds what leaks
+/// from others.
+const CANCELLED: f64 = 10.0;
 /// Power of a line, as a part of the greatest, from which it counts as excited.
 const EXCITED: f64 = 1e-4;
 /// The same for records that are not periodic, whose lines scatter.
@@ -135,8 +138,9 @@ pub fn measure(
         .collect::<Vec<_>>();
     if lines.is_empty() {
         return Err(Error::no_solution(
-            "the inputs do not move independently of one another at any frequency; give as many \
-             experiments with different inputs as there are inputs",
+            "the inputs do not move independently of one another, and of the transient of a record \
+             without periods, at any frequency; give as many experiments with different inputs as \
+             there are inputs, and a signal richer than a sine",
         ));
     }
     let distortion = match period {
@@ -202,7 +206,8 @@ impl Window<'_> {
         Ok(reach)
     }
 
-    /// The response at an excited line; `None` where the inputs are not independent there.
+    /// The response at an excited line; `None` where the inputs are not independent there, of one another or of
+    /// the transient.
     fn line(&self, centre: usize, reach: usize) -> Option<Line> {
         let last = self.excited.len() - 1;
         // A whole window at the edges of the band too.
@@ -246,6 +251,11 @@ impl Window<'_> {
         }
         let projected = qr.q().adjoint() * &right;
         let solution = triangle.solve_upper_triangular(&projected)?;
+        let linear = matrix.columns(0, powers * inputs) * solution.rows(0, powers * inputs);
+        let cancels = |o: usize| linear.column(o).norm() > CANCELLED * right.column(o).norm();
+        if self.transient && (0..outputs).any(cancels) {
+            return None;
+        }
         let residual = &right - &matrix * &solution;
         let inverse = triangle.solve_upper_triangular(&DMatrix::identity(columns, columns))?;
         let freedom = (rows - columns) as f64;
