@@ -16,6 +16,7 @@ use piezoloop_bench::emulate::{Script, Serve, serve};
 use piezoloop_bench::gateway::{Address, End, open};
 use piezoloop_bench::record::Recorder;
 use piezoloop_bench::runner::{Settings, SharedOrders, run};
+use rustix::mm::{MlockAllFlags, mlockall};
 
 const AXES: usize = 4;
 
@@ -232,6 +233,10 @@ fn a_live_run_waits_for_nothing_but_its_deadlines() {
             machine(&address, &stop);
             orders.stop();
         });
+        // As before every run of the tool: the first touch of a page may wait for the kernel, which
+        // changes the memory map for the other threads.
+        let locked = mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE).is_ok();
+        println!("memory locked: {locked}");
         let before = waits();
         let outcome = run(&mut cycle, &mut *runner, &orders, &settings, &mut ring);
         let waited = waits() - before;
