@@ -7,7 +7,7 @@ use learned::lssvm::{LsSvm, Pruning, Settings, prune};
 
 use super::control::{Linear, linear};
 use super::figures::{self, Chapter};
-use super::rehearsal::{Rehearsal, Waves, trained};
+use super::rehearsal::{Rehearsal, Waves};
 use super::{Aim, Order, Reproduction, Row, response};
 
 const ID: &str = "P0";
@@ -315,7 +315,7 @@ fn inverse(
         false => (method.frame.clone(), method.inverse),
     };
     let samples = rehearsal.samples(&frame, if ours { 2 } else { 1 }, 16)?;
-    let (trained, report) = trained(&frame, &samples, settings)?;
+    let (trained, report) = Machine::train_on(frame.clone(), &samples, settings)?;
     let judge = |machine: &LsSvm| rms_difference(&frame.simulate(machine, clean, h.u[0]), &h.u);
     let own = judge(&trained.machine);
     // τ of the paper, or what this machine allows.

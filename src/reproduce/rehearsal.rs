@@ -1,8 +1,8 @@
 //! What an inverse learns from beside the training signals: the forward model's answers to commands that fill
 //! its range and band.
 
-use identify::learned::{Frame, Machine};
-use learned::lssvm::{LsSvm, Report, Samples, Settings};
+use identify::learned::Frame;
+use learned::lssvm::Samples;
 
 use crate::matching;
 
@@ -89,14 +89,4 @@ impl Rehearsal {
             measured.chain((self.measured..all.count()).step_by(every)).collect();
         Ok(all.subset(&rows))
     }
-}
-
-/// A machine of these samples.
-pub(super) fn trained(
-    frame: &Frame,
-    samples: &Samples,
-    settings: Settings,
-) -> Result<(Machine, Report), learned::Error> {
-    let (machine, report) = LsSvm::train(samples, settings)?;
-    Ok((Machine { machine, frame: frame.clone() }, report))
 }

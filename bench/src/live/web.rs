@@ -32,9 +32,7 @@ const PAGE: &str = include_str!("page.html");
 /// The server on its own threads; it ends with the run.
 #[derive(Debug)]
 pub struct Web {
-    address: SocketAddr,
-    stop: Arc<AtomicBool>,
-    streams: Arc<AtomicUsize>,
+    shared: Arc<Shared>,
     thread: JoinHandle<()>,
 }
 
@@ -53,10 +51,10 @@ pub struct WebError {
 struct Shared {
     dashboard: Dashboard,
     view: View,
-    stop: Arc<AtomicBool>,
+    stop: AtomicBool,
     address: SocketAddr,
     open: AtomicUsize,
-    streams: Arc<AtomicUsize>,
+    streams: AtomicUsize,
 }
 
 impl Web {
@@ -69,33 +67,31 @@ impl Web {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
         listener.set_nonblocking(true).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
-        let stop = Arc::new(AtomicBool::new(false));
-        let open = AtomicUsize::new(0);
-        let streams = Arc::new(AtomicUsize::new(0));
         let shared = Arc::new(Shared {
             dashboard,
             view,
-            stop: Arc::clone(&stop),
+            stop: AtomicBool::new(false),
             address,
-            open,
-            streams: Arc::clone(&streams),
+            open: AtomicUsize::new(0),
+            streams: AtomicUsize::new(0),
         });
-        let thread = std::thread::spawn(move || listen(&listener, &shared));
-        Ok(Web { address, stop, streams, thread })
+        let all = Arc::clone(&shared);
+        let thread = std::thread::spawn(move || listen(&listener, &all));
+        Ok(Web { shared, thread })
     }
 
     /// Where it is.
     #[must_use]
     pub fn url(&self) -> String {
-        format!("http://{}/", self.address)
+        format!("http://{}/", self.shared.address)
     }
 
     /// Ends it, once the open streams have sent the last row, or after a second.
     pub fn finish(self) {
-        self.stop.store(true, Ordering::Relaxed);
+        self.shared.stop.store(true, Ordering::Relaxed);
         let _ = self.thread.join();
         let begin = Instant::now();
-        while self.streams.load(Ordering::Acquire) > 0 && begin.elapsed() < PATIENCE {
+        while self.shared.streams.load(Ordering::Acquire) > 0 && begin.elapsed() < PATIENCE {
             std::thread::sleep(INTERVAL / 10);
         }
     }
@@ -247,18 +243,18 @@ mod tests {
         let (recorder, mut ring) = Recorder::start(None, columns.len(), 100);
         let view = recorder.view().clone();
         let web = Web::start(Dashboard::new(&columns), view, 0).unwrap();
-        assert!(web.address.ip().is_loopback());
+        assert!(web.shared.address.ip().is_loopback());
         for k in 0..columns.len() {
             ring.push(k as f64).unwrap();
         }
         recorder.finish().unwrap();
-        let host = web.address.to_string();
-        let page = get(web.address, "/", &host);
+        let host = web.shared.address.to_string();
+        let page = get(web.shared.address, "/", &host);
         assert!(page.starts_with("HTTP/1.1 200") && page.contains("/events"));
-        let stream = get(web.address, "/events", &host);
+        let stream = get(web.shared.address, "/events", &host);
         assert!(stream.contains("\"position\":2.0") && stream.contains("event: end"), "{stream}");
-        assert!(get(web.address, "/x", &host).starts_with("HTTP/1.1 404"));
-        assert!(get(web.address, "/", "evil.example").starts_with("HTTP/1.1 403"));
+        assert!(get(web.shared.address, "/x", &host).starts_with("HTTP/1.1 404"));
+        assert!(get(web.shared.address, "/", "evil.example").starts_with("HTTP/1.1 403"));
         web.finish();
     }
 
@@ -269,8 +265,8 @@ mod tests {
         let columns = columns(&axis("reference"), &axis("position"), &axis("command"));
         let (recorder, mut ring) = Recorder::start(None, columns.len(), 100);
         let web = Web::start(Dashboard::new(&columns), recorder.view().clone(), 0).unwrap();
-        let mut stream = TcpStream::connect(web.address).unwrap();
-        write!(stream, "GET /events HTTP/1.1\r\nHost: {}\r\n\r\n", web.address).unwrap();
+        let mut stream = TcpStream::connect(web.shared.address).unwrap();
+        write!(stream, "GET /events HTTP/1.1\r\nHost: {}\r\n\r\n", web.shared.address).unwrap();
         let mut reader = BufReader::new(stream.try_clone().unwrap());
         let mut line = String::new();
         while !line.starts_with("data:") {

@@ -174,7 +174,20 @@ impl Machine {
         records: &[(&[f64], &[f64])],
         settings: Settings,
     ) -> Result<(Self, Report), learned::Error> {
-        let (machine, report) = LsSvm::train(&frame.samples(records)?, settings)?;
+        let samples = frame.samples(records)?;
+        Self::train_on(frame, &samples, settings)
+    }
+
+    /// Trains on these samples of the frame.
+    ///
+    /// # Errors
+    /// As [`LsSvm::train`].
+    pub fn train_on(
+        frame: Frame,
+        samples: &Samples,
+        settings: Settings,
+    ) -> Result<(Self, Report), learned::Error> {
+        let (machine, report) = LsSvm::train(samples, settings)?;
         Ok((Self { frame, machine }, report))
     }
 

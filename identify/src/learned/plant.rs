@@ -107,13 +107,14 @@ impl Lesson<'_> {
         let first = if self.dynamic { sampled(&self.known, self.period) } else { none.clone() };
         let turns = Turns { rounds: if self.dynamic { ROUNDS } else { 1 }, most: SAMPLES };
         let series = Series::train(&found.frame, found.settings, &runs, (&first, orders), turns);
-        let Series { machine, linear } = series.map_err(fail)?;
+        let series = series.map_err(fail)?;
+        let error = series.error(&runs);
+        let Series { machine, linear } = series;
         stage(2)?;
         let simulated: Vec<Vec<f64>> =
             runs.iter().map(|run| machine.simulate(run.command, run.start)).collect();
         let own: Vec<(&[f64], &[f64])> =
             commands.iter().zip(&simulated).map(|(u, h)| (&u[..], &h[..])).collect();
-        let error = Series { machine: machine.clone(), linear: linear.clone() }.error(&runs);
         let machine = machine.compress(&own, CENTRES.0, CENTRES.1 * error).unwrap_or(machine);
         let table = machine.table().map_err(|message| Error::Learned { message })?;
         let mut chain = vec![self.component(&machine, stops, name)];

@@ -8,7 +8,7 @@
 //! in turn. A hysteresis that is trained on positions alone takes lag and creep for its own, and is
 //! wrong wherever the rate is another.
 
-use learned::lssvm::{LsSvm, Settings};
+use learned::lssvm::Settings;
 
 use super::{Arx, Frame, Machine, rms_difference};
 
@@ -78,8 +78,8 @@ impl Series {
                 runs.iter().zip(&h).map(|(run, h)| before(&linear, run, h)).collect();
             let pairs: Vec<(&[f64], &[f64])> =
                 runs.iter().zip(&targets).map(|(run, target)| (run.command, &target[..])).collect();
-            let (machine, _) = LsSvm::train(&frame.samples(&pairs)?.subset(&rows), settings)?;
-            let machine = Machine { frame: frame.clone(), machine };
+            let samples = frame.samples(&pairs)?.subset(&rows);
+            let (machine, _) = Machine::train_on(frame.clone(), &samples, settings)?;
             h = runs.iter().map(|run| machine.simulate(run.command, run.start)).collect();
             let records: Vec<(&[f64], &[f64], f64)> =
                 runs.iter().zip(&h).map(|(run, h)| run.fitted(h)).collect();

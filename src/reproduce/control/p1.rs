@@ -15,7 +15,7 @@ use super::{Aim, Order, Reproduction, Row};
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
 use crate::reproduce::p1::{is_command, series, stops_frame};
-use crate::reproduce::rehearsal::{Rehearsal, Waves, trained};
+use crate::reproduce::rehearsal::{Rehearsal, Waves};
 
 const ID: &str = "P1";
 const RIG: &str = "p1-truth";
@@ -240,7 +240,7 @@ fn inverted(forward: &Series, runs: &[Run<'_>]) -> anyhow::Result<(Machine, Arx)
     let frame = stops_frame(top, span, PERIOD, &pairs);
     let found = weigh(&frame, &pairs, &is_command, (&[30.0, 0.05], 1e5), (70, 750))?;
     let samples = rehearsal.samples(&found.frame, 1, 4)?;
-    let (machine, _) = trained(&found.frame, &samples, found.settings)?;
+    let (machine, _) = Machine::train_on(found.frame, &samples, found.settings)?;
     let before = forward.linear.inverse();
     anyhow::ensure!(before.is_stable(), "the linear part has no stable inverse");
     Ok((machine, before))
