@@ -13,8 +13,10 @@ pub(crate) struct Pace {
     pub(crate) every: usize,
     /// Its own step begins at this communication point.
     pub(crate) due: bool,
-    /// Length of its own step in s; none: the communication step.
-    pub(crate) span: Option<f64>,
+    /// Begin and length of its own step in s; none: the communication step.
+    pub(crate) own: Option<(f64, f64)>,
+    /// It takes its step when the end is reached, not at the begin.
+    late: bool,
     /// Places on the bus: of the values that the slave has reached, and of those that are seen
     /// because their time is reached too.
     places: Vec<(usize, usize)>,
@@ -22,7 +24,7 @@ pub(crate) struct Pace {
 
 impl Default for Pace {
     fn default() -> Self {
-        Pace { every: 1, due: true, span: None, places: Vec::new() }
+        Pace { every: 1, due: true, own: None, late: false, places: Vec::new() }
     }
 }
 
@@ -76,8 +78,11 @@ impl System {
         self.paced = true;
     }
 
-    /// Lets the wires from slow slaves begin where the algorithm wants.
+    /// Lets slow slaves step when, and the wires from them begin where the algorithm wants.
     pub(crate) fn look_ahead(&mut self, algorithm: &dyn Algorithm) {
+        for (slave, participant) in self.participants.iter_mut().enumerate() {
+            participant.pace.late = participant.pace.every > 1 && algorithm.steps_late(slave);
+        }
         let pairs = |system: &System, source: usize| {
             system.participants.get(source).map(|p| p.pace.places.clone()).unwrap_or_default()
         };
@@ -109,10 +114,12 @@ impl System {
             if pace.every == 1 {
                 continue;
             }
-            pace.due = n.is_multiple_of(pace.every);
-            let end = n.saturating_add(pace.every).min(points.steps());
-            pace.span = Some(points.at(end) - points.at(n));
-            if pace.due || n == points.steps() {
+            let begin = if pace.late { n - n % pace.every } else { n };
+            let end = begin.saturating_add(pace.every).min(points.steps());
+            pace.due = if pace.late { n + 1 == end } else { n.is_multiple_of(pace.every) };
+            pace.own = Some((points.at(begin), points.at(end) - points.at(begin)));
+            let is_reached = pace.late || n.is_multiple_of(pace.every) || n == points.steps();
+            if is_reached {
                 show(&mut self.bus, &pace.places);
             }
         }
@@ -121,6 +128,13 @@ impl System {
     /// Shows what one slave has reached.
     pub(crate) fn publish_one(&mut self, slave: usize) {
         if let Some(participant) = self.participants.get(slave) {
+            show(&mut self.bus, &participant.pace.places);
+        }
+    }
+
+    /// Shows what the slaves that step late have reached, where the run ends between their steps.
+    pub(crate) fn publish_late(&mut self) {
+        for participant in self.participants.iter().filter(|p| p.pace.late) {
             show(&mut self.bus, &participant.pace.places);
         }
     }

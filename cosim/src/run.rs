@@ -185,6 +185,7 @@ impl Stepping<'_, '_> {
             self.recorder.row(self.time, &self.system.row)?;
             outcome?;
             if let Some(ending) = self.system.ending.take() {
+                self.system.publish_late();
                 self.time = ending.time;
                 return Ok(Some(ending));
             }

@@ -355,7 +355,7 @@ impl System {
         if !participant.pace.due {
             return Ok(());
         }
-        let step = participant.pace.span.unwrap_or(step);
+        let (time, step) = participant.pace.own.unwrap_or((time, step));
         match participant.slave.step(time, step)? {
             StepResult::Completed => Ok(()),
             StepResult::Discarded { reached, terminated } => {

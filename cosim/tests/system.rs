@@ -10,6 +10,11 @@ use piezoloop_cosim::{
 };
 
 fn loop_of(fmus: &Fmus, controller_gain: f64, every: usize) -> System {
+    loop_with_steps(fmus, controller_gain, [every, 1])
+}
+
+/// Of controller and plant.
+fn loop_with_steps(fmus: &Fmus, controller_gain: f64, every: [usize; 2]) -> System {
     let (controller, plant) = (fmus.controller(), fmus.integrator());
     let mut diagram = Diagram::new();
     diagram
@@ -19,7 +24,8 @@ fn loop_of(fmus: &Fmus, controller_gain: f64, every: usize) -> System {
         .connect(("p", "position[1]"), ("c", "measured[1]"))
         .start(("c", "k"), controller_gain)
         .start(("c", "reference[1]"), 1.0)
-        .every("c", every)
+        .every("c", every[0])
+        .every("p", every[1])
         .record(("c", "command[1]"))
         .record_as(("p", "command[1]"), "u")
         .record(("p", "position[1]"));
@@ -157,6 +163,97 @@ fn a_loop_is_solved_by_iteration_with_rollback() {
             );
         }
         assert_eq!(run(&mut system, &iteration, 10).unwrap(), memory, "a second run is the first");
+    }
+}
+
+/// The solutions at the points where steps of the loop end, u = k (1 − y) held by the slow one.
+///
+/// Plant by plant: y += u·(its step), where u is what the controller has given at the end of that step if it
+/// gives it there, else what it gave last.
+#[test]
+fn a_loop_of_different_steps_is_solved_where_they_end() {
+    let fmus = fmus_or_skip!();
+    let k = 0.7;
+    for every in [[1, 1], [2, 2], [3, 1], [1, 3], [2, 3], [4, 2]] {
+        let [c, p] = every;
+        let mut system = loop_with_steps(&fmus, k, every);
+        let settings =
+            IterationSettings { tolerance: 1e-14, iterations: 200, ..Default::default() };
+        let iteration = Iteration::new(&system, settings).unwrap();
+        let steps = 12;
+        let memory = run(&mut system, &iteration, steps as u32).unwrap();
+        // The controller gives 0 before its first step.
+        let (mut u, mut y, mut commands, mut positions) = (0.0, 0.0, vec![0.0], vec![0.0]);
+        for end in 1..=steps {
+            match (end % c == 0, end % p == 0) {
+                (true, true) => {
+                    let h = p as f64;
+                    y = (y + h * k) / (1.0 + h * k);
+                    u = k * (1.0 - y);
+                }
+                (true, false) => u = k * (1.0 - y),
+                (false, true) => y += p as f64 * u,
+                (false, false) => {}
+            }
+            commands.push(u);
+            positions.push(y);
+        }
+        println!("every {every:?}: y = {positions:?}");
+        close(memory.values("position[1]").unwrap(), &positions);
+        let command = memory.values("c.command[1]").unwrap();
+        close(command, &commands);
+        assert_eq!(run(&mut system, &iteration, steps as u32).unwrap(), memory, "{every:?}, again");
+        // Made after a run it is the same.
+        let anew = Iteration::new(&system, settings).unwrap();
+        assert_eq!(run(&mut system, &anew, steps as u32).unwrap(), memory, "{every:?}, anew");
+    }
+}
+
+/// An end of the run inside a slow step shortens that step.
+#[test]
+fn the_last_slow_step_of_a_loop_ends_with_the_run() {
+    let fmus = fmus_or_skip!();
+    let k = 0.5;
+    let mut system = loop_with_steps(&fmus, k, [1, 3]);
+    let iteration = Iteration::new(&system, IterationSettings::default()).unwrap();
+    let memory = run(&mut system, &iteration, 5).unwrap();
+    let after = |y: f64, h: f64| (y + h * k) / (1.0 + h * k);
+    let (first, last) = (after(0.0, 3.0), after(after(0.0, 3.0), 2.0));
+    let found = memory.values("position[1]").unwrap();
+    for (n, (a, b)) in found.iter().zip([0.0, 0.0, 0.0, first, first, last]).enumerate() {
+        assert!((a - b).abs() < 1e-8, "{n}: {found:?}");
+    }
+}
+
+/// Behind a loop of different steps a slow slave works with what the loop gives at the end of its step.
+#[test]
+fn what_a_loop_of_different_steps_feeds_is_not_late() {
+    let fmus = fmus_or_skip!();
+    let (controller, plant) = (fmus.controller(), fmus.integrator());
+    let mut diagram = Diagram::new();
+    diagram
+        .add(instance(&plant, "behind"))
+        .add(instance(&controller, "c"))
+        .add(instance(&plant, "p"))
+        .connect(("c", "command[1]"), ("p", "command[1]"))
+        .connect(("p", "position[1]"), ("c", "measured[1]"))
+        .connect_by(("p", "position[1]"), ("behind", "command[1]"), Way::scaled(1.0, 0.0, true))
+        .start(("c", "k"), 0.25)
+        .start(("c", "reference[1]"), 1.0)
+        .every("c", 3)
+        .every("behind", 2)
+        .record_as(("p", "position[1]"), "y")
+        .record_as(("behind", "position[1]"), "sum");
+    let mut system = diagram.build().unwrap();
+    let iteration = Iteration::new(&system, IterationSettings::default()).unwrap();
+    let memory = run(&mut system, &iteration, 12).unwrap();
+    let (y, sum) = (memory.values("y").unwrap(), memory.values("sum").unwrap());
+    let mut expected = 0.0;
+    for n in 1..=12 {
+        if n % 2 == 0 {
+            expected += 2.0 * y[n];
+        }
+        assert!((sum[n] - expected).abs() < 1e-12, "{n}: {sum:?}");
     }
 }
 

@@ -11,7 +11,7 @@ use crate::problem::{Problem, Problems};
 use crate::slave::StateId;
 use crate::system::System;
 pub(super) use loops::Group;
-use loops::groups;
+use loops::{Meeting, groups, late};
 
 /// How a guess of a loop's values is corrected by what the slaves made of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,8 @@ impl Default for IterationSettings {
 
 /// Sources step before targets. Slaves that wait for each other form a loop: their states are
 /// saved, they step with guessed inputs, and are rolled back and step again until what they give at
-/// t_{k+1} is what they were given. So no connection delays.
+/// t_{k+1} is what they were given. So no connection delays. Where the slaves of a loop have different
+/// steps, those whose steps end at t_{k+1} are solved together, and the others are not asked.
 ///
 /// By hand, in fmpy, for slaves `a` and `b` in a loop:
 ///
@@ -61,6 +62,11 @@ impl Default for IterationSettings {
 #[derive(Debug)]
 pub struct Iteration {
     groups: Vec<Group>,
+    /// The loops among those slaves of a group with different steps whose steps end together.
+    meetings: RefCell<Vec<Meeting>>,
+    /// By slave: it steps at the end of its own step, as it is in a group with different steps or is fed by
+    /// one.
+    late: Vec<bool>,
     settings: IterationSettings,
     /// Saved states, by slave.
     states: RefCell<Vec<Option<StateId>>>,
@@ -113,20 +119,20 @@ impl Iteration {
     /// Finds the loops.
     ///
     /// # Errors
-    /// Settings that are none; all slaves in loops that cannot save their state or whose steps
-    /// differ in length.
+    /// Settings that are none; all slaves in loops that cannot save their state.
     pub fn new(system: &System, settings: IterationSettings) -> Result<Self, Problems> {
         let mut problems = settings.problems();
         let groups = groups(system);
         problems.extend(groups.iter().flat_map(|group| group.problems(system)));
-        let (states, work) = Default::default();
-        Problems::none_or(problems, Iteration { groups, settings, states, work })
+        let late = late(system, &groups);
+        let (meetings, states, work) = Default::default();
+        Problems::none_or(problems, Iteration { groups, meetings, late, settings, states, work })
     }
 
     /// What solves circles at the start for algorithms that solve none later.
     pub(super) fn at_start() -> Self {
-        let (groups, settings, states, work) = Default::default();
-        Iteration { groups, settings, states, work }
+        let (groups, meetings, late, settings, states, work) = Default::default();
+        Iteration { groups, meetings, late, settings, states, work }
     }
 
     /// The loops, by places of their slaves.
@@ -186,6 +192,29 @@ impl Iteration {
             change,
             tolerance: self.settings.tolerance,
         }
+    }
+
+    /// Steps slaves that step together, a loop until it is solved.
+    fn step_group(
+        &self,
+        group: &Group,
+        system: &mut System,
+        (time, step): (f64, f64),
+    ) -> Result<(), Error> {
+        let once = |system: &mut System| {
+            group.slaves.iter().try_for_each(|slave| {
+                system.transfer(*slave)?;
+                system.advance(*slave, time, step)?;
+                system.read(*slave)
+            })
+        };
+        if !group.is_loop() {
+            return once(system);
+        }
+        self.solve(group, system, |system, iteration| {
+            self.roll_back(group, system, iteration)?;
+            once(system)
+        })
     }
 
     /// Saves the states of a loop's slaves, or goes back to them.
@@ -251,25 +280,24 @@ impl Work {
 
 impl Algorithm for Iteration {
     fn step(&self, system: &mut System, time: f64, step: f64) -> Result<(), Error> {
-        for group in &self.groups {
-            let once = |system: &mut System| {
-                group.slaves.iter().try_for_each(|slave| {
-                    system.transfer(*slave)?;
-                    system.advance(*slave, time, step)?;
-                    system.read(*slave)
-                })
-            };
-            // A loop of slaves whose own step is under way has nothing to solve.
-            if group.is_loop() && group.is_due(system) {
-                self.solve(group, system, |system, iteration| {
-                    self.roll_back(group, system, iteration)?;
-                    once(system)
-                })?;
-            } else {
-                once(system)?;
+        self.groups.iter().enumerate().try_for_each(|(number, group)| {
+            if !group.is_loop() || group.is_due(system) {
+                return self.step_group(group, system, (time, step));
             }
-        }
-        Ok(())
+            let mut meetings = self.meetings.borrow_mut();
+            let meets = |m: &Meeting| m.group == number && m.is_now(group, system);
+            let known = meetings.iter().position(meets);
+            let at = known.unwrap_or_else(|| {
+                meetings.push(Meeting::new(number, group, system));
+                meetings.len() - 1
+            });
+            let parts = meetings.get(at).map_or(&[][..], |meeting| &meeting.parts);
+            parts.iter().try_for_each(|part| self.step_group(part, system, (time, step)))
+        })
+    }
+
+    fn steps_late(&self, slave: usize) -> bool {
+        self.late.get(slave).copied().unwrap_or(false)
     }
 
     fn looks_ahead(&self, source: usize, target: usize) -> bool {

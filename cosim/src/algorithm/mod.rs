@@ -18,12 +18,11 @@
 //! over \[t_k, t_{k+m}\] (delay 0), as of a sampled controller that holds its command. It sees a
 //! faster slave's outputs at t_k, or, if that comes before it, at t_{k+1}.
 //!
-//! [`Iteration`] wants one step for all slaves of a loop, and refuses others: over the long step
-//! \[t_k, t_{k+m}\] the slow slave's output at its end would have to agree with inputs that it takes at
-//! m communication points, of which the faster ones hold m values and it can take one, so that there
-//! is no equation to solve without saying how the fast values become one. Give the loop one step, or
-//! break it where the delay harms least, with [`GaussSeidel`]. Slaves outside of loops may have any
-//! step.
+//! [`Iteration`] solves a loop of slaves with different steps where their steps end together: a slave
+//! that steps over \[t_k, t_{k+m}\] takes that step in the last communication step of it, and in that step
+//! the values at t_{k+m} of all slaves whose steps end there agree. Until then the faster ones hold what
+//! it gave at t_k. What such a loop feeds, directly or not, steps as late. The record shows the inputs of such
+//! a step in the row of its last communication step.
 
 mod extrapolation;
 mod gauss_seidel;
@@ -49,6 +48,13 @@ pub trait Algorithm {
     /// already reached, instead of its output at t_k. It matters for sources with a longer step.
     fn looks_ahead(&self, source: usize, target: usize) -> bool {
         let _ = (source, target);
+        false
+    }
+
+    /// Whether a slave with a longer step takes it in the last communication step of it, when its end is
+    /// reached, instead of in the first.
+    fn steps_late(&self, slave: usize) -> bool {
+        let _ = slave;
         false
     }
 

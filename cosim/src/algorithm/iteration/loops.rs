@@ -12,13 +12,53 @@ pub(in crate::algorithm) struct Group {
     pub(in crate::algorithm) torn: Vec<usize>,
 }
 
+/// The slaves of a group whose steps end together, as far as they wait for each other.
+#[derive(Debug)]
+pub(super) struct Meeting {
+    /// Number of the group.
+    pub(super) group: usize,
+    /// For each slave of the group, whether its step ends.
+    due: Vec<bool>,
+    pub(super) parts: Vec<Group>,
+}
+
+impl Meeting {
+    /// Of those slaves of a group that are due now.
+    pub(super) fn new(number: usize, group: &Group, system: &System) -> Self {
+        let due: Vec<bool> = group.due(system).collect();
+        let slaves = group.slaves.iter().zip(&due).filter_map(|(slave, due)| due.then_some(*slave));
+        Meeting { group: number, parts: groups_among(system, slaves.collect()), due }
+    }
+
+    pub(super) fn is_now(&self, group: &Group, system: &System) -> bool {
+        group.due(system).eq(self.due.iter().copied())
+    }
+}
+
+/// By slave, whether it is in a group with different steps or fed by one, at whatever distance.
+pub(super) fn late(system: &System, groups: &[Group]) -> Vec<bool> {
+    let mut late = vec![false; system.len()];
+    for group in groups {
+        let mut sources = group.slaves.iter().flat_map(|slave| system.sources_of(*slave));
+        if group.has_different_steps(system) || sources.any(|source| late[source]) {
+            group.slaves.iter().for_each(|slave| late[*slave] = true);
+        }
+    }
+    late
+}
+
 /// The groups, sources before targets.
 pub(super) fn groups(system: &System) -> Vec<Group> {
+    groups_among(system, (0..system.len()).collect())
+}
+
+/// The same among some slaves, as if the others gave constants.
+fn groups_among(system: &System, among: Vec<usize>) -> Vec<Group> {
     let n = system.len();
     let mut reaches = vec![vec![false; n]; n];
     let connected = |target: usize| system.sources_of(target).map(move |source| (source, target));
-    for (source, target) in (0..n).flat_map(connected) {
-        reaches[source][target] = true;
+    for (source, target) in among.iter().copied().flat_map(connected) {
+        reaches[source][target] = among.contains(&source);
     }
     for via in 0..n {
         let from_via = reaches[via].clone();
@@ -26,7 +66,7 @@ pub(super) fn groups(system: &System) -> Vec<Group> {
             row.iter_mut().zip(&from_via).for_each(|(reaches, further)| *reaches |= further);
         }
     }
-    let mut left: Vec<usize> = (0..n).collect();
+    let mut left = among;
     let mut groups = Vec::new();
     // The first slave that nobody outside its own loop and still left feeds.
     let free = |left: &[usize]| {
@@ -49,9 +89,11 @@ fn torn(system: &System, slaves: &[usize]) -> Vec<usize> {
     let mut torn = Vec::new();
     for (place, target) in slaves.iter().enumerate() {
         for wire in &system.participants[*target].wires {
-            let source = system.owners.get(wire.from).copied().flatten().and_then(position);
-            if source.is_some_and(|source| source >= place) && !torn.contains(&wire.from) {
-                torn.push(wire.from);
+            let Some(source) = system.owners.get(wire.from).copied().flatten() else { continue };
+            // What a slow slave has reached is what others are given here, whoever ran before.
+            let from = system.participants[source].pace.seen(wire.from).unwrap_or(wire.from);
+            if position(source).is_some_and(|source| source >= place) && !torn.contains(&from) {
+                torn.push(from);
             }
         }
     }
@@ -63,8 +105,19 @@ impl Group {
         !self.torn.is_empty()
     }
 
+    /// Whether each slave steps now.
+    fn due(&self, system: &System) -> impl Iterator<Item = bool> {
+        self.slaves.iter().map(|slave| system.participants[*slave].pace.due)
+    }
+
     pub(super) fn is_due(&self, system: &System) -> bool {
-        self.slaves.iter().all(|slave| system.participants[*slave].pace.due)
+        self.due(system).all(|due| due)
+    }
+
+    fn has_different_steps(&self, system: &System) -> bool {
+        let mut paces = self.slaves.iter().map(|slave| system.participants[*slave].pace.every);
+        let first = paces.next();
+        paces.any(|pace| Some(pace) != first)
     }
 
     /// What keeps a loop from being solved.
@@ -73,8 +126,7 @@ impl Group {
             return Vec::new();
         }
         let mut problems = Vec::new();
-        let participants = || self.slaves.iter().map(|slave| &system.participants[*slave]);
-        for participant in participants() {
+        for participant in self.slaves.iter().map(|slave| &system.participants[*slave]) {
             let common = participant.slave.description().co_simulation.as_ref();
             if !common.is_some_and(|cs| cs.common.can_get_and_set_fmu_state) {
                 problems.push(Problem::Iteration(format!(
@@ -85,15 +137,6 @@ impl Group {
                     self.names(system)
                 )));
             }
-        }
-        let mut paces = participants().map(|participant| participant.pace.every);
-        let first = paces.next();
-        if paces.any(|pace| Some(pace) != first) {
-            problems.push(Problem::Iteration(format!(
-                "the FMUs of the algebraic loop of {} step with different lengths; give them one \
-                 step, or use Gauss-Seidel or Jacobi",
-                self.names(system)
-            )));
         }
         problems
     }
