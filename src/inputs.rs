@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use data::{Blueprint, Log, NameMap, ReadOptions};
+use data::{Blueprint, CheckedBlueprint, Log, NameMap, ReadOptions};
 
 /// How the columns of a log are read.
 #[derive(Args, Debug, Clone, Default)]
@@ -112,4 +112,26 @@ pub(crate) fn not_over(output: &Path, inputs: &[&Path]) -> anyhow::Result<()> {
         }
         None => can_write(output),
     }
+}
+
+/// Writes a blueprint, and before it its learned tables, whose files are named after its own.
+pub(crate) fn write_blueprint(
+    checked: &CheckedBlueprint,
+    file: &Path,
+    inputs: &[&Path],
+) -> anyhow::Result<()> {
+    let mut blueprint = checked.blueprint().clone();
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    for (name, bytes) in checked.table_files() {
+        let own = format!("{stem}-{name}");
+        let table = file.with_file_name(&own);
+        not_over(&table, inputs)?;
+        data::WholeFile::write_all_of(&table, &bytes)
+            .with_context(|| format!("{} cannot be written", table.display()))?;
+        let parts = blueprint.axes.iter_mut().flat_map(|axis| &mut axis.components);
+        for part in parts.filter(|part| part.get("table") == Some(&name.as_str().into())) {
+            part.set("table", own.as_str());
+        }
+    }
+    Ok(blueprint.write(file)?)
 }

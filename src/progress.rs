@@ -7,6 +7,7 @@ use cosim::record::Column;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::answer::Screen;
+use crate::interrupt;
 
 /// A progress bar of `length` steps, hidden where nobody looks.
 pub(crate) fn bar(screen: &Screen, what: &'static str, length: u64) -> ProgressBar {
@@ -50,5 +51,41 @@ impl cosim::Recorder for Rows {
             bar.inc(1);
         }
         Ok(())
+    }
+}
+
+/// Shows nothing, and stops where the user asks to.
+pub(crate) struct Quiet;
+
+impl identify::Observer for Quiet {
+    fn stopped(&self) -> bool {
+        interrupt::asked()
+    }
+}
+
+/// Shows the stages of an identification or an inversion, and stops where the user asks to.
+pub(crate) struct Stages(ProgressBar);
+
+impl Stages {
+    pub(crate) fn new(screen: &Screen, what: &'static str) -> Self {
+        Self(bar(screen, what, 1))
+    }
+}
+
+impl identify::Observer for Stages {
+    fn stopped(&self) -> bool {
+        interrupt::asked()
+    }
+
+    fn progress(&mut self, stage: &'static str, done: usize, total: usize) {
+        self.0.set_message(stage);
+        self.0.set_length(total as u64);
+        self.0.set_position(done as u64);
+    }
+}
+
+impl Drop for Stages {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
     }
 }

@@ -1,5 +1,7 @@
 //! From records to a plant: baseline, hysteresis with delay, linear parts, and the choice.
 
+mod outcome;
+
 use std::time::Instant;
 
 use data::CheckedBlueprint;
@@ -11,12 +13,9 @@ use crate::fit::linear_part::{self, Deviations, Structure};
 use crate::fit::operator::Operator;
 use crate::fit::response::LinearPart;
 use crate::fit::weights::{Fitted, Task, independent_samples, mean};
-use crate::identification::{Candidate, Estimate, Identification, RULES, RecordFit, Verdict};
-use crate::judge::{compare, simulate};
-use crate::learned::{
-    self,
-    plant::{Learned, Lesson},
-};
+use crate::identification::{Candidate, Estimate, Identification, Verdict};
+use crate::judge::simulate;
+use crate::learned::plant::{Family, Learned, Lesson};
 use crate::methods::{Chain, Method, Scene, Way};
 use crate::observer::Observer;
 use crate::plant::{Actuator, Plant};
@@ -42,7 +41,7 @@ const STATIC: &str = "prandtl-ishlinskii";
 ///    the simplest first, by the same rule. Methods that are named are not compared with the static
 ///    model: the best of them is returned, and an error where none has a model.
 ///
-/// Every error is that of the plant that is returned, simulated ([`RULES`]). Where the observer asks to
+/// Every error is that of the plant that is returned, simulated ([`RULES`](crate::RULES)). Where the observer asks to
 /// stop, the best of what is finished is returned.
 ///
 /// # Errors
@@ -315,7 +314,7 @@ impl<'a> Session<'a> {
             let started = Instant::now();
             let tried = match method {
                 Way::Operator(method) => self.method(method, &scene, known),
-                Way::Learned => self.learned(known),
+                Way::Learned(family) => self.learned(family, known),
             };
             let mut tried = match tried {
                 Ok(tried) => tried,
@@ -336,7 +335,7 @@ impl<'a> Session<'a> {
             let fall = 1.0 - tried.held_out_rmse / best.held_out_rmse;
             let open = match method {
                 Way::Operator(method) => self.open_shape(&tried, method, &scene),
-                Way::Learned => Vec::new(),
+                Way::Learned(_) => Vec::new(),
             };
             let mut reason = format!(
                 "held-out error {:+.1} % against {} ({:.0} % less is needed)",
@@ -416,9 +415,10 @@ impl<'a> Session<'a> {
         Ok(tried)
     }
 
-    /// An LS-SVM with the linear part behind it, in the place of operator, lag and mode.
-    fn learned(&mut self, known: LinearPart) -> Result<Tried, Error> {
+    /// A learned machine with the linear part behind it, in the place of operator, lag and mode.
+    fn learned(&mut self, family: Family, known: LinearPart) -> Result<Tried, Error> {
         let lesson = Lesson {
+            family,
             records: self.records,
             fitted: &self.plan.fitted,
             offsets: &self.offsets,
@@ -443,67 +443,8 @@ impl<'a> Session<'a> {
         let kinds = chain.hysteresis.iter().map(|component| component.kind.as_str());
         let structure = (late > 0).then_some("delay").into_iter().chain(kinds);
         let structure = structure.collect::<Vec<_>>().join(", ");
-        let mut tried = self.written(Some(learned::plant::NAME), structure, &plant)?;
+        let mut tried = self.written(Some(family.name()), structure, &plant)?;
         tried.numbers = Some(numbers);
         Ok(tried)
-    }
-
-    fn candidate(&self, tried: &Tried, reason: &str) -> Candidate {
-        let worst = |rows: &[Rows]| {
-            let each = self.records.iter().zip(rows).zip(&tried.simulations);
-            each.map(|((r, rows), s)| compare(r.output(), s, *rows).nrmse).fold(0.0, f64::max)
-        };
-        Candidate {
-            method: tried.method,
-            structure: tried.structure.clone(),
-            held_out_rmse: Some(tried.held_out_rmse),
-            held_out_nrmse: Some(worst(&self.plan.judged)),
-            fitted_nrmse: Some(worst(&self.plan.fitted)),
-            parameters: tried.numbers.unwrap_or(tried.parameters.len()),
-            seconds: tried.seconds,
-            accepted: false,
-            reason: reason.to_owned(),
-            plant: Some(tried.plant.clone()),
-            simulations: tried.simulations.clone(),
-        }
-    }
-
-    /// Root mean square error over all rows held out.
-    fn pooled(&self, simulations: &[Vec<f64>]) -> f64 {
-        let (mut sum, mut count) = (0.0, 0);
-        for ((record, rows), simulation) in
-            self.records.iter().zip(&self.plan.judged).zip(simulations)
-        {
-            let figures = compare(record.output(), simulation, *rows);
-            sum += figures.rmse.powi(2) * rows.len() as f64;
-            count += rows.len();
-        }
-        (sum / count.max(1) as f64).sqrt()
-    }
-
-    fn result(
-        self,
-        baseline: Tried,
-        best: Tried,
-        candidates: Vec<Candidate>,
-        stopped: bool,
-    ) -> Identification {
-        let records = (0..self.records.len())
-            .map(|k| {
-                let (fitted, judged) = (self.plan.fitted[k], self.plan.judged[k]);
-                let (model, line) = (&best.simulations[k], &baseline.simulations[k]);
-                RecordFit::of(&self.records[k], fitted, judged, model, line)
-            })
-            .collect();
-        Identification {
-            plant: best.plant,
-            unit: self.target.axis.position.unit.clone(),
-            rules: RULES,
-            method: best.method.unwrap_or(STATIC),
-            stopped,
-            records,
-            candidates,
-            parameters: best.parameters,
-        }
     }
 }

@@ -55,7 +55,7 @@ fn evc() -> CheckedBlueprint {
 }
 
 fn controller(plant: &CheckedBlueprint, settings: &ControlSettings) -> Inversion {
-    let found = invert(plant, settings).unwrap_or_else(|e| panic!("{e}"));
+    let found = invert(plant, settings, &mut Silent).unwrap_or_else(|e| panic!("{e}"));
     for axis in &found.axes {
         println!("{axis:?}");
     }
@@ -235,7 +235,8 @@ fn plants_without_an_inverse_are_refused_on_every_axis_with_the_way_out() {
         .axis(axis("a", vec![first]))
         .axis(axis("b", vec![zero]))
         .axis(unbounded);
-    let error = invert(&checked(&blueprint), &ControlSettings::default()).expect_err("refused");
+    let error = invert(&checked(&blueprint), &ControlSettings::default(), &mut Silent)
+        .expect_err("refused");
     let Error::NotInvertible(reasons) = &error else { panic!("{error}") };
     println!("{error}");
     assert_eq!(reasons.len(), 3);
@@ -248,9 +249,10 @@ fn plants_without_an_inverse_are_refused_on_every_axis_with_the_way_out() {
 fn settings_and_controllers_are_refused_with_the_rule() {
     let settings =
         ControlSettings { period: Some(-1.0), sensitivity: 0.9, ..ControlSettings::default() };
-    let error = invert(&evc(), &settings).expect_err("refused").to_string();
+    let error = invert(&evc(), &settings, &mut Silent).expect_err("refused").to_string();
     assert!(error.contains("period = -1") && error.contains("sensitivity = 0.9"), "{error}");
     let found = controller(&evc(), &ControlSettings::default());
-    let error = invert(&found.controller, &ControlSettings::default()).expect_err("refused");
+    let error =
+        invert(&found.controller, &ControlSettings::default(), &mut Silent).expect_err("refused");
     assert!(error.to_string().contains("is a controller"), "{error}");
 }

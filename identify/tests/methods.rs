@@ -214,6 +214,43 @@ fn no_other_model_stands_in_where_none_of_the_named_methods_has_one() {
     assert_eq!(method, "prandtl-ishlinskii");
 }
 
+/// Loops that a line cannot follow, behind them a lag.
+fn lagging_loop() -> Record {
+    let mut axis = AxisBlueprint::new("Y", "V", "um");
+    let lag = ComponentBlueprint::new("sensor-lag").value("bandwidth", 60.0);
+    axis.components = vec![bouc_wen(), lag];
+    measured(axis, 0.002)
+}
+
+#[test]
+fn past_outputs_and_derivatives_are_learned_and_run_as_written() {
+    let record = lagging_loop();
+    for (method, kinds, limit) in
+        [("lssvm-narx", &["lssvm-narx", "arx"][..], 0.01), ("gp", &["gaussian-process"][..], 0.02)]
+    {
+        let methods = Methods::Named(vec![method.to_owned()]);
+        let settings = Settings { plays: 20, methods, ..Settings::default() };
+        let id = identify(std::slice::from_ref(&record), &target("found"), &settings, &mut Silent)
+            .unwrap_or_else(|e| panic!("{method}: {e}"));
+        let fit = &id.records[0];
+        let (held, line) = (fit.held_out.nrmse, fit.baseline_held_out.nrmse);
+        let candidate = id.candidates.last().unwrap_or_else(|| panic!("no candidate"));
+        println!(
+            "{method}: held out {:.3} %, a line {:.2} %; {} numbers in {:.1} s",
+            100.0 * held,
+            100.0 * line,
+            candidate.parameters,
+            candidate.seconds
+        );
+        assert!(held < limit && held < 0.5 * line, "{method}: {held} {line}");
+        let plant = id.plant.blueprint();
+        let found: Vec<&str> = plant.axes[0].components.iter().map(|c| c.kind.as_str()).collect();
+        assert!(found.ends_with(kinds), "{found:?}");
+        let again = simulate(&id.plant, &record).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(again, candidate.simulations[0]);
+    }
+}
+
 #[test]
 fn what_no_operator_describes_is_learned_with_its_lag() {
     let mut axis = AxisBlueprint::new("Y", "V", "um");

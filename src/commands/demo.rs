@@ -207,7 +207,7 @@ impl Stage<'_> {
         let mut arguments = vec!["invert", "plant.toml", "--period", PERIOD];
         arguments.extend(more);
         match self.parse(&arguments)? {
-            Command::Invert(command) => self.show(&command.execute()?),
+            Command::Invert(command) => self.show(&command.execute(self.screen)?),
             _ => bail!("not an invert command"),
         }
     }

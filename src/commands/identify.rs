@@ -36,7 +36,7 @@ pub(crate) struct Identify {
     #[arg(long = "output", value_name = "COLUMN", required = true)]
     outputs: Vec<String>,
     /// What is fitted (may be given several times) [default: every hysteresis model but the
-    /// learned one, and the best is written]
+    /// learned ones, and the best is written]
     #[arg(long = "model", value_name = "MODEL", value_parser = model_names())]
     models: Vec<String>,
     /// Write the plant of every model that was tried to this folder, one file each
@@ -129,7 +129,7 @@ impl Identify {
         inputs::not_over(&self.out, &logs)?;
         self.page.not_over(&logs)?;
         let (plant, result) = self.work(screen)?;
-        write(&plant, &self.out, &logs)?;
+        inputs::write_blueprint(&plant, &self.out, &logs)?;
         if let Some(folder) = &self.all {
             write_all(folder, &result, &logs)?;
         }
@@ -185,9 +185,12 @@ impl Identify {
         std::thread::scope(|scope| {
             let mut tasks = tasks.into_iter();
             let first = tasks.next();
-            let others: Vec<_> = tasks.map(|task| scope.spawn(|| one(task, &mut Quiet))).collect();
-            let mut all: Vec<anyhow::Result<AxisResult>> =
-                first.into_iter().map(|task| one(task, &mut Bar::new(screen))).collect();
+            let others: Vec<_> =
+                tasks.map(|task| scope.spawn(|| one(task, &mut progress::Quiet))).collect();
+            let mut all: Vec<anyhow::Result<AxisResult>> = first
+                .into_iter()
+                .map(|task| one(task, &mut progress::Stages::new(screen, "identify")))
+                .collect();
             for other in others {
                 all.push(other.join().unwrap_or_else(|_| {
                     Err(anyhow::anyhow!("an axis could not be identified: internal error"))
@@ -285,28 +288,10 @@ fn write_all(folder: &Path, result: &Identified, logs: &[&Path]) -> anyhow::Resu
             let Some(plant) = &candidate.plant else { continue };
             let model = candidate.method.unwrap_or("line");
             let file = folder.join(format!("{}-{model}.toml", identifier(&axis.name)));
-            write(plant, &file, logs)?;
+            inputs::write_blueprint(plant, &file, logs)?;
         }
     }
     Ok(())
-}
-
-/// Writes a plant, and before it its learned tables, whose files are named after its own.
-fn write(plant: &CheckedBlueprint, file: &Path, logs: &[&Path]) -> anyhow::Result<()> {
-    let mut blueprint = plant.blueprint().clone();
-    let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    for (name, bytes) in plant.table_files() {
-        let own = format!("{stem}-{name}");
-        let table = file.with_file_name(&own);
-        inputs::not_over(&table, logs)?;
-        data::WholeFile::write_all_of(&table, &bytes)
-            .with_context(|| format!("{} cannot be written", table.display()))?;
-        let parts = blueprint.axes.iter_mut().flat_map(|axis| &mut axis.components);
-        for part in parts.filter(|part| part.get("table") == Some(&name.as_str().into())) {
-            part.set("table", own.as_str());
-        }
-    }
-    Ok(blueprint.write(file)?)
 }
 
 /// One blueprint with the axes of all.
@@ -334,42 +319,6 @@ fn join(axes: &[AxisResult]) -> anyhow::Result<CheckedBlueprint> {
 /// Internal step of an axis' plant, as text.
 fn step(axis: &AxisResult) -> String {
     format!("{} s", axis.identification.plant.spec().period)
-}
-
-/// Shows nothing, and stops where the user asks to.
-struct Quiet;
-
-impl Observer for Quiet {
-    fn stopped(&self) -> bool {
-        interrupt::asked()
-    }
-}
-
-/// Shows the stages of an identification on a terminal.
-struct Bar(indicatif::ProgressBar);
-
-impl Bar {
-    fn new(screen: &Screen) -> Self {
-        Self(progress::bar(screen, "identify", 1))
-    }
-}
-
-impl Observer for Bar {
-    fn stopped(&self) -> bool {
-        interrupt::asked()
-    }
-
-    fn progress(&mut self, stage: &'static str, done: usize, total: usize) {
-        self.0.set_message(stage);
-        self.0.set_length(total as u64);
-        self.0.set_position(done as u64);
-    }
-}
-
-impl Drop for Bar {
-    fn drop(&mut self) {
-        self.0.finish_and_clear();
-    }
 }
 
 impl Answer for Identified {

@@ -8,11 +8,15 @@ use identify::{ControlSettings, LoopFigures};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
-use crate::inputs;
+use crate::{inputs, interrupt, progress};
+
+/// Error of a learned inverse, in parts of the range, from which it is pointed out.
+const TOLD: f64 = 0.01;
 
 /// Makes the controller of a plant: inverse feedforward and PID
 ///
-/// The feedforward is the exact inverse of the plant's hysteresis. The PID gains are the largest that
+/// The feedforward is the inverse of the plant's hysteresis: exact for plays, learned for
+/// lssvm-stops, from what the plant answers to waves over its range. The PID gains are the largest that
 /// keep the sensitivity of the linearised loop below its limit.
 #[derive(Args, Debug)]
 #[command(
@@ -21,9 +25,14 @@ use crate::inputs;
 pub(crate) struct Invert {
     /// The plant's blueprint, or the name of a rig
     plant: PathBuf,
-    /// Sample time of the controller in s [default: the plant's internal step]
+    /// Sample time of the controller in s [default: the learned model's, else the plant's internal
+    /// step]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     period: Option<f64>,
+    /// Greatest frequency in Hz of the waves that the inverse of a learned plant is learned from
+    /// [default: the bandwidth of its linear part, at most 1/50 of its sample rate]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    band: Option<f64>,
     /// Largest sensitivity |1/(1+L)| that the loop may have
     #[arg(long, allow_negative_numbers = true, value_name = "M", default_value_t = ControlSettings::default().sensitivity)]
     sensitivity: f64,
@@ -50,29 +59,34 @@ pub(crate) struct Inverted {
 
 impl Invert {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        screen.show(&self.execute()?)
+        screen.show(&self.execute(screen)?)
     }
 
     /// Makes and writes the controller.
-    pub(crate) fn execute(&self) -> anyhow::Result<Inverted> {
+    pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Inverted> {
+        interrupt::listen()?;
         inputs::not_over(&self.out, &[&self.plant])?;
         let plant = inputs::blueprint(&self.plant)?.blueprint.check(learned::COMPONENTS)?;
         let settings = ControlSettings {
             name: self.name.clone(),
             period: self.period,
+            band: self.band,
             sensitivity: self.sensitivity,
             noise: self.noise,
         };
-        let inversion = identify::invert(&plant, &settings)?;
-        let mut controller = inversion.controller.blueprint().clone();
+        let observer = &mut progress::Stages::new(screen, "invert");
+        let inversion = identify::invert(&plant, &settings, observer)?;
+        let mut controller = inversion.controller;
         if self.feedback_only {
-            for axis in &mut controller.axes {
+            let mut alone = controller.blueprint().clone();
+            for axis in &mut alone.axes {
                 axis.components.retain(|component| component.kind == "pid");
             }
-            controller.check(learned::COMPONENTS)?;
+            alone.tables.clear();
+            controller = alone.check(learned::COMPONENTS)?;
         }
-        controller.write(&self.out)?;
-        let period_s = inversion.controller.spec().period;
+        inputs::write_blueprint(&controller, &self.out, &[&self.plant])?;
+        let period_s = controller.spec().period;
         Ok(Inverted { blueprint: self.out.clone(), period_s, axes: inversion.axes })
     }
 }
@@ -96,6 +110,27 @@ impl Answer for Inverted {
                 axis.reach.0,
                 axis.reach.1
             )?;
+            let Some(inverse) = &axis.inverse else { continue };
+            writeln!(
+                out,
+                "  inverse: {} support vectors, learned from {} waves of {:.4} to {:.4} Hz; on {} others the \
+                 position that it leads to errs by {:.3} % of the range, at most {:.2} %",
+                inverse.centres,
+                inverse.waves,
+                inverse.band[0],
+                inverse.band[1],
+                inverse.judged,
+                100.0 * inverse.error,
+                100.0 * inverse.greatest
+            )?;
+            if inverse.error > TOLD {
+                writeln!(
+                    out,
+                    "  note: that is more than {:.0} % of the range; try another --band, or a log with loops of \
+                     more sizes",
+                    100.0 * TOLD
+                )?;
+            }
         }
         writeln!(out, "{}: written, sample time {} s", self.blueprint.display(), self.period_s)
     }

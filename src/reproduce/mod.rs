@@ -6,7 +6,6 @@ mod p0;
 mod p1;
 mod p2;
 mod p3;
-mod rehearsal;
 pub(crate) mod stand_ins;
 
 use serde::Serialize;

@@ -111,11 +111,8 @@ const START: ([f64; 2], f64) = ([40.0, 0.08], 1e5);
 const ORDERS: [(usize, usize); 1] = [(3, 3)];
 const ROUNDS: usize = 100;
 
-/// The 40 Hz filter that the paper names, sampled.
-fn filter(period: f64) -> Arx {
-    let keep = (-std::f64::consts::TAU * 40.0 * period).exp();
-    Arx { b: vec![1.0 - keep], a: vec![-keep] }
-}
+/// The filter that the paper names, in Hz.
+const FILTER: f64 = 40.0;
 
 /// Frame over stop operators and the command, without its rate.
 pub(super) fn stops_frame(
@@ -140,7 +137,7 @@ pub(super) fn series(
     period: f64,
     say: &dyn Fn(&str),
 ) -> anyhow::Result<(Series, String)> {
-    let before = filter(period);
+    let before = Arx::lag(FILTER, period);
     let inward: Vec<Vec<f64>> = train.iter().map(|run| before_filter(&before, run)).collect();
     let pairs: Vec<(&[f64], &[f64])> =
         train.iter().zip(&inward).map(|(run, x)| (run.command, &x[..])).collect();

@@ -2,11 +2,10 @@
 
 use anyhow::Context;
 use identify::learned::{
-    Arx, Frame, Machine, Recipe, Run, Series, Span, Turns, rms_difference, weigh,
+    Arx, Frame, Machine, Recipe, Run, Search, Series, Span, Turns, by_likelihood, rms_difference,
+    weigh,
 };
 use learned::features::{Derivatives, Features, Stops};
-use learned::gp::{GaussianProcess, Hyperparameters, Search};
-use learned::lssvm::Samples;
 
 use super::figures::{self, Chapter};
 use super::{Aim, Order, Reproduction, Response, Row, response};
@@ -19,6 +18,9 @@ const AMPLIFIER: f64 = 15.0;
 const HALF: usize = 3;
 const CUTOFF: f64 = 0.25;
 const DIMENSIONS: [usize; 4] = [2, 6, 9, 12];
+/// Of the hyperparameters.
+pub(super) const SEARCH: Search =
+    Search { signal: 1.0, evaluations: [60, 100], most_samples: 1000 };
 
 /// Name, signal, its settings, the paper's NRMSE for 2, 6, 9, 12 inputs.
 type Test = (&'static str, &'static str, &'static [(&'static str, f64)], [f64; 4]);
@@ -44,29 +46,8 @@ fn trained(dimension: usize, chirp: &Response) -> anyhow::Result<Machine> {
     let features = Features::Derivatives(derivatives);
     let frame = Frame::new(features, Span::UNIT, Span::UNIT, Recipe::Standardised, &pairs);
     let samples = frame.samples(&pairs)?;
-    let process = learned_in_turn(&samples, 5.0, dimension)?;
-    let mut frame = frame;
-    for (width, scale) in frame.widths.iter_mut().zip(process.scales()) {
-        *width /= scale;
-    }
-    Ok(Machine { frame, machine: process.scaled_machine() })
-}
-
-/// One length for all inputs, and from there one for each: the branches of a slow loop are near each other in
-/// all inputs but the rate.
-pub(super) fn learned_in_turn(
-    samples: &Samples,
-    signal: f64,
-    dimension: usize,
-) -> anyhow::Result<GaussianProcess> {
-    let start =
-        Hyperparameters { signal, noise: 0.01, lengths: vec![(dimension as f64).sqrt(); 1] };
-    let search = Search { start, evaluations: 60, most_samples: 1000 };
-    let (_, found) = GaussianProcess::learn(samples, &search)?;
-    let mut start = found.parameters;
-    start.lengths = vec![start.lengths[0]; dimension];
-    let search = Search { start, evaluations: 100, most_samples: 1000 };
-    Ok(GaussianProcess::learn(samples, &search)?.0)
+    let process = by_likelihood(&samples, &Search { signal: 5.0, ..SEARCH })?;
+    Ok(Machine::of_process(frame, &process))
 }
 
 /// Percent of the range, from row `from` on.

@@ -422,20 +422,6 @@ impl CheckedBlueprint {
     pub fn blueprint(&self) -> &Blueprint {
         &self.blueprint
     }
-    /// The files of all tables that its components run, by name, as they lie beside the blueprint.
-    #[must_use]
-    pub fn table_files(&self) -> Vec<(String, Vec<u8>)> {
-        let components = self.blueprint.axes.iter().flat_map(|axis| &axis.components);
-        let mut files = BTreeMap::new();
-        for component in components {
-            if let Some(Value::Text(name)) = component.get(TABLE)
-                && let Ok(table) = self.blueprint.table(name)
-            {
-                files.insert(name.clone(), table::npy_of(&table));
-            }
-        }
-        files.into_iter().collect()
-    }
     /// What it says, with every value in the unit of its quantity on its axis.
     #[must_use]
     pub fn spec(&self) -> &SystemSpec {

@@ -4,11 +4,12 @@
 //! `table = "hysteresis.npy"` names a file in the blueprint's folder (in an FMU, the resources), or
 //! a table that the blueprint holds in memory.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use model::Table;
 
-use super::Blueprint;
+use super::{Blueprint, CheckedBlueprint, ComponentBlueprint, TABLE, Value};
 
 /// Greatest file that is read, in bytes.
 const MOST: u64 = 1 << 28;
@@ -37,6 +38,32 @@ impl Blueprint {
         }
         parse(&std::fs::read(&path).map_err(failed)?)
             .map_err(|rule| (rule, "save it as a NumPy array of doubles with two dimensions"))
+    }
+}
+
+impl CheckedBlueprint {
+    /// The files of all tables that its components run, by name, as they lie beside the blueprint.
+    #[must_use]
+    pub fn table_files(&self) -> Vec<(String, Vec<u8>)> {
+        let components = self.blueprint.axes.iter().flat_map(|axis| &axis.components);
+        let mut files = BTreeMap::new();
+        for component in components {
+            if let Some(Value::Text(name)) = component.get(TABLE)
+                && let Ok(table) = self.blueprint.table(name)
+            {
+                files.insert(name.clone(), npy_of(&table));
+            }
+        }
+        files.into_iter().collect()
+    }
+
+    /// The table that a component of this blueprint runs.
+    #[must_use]
+    pub fn table_of(&self, component: &ComponentBlueprint) -> Option<Table> {
+        match component.get(TABLE) {
+            Some(Value::Text(name)) => self.blueprint.table(name).ok(),
+            _ => None,
+        }
     }
 }
 

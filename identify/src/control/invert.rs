@@ -1,14 +1,20 @@
-//! A controller from a plant: the exact inverse of its hysteresis as feedforward, and a PID loop.
+//! A controller from a plant: the inverse of its hysteresis as feedforward, exact or learned from what a
+//! learned hysteresis answers, and a PID loop.
 
-use components::COMPONENTS;
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint};
-use model::{AxisSpec, Kind, SystemSpec};
+use model::{AxisSpec, Kind};
 use serde::Serialize;
 
 use crate::error::{Error, NotInvertible, SettingsProblem};
 
-use super::linearised::{Actuation, actuation, delays, impulse_response, lags, linear_axis, modes};
+use super::learned_axis::{LearnedAxis, sample_time};
+use super::linearised::{
+    Actuation, Operator, delays, impulse_response, lags, linear_axis, modes, operator,
+};
 use super::loop_shape::{Limits, Response, Shape, Shaped, shape};
+use super::undone::Undone;
+use crate::learned::{InverseFigures, Machine, inverse};
+use crate::observer::Observer;
 
 /// Relative shifts of the modes' frequencies for which the loop keeps its margins.
 const SHIFTS: [f64; 3] = [1.0, 0.9, 1.1];
@@ -20,13 +26,19 @@ const ZERO_FREQUENCIES: [f64; 7] = [0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8];
 /// Damping ratios of these zeros.
 const ZERO_DAMPINGS: [f64; 5] = [0.5, 0.7, 1.0, 1.5, 2.5];
 
+/// Proportional parts that are tried on a learned linear part, in samples of lag.
+const PROPORTIONAL: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+
 /// Choices about a controller.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlSettings {
     /// Name of the controller; `None`: the plant's with `_controller` behind it.
     pub name: Option<String>,
-    /// Sample time in s; `None`: the plant's internal step.
+    /// Sample time in s; `None`: that of what was learned, else the plant's internal step.
     pub period: Option<f64>,
+    /// Greatest frequency in Hz of the commands that a learned inverse is learned from; `None`: the
+    /// bandwidth of the learned linear part, but at least 50 samples a wave.
+    pub band: Option<f64>,
     /// Largest sensitivity |1/(1 + L)| that the loop may have, above 1. It implies a gain margin of
     /// M/(M−1) and a phase margin of 2·asin(1/2M): 3 and 39° for the default of 1.5.
     pub sensitivity: f64,
@@ -37,7 +49,7 @@ pub struct ControlSettings {
 
 impl Default for ControlSettings {
     fn default() -> Self {
-        Self { name: None, period: None, sensitivity: 1.5, noise: 10.0 }
+        Self { name: None, period: None, band: None, sensitivity: 1.5, noise: 10.0 }
     }
 }
 
@@ -84,21 +96,30 @@ pub struct LoopFigures {
     /// Least and greatest position that the command's bounds always allow, also after the opposite
     /// bound was visited.
     pub reach: (f64, f64),
+    /// The inverse, where it was learned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inverse: Option<InverseFigures>,
 }
 
 /// Makes the controller of a plant: for each axis `reference-lead` where the plant has lags or modes,
-/// `inverse-prandtl-ishlinskii` (or, for a linear actuator, `feedforward-gain`), and `pid` with the limits of the command. The feedback is, of several
+/// `inverse-prandtl-ishlinskii` (for a linear actuator `feedforward-gain`; for `lssvm-stops` the inverse of its
+/// discrete linear part, `arx`, and `lssvm-stops-inverse`), and `pid` with the limits of the command. The feedback is, of several
 /// shapes (integral; integral with a proportional part against the lags; PID that inverts or damps
 /// the lowest mode), the one with the largest integral gain whose sensitivity and noise stay below
 /// their limits.
 ///
 /// # Errors
 /// [`Error::Settings`]; [`Error::NotInvertible`] with every reason on every axis; [`Error::Model`]
-/// where the controller's names do not fit.
-pub fn invert(plant: &CheckedBlueprint, settings: &ControlSettings) -> Result<Inversion, Error> {
+/// where the controller's names do not fit; [`Error::Stopped`] where the observer asks to stop.
+pub fn invert(
+    plant: &CheckedBlueprint,
+    settings: &ControlSettings,
+    observer: &mut dyn Observer,
+) -> Result<Inversion, Error> {
     let spec = plant.spec();
-    let period = settings.period.unwrap_or(spec.period);
-    check(settings, period)?;
+    let learned = sample_time(&spec.axes);
+    let period = settings.period.or(learned).unwrap_or(spec.period);
+    check(settings, period, learned.is_some())?;
     if spec.kind != Kind::Plant {
         return Err(Error::NotInvertible(vec![NotInvertible {
             place: spec.name.clone(),
@@ -106,16 +127,10 @@ pub fn invert(plant: &CheckedBlueprint, settings: &ControlSettings) -> Result<In
         }]));
     }
     let mut reasons = Vec::new();
-    let mut axes = Vec::new();
-    let mut figures = Vec::new();
-    for (axis, blueprint) in spec.axes.iter().zip(&plant.blueprint().axes) {
-        match axis_loop(axis, spec, period, settings) {
-            Ok((actuation, shaped)) => {
-                let found = loop_figures(axis, &actuation, &shaped, period);
-                let lead = lead(axis, period, found.reach);
-                axes.push(controller_axis(axis, blueprint, &actuation, lead, &found));
-                figures.push(found);
-            }
+    let mut loops = Vec::new();
+    for (index, axis) in spec.axes.iter().enumerate() {
+        match axis_loop(plant, index, period, settings) {
+            Ok(found) => loops.push((axis, found)),
             Err(found) => reasons.extend(
                 found
                     .into_iter()
@@ -128,17 +143,43 @@ pub fn invert(plant: &CheckedBlueprint, settings: &ControlSettings) -> Result<In
     }
     let name = settings.name.clone().unwrap_or_else(|| format!("{}_controller", spec.name));
     let mut controller = Blueprint::new(Kind::Controller, &name, period);
-    controller.axes = axes;
+    let mut figures = Vec::new();
+    for ((axis, (actuation, shaped)), blueprint) in loops.iter().zip(&plant.blueprint().axes) {
+        let mut found = loop_figures(axis, actuation, shaped, period);
+        let chain = match actuation {
+            Actuation::Operator(operator) => {
+                let lead = lead(axis, None, period, found.reach);
+                lead.into_iter().chain([feedforward(operator)]).collect()
+            }
+            Actuation::Learned(learned) => {
+                let inverted = learned_inverse(learned, settings, &axis.name, observer)?;
+                found.inverse = Some(inverted.1);
+                let file = format!("{}.npy", axis.name);
+                let table = inverted.0.table().map_err(|message| Error::Learned { message })?;
+                controller.tables.insert(file.clone(), table);
+                let inverse = inverted.0.component(true, &file, period);
+                let undone = Undone::of(&learned.linear, period);
+                let lead = lead(axis, Some(&undone), period, found.reach);
+                lead.into_iter().chain(filter(&undone, period)).chain([inverse]).collect()
+            }
+        };
+        controller.axes.push(controller_axis(axis, blueprint, actuation, chain, &found));
+        figures.push(found);
+    }
     controller.description = format!("Inverse feedforward and PID for {}", spec.name);
     controller.source = format!("inverted from {}", plant.blueprint().source);
     let controller = controller
-        .check(COMPONENTS)
+        .check(learned::COMPONENTS)
         .map_err(|problems| Error::Model { name, message: problems.to_string() })?;
     Ok(Inversion { controller, axes: figures })
 }
 
-fn check(settings: &ControlSettings, period: f64) -> Result<(), Error> {
+fn check(settings: &ControlSettings, period: f64, learned: bool) -> Result<(), Error> {
     let mut problems = Vec::new();
+    if let Some(value) = settings.band.filter(|_| !learned) {
+        let rule = "is for plants that were learned (lssvm-stops); leave it out";
+        problems.push(SettingsProblem { setting: "band", value, rule });
+    }
     if !(period.is_finite() && period > 0.0) {
         let rule = "the controller's sample time is a positive time in s";
         problems.push(SettingsProblem { setting: "period", value: period, rule });
@@ -155,13 +196,48 @@ fn check(settings: &ControlSettings, period: f64) -> Result<(), Error> {
     if problems.is_empty() { Ok(()) } else { Err(Error::Settings(problems)) }
 }
 
+/// The inverse of a learned axis, and what is known of it.
+fn learned_inverse(
+    learned: &LearnedAxis,
+    settings: &ControlSettings,
+    name: &str,
+    observer: &mut dyn Observer,
+) -> Result<(Machine, InverseFigures), Error> {
+    let at_axis = |reason: String| {
+        Error::NotInvertible(vec![NotInvertible { place: format!("axis {name}"), reason }])
+    };
+    let purpose = learned.purpose(settings.band).map_err(at_axis)?;
+    inverse::learn(&learned.forward, &purpose, observer).map_err(|error| match error {
+        Error::Stopped => error,
+        error => at_axis(error.to_string()),
+    })
+}
+
+/// The component of the filter, where it does anything.
+fn filter(undone: &Undone, period: f64) -> Option<ComponentBlueprint> {
+    let none: &[f64] = &[0.0];
+    let a = if undone.filter.a.is_empty() { none } else { &undone.filter.a };
+    undone.filters().then(|| {
+        ComponentBlueprint::new("arx")
+            .value("sample_time", period)
+            .value("b", &undone.filter.b[..])
+            .value("a", a)
+            .note("the plant's discrete linear part, undone")
+    })
+}
+
 fn axis_loop(
-    axis: &AxisSpec,
-    spec: &SystemSpec,
+    plant: &CheckedBlueprint,
+    index: usize,
     period: f64,
     settings: &ControlSettings,
 ) -> Result<(Actuation, Shaped), Vec<String>> {
-    let actuation = actuation(axis)?;
+    let spec = plant.spec();
+    let axis = &spec.axes[index];
+    let actuation = match LearnedAxis::of(plant, index, period)? {
+        Some(learned) => Actuation::Learned(Box::new(learned)),
+        None => Actuation::Operator(operator(axis)?),
+    };
     let (low, high) = axis.command_range;
     if !(low.is_finite() && high.is_finite() && low < high) {
         return Err(vec![format!(
@@ -169,21 +245,24 @@ fn axis_loop(
              max of the command"
         )]);
     }
-    let modes = modes(axis);
+    let (modes, fixed) = (modes(axis), actuation.modes());
     let shifts = if modes.is_empty() { &SHIFTS[..1] } else { &SHIFTS[..] };
     // A plant identified from a slow log is looked at on the controller's grid: its linear parts are
     // exact at any step.
     let step = spec.period.min(period);
     let mut variants = Vec::new();
     for shift in shifts {
-        let linear = linear_axis(axis, *shift);
+        let linear = linear_axis(axis, &actuation, *shift);
         let impulse = impulse_response(linear, step, period).map_err(|reason| vec![reason])?;
-        let shifted: Vec<f64> = modes.iter().map(|(frequency, _)| frequency * shift).collect();
+        let shifted = modes.iter().map(|(frequency, _)| frequency * shift);
+        let shifted: Vec<f64> = shifted.chain(fixed.iter().map(|mode| mode.0)).collect();
         variants.push(Response::new(&impulse, period, &shifted));
     }
     let slope = actuation.slope();
     let limits = Limits { sensitivity: settings.sensitivity, noise: settings.noise };
-    let loops = shapes(axis).into_iter().filter_map(|s| shape(&variants, s, slope, limits));
+    let loops = shapes(axis, &actuation, period)
+        .into_iter()
+        .filter_map(|s| shape(&variants, s, slope, limits));
     let best = loops.max_by(|a, b| a.ki.abs().total_cmp(&b.ki.abs()));
     let best = best.ok_or_else(|| {
         vec![
@@ -195,9 +274,10 @@ fn axis_loop(
 }
 
 /// The shapes that suit the axis.
-fn shapes(axis: &AxisSpec) -> Vec<Shape> {
+fn shapes(axis: &AxisSpec, actuation: &Actuation, period: f64) -> Vec<Shape> {
     let omega = |frequency: f64| core::f64::consts::TAU * frequency;
-    let (modes, lags) = (modes(axis), lags(axis));
+    let (mut modes, lags) = (modes(axis), lags(axis));
+    modes.extend(actuation.modes());
     let lag: f64 = lags.iter().sum::<f64>()
         + modes.iter().map(|(f, zeta)| 2.0 * zeta / omega(*f)).sum::<f64>();
     let mut shapes = vec![Shape { name: "integral", a: 0.0, b: 0.0, filter: 0.0 }];
@@ -208,6 +288,13 @@ fn shapes(axis: &AxisSpec) -> Vec<Shape> {
             b: 0.0,
             filter: 0.0,
         });
+    }
+    if matches!(actuation, Actuation::Learned(_)) {
+        // The lag that a discrete linear part stands for is tried.
+        let name = "integral and proportional";
+        let tried =
+            PROPORTIONAL.map(|samples| Shape { name, a: samples * period, b: 0.0, filter: 0.0 });
+        shapes.extend(tried);
     }
     let lowest = modes.iter().min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((frequency, damping)) = lowest {
@@ -256,20 +343,31 @@ fn loop_figures(
         sensitivity: shaped.sensitivity,
         noise_gain: ki.abs() * shape.noise(period),
         reach: (ends.0.min(ends.1), ends.0.max(ends.1)),
+        inverse: None,
     }
 }
 
 /// What the feedforward adds to the reference for the linear parts of the path, to second order in
 /// the frequency: the product of `1 + τs` for each lag, `e^{ds}` for each delay and for the one
-/// period until the position answers, and `1 + 2ζs/ω + s²/ω²` for each mode. `None` where there are
-/// none but the period.
-fn lead(axis: &AxisSpec, period: f64, reach: (f64, f64)) -> Option<ComponentBlueprint> {
+/// period until the position answers, `1 + 2ζs/ω + s²/ω²` for each mode, and what a filter in front of the
+/// inverse leaves to it. `None` where there are none but the period.
+fn lead(
+    axis: &AxisSpec,
+    undone: Option<&Undone>,
+    period: f64,
+    reach: (f64, f64),
+) -> Option<ComponentBlueprint> {
     let (modes, lags, delays) = (modes(axis), lags(axis), delays(axis));
-    if modes.is_empty() && lags.iter().chain(&delays).all(|time| *time == 0.0) {
+    let undone = undone.filter(|undone| undone.filters());
+    let none = modes.is_empty() && lags.iter().chain(&delays).all(|time| *time == 0.0);
+    if none && undone.is_none() {
         return None;
     }
     let (mut first, mut second) = (period, 0.5 * period * period);
     let mut times = |a: f64, b: f64| (first, second) = (first + a, second + a * first + b);
+    if let Some(undone) = undone {
+        times(undone.lag, undone.inertia);
+    }
     for lag in lags {
         times(lag, 0.0);
     }
@@ -282,27 +380,32 @@ fn lead(axis: &AxisSpec, period: f64, reach: (f64, f64)) -> Option<ComponentBlue
     }
     let limit = 0.5 * (reach.1 - reach.0);
     let component = ComponentBlueprint::new("reference-lead");
-    Some(component.value("lag", first).value("inertia", second).value("limit", limit))
+    let (lag, inertia) = (first.max(0.0), second.max(0.0));
+    Some(component.value("lag", lag).value("inertia", inertia).value("limit", limit))
+}
+
+/// The exact inverse of an operator.
+fn feedforward(operator: &Operator) -> ComponentBlueprint {
+    if operator.linear {
+        ComponentBlueprint::new("feedforward-gain")
+            .value("gain", 1.0 / operator.slope())
+            .value("offset", operator.offset)
+    } else {
+        ComponentBlueprint::new("inverse-prandtl-ishlinskii")
+            .value("r", &operator.r)
+            .value("w", &operator.w)
+            .value("offset", operator.offset)
+    }
 }
 
 fn controller_axis(
     axis: &AxisSpec,
     plant: &AxisBlueprint,
     actuation: &Actuation,
-    lead: Option<ComponentBlueprint>,
+    chain: Vec<ComponentBlueprint>,
     figures: &LoopFigures,
 ) -> AxisBlueprint {
     let (low, high) = axis.command_range;
-    let feedforward = if actuation.linear {
-        ComponentBlueprint::new("feedforward-gain")
-            .value("gain", 1.0 / actuation.slope())
-            .value("offset", actuation.offset)
-    } else {
-        ComponentBlueprint::new("inverse-prandtl-ishlinskii")
-            .value("r", &actuation.r)
-            .value("w", &actuation.w)
-            .value("offset", actuation.offset)
-    };
     let note = format!(
         "{}: loop gain 1 at {:.4} Hz, gain margin {:.1}, phase margin {:.0} deg, maximum sensitivity \
          {:.2}",
@@ -330,8 +433,6 @@ fn controller_axis(
         controller.reference = controller.reference.named(&format!("{position}_reference"));
         controller.measured = SignalBlueprint::default().named(position);
     }
-    if let Some(lead) = lead {
-        controller = controller.component(lead);
-    }
-    controller.component(feedforward).component(pid)
+    controller.components = chain;
+    controller.component(pid)
 }

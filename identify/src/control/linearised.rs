@@ -5,6 +5,8 @@ use components::actuator::ACTUATOR_GAIN;
 use components::hysteresis::play::Plays;
 use model::{AxisSpec, ComponentRef, Connections, Conversion, Kind, NodeSpec, System, SystemSpec};
 
+use super::learned_axis::LearnedAxis;
+
 /// Longest step response that is simulated, in samples.
 const LONGEST: usize = 1 << 17;
 /// Shortest.
@@ -14,7 +16,58 @@ const SETTLED: f64 = 1e-3;
 
 /// What one axis of a plant is made of.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Actuation {
+pub(crate) enum Actuation {
+    /// Plays, or a straight line.
+    Operator(Operator),
+    /// A learned hysteresis.
+    Learned(Box<LearnedAxis>),
+}
+
+impl Actuation {
+    /// The steepest slope in position per command.
+    pub(crate) fn slope(&self) -> f64 {
+        match self {
+            Self::Operator(operator) => operator.slope(),
+            Self::Learned(learned) => learned.slope,
+        }
+    }
+
+    /// The same of the actuator alone, without the gains of other components.
+    fn own_slope(&self) -> f64 {
+        match self {
+            Self::Operator(operator) => operator.own_slope,
+            Self::Learned(learned) => learned.own_slope,
+        }
+    }
+
+    /// Position at rest under this command, after a monotonic move from the virgin state.
+    pub(crate) fn at_rest(&self, command: f64) -> f64 {
+        match self {
+            Self::Operator(operator) => operator.at_rest(command),
+            Self::Learned(learned) => learned.at_rest(command),
+        }
+    }
+
+    /// Positions at the two bounds of the command, each after the other was visited.
+    pub(crate) fn reach(&self, bounds: (f64, f64)) -> (f64, f64) {
+        match self {
+            Self::Operator(operator) => operator.reach(bounds),
+            Self::Learned(learned) => learned.reach,
+        }
+    }
+
+    /// Modes that a learned linear part has.
+    pub(crate) fn modes(&self) -> Vec<(f64, f64)> {
+        match self {
+            Self::Operator(_) => Vec::new(),
+            Self::Learned(learned) => learned.modes(),
+        }
+    }
+}
+
+/// Plays, or a straight line.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Operator {
     /// Thresholds of the whole axis at rest, in the command's unit; one 0 for a linear actuator.
     pub(crate) r: Vec<f64>,
     /// Weights of the whole axis at rest, in position per command.
@@ -23,24 +76,24 @@ pub(crate) struct Actuation {
     pub(crate) offset: f64,
     /// Whether the actuator is linear.
     pub(crate) linear: bool,
+    /// Steepest slope of the actuator alone.
+    own_slope: f64,
 }
 
-impl Actuation {
+impl Operator {
     /// The steepest slope: all plays moving.
     pub(crate) fn slope(&self) -> f64 {
         self.w.iter().sum()
     }
 
-    /// Position at rest under this command, after a monotonic move from the virgin state.
-    pub(crate) fn at_rest(&self, command: f64) -> f64 {
+    fn at_rest(&self, command: f64) -> f64 {
         let plays = self.r.iter().zip(&self.w);
         let sum: f64 =
             plays.map(|(r, w)| w * command.signum() * (command.abs() - r).max(0.0)).sum();
         self.offset + sum
     }
 
-    /// Positions at the two bounds of the command, each after the other was visited.
-    pub(crate) fn reach(&self, (low, high): (f64, f64)) -> (f64, f64) {
+    fn reach(&self, (low, high): (f64, f64)) -> (f64, f64) {
         let plays = Plays { r: &self.r, w: &self.w };
         let mut state = vec![0.0; self.r.len()];
         plays.rest(low, &mut state);
@@ -55,15 +108,14 @@ impl Actuation {
 ///
 /// # Errors
 /// Every reason why the axis has no inverse.
-pub(crate) fn actuation(axis: &AxisSpec) -> Result<Actuation, Vec<String>> {
+pub(crate) fn operator(axis: &AxisSpec) -> Result<Operator, Vec<String>> {
     let Some(at) = actuator_of(axis) else {
         return Err(vec![
             "no component turns its command into a position; add a hysteresis model".to_owned(),
         ]);
     };
     let (before, after) = (&axis.components[..at], &axis.components[at + 1..]);
-    let product = |nodes: &[NodeSpec]| nodes.iter().map(gain_of).product::<f64>();
-    let (first, last) = (product(before), product(after));
+    let (first, last) = (product_of_gains(before), product_of_gains(after));
     let node = &axis.components[at];
     let (mut r, mut w, offset, linear) = match node.component.declaration().kind {
         "prandtl-ishlinskii" => {
@@ -72,12 +124,13 @@ pub(crate) fn actuation(axis: &AxisSpec) -> Result<Actuation, Vec<String>> {
         "actuator-gain" => (vec![0.0], values(node, "gain"), values(node, "offset"), true),
         other => {
             return Err(vec![format!(
-                "{} is a {other}, for which there is no inverse here; use prandtl-ishlinskii or \
-                 actuator-gain",
+                "{} is a {other}, for which there is no inverse here; use prandtl-ishlinskii, \
+                 lssvm-stops or actuator-gain",
                 node.name
             )]);
         }
     };
+    let own_slope = w.iter().sum();
     for r in &mut r {
         *r /= first;
     }
@@ -85,12 +138,12 @@ pub(crate) fn actuation(axis: &AxisSpec) -> Result<Actuation, Vec<String>> {
         *w *= first * last;
     }
     let offset = last * offset.first().copied().unwrap_or(0.0);
-    let found = Actuation { r, w, offset, linear };
+    let found = Operator { r, w, offset, linear, own_slope };
     let reasons = obstacles(&found, first, &node.name);
     if reasons.is_empty() { Ok(found) } else { Err(reasons) }
 }
 
-fn obstacles(found: &Actuation, first: f64, name: &str) -> Vec<String> {
+fn obstacles(found: &Operator, first: f64, name: &str) -> Vec<String> {
     let mut reasons = Vec::new();
     if !(first.is_finite() && first > 0.0) {
         reasons.push(format!(
@@ -122,10 +175,15 @@ fn obstacles(found: &Actuation, first: f64, name: &str) -> Vec<String> {
     reasons
 }
 
-fn actuator_of(axis: &AxisSpec) -> Option<usize> {
+pub(crate) fn actuator_of(axis: &AxisSpec) -> Option<usize> {
     let is_actuator =
         |node: &NodeSpec| node.component.declaration().conversion == Conversion::CommandToPosition;
     axis.components.iter().position(is_actuator)
+}
+
+/// The product of the static gains of linear components.
+pub(crate) fn product_of_gains(nodes: &[NodeSpec]) -> f64 {
+    nodes.iter().map(gain_of).product()
 }
 
 /// The static gain of a linear component: its parameter `gain`, else 1.
@@ -147,23 +205,22 @@ pub(crate) fn values(node: &NodeSpec, name: &str) -> Vec<f64> {
     node.values.get(start..end).map(<[f64]>::to_vec).unwrap_or_default()
 }
 
-/// The axis with its actuator replaced by the slope of its own plays, and the frequencies of its
-/// modes multiplied by `shift`.
-pub(crate) fn linear_axis(axis: &AxisSpec, shift: f64) -> AxisSpec {
+/// The axis with its actuator replaced by its steepest slope, and the frequencies of its modes
+/// multiplied by `shift`.
+pub(crate) fn linear_axis(axis: &AxisSpec, actuation: &Actuation, shift: f64) -> AxisSpec {
     let mut linear = axis.clone();
     linear.start = 0.0;
     let free = (f64::NEG_INFINITY, f64::INFINITY);
     (linear.command_range, linear.position_range) = (free, free);
     linear.aliases = Vec::new();
     for node in &mut linear.components {
-        match node.component.declaration().kind {
-            "prandtl-ishlinskii" => {
-                let slope = values(node, "w").iter().sum();
+        let declaration = node.component.declaration();
+        match declaration.kind {
+            _ if declaration.conversion == Conversion::CommandToPosition => {
                 node.component = ComponentRef::Static(&ACTUATOR_GAIN);
                 node.structure = Vec::new();
-                node.values = vec![slope, 0.0];
+                node.values = vec![actuation.own_slope(), 0.0];
             }
-            "actuator-gain" => node.values = vec![values(node, "gain").iter().sum(), 0.0],
             // The frequency is the mode's first parameter.
             "mode" => {
                 if let Some(frequency) = node.values.first_mut() {

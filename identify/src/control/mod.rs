@@ -3,9 +3,11 @@
 mod calibration;
 mod closed_loop;
 mod invert;
+mod learned_axis;
 mod linearised;
 mod loop_shape;
 mod tuning;
+mod undone;
 
 pub use calibration::{Calibration, CalibrationRecord, CoordinateFit, calibrate};
 pub use closed_loop::{LoopRun, simulate_loop};

@@ -6,7 +6,7 @@
 //!
 //! The equation error gives the start, the error of the simulation the result.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::error::Error;
 use crate::fit::levenberg_marquardt::{PATIENT, Unknown, minimise};
@@ -22,10 +22,19 @@ pub struct Arx {
 
 /// Greatest magnitude of a pole that counts as stable.
 const STABLE: f64 = 1.0 - 1e-9;
+/// Frequencies at which a bandwidth is looked for.
+const FREQUENCIES: usize = 2000;
 /// Repetitions of the linear start.
 const REPEATS: usize = 8;
 
 impl Arx {
+    /// A first-order lag of this bandwidth in Hz, sampled exactly under commands that are held.
+    #[must_use]
+    pub fn lag(bandwidth: f64, period: f64) -> Self {
+        let keep = (-core::f64::consts::TAU * bandwidth * period).exp();
+        Self { b: vec![1.0 - keep], a: vec![-keep] }
+    }
+
     /// Fits `zeros` + 1 numerator and `poles` denominator coefficients.
     ///
     /// # Errors
@@ -89,13 +98,43 @@ impl Arx {
     /// unit circle.
     #[must_use]
     pub fn is_stable(&self) -> bool {
+        self.a.iter().all(|a| a.is_finite()) && self.poles().iter().all(|p| p.norm() < STABLE)
+    }
+
+    /// The zeros of zⁿ + a_1 zⁿ⁻¹ + …, for finite coefficients.
+    #[must_use]
+    pub fn poles(&self) -> Vec<Complex<f64>> {
         let n = self.a.len();
+        if n == 0 {
+            return Vec::new();
+        }
         let companion = DMatrix::from_fn(n, n, |r, c| match (r, c) {
             (0, c) => -self.a[c],
             (r, c) => f64::from(u8::from(r == c + 1)),
         });
-        self.a.iter().all(|a| a.is_finite())
-            && (n == 0 || companion.complex_eigenvalues().iter().all(|p| p.norm() < STABLE))
+        companion.complex_eigenvalues().iter().copied().collect()
+    }
+
+    /// Gain at rest.
+    #[must_use]
+    pub fn gain(&self) -> f64 {
+        self.b.iter().sum::<f64>() / (1.0 + self.a.iter().sum::<f64>())
+    }
+
+    /// Least frequency in Hz at which the gain is 3 dB below that at rest; `None` where there is none up
+    /// to half the sample rate.
+    #[must_use]
+    pub fn bandwidth(&self, period: f64) -> Option<f64> {
+        let at = |angle: f64| {
+            let back = Complex::from_polar(1.0, -angle);
+            let sum = |x: &[f64]| x.iter().rev().fold(Complex::from(0.0), |s, x| s * back + x);
+            sum(&self.b) / (1.0 + back * sum(&self.a))
+        };
+        let limit = self.gain().abs() * core::f64::consts::FRAC_1_SQRT_2;
+        let angles =
+            (1..=FREQUENCIES).map(|k| core::f64::consts::PI * k as f64 / FREQUENCIES as f64);
+        let angle = angles.into_iter().find(|angle| at(*angle).norm() < limit)?;
+        Some(angle / (core::f64::consts::TAU * period))
     }
 
     /// What undoes it: h(t) = (y(t) + Σ a_j y(t−j) − Σ b_i h(t−i))/b_0. It may be unstable.

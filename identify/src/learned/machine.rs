@@ -1,5 +1,6 @@
 //! A kernel machine over features of the command.
 
+use data::{ComponentBlueprint, Value};
 use learned::features::Features;
 use learned::lssvm::{LsSvm, Pruned, Pruning, Report, Samples, Settings, prune};
 use learned::{Compressor, KernelSum};
@@ -48,6 +49,8 @@ pub struct Frame {
     pub output: Span,
     /// What each input is divided by before σ.
     pub widths: Vec<f64>,
+    /// Whether late features belong to the latest output, as in real time, and not to an earlier one.
+    pub causal: bool,
 }
 
 /// How inputs are scaled.
@@ -79,7 +82,7 @@ impl Frame {
         records: &[(&[f64], &[f64])],
     ) -> Self {
         let widths = vec![1.0; features.dimension()];
-        let mut frame = Self { features, command, output, widths };
+        let mut frame = Self { features, command, output, widths, causal: false };
         if recipe == Recipe::Standardised {
             let (inputs, _) = frame.raw(records);
             let d = frame.widths.len();
@@ -104,13 +107,18 @@ impl Frame {
         Samples::new(self.features.dimension(), inputs, outputs)
     }
 
+    /// Samples by which an output is earlier than the command that completes its features.
+    fn late(&self) -> usize {
+        if self.causal { 0 } else { self.features.delay() }
+    }
+
     fn raw(&self, records: &[(&[f64], &[f64])]) -> (Vec<f64>, Vec<f64>) {
         let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
         for (command, output) in records {
             let u: Vec<f64> = command.iter().map(|u| self.command.inward(*u)).collect();
             let y: Vec<f64> = output.iter().map(|y| self.output.inward(*y)).collect();
             // A late feature belongs to an earlier output.
-            let delay = self.features.delay();
+            let delay = self.late();
             let d = self.widths.len();
             let all = self.features.of_record(&u, &y);
             inputs.extend_from_slice(all.get(delay * d..).unwrap_or(&[]));
@@ -137,7 +145,7 @@ impl Frame {
     #[must_use]
     pub fn simulate(&self, machine: &LsSvm, command: &[f64], y0: f64) -> Vec<f64> {
         let mut u: Vec<f64> = command.iter().map(|u| self.command.inward(*u)).collect();
-        let delay = self.features.delay();
+        let delay = self.late();
         // The delay is taken out: the last command is held.
         u.extend(std::iter::repeat_n(u.last().copied().unwrap_or(0.0), delay));
         let f = self.kernel_sum(machine);
@@ -163,6 +171,57 @@ impl Machine {
             rows.extend(centre.iter().zip(widths).map(|(x, width)| x * width));
         }
         Table::new(d + 1, rows)
+    }
+
+    /// The machine of a table, in this frame, whose widths become those of the table.
+    ///
+    /// # Errors
+    /// A table that has not the frame's number of inputs.
+    pub fn of_table(mut frame: Frame, table: &Table) -> Result<Self, String> {
+        let (d, columns) = (frame.features.dimension(), table.columns());
+        let mut rows = table.values().chunks_exact(columns);
+        let head = rows.next().filter(|_| columns == d + 1);
+        let Some((bias, widths)) = head.and_then(|head| head.split_first()) else {
+            return Err(format!("the table has {columns} columns, and {d} inputs need {}", d + 1));
+        };
+        frame.widths = widths.to_vec();
+        let (mut weights, mut centres) = (Vec::new(), Vec::new());
+        for row in rows {
+            weights.push(row[0]);
+            centres.extend(row[1..].iter().zip(widths).map(|(x, width)| x / width));
+        }
+        let machine = LsSvm { dimension: d, centres, weights, bias: *bias, sigma2: 1.0 };
+        Ok(Self { frame, machine })
+    }
+
+    /// The component that runs this machine on the table of the file `table`, a step in `period` s: from
+    /// command to position, or as an inverse from position to command.
+    #[must_use]
+    pub fn component(&self, inverse: bool, table: &str, period: f64) -> ComponentBlueprint {
+        let named = |forward: &str, backward: &str| {
+            let component = ComponentBlueprint::new(if inverse { backward } else { forward });
+            component.value("table", Value::Text(table.to_owned())).value("sample_time", period)
+        };
+        let component = match &self.frame.features {
+            Features::Stops(stops) => named("lssvm-stops", "lssvm-stops-inverse")
+                .value("stops", stops.count as f64)
+                .value("range", stops.range)
+                .value("rate_scale", stops.rate_scale),
+            Features::Narx(narx) => named("lssvm-narx", "lssvm-inverse")
+                .value("past_inputs", narx.commands as f64)
+                .value("past_outputs", narx.outputs as f64),
+            Features::Derivatives(derivatives) => named("gaussian-process", "gp-inverse")
+                .value("inputs", self.frame.widths.len() as f64)
+                .value("half", derivatives.half() as f64)
+                .value("cutoff", derivatives.cutoff()),
+        };
+        let (input, output) = (self.frame.command, self.frame.output);
+        let (command, position) = if inverse { (output, input) } else { (input, output) };
+        component
+            .value("command_low", command.low)
+            .value("command_high", command.high)
+            .value("position_low", position.low)
+            .value("position_high", position.high)
     }
 
     /// Trains on records of command and output.
@@ -234,7 +293,7 @@ impl Machine {
 
 impl Frame {
     /// Root mean square error of the simulations of all records, each from its first output.
-    fn error(&self, machine: &LsSvm, records: &[(&[f64], &[f64])]) -> f64 {
+    pub(crate) fn error(&self, machine: &LsSvm, records: &[(&[f64], &[f64])]) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
         for (command, output) in records {
             let Some(first) = output.first() else { continue };

@@ -6,13 +6,19 @@
 
 mod arx;
 mod evidence;
+pub(crate) mod inverse;
 mod machine;
 pub(crate) mod plant;
+mod process;
+mod rehearsal;
 mod series;
 
 pub use arx::Arx;
 pub use evidence::{Weighed, weigh, weigh_samples};
+pub use inverse::InverseFigures;
 pub use machine::{Frame, Machine, Recipe, Span};
+pub use process::{Search, by_likelihood};
+pub use rehearsal::{Rehearsal, SEED, Waves};
 pub use series::{Run, Series, Turns};
 
 /// Commands with the positions that they lead to: the position of row k + 1 belongs to the command

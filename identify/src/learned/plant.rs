@@ -1,46 +1,76 @@
-//! A plant that is learned from records: an LS-SVM over stop operators, and the linear part behind it.
+//! A plant that is learned from records: a machine, and the linear part behind it.
 //!
-//! ```text
-//! y = D·H(u, stops of u),   stops as in P1, D a discrete transfer function
-//! ```
-//!
-//! Widths and γ by the evidence, H and D in turn ([`Series`]); then H is projected on the fewest centres
-//! that err hardly more. Offsets of records are those of the static model.
+//! What the [`Family`] of machines does not choose is the same for all: what a record shows of the hysteresis, the
+//! linear part that is made for it in turn ([`Series`]), the projection on the fewest centres that err hardly
+//! more, and the components. Offsets of records are those of the static model.
+
+mod narx;
+mod process;
+mod stops;
 
 use data::ComponentBlueprint;
-use data::Value;
-use learned::features::{Features, Stops};
 use model::Table;
 
-use super::series::rows;
-use super::{Arx, Frame, Machine, Recipe, Run, Series, Span, Turns, weigh_samples};
+use super::{Arx, Frame, Run, Series, Span, Turns};
 use crate::error::Error;
 use crate::fit::response::LinearPart;
 use crate::observer::Observer;
 use crate::record::{Record, Rows};
 
-/// Its name on the command line.
-pub(crate) const NAME: &str = "lssvm-stops";
-/// One sentence.
-pub(crate) const SUMMARY: &str =
-    "LS-SVM over stop operators, and a linear part: learned, of any shape";
-
-/// Most samples that H is trained on.
+/// Most samples that a machine is trained on.
 const SAMPLES: usize = 1500;
 /// Most centres that stay, and the part of the error that this may add.
 const CENTRES: (usize, f64) = (400, 0.02);
-/// Where the search for widths begins, as parts of the command's range: stops, command; γ.
-const START: ([f64; 2], f64) = ([10.0, 0.3], 1e4);
-/// Evaluations of that search, and most samples it looks at.
-const SEARCH: (usize, usize) = (60, 700);
-const ROUNDS: usize = 60;
 /// Zeros and poles of D.
 const ORDERS: [(usize, usize); 2] = [(2, 2), (3, 3)];
-/// Its stages, for the observer.
-const STAGES: usize = 3;
+
+/// Which machine is learned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Family {
+    /// An LS-SVM over stop operators and the command.
+    Stops,
+    /// An LS-SVM over past commands and its own past outputs.
+    Narx,
+    /// A Gaussian process over the command and its derivatives.
+    Process,
+}
+
+impl Family {
+    /// All of them.
+    pub(crate) const ALL: [Self; 3] = [Self::Stops, Self::Narx, Self::Process];
+
+    /// Its name on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Stops => "lssvm-stops",
+            Self::Narx => "lssvm-narx",
+            Self::Process => "gp",
+        }
+    }
+
+    /// One sentence.
+    pub(crate) fn summary(self) -> &'static str {
+        match self {
+            Self::Stops => "LS-SVM over stop operators, and a linear part: learned, of any shape",
+            Self::Narx => {
+                "LS-SVM over past commands and its own past outputs, and a linear part: learned"
+            }
+            Self::Process => "Gaussian process over the command and its derivatives: learned",
+        }
+    }
+
+    fn stage(self) -> &'static str {
+        match self {
+            Self::Stops => "LS-SVM over stop operators",
+            Self::Narx => "LS-SVM over past outputs",
+            Self::Process => "Gaussian process",
+        }
+    }
+}
 
 /// What is learned from.
 pub(crate) struct Lesson<'a> {
+    pub(crate) family: Family,
     pub(crate) records: &'a [Record],
     pub(crate) fitted: &'a [Rows],
     /// Of each record, in position.
@@ -63,17 +93,68 @@ pub(crate) struct Learned {
     pub(crate) numbers: usize,
 }
 
+/// What a family sees of the records.
+struct Scene<'a> {
+    runs: &'a [Run<'a>],
+    /// Ranges of all of them.
+    command: Span,
+    position: Span,
+    period: f64,
+    stops: usize,
+    dynamic: bool,
+    /// Where D begins.
+    first: Arx,
+}
+
+/// Tells how far it is: done and total. An error where the observer asks to stop.
+type Stage<'a> = dyn FnMut(usize, usize) -> Result<(), Error> + 'a;
+
+fn failed(error: learned::Error) -> Error {
+    Error::Learned { message: error.to_string() }
+}
+
+impl<'a> Scene<'a> {
+    fn pairs(&self) -> Vec<(&'a [f64], &'a [f64])> {
+        self.runs.iter().map(|run| (run.command, run.position)).collect()
+    }
+
+    /// The first two thirds of what is fitted, to try settings on, and the rest, to judge them.
+    fn parts(&self) -> (Vec<Run<'a>>, Vec<Run<'a>>) {
+        let part = |run: &Run<'a>| {
+            let cut = run.first + 2 * (run.position.len() - run.first) / 3;
+            let (command, position) = (&run.command[..cut], &run.position[..cut]);
+            (Run { command, position, ..*run }, Run { first: cut, ..*run })
+        };
+        self.runs.iter().map(part).unzip()
+    }
+
+    /// Hysteresis and linear part in turn.
+    fn in_turn(
+        &self,
+        frame: &Frame,
+        settings: learned::lssvm::Settings,
+        rounds: usize,
+    ) -> Result<Series, Error> {
+        let orders = if self.dynamic { &ORDERS[..] } else { &[] };
+        let turns = Turns { rounds: if self.dynamic { rounds } else { 1 }, most: SAMPLES };
+        Series::train(frame, settings, self.runs, (&self.first, orders), turns).map_err(failed)
+    }
+}
+
+fn none() -> Arx {
+    Arx { b: vec![1.0], a: Vec::new() }
+}
+
 impl Lesson<'_> {
     /// Learns the plant, whose table is that of the file `name`.
     ///
     /// # Errors
     /// [`Error::Learned`] where the training has no exact solution; [`Error::Stopped`].
     pub(crate) fn learn(&self, name: &str, observer: &mut dyn Observer) -> Result<Learned, Error> {
-        let mut stage = |done: usize| {
-            observer.progress("LS-SVM over stop operators", done, STAGES);
+        let mut stage = |done: usize, total: usize| {
+            observer.progress(self.family.stage(), done, total);
             if observer.stopped() { Err(Error::Stopped) } else { Ok(()) }
         };
-        stage(0)?;
         let middle = self.offsets.iter().sum::<f64>() / self.offsets.len().max(1) as f64;
         let commands: Vec<Vec<f64>> =
             self.records.iter().zip(self.fitted).map(|(r, rows)| self.command(r, rows)).collect();
@@ -92,33 +173,31 @@ impl Lesson<'_> {
                 first: rows.first,
             })
             .collect();
-        let pairs: Vec<(&[f64], &[f64])> = runs.iter().map(|r| (r.command, r.position)).collect();
         let all = |signals: &[Vec<f64>]| Span::of(&signals.concat());
-        let stops = Stops { count: self.stops, range: 1.0, period: self.period, rate_scale: 1e12 };
-        let (command, position) = (all(&commands), all(&positions));
-        let frame = Frame::new(Features::Stops(stops), command, position, Recipe::Plain, &pairs);
-        let fail = |error: learned::Error| Error::Learned { message: error.to_string() };
-        let samples = frame.samples(&pairs).map_err(fail)?.subset(&rows(&runs, usize::MAX));
-        let group = |input: usize| usize::from(input >= self.stops);
-        let found = weigh_samples(&frame, &samples, &group, (&START.0, START.1), SEARCH);
-        stage(1)?;
-        let none = Arx { b: vec![1.0], a: Vec::new() };
-        let orders = if self.dynamic { &ORDERS[..] } else { &[] };
-        let first = if self.dynamic { sampled(&self.known, self.period) } else { none.clone() };
-        let turns = Turns { rounds: if self.dynamic { ROUNDS } else { 1 }, most: SAMPLES };
-        let series = Series::train(&found.frame, found.settings, &runs, (&first, orders), turns);
-        let series = series.map_err(fail)?;
+        let scene = Scene {
+            runs: &runs,
+            command: all(&commands),
+            position: all(&positions),
+            period: self.period,
+            stops: self.stops,
+            dynamic: self.dynamic,
+            first: if self.dynamic { sampled(&self.known, self.period) } else { none() },
+        };
+        let series = match self.family {
+            Family::Stops => stops::learn(&scene, &mut stage)?,
+            Family::Narx => narx::learn(&scene, &mut stage)?,
+            Family::Process => process::learn(&scene, &mut stage)?,
+        };
         let error = series.error(&runs);
         let Series { machine, linear } = series;
-        stage(2)?;
         let simulated: Vec<Vec<f64>> =
             runs.iter().map(|run| machine.simulate(run.command, run.start)).collect();
         let own: Vec<(&[f64], &[f64])> =
             commands.iter().zip(&simulated).map(|(u, h)| (&u[..], &h[..])).collect();
         let machine = machine.compress(&own, CENTRES.0, CENTRES.1 * error).unwrap_or(machine);
         let table = machine.table().map_err(|message| Error::Learned { message })?;
-        let mut chain = vec![self.component(&machine, stops, name)];
-        if linear != none {
+        let mut chain = vec![machine.component(false, name, self.period)];
+        if linear != none() {
             chain.push(
                 ComponentBlueprint::new("arx")
                     .value("sample_time", self.period)
@@ -126,7 +205,7 @@ impl Lesson<'_> {
                     .value("a", &linear.a[..]),
             );
         }
-        let of_d = if linear == none { 0 } else { linear.b.len() + linear.a.len() };
+        let of_d = if linear == none() { 0 } else { linear.b.len() + linear.a.len() };
         Ok(Learned { chain, numbers: table.values().len() + of_d, table })
     }
 
@@ -141,28 +220,13 @@ impl Lesson<'_> {
         let rest = std::iter::repeat_n(record.rest(), before);
         rest.chain(record.input().iter().copied()).take(rows.end).collect()
     }
-
-    fn component(&self, machine: &Machine, stops: Stops, table: &str) -> ComponentBlueprint {
-        let Frame { command, output, .. } = machine.frame;
-        ComponentBlueprint::new(NAME)
-            .value("table", Value::Text(table.to_owned()))
-            .value("sample_time", self.period)
-            .value("stops", stops.count as f64)
-            .value("range", stops.range)
-            .value("rate_scale", stops.rate_scale)
-            .value("command_low", command.low)
-            .value("command_high", command.high)
-            .value("position_low", output.low)
-            .value("position_high", output.high)
-    }
 }
 
 /// Lag and mode under commands that are held over a sample, each sampled exactly by itself.
 fn sampled(linear: &LinearPart, period: f64) -> Arx {
     let mut all = Arx { b: vec![1.0], a: Vec::new() };
     if let Some(bandwidth) = linear.bandwidth {
-        let keep = (-std::f64::consts::TAU * bandwidth * period).exp();
-        all = all.then(&Arx { b: vec![1.0 - keep], a: vec![-keep] });
+        all = all.then(&Arx::lag(bandwidth, period));
     }
     if let Some(mode) = linear.mode.filter(|mode| mode.damping < 1.0) {
         let omega = std::f64::consts::TAU * mode.frequency;

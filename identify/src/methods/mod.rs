@@ -22,7 +22,7 @@ use data::ComponentBlueprint;
 
 use crate::error::Error;
 use crate::fit::response::Part;
-use crate::learned::plant;
+use crate::learned::plant::Family;
 
 /// All methods, the simplest first. Among methods that differ little the simpler one is returned.
 pub(crate) static METHODS: &[&dyn Method] = &[
@@ -205,7 +205,8 @@ pub(crate) fn states_of(
 /// The method of this name.
 pub(crate) fn find(name: &str) -> Option<Way> {
     let operator = METHODS.iter().copied().find(|m| m.name() == name).map(Way::Operator);
-    operator.or_else(|| (name == plant::NAME).then_some(Way::Learned))
+    let learned = || Family::ALL.into_iter().find(|f| f.name() == name).map(Way::Learned);
+    operator.or_else(learned)
 }
 
 /// How a plant is found.
@@ -214,21 +215,21 @@ pub(crate) enum Way {
     /// By a fit of an operator.
     Operator(&'static dyn Method),
     /// By learning.
-    Learned,
+    Learned(Family),
 }
 
 impl Way {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Way::Operator(method) => method.name(),
-            Way::Learned => plant::NAME,
+            Way::Learned(family) => family.name(),
         }
     }
 }
 
 /// Name and sentence of every method that can be identified.
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let learned = std::iter::once((plant::NAME, plant::SUMMARY));
+    let learned = Family::ALL.into_iter().map(|f| (f.name(), f.summary()));
     METHODS.iter().map(|m| (m.name(), m.summary())).chain(learned)
 }
 
@@ -241,7 +242,7 @@ mod tests {
     #[test]
     fn names_are_unique_and_found() {
         let names: BTreeSet<_> = methods().map(|(name, _)| name).collect();
-        assert_eq!(names.len(), METHODS.len() + 1);
+        assert_eq!(names.len(), METHODS.len() + Family::ALL.len());
         assert!(names.iter().all(|name| find(name).is_some()));
     }
 

@@ -18,6 +18,7 @@
 pub struct Derivatives {
     dimension: usize,
     taps: Vec<f64>,
+    cutoff: f64,
     /// 1/scale of the command and of its first three differences per step.
     factors: [f64; 4],
 }
@@ -36,6 +37,7 @@ impl Derivatives {
         (known && sound && half <= 1000 && cutoff > 0.0 && cutoff <= 0.5).then(|| Self {
             dimension,
             taps: low_pass(half, cutoff),
+            cutoff,
             factors: scales.map(|s| 1.0 / s),
         })
     }
@@ -46,6 +48,18 @@ impl Derivatives {
 
     pub(super) fn memory(&self) -> usize {
         self.taps.len() + KEPT
+    }
+
+    /// Half length m of the low-pass.
+    #[must_use]
+    pub fn half(&self) -> usize {
+        self.taps.len() / 2
+    }
+
+    /// Cut-off of the low-pass in cycles per step.
+    #[must_use]
+    pub fn cutoff(&self) -> f64 {
+        self.cutoff
     }
 
     /// Steps from the instant that the inputs describe to the last command that they use.

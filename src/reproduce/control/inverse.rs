@@ -2,7 +2,6 @@
 
 use data::{Blueprint, ComponentBlueprint, Value};
 use identify::learned::{Arx, Machine, rms_difference};
-use learned::features::Features;
 
 /// Adds the table of an inverse to a blueprint, and gives its component. Its commands and positions are those
 /// of the machine, from output and input.
@@ -14,36 +13,10 @@ pub(super) fn learned_inverse(
     let file = format!("{name}.npy");
     let table = machine.table().map_err(anyhow::Error::msg)?;
     blueprint.tables.insert(file.clone(), table);
-    let (input, output) = (machine.frame.command, machine.frame.output);
-    let component = match &machine.frame.features {
-        Features::Stops(stops) => ComponentBlueprint::new("lssvm-stops-inverse")
-            .value("sample_time", stops.period)
-            .value("stops", stops.count as f64)
-            .value("range", stops.range)
-            .value("rate_scale", stops.rate_scale),
-        // Half length and cut-off of its low-pass are the caller's.
-        Features::Derivatives(_) => {
-            ComponentBlueprint::new("gp-inverse").value("inputs", machine.frame.widths.len() as f64)
-        }
-        Features::Narx(narx) => ComponentBlueprint::new("lssvm-inverse")
-            .value("past_inputs", narx.commands as f64)
-            .value("past_outputs", narx.outputs as f64),
+    let Value::Number(step) = blueprint.step else {
+        anyhow::bail!("the blueprint's step is no number")
     };
-    let mut component = component
-        .named("inverse")
-        .value("table", Value::Text(file))
-        .value("command_low", output.low)
-        .value("command_high", output.high)
-        .value("position_low", input.low)
-        .value("position_high", input.high);
-    if component.get("sample_time").is_none() {
-        let step = match &blueprint.step {
-            Value::Number(step) => *step,
-            _ => anyhow::bail!("the blueprint's step is no number"),
-        };
-        component.set("sample_time", step);
-    }
-    Ok(component)
+    Ok(machine.component(true, &file, step).named("inverse"))
 }
 
 /// The stable linear part of least error from `from` (which may run `ahead` rows ahead) to `to`.

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use data::Blueprint;
 use identify::Gains;
-use identify::learned::{Arx, Machine, Run, Series, Span, rms_difference, weigh};
+use identify::learned::{
+    Arx, Machine, Rehearsal, Run, SEED, Series, Span, Waves, rms_difference, weigh,
+};
 use model::Kind;
 
 use super::bed::Bed;
@@ -15,7 +17,6 @@ use super::{Aim, Order, Reproduction, Row};
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
 use crate::reproduce::p1::{is_command, series, stops_frame};
-use crate::reproduce::rehearsal::{Rehearsal, Waves};
 
 const ID: &str = "P1";
 const RIG: &str = "p1-truth";
@@ -33,6 +34,7 @@ const WAVES: Waves = Waves {
     period: PERIOD,
     band: [1.0, 20.0],
     range: [-0.3, GREATEST - 0.3],
+    seed: SEED,
 };
 /// Greatest |1/(1 + L)| of the robust gains.
 const SENSITIVITY: f64 = 2.0;

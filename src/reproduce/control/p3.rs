@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use data::{Blueprint, ComponentBlueprint};
 use identify::Gains;
-use identify::learned::{Frame, Machine, Recipe, Span, rms_difference};
+use identify::learned::{Frame, Machine, Recipe, Search, Span, by_likelihood, rms_difference};
 use learned::features::{Derivatives, Features};
 use model::Kind;
 
@@ -16,7 +16,7 @@ use super::single::{Design, is_unstable};
 use super::{Aim, Order, Reproduction, Row};
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
-use crate::reproduce::p3::learned_in_turn;
+use crate::reproduce::p3::SEARCH;
 
 const ID: &str = "P3";
 const RIG: &str = "p3-truth";
@@ -51,12 +51,8 @@ fn trained(dimension: usize, u: &[f64], y: &[f64]) -> anyhow::Result<Machine> {
     // The component holds its command within twice the output's span.
     let frame = Frame::new(features, Span::UNIT, Span::of(u), Recipe::Standardised, &pairs);
     let samples = frame.samples(&pairs)?;
-    let process = learned_in_turn(&samples, 2.0, dimension)?;
-    let mut frame = frame;
-    for (width, scale) in frame.widths.iter_mut().zip(process.scales()) {
-        *width /= scale;
-    }
-    let whole = Machine { frame, machine: process.scaled_machine() };
+    let process = by_likelihood(&samples, &Search { signal: 2.0, ..SEARCH })?;
+    let whole = Machine::of_process(frame, &process);
     let own = rms_difference(&whole.simulate(y, u[0]), u);
     Ok(whole.compress(&pairs, CENTRES, 1.05 * own).unwrap_or(whole))
 }
@@ -104,7 +100,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         ));
         let delay = machine.frame.features.delay();
         let inverse = learned_inverse(&mut tables, &format!("gp{dimension}"), &machine)?;
-        inverses.push((delay + 1, inverse.value("half", HALF as f64).value("cutoff", CUTOFF)));
+        inverses.push((delay + 1, inverse));
     }
     let printed = Gains { kp: 0.3 * scale, ki: 20_000.0 * scale, kd: 0.0, derivative_filter: 0.0 };
     for (name, signal, settings, paper) in TESTS {

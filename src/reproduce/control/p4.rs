@@ -312,7 +312,8 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let dynamic = identified(&log, "dynamic-prandtl-ishlinskii", "10")?;
     let generalised = identified(&log, "generalised-play", "20")?;
     let settings = ControlSettings { period: Some(PERIOD), ..ControlSettings::default() };
-    let inversion = identify::invert(&plain.check(learned::COMPONENTS)?, &settings)?;
+    let inversion =
+        identify::invert(&plain.check(learned::COMPONENTS)?, &settings, &mut identify::Silent)?;
     let inverted = inversion.controller.blueprint().clone();
     say("gains by trial on case 1");
     let first = reference(&CASES[0], spans, TURNS);

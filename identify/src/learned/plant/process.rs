@@ -1,0 +1,69 @@
+//! A Gaussian process over the command and its derivatives.
+//!
+//! ```text
+//! y(t) = f(v, v̇ [, v̈] at t and before),   2, 6 or 9 inputs
+//! ```
+//!
+//! In real time: the inputs know the commands up to t, and y(t) is theirs. Hyperparameters by the gradient of the
+//! marginal likelihood; number of inputs and low-pass are those of least simulated error on the last third of
+//! what is fitted, by a process that was trained on the rest. It has no memory: what it knows of a loop it
+//! knows from its rate.
+//!
+//! Source: Gaussian process with high-dimensional input, eqs. (8), (10), (13)-(19).
+
+use learned::features::{Derivatives, Features};
+
+use super::super::process::{Search, by_likelihood};
+use super::super::series::rows;
+use super::super::{Frame, Machine, Recipe, Run, Series};
+use super::{SAMPLES, Scene, Stage, failed, none};
+use crate::error::Error;
+
+const INPUTS: [usize; 3] = [2, 6, 9];
+/// Half lengths of the low-pass.
+const HALF: [usize; 2] = [0, 3];
+/// Its cut-off in cycles per sample.
+const CUTOFF: f64 = 0.25;
+/// σ_f where the search begins, in ranges of the position.
+const SIGNAL: f64 = 1.0;
+/// Evaluations with one length and with one each, and most samples looked at: to choose, and in the end.
+const CHOOSE: Search = Search { signal: SIGNAL, evaluations: [25, 40], most_samples: 400 };
+const LEARN: Search = Search { signal: SIGNAL, evaluations: [40, 80], most_samples: 700 };
+/// Most samples of a process that is tried.
+const TRIED: usize = 600;
+
+pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, Error> {
+    let pairs = scene.pairs();
+    let (some, rest) = scene.parts();
+    let mut best: Option<(f64, Frame)> = None;
+    let total = INPUTS.len() * HALF.len() + 1;
+    let each = INPUTS.into_iter().flat_map(|inputs| HALF.map(|half| (inputs, half)));
+    for (k, (inputs, half)) in each.enumerate() {
+        stage(k, total)?;
+        let Some(features) = Derivatives::new(inputs, half, CUTOFF, [1.0; 4]) else { continue };
+        let features = Features::Derivatives(features);
+        let mut frame =
+            Frame::new(features, scene.command, scene.position, Recipe::Standardised, &pairs);
+        frame.causal = true;
+        let Ok(machine) = train(&frame, &some, &CHOOSE, TRIED) else { continue };
+        let error = Series { machine, linear: none() }.error(&rest);
+        if best.as_ref().is_none_or(|(least, _)| error < *least) {
+            best = Some((error, frame));
+        }
+    }
+    stage(total - 1, total)?;
+    let (_, frame) = best.ok_or_else(|| Error::Learned {
+        message:
+            "no process over these records has a kernel matrix that can be solved; resample the \
+                  log to fewer samples"
+                .to_owned(),
+    })?;
+    Ok(Series { machine: train(&frame, scene.runs, &LEARN, SAMPLES)?, linear: none() })
+}
+
+fn train(frame: &Frame, runs: &[Run<'_>], search: &Search, most: usize) -> Result<Machine, Error> {
+    let pairs: Vec<_> = runs.iter().map(|run| (run.command, run.position)).collect();
+    let samples = frame.samples(&pairs).map_err(failed)?.subset(&rows(runs, most));
+    let process = by_likelihood(&samples, search).map_err(failed)?;
+    Ok(Machine::of_process(frame.clone(), &process))
+}
