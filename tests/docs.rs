@@ -74,13 +74,14 @@ fn run(page: &str) {
 }
 
 /// The pages whose commands run, each in a test of its own.
-const RUN: [&str; 7] = [
+const RUN: [&str; 8] = [
     "README.md",
     "docs/tutorial.md",
     "docs/howto-simulation.md",
     "docs/howto-control.md",
     "docs/howto-test.md",
     "docs/control.md",
+    "docs/learned.md",
     "docs/sweep.md",
 ];
 
@@ -112,6 +113,11 @@ fn the_page_for_the_test_engineer_runs() {
 #[test]
 fn the_page_on_controllers_runs() {
     run("docs/control.md");
+}
+
+#[test]
+fn the_page_on_learned_models_runs() {
+    run("docs/learned.md");
 }
 
 #[test]
