@@ -15,8 +15,26 @@ const GAIN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/blueprints/gain.t
 const COLUMNS: [&str; 8] =
     ["bare", "set", "get", "idle_step", "step", "exchange", "save", "restore"];
 
-fn measured(host: &Host, arguments: &[String]) -> Value {
-    serde_json::from_str(&host.run(arguments)).expect("a line of JSON")
+/// Rounds in which all libraries are measured one after the other; the least time of each call counts,
+/// so that other work on the machine during one round does not.
+const ROUNDS: usize = 3;
+
+fn measured(host: &Host, libraries: &[Vec<String>]) -> Vec<Value> {
+    let once = |arguments: &Vec<String>| -> Value {
+        serde_json::from_str(&host.run(arguments)).expect("a line of JSON")
+    };
+    let mut least: Vec<Value> = libraries.iter().map(once).collect();
+    for _ in 1..ROUNDS {
+        for (least, library) in least.iter_mut().zip(libraries) {
+            let again = once(library);
+            for (name, figure) in least.as_object_mut().expect("figures") {
+                if again[name.as_str()].as_f64() < figure.as_f64() {
+                    *figure = again[name.as_str()].clone();
+                }
+            }
+        }
+    }
+    least
 }
 
 fn row(name: &str, figures: &Value) {
@@ -54,36 +72,40 @@ fn figure(figures: &Value, name: &str) -> f64 {
 fn the_edge_costs_nanoseconds() {
     let folder = tempfile::tempdir().expect("a folder");
     let host = Host::new("edge.c");
-    let short = measured(&host, &in_c("trivial.c", folder.path()));
-    let c = measured(&host, &in_c("careful.c", folder.path()));
-    let assembled = measured(&host, &in_c("assembled.c", folder.path()));
-    let gain = measured(&host, &Packed::new(GAIN, "2").arguments());
-    let plant = measured(&host, &Packed::new(PLANT, "2").arguments());
-    let controller = measured(&host, &Packed::new(CONTROLLER, "2").arguments());
+    let packed: Vec<Packed> =
+        [GAIN, PLANT, CONTROLLER].iter().map(|blueprint| Packed::new(blueprint, "2")).collect();
+    let mut libraries: Vec<Vec<String>> = ["trivial.c", "careful.c", "assembled.c"]
+        .iter()
+        .map(|source| in_c(source, folder.path()))
+        .collect();
+    libraries.extend(packed.iter().map(Packed::arguments));
+    let figures = measured(&host, &libraries);
+    let [short, c, assembled, gain, plant, controller] = &figures[..] else { panic!("six") };
     let host = Host::new("edge3.c");
-    let c3 = measured(&host, &in_c("careful3.c", folder.path()));
-    let gain3 = measured(&host, &Packed::new(GAIN, "3").arguments());
+    let packed = Packed::new(GAIN, "3");
+    let figures = measured(&host, &[in_c("careful3.c", folder.path()), packed.arguments()]);
+    let [c3, gain3] = &figures[..] else { panic!("two") };
     print!("ns per call                     ");
     COLUMNS.iter().for_each(|name| print!("{name:>10}"));
     println!("instantiate/us");
-    row("y = 2 u in C, short", &short);
-    row("y = 2 u in C, as ours", &c);
-    row("y = 2 u in C, put together", &assembled);
-    row("y = 2 u, our FMU", &gain);
-    row("plant, 2 axes", &plant);
-    row("controller, 2 axes", &controller);
-    row("FMI 3: y = 2 u in C, as ours", &c3);
-    row("FMI 3: y = 2 u, our FMU", &gain3);
-    for (version, ours, theirs) in [("2.0", &gain, &c), ("3.0", &gain3, &c3)] {
+    row("y = 2 u in C, short", short);
+    row("y = 2 u in C, as ours", c);
+    row("y = 2 u in C, put together", assembled);
+    row("y = 2 u, our FMU", gain);
+    row("plant, 2 axes", plant);
+    row("controller, 2 axes", controller);
+    row("FMI 3: y = 2 u in C, as ours", c3);
+    row("FMI 3: y = 2 u, our FMU", gain3);
+    for (version, ours, theirs) in [("2.0", gain, c), ("3.0", gain3, c3)] {
         for name in ["bare", "set", "get", "idle_step"] {
             let edge = figure(ours, name) - figure(theirs, name);
             assert!(edge <= 10.0, "FMI {version}, {name}: {edge:.1} ns more than in C");
         }
     }
-    let times = |theirs: &Value| figure(&gain, "step") / figure(theirs, "step");
-    println!("step: {:.2} of C put together, {:.2} of C", times(&assembled), times(&c));
-    assert!(times(&assembled) <= 1.3, "{:.2} times C that is put together", times(&assembled));
-    assert!(times(&c) <= 2.2, "{:.2} times C that is compiled as a whole", times(&c));
-    assert!(figure(&plant, "step") <= 1000.0, "a step of the plant: {plant}");
-    assert!(figure(&controller, "step") <= 1000.0, "a step of the controller: {controller}");
+    let times = |theirs: &Value| figure(gain, "step") / figure(theirs, "step");
+    println!("step: {:.2} of C put together, {:.2} of C", times(assembled), times(c));
+    assert!(times(assembled) <= 1.3, "{:.2} times C that is put together", times(assembled));
+    assert!(times(c) <= 2.2, "{:.2} times C that is compiled as a whole", times(c));
+    assert!(figure(plant, "step") <= 1000.0, "a step of the plant: {plant}");
+    assert!(figure(controller, "step") <= 1000.0, "a step of the controller: {controller}");
 }
