@@ -183,14 +183,15 @@ fn several(count: usize, index: usize, random: &mut Random) -> Vec<Wish> {
     wishes
 }
 
-/// The cases that a text such as `200`, `single,none` or `pair:20` asks for.
+/// The cases that a text such as `200`, `single,none`, `pair:20` or `single/creep:6` (those of a family in
+/// which this effect is withheld) asks for.
 ///
 /// # Errors
-/// A family that there is not, or a count that is none.
+/// A family or an effect that there is not, or a count that is none.
 pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> {
     let Some(text) = text else { return Ok(cases) };
     let refuse = |message: String| Error::Selection { text: text.to_owned(), message };
-    let mut limits: Vec<(Option<&str>, usize)> = Vec::new();
+    let mut limits: Vec<(Option<(&str, Option<Effect>)>, usize)> = Vec::new();
     for item in text.split(',').map(str::trim) {
         let (name, count) = item.split_once(':').map_or((item, None), |(n, c)| (n, Some(c)));
         let number = |digits: &str| {
@@ -203,8 +204,16 @@ pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> 
                 ))
             })
         };
-        if FAMILIES.iter().any(|family| family.name == name) {
-            limits.push((Some(name), count.map_or(Ok(usize::MAX), number)?));
+        let (family, effect) = name.split_once('/').map_or((name, None), |(f, e)| (f, Some(e)));
+        if FAMILIES.iter().any(|known| known.name == family) {
+            let known = |name: &str| {
+                Effect::find(name).ok_or_else(|| {
+                    let names: Vec<_> = Effect::ALL.iter().map(|effect| effect.name()).collect();
+                    refuse(format!("\"{name}\" is no effect; write one of {}", names.join(", ")))
+                })
+            };
+            let effect = effect.map(known).transpose()?;
+            limits.push((Some((family, effect)), count.map_or(Ok(usize::MAX), number)?));
         } else {
             limits.push((None, number(item)?));
         }
@@ -213,13 +222,17 @@ pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> 
     let total = limits.iter().filter(|(name, _)| name.is_none()).map(|(_, n)| *n).min();
     let mut kept = Vec::new();
     for case in cases {
-        let limit = limits.iter_mut().find(|(name, _)| *name == Some(case.family));
-        let wanted = match limit {
-            Some((_, left)) if *left > 0 => {
+        let is_meant = |meant: &Option<(&str, Option<Effect>)>| {
+            meant.is_some_and(|(family, effect)| {
+                let has = |effect| case.order.effects.iter().any(|wish| wish.effect == effect);
+                family == case.family && effect.is_none_or(has)
+            })
+        };
+        let wanted = match limits.iter_mut().find(|(meant, left)| *left > 0 && is_meant(meant)) {
+            Some((_, left)) => {
                 *left -= 1;
                 true
             }
-            Some(_) => false,
             None => !has_families,
         };
         if wanted && kept.len() < total.unwrap_or(usize::MAX) {
@@ -295,6 +308,12 @@ mod tests {
         let message = count("pears").unwrap_err().to_string();
         assert!(message.contains("pears") && message.contains("wrong-hysteresis"), "{message}");
         assert!(count("pair:x").is_err());
+        assert_eq!(count("single/creep:6,pair:2").unwrap(), 8);
+        let creep = select(FULL.cases(), Some("single/creep")).unwrap();
+        assert!(creep.len() >= 90);
+        assert!(creep.iter().all(|case| case.order.effects[0].effect == Effect::Creep));
+        let message = count("single/creeps").unwrap_err().to_string();
+        assert!(message.contains("creeps") && message.contains("dac_quantisation"), "{message}");
         // A smaller sample is the start of a larger one.
         let first = select(FULL.cases(), Some("50")).unwrap();
         assert_eq!(first[..], select(FULL.cases(), Some("60")).unwrap()[..50]);

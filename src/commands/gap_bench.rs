@@ -20,14 +20,14 @@ use crate::progress;
 /// was.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop gap-bench --short\n  piezoloop gap-bench --cases 300 -o bench\n  piezoloop gap-bench --cases pair:40,unknown --seed 2 -o bench-2"
+    after_help = "Examples:\n  piezoloop gap-bench --short\n  piezoloop gap-bench --cases 300 -o bench\n  piezoloop gap-bench --cases pair:40,unknown --seed 2 -o bench-2\n  piezoloop gap-bench --cases single/creep:6 -o creep"
 )]
 pub(crate) struct GapBench {
     /// Fewer cases and shorter records
     #[arg(long)]
     short: bool,
-    /// A number of cases, or families with or without a number; the full benchmark takes hours
-    #[arg(long, value_name = "N|FAMILY[:N],…")]
+    /// A number of cases, or families with or without an effect and a number; the full benchmark takes hours
+    #[arg(long, value_name = "N|FAMILY[/EFFECT][:N],…")]
     cases: Option<String>,
     /// Seed of the machines
     #[arg(long, value_name = "S", default_value_t = 1)]
