@@ -390,6 +390,7 @@ impl<'a> Composer<'a> {
                 step: 0.2,
                 prior,
                 node: 0,
+                jumps: false,
                 is_base: true,
             });
         }
@@ -403,6 +404,7 @@ impl<'a> Composer<'a> {
             step: 0.2,
             prior: 1.0,
             node: 0,
+            jumps: false,
             is_base: true,
         });
         let mut first = Vec::new();

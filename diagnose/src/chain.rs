@@ -26,6 +26,8 @@ pub(crate) struct Parameter {
     pub(crate) log: bool,
     /// Step of the coordinate for finite differences.
     pub(crate) step: f64,
+    /// Whether the output jumps where it moves, so that no slope shows the way.
+    pub(crate) jumps: bool,
     /// Weight of the prior `coordinate²`; 0: none.
     pub(crate) prior: f64,
     /// First node that depends on it.

@@ -2,23 +2,40 @@
 
 use std::f64::consts::TAU;
 
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
+
 use crate::block::Span;
 
-/// Most rows that are looked at.
-const ROWS: usize = 4000;
 /// Most steps over the range.
 const STEPS: usize = 1024;
 /// Resolution of the search, in periods over the range.
 const FINE: f64 = 0.25;
+/// Places over the range that rows are gathered at.
+const PLACES: usize = 8192;
 /// Codes of which one is missing.
 const CODES: [u32; 8] = [3, 4, 5, 6, 8, 10, 12, 16];
-/// Part of the residual's power that steps with missing codes must show to be tried.
-const SHOWN: f64 = 0.03;
+/// Part of the residual's power that steps with missing codes must show to be tried, over that of one row.
+const SHOWN: f64 = 100.0;
 
 /// Places where the residual of a model is looked at.
 pub(crate) struct Converted {
-    /// What is converted, over its range, and the residual.
-    places: Vec<(f64, f64)>,
+    /// Rows at each place of what is converted.
+    places: Vec<Place>,
+    rows: f64,
+    /// Sum and sum of squares of the residual.
+    sums: (f64, f64),
+    /// Periods over the range of the lines that stand out most, the strongest first.
+    lines: Vec<f64>,
+}
+
+/// Rows whose signal is the same but for a small part of the range.
+struct Place {
+    /// The signal over the width of its range.
+    at: f64,
+    count: f64,
+    /// Sum of the residual.
+    sum: f64,
 }
 
 /// Steps of which some are missing.
@@ -41,59 +58,53 @@ pub(crate) fn code(x: f64, every: u32, missing: u32) -> f64 {
 }
 
 impl Converted {
-    /// Of these rows of a signal and a residual; the rows are thinned evenly.
+    /// Of these rows of a signal and a residual.
     pub(crate) fn new(
         signal: &[f64],
         span: Span,
         residual: &[f64],
         rows: impl Iterator<Item = usize>,
     ) -> Self {
-        let rows: Vec<usize> = rows.collect();
-        let stride = rows.len().div_ceil(ROWS).max(1);
-        let place = |k: &usize| (signal[*k] / (2.0 * span.half), residual[*k]);
-        Self { places: rows.iter().step_by(stride).map(place).collect() }
+        let first = (span.centre - span.half) / (2.0 * span.half);
+        let width = 1.0 / PLACES as f64;
+        let at = |k: usize| first + (k as f64 + 0.5) * width;
+        let mut places: Vec<Place> =
+            (0..PLACES).map(|k| Place { at: at(k), count: 0.0, sum: 0.0 }).collect();
+        let (mut count, mut sums) = (0.0, (0.0, 0.0));
+        for row in rows {
+            let (x, r) = (signal[row] / (2.0 * span.half) - first, residual[row]);
+            let place = &mut places[((x / width) as usize).min(PLACES - 1)];
+            place.count += 1.0;
+            place.sum += r;
+            count += 1.0;
+            sums.0 += r;
+            sums.1 += r * r;
+        }
+        let mut seen = Self { places, rows: count, sums, lines: Vec::new() };
+        seen.lines = seen.strongest();
+        seen
     }
 
     /// Power and angle of the residual's part with this many periods over the range.
     fn power(&self, periods: f64) -> (f64, f64) {
         let (mut s, mut c) = (0.0, 0.0);
-        for (x, r) in &self.places {
-            let (sin, cos) = (TAU * periods * x).sin_cos();
-            s += r * sin;
-            c += r * cos;
+        for place in self.places.iter().filter(|place| place.count > 0.0) {
+            let (sin, cos) = (TAU * periods * place.at).sin_cos();
+            s += place.sum * sin;
+            c += place.sum * cos;
         }
         (s * s + c * c, s.atan2(c))
     }
 
-    /// Powers at all multiples of [`FINE`]: each place turns on by its own angle.
+    /// Powers at all multiples of [`FINE`].
     fn powers(&self) -> Vec<f64> {
+        let length = (PLACES as f64 / FINE) as usize;
+        let mut sums: Vec<Complex<f64>> =
+            self.places.iter().map(|place| Complex::new(place.sum, 0.0)).collect();
+        sums.resize(length, Complex::default());
+        FftPlanner::new().plan_fft_forward(length).process(&mut sums);
         let count = (STEPS as f64 / FINE) as usize;
-        let mut powers = vec![0.0; count + 1];
-        // Few places at a time stay in the cache; their sums are kept for all periods.
-        let mut sums = vec![(0.0, 0.0); count + 1];
-        for places in self.places.chunks(8) {
-            let mut turn = [(1.0, 0.0); 8];
-            let mut at = [(0.0, 0.0); 8];
-            for (k, (x, r)) in places.iter().enumerate() {
-                let (sin, cos) = (TAU * FINE * x).sin_cos();
-                (turn[k], at[k]) = ((cos, sin), (*r, 0.0));
-            }
-            for sum in &mut sums {
-                let (mut c, mut s) = (0.0, 0.0);
-                for ((a, b), at) in turn.iter().zip(&mut at) {
-                    let (x, y) = *at;
-                    c += x;
-                    s += y;
-                    *at = (x * a - y * b, x * b + y * a);
-                }
-                sum.0 += c;
-                sum.1 += s;
-            }
-        }
-        for (power, (c, s)) in powers.iter_mut().zip(sums) {
-            *power = c * c + s * s;
-        }
-        powers
+        sums.iter().take(count + 1).map(Complex::norm_sqr).collect()
     }
 
     /// The powers that stand out of those around them, and zero for the others: what is slow over the
@@ -114,10 +125,11 @@ impl Converted {
         (0..powers.len()).map(over).collect()
     }
 
-    /// The periods that stand out most, as steps over the range and phase, to start from.
-    pub(crate) fn steps(&self) -> Vec<(f64, f64)> {
+    fn strongest(&self) -> Vec<f64> {
         /// A line is so wide at most.
         const WIDE: usize = 4;
+        /// Lines that are kept.
+        const MOST: usize = 5;
         let over = self.standing_out();
         let is_peak = |k: &usize| {
             let beside = k - WIDE..(k + WIDE + 1).min(over.len());
@@ -125,77 +137,87 @@ impl Converted {
         };
         let mut all: Vec<usize> = (8..over.len()).filter(is_peak).collect();
         all.sort_by(|a, b| over[*b].total_cmp(&over[*a]).then(a.cmp(b)));
-        all.iter()
-            .take(3)
-            .flat_map(|k| {
-                let coarse = FINE * *k as f64;
-                let fine = (-8..=8).map(move |i| coarse + 0.03 * f64::from(i));
-                let best = fine.map(|s| (self.power(s), s)).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
-                // The rounding error −Σ sin(2πk(u/q − p))/(πk) has its first harmonic at this angle.
-                best.into_iter().flat_map(|((_, angle), s)| {
-                    let phase = 0.25 + angle / TAU;
-                    [0.0, 0.25, -0.25].map(|shift| (s, (phase + shift).rem_euclid(1.0)))
-                })
-            })
-            .collect()
-    }
-
-    /// Steps of which some are missing, where the residual shows them.
-    pub(crate) fn gaps(&self) -> Option<Gaps> {
-        let powers = self.standing_out();
-        let found = CODES.iter().filter_map(|every| self.gaps_of(*every, &powers));
-        let best = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        (best.0 > SHOWN).then_some(best.1)
-    }
-
-    /// One code of `every` missing: the pattern repeats over `every` steps, so that the powers at that
-    /// many multiples of its period stand out together. The share of the residual that the best one
-    /// explains.
-    fn gaps_of(&self, every: u32, powers: &[f64]) -> Option<(f64, Gaps)> {
-        /// Parts of FINE between which the period is searched.
-        const PARTS: usize = 4;
-        let harmonics = every as usize;
-        let last = (powers.len() - 1) * PARTS / harmonics;
-        let sum = |place: usize| -> f64 {
-            (1..=harmonics).map(|j| powers[(j * place + PARTS / 2) / PARTS]).sum()
+        all.truncate(MOST);
+        let fine = |k: &usize| {
+            let near = (-8..=8).map(|i| FINE * *k as f64 + 0.03 * f64::from(i));
+            near.max_by(|a, b| self.power(*a).0.total_cmp(&self.power(*b).0))
         };
-        let first = (8 * PARTS / harmonics).max(PARTS);
-        // Of equal ones the longest period: rows at even distances show each line twice.
-        let order = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1));
-        let best = (first..=last).map(|k| (sum(k), k)).max_by(order)?.1;
-        let steps = FINE * best as f64 / PARTS as f64 * f64::from(every);
-        let fine = (-6..=6).map(|k| steps + 0.05 * f64::from(k) * f64::from(every) / 5.0);
-        let mut all: Option<(f64, Gaps)> = None;
-        for steps in fine {
-            for part in 0..12 {
-                let phase = f64::from(part) / 12.0;
-                for missing in 0..every {
-                    let gaps = Gaps { every, missing, steps, phase };
-                    let share = self.share(&gaps);
-                    if all.as_ref().is_none_or(|(best, _)| share > *best) {
-                        all = Some((share, gaps));
+        all.iter().filter_map(fine).collect()
+    }
+
+    /// The periods that stand out most, as steps over the range and phase, to start from.
+    pub(crate) fn steps(&self) -> Vec<(f64, f64)> {
+        let start = |steps: f64| {
+            // The rounding error −Σ sin(2πk(u/q − p))/(πk) has its first harmonic at this angle.
+            let phase = 0.25 + self.power(steps).1 / TAU;
+            [0.0, 0.25, -0.25].map(|shift| (steps, (phase + shift).rem_euclid(1.0)))
+        };
+        self.lines.iter().take(3).copied().flat_map(start).collect()
+    }
+
+    /// Steps of which some are missing, where the residual shows them: each line may be any harmonic of a
+    /// pattern that repeats over every few steps.
+    pub(crate) fn gaps(&self) -> Option<Gaps> {
+        /// What the periods of a line are known to.
+        const KNOWN: f64 = 0.06;
+        /// What the place of a step at the end of the range must be known to, in steps.
+        const NEAR: f64 = 0.1;
+        let mut best: Option<(f64, Gaps)> = None;
+        for line in &self.lines {
+            for (every, harmonic) in CODES.iter().flat_map(|n| (1..=*n).map(move |j| (*n, j))) {
+                let (codes, harmonic) = (f64::from(every), f64::from(harmonic));
+                let patterns = line / harmonic;
+                if !(1.0..=STEPS as f64).contains(&(patterns * codes)) || patterns < 1.0 {
+                    continue;
+                }
+                let fine = NEAR / codes;
+                let around = (KNOWN / harmonic / fine).ceil() as i32;
+                for k in -around..=around {
+                    let steps = (patterns + fine * f64::from(k)) * codes;
+                    let found = self.pattern(every, steps);
+                    if best.as_ref().is_none_or(|(share, _)| found.0 > *share) {
+                        best = Some(found);
                     }
                 }
             }
         }
-        all
+        let (share, gaps) = best?;
+        (share * self.rows > SHOWN).then_some(gaps)
     }
 
-    /// Part of the residual's power that goes with what these steps do wrong.
-    fn share(&self, gaps: &Gaps) -> f64 {
-        let (mut n, mut e1, mut e2, mut r1, mut r2, mut er) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-        for (x, r) in self.places.iter().step_by(2) {
-            let x = x * gaps.steps - gaps.phase;
-            let e = code(x, gaps.every, gaps.missing) + 0.5 - x;
-            n += 1.0;
-            e1 += e;
-            e2 += e * e;
-            r1 += r;
-            r2 += r * r;
-            er += e * r;
+    /// The phase and the missing code that explain most of the residual's power, and which part, with this
+    /// many steps over the range: the residual folded over the pattern, against what the steps do wrong.
+    fn pattern(&self, every: u32, steps: f64) -> (f64, Gaps) {
+        /// Per step.
+        const BINS: usize = 12;
+        let bins = BINS * every as usize;
+        let (mut count, mut sum) = (vec![0.0; bins], vec![0.0; bins]);
+        for place in self.places.iter().filter(|place| place.count > 0.0) {
+            let folded = (place.at * steps / f64::from(every)).rem_euclid(1.0) * bins as f64;
+            let bin = (folded as usize).min(bins - 1);
+            count[bin] += place.count;
+            sum[bin] += place.sum;
         }
-        let (ee, rr, er) = (e2 - e1 * e1 / n, r2 - r1 * r1 / n, er - e1 * r1 / n);
-        if er > 0.0 && ee > 0.0 && rr > 0.0 { er * er / (ee * rr) } else { 0.0 }
+        let (n, (r1, r2)) = (self.rows, self.sums);
+        let error: Vec<f64> = (0..bins)
+            .map(|bin| (bin as f64 + 0.5) / BINS as f64)
+            .map(|x| code(x, every, 0) + 0.5 - x)
+            .collect();
+        let share = |turn: usize| {
+            let (mut e1, mut e2, mut er) = (0.0, 0.0, 0.0);
+            for (bin, (count, sum)) in count.iter().zip(&sum).enumerate() {
+                let e = error[(bin + bins - turn) % bins];
+                e1 += count * e;
+                e2 += count * e * e;
+                er += e * sum;
+            }
+            let (ee, rr, er) = (e2 - e1 * e1 / n, r2 - r1 * r1 / n, er - e1 * r1 / n);
+            if er > 0.0 && ee > 0.0 && rr > 0.0 { er * er / (ee * rr) } else { 0.0 }
+        };
+        let shares = (0..bins).map(|turn| (share(turn), turn));
+        let (share, turn) = shares.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
+        let phase = (turn % BINS) as f64 / BINS as f64;
+        (share, Gaps { every, missing: (turn / BINS) as u32, steps, phase })
     }
 }
 
@@ -241,7 +263,8 @@ mod tests {
             let gaps = seen.gaps().unwrap();
             assert!((gaps.steps * q / 100.0 - 1.0).abs() < 0.01, "{every}: {gaps:?}");
             assert_eq!(gaps.every, every, "{gaps:?}");
-            assert!(seen.share(&gaps) > 0.6, "{}", seen.share(&gaps));
+            let (share, _) = seen.pattern(gaps.every, gaps.steps);
+            assert!(share > 0.6, "{share}");
         }
     }
 }

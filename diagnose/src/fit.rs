@@ -309,6 +309,9 @@ impl<'a> Work<'a> {
         let base = parameters.iter().take_while(|p| p.is_base).count();
         let all = parameters.len();
         let mut point = self.keep(&clipped)?;
+        if let Some(steps) = parameters.iter().position(|p| p.jumps) {
+            point = self.settle(point, steps)?;
+        }
         let (mut kept, mut columns) = (Vec::new(), vec![Vec::new(); all]);
         if let Some(known) = known {
             let (numbers, shared) = self.known(known);
@@ -348,6 +351,47 @@ impl<'a> Work<'a> {
         let deviations = self.deviations(&point, &columns);
         let mean_square = point.squares / point.residual.len().max(1) as f64;
         Ok(Fit { theta: point.theta, mean_square, deviations })
+    }
+
+    /// Searches the steps of a converter over the range (the parameter `steps`) and their phase (the one
+    /// behind) without slopes: rows on the wrong step grow in number with the distance, so that the cost falls
+    /// towards the answer from as far as half a step at either end of the range.
+    fn settle(&mut self, mut point: Point, steps: usize) -> Result<Point, Failed> {
+        /// In steps.
+        const DISTANCES: [f64; 6] = [0.16, 0.08, 0.04, 0.02, 0.01, 0.005];
+        /// More steps over the range, and what stays where it is: nothing, its begin, middle or end.
+        const WAYS: [(f64, f64); 4] = [(0.0, 1.0), (1.0, 0.0), (1.0, 0.5), (1.0, 1.0)];
+        let phase = steps + 1;
+        for distance in DISTANCES {
+            let mut still = 0;
+            for (more, shift) in WAYS.iter().cycle() {
+                let before = point.cost;
+                for sign in [distance, -distance] {
+                    loop {
+                        let mut theta = point.theta.clone();
+                        theta[steps] = (theta[steps].exp() + sign * more).max(1.0).ln();
+                        theta[phase] += sign * shift;
+                        let is_within = |k: usize| {
+                            let p = &self.chain().parameters[k];
+                            (p.low..=p.high).contains(&theta[k])
+                        };
+                        if !(is_within(steps) && is_within(phase)) {
+                            break;
+                        }
+                        let next = self.beside(&theta)?;
+                        if next.cost >= point.cost - SMALL {
+                            break;
+                        }
+                        point = next;
+                    }
+                }
+                still = if point.cost < before { 0 } else { still + 1 };
+                if still == WAYS.len() {
+                    break;
+                }
+            }
+        }
+        self.keep(&point.theta.clone())
     }
 
     fn fill(

@@ -68,22 +68,30 @@ pub(crate) struct Free {
     pub(crate) log: bool,
     /// Step of the coordinate for finite differences.
     pub(crate) step: f64,
+    /// Whether the output jumps where it moves.
+    pub(crate) jumps: bool,
 }
 
 impl Free {
     /// A positive value over decades.
     pub(crate) fn log(name: &'static str, unit: &'static str, low: f64, high: f64) -> Self {
-        Self { name, unit, low, high, log: true, step: 0.02 }
+        Self { name, unit, low, high, log: true, step: 0.02, jumps: false }
     }
 
     /// A value of either sign, of about this size.
     pub(crate) fn linear(name: &'static str, unit: &'static str, low: f64, high: f64) -> Self {
         let step = 1e-3 * (high - low).min(1.0);
-        Self { name, unit, low, high, log: false, step }
+        Self { name, unit, low, high, log: false, step, jumps: false }
     }
 
     pub(crate) fn step(mut self, step: f64) -> Self {
         self.step = step;
+        self
+    }
+
+    /// As one of steps over a range, or of their phase, of which the next parameter is.
+    pub(crate) fn jumps(mut self) -> Self {
+        self.jumps = true;
         self
     }
 
@@ -100,6 +108,7 @@ impl Free {
             high: self.coordinate(self.high),
             log: self.log,
             step: self.step,
+            jumps: self.jumps,
             prior: 0.0,
             node: 0,
             is_base: false,

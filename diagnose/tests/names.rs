@@ -42,6 +42,7 @@ macro_rules! named {
 
 named! {
     creep_is_named: Creep, "creep";
+    a_converter_is_named: DacQuantisation, "dac_quantisation";
     slew_is_named: AmplifierSlew, "amplifier_slew";
     saturation_is_named: AmplifierSaturation, "amplifier_saturation";
     missing_hysteresis_is_named: Hysteresis, "hysteresis";
@@ -55,6 +56,22 @@ named! {
     sensor_curve_is_named: SensorNonlinearity, "sensor_nonlinearity";
     heat_is_named: SelfHeating, "self_heating";
     a_gain_out_of_tolerance_is_named: ActuatorGain, "actuator_gain";
+}
+
+/// Few steps ring the mode and leave twenty times the noise; many leave little more than the noise.
+#[test]
+fn converters_are_named_whatever_their_steps() {
+    for (effect, size) in [
+        (Effect::DacQuantisation, 20.0),
+        (Effect::DacQuantisation, 2.0),
+        (Effect::MissingCodes, 20.0),
+        (Effect::MissingCodes, 2.0),
+    ] {
+        let gap = gap_of(effect, size, 30, &[]);
+        let names: Vec<&str> = gap.effects.iter().map(|e| e.effect.as_str()).collect();
+        assert_eq!(names, ["dac_quantisation"], "{effect:?}, {size}: {}", gap.sentence);
+        assert!(gap.shrink.fraction.unwrap() > 0.9, "{effect:?}, {size}: {}", gap.sentence);
+    }
 }
 
 #[test]

@@ -46,8 +46,8 @@ pub(super) fn converter(
     seen: &[(f64, f64)],
     gaps: Option<Gaps>,
 ) -> Vec<Formula> {
-    let steps = || Free::log("steps over the range", "1", 2.0, 65536.0).step(1e-3);
-    let phase = || Free::linear("phase", "1", -1.0, 1.0).step(0.02);
+    let steps = || Free::log("steps over the range", "1", 2.0, 65536.0).step(1e-3).jumps();
+    let phase = || Free::linear("phase", "1", -2.0, 2.0).step(0.02);
     let mut all = Vec::new();
     if !seen.is_empty() {
         all.push(

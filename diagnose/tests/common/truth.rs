@@ -42,6 +42,8 @@ pub enum Effect {
     Vibration,
     /// In nobody's library: an AC-coupled sensor.
     AcCoupling,
+    /// A converter of which every fifth code is missing.
+    MissingCodes,
 }
 
 impl Effect {
@@ -129,6 +131,14 @@ pub fn input_side(m: &Machine, u: &[f64]) -> Vec<f64> {
             Effect::DacQuantisation => {
                 let q = 20.0 * s;
                 v.iter_mut().for_each(|v| *v = q * (*v / q).floor());
+            }
+            Effect::MissingCodes => {
+                let q = 20.0 * s;
+                for v in &mut v {
+                    let code = (*v / q + 0.3).floor();
+                    let code = if code.rem_euclid(5.0) == 2.0 { code - 1.0 } else { code };
+                    *v = q * (code + 0.2);
+                }
             }
             _ => {}
         }
