@@ -2,7 +2,8 @@
 
 use anyhow::Context;
 use identify::learned::{
-    Arx, Frame, Machine, Recipe, Rehearsal, SEED, Span, Waves, rms_difference, weigh,
+    Arx, Frame, Machine, Recipe, Rehearsal, Run, SEED, Series, Span, Teaches, Turns, Waves,
+    rms_difference, weigh,
 };
 use learned::features::{Features, Narx, Stops};
 use learned::lssvm::{LsSvm, Pruning, Settings, prune};
@@ -19,12 +20,21 @@ const LEAST: usize = 40;
 /// Orders of the paper's linear part.
 const ZEROS: usize = 2;
 const POLES: usize = 3;
+/// These, or smaller ones where those are not stable.
+const ORDERS: [(usize, usize); 5] = [(ZEROS, POLES), (2, 2), (1, 1), (0, 1), (0, 0)];
 
 /// A record as normalised command and normalised angle.
 struct Record {
     u: Vec<f64>,
     theta: Vec<f64>,
     theta0: f64,
+}
+
+impl Record {
+    fn run(&self, teaches: Teaches) -> Run<'_> {
+        let (command, position) = (&self.u[..], &self.theta[..]);
+        Run { command, position, start: self.theta0, first: 0, teaches }
+    }
 }
 
 struct Records {
@@ -108,17 +118,11 @@ fn stops_in_turn(records: &Records, say: &dyn Fn(&str)) -> anyhow::Result<Method
     say("stops: widths by the evidence");
     let (h, d) = (&records.train_h, &records.train_d);
     let (frame, settings) = stops(&[(&h.u[..], &h.theta[..])], [Span::UNIT; 2])?;
-    let mut targets = h.theta.clone();
     say("stops: hysteresis and linear part in turn");
-    for _ in 0..ROUNDS {
-        let pairs = [(&h.u[..], &targets[..])];
-        let (machine, _) = Machine::train(frame.clone(), &pairs, settings)?;
-        let model = Model::new(machine, &d.u, &d.theta, d.theta0)?;
-        let own = model.hysteresis.simulate(&h.u, h.theta0);
-        let behind = model.simulate(&h.u, h.theta0);
-        targets =
-            h.theta.iter().zip(&own).zip(behind).map(|((y, h), behind)| y + h - behind).collect();
-    }
+    let runs = [h.run(Teaches::Hysteresis), d.run(Teaches::Linear)];
+    let first = (&Arx { b: vec![1.0], a: Vec::new() }, &ORDERS[..]);
+    let series = Series::train(&frame, settings, &runs, first, Turns::of(ROUNDS))?;
+    let targets = series.targets(&runs[..1]).swap_remove(0);
     Ok(Method {
         name: "stops",
         frame,
@@ -143,9 +147,7 @@ impl Model {
     /// `from` is what comes in, `to` what goes out, of the record for the linear part.
     fn new(hysteresis: Machine, from: &[f64], to: &[f64], to0: f64) -> anyhow::Result<Self> {
         let h = hysteresis.simulate(from, to0);
-        // The paper's orders, or smaller ones where those are not stable.
-        let orders = [(ZEROS, POLES), (2, 2), (1, 1), (0, 1), (0, 0)];
-        let fits = orders.iter().filter_map(|(zeros, poles)| Arx::fit(&h, to, *zeros, *poles).ok());
+        let fits = ORDERS.iter().filter_map(|(zeros, poles)| Arx::fit(&h, to, *zeros, *poles).ok());
         let linear = fits.into_iter().find(Arx::is_stable);
         Ok(Self { hysteresis, linear: linear.context("no stable linear part")? })
     }

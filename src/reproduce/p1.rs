@@ -1,7 +1,7 @@
 //! Nanopositioning stage: LS-SVM over stop operators against LS-SVM with NARX inputs.
 
 use identify::learned::{
-    Arx, Frame, Machine, Recipe, Run, Series, Span, Turns, rms_difference, weigh,
+    Arx, Frame, Machine, Recipe, Run, Series, Span, Teaches, Turns, rms_difference, weigh,
 };
 use learned::features::{Features, Narx, Stops};
 use learned::lssvm::{Folds, Settings, Validation};
@@ -176,7 +176,8 @@ fn before_filter(filter: &Arx, run: &Run<'_>) -> Vec<f64> {
 
 fn runs(records: &[Response]) -> Vec<Run<'_>> {
     fn of(r: &Response) -> Run<'_> {
-        Run { command: &r.command, position: r.after(), start: r.position[0], first: 0 }
+        let (command, position) = (&r.command[..], r.after());
+        Run { command, position, start: r.position[0], first: 0, teaches: Teaches::Both }
     }
     records.iter().map(of).collect()
 }

@@ -2,8 +2,8 @@
 
 use anyhow::Context;
 use identify::learned::{
-    Arx, Frame, Machine, Recipe, Run, Search, Series, Span, Turns, by_likelihood, rms_difference,
-    weigh,
+    Arx, Frame, Machine, Recipe, Run, Search, Series, Span, Teaches, Turns, by_likelihood,
+    rms_difference, weigh,
 };
 use learned::features::{Derivatives, Features, Stops};
 
@@ -77,6 +77,7 @@ fn series(chirp: &Response) -> anyhow::Result<(Series, String)> {
         position: chirp.after(),
         start: chirp.position[0],
         first: 0,
+        teaches: Teaches::Both,
     };
     let mut series: Option<Series> = None;
     let mut at = (vec![40.0, 4.0, 2.0], 1e5);

@@ -304,3 +304,28 @@ impl Frame {
         (sum / count.max(1) as f64).sqrt()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use learned::features::Narx;
+
+    use super::*;
+
+    #[test]
+    fn a_machine_comes_back_from_its_table() {
+        let u: Vec<f64> = (0..200).map(|k| (0.07 * f64::from(k)).sin()).collect();
+        let y: Vec<f64> = u.iter().map(|u| 3.0 * u + u * u).collect();
+        let features = Features::Narx(Narx { commands: 1, outputs: 1 });
+        let (command, output) = (Span::of(&u), Span::of(&y));
+        let records = [(&u[..], &y[..])];
+        let frame = Frame::new(features, command, output, Recipe::Standardised, &records);
+        let settings = Settings { gamma: 1e4, sigma2: 2.0 };
+        let (machine, _) = Machine::train(frame.clone(), &records, settings).unwrap();
+        let table = machine.table().unwrap();
+        let again = Machine::of_table(frame.clone(), &table).unwrap();
+        let (a, b) = (machine.simulate(&u, y[0]), again.simulate(&u, y[0]));
+        assert!(rms_difference(&a, &b) < 1e-9);
+        let few = Table::new(3, vec![0.0; 6]).unwrap();
+        assert!(Machine::of_table(frame, &few).unwrap_err().contains("3 columns"));
+    }
+}

@@ -19,7 +19,7 @@ pub use inverse::InverseFigures;
 pub use machine::{Frame, Machine, Recipe, Span};
 pub use process::{Search, by_likelihood};
 pub use rehearsal::{Rehearsal, SEED, Waves};
-pub use series::{Run, Series, Turns};
+pub use series::{Run, Series, Teaches, Turns};
 
 /// Commands with the positions that they lead to: the position of row k + 1 belongs to the command
 /// of row k.

@@ -11,7 +11,7 @@ mod stops;
 use data::ComponentBlueprint;
 use model::Table;
 
-use super::{Arx, Frame, Run, Series, Span, Turns};
+use super::{Arx, Frame, Run, Series, Span, Teaches, Turns};
 use crate::error::Error;
 use crate::fit::response::LinearPart;
 use crate::observer::Observer;
@@ -171,6 +171,7 @@ impl Lesson<'_> {
                 position,
                 start: position.first().copied().unwrap_or(0.0),
                 first: rows.first,
+                teaches: Teaches::Both,
             })
             .collect();
         let all = |signals: &[Vec<f64>]| Span::of(&signals.concat());

@@ -26,6 +26,20 @@ pub struct Run<'a> {
     pub start: f64,
     /// The first sample that is fitted; those before are only simulated.
     pub first: usize,
+    /// What is fitted to it.
+    pub teaches: Teaches,
+}
+
+/// What is fitted to a record.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Teaches {
+    /// Hysteresis and linear part.
+    #[default]
+    Both,
+    /// The hysteresis only.
+    Hysteresis,
+    /// The linear part only.
+    Linear,
 }
 
 /// How long hysteresis and linear part are trained in turn, and on how much.
@@ -81,8 +95,10 @@ impl Series {
             let samples = frame.samples(&pairs)?.subset(&rows);
             let (machine, _) = Machine::train_on(frame.clone(), &samples, settings)?;
             h = runs.iter().map(|run| machine.simulate(run.command, run.start)).collect();
+            let of_linear =
+                runs.iter().zip(&h).filter(|(run, _)| run.teaches != Teaches::Hysteresis);
             let records: Vec<(&[f64], &[f64], f64)> =
-                runs.iter().zip(&h).map(|(run, h)| run.fitted(h)).collect();
+                of_linear.map(|(run, h)| run.fitted(h)).collect();
             let fits = orders.iter().filter_map(|(zeros, poles)| {
                 let fit = Arx::fit_all(&records, *zeros, *poles).ok().filter(Arx::is_stable)?;
                 Some((mean_square(&fit, &records), fit))
@@ -148,13 +164,15 @@ impl<'a> Run<'a> {
     }
 }
 
-/// The rows of all records together that are fitted, or every few of them.
+/// The rows of all records together that the hysteresis is fitted to, or every few of them.
 pub(crate) fn rows(runs: &[Run<'_>], most: usize) -> Vec<usize> {
     let mut begin = 0;
     let mut all = Vec::new();
     for run in runs {
         let count = run.command.len().min(run.position.len());
-        all.extend((run.first..count).map(|row| begin + row));
+        if run.teaches != Teaches::Linear {
+            all.extend((run.first..count).map(|row| begin + row));
+        }
         begin += count;
     }
     let every = all.len().div_ceil(most.max(1)).max(1);
@@ -201,8 +219,8 @@ mod tests {
         let truth = |u: &[f64]| lag.simulate(&play(u), 0.0);
         let (y_slow, y_fast) = (truth(&slow), truth(&fast));
         let runs = [
-            Run { command: &slow, position: &y_slow, start: 0.0, first: 0 },
-            Run { command: &fast, position: &y_fast, start: 0.0, first: 0 },
+            Run { command: &slow, position: &y_slow, start: 0.0, first: 0, teaches: Teaches::Both },
+            Run { command: &fast, position: &y_fast, start: 0.0, first: 0, teaches: Teaches::Both },
         ];
         let stops = Stops { count: 8, range: 6.0, period: 1e-2, rate_scale: 1e9 };
         let pairs = runs.map(|run| (run.command, run.position));

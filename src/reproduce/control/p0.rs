@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, SignalBlueprint, Value};
-use identify::learned::{Arx, Machine, Span};
+use identify::learned::{Arx, Machine, Run, Series, Span, Teaches, Turns};
 use identify::{Calibration, CalibrationRecord, Gains};
 use model::Kind;
 
@@ -55,22 +55,16 @@ fn learn(bed: &mut Bed, axis: usize) -> anyhow::Result<Inverse> {
     let answer = angle(&bed.response(axis, &broad, 0.0, PERIOD)?);
     // Hysteresis and linear part in turn, each trained with the other taken out.
     let (frame, settings) = stops(&[(&u[..], &theta[1..])], [volts, Span::UNIT])?;
-    let mut targets = theta[1..].to_vec();
-    let mut turn = 0;
-    let forward = loop {
-        let pairs = [(&u[..], &targets[..])];
-        let (forward, _) = Machine::train(frame.clone(), &pairs, settings)?;
-        turn += 1;
-        let h = forward.simulate(&broad, answer[0]);
-        let Ok(behind) = Arx::fit(&h, &answer[1..], 2, 3) else { break forward };
-        if turn == TURNS || !behind.is_stable() {
-            break forward;
-        }
-        let own = forward.simulate(&u, theta[0]);
-        let behind = behind.simulate(&own, theta[0]);
-        let whole = theta[1..].iter().zip(&own).zip(behind);
-        targets = whole.map(|((y, h), behind)| y + h - behind).collect();
-    };
+    let pairs = [(&u, &theta, Teaches::Hysteresis), (&broad, &answer, Teaches::Linear)];
+    let runs = pairs.map(|(command, angle, teaches)| Run {
+        command,
+        position: &angle[1..],
+        start: angle[0],
+        first: 0,
+        teaches,
+    });
+    let first = (&Arx { b: vec![1.0], a: Vec::new() }, &[(2, 3)][..]);
+    let forward = Series::train(&frame, settings, &runs, first, Turns::of(TURNS))?.machine;
     let clean = forward.simulate(&u, theta[0]);
     let pairs = [(&clean[..], &u[..])];
     let (frame, settings) = stops(&pairs, [Span::UNIT, volts])?;

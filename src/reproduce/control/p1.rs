@@ -5,7 +5,7 @@ use std::path::Path;
 use data::Blueprint;
 use identify::Gains;
 use identify::learned::{
-    Arx, Machine, Rehearsal, Run, SEED, Series, Span, Waves, rms_difference, weigh,
+    Arx, Machine, Rehearsal, Run, SEED, Series, Span, Teaches, Waves, rms_difference, weigh,
 };
 use model::Kind;
 
@@ -62,7 +62,13 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     )));
     let runs: Vec<Run<'_>> = train
         .iter()
-        .map(|(u, y)| Run { command: u, position: &y[1..], start: y[0], first: 0 })
+        .map(|(u, y)| Run {
+            command: u,
+            position: &y[1..],
+            start: y[0],
+            first: 0,
+            teaches: Teaches::Both,
+        })
         .collect();
     let (forward, told) = series(&runs, PERIOD, say)?;
     answer.remarks.push(told);
