@@ -189,9 +189,11 @@ fn several(count: usize, index: usize, random: &mut Random) -> Vec<Wish> {
 /// # Errors
 /// A family or an effect that there is not, or a count that is none.
 pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> {
+    /// A family, and an effect of it.
+    type Meant<'a> = (&'a str, Option<Effect>);
     let Some(text) = text else { return Ok(cases) };
     let refuse = |message: String| Error::Selection { text: text.to_owned(), message };
-    let mut limits: Vec<(Option<(&str, Option<Effect>)>, usize)> = Vec::new();
+    let mut limits: Vec<(Option<Meant>, usize)> = Vec::new();
     for item in text.split(',').map(str::trim) {
         let (name, count) = item.split_once(':').map_or((item, None), |(n, c)| (n, Some(c)));
         let number = |digits: &str| {
@@ -222,7 +224,7 @@ pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> 
     let total = limits.iter().filter(|(name, _)| name.is_none()).map(|(_, n)| *n).min();
     let mut kept = Vec::new();
     for case in cases {
-        let is_meant = |meant: &Option<(&str, Option<Effect>)>| {
+        let is_meant = |meant: &Option<Meant>| {
             meant.is_some_and(|(family, effect)| {
                 let has = |effect| case.order.effects.iter().any(|wish| wish.effect == effect);
                 family == case.family && effect.is_none_or(has)
