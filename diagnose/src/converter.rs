@@ -13,6 +13,8 @@ const STEPS: usize = 1024;
 const FINE: f64 = 0.25;
 /// Places over the range that rows are gathered at.
 const PLACES: usize = 8192;
+/// A place counts as at most so many times the rows of a middling one.
+const OFTEN: f64 = 4.0;
 /// Codes of which one is missing.
 const CODES: [u32; 8] = [3, 4, 5, 6, 8, 10, 12, 16];
 /// Part of the residual's power that steps with missing codes must show to be tried, over that of one row.
@@ -36,6 +38,21 @@ struct Place {
     count: f64,
     /// Sum of the residual.
     sum: f64,
+    /// Sum of its squares.
+    squares: f64,
+}
+
+impl Place {
+    /// Counts as at most so many rows. Rows of a plateau tell the same again and again: a few of them
+    /// would stand as lines of all periods before what the moving rows show.
+    fn limit(&mut self, most: f64) {
+        if self.count > most {
+            let part = most / self.count;
+            self.count = most;
+            self.sum *= part;
+            self.squares *= part;
+        }
+    }
 }
 
 /// Steps of which some are missing.
@@ -69,18 +86,22 @@ impl Converted {
         let width = 1.0 / PLACES as f64;
         let at = |k: usize| first + (k as f64 + 0.5) * width;
         let mut places: Vec<Place> =
-            (0..PLACES).map(|k| Place { at: at(k), count: 0.0, sum: 0.0 }).collect();
-        let (mut count, mut sums) = (0.0, (0.0, 0.0));
+            (0..PLACES).map(|k| Place { at: at(k), count: 0.0, sum: 0.0, squares: 0.0 }).collect();
         for row in rows {
             let (x, r) = (signal[row] / (2.0 * span.half) - first, residual[row]);
             let place = &mut places[((x / width) as usize).min(PLACES - 1)];
             place.count += 1.0;
             place.sum += r;
-            count += 1.0;
-            sums.0 += r;
-            sums.1 += r * r;
+            place.squares += r * r;
         }
-        let mut seen = Self { places, rows: count, sums, lines: Vec::new() };
+        let mut counts: Vec<f64> =
+            places.iter().map(|place| place.count).filter(|count| *count > 0.0).collect();
+        counts.sort_unstable_by(f64::total_cmp);
+        let most = OFTEN * counts.get(counts.len() / 2).copied().unwrap_or_default();
+        places.iter_mut().for_each(|place| place.limit(most));
+        let sum = |of: fn(&Place) -> f64| places.iter().map(of).sum();
+        let (rows, sums) = (sum(|p| p.count), (sum(|p| p.sum), sum(|p| p.squares)));
+        let mut seen = Self { places, rows, sums, lines: Vec::new() };
         seen.lines = seen.strongest();
         seen
     }
@@ -251,6 +272,21 @@ mod tests {
             let apart = (phase - p).rem_euclid(1.0);
             assert!(apart.min(1.0 - apart) < 0.05, "{p}: {phase}");
         }
+    }
+
+    #[test]
+    fn plateaus_do_not_hide_the_steps() {
+        let q = 1.7;
+        // Half of the rows stand at a few places, where the model is off by something else.
+        let (mut signal, mut residual) = residuals(|u| q * (u / q).round() - u);
+        for level in 0..8 {
+            signal.extend([6.0 + 12.0 * f64::from(level); 500]);
+            residual.extend([if level % 3 == 0 { 4.0 } else { -3.0 }; 500]);
+        }
+        let span = Span::of(signal.iter().copied());
+        let seen = Converted::new(&signal, span, &residual, 0..signal.len());
+        let (steps, _) = seen.steps()[0];
+        assert!((steps * q / (2.0 * span.half) - 1.0).abs() < 0.01, "{steps}");
     }
 
     #[test]

@@ -291,8 +291,8 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span, sigma: f6
     });
     let training = || data.records.iter().flat_map(|r| r.training.clone());
     let residual = &base.judged.residual;
-    let matched = matched(problem, residual);
-    let command = Converted::new(&rows, data.command_span, &matched, training());
+    let before = before_mode(problem, residual);
+    let command = Converted::new(&rows, data.command_span, &before, training());
     // The reading less what the model leaves of it: the simulated one.
     let simulated: Vec<f64> = data.y.iter().zip(residual).map(|(y, r)| y - sigma * r).collect();
     let reading = Converted::new(&simulated, position, residual, training());
@@ -317,21 +317,29 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span, sigma: f6
     }
 }
 
-/// The residual behind the model's first mode, backwards in time. What an error of the command does to
-/// the residual has gone through that mode; correlated with the error itself, this gives what the
-/// residual gives with the error that has gone through: Σ r·(h∗e) = Σ (hᵀ∗r)·e.
-fn matched(problem: &Problem, residual: &[f64]) -> Vec<f64> {
+/// What an error of the command would have to be at each row to leave this residual, in σ: the residual
+/// with the model's first mode taken out, as far as noise permits.
+fn before_mode(problem: &Problem, residual: &[f64]) -> Vec<f64> {
+    /// Least power over that of noise which is sought.
+    const LEAST: f64 = 0.01;
     let data = &problem.data;
     let Some((frequency, damping)) = problem.base.mode_values() else { return residual.to_vec() };
     let transition = Transition::new(frequency, damping, data.sample_time());
-    let mut matched = residual.to_vec();
+    let mut sought = residual.to_vec();
     for record in &data.records {
+        let part = &mut sought[record.rows.clone()];
         let (mut position, mut rate) = (0.0, 0.0);
-        for value in matched[record.rows.clone()].iter_mut().rev() {
-            let (e, r) = transition.apply(position - *value, rate);
-            (position, rate) = (*value + e, r);
-            *value = position;
-        }
+        let response: Vec<f64> = (0..part.len())
+            .map(|row| {
+                let command = if row == 0 { 1.0 } else { 0.0 };
+                let (e, r) = transition.apply(position - command, rate);
+                (position, rate) = (command + e, r);
+                position
+            })
+            .collect();
+        let power = part.iter().map(|r| r * r).sum::<f64>() / part.len().max(1) as f64;
+        let found = spectrum::deconvolve(part, &response, 1.0 / (power - 1.0).max(LEAST));
+        part.copy_from_slice(&found);
     }
-    matched
+    sought
 }

@@ -46,6 +46,31 @@ pub(crate) fn density(signal: &[f64]) -> Vec<f64> {
     spectrum[..=n / 2].iter().map(|c| c.norm_sqr() * scale).collect()
 }
 
+/// What has to go into a linear system to give this signal, the system at rest before (Wiener's
+/// deconvolution): `E = R H*/(|H|² + noise)`, with the power of the signal's noise over that of what is
+/// sought, both taken as white. `response` is the system's answer to one row of 1, as long as the signal.
+pub(crate) fn deconvolve(signal: &[f64], response: &[f64], noise: f64) -> Vec<f64> {
+    // As much again of zeros, so that the end does not run into the beginning.
+    let length = 2 * signal.len();
+    if length == 0 {
+        return Vec::new();
+    }
+    let mut planner = FftPlanner::new();
+    let transform = planner.plan_fft_forward(length);
+    let spectrum = |values: &[f64]| {
+        let mut buffer: Vec<_> = values.iter().map(|v| Complex::new(*v, 0.0)).collect();
+        buffer.resize(length, Complex::default());
+        transform.process(&mut buffer);
+        buffer
+    };
+    let mut sought = spectrum(signal);
+    for (r, h) in sought.iter_mut().zip(spectrum(response)) {
+        *r *= h.conj() / (h.norm_sqr() + noise);
+    }
+    planner.plan_fft_inverse(length).process(&mut sought);
+    sought.iter().take(signal.len()).map(|c| c.re / length as f64).collect()
+}
+
 fn windowed(signal: &[f64]) -> Vec<Complex<f64>> {
     let n = signal.len();
     let mean = signal.iter().sum::<f64>() / n as f64;
@@ -165,6 +190,26 @@ pub(crate) fn coherence(residual: &[f64], input: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_went_through_a_system_comes_back() {
+        // A ringing system, and steps in its input, which its output hardly shows.
+        let response: Vec<f64> =
+            (0..300).map(f64::from).map(|k| 0.1 * (-0.01 * k).exp() * (0.5 * k).sin()).collect();
+        let input: Vec<f64> = (0..300).map(|k| f64::from((k / 7) % 3) - 1.0).collect();
+        let output: Vec<f64> =
+            (0..300).map(|n| (0..=n).map(|k| response[k] * input[n - k]).sum::<f64>()).collect();
+        let rms = |a: &[f64], b: &[f64]| {
+            let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+            (squares / a.len() as f64).sqrt()
+        };
+        // The end has not come out of the system yet.
+        let back = deconvolve(&output, &response, 1e-6);
+        assert!(rms(&back[..250], &input[..250]) < 0.05, "{}", rms(&back[..250], &input[..250]));
+        // All is noise: nothing is sought.
+        let none = deconvolve(&output, &response, 1e9);
+        assert!(none.iter().all(|e| e.abs() < 1e-3));
+    }
 
     #[test]
     fn white_noise_has_the_density_of_its_variance() {
