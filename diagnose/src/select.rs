@@ -341,3 +341,8 @@ fn sort(looked: &mut [Looked]) {
         (None, None) => b.screening.total_cmp(&a.screening).then(a.family.cmp(&b.family)),
     });
 }
+
+#[cfg(test)]
+mod made;
+#[cfg(test)]
+mod tests;

@@ -62,11 +62,7 @@ impl Search<'_> {
         if best.picks.len() == 1 && self.max_effects > 1 && has_gap(&best, self.adequate) {
             best = self.pair_beside_rivals(&base, best, &first, &mut rivals)?;
         }
-        // Where even all together explain too little, which of them it is is no question.
-        let is_hopeless = !self.is_fitted_well(&base, &best)
-            && self.judge.score(&base.judged, &best.judged) < EXPLAINED - HOPELESS
-            && explained(&base.judged, &best.judged) < POWER - HOPELESS;
-        if is_hopeless {
+        if self.is_hopeless(&base, &best) {
             let last = base.clone();
             return Ok(Found { base, last, rivals, first, alone: Vec::new() });
         }
@@ -116,16 +112,7 @@ impl Search<'_> {
         rivals: &mut Vec<Vec<Looked>>,
     ) -> Result<Candidate, Failed> {
         loop {
-            let power = explained(&base.judged, &best.judged);
-            let has_lines = self.formulas(&best.picks).iter().any(|f| f.is_line_of_own());
-            // A line that is no multiple of the mains is a disturbance only where it is nearly all.
-            let least = if has_lines && best.picks.len() == 1 { LINES } else { POWER };
-            let reached = self.judge.score(&base.judged, &best.judged);
-            // Nearly all of the power is as good as a good score: bands that nothing in the library
-            // reaches do not take a name from what does.
-            let is_enough = reached >= EXPLAINED || (power >= MOST && reached >= SOME);
-            let holds = (is_enough && power >= least) || self.is_fitted_well(base, &best);
-            if best.picks.is_empty() || !holds {
+            if best.picks.is_empty() || !self.explains_enough(base, &best) {
                 return Ok(base.clone());
             }
             let sight = self.sight(base);
@@ -149,6 +136,26 @@ impl Search<'_> {
                 _ => return Ok(best),
             }
         }
+    }
+
+    /// Where even all together explain too little, which of them it is is no question.
+    fn is_hopeless(&self, base: &Candidate, best: &Candidate) -> bool {
+        !self.is_fitted_well(base, best)
+            && self.judge.score(&base.judged, &best.judged) < EXPLAINED - HOPELESS
+            && explained(&base.judged, &best.judged) < POWER - HOPELESS
+    }
+
+    /// Whether the effects together explain so much that they can be named.
+    fn explains_enough(&self, base: &Candidate, best: &Candidate) -> bool {
+        let power = explained(&base.judged, &best.judged);
+        let has_lines = self.formulas(&best.picks).iter().any(|f| f.is_line_of_own());
+        // A line that is no multiple of the mains is a disturbance only where it is nearly all.
+        let least = if has_lines && best.picks.len() == 1 { LINES } else { POWER };
+        let reached = self.judge.score(&base.judged, &best.judged);
+        // Nearly all of the power is as good as a good score: bands that nothing in the library
+        // reaches do not take a name from what does.
+        let is_enough = reached >= EXPLAINED || (power >= MOST && reached >= SOME);
+        (is_enough && power >= least) || self.is_fitted_well(base, best)
     }
 
     /// Whether the rows that are held out do not show the gap and the fitted ones do, nearly all of it goes
@@ -291,3 +298,8 @@ impl Search<'_> {
         Ok(best)
     }
 }
+
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod whole;

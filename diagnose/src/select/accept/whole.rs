@@ -1,0 +1,309 @@
+//! The whole search and its parts, on logs whose truth is known.
+
+use super::*;
+use crate::select::made::{Made, close, listed, names};
+
+/// A tone of 71 and one of 29 powers of the noise, and families that add: what imitates both and leaves a
+/// seventh; the first; the second; another tone; what nearly is the first.
+fn imitated() -> Made {
+    let columns: [&[(usize, f64)]; 5] = [
+        &[(3, 8.4), (5, 5.4), (7, 4.2)],
+        &[(3, 1.0)],
+        &[(5, 1.0)],
+        &[(9, 1.0)],
+        &[(3, 1.0), (11, 0.3)],
+    ];
+    Made::new(&[(3, 8.4), (5, 5.4)], &columns)
+}
+
+/// Three tones, and families that add the first, the second, the third; and others that nearly do.
+fn three() -> Made {
+    let columns: [&[(usize, f64)]; 6] = [
+        &[(3, 1.0)],
+        &[(5, 1.0)],
+        &[(7, 1.0)],
+        &[(3, 1.0), (11, 0.3)],
+        &[(5, 1.0), (13, 0.3)],
+        &[(7, 1.0), (15, 0.3)],
+    ];
+    Made::new(&[(3, 10.0), (5, 8.0), (7, 6.0)], &columns)
+}
+
+fn entry(best: Candidate) -> Looked {
+    Looked { family: best.picks[0].0, screening: 0.0, best: Some(best) }
+}
+
+/// Lists of rivals that say which slot they are of by their lengths.
+fn marked(slots: usize) -> Vec<Vec<Looked>> {
+    let list = |slot| vec![Looked { family: 0, screening: 0.0, best: None }; slot + 1];
+    (0..slots).map(list).collect()
+}
+
+fn marks(rivals: &[Vec<Looked>]) -> Vec<usize> {
+    rivals.iter().map(|list| list.len() - 1).collect()
+}
+
+#[test]
+fn one_effect_is_found_and_named() {
+    let made = Made::new(&[(5, 10.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
+    let found = made.search().run(made.retuned()).unwrap();
+    assert_eq!(names(&found.last), [1]);
+    assert!(found.base.picks.is_empty());
+    assert_eq!((found.rivals.len(), found.first.len()), (1, 3));
+    assert_eq!((listed(&found.rivals[0])[0], listed(&found.first)[0]), (1, 1));
+    assert_eq!(found.alone.len(), 1);
+    close(found.alone[0], 1.0, 0.01);
+}
+
+#[test]
+fn two_effects_are_found_with_what_goes_with_each() {
+    let made = three();
+    let two = Made::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
+    let found = two.search().run(two.retuned()).unwrap();
+    assert_eq!(names(&found.last), [0, 1]);
+    close(found.alone[0], 100.0 / 164.0, 0.03);
+    close(found.alone[1], 64.0 / 164.0, 0.03);
+    // The families in the place of each, given the other; those of the first round.
+    for (slot, other) in [(0, 1), (1, 0)] {
+        let mut rivals = listed(&found.rivals[slot]);
+        assert_eq!(rivals[0], slot);
+        rivals.sort_unstable();
+        assert_eq!(rivals, [0, 1, 2].into_iter().filter(|k| *k != other).collect::<Vec<_>>());
+    }
+    assert_eq!(found.first.len(), 3);
+    // Three, the largest first.
+    let found = made.search().run(made.retuned()).unwrap();
+    assert_eq!(names(&found.last), [0, 1, 2]);
+}
+
+#[test]
+fn no_more_effects_are_looked_for_than_asked() {
+    let mut made = three();
+    for most in [1, 2] {
+        made.max_effects = most;
+        let found = made.search().run(made.retuned()).unwrap();
+        assert!(found.last.picks.len() <= most && found.rivals.len() <= most);
+        assert!(!found.rivals.is_empty());
+    }
+    made.max_effects = 0;
+    let found = made.search().run(made.retuned()).unwrap();
+    assert!(found.last.picks.is_empty() && found.first.is_empty());
+}
+
+#[test]
+fn nothing_is_looked_for_where_nothing_is_left() {
+    let made = Made::new(&[], &[&[(3, 1.0)]]);
+    let found = made.search().run(made.retuned()).unwrap();
+    assert!(found.last.picks.is_empty() && found.first.is_empty() && found.rivals.is_empty());
+}
+
+#[test]
+fn noise_that_looks_like_an_effect_is_none() {
+    // Of 100 powers that no family has, the columns take what they happen to have in common with noise.
+    let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0)], &[(9, 1.0), (11, 5.0)]];
+    let made = Made::new(&[(9, 10.0)], &columns);
+    let found = made.search().run(made.retuned()).unwrap();
+    assert!(found.last.picks.is_empty() && found.alone.is_empty());
+    assert_eq!(found.first.len(), 3, "what was looked at is told");
+    assert!(found.rivals.is_empty(), "and none of it was worth a second look");
+}
+
+#[test]
+fn a_small_effect_beside_much_that_is_in_no_library_is_not_named() {
+    let made = Made::new(&[(3, 6.0), (9, 10.0)], &[&[(3, 1.0)], &[(5, 1.0)]]);
+    let found = made.search().run(made.retuned()).unwrap();
+    assert!(found.last.picks.is_empty() && found.alone.is_empty());
+}
+
+#[test]
+fn a_pair_is_found_behind_what_imitates_both() {
+    let mut made = imitated();
+    let found = made.search().run(made.retuned()).unwrap();
+    assert_eq!(listed(&found.first)[0], 0, "the imitation is the best single one");
+    let mut pair = names(&found.last);
+    pair.sort_unstable();
+    assert_eq!(pair, [1, 2]);
+    assert_eq!(found.rivals.len(), 2);
+    // Where a single one is asked for, no pair is looked for.
+    made.max_effects = 1;
+    let found = made.search().run(made.retuned()).unwrap();
+    assert!(found.last.picks.len() < 2 && found.rivals.len() == 1);
+}
+
+/// What takes the place of the imitation, which takes this part of the gap on rows that are held out and
+/// leaves so many powers of the noise on all; `others` are the single effects beside it.
+fn beside(made: &Made, power: f64, leaves: f64, others: &[Candidate]) -> (Vec<usize>, usize) {
+    let base = made.retuned();
+    let mut single = made.families(&[0]);
+    let gap = base.judged.held_out - 1.0;
+    single.judged.held_out = 1.0 + gap * (1.0 - power);
+    single.judged.training = 2.0 + 2.0 * leaves - single.judged.held_out;
+    let first: Vec<Looked> =
+        [vec![entry(single.clone())], others.iter().cloned().map(entry).collect()].concat();
+    let mut rivals = vec![first.clone()];
+    let best = made.search().pair_beside_rivals(&base, single, &first, &mut rivals).unwrap();
+    if rivals.len() == 2 {
+        assert_eq!(listed(&rivals[0]), listed(&first));
+        assert_eq!(listed(&rivals[1])[0], best.picks[1].0);
+    }
+    (names(&best), rivals.len())
+}
+
+#[test]
+fn only_what_leaves_little_can_imitate_a_pair() {
+    let made = imitated();
+    let first = made.families(&[1]);
+    assert_eq!(beside(&made, 0.82, 18.0, std::slice::from_ref(&first)), (vec![1, 2], 2));
+    assert_eq!(beside(&made, 0.78, 18.0, &[first]), (vec![0], 1));
+    // Nor is the imitation itself a member, nor what is no better with anything else.
+    assert_eq!(beside(&made, 0.9, 18.0, &[]), (vec![0], 1));
+    assert_eq!(beside(&made, 0.9, 18.0, &[made.families(&[3])]), (vec![0], 1));
+}
+
+#[test]
+fn a_pair_begins_with_what_leaves_at_most_three_times_as_much() {
+    let made = imitated();
+    let first = made.families(&[1]);
+    let leaves = left(&first);
+    close(leaves, 29.0, 2.0);
+    assert_eq!(beside(&made, 0.9, leaves / 2.8, std::slice::from_ref(&first)).0, [1, 2]);
+    assert_eq!(beside(&made, 0.9, leaves / 3.2, &[first]).0, [0]);
+}
+
+#[test]
+fn the_best_pair_is_taken_in_whatever_order_they_come() {
+    let made = imitated();
+    let (first, near) = (made.families(&[1]), made.families(&[4]));
+    assert_eq!(beside(&made, 0.85, 18.0, &[first.clone(), near.clone()]).0, [1, 2]);
+    assert_eq!(beside(&made, 0.85, 18.0, &[near.clone(), first]).0, [1, 2]);
+    assert_eq!(beside(&made, 0.85, 18.0, &[near]).0, [4, 2]);
+}
+
+#[test]
+fn a_pair_that_is_not_worth_a_second_effect_leaves_the_single_one() {
+    let made = imitated();
+    let (base, mut single) = (made.retuned(), made.families(&[0]));
+    let first = vec![entry(single.clone()), entry(made.families(&[1]))];
+    // The blocks do not agree that the pair is better.
+    single.judged.blocks.fill(1.0);
+    let search = made.search();
+    let mut rivals = vec![first.clone()];
+    let best = search.pair_beside_rivals(&base, single, &first, &mut rivals).unwrap();
+    assert_eq!((names(&best), rivals.len()), (vec![0], 1));
+}
+
+#[test]
+fn a_member_that_is_better_replaced_is() {
+    let made = imitated();
+    let mut rivals = marked(2);
+    let best = made.search().reconsider(made.families(&[0, 1]), &mut rivals).unwrap();
+    assert_eq!(names(&best), [1, 2]);
+    // Each list is of its slot and given the member that stands.
+    assert_eq!((listed(&rivals[0])[0], listed(&rivals[1])[0]), (1, 2));
+    assert!(!listed(&rivals[0]).contains(&2) && listed(&rivals[0]).contains(&0));
+    assert!(!listed(&rivals[1]).contains(&1));
+}
+
+#[test]
+fn a_last_member_that_is_replaced_has_the_others_looked_at_again() {
+    let made = three();
+    let mut rivals = marked(3);
+    let best = made.search().reconsider(made.families(&[0, 1, 5]), &mut rivals).unwrap();
+    assert_eq!(names(&best), [0, 1, 2]);
+    for slot in [0, 1] {
+        let given = rivals[slot].iter().filter_map(|l| l.best.as_ref());
+        assert!(given.into_iter().all(|c| c.picks[1].0 == 2), "given the new one");
+    }
+}
+
+#[test]
+fn another_formula_of_the_last_member_is_taken() {
+    let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0), (13, 0.3)], &[(5, 1.0)]];
+    let mut made = Made::new(&[(3, 10.0), (5, 8.0)], &columns);
+    let better = made.library.pop().unwrap().formulas;
+    made.library[1].formulas.extend(better);
+    let best = made.search().reconsider(made.families(&[0, 1]), &mut marked(2)).unwrap();
+    assert_eq!(best.picks, [(0, 0), (1, 1)]);
+}
+
+#[test]
+fn a_set_stands_where_nothing_is_better_by_more_than_one_in_rank() {
+    let made = three();
+    let set = made.families(&[0, 1, 2]);
+    let reconsidered = |by: f64| {
+        let set = Candidate { rank: set.rank + by, ..set.clone() };
+        let mut rivals = marked(3);
+        let best = made.search().reconsider(set, &mut rivals).unwrap();
+        assert_eq!(rivals.iter().map(|list| listed(list)[0]).collect::<Vec<_>>(), names(&best));
+        names(&best)
+    };
+    assert_eq!(reconsidered(0.0), [0, 1, 2]);
+    assert_eq!(reconsidered(0.7), [0, 1, 2]);
+    // The first one is found again, and stands last.
+    assert_eq!(reconsidered(1.3), [1, 2, 0]);
+}
+
+#[test]
+fn two_members_are_exchanged_at_most() {
+    let made = three();
+    let best = made.search().reconsider(made.families(&[3, 4, 5]), &mut marked(3)).unwrap();
+    assert_eq!(names(&best), [5, 0, 1]);
+}
+
+#[test]
+fn what_goes_with_an_effect_is_what_comes_back_without_it() {
+    let made = Made::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
+    let (search, base) = (made.search(), made.retuned());
+    let alone = |families: &[usize]| search.alone(&base, &made.families(families)).unwrap();
+    assert!(alone(&[]).is_empty());
+    let [first] = alone(&[0])[..] else { panic!("one") };
+    close(first, 100.0 / 164.0, 0.03);
+    let [first, second, useless] = alone(&[0, 1, 2])[..] else { panic!("three") };
+    close(first, 100.0 / 164.0, 0.03);
+    close(second, 64.0 / 164.0, 0.03);
+    close(useless, 0.0, 1e-3);
+    assert!(useless >= 0.0);
+}
+
+#[test]
+fn what_the_others_can_do_without_is_dropped() {
+    let made =
+        Made::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)], &[(9, 1.0)]]);
+    let (search, base) = (made.search(), made.retuned());
+    let eliminated = |families: &[usize]| {
+        let mut rivals = marked(families.len());
+        let best = search.eliminate(&base, made.families(families), &mut rivals).unwrap();
+        (names(&best), marks(&rivals))
+    };
+    assert_eq!(eliminated(&[0, 1]), (vec![0, 1], vec![0, 1]));
+    assert_eq!(eliminated(&[0, 1, 2]), (vec![0, 1], vec![0, 1]));
+    assert_eq!(eliminated(&[2, 0, 3, 1]), (vec![0, 1], vec![1, 3]));
+    // The last one is not eliminated, whatever it is worth: that is for others to say.
+    assert_eq!(eliminated(&[2]), (vec![2], vec![0]));
+    assert_eq!(eliminated(&[2, 3]).0.len(), 1);
+}
+
+#[test]
+fn what_is_small_and_alone_in_its_bands_is_not_dropped() {
+    // 9 powers of the noise beside 900.
+    let made = Made::new(&[(3, 30.0), (15, 3.0)], &[&[(3, 1.0)], &[(15, 1.0)]]);
+    let (search, base) = (made.search(), made.retuned());
+    let pair = made.families(&[0, 1]);
+    let alone = search.alone(&base, &pair).unwrap();
+    assert!(alone[1] < DROPPED, "{alone:?}");
+    let best = search.eliminate(&base, pair, &mut marked(2)).unwrap();
+    assert_eq!(names(&best), [0, 1]);
+}
+
+#[test]
+fn a_member_whose_name_is_unsure_is_left_out_and_the_rest_named() {
+    // Three names have the second tone.
+    let columns: [&[(usize, f64)]; 4] = [&[(5, 1.0)], &[(3, 1.0)], &[(5, 2.0)], &[(5, 3.0)]];
+    let made = Made::new(&[(3, 32.0), (5, 6.0)], &columns);
+    let found = made.search().run(made.retuned()).unwrap();
+    assert_eq!(names(&found.last), [1]);
+    close(found.last.judged.held_out, 37.0, 5.0);
+    assert_eq!(found.rivals.len(), 1);
+    assert_eq!(listed(&found.rivals[0])[0], 1);
+    close(found.alone[0], 1024.0 / 1060.0, 0.01);
+}

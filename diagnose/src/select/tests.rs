@@ -1,0 +1,355 @@
+use super::made::{Made, adds, close, listed, names};
+use super::*;
+use crate::block::Block;
+use crate::library::{Free, Slot};
+use crate::nuisance::Nuisance;
+
+/// The first formula of a family fitted as the next effect beside those of `from`.
+fn next(made: &Made, from: &Candidate, job: (usize, usize)) -> Candidate {
+    let search = made.search();
+    let linear = search.fitter().linearise(&from.chain, &from.fit.theta).unwrap();
+    let fixed = search.formulas(&from.picks);
+    let (_, start) = search.screen(from, &fixed, job, &linear);
+    search.fit_one(from, &fixed, job, &start, &linear).unwrap()
+}
+
+/// Weights and times that nothing depends on, with these starts.
+fn idle(starts: &[f64]) -> Formula {
+    let block = Block::Aux { scale: f64::INFINITY, rate: false };
+    let weight = |_| Free::linear("idle", "1", -1e3, 1e3);
+    let free = starts.iter().map(weight).collect();
+    Formula::new("idle").block(Slot::Reading, block, free).start(starts)
+}
+
+#[test]
+fn the_rank_is_the_likelihood_with_the_prior_and_a_penalty_for_each_coefficient() {
+    let mut made = Made::new(&[(3, 4.0)], &[&[(3, 1.0)], &[(5, 1.0)]]);
+    made.parameter("stiff", true);
+    made.parameter("released", false);
+    made.library[0].formulas[0].releases = vec![1];
+    made.library[1].formulas[0].nuisance = Some(Nuisance::Drift { order: 2 });
+    let search = made.search();
+    let mut fitted = made.families(&[0, 1]);
+    let names: Vec<&str> = fitted.chain.parameters.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["stiff", "released", "output.gain", "weight", "weight"]);
+    fitted.fit.theta = vec![1.5, 5.0, -0.5, 2.0, 1.0];
+    fitted.fit.mean_square = 7.0;
+    let Candidate { picks, chain, fit, .. } = fitted;
+    let found = search.candidate(picks, chain, fit).unwrap();
+    // 560 fitted rows count as 56. Of 4² of the tone 2² is left, and 1 is there that should not be.
+    let (fitted, held_out) = (7.0_f64, found.judged.held_out);
+    close(held_out, 1.0 + 4.0 + 1.0, 0.6);
+    // Two weights, a released parameter, and two terms for each of the two records.
+    assert_eq!(found.freedom, 2 + 1 + 2 * 2);
+    // The released parameter has no prior any more, and weights have none.
+    let prior = 1.5 * 1.5 + 0.5 * 0.5;
+    let wanted = 56.0 * 0.5 * (fitted.ln() + held_out.ln()) + prior + 7.0 * 56.0_f64.ln();
+    close(found.rank, wanted, 1e-9);
+    // A perfect fit has a rank, too.
+    let perfect = Fit { mean_square: 0.0, ..found.fit.clone() };
+    let found = search.candidate(found.picks, found.chain, perfect).unwrap();
+    close(found.rank, wanted - 28.0 * (7e12_f64).ln(), 1e-9);
+}
+
+#[test]
+fn the_model_is_retuned_within_its_tolerance() {
+    // The command is a tone of 10, 5 % too small: five standard deviations q of the output's gain. Least is
+    // 56·ln(1 + (0.5 − 0.1·q)²) + q².
+    let made = Made::new(&[(19, 0.5)], &[]);
+    let base = made.retuned();
+    assert!(base.picks.is_empty() && base.freedom == 0);
+    close(base.fit.theta[0], 1.69, 0.3);
+    let free = Made::new(&[], &[]).retuned();
+    close(free.fit.theta[0], 0.0, 0.3);
+}
+
+#[test]
+fn a_further_effect_starts_from_what_the_others_say() {
+    let mut made = Made::new(&[], &[&[(3, 1.0)], &[(5, 1.0)]]);
+    for (name, has_tolerance) in [("a", false), ("b", true), ("c", false)] {
+        made.parameter(name, has_tolerance);
+    }
+    made.library[0].formulas[0].releases = vec![2];
+    made.library[1].formulas = vec![idle(&[0.0, 0.0])];
+    made.library[1].formulas[0].releases = vec![0];
+    made.library[1].formulas[0].parameters[1] = Free::log("time", "s", 1e-3, 10.0);
+    let mut from = made.families(&[0]);
+    // b, c, the gain, the weight.
+    from.fit.theta = vec![0.1, 0.2, 0.3, 0.4];
+    let search = made.search();
+    let chain = made.base.compose(&search.formulas(&[(0, 0), (1, 0)]));
+    let start = search.carry(&from, &chain, &made.library[1].formulas[0], &[0.5, 0.25]);
+    // a is new and stays where it was.
+    assert_eq!(start, [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.25_f64.ln()]);
+}
+
+#[test]
+fn an_effect_promises_the_part_of_the_power_that_it_would_take() {
+    // 8² and 6² on the fitted rows: 64 and 36 of 100, and 1 of noise.
+    let made = Made::new(&[(3, 8.0), (5, 6.0)], &[&[(3, 2.0)], &[(5, 1.0)], &[(7, 1.0)]]);
+    let looked = made.search().expand(&made.retuned()).unwrap();
+    assert_eq!(listed(&looked)[..2], [0, 1], "best first");
+    for (family, part) in [(0, 0.64), (1, 0.36), (2, 0.0)] {
+        let entry = looked.iter().find(|l| l.family == family).unwrap();
+        close(entry.screening, part, 0.02);
+    }
+}
+
+#[test]
+fn a_formula_is_screened_from_each_of_its_starts_and_fitted_from_the_best() {
+    let mut made = Made::new(&[(3, 8.0)], &[&[(3, 1.0)]]);
+    // A lag of the reading: the tone of 25 Hz k is turned by a slow one only.
+    let lag = Free::log("bandwidth", "Hz", 1.0, 1e4);
+    let formula = Formula::new("lag").block(Slot::Reading, Block::Lag(1), vec![lag]).screened(0);
+    let base = made.retuned();
+    let search = made.search();
+    let linear = search.fitter().linearise(&base.chain, &base.fit.theta).unwrap();
+    let promise = |made: &Made| {
+        let search = made.search();
+        search.screen(&base, &[], (0, 0), &linear)
+    };
+    // The command must not be lagged: the faster the better, wherever the fastest stands.
+    let mut seen = Vec::new();
+    for starts in [[10.0, 100.0, 5e3], [5e3, 10.0, 100.0], [10.0, 5e3, 100.0]] {
+        made.library[0].formulas[0] = formula.clone().starts(starts.map(|s| vec![s]));
+        let (promise, start) = promise(&made);
+        assert_eq!(start, [5e3]);
+        seen.push(promise);
+    }
+    assert!(seen.iter().all(|p| *p == seen[0] && *p < 1.0), "{seen:?}");
+}
+
+#[test]
+fn the_families_of_the_effects_that_stand_are_not_looked_at_again() {
+    let columns: [&[(usize, f64)]; 4] = [&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)], &[(9, 1.0)]];
+    let made = Made::new(&[(3, 8.0), (5, 6.0), (7, 4.0)], &columns);
+    let from = made.families(&[1]);
+    let looked = made.search().expand(&from).unwrap();
+    assert_eq!(listed(&looked)[..2], [0, 2]);
+    assert_eq!(looked.len(), 3);
+    for entry in &looked {
+        let best = entry.best.as_ref().unwrap();
+        assert_eq!(names(best), [1, entry.family], "its own family, behind the others");
+        assert!(best.rank.is_finite());
+    }
+}
+
+#[test]
+fn the_seven_that_promise_most_are_fitted_and_five_beside_an_effect() {
+    let columns: Vec<Vec<(usize, f64)>> = (0..12).map(|k| vec![(k + 1, 1.0)]).collect();
+    let columns: Vec<&[(usize, f64)]> = columns.iter().map(Vec::as_slice).collect();
+    // Family k has the amplitude k + 1.
+    let truth: Vec<(usize, f64)> = (0..12).map(|k| (k + 1, k as f64 + 1.0)).collect();
+    let mut made = Made::new(&truth, &columns);
+    made.parameter("released", false);
+    let fitted = |looked: &[Looked]| {
+        let mut all: Vec<usize> =
+            looked.iter().filter(|l| l.best.is_some()).map(|l| l.family).collect();
+        assert!(looked[..all.len()].iter().all(|l| l.best.is_some()), "fitted ones first");
+        all.sort_unstable();
+        all
+    };
+    let first = made.search().expand(&made.retuned()).unwrap();
+    assert_eq!(fitted(&first), [5, 6, 7, 8, 9, 10, 11]);
+    assert_eq!(listed(&first), [11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0], "then by promise");
+    let second = made.search().expand(&made.families(&[11])).unwrap();
+    assert_eq!(fitted(&second), [6, 7, 8, 9, 10]);
+    // What takes its tolerance from the model's own parameters is fitted whatever it promises.
+    made.library[2].formulas[0].releases = vec![0];
+    let first = made.search().expand(&made.retuned()).unwrap();
+    assert_eq!(fitted(&first), [2, 5, 6, 7, 8, 9, 10, 11]);
+}
+
+#[test]
+fn the_best_formula_stands_for_its_family() {
+    let columns: [&[(usize, f64)]; 2] = [&[(3, 1.0), (5, 0.5)], &[(3, 1.0)]];
+    let mut made = Made::new(&[(3, 8.0)], &columns);
+    let best = |made: &Made| {
+        let looked = made.search().expand(&made.retuned()).unwrap();
+        looked[0].best.as_ref().unwrap().picks.clone()
+    };
+    made.library.truncate(1);
+    made.library[0].formulas = vec![adds(0), adds(1)];
+    assert_eq!(best(&made), [(0, 1)]);
+    made.library[0].formulas = vec![adds(1), adds(0)];
+    assert_eq!(best(&made), [(0, 0)]);
+    // Of equals the first one.
+    made.library[0].formulas = vec![adds(1), adds(1)];
+    assert_eq!(best(&made), [(0, 0)]);
+    // What only stands in for others is none of them.
+    made.library[0].formulas = vec![adds(0), adds(1).stand_in()];
+    assert_eq!(best(&made), [(0, 0)]);
+}
+
+#[test]
+fn refining_never_makes_worse() {
+    let made = Made::new(&[(3, 8.0)], &[&[(3, 1.0)]]);
+    let fitted = made.families(&[0]);
+    let search = made.search();
+    let entry = |best: Option<Candidate>| Looked { family: 0, screening: 0.5, best };
+    // A weight that is off is put right.
+    let mut off = fitted.clone();
+    off.fit.theta[1] = 3.0;
+    off = search.candidate(off.picks, off.chain, off.fit).unwrap();
+    let mut looked = entry(Some(off.clone()));
+    search.refine(&mut looked);
+    let refined = looked.best.unwrap();
+    assert!(refined.rank < off.rank - 10.0);
+    close(refined.fit.theta[1], 8.0, 0.2);
+    assert_eq!(refined.picks, [(0, 0)]);
+    // What was better stays.
+    let better = Candidate { rank: fitted.rank - 5.0, ..fitted };
+    let mut looked = entry(Some(better.clone()));
+    search.refine(&mut looked);
+    assert_eq!(looked.best.unwrap().rank, better.rank);
+    let mut nothing = entry(None);
+    search.refine(&mut nothing);
+    assert!(nothing.best.is_none());
+}
+
+#[test]
+fn a_family_must_leave_a_tenth_less_than_what_it_becomes_without_its_effect() {
+    // The null takes one of two tones: 10² of 10² + 12² is left, and noise.
+    let mut made = Made::new(&[(3, 10.0), (5, 12.0)], &[&[(3, 1.0)], &[(5, 1.0)]]);
+    made.library[0].null = Some(adds(1));
+    let base = made.retuned();
+    let null = next(&made, &base, (1, 0));
+    let left = 0.5 * (null.fit.mean_square + null.judged.held_out);
+    close(left, 101.0, 5.0);
+    let search = made.search();
+    let linear = search.fitter().linearise(&base.chain, &base.fit.theta).unwrap();
+    let survives = |own: f64| {
+        let mut best = next(&made, &base, (0, 0));
+        // Of what it leaves more is on the rows that are held out.
+        best.fit.mean_square = 0.6 * own;
+        best.judged.held_out = 1.4 * own;
+        let mut entry = Looked { family: 0, screening: 0.5, best: Some(best) };
+        search.hold_against_null(&base, &[], &mut entry, &linear);
+        entry.best.is_some()
+    };
+    assert!(survives(left / 1.15) && survives(left / 100.0));
+    assert!(!survives(left / 1.05) && !survives(left));
+    // A family that becomes nothing has nothing to beat.
+    made.library[0].null = None;
+    let looked = made.search().expand(&base).unwrap();
+    assert!(looked.iter().all(|l| l.best.is_some()));
+    // One that becomes the truth is dropped, one that is the truth is not.
+    made.library[0].null = Some(adds(1));
+    made.library[1].null = Some(adds(0));
+    let looked = made.search().expand(&base).unwrap();
+    assert_eq!(listed(&looked), [1, 0]);
+    assert!(looked[0].best.is_some() && looked[1].best.is_none());
+}
+
+#[test]
+fn a_set_without_one_of_its_effects_keeps_what_the_others_say() {
+    let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]];
+    let mut made = Made::new(&[], &columns);
+    made.parameter("tight", true);
+    made.parameter("released", false);
+    // What nothing depends on is fitted to where it starts.
+    let own: [&[f64]; 3] = [&[0.11, 0.12, 0.13], &[0.21, 0.22], &[0.31]];
+    for (family, starts) in own.iter().enumerate() {
+        made.library[family].formulas = vec![idle(starts)];
+    }
+    made.library[0].formulas[0].releases = vec![1];
+    let mut from = made.families(&[0, 1, 2]);
+    from.fit.theta[0] = 2.0;
+    from.fit.theta[1] = 0.7;
+    let effects = |c: &Candidate| {
+        let first = c.chain.parameters.iter().position(|p| !p.is_base).unwrap();
+        c.fit.theta[first..].to_vec()
+    };
+    assert_eq!(effects(&from), own.concat());
+    let search = made.search();
+    let less = search.refit_without(&from, 1).unwrap();
+    assert_eq!(less.picks, [(0, 0), (2, 0)]);
+    assert_eq!(effects(&less), [own[0], own[2]].concat());
+    let names: Vec<&str> = less.chain.parameters.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names[..3], ["tight", "released", "output.gain"]);
+    assert_eq!(less.fit.theta[1], 0.7, "the model's own parameters, by name");
+    close(less.fit.theta[0], 0.0, 1e-3);
+    let less = search.refit_without(&from, 2).unwrap();
+    assert_eq!(effects(&less), [own[0], own[1]].concat());
+    // Without what released it the parameter is fixed again.
+    let less = search.refit_without(&from, 0).unwrap();
+    assert_eq!(effects(&less), [own[1], own[2]].concat());
+    assert_eq!(less.chain.parameters.iter().filter(|p| p.is_base).count(), 2);
+    // What is in no set cannot be taken over.
+    assert!(search.refit(&less, vec![(0, 0)]).is_err());
+}
+
+#[test]
+fn an_effect_is_written_with_another_of_its_formulas() {
+    let mut made = Made::new(&[(3, 8.0), (5, 6.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(3, 0.5)]]);
+    let other = made.library.pop().unwrap().formulas.pop().unwrap();
+    made.library[0].formulas.push(other);
+    let from = made.families(&[0, 1]);
+    let exchanged = made.search().exchange(&from, 0, 1).unwrap();
+    assert_eq!(exchanged.picks, [(1, 0), (0, 1)]);
+    close(exchanged.fit.theta[1], 6.0, 0.2);
+    close(exchanged.fit.theta[2], 16.0, 0.4);
+    close(exchanged.rank, from.rank, 0.01);
+}
+
+#[test]
+fn a_gap_is_what_is_over_the_limit_on_fitted_or_held_out_rows() {
+    let made = Made::new(&[], &[]);
+    let mut candidate = made.retuned();
+    let mut has_gap = |held_out, training| {
+        (candidate.judged.held_out, candidate.judged.training) = (held_out, training);
+        super::has_gap(&candidate, 1.3)
+    };
+    assert!(has_gap(1.31, 1.0) && has_gap(1.0, 1.31) && has_gap(9.0, 9.0));
+    assert!(!has_gap(1.29, 1.29) && !has_gap(1.3, 1.3) && !has_gap(0.9, 0.8));
+}
+
+#[test]
+fn families_stand_by_rank_and_those_that_were_not_fitted_by_promise() {
+    let made = Made::new(&[], &[]);
+    let fitted = made.retuned();
+    let entry = |family, screening, rank: Option<f64>| Looked {
+        family,
+        screening,
+        best: rank.map(|rank| Candidate { rank, ..fitted.clone() }),
+    };
+    let mut looked = vec![
+        entry(6, 0.1, None),
+        entry(1, 0.1, Some(3.0)),
+        entry(5, 0.2, None),
+        entry(3, 0.2, None),
+        entry(2, 0.9, Some(-4.0)),
+        entry(0, 0.2, Some(3.0)),
+        entry(4, 0.7, None),
+    ];
+    sort(&mut looked);
+    assert_eq!(listed(&looked), [2, 0, 1, 4, 3, 5, 6]);
+}
+
+#[test]
+fn a_change_reaches_every_candidate_that_was_fitted() {
+    let made = Made::new(&[], &[]);
+    let fitted = made.retuned();
+    let entry = |rank: f64| Looked {
+        family: 0,
+        screening: 0.0,
+        best: Some(Candidate { rank, ..fitted.clone() }),
+    };
+    let none = || Looked { family: 0, screening: 0.0, best: None };
+    let mut found = Found {
+        base: Candidate { rank: 0.0, ..fitted.clone() },
+        last: Candidate { rank: 1.0, ..fitted.clone() },
+        rivals: vec![vec![entry(2.0), none()], vec![entry(3.0), entry(4.0)]],
+        first: vec![none(), entry(5.0)],
+        alone: Vec::new(),
+    };
+    let mut seen = Vec::new();
+    found.each(|c| {
+        seen.push(c.rank);
+        c.rank += 10.0;
+    });
+    assert_eq!(seen, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    assert_eq!(found.base.rank, 10.0);
+    assert_eq!(found.rivals[1][1].best.as_ref().unwrap().rank, 14.0);
+    assert_eq!(found.first[1].best.as_ref().unwrap().rank, 15.0);
+}
