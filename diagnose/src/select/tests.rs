@@ -117,6 +117,14 @@ fn a_formula_is_screened_from_each_of_its_starts_and_fitted_from_the_best() {
         seen.push(promise);
     }
     assert!(seen.iter().all(|p| *p == seen[0] && *p < 1.0), "{seen:?}");
+    // Of equals the first one.
+    let block = Block::Aux { scale: f64::INFINITY, rate: false };
+    let mut same = adds(0).block(Slot::Reading, block, vec![Free::linear("idle", "1", -1e3, 1e3)]);
+    same.starts = vec![vec![0.0, 1.0], vec![0.0, 2.0]];
+    made.library[0].formulas[0] = same;
+    let (promise, start) = promise(&made);
+    assert!(promise > 0.9, "{promise}");
+    assert_eq!(start, [0.0, 1.0]);
 }
 
 #[test]

@@ -296,9 +296,14 @@ fn a_single_effect_that_three_names_have_alike_is_not_named() {
     assert_eq!(named(&[(0, -100.0, 1)]), [(0, 0)]);
     assert_eq!(named(&[(0, -100.0, 1), (1, -40.0, 3)]), [(0, 0)]);
     assert!(named(&[(0, -100.0, 1), (1, -100.0, 1), (2, -100.0, 1)]).is_empty());
-    // Nor is one that explains too little, or nothing.
-    let little = told.set(1, 0.4, 0.4);
-    let looked = alike(&told, &[(0, -100.0, 1)]);
-    assert!(search.believed(&base, little, &mut vec![looked]).unwrap().picks.is_empty());
+    // Nor is one that explains too little, be its name sure, or nothing.
+    let explains = |bands: f64| {
+        let mut one = told.set(1, 0.88, bands);
+        one.fit.mean_square = one.judged.training;
+        let looked = vec![Looked { family: 0, screening: 0.0, best: Some(one.clone()) }];
+        search.believed(&base, one, &mut vec![looked]).unwrap().picks
+    };
+    assert_eq!(explains(0.4), [(0, 0)]);
+    assert!(explains(0.2).is_empty(), "0.54 is below 0.6, and 0.88 below 0.9");
     assert!(search.believed(&base, base.clone(), &mut Vec::new()).unwrap().picks.is_empty());
 }

@@ -222,8 +222,12 @@ fn another_formula_of_the_last_member_is_taken() {
     let mut made = Made::new(&[(3, 10.0), (5, 8.0)], &columns);
     let better = made.library.pop().unwrap().formulas;
     made.library[1].formulas.extend(better);
-    let best = made.search().reconsider(made.families(&[0, 1]), &mut marked(2)).unwrap();
+    let mut rivals = marked(2);
+    let best = made.search().reconsider(made.families(&[0, 1]), &mut rivals).unwrap();
     assert_eq!(best.picks, [(0, 0), (1, 1)]);
+    // It is the same effect: the others are not looked at again.
+    assert!(rivals[0].iter().filter_map(|l| l.best.as_ref()).all(|c| c.picks[0] == (1, 0)));
+    assert_eq!(listed(&rivals[1])[0], 1);
 }
 
 #[test]
