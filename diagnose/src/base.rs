@@ -28,6 +28,8 @@ pub(crate) struct BaseParameter {
     pub(crate) node: usize,
     /// Indices in the node's values, with the deviation of each in SI.
     pub(crate) indices: Vec<(usize, f64)>,
+    /// Nodes behind whose values move with it: node, index, deviation in SI.
+    pub(crate) also: Vec<(usize, usize, f64)>,
     /// Value in its own unit (of an array's group: the first).
     pub(crate) value: f64,
     /// One standard deviation in its own unit.
@@ -214,6 +216,7 @@ impl Base {
                 unit: place.unit.to_owned(),
                 node: place.node,
                 indices,
+                also: Vec::new(),
                 value: own[first],
                 deviation: tolerance,
                 has_tolerance,
@@ -282,6 +285,21 @@ impl Base {
             Node::Component(mode) => Some((*mode.values.first()?, *mode.values.get(1)?)),
             _ => None,
         }
+    }
+
+    /// Frequency in Hz and damping of the first mode in a chain of this model, at these coordinates.
+    pub(crate) fn mode_in(&self, chain: &Chain, theta: &[f64]) -> Option<(f64, f64)> {
+        let (frequency, damping) = self.mode_values()?;
+        let node = self.mode?;
+        let mut at = [frequency, damping];
+        for p in &self.parameters {
+            let place = chain.parameters.iter().position(|q| q.is_base && q.name == p.name);
+            let Some(q) = place.and_then(|k| theta.get(k)) else { continue };
+            for (_, index, deviation) in p.also.iter().filter(|(k, ..)| *k == node) {
+                at[*index] += deviation * q;
+            }
+        }
+        Some((at[0], at[1]))
     }
 
     /// The chain with these effects in place.
@@ -455,18 +473,18 @@ impl<'a> Composer<'a> {
         let here = self.nodes.len();
         let mut links = Vec::new();
         for (p, chain) in self.base.parameters.iter().zip(&self.of_base) {
-            if let (true, Some(parameter)) = (p.node == k, chain) {
-                self.parameters[*parameter].node = here;
-                links.extend(p.indices.iter().map(|(index, deviation)| Link {
-                    parameter: *parameter,
-                    index: *index,
-                    deviation: *deviation,
-                }));
+            let Some(parameter) = *chain else { continue };
+            let link = |index, deviation| Link { parameter, index, deviation };
+            if p.node == k {
+                self.parameters[parameter].node = here;
+                links.extend(p.indices.iter().map(|(index, deviation)| link(*index, *deviation)));
             }
+            let also = p.also.iter().filter(|(node, ..)| *node == k);
+            links.extend(also.map(|(_, index, deviation)| link(*index, *deviation)));
         }
         let mut node = node.clone();
         match &mut node {
-            Node::Component(component) => component.links = links,
+            Node::Component(component) | Node::BeforeMode(component) => component.links = links,
             Node::BlackBox(fmu) => fmu.links = links,
             _ => {}
         }

@@ -1,11 +1,13 @@
 //! An FMU as one node of a chain.
 
 use std::collections::BTreeSet;
+use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use cosim::{Experiment, Fmu, HOST, InstanceOptions, Message, RunError, Selection, Slave};
 use cosim::{StepResult, Value};
 
+use crate::block::{Block, Span, Wires};
 use crate::chain::{Failed, Link};
 use crate::data_set::RecordData;
 use crate::error::Error;
@@ -78,6 +80,15 @@ impl BlackBox {
         Self { times: Arc::new(times), ..self.clone() }
     }
 
+    /// The same with one parameter moved by this much.
+    pub(crate) fn with(&self, parameter: usize, shift: f64) -> Self {
+        let mut moved = self.clone();
+        if let Some((_, value)) = moved.parameters.get_mut(parameter) {
+            *value += shift;
+        }
+        moved
+    }
+
     fn take(&self) -> Result<Box<dyn Slave>, cosim::Error> {
         let shared = &*self.shared;
         let idle = shared.idle.lock().ok().and_then(|mut idle| idle.pop());
@@ -114,6 +125,31 @@ impl BlackBox {
             incidents.first.get_or_insert_with(|| error.to_string());
             Failed
         })
+    }
+
+    /// Natural frequency in Hz and damping of the mode that the output leaves through, where the
+    /// answer to a small step of the driven input shows one and nothing else that moves.
+    pub(crate) fn mode(&self, record: &RecordData, command: Span) -> Option<(f64, f64)> {
+        /// Rows of the answer at most, and those of them before the step.
+        const ROWS: usize = 4000;
+        const BEFORE: usize = 50;
+        /// Over half the range.
+        const SIZE: f64 = 0.1;
+        let times = self.times.get(&record.rows.start)?;
+        let rows = times.len().min(ROWS);
+        let sample = (times.get(rows.checked_sub(1)?)? - times.first()?) / (rows as f64 - 1.0);
+        let uneven = |w: &[f64]| (w[1] - w[0] - sample).abs() > 1e-6 * sample;
+        if rows < 4 * BEFORE || times[..rows].windows(2).any(uneven) {
+            return None;
+        }
+        let held = |row: &Vec<f64>| vec![row.first().copied().unwrap_or(0.0); rows];
+        let others = record.others.iter().map(held).collect();
+        let alone = RecordData { others, ..record.clone() };
+        let step = |row| command.centre + if row < BEFORE { 0.0 } else { SIZE * command.half };
+        let x: Vec<f64> = (0..rows).map(step).collect();
+        let mut response = vec![0.0; rows];
+        self.try_run(&vec![0.0; self.parameters.len()], &alone, &x, &mut response).ok()?;
+        ringing(&response, BEFORE, sample)
     }
 
     /// Refuses where the FMU crashed or hung too often to go on.
@@ -252,6 +288,48 @@ impl BlackBox {
     }
 }
 
+/// Natural frequency in Hz and damping of a mode that a response ends with, if nothing else moves
+/// there: the input is held from row `step` on, and differences of rows then follow
+/// `d_n = a₁d_(n−1) + a₂d_(n−2)`, with the mode's two poles.
+fn ringing(response: &[f64], step: usize, sample: f64) -> Option<(f64, f64)> {
+    /// Part of the differences' rms that may be something else.
+    const OTHER: f64 = 1e-3;
+    /// Part of a step by which what enters the mode may differ from a step.
+    const ROUGH: f64 = 0.05;
+    let d: Vec<f64> = response.windows(2).map(|w| w[1] - w[0]).collect();
+    // From the difference of the first two rows after the step.
+    let rows = || d.get(step + 1..).unwrap_or_default().windows(3).map(|w| (w[2], w[1], w[0]));
+    let sum = |of: fn((f64, f64, f64)) -> f64| rows().map(of).sum::<f64>();
+    let (s11, s12, s22) = (sum(|w| w.1 * w.1), sum(|w| w.1 * w.2), sum(|w| w.2 * w.2));
+    let (r1, r2) = (sum(|w| w.0 * w.1), sum(|w| w.0 * w.2));
+    let determinant = s11 * s22 - s12 * s12;
+    if determinant <= 1e-12 * s11 * s22 {
+        return None;
+    }
+    let (a1, a2) = ((r1 * s22 - r2 * s12) / determinant, (r2 * s11 - r1 * s12) / determinant);
+    let left: f64 = rows().map(|(d0, d1, d2)| (d0 - a1 * d1 - a2 * d2).powi(2)).sum();
+    if left > OTHER * OTHER * sum(|w| w.0 * w.0) {
+        return None;
+    }
+    // Poles r·exp(±jφ) with r² = −a₂, 2r·cos φ = a₁.
+    let r = (-a2).sqrt();
+    let angle = (0.5 * a1 / r).acos();
+    let (decay, turn) = (-r.ln() / sample, angle / sample);
+    let omega = decay.hypot(turn);
+    let (frequency, damping) = (omega / TAU, decay / omega);
+    if !(damping > 0.0 && damping < 1.0 && angle < 0.9 * PI) {
+        return None;
+    }
+    // What enters the mode is a step then.
+    let mut entered = vec![0.0; response.len()];
+    let wires = Wires { x: response, drive: &[], command: &[], aux: &[], step: sample };
+    Block::BeforeMode { frequency, damping }.run(&[], wires, &mut entered);
+    let (first, last) = (*entered.first()?, *entered.last()?);
+    let held = entered.get(step + 1..)?;
+    let off = held.iter().map(|x| (x - last).powi(2)).sum::<f64>() / held.len() as f64;
+    (off.sqrt() < ROUGH * (last - first).abs()).then_some((frequency, damping))
+}
+
 fn incidents_of(incidents: &Mutex<Incidents>) -> MutexGuard<'_, Incidents> {
     incidents.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -259,4 +337,43 @@ fn incidents_of(incidents: &Mutex<Incidents>) -> MutexGuard<'_, Incidents> {
 /// Whether the FMU's process is gone.
 fn is_lost(error: &Error) -> bool {
     matches!(error, Error::Run { cause, .. } if matches!(cause.cause, cosim::Error::Lost(_)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SAMPLE: f64 = 2.5e-4;
+
+    /// A step at row 50 through these blocks, whose parameters stand beside them.
+    fn answer(blocks: &[(Block, &[f64])]) -> Vec<f64> {
+        let mut x: Vec<f64> = (0..3000).map(|row| if row < 50 { 2.0 } else { 2.5 }).collect();
+        for (block, p) in blocks {
+            let mut out = vec![0.0; x.len()];
+            let wires = Wires { x: &x, drive: &x, command: &x, aux: &x, step: SAMPLE };
+            block.run(p, wires, &mut out);
+            x = out;
+        }
+        x
+    }
+
+    #[test]
+    fn the_mode_at_the_end_is_read_from_the_answer_to_a_step() {
+        for (frequency, damping) in [(284.0, 0.04), (60.0, 0.3), (900.0, 0.01)] {
+            let response = answer(&[(Block::Gain, &[0.3]), (Block::Lag2, &[frequency, damping])]);
+            let (f, d) = ringing(&response, 50, SAMPLE).unwrap();
+            assert!((f / frequency - 1.0).abs() < 1e-6, "{f}");
+            assert!((d / damping - 1.0).abs() < 1e-5, "{d}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_single_mode_is_none() {
+        let none = |blocks: &[(Block, &[f64])]| ringing(&answer(blocks), 50, SAMPLE).is_none();
+        assert!(none(&[]), "nothing moves");
+        assert!(none(&[(Block::Lag(1), &[100.0])]), "a lag");
+        assert!(none(&[(Block::Lag2, &[284.0, 0.04]), (Block::Lag(1), &[300.0])]), "mode and lag");
+        assert!(none(&[(Block::ParallelMode, &[0.3, 284.0, 0.04])]), "a mode beside the path");
+        assert!(none(&[(Block::Lag2, &[100.0, 0.1]), (Block::Lag2, &[284.0, 0.04])]), "two modes");
+    }
 }

@@ -6,6 +6,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use model::{ComponentRef, Tick};
+pub(crate) use surround::Force;
 
 use crate::black_box::BlackBox;
 use crate::block::{Block, Wires};
@@ -66,26 +67,13 @@ pub(crate) struct ComponentNode {
     pub(crate) reads_command: bool,
 }
 
-/// What is added to the equation of motion of a mode.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Force {
-    /// Cubic stiffness: `k₃·(x/X)²` of the linear force, X the far end of the range.
-    Cubic,
-    /// Quadratic and cubic stiffness.
-    Uneven,
-    /// Dry friction with a pre-sliding distance, over the stiffness.
-    Friction,
-    /// Damping that grows with the speed: `ratio·(x′/ω)·|x′/ω|/X`, X the far end of the range.
-    SpeedDamping,
-    /// Coulomb friction `size·tanh(x′/(ω·smooth))`, over the stiffness.
-    Coulomb,
-}
-
 /// One node of a chain.
 #[derive(Clone)]
 pub(crate) enum Node {
     /// A component of the model.
     Component(ComponentNode),
+    /// What has to enter this mode for its input to come out.
+    BeforeMode(ComponentNode),
     /// A mode of the model with another force on it.
     Forced { mode: ComponentNode, force: Force, first: usize, centre: f64, half: f64 },
     /// A block of an effect; its parameters begin at `first`.
@@ -241,6 +229,17 @@ impl<'a> Bench<'a> {
                     let command = &self.data.command[range.clone()];
                     node.run(theta, (x, command), self.data.step, out)?;
                 }
+                Node::BeforeMode(mode) => {
+                    let &[frequency, damping, _] = mode.values_at(theta).as_slice() else {
+                        return Err(Failed);
+                    };
+                    let step = self.data.step;
+                    Block::BeforeMode { frequency, damping }.run(
+                        &[],
+                        Wires { x, drive: x, command: x, aux: x, step },
+                        out,
+                    );
+                }
                 Node::Forced { mode, force, first, centre, half } => {
                     let p = natural(parameters, theta, *first, force.count());
                     forced(mode, *force, &p, (*centre, *half), theta, x, self.data.step, out)?;
@@ -271,42 +270,6 @@ impl<'a> Bench<'a> {
 fn natural(parameters: &[Parameter], theta: &[f64], first: usize, count: usize) -> Vec<f64> {
     let range = first..first + count;
     parameters[range.clone()].iter().zip(&theta[range]).map(|(p, q)| p.value(*q)).collect()
-}
-
-impl Force {
-    /// Number of its parameters.
-    pub(crate) fn count(self) -> usize {
-        match self {
-            Self::Cubic | Self::SpeedDamping => 1,
-            Self::Uneven | Self::Friction | Self::Coulomb => 2,
-        }
-    }
-
-    /// Parts of a step in which the force is held: friction turns quickly.
-    fn parts(self) -> u8 {
-        match self {
-            Self::Cubic | Self::Uneven => 1,
-            Self::Friction | Self::Coulomb | Self::SpeedDamping => 3,
-        }
-    }
-
-    /// The force over the linear stiffness, as a displacement; z is the state of the friction.
-    fn pull(self, p: &[f64], (x, way, rate): (f64, f64, f64), z: &mut f64, far: f64) -> f64 {
-        // The flexure is straight where the position is zero.
-        let e = x / far;
-        match (self, p) {
-            (Self::Cubic, &[cubic]) => x * cubic * e * e,
-            (Self::Uneven, &[square, cubic]) => x * (square * e + cubic * e * e),
-            (Self::Friction, &[size, distance]) => {
-                let decay = (-way.abs() / distance).exp();
-                *z = way.signum() * (1.0 - decay) + *z * decay;
-                size * *z
-            }
-            (Self::SpeedDamping, &[ratio]) => ratio * rate * rate.abs() / far,
-            (Self::Coulomb, &[size, smooth]) => size * (rate / smooth).tanh(),
-            _ => 0.0,
-        }
-    }
 }
 
 impl ComponentNode {
@@ -353,7 +316,7 @@ impl ComponentNode {
 /// A mode `x″ + 2ζω x′ + ω²·(x + pull(x)) = ω²·gain·u`: the pull acts as a part of the input that is
 /// held over the step.
 #[allow(clippy::too_many_arguments)]
-fn forced(
+pub(crate) fn forced(
     mode: &ComponentNode,
     force: Force,
     p: &[f64],
@@ -373,11 +336,7 @@ fn forced(
     let Some(&first) = u.first() else { return Ok(()) };
     let (mut z, mut rate) = (0.0, 0.0);
     let far = centre.abs() + half;
-    let mut x = gain * first;
-    // The equilibrium under the first input, by fixed-point steps.
-    for _ in 0..50 {
-        x = gain * first - force.pull(p, (x, 0.0, 0.0), &mut z, far);
-    }
+    let mut x = force.rest(p, gain * first, &mut z, far);
     let mut before = x;
     for (n, (y, u)) in out.iter_mut().zip(u).enumerate() {
         for _ in 0..if n > 0 { parts } else { 0 } {

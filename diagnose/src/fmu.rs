@@ -9,7 +9,7 @@ use modeldescription::variable::{Causality, DataType, Number, Variable};
 
 use crate::base::{Base, BaseParameter, tolerance};
 use crate::black_box::BlackBox;
-use crate::chain::Node;
+use crate::chain::{ComponentNode, Node};
 use crate::error::Error;
 use crate::library::Slot;
 use crate::problem::{Port, Problem, assemble, choose};
@@ -111,8 +111,49 @@ fn problem(
         let x = &problem.data.command[range.clone()];
         node.try_run(&vec![0.0; tuned.len()], record, x, &mut out[range])?;
     }
+    let longest = problem.data.records.iter().max_by_key(|r| r.rows.len());
+    let command = problem.data.command_span;
+    let modes = longest.and_then(|record| {
+        let mode = node.mode(record, command)?;
+        let moved = tuned.iter().enumerate().map(|(k, p)| {
+            let (frequency, damping) = node.with(k, p.deviation).mode(record, command)?;
+            Some((frequency - mode.0, damping - mode.1))
+        });
+        Some((mode, moved.map(Option::unwrap_or_default).collect()))
+    });
     problem.base.nodes.push(Node::BlackBox(node));
+    if let Some((mode, moved)) = modes {
+        open_up(&mut problem.base, mode, moved);
+    }
     Ok(problem)
+}
+
+/// Takes the mode, frequency and damping, out behind the FMU and puts it in again, so that effects can
+/// act on what enters it. `moved` is what each of the FMU's parameters does to it at one deviation.
+fn open_up(base: &mut Base, (frequency, damping): (f64, f64), moved: Vec<(f64, f64)>) {
+    let mode = ComponentNode {
+        component: model::ComponentRef::Static(&components::mechanics::MODE),
+        structure: Vec::new(),
+        values: vec![frequency, damping, 1.0],
+        links: Vec::new(),
+        reads_command: false,
+    };
+    let before = base.nodes.len();
+    let again = before + 1;
+    base.nodes.extend([Node::BeforeMode(mode.clone()), Node::Component(mode)]);
+    base.mode = Some(again);
+    for (p, (frequency, damping)) in base.parameters.iter_mut().zip(moved) {
+        p.also = [before, again]
+            .into_iter()
+            .flat_map(|node| [(node, 0, frequency), (node, 1, damping)])
+            .collect();
+    }
+    for slot in [Slot::AfterActuator, Slot::BeforeMechanics] {
+        base.slots.insert(slot, again);
+    }
+    for slot in [Slot::AfterMechanics, Slot::Reading] {
+        base.slots.insert(slot, again + 1);
+    }
 }
 
 /// The real numbers of one causality, an array by its elements.
@@ -162,6 +203,7 @@ fn tuned(request: &Request, fmu: &Fmu) -> Vec<BaseParameter> {
             unit: fmu.description().properties(v).unit.unwrap_or_else(|| "1".to_owned()),
             node: 0,
             indices: vec![(all.len(), deviation)],
+            also: Vec::new(),
             value,
             deviation,
             has_tolerance,

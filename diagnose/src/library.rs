@@ -258,7 +258,8 @@ pub(crate) fn families(setting: &Setting<'_>, without: &[String]) -> Vec<Family>
         };
         family.formulas.retain(has_place);
         family.formulas.retain(|f| {
-            !f.pieces.is_empty() || f.nuisance.is_some() || is_white || !f.releases.is_empty()
+            let goes_in = !f.pieces.is_empty() || f.nuisance.is_some() || f.force.is_some();
+            goes_in || is_white || !f.releases.is_empty()
         });
     }
     all.retain(|f| !f.formulas.is_empty() && !without.iter().any(|name| name == f.effect.name));

@@ -11,7 +11,8 @@ use crate::error::Error;
 pub enum Model {
     /// A white box: effects go in at their physical place on the path.
     Blueprint(Box<CheckedBlueprint>),
-    /// A black box, FMI co-simulation of any vendor: effects go in before and behind it.
+    /// A black box, FMI co-simulation of any vendor: effects go in before and behind it, and before its
+    /// mode where its answer to a step shows one.
     Fmu(PathBuf),
 }
 

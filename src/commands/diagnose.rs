@@ -22,8 +22,9 @@ use crate::{documentation, libraries, progress, reference};
 /// Says which effect a model lacks, where the gap lies and how far it shrinks
 ///
 /// The model is a blueprint (.toml, effects go in at their physical place) or any co-simulation FMU
-/// (effects go in before and behind it). Parameters are re-tuned under their tolerance first; what is
-/// named must hold on rows that were not used.
+/// (effects go in before and behind it, and before its mode where its answer to a step shows one).
+/// Parameters are re-tuned under their tolerance first; what is named must hold on rows that were not
+/// used.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop diagnose --model plant.toml --log a.csv --log b.csv --map u=u1 --json gap.json --report gap.html\n  piezoloop diagnose --model plant.fmu --log a.csv --holdout b.csv --tune '*.frequency=0.02' --rest idle.csv\n  piezoloop diagnose --model plant.toml --log a.csv --repair repaired.toml"

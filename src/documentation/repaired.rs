@@ -72,6 +72,8 @@ fn diagram(wrapped: &Repaired) -> Diagram {
         lane = lane.stage(Look::Shared, description(wrapped), "the original, untouched");
         let mut behind: Vec<_> = pieces(wrapped, surround::Side::Output, number).collect();
         behind.sort_by_key(|(place, _)| *place);
+        // An effect before the mode is three blocks: the mode out, the effect, the mode in again.
+        behind.dedup_by(|a, b| std::ptr::eq(a.1, b.1));
         for (_, effect) in behind {
             lane = stage(lane, effect);
         }

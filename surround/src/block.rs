@@ -3,10 +3,11 @@
 //! A block starts at rest under its first value. A value is what is held over the step that ends
 //! now; steps may differ in length.
 
-use components::linear::{Transition, lag_fraction};
+use components::linear::lag_fraction;
 use serde::{Deserialize, Serialize};
 
-use crate::state::State;
+use crate::mechanics::{Force, before_mode, dahl, forced, mode};
+use crate::state::{State, past};
 use crate::warmth::{Loss, warming};
 use crate::{map, memory};
 
@@ -41,6 +42,31 @@ pub enum Block {
     },
     /// Second-order lag: frequency in Hz, damping.
     SecondOrder,
+    /// What has to enter a mode of unit gain for x to come out.
+    BeforeMode {
+        /// Natural frequency in Hz.
+        frequency: f64,
+        /// Damping ratio.
+        damping: f64,
+    },
+    /// A mode of unit gain.
+    Mode {
+        /// Natural frequency in Hz.
+        frequency: f64,
+        /// Damping ratio.
+        damping: f64,
+    },
+    /// A mode of unit gain with another force on it, whose parameters these are.
+    ForcedMode {
+        /// Natural frequency in Hz.
+        frequency: f64,
+        /// Damping ratio.
+        damping: f64,
+        /// The force.
+        force: Force,
+        /// The far end of the range.
+        far: f64,
+    },
     /// Slope limit: rate per second.
     Slew,
     /// Slope limit up, and the one down over it: rate per second, ratio.
@@ -233,6 +259,8 @@ impl Block {
             Self::Warming { times, .. } => times.len() + 1,
             Self::Plays { r, slope } => r.len() + usize::from(*slope),
             Self::SkewedPlays { r, .. } => r.len(),
+            Self::ForcedMode { force, .. } => force.count(),
+            Self::BeforeMode { .. } | Self::Mode { .. } => 0,
             Self::Factor
             | Self::Delay
             | Self::Lag { .. }
@@ -276,7 +304,16 @@ impl Block {
         match self {
             Self::Delay => state.past.push_back((0.0, x)),
             Self::Lag { order } => state.z.resize(*order, x),
-            Self::SecondOrder | Self::ParallelMode | Self::PoleZero => state.z.extend([x, 0.0]),
+            Self::SecondOrder
+            | Self::BeforeMode { .. }
+            | Self::Mode { .. }
+            | Self::ParallelMode
+            | Self::PoleZero => state.z.extend([x, 0.0]),
+            Self::ForcedMode { force, far, .. } => {
+                let mut slide = 0.0;
+                let rest = force.rest(p, x, &mut slide, *far);
+                state.z.extend([rest, 0.0, slide, rest]);
+            }
             Self::Slew | Self::UnevenSlew | Self::SoftSlew | Self::Backlash | Self::Gain => {
                 state.z.push(x)
             }
@@ -326,14 +363,21 @@ impl Block {
                     *z
                 })
             }
-            (Self::SecondOrder, &[frequency, damping]) => mode(frequency, damping, x, dt, z),
+            (Self::SecondOrder, &[frequency, damping]) => mode((frequency, damping), x, dt, z),
+            (&Self::Mode { frequency, damping }, _) => mode((frequency, damping), x, dt, z),
+            (&Self::BeforeMode { frequency, damping }, _) => {
+                before_mode((frequency, damping), x, dt, z)
+            }
+            (&Self::ForcedMode { frequency, damping, force, far }, p) => {
+                forced(((frequency, damping), force, far), p, x, dt, z)
+            }
             (Self::ParallelMode, &[gain, frequency, damping]) => {
-                x + gain * (mode(frequency, damping, x, dt, z) - x)
+                x + gain * (mode((frequency, damping), x, dt, z) - x)
             }
             (Self::PoleZero, &[pole, damping, ratio, zero_damping]) => {
                 // G = k² + (1 − k²)·M + 2k(ζ_z − k ζ_p)·M′/ω_p with k = ω_p/ω_z.
                 let k = 1.0 / ratio;
-                let position = mode(pole, damping, x, dt, z);
+                let position = mode((pole, damping), x, dt, z);
                 let rate = z.get(1).copied().unwrap_or(0.0);
                 k * k * x + (1.0 - k * k) * position + 2.0 * k * (zero_damping - k * damping) * rate
             }
@@ -373,7 +417,7 @@ impl Block {
                 x + a / scale * follow(z, |v| v + fraction * (w.aux - zero - v))
             }
             (Self::ModalAuxiliary { scale, zero }, &[a, frequency, damping]) => {
-                x + a / scale * mode(frequency, damping, w.aux - zero, dt, z)
+                x + a / scale * mode((frequency, damping), w.aux - zero, dt, z)
             }
             (Self::FeedThrough { scale, time }, &[a, b]) => {
                 x + (a * w.drive + b * time * rate(w.drive, dt, z)) / scale
@@ -449,36 +493,4 @@ fn rate(signal: f64, dt: f64, z: &mut [f64]) -> f64 {
     let rate = if dt > 0.0 { (signal - *before) / dt } else { 0.0 };
     *before = signal;
     rate
-}
-
-/// The position of a unit-gain mode; the state is position and rate over the natural frequency.
-fn mode(frequency: f64, damping: f64, x: f64, dt: f64, z: &mut [f64]) -> f64 {
-    let [position, rate] = z else { return x };
-    if dt > 0.0 {
-        let (e, r) = Transition::new(frequency, damping, dt).apply(*position - x, *rate);
-        (*position, *rate) = (x + e, r);
-    }
-    *position
-}
-
-fn dahl(size: f64, distance: f64, x: f64, z: &mut [f64]) -> f64 {
-    let [slide, before] = z else { return x };
-    let way = (x - *before) / distance;
-    *before = x;
-    // z′ = v/d·(1 − z·sign v), exactly over a step of constant direction.
-    let decay = (-way.abs()).exp();
-    *slide = way.signum() * (1.0 - decay) + *slide * decay;
-    x - size * *slide
-}
-
-/// The value at a time, straight lines between; what is older than that is forgotten.
-fn past(time: f64, state: &mut State) -> f64 {
-    while state.past.get(1).is_some_and(|(t, _)| *t <= time) {
-        state.past.pop_front();
-    }
-    match (state.past.front(), state.past.get(1)) {
-        (Some((a, va)), Some((b, vb))) if time > *a => va + (time - a) / (b - a) * (vb - va),
-        (Some((_, v)), _) => *v,
-        _ => 0.0,
-    }
 }

@@ -11,6 +11,7 @@
 
 mod block;
 mod map;
+mod mechanics;
 mod memory;
 mod repair;
 mod state;
@@ -20,6 +21,7 @@ mod warmth;
 mod whole;
 
 pub use block::{Block, Wires};
+pub use mechanics::Force;
 pub use repair::{
     Change, Effect, Error, FILE, FORMAT, Original, Parameter, Piece, Port, Repair, Side, Variable,
 };

@@ -46,3 +46,15 @@ fn count(from: &mut impl Iterator<Item = f64>) -> Option<usize> {
     let n = from.next()?;
     (n >= 0.0 && n.fract() == 0.0 && n < 1e8).then_some(n as usize)
 }
+
+/// The value at a time, straight lines between; what is older than that is forgotten.
+pub(crate) fn past(time: f64, state: &mut State) -> f64 {
+    while state.past.get(1).is_some_and(|(t, _)| *t <= time) {
+        state.past.pop_front();
+    }
+    match (state.past.front(), state.past.get(1)) {
+        (Some((a, va)), Some((b, vb))) if time > *a => va + (time - a) / (b - a) * (vb - va),
+        (Some((_, v)), _) => *v,
+        _ => 0.0,
+    }
+}

@@ -57,7 +57,8 @@ fn truth() -> String {
     fs::read_to_string(file).expect("the blueprint")
 }
 
-fn measure_of(truth: &str, folder: &Path) {
+/// The same of the machine of this blueprint.
+pub(crate) fn measure_of(truth: &str, folder: &Path) {
     fs::write(folder.join("truth.toml"), truth).expect("the folder is writable");
     let truth = "truth.toml";
     for (name, signal) in [("multisine", multisine as fn(f64) -> f64), ("stairs", stairs)] {

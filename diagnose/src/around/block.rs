@@ -67,6 +67,7 @@ fn stepping(block: &Block, zero: f64) -> Option<Around> {
         Block::HeatingGain { loss } => Around::HeatingGain { loss: losses(*loss) },
         Block::ParallelMode => Around::ParallelMode,
         Block::PoleZero => Around::PoleZero,
+        &Block::BeforeMode { frequency, damping } => Around::BeforeMode { frequency, damping },
         Block::Backlash => Around::Backlash,
         Block::Dahl => Around::Dahl,
         Block::Polynomial { span, .. } => {
@@ -150,6 +151,7 @@ mod tests {
             (Block::HeatingGain { loss: loops }, vec![0.1, 0.05]),
             (Block::ParallelMode, vec![0.1, 600.0, 0.03]),
             (Block::PoleZero, vec![500.0, 0.02, 1.1, 0.03]),
+            (Block::BeforeMode { frequency: 700.0, damping: 0.1 }, vec![]),
             (Block::Backlash, vec![0.3]),
             (Block::Dahl, vec![0.1, 0.2]),
             (Block::Polynomial { span, order: 4 }, vec![0.1, -0.2, 0.05]),
@@ -218,6 +220,66 @@ mod tests {
                 let b = around.step(&p, wires(n), t, STEP, &mut other);
                 assert_eq!(a.to_bits(), b.to_bits(), "{around:?} at {n}");
             }
+        }
+    }
+
+    #[test]
+    fn a_stepping_mode_with_a_force_does_what_the_fitted_one_does() {
+        let (frequency, damping, centre, half) = (300.0, 0.05, 0.5, 2.0);
+        let mode = crate::chain::ComponentNode {
+            component: model::ComponentRef::Static(&components::mechanics::MODE),
+            structure: Vec::new(),
+            values: vec![frequency, damping, 1.0],
+            links: Vec::new(),
+            reads_command: false,
+        };
+        let x = signal(0.1);
+        for (force, p) in [
+            (surround::Force::Cubic, &[0.3][..]),
+            (surround::Force::Uneven, &[0.1, 0.3]),
+            (surround::Force::Friction, &[0.05, 0.1]),
+            (surround::Force::SpeedDamping, &[0.4]),
+            (surround::Force::Coulomb, &[0.05, 0.02]),
+        ] {
+            let mut whole = vec![0.0; x.len()];
+            let range = (centre, half);
+            crate::chain::forced(&mode, force, p, range, &[], &x, STEP, &mut whole).unwrap();
+            let around = Around::ForcedMode { frequency, damping, force, far: centre + half };
+            let plain = Around::Mode { frequency, damping };
+            let (mut state, mut other) = Default::default();
+            let mut changed = false;
+            for n in 0..x.len() {
+                let w = surround::Wires { x: x[n], drive: x[n], aux: 0.0 };
+                let run = |block: &Around, p: &[f64], state: &mut surround::State| match n {
+                    0 => block.rest(p, w, state),
+                    _ => block.step(p, w, n as f64 * STEP, STEP, state),
+                };
+                let y = run(&around, p, &mut state);
+                assert!((y - whole[n]).abs() < 1e-9, "{force:?} at {n}: {y} and {}", whole[n]);
+                changed |= (y - run(&plain, &[], &mut other)).abs() > 1e-3;
+            }
+            assert!(changed, "{force:?} does nothing in this test");
+        }
+    }
+
+    #[test]
+    fn a_mode_that_is_taken_out_and_put_in_again_changes_nothing() {
+        let (before, mode) = (
+            Around::BeforeMode { frequency: 800.0, damping: 0.02 },
+            Around::Mode { frequency: 800.0, damping: 0.02 },
+        );
+        let (mut a, mut b) = Default::default();
+        for (n, x) in signal(0.3).into_iter().enumerate() {
+            // Steps of several lengths.
+            let dt = STEP * if n % 3 == 0 { 0.5 } else { 1.0 };
+            let wires = |x| surround::Wires { x, drive: 0.0, aux: 0.0 };
+            let run = |block: &Around, x: f64, state: &mut surround::State| match n {
+                0 => block.rest(&[], wires(x), state),
+                _ => block.step(&[], wires(x), 0.0, dt, state),
+            };
+            let inside = run(&before, x, &mut a);
+            let y = run(&mode, inside, &mut b);
+            assert!((y - x).abs() < 1e-9, "at {n}: {y} and {x}");
         }
     }
 }

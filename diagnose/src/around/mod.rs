@@ -6,7 +6,9 @@ mod package;
 use cosim::Fmu;
 use data::NameMap;
 use modeldescription::variable::Causality;
-use surround::{Change, Effect, Original, Parameter, Piece, Port, Repair, Side, Variable};
+use surround::{
+    Block as Around, Change, Effect, Original, Parameter, Piece, Port, Repair, Side, Variable,
+};
 
 use crate::answer::scale_of;
 use crate::error::Error;
@@ -224,20 +226,44 @@ impl<'a> Maker<'a> {
         values: &[f64],
     ) -> Result<(), Error> {
         let mut blocks = Vec::new();
+        let base = &o.problem.base;
+        let mode = base.mode_in(&o.found.last.chain, &o.found.last.fit.theta);
         for (piece, place) in formula.pieces.iter().zip(places(formula)) {
             let Some(block) = block::around(o, piece) else { continue };
-            let slot = Slot::ALL.iter().position(|s| *s == piece.slot).unwrap_or(0) as u32;
-            let is_input = o.problem.base.slots.get(&piece.slot) == Some(&0);
+            let slot = place_of(piece.slot);
+            let at = base.slots.get(&piece.slot).copied();
             let drive = self.port(&o.problem.input, true, &o.problem.command_unit)?;
-            let port = match is_input {
-                true => drive,
-                false => self.port(&o.problem.output, false, &o.problem.unit)?,
+            let (side, port) = match at {
+                Some(0) => (Side::Input, drive),
+                _ => (Side::Output, self.port(&o.problem.output, false, &o.problem.unit)?),
             };
             let auxiliary =
                 block::reads_auxiliary(&block).then(|| self.auxiliary(o, piece.aux)).transpose()?;
-            let side = if is_input { Side::Input } else { Side::Output };
             let parameters = place.collect();
-            blocks.push(Piece { side, port, drive, auxiliary, place: slot, parameters, block });
+            let piece = Piece { side, port, drive, auxiliary, place: slot, parameters, block };
+            // Inside, between what enters the mode and the mode.
+            let inside = at.filter(|at| *at > 0 && base.mode == Some(*at));
+            match inside.and(mode) {
+                Some((frequency, damping)) => {
+                    let before = plain_piece(&piece, Around::BeforeMode { frequency, damping });
+                    let behind = plain_piece(&piece, Around::Mode { frequency, damping });
+                    blocks.extend([before, piece, behind]);
+                }
+                None => blocks.push(piece),
+            }
+        }
+        if let (Some((force, centre, half)), Some((frequency, damping))) = (formula.force, mode) {
+            let far = centre.abs() + half;
+            let piece = Piece {
+                side: Side::Output,
+                port: self.port(&o.problem.output, false, &o.problem.unit)?,
+                drive: self.port(&o.problem.input, true, &o.problem.command_unit)?,
+                auxiliary: None,
+                place: place_of(Slot::BeforeMechanics),
+                parameters: (0..force.count()).collect(),
+                block: Around::ForcedMode { frequency, damping, force, far },
+            };
+            blocks.extend([plain_piece(&piece, Around::BeforeMode { frequency, damping }), piece]);
         }
         if blocks.is_empty() && formula.releases.is_empty() {
             self.notes.push(stays_out(name, formula));
@@ -377,6 +403,16 @@ impl<'a> Maker<'a> {
         self.repair.token = print.sha256[..32].to_owned();
         Ok((self.repair, self.notes))
     }
+}
+
+/// A slot as a place in the order of the blocks.
+fn place_of(slot: Slot) -> u32 {
+    Slot::ALL.iter().position(|s| *s == slot).unwrap_or(0) as u32
+}
+
+/// A block without parameters where another one is.
+fn plain_piece(beside: &Piece, block: Around) -> Piece {
+    Piece { parameters: Vec::new(), auxiliary: None, block, ..beside.clone() }
 }
 
 /// The parameters that each piece of a formula takes.

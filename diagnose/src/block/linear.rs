@@ -45,6 +45,19 @@ pub(super) fn parallel_mode(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     mode(frequency, damping, w.x, w.step, |n, value| out[n] = w.x[n] + gain * (value - w.x[n]));
 }
 
+/// From rest: x_n = u_n + same·(x_(n−1) − u_n) + cross·rate, solved for u_n.
+pub(super) fn before_mode((frequency, damping): (f64, f64), w: Wires<'_>, out: &mut [f64]) {
+    let Some(&first) = w.x.first() else { return };
+    let transition = Transition::new(frequency, damping, w.step);
+    let (mut position, mut rate) = (first, 0.0);
+    out[0] = first;
+    for (u, x) in out.iter_mut().zip(w.x).skip(1) {
+        *u = (x - transition.same * position - transition.cross * rate) / (1.0 - transition.same);
+        (_, rate) = transition.apply(position - *u, rate);
+        position = *x;
+    }
+}
+
 /// `(s² + 2ζ_z ω_z s + ω_z²)/(s² + 2ζ_p ω_p s + ω_p²) · ω_p²/ω_z²`: with the unit-gain mode M of the
 /// poles it is `x + (1 − ω_p²/ω_z²)·(…)`, written with M and its rate.
 pub(super) fn pole_zero(p: &[f64], w: Wires<'_>, out: &mut [f64]) {

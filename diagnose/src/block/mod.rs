@@ -202,6 +202,13 @@ pub(crate) enum Block {
     ParallelMode,
     /// Pole pair over zero pair in series: pole Hz, pole damping, zero Hz over pole Hz, zero damping.
     PoleZero,
+    /// What has to enter a mode of unit gain for x to come out; no parameters.
+    BeforeMode {
+        /// Natural frequency in Hz.
+        frequency: f64,
+        /// Damping ratio.
+        damping: f64,
+    },
     /// Clearance: half its width.
     Backlash,
     /// Dahl friction on the displacement: size, pre-sliding distance.
@@ -268,6 +275,9 @@ impl Block {
             Self::Lag2 => linear::second_order(p, w, out),
             Self::ParallelMode => linear::parallel_mode(p, w, out),
             Self::PoleZero => linear::pole_zero(p, w, out),
+            Self::BeforeMode { frequency, damping } => {
+                linear::before_mode((*frequency, *damping), w, out);
+            }
             Self::LogCreep { .. }
             | Self::PowerCreep { .. }
             | Self::FixedCreep(_)

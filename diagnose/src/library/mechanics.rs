@@ -54,7 +54,11 @@ fn resonance(s: &Setting<'_>) -> Vec<Formula> {
         Free::linear("frequency of the model's resonance over it", "1", 0.5, 2.0).step(2e-3),
         Free::log("damping of the model's resonance", "1", 1e-3, 1.0),
     ];
-    let starts = frequencies(s, 16).into_iter().map(|f| vec![f, 0.03, 1.02, 0.03]);
+    let mut starts: Vec<Vec<f64>> =
+        frequencies(s, 16).into_iter().map(|f| vec![f, 0.03, 1.02, 0.03]).collect();
+    if let Some((f, damping)) = s.base.mode_values() {
+        starts.extend([0.97, 1.03].map(|k| vec![k * f, damping, 1.0 / k, damping]));
+    }
     vec![
         Formula::new("poles moved, behind the model")
             .block(Slot::AfterMechanics, Block::PoleZero, parameters)
