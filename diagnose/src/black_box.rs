@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use cosim::{Experiment, Fmu, HOST, InstanceOptions, Message, RunError, Selection, Slave};
 use cosim::{StepResult, Value};
+use nalgebra::{DMatrix, DVector};
 
 use crate::block::{Block, Span, Wires};
 use crate::chain::{Failed, Link};
@@ -288,32 +289,27 @@ impl BlackBox {
     }
 }
 
-/// Natural frequency in Hz and damping of a mode that a response ends with, if nothing else moves
-/// there: the input is held from row `step` on, and differences of rows then follow
-/// `d_n = a₁d_(n−1) + a₂d_(n−2)`, with the mode's two poles.
+/// Natural frequency in Hz and damping of a mode that a response leaves through, if nothing else moves
+/// there but at most one lag: the input is held from row `step` on, and differences of rows then follow
+/// `d_n = Σ a_k·d_(n−k)`, with the two poles of the mode, and the lag's.
 fn ringing(response: &[f64], step: usize, sample: f64) -> Option<(f64, f64)> {
-    /// Part of the differences' rms that may be something else.
-    const OTHER: f64 = 1e-3;
-    /// Part of a step by which what enters the mode may differ from a step.
+    /// Part of a step by which what enters the mode may differ from a step, or from a lag's answer to it.
     const ROUGH: f64 = 0.05;
     let d: Vec<f64> = response.windows(2).map(|w| w[1] - w[0]).collect();
     // From the difference of the first two rows after the step.
-    let rows = || d.get(step + 1..).unwrap_or_default().windows(3).map(|w| (w[2], w[1], w[0]));
-    let sum = |of: fn((f64, f64, f64)) -> f64| rows().map(of).sum::<f64>();
-    let (s11, s12, s22) = (sum(|w| w.1 * w.1), sum(|w| w.1 * w.2), sum(|w| w.2 * w.2));
-    let (r1, r2) = (sum(|w| w.0 * w.1), sum(|w| w.0 * w.2));
-    let determinant = s11 * s22 - s12 * s12;
-    if determinant <= 1e-12 * s11 * s22 {
-        return None;
-    }
-    let (a1, a2) = ((r1 * s22 - r2 * s12) / determinant, (r2 * s11 - r1 * s12) / determinant);
-    let left: f64 = rows().map(|(d0, d1, d2)| (d0 - a1 * d1 - a2 * d2).powi(2)).sum();
-    if left > OTHER * OTHER * sum(|w| w.0 * w.0) {
-        return None;
-    }
+    let d = d.get(step + 1..)?;
+    let (poles, lag) = match recursion(d, 2).as_deref() {
+        Some(&[a1, a2]) => ((a1, a2), 0.0),
+        _ => {
+            let &[a1, a2, a3] = recursion(d, 3)?.as_slice() else { return None };
+            let lag = real_pole([a1, a2, a3])?;
+            // z³ − a₁z² − a₂z − a₃ = (z − p)·(z² − (a₁ − p)·z + a₃/p)
+            ((a1 - lag, -a3 / lag), lag)
+        }
+    };
     // Poles r·exp(±jφ) with r² = −a₂, 2r·cos φ = a₁.
-    let r = (-a2).sqrt();
-    let angle = (0.5 * a1 / r).acos();
+    let r = (-poles.1).sqrt();
+    let angle = (0.5 * poles.0 / r).acos();
     let (decay, turn) = (-r.ln() / sample, angle / sample);
     let omega = decay.hypot(turn);
     let (frequency, damping) = (omega / TAU, decay / omega);
@@ -326,8 +322,49 @@ fn ringing(response: &[f64], step: usize, sample: f64) -> Option<(f64, f64)> {
     Block::BeforeMode { frequency, damping }.run(&[], wires, &mut entered);
     let (first, last) = (*entered.first()?, *entered.last()?);
     let held = entered.get(step + 1..)?;
-    let off = held.iter().map(|x| (x - last).powi(2)).sum::<f64>() / held.len() as f64;
-    (off.sqrt() < ROUGH * (last - first).abs()).then_some((frequency, damping))
+    let mut left = held.first()? - last;
+    let off = held.iter().map(|x| {
+        let off = x - last - left;
+        left *= lag;
+        off * off
+    });
+    let off = (off.sum::<f64>() / held.len() as f64).sqrt();
+    (off < ROUGH * (last - first).abs()).then_some((frequency, damping))
+}
+
+/// The recursion that a signal follows, by least squares; none where it leaves something or the signal
+/// is too simple to tell.
+fn recursion(d: &[f64], order: usize) -> Option<Vec<f64>> {
+    /// Part of the signal's rms that may be something else.
+    const OTHER: f64 = 1e-3;
+    let (mut normal, mut right) = (DMatrix::zeros(order, order), DVector::zeros(order));
+    let past = |n: usize| DVector::from_fn(order, |k, _| d[n - 1 - k]);
+    for n in order..d.len() {
+        normal += past(n) * past(n).transpose();
+        right += past(n) * d[n];
+    }
+    let values = normal.symmetric_eigenvalues();
+    if !(values.max() > 0.0 && values.min() > 1e-13 * values.max()) {
+        return None;
+    }
+    let a = normal.cholesky()?.solve(&right);
+    let left: f64 = (order..d.len()).map(|n| (d[n] - a.dot(&past(n))).powi(2)).sum();
+    let all: f64 = d[order..].iter().map(|d| d * d).sum();
+    (left <= OTHER * OTHER * all).then(|| a.iter().copied().collect())
+}
+
+/// A pole of `z³ = a₁z² + a₂z + a₃` between 0 and 1.
+fn real_pole([a1, a2, a3]: [f64; 3]) -> Option<f64> {
+    let p = |z: f64| ((z - a1) * z - a2) * z - a3;
+    let (mut low, mut high) = (0.0, 1.0);
+    if !(p(low) < 0.0 && p(high) > 0.0) {
+        return None;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if p(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    Some(0.5 * (low + high)).filter(|pole| *pole > 0.0)
 }
 
 fn incidents_of(incidents: &Mutex<Incidents>) -> MutexGuard<'_, Incidents> {
@@ -360,10 +397,14 @@ mod tests {
     #[test]
     fn the_mode_at_the_end_is_read_from_the_answer_to_a_step() {
         for (frequency, damping) in [(284.0, 0.04), (60.0, 0.3), (900.0, 0.01)] {
-            let response = answer(&[(Block::Gain, &[0.3]), (Block::Lag2, &[frequency, damping])]);
-            let (f, d) = ringing(&response, 50, SAMPLE).unwrap();
-            assert!((f / frequency - 1.0).abs() < 1e-6, "{f}");
-            assert!((d / damping - 1.0).abs() < 1e-5, "{d}");
+            let mode = (Block::Lag2, &[frequency, damping][..]);
+            let lag = (Block::Lag(1), &[500.0][..]);
+            let gain = (Block::Gain, &[0.3][..]);
+            for blocks in [vec![gain.clone(), mode.clone()], vec![lag, gain, mode]] {
+                let (f, d) = ringing(&answer(&blocks), 50, SAMPLE).unwrap();
+                assert!((f / frequency - 1.0).abs() < 1e-5, "{blocks:?}: {f}");
+                assert!((d / damping - 1.0).abs() < 1e-4, "{blocks:?}: {d}");
+            }
         }
     }
 
@@ -372,7 +413,6 @@ mod tests {
         let none = |blocks: &[(Block, &[f64])]| ringing(&answer(blocks), 50, SAMPLE).is_none();
         assert!(none(&[]), "nothing moves");
         assert!(none(&[(Block::Lag(1), &[100.0])]), "a lag");
-        assert!(none(&[(Block::Lag2, &[284.0, 0.04]), (Block::Lag(1), &[300.0])]), "mode and lag");
         assert!(none(&[(Block::ParallelMode, &[0.3, 284.0, 0.04])]), "a mode beside the path");
         assert!(none(&[(Block::Lag2, &[100.0, 0.1]), (Block::Lag2, &[284.0, 0.04])]), "two modes");
     }

@@ -120,6 +120,7 @@ impl Made {
             unit: "1".to_owned(),
             node: 0,
             indices: Vec::new(),
+            also: Vec::new(),
             value: 1.0,
             deviation: 0.1,
             has_tolerance,
