@@ -338,18 +338,20 @@ fn recursion(d: &[f64], order: usize) -> Option<Vec<f64>> {
     /// Part of the signal's rms that may be something else.
     const OTHER: f64 = 1e-3;
     let (mut normal, mut right) = (DMatrix::zeros(order, order), DVector::zeros(order));
-    let past = |n: usize| DVector::from_fn(order, |k, _| d[n - 1 - k]);
-    for n in order..d.len() {
-        normal += past(n) * past(n).transpose();
-        right += past(n) * d[n];
+    let rows = || {
+        d.windows(order + 1).map(|w| (w[order], DVector::from_fn(order, |k, _| w[order - 1 - k])))
+    };
+    for (now, past) in rows() {
+        normal += &past * past.transpose();
+        right += past * now;
     }
     let values = normal.symmetric_eigenvalues();
     if !(values.max() > 0.0 && values.min() > 1e-13 * values.max()) {
         return None;
     }
     let a = normal.cholesky()?.solve(&right);
-    let left: f64 = (order..d.len()).map(|n| (d[n] - a.dot(&past(n))).powi(2)).sum();
-    let all: f64 = d[order..].iter().map(|d| d * d).sum();
+    let left: f64 = rows().map(|(now, past)| (now - a.dot(&past)).powi(2)).sum();
+    let all: f64 = d.iter().skip(order).map(|d| d * d).sum();
     (left <= OTHER * OTHER * all).then(|| a.iter().copied().collect())
 }
 
