@@ -5,6 +5,7 @@ mod input;
 mod mechanics;
 mod sensor;
 
+pub(crate) use actuator::gain;
 use model::Effect;
 
 use crate::base::Base;
@@ -204,8 +205,8 @@ impl Formula {
 pub(crate) struct Family {
     pub(crate) effect: &'static Effect,
     pub(crate) formulas: Vec<Formula>,
-    /// What the formulas become where nothing of the effect itself is in them; they must be better.
-    pub(crate) null: Option<Formula>,
+    /// What the formulas become where nothing of the effect itself is in them; they must be better than each.
+    pub(crate) nulls: Vec<Formula>,
 }
 
 /// What formulas are written for.
@@ -268,7 +269,7 @@ pub(crate) fn families(setting: &Setting<'_>, without: &[String]) -> Vec<Family>
 
 impl Family {
     pub(crate) fn new(effect: &'static Effect, formulas: Vec<Formula>) -> Self {
-        Self { effect, formulas, null: None }
+        Self { effect, formulas, nulls: Vec::new() }
     }
 
     /// Adds the formula that takes the tolerance from the model's own parameters of this effect.

@@ -4,13 +4,14 @@ mod accept;
 
 use std::sync::atomic::AtomicU64;
 
+use components::effects;
 use rayon::prelude::*;
 
 use crate::base::Base;
 use crate::chain::{Chain, Failed};
 use crate::data_set::DataSet;
 use crate::fit::{Fit, Fitter, Linear};
-use crate::library::{Family, Formula};
+use crate::library::{Family, Formula, Slot, gain};
 use crate::score::{Judge, Judged};
 
 /// Families that are fitted after screening.
@@ -21,6 +22,8 @@ const FITTED_BESIDE: usize = 5;
 const REFINED: usize = 4;
 /// Weight of the training rows in the rank; the rest is that of the held-out ones.
 const TRAINING: f64 = 0.5;
+/// What must be left without the effect, over what is left with it.
+const NULL: f64 = 1.1;
 
 /// A fitted and judged set of effects.
 #[derive(Clone)]
@@ -176,8 +179,13 @@ impl<'a> Search<'a> {
                 entry.best = Some(candidate);
             }
         }
+        // A model that is cut at a tap has no place for a gain of the reading.
+        let as_gain = match self.base.slots.contains_key(&Slot::AfterMechanics) {
+            true => self.left_by(from, &fixed, &gain(), &linear),
+            false => f64::INFINITY,
+        };
         for entry in &mut looked {
-            self.hold_against_null(from, &fixed, entry, &linear);
+            self.hold_against_nulls(from, &fixed, entry, &linear, as_gain);
         }
         sort(&mut looked);
         looked.par_iter_mut().take(REFINED).for_each(|entry| self.refine(entry));
@@ -199,30 +207,47 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Drops a family whose formula is no better than what it becomes without the effect.
-    fn hold_against_null(
+    /// Drops a family whose formula is no better than what it becomes without the effect, or than
+    /// another gain, which leaves `as_gain`: nearly every formula can imitate one.
+    fn hold_against_nulls(
         &self,
         from: &Candidate,
         fixed: &[&Formula],
         entry: &mut Looked,
         linear: &Linear,
+        as_gain: f64,
     ) {
-        let (Some(null), Some(best)) = (&self.library[entry.family].null, &entry.best) else {
-            return;
-        };
+        let Some(best) = &entry.best else { return };
+        let own = 0.5 * (best.fit.mean_square + best.judged.held_out);
+        let family = &self.library[entry.family];
+        let is_gain = family.effect.name == effects::ACTUATOR_GAIN.name;
+        let explains = |left: f64| left < NULL * own;
+        if (!is_gain && explains(as_gain))
+            || family.nulls.iter().any(|null| explains(self.left_by(from, fixed, null, linear)))
+        {
+            entry.best = None;
+        }
+    }
+
+    /// What a formula leaves at its best start, the mean of the rows that are fitted and held out.
+    fn left_by(
+        &self,
+        from: &Candidate,
+        fixed: &[&Formula],
+        formula: &Formula,
+        linear: &Linear,
+    ) -> f64 {
         let mut with = fixed.to_vec();
-        with.push(null);
+        with.push(formula);
         let chain = self.base.compose(&with);
         let left = |start: &Vec<f64>| -> Result<f64, Failed> {
-            let theta = self.carry(from, &chain, null, start);
+            let theta = self.carry(from, &chain, formula, start);
             let fit = self.fitter().fit_quickly(&chain, &theta, linear)?;
             let judged = self.judge.judge(&chain, &fit.theta, self.data, self.sigma, self.count)?;
             Ok(0.5 * (fit.mean_square + judged.held_out))
         };
-        let own = 0.5 * (best.fit.mean_square + best.judged.held_out);
-        if null.starts.iter().any(|start| left(start).is_ok_and(|left| left < 1.1 * own)) {
-            entry.best = None;
-        }
+        let all = formula.starts.iter().filter_map(|start| left(start).ok());
+        all.fold(f64::INFINITY, f64::min)
     }
 
     /// First-order promise of a formula and its best start.

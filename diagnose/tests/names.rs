@@ -112,6 +112,22 @@ fn an_effect_that_was_taken_out_is_not_given_another_name() {
     assert!(gap.candidates.iter().all(|c| c.effect != "creep"));
 }
 
+/// A spring may change the gain, and a memory may imitate a clearance: nothing else of them is there.
+#[test]
+fn a_gain_is_no_spring_and_a_clearance_is_no_memory() {
+    for (effect, own, others) in [
+        (Effect::ActuatorGain, "actuator_gain", &["resonance_shift", "creep", "asymmetry"][..]),
+        (Effect::Backlash, "backlash", &["hysteresis"]),
+    ] {
+        for seed in [41, 42] {
+            let gap = gap_of(effect, 6.0, seed, &[own]);
+            let named: Vec<&str> = gap.effects.iter().map(|e| e.effect.as_str()).collect();
+            let is_wrong = named.iter().any(|name| others.contains(name));
+            assert!(!is_wrong, "{effect:?}, seed {seed}: {}", gap.sentence);
+        }
+    }
+}
+
 #[test]
 fn an_effect_that_the_rows_held_out_do_not_show_is_named_from_the_others() {
     // Only steps come near the limit of the slope; the sweep that is held out does not.

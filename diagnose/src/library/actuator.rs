@@ -15,12 +15,12 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     let memory = s.base.memory.clone().unwrap_or_else(|| generic(s));
     all.push(Family::new(&effects::CREEP, creep(s)));
     let mut family = Family::new(&effects::HYSTERESIS, hysteresis(s));
-    // Plays whose weights all change alike are a gain, and no memory.
-    family.null = Some(gain());
+    // A loop of the same width at every amplitude is a clearance, and no memory.
+    family.nulls = vec![super::mechanics::clearance(s)];
     all.push(family);
     let mut family = Family::new(&effects::ASYMMETRY, asymmetry(s, &memory));
     // A play of the same width along the whole range is hysteresis or clearance.
-    family.null = Some(even_play(s));
+    family.nulls = vec![even_play(s)];
     all.push(family);
     if s.base.memory.is_some() {
         all.push(Family::new(&effects::RATE_DEPENDENCE, rate(s, &memory)));
@@ -31,7 +31,8 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(Family::new(&effects::INITIAL_STATE, initial(s, &memory)));
 }
 
-fn gain() -> Formula {
+/// Another gain.
+pub(crate) fn gain() -> Formula {
     let gain = Free::linear("gain", "1", -0.9, 4.0).step(1e-3);
     Formula::new("gain").block(Slot::AfterMechanics, Block::Gain, vec![gain]).start(&[0.0])
 }

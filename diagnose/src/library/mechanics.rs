@@ -15,17 +15,17 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     if s.base.mode.is_some() {
         let mut family = Family::new(&effects::DUFFING, duffing(s));
         // A spring that is stiffer at every amplitude bends nothing.
-        family.null = released(s, &effects::RESONANCE_SHIFT);
+        family.nulls = released(s, &effects::RESONANCE_SHIFT).into_iter().collect();
         all.push(family);
     }
     all.push(Family::new(&effects::BACKLASH, backlash(s)));
     let mut family = Family::new(&effects::FRICTION, friction(s));
     // What brakes at every speed alike is damping.
-    family.null = released(s, &effects::DAMPING);
+    family.nulls = released(s, &effects::DAMPING).into_iter().collect();
     all.push(family);
     let mut family = Family::new(&effects::PERIODIC_DISTURBANCE, periodic(s));
     // A line that grows with the position is a gain that changes, and no disturbance.
-    family.null = Some(modulation(s));
+    family.nulls = vec![modulation(s)];
     all.push(family);
     all.push(Family::new(&effects::CROSS_COUPLING, coupling(s)));
 }
@@ -154,17 +154,27 @@ fn duffing(s: &Setting<'_>) -> Vec<Formula> {
     vec![first, second]
 }
 
-fn backlash(s: &Setting<'_>) -> Vec<Formula> {
+/// Clearance before the mechanics, with these starts of its half width.
+pub(super) fn clearance(s: &Setting<'_>) -> Formula {
+    let (half, starts) = half_width(s);
+    Formula::new("clearance before the mechanics")
+        .block(Slot::BeforeMechanics, Block::Backlash, vec![half])
+        .starts(starts)
+}
+
+fn half_width(s: &Setting<'_>) -> (Free, [Vec<f64>; 4]) {
     let h = s.position.half;
-    let half = || Free::log("half width", "{position}", 1e-5 * h, 0.8 * h).step(0.05);
-    let starts = || [0.003, 0.01, 0.03, 0.1].map(|k| vec![k * h]);
+    let half = Free::log("half width", "{position}", 1e-5 * h, 0.8 * h).step(0.05);
+    (half, [0.003, 0.01, 0.03, 0.1].map(|k| vec![k * h]))
+}
+
+fn backlash(s: &Setting<'_>) -> Vec<Formula> {
+    let (half, starts) = half_width(s);
     vec![
-        Formula::new("clearance before the mechanics")
-            .block(Slot::BeforeMechanics, Block::Backlash, vec![half()])
-            .starts(starts()),
+        clearance(s),
         Formula::new("clearance behind the mechanics")
-            .block(Slot::AfterMechanics, Block::Backlash, vec![half()])
-            .starts(starts()),
+            .block(Slot::AfterMechanics, Block::Backlash, vec![half])
+            .starts(starts),
     ]
 }
 

@@ -9,7 +9,7 @@ use crate::nuisance::Nuisance;
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     let mut family = Family::new(&effects::THERMAL_DRIFT, drift(s));
     // What follows the position slowly, in every record by the same rule, is no drift.
-    family.null = Some(droop(s));
+    family.nulls = vec![droop(s)];
     all.push(family);
     all.push(Family::new(&effects::SENSOR_BANDWIDTH, super::input::lags(s, Slot::Reading)));
     all.push(Family::new(&effects::SENSOR_NONLINEARITY, nonlinearity(s)));

@@ -181,7 +181,9 @@ impl Search<'_> {
         let (&[(family, _)], [looked]) = (&best.picks[..], rivals) else { return best };
         let first = belief::beliefs(sight, looked, &best).first().map(|b| b.family);
         let rival = looked.iter().find(|l| first.is_some_and(|f| f != family && f == l.family));
-        rival.and_then(|l| l.best.clone()).unwrap_or(best)
+        // Rivals that were looked at beside an effect which was dropped since still have it.
+        let alone = rival.and_then(|l| l.best.clone()).filter(|rival| rival.picks.len() == 1);
+        alone.unwrap_or(best)
     }
 
     /// Names the most probable one once the noise is known better.

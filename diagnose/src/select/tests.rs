@@ -219,31 +219,35 @@ fn refining_never_makes_worse() {
 fn a_family_must_leave_a_tenth_less_than_what_it_becomes_without_its_effect() {
     // The null takes one of two tones: 10² of 10² + 12² is left, and noise.
     let mut made = Made::new(&[(3, 10.0), (5, 12.0)], &[&[(3, 1.0)], &[(5, 1.0)]]);
-    made.library[0].null = Some(adds(1));
+    made.library[0].nulls = vec![adds(1)];
     let base = made.retuned();
     let null = next(&made, &base, (1, 0));
     let left = 0.5 * (null.fit.mean_square + null.judged.held_out);
     close(left, 101.0, 5.0);
     let search = made.search();
     let linear = search.fitter().linearise(&base.chain, &base.fit.theta).unwrap();
-    let survives = |own: f64| {
+    let survives_beside = |own: f64, as_gain: f64| {
         let mut best = next(&made, &base, (0, 0));
         // Of what it leaves more is on the rows that are held out.
         best.fit.mean_square = 0.6 * own;
         best.judged.held_out = 1.4 * own;
         let mut entry = Looked { family: 0, screening: 0.5, best: Some(best) };
-        search.hold_against_null(&base, &[], &mut entry, &linear);
+        search.hold_against_nulls(&base, &[], &mut entry, &linear, as_gain);
         entry.best.is_some()
     };
+    let survives = |own: f64| survives_beside(own, f64::INFINITY);
     assert!(survives(left / 1.15) && survives(left / 100.0));
     assert!(!survives(left / 1.05) && !survives(left));
+    // Another gain is held against it alike.
+    let own = left / 2.0;
+    assert!(survives_beside(own, 1.15 * own) && !survives_beside(own, 1.05 * own));
     // A family that becomes nothing has nothing to beat.
-    made.library[0].null = None;
+    made.library[0].nulls.clear();
     let looked = made.search().expand(&base).unwrap();
     assert!(looked.iter().all(|l| l.best.is_some()));
     // One that becomes the truth is dropped, one that is the truth is not.
-    made.library[0].null = Some(adds(1));
-    made.library[1].null = Some(adds(0));
+    made.library[0].nulls = vec![adds(1)];
+    made.library[1].nulls = vec![adds(0)];
     let looked = made.search().expand(&base).unwrap();
     assert_eq!(listed(&looked), [1, 0]);
     assert!(looked[0].best.is_some() && looked[1].best.is_none());
