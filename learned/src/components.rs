@@ -56,6 +56,8 @@ struct Family {
 struct Loaded {
     family: &'static Family,
     features: Features,
+    /// Of a straight line over the input.
+    slope: f64,
     sum: KernelSum,
 }
 
@@ -65,7 +67,7 @@ fn narx(_period: f64, structure: &[f64]) -> Option<Features> {
 }
 
 fn stops(period: f64, structure: &[f64]) -> Option<Features> {
-    let &[count, range, rate_scale] = structure else { return None };
+    let &[count, range, rate_scale, _] = structure else { return None };
     Some(Features::Stops(Stops { count: count as usize, range, period, rate_scale }))
 }
 
@@ -108,7 +110,11 @@ impl Family {
         let centres: Vec<f64> =
             rows.chunks_exact(columns).flat_map(|row| row[1..].iter().copied()).collect();
         let sum = KernelSum::new(d, &centres, &weights, &head[1..], head[0]);
-        Ok(Loaded { family: self, features, sum })
+        let slope = match features {
+            Features::Stops(_) => structure.last().copied().unwrap_or(0.0),
+            Features::Narx(_) | Features::Derivatives(_) => 0.0,
+        };
+        Ok(Loaded { family: self, features, slope, sum })
     }
 }
 
@@ -168,7 +174,7 @@ impl Loaded {
         let (memory, room) = state.split_at_mut(self.features.memory());
         let Some((z, room)) = room.split_at_mut_checked(d) else { return 0.0 };
         self.features.step(x, memory, z);
-        let y = self.sum.value(z, room).clamp(-BEYOND, 1.0 + BEYOND);
+        let y = (self.slope * x + self.sum.value(z, room)).clamp(-BEYOND, 1.0 + BEYOND);
         self.features.output(y, memory);
         y
     }
@@ -307,6 +313,30 @@ mod tests {
             }
             assert!((y[0] - (-1e-4 + 2e-4 * last)).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn stop_operators_stand_on_a_straight_line() {
+        // One stop operator at 0.5, the input and its rate; one far support vector, so the line alone is left.
+        let rows = [0.1, 1.0, 1.0, 1.0, 0.3, 50.0, 50.0, 50.0];
+        let table = Table::new(4, rows.to_vec()).unwrap();
+        let structure = |slope: f64| [1e-3, 1.0, 1.0, 1.0, slope];
+        let answer = |slope: f64, u: f64| {
+            let component =
+                declarations::LSSVM_STOPS.with_table(&structure(slope), &table).unwrap();
+            let sizes = component.sizes(&structure(slope), 1e-3);
+            let (mut k, mut state) = (vec![0.0; sizes.coefficients], vec![0.0; sizes.states]);
+            component.prepare(&structure(slope), &[0.0, 10.0, 0.0, 2.0], 1e-3, &mut k).unwrap();
+            let mut y = [0.0];
+            component.rest(&k, &[0.0], &mut state, &mut y);
+            let tick = Tick { index: 1, time: 1e-3, period: 1e-3 };
+            component.step(&k, &mut state, tick, &[u], &mut y);
+            y[0]
+        };
+        assert!((answer(0.0, 5.0) - 0.2).abs() < 1e-12);
+        // Scaled 0.5, and beyond the low end −0.3.
+        assert!((answer(0.8, 5.0) - (0.2 + 2.0 * 0.8 * 0.5)).abs() < 1e-12);
+        assert!((answer(0.8, -3.0) - (0.2 - 2.0 * 0.8 * 0.3)).abs() < 1e-12);
     }
 
     #[test]

@@ -163,13 +163,15 @@ fn machine(
     let table = components.iter().find(|c| c.kind == KIND).and_then(|c| plant.table_of(c));
     let table = table.ok_or_else(|| format!("{} has no table that can be read", node.name))?;
     let value = |name: &str| values(node, name).first().copied().unwrap_or(0.0);
-    let &[period, count, range, rate_scale] = &node.structure[..] else {
+    let &[period, count, range, rate_scale, slope] = &node.structure[..] else {
         return Err(format!("{} has not the structure of {KIND}", node.name));
     };
     let features = Features::Stops(Stops { count: count as usize, range, period, rate_scale });
     let command = Span { low: value("command_low") / before, high: value("command_high") / before };
     let output = Span { low: value("position_low") * after, high: value("position_high") * after };
-    Machine::of_table(Frame::new(features, command, output, Recipe::Plain, &[]), &table)
+    let mut frame = Frame::new(features, command, output, Recipe::Plain, &[]);
+    frame.slope = slope;
+    Machine::of_table(frame, &table)
 }
 
 /// Least and greatest slope of the chords over a twentieth of the range, on large and small loops.

@@ -81,10 +81,7 @@ pub fn weigh_samples(
         .fold((f64::INFINITY, middle.clone()), |a, b| if b.0 < a.0 { b } else { a });
     let best = nelder_mead(&bounds, &summit.1, simplex, &mut lack, &mut |_, _| true);
     let factors: Vec<f64> = best.point[..start.len()].iter().map(|x| x.exp()).collect();
-    let mut chosen = frame.clone();
-    for (k, width) in chosen.widths.iter_mut().enumerate() {
-        *width *= factors.get(group(k)).copied().unwrap_or(1.0);
-    }
+    let chosen = frame.stretched(group, &factors);
     let gamma = best.point.last().map_or(gamma, |x| x.exp());
     let settings = Settings { gamma, sigma2: 1.0 };
     Weighed { frame: chosen, settings, factors, evaluations: best.evaluations }

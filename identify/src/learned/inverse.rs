@@ -106,7 +106,7 @@ pub(crate) fn learn(
     let group = |input: usize| usize::from(input >= stops.count);
     let features = Features::Stops(stops);
     let (position, whole) = (Span::of(&heights), Span { low: range[0], high: range[1] });
-    let frame = Frame::new(features, position, whole, Recipe::Plain, &pairs);
+    let frame = Frame::new(features, position, whole, Recipe::Plain, &pairs).on_a_line(&pairs);
     let found = weigh(&frame, &pairs, &group, (&START.0, START.1), SEARCH).map_err(fail)?;
     stage(1)?;
     let every = |rows: usize, most: usize| rows.div_ceil(most).max(1);

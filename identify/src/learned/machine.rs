@@ -47,6 +47,9 @@ pub struct Frame {
     pub command: Span,
     /// How the output is scaled.
     pub output: Span,
+    /// Of a straight line over the scaled command, on which the machine stands: where no sample lies near, it
+    /// goes on as this line does. 0 where outputs are fed back.
+    pub slope: f64,
     /// What each input is divided by before σ.
     pub widths: Vec<f64>,
     /// Whether late features belong to the latest output, as in real time, and not to an earlier one.
@@ -82,7 +85,7 @@ impl Frame {
         records: &[(&[f64], &[f64])],
     ) -> Self {
         let widths = vec![1.0; features.dimension()];
-        let mut frame = Self { features, command, output, widths, causal: false };
+        let mut frame = Self { features, command, output, slope: 0.0, widths, causal: false };
         if recipe == Recipe::Standardised {
             let (inputs, _) = frame.raw(records);
             let d = frame.widths.len();
@@ -96,6 +99,30 @@ impl Frame {
             }
         }
         frame
+    }
+
+    /// The same on the straight line of least error for these records.
+    #[must_use]
+    pub fn on_a_line(mut self, records: &[(&[f64], &[f64])]) -> Self {
+        let scaled = |(u, y): (&f64, &f64)| (self.command.inward(*u), self.output.inward(*y));
+        let all = || records.iter().flat_map(|(u, y)| u.iter().zip(*y).map(scaled));
+        let count = all().count().max(1) as f64;
+        let (u0, y0) = all().fold((0.0, 0.0), |(a, b), (u, y)| (a + u / count, b + y / count));
+        let (uy, uu) = all().fold((0.0, 0.0), |(uy, uu), (u, y)| {
+            (uy + (u - u0) * (y - y0), uu + (u - u0) * (u - u0))
+        });
+        self.slope = if uu > 0.0 { uy / uu } else { 0.0 };
+        self
+    }
+
+    /// The same with each width times the factor of its input's group.
+    #[must_use]
+    pub(crate) fn stretched(&self, group: &dyn Fn(usize) -> usize, factors: &[f64]) -> Self {
+        let mut stretched = self.clone();
+        for (k, width) in stretched.widths.iter_mut().enumerate() {
+            *width *= factors.get(group(k)).copied().unwrap_or(1.0);
+        }
+        stretched
     }
 
     /// The samples of these records.
@@ -122,7 +149,8 @@ impl Frame {
             let d = self.widths.len();
             let all = self.features.of_record(&u, &y);
             inputs.extend_from_slice(all.get(delay * d..).unwrap_or(&[]));
-            outputs.extend_from_slice(&y[..y.len().saturating_sub(delay)]);
+            let bare = y.iter().zip(&u).map(|(y, u)| y - self.slope * u);
+            outputs.extend(bare.take(y.len().saturating_sub(delay)));
         }
         for (x, k) in inputs.iter_mut().zip((0..self.widths.len()).cycle()) {
             *x /= self.widths[k];
@@ -150,7 +178,8 @@ impl Frame {
         u.extend(std::iter::repeat_n(u.last().copied().unwrap_or(0.0), delay));
         let f = self.kernel_sum(machine);
         let y = self.features.simulate(&f, &u, self.output.inward(y0), 1e3);
-        y[delay..].iter().map(|y| self.output.outward(*y)).collect()
+        let whole = |(y, u): (&f64, &f64)| self.output.outward(y + self.slope * u);
+        y[delay..].iter().zip(&u).map(whole).collect()
     }
 }
 
@@ -206,7 +235,8 @@ impl Machine {
             Features::Stops(stops) => named("lssvm-stops", "lssvm-stops-inverse")
                 .value("stops", stops.count as f64)
                 .value("range", stops.range)
-                .value("rate_scale", stops.rate_scale),
+                .value("rate_scale", stops.rate_scale)
+                .value("slope", self.frame.slope),
             Features::Narx(narx) => named("lssvm-narx", "lssvm-inverse")
                 .value("past_inputs", narx.commands as f64)
                 .value("past_outputs", narx.outputs as f64),
@@ -263,7 +293,8 @@ impl Machine {
     pub fn one_step(&self, command: &[f64], output: &[f64]) -> Result<Vec<f64>, learned::Error> {
         let samples = self.frame.samples(&[(command, output)])?;
         let (f, mut room) = (self.machine.kernel_sum(), vec![0.0; samples.dimension()]);
-        let value = |i| self.frame.output.outward(f.value(samples.input(i), &mut room));
+        let line = |i: usize| self.frame.slope * self.frame.command.inward(command[i]);
+        let value = |i| self.frame.output.outward(f.value(samples.input(i), &mut room) + line(i));
         Ok((0..samples.count()).map(value).collect())
     }
 
@@ -310,6 +341,33 @@ mod tests {
     use learned::features::Narx;
 
     use super::*;
+
+    #[test]
+    fn a_machine_on_a_line_leads_on_where_nothing_was_shown() {
+        use learned::features::Stops;
+        let truth = |u: f64| 1.0 + 2.0 * u + 0.1 * (3.0 * u).sin();
+        let u: Vec<f64> = (0..300).map(|k| 1.0 - (0.05 * f64::from(k)).cos()).collect();
+        let y: Vec<f64> = u.iter().map(|u| truth(*u)).collect();
+        let records = [(&u[..], &y[..])];
+        let stops = Stops { count: 4, range: 2.0, period: 1e-2, rate_scale: 1e12 };
+        let features = Features::Stops(stops);
+        let plain = Frame::new(features, Span::of(&u), Span::of(&y), Recipe::Plain, &records);
+        let line = plain.clone().on_a_line(&records);
+        assert!(plain.slope == 0.0 && (line.slope - 1.0).abs() < 0.1, "{}", line.slope);
+        let settings = Settings { gamma: 1e6, sigma2: 0.1 };
+        let error = |frame: Frame| {
+            let (machine, _) = Machine::train(frame, &records, settings).unwrap();
+            let inside = rms_difference(&machine.simulate(&u, y[0]), &y);
+            let outside = machine.simulate(&[0.0, -0.2, -0.4, -0.6, -0.8], y[0]);
+            // One step ahead is the same where nothing is fed back.
+            let ahead = machine.one_step(&u, &y).unwrap();
+            assert!(rms_difference(&ahead, &machine.simulate(&u, y[0])) < 1e-9);
+            assert!(inside < 0.01, "{inside}");
+            (outside[4] - truth(-0.8)).abs()
+        };
+        let (with, without) = (error(line), error(plain));
+        assert!(with < 0.4 && with < 0.3 * without, "{with} {without}");
+    }
 
     #[test]
     fn a_machine_comes_back_from_its_table() {

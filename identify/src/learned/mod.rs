@@ -12,6 +12,7 @@ pub(crate) mod plant;
 mod process;
 mod rehearsal;
 mod series;
+mod weighed;
 
 pub use arx::Arx;
 pub use evidence::{Weighed, weigh, weigh_samples};
@@ -20,6 +21,7 @@ pub use machine::{Frame, Machine, Recipe, Span};
 pub use process::{Search, by_likelihood};
 pub use rehearsal::{Rehearsal, SEED, Waves};
 pub use series::{Run, Series, Teaches, Turns};
+pub use weighed::Widths;
 
 /// Commands with the positions that they lead to: the position of row k + 1 belongs to the command
 /// of row k.

@@ -128,6 +128,10 @@ impl<'a> Scene<'a> {
         self.runs.iter().map(part).unzip()
     }
 
+    fn orders(&self) -> &'static [(usize, usize)] {
+        if self.dynamic { &ORDERS } else { &[] }
+    }
+
     /// Hysteresis and linear part in turn.
     fn in_turn(
         &self,
@@ -135,7 +139,7 @@ impl<'a> Scene<'a> {
         settings: learned::lssvm::Settings,
         rounds: usize,
     ) -> Result<Series, Error> {
-        let orders = if self.dynamic { &ORDERS[..] } else { &[] };
+        let orders = self.orders();
         let turns = Turns { rounds: if self.dynamic { rounds } else { 1 }, most: SAMPLES };
         Series::train(frame, settings, self.runs, (&self.first, orders), turns).map_err(failed)
     }

@@ -29,6 +29,14 @@ const STOPS: &[Structural] = &[
     count("stops", "Number of stop operators", 0.0, 1000.0),
     Structural::real("range", "1", "Greatest scaled input of the stops", 1.0, 1e-9, 1e9),
     Structural::real("rate_scale", "1/s", "What the scaled rate is divided by", 1.0, 1e-12, 1e12),
+    Structural::real(
+        "slope",
+        "1",
+        "Of a straight line over the scaled input, on which the kernels stand",
+        0.0,
+        -1e6,
+        1e6,
+    ),
 ];
 const DERIVATIVES: &[Structural] = &[
     SAMPLE_TIME,
@@ -63,8 +71,8 @@ const GP_SOURCE: &str = "Gaussian process with high-dimensional input, eqs. (8),
 
 const NARX_EQUATION: &str = "y(t) = bias + sum(w[i]*exp(-|x[i] - z|^2)); z = [u(t), u(t-1), ..., \
                              y(t-1), ...], scaled";
-const STOPS_EQUATION: &str = "y(t) = bias + sum(w[i]*exp(-|x[i] - z|^2)); z = [stops of u, u, u'], \
-                              scaled";
+const STOPS_EQUATION: &str = "y(t) = slope*u + bias + sum(w[i]*exp(-|x[i] - z|^2)); z = [stops of \
+                              u, u, u'], scaled";
 const GP_EQUATION: &str = "y(t) = mean + sum(w[i]*exp(-|x[i] - z|^2)); z = [u, u', u'', u'''] about \
                            t minus the delay, scaled";
 

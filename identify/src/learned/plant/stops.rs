@@ -4,20 +4,18 @@
 //! y = D·H(u, stops of u),   stops as in P1, D a discrete transfer function
 //! ```
 //!
-//! Widths and γ by the evidence, H and D in turn.
+//! Widths and γ by the evidence, H and D in turn, stiff at first.
 
 use learned::features::{Features, Stops};
 
-use super::super::series::rows;
-use super::super::{Frame, Recipe, Series, weigh_samples};
-use super::{Scene, Stage, failed};
+use super::super::{Frame, Recipe, Series, Widths};
+use super::{SAMPLES, Scene, Stage, failed};
 use crate::error::Error;
 
-/// Where the search for widths begins, as parts of the command's range: stops, command; γ.
-const START: ([f64; 2], f64) = ([10.0, 0.3], 1e4);
+/// Widths of a stiff machine, as parts of the command's range: stops, command; γ.
+const STIFF: ([f64; 2], f64) = ([100.0, 1.0], 1e5);
 /// Evaluations of that search, and most samples it looks at.
 const SEARCH: (usize, usize) = (60, 700);
-const ROUNDS: usize = 60;
 
 pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, Error> {
     stage(0, 3)?;
@@ -25,11 +23,13 @@ pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, 
     let stops = Stops { count: scene.stops, range: 1.0, period: scene.period, rate_scale: 1e12 };
     let features = Features::Stops(stops);
     let frame = Frame::new(features, scene.command, scene.position, Recipe::Plain, &pairs);
-    let samples = frame.samples(&pairs).map_err(failed)?.subset(&rows(scene.runs, usize::MAX));
+    let frame = frame.on_a_line(&pairs);
     let group = |input: usize| usize::from(input >= scene.stops);
-    let found = weigh_samples(&frame, &samples, &group, (&START.0, START.1), SEARCH);
+    let widths = Widths { group: &group, stiff: (&STIFF.0, STIFF.1), search: SEARCH };
     stage(1, 3)?;
-    let series = scene.in_turn(&found.frame, found.settings, ROUNDS)?;
+    let (orders, first) = (scene.orders(), &scene.first);
+    let (series, _) = Series::train_weighed(&frame, widths, scene.runs, (first, orders), SAMPLES)
+        .map_err(failed)?;
     stage(2, 3)?;
     Ok(series)
 }
