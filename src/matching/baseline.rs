@@ -11,18 +11,18 @@ use crate::reproduce::Response;
 const HELD_OUT: f64 = 0.05;
 
 /// What is fitted.
-pub(super) struct Baseline<'a> {
+pub(crate) struct Baseline<'a> {
     /// Name of the method; none: the static Prandtl–Ishlinskii model.
-    pub(super) method: Option<&'a str>,
+    pub(crate) method: Option<&'a str>,
     /// Thresholds of the plays in the command's unit, from 0.
-    pub(super) thresholds: Vec<f64>,
+    pub(crate) thresholds: Vec<f64>,
     /// Levels of a Preisach model.
-    pub(super) levels: usize,
+    pub(crate) levels: usize,
 }
 
 impl Baseline<'_> {
     /// The model fitted to these records of the truth.
-    pub(super) fn fit(&self, runs: &[&Response]) -> anyhow::Result<CheckedBlueprint> {
+    pub(crate) fn fit(&self, runs: &[&Response]) -> anyhow::Result<CheckedBlueprint> {
         let records: anyhow::Result<Vec<Record>> = runs.iter().map(|run| record(run)).collect();
         let settings = Settings {
             thresholds: Some(self.thresholds.clone()),
@@ -72,11 +72,16 @@ fn record(run: &Response) -> anyhow::Result<Record> {
 }
 
 /// Rms of truth less model over a run, in the position's unit.
-pub(super) fn error(plant: &CheckedBlueprint, run: &Response) -> anyhow::Result<f64> {
+pub(crate) fn error(plant: &CheckedBlueprint, run: &Response) -> anyhow::Result<f64> {
+    let model = simulated(plant, run)?;
+    Ok(rms((0..model.len()).map(|k| run.position[k] - model[k])))
+}
+
+/// What the model does under a run's command.
+pub(crate) fn simulated(plant: &CheckedBlueprint, run: &Response) -> anyhow::Result<Vec<f64>> {
     // A model that was fitted at one period is run at another's.
     let mut blueprint = plant.blueprint().clone();
     blueprint.step = run.period.into();
     let mut system = blueprint.check(learned::COMPONENTS)?.build();
-    let model = response(&mut system, 1, &run.command, run.period)?;
-    Ok(rms((0..model.len()).map(|k| run.position[k] - model[k])))
+    response(&mut system, 1, &run.command, run.period)
 }

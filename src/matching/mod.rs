@@ -1,11 +1,11 @@
 //! Whether the truth rigs behave as the papers' machines did: the papers' do-nothing errors and
 //! baseline models, run on our rigs with the papers' signals.
 
-mod baseline;
+pub(crate) mod baseline;
 mod p0;
 mod p1;
 mod p2;
-mod p3;
+pub(crate) mod p3;
 mod p4;
 
 use anyhow::{Context, anyhow};

@@ -1,6 +1,7 @@
 //! P3, nanopositioning stage P66X30.
 
 use anyhow::anyhow;
+use data::CheckedBlueprint;
 use model::System;
 
 use super::baseline::{Baseline, error};
@@ -14,10 +15,10 @@ const AMPLIFIER: f64 = 15.0;
 const TOP: f64 = 30.0 / AMPLIFIER;
 
 /// Name, signal, its settings, NRMSE.
-type Printed = (&'static str, &'static str, &'static [(&'static str, f64)], f64);
+pub(crate) type Printed = (&'static str, &'static str, &'static [(&'static str, f64)], f64);
 
 /// Table 1's column of the MPI model.
-const MPI: &[Printed] = &[
+pub(crate) const MPI: &[Printed] = &[
     ("100 Hz", "p3-sine", &[("frequency", 100.0)], 0.6497),
     ("500 Hz", "p3-sine", &[("frequency", 500.0)], 3.2692),
     ("1 kHz", "p3-sine", &[("frequency", 1000.0)], 4.9547),
@@ -25,6 +26,12 @@ const MPI: &[Printed] = &[
     ("four tones", "p3-four-tone", &[], 2.8872),
     ("50 Hz triangle", "p3-triangle", &[], 2.1725),
 ];
+
+/// The paper's baseline, fitted to the chirp.
+pub(crate) fn mpi(chirp: &reproduce::Response) -> anyhow::Result<CheckedBlueprint> {
+    let thresholds = (0..11).map(|i| f64::from(i) * 0.5 * TOP / 11.0).collect();
+    Baseline { method: Some("mpi"), thresholds, levels: 2 }.fit(&[chirp])
+}
 
 /// P3: the loop closed by the printed PI alone, rms of the error in percent of the reference's range.
 pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
@@ -40,12 +47,7 @@ pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
     let of = |name: &str, settings: &[(&str, f64)]| {
         reproduce::response(RIG, name, settings, 1.0 / AMPLIFIER)
     };
-    let mpi = Baseline {
-        method: Some("mpi"),
-        thresholds: (0..11).map(|i| f64::from(i) * 0.5 * TOP / 11.0).collect(),
-        levels: 2,
-    };
-    let mpi = mpi.fit(&[&of("p3-chirp", &[])?])?;
+    let mpi = mpi(&of("p3-chirp", &[])?)?;
     for &(what, name, settings, paper) in MPI {
         let run = of(name, settings)?;
         let (low, high) = extremes(run.after());

@@ -6,6 +6,7 @@ mod p0;
 mod p1;
 mod p2;
 mod p3;
+mod p4;
 pub(crate) mod stand_ins;
 
 use serde::Serialize;
@@ -76,7 +77,7 @@ pub(crate) struct Reproduction {
 }
 
 /// The papers with a reproduction of their modelling.
-pub(crate) const PAPERS: [&str; 4] = ["p0", "p1", "p2", "p3"];
+pub(crate) const PAPERS: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
 
 /// Runs the reproduction of a paper's modelling; `searches`: also by the paper's own long searches.
 pub(crate) fn run(paper: &str, searches: bool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
@@ -85,6 +86,7 @@ pub(crate) fn run(paper: &str, searches: bool, say: &dyn Fn(&str)) -> anyhow::Re
         "p1" => p1::run(searches, say),
         "p2" => p2::run(say),
         "p3" => p3::run(say),
+        "p4" => p4::run(say),
         other => anyhow::bail!("no paper \"{other}\"; known are {}", PAPERS.join(", ")),
     };
     Ok(answer?.of(paper, "modelling"))
@@ -147,10 +149,21 @@ pub(crate) fn response(
     settings: &[(&str, f64)],
     gain: f64,
 ) -> anyhow::Result<Response> {
+    response_of(rig, 1, name, settings, gain)
+}
+
+/// The same of an axis, from 1.
+fn response_of(
+    rig: &str,
+    axis: usize,
+    name: &str,
+    settings: &[(&str, f64)],
+    gain: f64,
+) -> anyhow::Result<Response> {
     let (u, period) = matching::signal(name, settings)?;
     let mut command: Vec<f64> = u.iter().map(|u| gain * u).collect();
     command.push(command.last().copied().unwrap_or(0.0));
-    let position = matching::response(&mut matching::rig(rig)?, 1, &command, period)?;
+    let position = matching::response(&mut matching::rig(rig)?, axis, &command, period)?;
     command.pop();
     Ok(Response { command, position, period })
 }

@@ -17,7 +17,7 @@ const ID: &str = "P1";
 const RIG: &str = "p1-truth";
 /// Greatest command of the paper, in V.
 const RANGE: f64 = 8.5;
-const STOPS: usize = 55;
+pub(crate) const STOPS: usize = 55;
 /// ln σ² and ln γ.
 const BOUNDS: [(f64, f64); 2] = [(0.0, 9.0), (-2.0, 18.0)];
 
@@ -115,14 +115,9 @@ const ROUNDS: usize = 100;
 const FILTER: f64 = 40.0;
 
 /// Frame over stop operators and the command, without its rate.
-pub(super) fn stops_frame(
-    range: f64,
-    output: Span,
-    period: f64,
-    pairs: &[(&[f64], &[f64])],
-) -> Frame {
+fn stops_frame(range: f64, output: Span, period: f64, pairs: &[(&[f64], &[f64])]) -> Frame {
     let stops = Stops { count: STOPS, range, period, rate_scale: 1e12 };
-    Frame::new(Features::Stops(stops), Span::UNIT, output, Recipe::Plain, pairs)
+    Frame::new(Features::Stops(stops), Span::UNIT, output, Recipe::Plain, pairs).on_a_line(pairs)
 }
 
 /// Whether an input of the stops' frame is the command (or its rate, which is nothing).

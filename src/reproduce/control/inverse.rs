@@ -1,7 +1,10 @@
 //! Learned inverses as components of a controller.
 
 use data::{Blueprint, ComponentBlueprint, Value};
-use identify::learned::{Arx, Machine, rms_difference};
+use identify::learned::{
+    Arx, Frame, Machine, Recipe, Rehearsal, Span, Waves, rms_difference, weigh,
+};
+use learned::features::{Features, Stops};
 
 /// Adds the table of an inverse to a blueprint, and gives its component. Its commands and positions are those
 /// of the machine, from output and input.
@@ -17,6 +20,42 @@ pub(super) fn learned_inverse(
         anyhow::bail!("the blueprint's step is no number")
     };
     Ok(machine.component(true, &file, step).named("inverse"))
+}
+
+/// An inverse over stop operators: what it is to know, and where the search for its widths begins.
+pub(super) struct Wanted<'a> {
+    /// Its range becomes that of the forward model's answers.
+    pub(super) stops: Stops,
+    /// The component holds its command within twice this span.
+    pub(super) span: Span,
+    pub(super) waves: Waves,
+    pub(super) group: &'a dyn Fn(usize) -> usize,
+    /// Widths and γ.
+    pub(super) begin: (&'a [f64], f64),
+}
+
+/// Evaluations of the evidence, and samples it looks at.
+const SEARCH: (usize, usize) = (70, 750);
+/// Of the rows of the waves, one in so many is learned.
+const EVERY: usize = 4;
+
+/// The inverse of a hysteresis, learned from what the forward model answers to these commands and to waves.
+pub(super) fn hysteresis_inverse(
+    forward: &Machine,
+    start: f64,
+    measured: &[&[f64]],
+    wanted: &Wanted<'_>,
+) -> anyhow::Result<Machine> {
+    let simulate = |u: &[f64]| forward.simulate(u, start);
+    let rehearsal = Rehearsal::new(measured, Some(wanted.waves), simulate)?;
+    let pairs = rehearsal.pairs();
+    let range = pairs.iter().flat_map(|(h, _)| *h).fold(0.0_f64, |top, h| top.max(h.abs()));
+    let features = Features::Stops(Stops { range, ..wanted.stops });
+    let frame = Frame::new(features, Span::UNIT, wanted.span, Recipe::Plain, &pairs);
+    let frame = frame.on_a_line(&pairs);
+    let found = weigh(&frame, &pairs, wanted.group, wanted.begin, SEARCH)?;
+    let samples = rehearsal.samples(&found.frame, 1, EVERY)?;
+    Ok(Machine::train_on(found.frame, &samples, found.settings)?.0)
 }
 
 /// The stable linear part of least error from `from` (which may run `ahead` rows ahead) to `to`.

@@ -24,6 +24,8 @@ pub(super) struct Learning<'a> {
     pub(super) lead: &'a [Vec<f64>],
     /// One pass, per axis; the first row follows the last.
     pub(super) pass: &'a [Vec<f64>],
+    /// Turns of a reference that repeats within the pass: what does not repeat with it is noise.
+    pub(super) turns: usize,
     /// Rows of the pass that are judged.
     pub(super) judged: usize,
     pub(super) period: f64,
@@ -261,7 +263,11 @@ pub(super) fn learn(
                 .iter()
                 .zip(&responses[axis])
                 .take(highest + 1)
-                .map(|(e, t)| quotient(*e, *t, ANSWER))
+                .enumerate()
+                .map(|(k, (e, t))| {
+                    let repeats = k % learning.turns.max(1) == 0;
+                    if repeats { quotient(*e, *t, ANSWER) } else { Complex::default() }
+                })
                 .collect();
             let change = waves.back(&change);
             now[axis] = from[axis].iter().zip(change).map(|(c, d)| c + step * d).collect();
@@ -307,6 +313,7 @@ mod tests {
         let learning = Learning {
             lead: &[lead],
             pass: &[turn],
+            turns: 1,
             judged: 100,
             period,
             preview: 0,

@@ -407,6 +407,7 @@ fn beyond(
     let learning = Learning {
         lead: &lead,
         pass: &pass,
+        turns: 1,
         judged: pass[0].len(),
         period: PERIOD,
         preview: both.preview,

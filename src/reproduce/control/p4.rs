@@ -96,8 +96,7 @@ fn reference(case: &Case, spans: Spans, turns: usize) -> Vec<Vec<f64>> {
     both
 }
 
-/// Commands to identify on: decaying triangles, then full loops of 10, 50 and 100 Hz, as the paper fits its models
-/// to, and loops of the ellipse's size; once more, a little smaller, to judge on. Identification fits on the first half of
+/// Commands to identify on: decaying triangles, full loops of the ellipse's frequency, and loops of its size; once more, a little smaller, to judge on. Identification fits on the first half of
 /// a record, so each half has all of them.
 fn excitation() -> Vec<f64> {
     let rows = |turns: f64, frequency: f64| (turns / frequency / PERIOD).round() as usize;
@@ -115,9 +114,7 @@ fn excitation() -> Vec<f64> {
             (0..rows).map(move |k| top * (1.0 - (2.0 * k as f64 / rows as f64 - 1.0).abs()))
         };
         join(&mut all, (0..4).flat_map(triangle).collect());
-        for (frequency, turns, part) in
-            [(10.0, 1.0, 1.0), (50.0, 2.0, 1.0), (FREQUENCY, 6.0, 1.0), (FREQUENCY, 6.0, PART)]
-        {
+        for (frequency, turns, part) in [(FREQUENCY, 6.0, 1.0), (FREQUENCY, 6.0, PART)] {
             let half = 0.5 * GREATEST * scale * part;
             let middle = if part < 1.0 { 0.5 * GREATEST } else { half };
             let wave = |k: usize| middle - half * (TAU * frequency * PERIOD * k as f64).cos();
@@ -385,6 +382,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
         let learning = Learning {
             lead: &lead,
             pass: &pass,
+            turns: 1,
             judged: pass[0].len(),
             period: PERIOD,
             preview: 0,
