@@ -29,8 +29,8 @@ const MODELS: [Model; 3] = [
 ];
 
 /// The loop of a frequency, on an axis from 1.
-fn looped(axis: usize, frequency: &str, settings: &[(&str, f64)]) -> anyhow::Result<Response> {
-    response_of(RIG, axis, &format!("p4-loop-{frequency}hz"), settings, 1.0)
+fn looped(axis: usize, frequency: &str) -> anyhow::Result<Response> {
+    response_of(RIG, axis, &format!("p4-loop-{frequency}hz"), &[], 1.0)
 }
 
 /// The loops of all frequencies, one behind the other in one record, with the paper's number of samples in each. Their
@@ -54,10 +54,10 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let mut answer = Reproduction::default();
     for (axis, name) in [(1, "Y"), (2, "Z")] {
         let fitted = all_loops(axis)?;
-        let slow = looped(axis, "1", &[])?;
+        let slow = looped(axis, "1")?;
         let judged = JUDGED
             .iter()
-            .map(|frequency| Ok(Response { period: PERIOD, ..looped(axis, frequency, &[])? }))
+            .map(|frequency| Ok(Response { period: PERIOD, ..looped(axis, frequency)? }))
             .collect::<anyhow::Result<Vec<Response>>>()?;
         let mut errors = Vec::new();
         let mut plants = Vec::new();
@@ -87,8 +87,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
                 format!("{name}, {frequency} Hz: the dynamic model is the best of the three");
             answer.orders.push(Order { paper_id: ID, what, holds: errors[0][k] < least });
         }
-        let text =
-            "The third loop of each signal, and the models' simulated from the command alone.";
+        let text = "The third loop of each signal, and what the models make of its command alone.";
         let mut chapter = Chapter::new(format!("models of axis {name}"), text);
         for (frequency, run) in JUDGED.iter().zip(&judged) {
             let from = 2 * run.command.len() / 3;
@@ -100,7 +99,9 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
                 runs.iter().map(|(model, y)| (*model, &y[from..])).collect();
             let measured = &run.position[from..run.command.len()];
             let title = format!("{name}, {frequency} Hz");
-            chapter = chapter.figure(figures::model(title, "um", run.period, measured, &part));
+            // The models' time runs in samples, the figure's in seconds.
+            let period = 1e-3 / frequency.parse::<f64>()?;
+            chapter = chapter.figure(figures::model(title, "um", period, measured, &part));
         }
         answer.chapters.push(chapter);
     }
