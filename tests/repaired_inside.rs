@@ -51,6 +51,13 @@ fn clearance_before_the_mode_of_an_fmu() {
 }
 
 #[test]
+fn clearance_with_a_spring_across_it_before_the_mode_of_an_fmu() {
+    let clearance = "[[axis.component]]\ntype = \"backlash\"\nname = \"play\"\nwidth = 0.08\n\
+                     bridge = 0.2\n\n";
+    is_named_and_repaired(&stage().replace(MODE, &format!("{clearance}{MODE}")), "backlash");
+}
+
+#[test]
 fn a_stiffening_spring_in_the_mode_of_an_fmu() {
     let spring = "[[axis.component]]\ntype = \"duffing\"\nname = \"mechanics\"\nhardening = 0.002\n\
                   reference = 10\n";

@@ -104,7 +104,7 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
 
 /// What is left in powers of the noise, on training and held-out rows alike.
 fn left(c: &Candidate) -> f64 {
-    0.5 * (c.fit.mean_square + c.judged.held_out)
+    0.5 * (c.training + c.judged.held_out)
 }
 
 /// How far that is above the noise.

@@ -66,6 +66,23 @@ impl Nuisance {
         }
     }
 
+    /// Frequencies in Hz of noise that the terms of a record of this length take out as if it were theirs.
+    pub(crate) fn frequencies(&self, values: &[f64], length: f64) -> Vec<f64> {
+        let value = |parameter: usize| values.get(parameter).copied().unwrap_or(1.0);
+        // Of noise with the density 1/f, the k-th Legendre polynomial over the length T holds as much as a
+        // line at (k/2 + 0.18)/T (simulated for the first five).
+        let slow = |count: usize| (1..=count).map(|k| (0.5 * k as f64 + 0.18) / length).collect();
+        match self {
+            Self::Drift { order: count } | Self::Knots { count } => slow(*count),
+            Self::Settling { .. } => slow(2),
+            Self::Lines { parameter, harmonics } => {
+                (1..=*harmonics).flat_map(|k| [value(*parameter) * k as f64; 2]).collect()
+            }
+            // As white as the reading is wide.
+            Self::Modulation { .. } => vec![f64::INFINITY; 2],
+        }
+    }
+
     /// The terms at time t of a record of this length, where the reading over its range is y; z is t
     /// over the record from −1 to 1.
     fn terms(&self, values: &[f64], (t, length): (f64, f64), y: f64, row: &mut Vec<f64>) {

@@ -125,6 +125,24 @@ impl Judge {
         Ok(self.figures(residual, data))
     }
 
+    /// Mean square of the noise over the fitted rows that the nuisances of a chain take out with what is
+    /// theirs.
+    pub(crate) fn taken(&self, chain: &Chain, theta: &[f64], data: &DataSet) -> f64 {
+        let values: Vec<f64> =
+            chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
+        let Shape { white, corner } = self.shape;
+        let mut sum = 0.0;
+        for record in data.records.iter().filter(|r| !r.fit.is_empty()) {
+            let rows = record.training.len() as f64;
+            // Fewer rows hold as much of slow noise a row.
+            let dense = record.fit.len() as f64 / rows;
+            let length = rows * data.sample_time();
+            let all = chain.nuisances.iter().flat_map(|n| n.frequencies(&values, length));
+            sum += all.map(|f| white * (1.0 + dense * corner / f)).sum::<f64>();
+        }
+        sum / data.fit_rows.len().max(1) as f64
+    }
+
     /// Takes out of the held-out end of a record what its mean may differ from that of the record's
     /// begin by noise that grows as 1/f; an offset that is larger stays with the rest.
     fn level_off(&self, residual: &mut [f64], data: &DataSet) {
@@ -218,6 +236,33 @@ pub(crate) fn mean_square(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::data_set::RecordRows;
+    use crate::nuisance::Nuisance;
+
+    #[test]
+    fn terms_of_a_record_take_more_of_noise_that_is_slow() {
+        let record = |rows: usize| RecordRows {
+            name: "a".to_owned(),
+            time: (0..rows).map(|k| 1e-3 * k as f64).collect(),
+            command: vec![0.0; rows],
+            y: vec![0.0; rows],
+            aux: Vec::new(),
+            others: Vec::new(),
+            training: 1.0,
+        };
+        let data = DataSet::new(vec![record(1000), record(2000)], &[], None);
+        let chain =
+            |nuisances| Chain { nodes: Vec::new(), parameters: Vec::new(), drive: 0, nuisances };
+        let taken =
+            |shape, nuisances| Judge::new(&data, shape).taken(&chain(nuisances), &[], &data);
+        let fitted = data.fit_rows.len() as f64;
+        assert_eq!(taken(Shape::WHITE, Vec::new()), 0.0);
+        let parabola = || vec![Nuisance::Drift { order: 2 }];
+        assert!((taken(Shape::WHITE, parabola()) - 4.0 / fitted).abs() < 1e-12);
+        // 0.5·(1 + 10/f) for f of 0.68 and 1.18 Hz, and of half of these.
+        let wanted = 2.0 + 5.0 * (1.0 / 0.68 + 1.0 / 1.18) * (1.0 + 2.0);
+        let pink = Shape { white: 0.5, corner: 10.0 };
+        assert!((taken(pink, parabola()) - wanted / fitted).abs() < 1e-12);
+    }
 
     #[test]
     fn the_end_of_a_record_may_be_off_by_as_much_as_slow_noise_is_and_no_more() {

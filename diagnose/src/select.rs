@@ -33,6 +33,8 @@ pub(crate) struct Candidate {
     pub(crate) chain: Chain,
     pub(crate) fit: Fit,
     pub(crate) judged: Judged,
+    /// Mean square of the fit with what its nuisances take of the noise.
+    pub(crate) training: f64,
     /// Cost of all rows with the penalty of its order; the least is the best.
     pub(crate) rank: f64,
     /// Coefficients of the effects.
@@ -114,11 +116,12 @@ impl<'a> Search<'a> {
         let rows = self.fitter().effective();
         let level = |m: f64| m.max(1e-12).ln();
         // What is learned on the training rows must hold on the others.
-        let data = TRAINING * level(fit.mean_square) + (1.0 - TRAINING) * level(judged.held_out);
+        let training = fit.mean_square + self.judge.taken(&chain, &fit.theta, self.data);
+        let data = TRAINING * level(training) + (1.0 - TRAINING) * level(judged.held_out);
         let prior: f64 =
             chain.parameters.iter().zip(&fit.theta).map(|(p, q)| p.prior * q * q).sum();
         let rank = rows * data + prior + freedom as f64 * rows.ln();
-        Ok(Candidate { picks, chain, fit, judged, rank, freedom })
+        Ok(Candidate { picks, chain, fit, judged, training, rank, freedom })
     }
 
     /// Coordinates for `chain` that say what `from` says, with the start of a new effect at the end.

@@ -206,6 +206,8 @@ pub enum Block {
     PoleZero,
     /// Clearance: half its width.
     Backlash,
+    /// Clearance with a spring across it: half its width, share of the motion that passes within it.
+    BridgedBacklash,
     /// Dahl friction: size, pre-sliding distance.
     Dahl,
     /// `x + a·s + b·s′` of an auxiliary signal s: a, and b in ms where there are two parameters.
@@ -286,6 +288,7 @@ impl Block {
             | Self::Heating { .. }
             | Self::HeatingGain { .. }
             | Self::Dahl
+            | Self::BridgedBacklash
             | Self::LaggedAuxiliary { .. }
             | Self::FeedThrough { .. } => 2,
             Self::Sine { .. }
@@ -314,9 +317,12 @@ impl Block {
                 let rest = force.rest(p, x, &mut slide, *far);
                 state.z.extend([rest, 0.0, slide, rest]);
             }
-            Self::Slew | Self::UnevenSlew | Self::SoftSlew | Self::Backlash | Self::Gain => {
-                state.z.push(x)
-            }
+            Self::Slew
+            | Self::UnevenSlew
+            | Self::SoftSlew
+            | Self::Backlash
+            | Self::BridgedBacklash
+            | Self::Gain => state.z.push(x),
             Self::BoucWen => state.z.extend([0.0, drive]),
             Self::GeneralisedPlay { .. } => state.z.push(0.0),
             Self::Warming { times, .. } => {
@@ -394,6 +400,10 @@ impl Block {
                 follow(z, |v| v + (x - v).clamp(-ratio * rate * dt, rate * dt))
             }
             (Self::Backlash, &[half]) => follow(z, |v| (x - half).max((x + half).min(v))),
+            (Self::BridgedBacklash, &[half, bridge]) => {
+                let play = follow(z, |v| (x - half).max((x + half).min(v)));
+                play + bridge * (x - play)
+            }
             (Self::Gain, &[gain]) => x + gain * (x - z.first().copied().unwrap_or(x)),
             (Self::AgeingGain, &[gain, growth]) => {
                 x + (gain + growth * (1.0 + t / 0.1).log10()) * x

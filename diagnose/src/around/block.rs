@@ -69,6 +69,7 @@ fn stepping(block: &Block, zero: f64) -> Option<Around> {
         Block::PoleZero => Around::PoleZero,
         &Block::BeforeMode { frequency, damping } => Around::BeforeMode { frequency, damping },
         Block::Backlash => Around::Backlash,
+        Block::BridgedBacklash => Around::BridgedBacklash,
         Block::Dahl => Around::Dahl,
         Block::Polynomial { span, .. } => {
             Around::Polynomial { centre: span.centre, half: span.half }
@@ -153,6 +154,7 @@ mod tests {
             (Block::PoleZero, vec![500.0, 0.02, 1.1, 0.03]),
             (Block::BeforeMode { frequency: 700.0, damping: 0.1 }, vec![]),
             (Block::Backlash, vec![0.3]),
+            (Block::BridgedBacklash, vec![0.3, 0.2]),
             (Block::Dahl, vec![0.1, 0.2]),
             (Block::Polynomial { span, order: 4 }, vec![0.1, -0.2, 0.05]),
             (Block::Aux { scale: 2.0, rate: false }, vec![0.3]),

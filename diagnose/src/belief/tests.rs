@@ -18,6 +18,7 @@ fn candidate((training, held_out): (f64, f64), rank: f64, freedom: usize) -> Can
             log_band: 0.0,
             blocks: Vec::new(),
         },
+        training: 1.0 + training,
         rank,
         freedom,
     }

@@ -211,6 +211,8 @@ pub(crate) enum Block {
     },
     /// Clearance: half its width.
     Backlash,
+    /// Clearance with a spring across it: half its width, share of the motion that passes within it.
+    BridgedBacklash,
     /// Dahl friction on the displacement: size, pre-sliding distance.
     Dahl,
     /// Polynomial about the centre, over the half range: coefficients of 2, 3, ….
@@ -320,7 +322,7 @@ impl Block {
             Self::Warming { span, loss, times } => {
                 motion::warming(*span, *loss, times, p, w, out);
             }
-            Self::Backlash => motion::backlash(p, w, out),
+            Self::Backlash | Self::BridgedBacklash => motion::backlash(p, w, out),
             Self::Dahl => motion::dahl(p, w, out),
         }
     }

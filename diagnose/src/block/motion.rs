@@ -66,11 +66,12 @@ pub(super) fn ageing(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
 }
 
 pub(super) fn backlash(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
-    let (&[half], Some(&first)) = (p, w.x.first()) else { return };
+    let (Some((&half, bridge)), Some(&first)) = (p.split_first(), w.x.first()) else { return };
+    let bridge = bridge.first().copied().unwrap_or(0.0);
     let mut state = first;
     for (y, x) in out.iter_mut().zip(w.x) {
         state = (x - half).max((x + half).min(state));
-        *y = state;
+        *y = state + bridge * (x - state);
     }
 }
 

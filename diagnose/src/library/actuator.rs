@@ -220,7 +220,8 @@ fn even_play(s: &Setting<'_>) -> Formula {
 
 fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     let slot = Slot::AfterActuator;
-    let unit = s.command.half / s.steepest.max(f64::MIN_POSITIVE);
+    // Not over the steepest rate: steps are far steeper than what lies between them.
+    let unit = s.command.half / s.slope_power.sqrt().max(f64::MIN_POSITIVE);
     let time = || Free::log("time", "s", 1e-5 * unit, 10.0 * unit);
     let bandwidth = Free::log("bandwidth", "Hz", 1.0 / s.length, 50.0 / s.sample);
     let frequencies = super::input::bandwidths(s);

@@ -170,11 +170,15 @@ fn half_width(s: &Setting<'_>) -> (Free, [Vec<f64>; 4]) {
 
 fn backlash(s: &Setting<'_>) -> Vec<Formula> {
     let (half, starts) = half_width(s);
+    let bridge = Free::linear("share within the clearance", "1", 0.0, 0.5).step(0.01);
     vec![
         clearance(s),
         Formula::new("clearance behind the mechanics")
-            .block(Slot::AfterMechanics, Block::Backlash, vec![half])
-            .starts(starts),
+            .block(Slot::AfterMechanics, Block::Backlash, vec![half.clone()])
+            .starts(starts.clone()),
+        Formula::new("clearance with a spring across it, before the mechanics")
+            .block(Slot::BeforeMechanics, Block::BridgedBacklash, vec![half, bridge])
+            .starts(starts.map(|start| vec![start[0], 0.1])),
     ]
 }
 

@@ -123,6 +123,9 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
                 .value("zero_damping", damping * root))
         }
         (Block::Backlash, &[half]) => one(new("backlash").value("width", 2.0 * half / y)),
+        (Block::BridgedBacklash, &[half, bridge]) => {
+            one(new("backlash").value("width", 2.0 * half / y).value("bridge", bridge))
+        }
         (Block::Polynomial { span, order: 3 }, &[square, cubic]) if !is_command => {
             one(new("sensor-polynomial")
                 .value("quadratic", square)
