@@ -9,6 +9,9 @@ use crate::score::explained;
 const CUT: f64 = 1.5;
 /// The same where nothing is left with it, however small it is.
 const CUT_TO_NOISE: f64 = 3.0;
+/// The same where something is left with it and it brings little of the whole: no repair of another
+/// effect's formula cuts so much.
+const CUT_SHARPLY: f64 = 10.0;
 /// Score that the effects together must reach.
 const EXPLAINED: f64 = 0.6;
 /// Part of the held-out gap's power that the effects together must explain.
@@ -223,7 +226,9 @@ impl Search<'_> {
         let cut = left(before) / left(after);
         let is_large = e1 - e0 > FURTHER.0 || s1 - s0 > FURTHER.1;
         let is_whole = !has_gap(after, self.adequate) && cut > CUT_TO_NOISE;
-        paired > 4.0 && ((is_large && cut > CUT) || is_whole)
+        // Nor does that need a count of blocks where it is most of what was left.
+        let is_clear = is_whole && explained(&before.judged, &after.judged) >= CLEAR;
+        is_clear || (paired > 4.0 && ((is_large && cut > CUT) || is_whole || cut > CUT_SHARPLY))
     }
 
     /// Looks at each slot again with the others in place, and takes what is better there.
