@@ -172,6 +172,33 @@ fn a_small_effect_is_believed_where_nothing_is_left_with_it() {
 }
 
 #[test]
+fn a_further_effect_that_is_most_of_what_was_left_and_leaves_nothing_needs_no_blocks() {
+    let told = Told::new();
+    // 1 is left, then 0.18, which may be noise; or 0.22, with which less than 0.8 of it goes.
+    assert!(told.is_further((0.9, 0.5), (0.982, 0.5), 0.0));
+    assert!(!told.is_further((0.9, 0.5), (0.978, 0.5), 0.0));
+    // 5 are left, then 0.4: something is left.
+    assert!(!told.is_further((0.5, 0.5), (0.96, 0.5), 0.0));
+}
+
+#[test]
+fn a_further_effect_that_cuts_sharply_may_be_small_and_leave_something() {
+    let told = Told::new();
+    // Where the noise is known so well that 0.05 are a gap: 0.7 are left, then 0.06 or 0.08.
+    let search = Search { adequate: 1.05, ..told.made.search() };
+    let before = told.set(1, 0.93, 0.5);
+    let is_worth_it = |power, errors: f64| {
+        let mut after = told.set(2, power, 0.5);
+        let turns = (0..10).map(|k| if k % 2 == 0 { 0.3 } else { -0.3 });
+        after.judged.blocks = turns.map(|turn| 20.0 * f64::exp(turn - 0.1 * errors)).collect();
+        search.is_worth_it(&told.base(), &before, &after)
+    };
+    assert!(is_worth_it(0.994, 4.2));
+    assert!(!is_worth_it(0.994, 3.8), "the blocks do not agree");
+    assert!(!is_worth_it(0.992, 4.2), "0.08 are left of 0.7: cut by less than 10");
+}
+
+#[test]
 fn rows_that_are_held_out_without_a_gap_leave_it_to_the_fitted_ones() {
     let told = Told::new();
     // 9 of 10 powers of the noise must go.

@@ -181,7 +181,8 @@ fn the_best_pair_is_taken_in_whatever_order_they_come() {
 
 #[test]
 fn a_pair_that_is_not_worth_a_second_effect_leaves_the_single_one() {
-    let made = imitated();
+    // With a third tone, which neither has.
+    let made = Made { data: Made::new(&[(3, 8.4), (5, 5.4), (13, 2.0)], &[]).data, ..imitated() };
     let (base, mut single) = (made.retuned(), made.families(&[0]));
     let first = vec![entry(single.clone()), entry(made.families(&[1]))];
     // The blocks do not agree that the pair is better.
