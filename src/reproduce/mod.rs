@@ -11,6 +11,8 @@ pub(crate) mod stand_ins;
 
 use serde::Serialize;
 
+use identify::learned::Arx;
+
 use crate::matching;
 
 /// One number of a paper beside ours.
@@ -139,6 +141,19 @@ pub(crate) struct Response {
     /// One more than commands: the position before the first.
     pub(crate) position: Vec<f64>,
     pub(crate) period: f64,
+}
+
+/// The poles of a linear part: frequencies in Hz, and dampings of pairs.
+pub(crate) fn poles(linear: &Arx, period: f64) -> String {
+    let told = linear.poles().into_iter().filter(|p| p.im >= 0.0).map(|p| {
+        let s = p.ln() / period;
+        let hz = s.norm() / std::f64::consts::TAU;
+        match p.im > 0.0 {
+            true => format!("{hz:.1} Hz with damping {:.3}", -s.re / s.norm()),
+            false => format!("{hz:.2} Hz"),
+        }
+    });
+    told.collect::<Vec<String>>().join(", ")
 }
 
 /// What axis 1 of a truth rig does under a paper's signal, times `gain`; the last command is held for

@@ -145,14 +145,15 @@ pub(super) fn series(
     let series = Series::train(&found.frame, found.settings, train, first, Turns::of(ROUNDS))?;
     let told = format!(
         "stops and linear part: {} evaluations of the evidence; widths of stops and command {:.3} and {:.3} of \
-         8.5 V, gamma = {:.2e}; training error {:.4} um; D: b = {:.4?}, a = {:.4?}",
+         8.5 V, gamma = {:.2e}; training error {:.4} um; D: b = {:.4?}, a = {:.4?}, poles at {}",
         found.evaluations,
         found.factors[0],
         found.factors[1],
         found.settings.gamma,
         series.error(train),
         series.linear.b,
-        series.linear.a
+        series.linear.a,
+        super::poles(&series.linear, period)
     );
     Ok((series, told))
 }

@@ -108,12 +108,13 @@ pub(crate) fn series(chirp: &Response) -> anyhow::Result<(Series, String)> {
     let (series, found) = Series::train_weighed(&frame, widths, &[run], start, usize::MAX)?;
     let told = format!(
         "stops and linear part: widths of stops, command and rate {:.3?} by the evidence, gamma = {:.2e}; training \
-         error {:.2} nm; D: b = {:.4?}, a = {:.4?}",
+         error {:.2} nm; D: b = {:.4?}, a = {:.4?}, poles at {}",
         found.factors,
         found.settings.gamma,
         1e3 * series.error(&[run]),
         series.linear.b,
-        series.linear.a
+        series.linear.a,
+        super::poles(&series.linear, chirp.period)
     );
     Ok((series, told))
 }
