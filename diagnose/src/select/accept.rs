@@ -9,9 +9,10 @@ use crate::score::explained;
 const CUT: f64 = 1.5;
 /// The same where nothing is left with it, however small it is.
 const CUT_TO_NOISE: f64 = 3.0;
-/// The same where something is left with it and it brings little of the whole: no repair of another
-/// effect's formula cuts so much.
+/// The same where it brings little of the whole and less than the noise is left with it: a repair of another
+/// effect's formula seldom cuts so much.
 const CUT_SHARPLY: f64 = 10.0;
+const NEARLY_NOISE: f64 = 1.0;
 /// Score that the effects together must reach.
 const EXPLAINED: f64 = 0.6;
 /// Part of the held-out gap's power that the effects together must explain.
@@ -228,7 +229,8 @@ impl Search<'_> {
         let is_whole = !has_gap(after, self.adequate) && cut > CUT_TO_NOISE;
         // Nor does that need a count of blocks where it is most of what was left.
         let is_clear = is_whole && explained(&before.judged, &after.judged) >= CLEAR;
-        is_clear || (paired > 4.0 && ((is_large && cut > CUT) || is_whole || cut > CUT_SHARPLY))
+        let is_sharp = cut > CUT_SHARPLY && left(after) < NEARLY_NOISE;
+        is_clear || (paired > 4.0 && ((is_large && cut > CUT) || is_whole || is_sharp))
     }
 
     /// Looks at each slot again with the others in place, and takes what is better there.

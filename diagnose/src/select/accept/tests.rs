@@ -196,6 +196,19 @@ fn a_further_effect_that_cuts_sharply_may_be_small_and_leave_something() {
     assert!(is_worth_it(0.994, 4.2));
     assert!(!is_worth_it(0.994, 3.8), "the blocks do not agree");
     assert!(!is_worth_it(0.992, 4.2), "0.08 are left of 0.7: cut by less than 10");
+    // 20 are left, then 0.95 or 1.05, of a gap of 1000.
+    let powers = |effects, power: f64| {
+        let mut c = told.set(effects, 0.5, 0.5);
+        (c.judged.held_out, c.judged.training) = (1.0 + power, 1.0 + power);
+        c
+    };
+    let sharply = |left: f64| {
+        let mut after = powers(2, left);
+        after.judged.blocks = (0..10).map(|k| 5.0 + f64::from(k % 2)).collect();
+        search.is_worth_it(&powers(0, 1000.0), &powers(1, 20.0), &after)
+    };
+    assert!(sharply(0.95));
+    assert!(!sharply(1.05), "as much as the noise is left");
 }
 
 #[test]
