@@ -7,11 +7,12 @@ use crate::select::{Candidate, Looked};
 /// Probability that the set must reach.
 pub(crate) const SET: f64 = 0.95;
 
-/// How much the odds of a rival fall with what it leaves: odds = times^−SHARPNESS.
-const SHARPNESS: f64 = 3.0;
+/// How much the odds of a rival fall with what it leaves: odds = times^−SHARPNESS. From the benchmark: with 3, names
+/// of 30 to 70 % were right in 86 of 89 cases whose effect was in the library.
+const SHARPNESS: f64 = 6.0;
 /// How much the logarithm of the odds falls with each coefficient more, among those that leave alike: a
 /// formula that can imitate many others says little when it fits no better.
-const ORDER: f64 = 1.2;
+const ORDER: f64 = 1.6;
 /// Formulas leave alike up to this factor.
 const ALIKE: f64 = 1.25;
 /// Trust below which neither the name nor its group is given.

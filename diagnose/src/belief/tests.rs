@@ -71,21 +71,21 @@ fn what_was_not_fitted_has_no_probability() {
 }
 
 #[test]
-fn a_rival_that_leaves_twice_as_much_has_an_eighth_of_the_odds() {
+fn a_rival_that_leaves_twice_as_much_has_a_64th_of_the_odds() {
     // 0.09 and 0.19 left, and 0.01 that the right one may leave unseen: twice as much.
     let near = looked(0, Some(candidate((0.07, 0.11), 0.0, 1)));
     let far = looked(1, Some(candidate((0.25, 0.13), 1e3, 1)));
     let found = all(&[near.clone(), far]);
-    close(odds(&found, 1, 0), 1.0 / 8.0);
+    close(odds(&found, 1, 0), 1.0 / 64.0);
     close(found[0].1 + found[1].1, LIBRARY);
     // Four times as much: 0.39.
     let farther = looked(1, Some(candidate((0.39, 0.39), 1e3, 1)));
-    close(odds(&all(&[near, farther]), 1, 0), 1.0 / 64.0);
+    close(odds(&all(&[near, farther]), 1, 0), 1.0 / 4096.0);
 }
 
 #[test]
 fn the_odds_fall_no_further_than_the_ranks_say() {
-    // Twice as much would be odds of 1 : 8; ranks that differ by 2 say 1 : e.
+    // Twice as much would be odds of 1 : 64; ranks that differ by 2 say 1 : e.
     let near = looked(0, Some(candidate((0.09, 0.09), 7.0, 1)));
     let far = looked(1, Some(candidate((0.19, 0.19), 9.0, 1)));
     close(odds(&all(&[near, far]), 1, 0), (-1.0_f64).exp());
@@ -100,16 +100,16 @@ fn the_best_is_that_of_the_least_rank() {
     let found = all(&[third, second, first]);
     close(odds(&found, 1, 0), 1.0);
     // 0.40 against 0.20, and not against the 0.10 of the second.
-    close(odds(&found, 2, 0), 1.0 / 8.0);
+    close(odds(&found, 2, 0), 1.0 / 64.0);
 }
 
 #[test]
 fn rivals_that_all_leave_less_than_the_noise_are_told_apart_by_the_difference() {
-    // The noise may be smaller than it was taken for; it is the same for both: (0.01 + 0.01) / 0.01 cubed.
+    // The noise may be smaller than it was taken for; it is the same for both: (0.01 + 0.01) / 0.01 to the sixth.
     let near = looked(1, Some(candidate((-0.10, -0.10), 0.0, 1)));
     let far = looked(0, Some(candidate((-0.09, -0.09), 1e3, 1)));
     let found = all(&[near, far]);
-    close(odds(&found, 0, 1), 1.0 / 8.0);
+    close(odds(&found, 0, 1), 1.0 / 64.0);
     assert_eq!(found[0].0, 1, "and not in the order of the library");
 }
 
@@ -118,19 +118,19 @@ fn of_those_that_leave_alike_the_one_with_fewer_coefficients_is_more_probable() 
     let alike =
         |family, freedom, rank| looked(family, Some(candidate((0.09, 0.09), rank, freedom)));
     let found = all(&[alike(0, 5, 0.0), alike(1, 3, 1e3)]);
-    close(odds(&found, 0, 1), (-1.2_f64 * 2.0).exp());
+    close(odds(&found, 0, 1), (-1.6_f64 * 2.0).exp());
     assert_eq!(found[0].0, 1, "most probable first");
     // 1.2 times as much is alike still: both the power of the factor and the coefficients count.
     let nearly = looked(2, Some(candidate((0.11, 0.11), 1e3, 4)));
     let found = all(&[alike(0, 3, 0.0), nearly]);
-    close(odds(&found, 1 + 1, 0), 1.2_f64.powi(-3) * (-1.2_f64).exp());
+    close(odds(&found, 1 + 1, 0), 1.2_f64.powi(-6) * (-1.6_f64).exp());
     // Twice as much is not: its coefficients count neither against it nor against the others.
     let far = looked(3, Some(candidate((0.19, 0.19), 1e3, 1)));
     let found = all(&[alike(0, 5, 0.0), far]);
-    close(odds(&found, 3, 0), 1.0 / 8.0);
+    close(odds(&found, 3, 0), 1.0 / 64.0);
     let far = looked(3, Some(candidate((0.19, 0.19), 1e3, 9)));
     let found = all(&[alike(0, 5, 0.0), far]);
-    close(odds(&found, 3, 0), 1.0 / 8.0);
+    close(odds(&found, 3, 0), 1.0 / 64.0);
 }
 
 #[test]
