@@ -196,15 +196,18 @@ package Mechanics "Moving mass, flexures, guides and load"
   block Backlash "Clearance, as a play of constant width"
     extends Interfaces.PositionFilter;
     parameter Real width(unit="um", min = 0) "Clearance";
+    parameter Real bridge(unit="1", min = 0, max = 1) = 0 "Share of a motion that passes within the clearance";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
     discrete Real p(start = 0, fixed = true, unit="um") "Play";
+    discrete Real x(start = 0, fixed = true, unit="um") "Input of the sample";
   equation
     when sample(0, step) then
       p = Functions.play(u, width/2, pre(p));
+      x = u;
     end when;
-    y = p;
-    annotation(Documentation(info="<html><p>Component <code>backlash</code>:</p><p><code>y = max(x - width/2, min(x + width/2, y))</code></p></html>"));
+    y = p + bridge*(x - p);
+    annotation(Documentation(info="<html><p>Component <code>backlash</code>:</p><p><code>y = bridge x + (1 - bridge) P, P = max(x - width/2, min(x + width/2, P))</code></p></html>"));
   end Backlash;
 
   block CuttingForce "Cutting force once per ellipse, while the tool is in cut"

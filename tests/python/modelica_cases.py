@@ -64,7 +64,7 @@ PLANT = {
     "position-stiffness": (MODE | {"linear": 0.05, "quadratic": -0.03, "centre": 5.0, "half_range": 6.0}, 2e-5),
     "friction": (MODE | {"coulomb": 0.2, "stiction": 0.3, "presliding": 0.05, "stribeck": 300.0}, 3e-2),
     "arx": ({"sample_time": 4e-4, "b": [0.276897, -0.540637, 0.263941], "a": [-2.72054, 2.45461, -0.733864]}, EXACT),
-    "backlash": ({"width": 0.8}, EXACT),
+    "backlash": ({"width": 0.8, "bridge": 0.2}, EXACT),
     "cutting-force": ({"amplitude": 0.5, "frequency": 131.0, "duty": 0.4, "phase": 0.3}, EXACT),
     "vibration": ({"frequency": [47.0, 133.0], "amplitude": [0.2, 0.1], "phase": [0.3, -1.0]}, EXACT),
     "thermal-drift": ({"rate": 0.5, "settling": 0.3, "time_constant": 0.02, "expansion": 0.1, "temperature_change": 2.0}, SOLVED),
