@@ -186,7 +186,7 @@ const CATALOGUE: &[(&str, &[&str], &str)] = &[
         "one on each axis, with its own values",
     ),
     ("static cross-coupling", &["command-coupling", "displacement-coupling"], ""),
-    ("dynamic cross-coupling, shared mode", &["mode-coupling"], ""),
+    ("dynamic cross-coupling, shared mode", &["mode-coupling", "modal-matrix"], ""),
     ("optics: coordinates from several axes", &["optics-jacobian"], ""),
     (
         "Abbe, rotation and cosine error",

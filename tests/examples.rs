@@ -126,6 +126,25 @@ fn measured_gaps() {
 }
 
 #[test]
+fn measured_mirror() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = run("09_fsm_mirror", folder.path());
+    println!("{said}");
+    if said.starts_with("SKIPPED") {
+        return;
+    }
+    let readme = common::root().join("examples/09_fsm_mirror/README.md");
+    let readme = std::fs::read_to_string(readme).expect("a README");
+    let quoted: Vec<&str> = readme.lines().filter_map(|line| line.strip_prefix("> ")).collect();
+    let quoted = quoted.join(" ");
+    assert!(quoted.starts_with("The model lacks resonance shift"), "{quoted}");
+    assert!(said.lines().any(|line| line == quoted), "{said}");
+    for file in ["mirror.toml", "response.html", "gap.json", "gap.html", "repaired.fmu"] {
+        assert!(folder.path().join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
 fn bench() {
     let folder = tempfile::tempdir().expect("a folder");
     let said = run("05_bench", folder.path());

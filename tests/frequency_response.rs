@@ -115,6 +115,110 @@ fn a_known_mode_and_a_known_curvature_are_found() {
     assert!(page.contains("Fitted modes") && page.contains("even lines"));
 }
 
+/// Two axes that couple through their modes, moved by random-phase multisines of 3 periods in two records, as
+/// `mirror.csv`.
+fn measure_mirror(at: &Path) {
+    let axis = |name: &str, gain: f64, frequency: f64, damping: f64| {
+        format!(
+            "[[axis]]\nname = \"{name}\"\ncommand = {{ name = \"u{name}\", unit = \"V\" }}\nposition = {{ \
+             name = \"{name}\", unit = \"um\" }}\n\n[[axis.component]]\ntype = \"actuator-gain\"\ngain = {gain}\n\n\
+             [[axis.component]]\ntype = \"mode\"\nfrequency = {frequency}\ndamping = {damping}\n\n"
+        )
+    };
+    let text = format!(
+        "piezoloop = 1\nkind = \"plant\"\nname = \"mirror\"\nstep = 1e-3\n\n{}{}[[coupling]]\ntype = \
+         \"displacement-coupling\"\naxes = [\"x\", \"y\"]\nmatrix = [[0, 0.4], [-0.3, 0]]\n",
+        axis("x", -2.0, 90.0, 0.02),
+        axis("y", 3.0, 210.0, 0.05)
+    );
+    fs::write(at.join("mirror-truth.toml"), text).expect("a file");
+    const PERIOD: usize = 1000;
+    let mut state = 5u64;
+    let mut phase = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        std::f64::consts::TAU * (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut multisine = || -> Vec<f64> {
+        let phases: Vec<f64> = (1..450).map(|_| phase()).collect();
+        let at = |n: usize| {
+            let angle =
+                |k: usize| std::f64::consts::TAU * ((n * k) % PERIOD) as f64 / PERIOD as f64;
+            (1..450).map(|k| (angle(k) + phases[k - 1]).cos()).sum::<f64>() / 15.0
+        };
+        (0..PERIOD).map(at).collect()
+    };
+    let mut rows = String::from("record,time,ux,uy\n");
+    for record in 0..2 {
+        let (x, y) = (multisine(), multisine());
+        for n in 0..3 * PERIOD {
+            rows += &format!("{record},{},{},{}\n", n as f64 * 1e-3, x[n % PERIOD], y[n % PERIOD]);
+        }
+    }
+    fs::write(at.join("u.csv"), rows).expect("a log");
+    let run = ["simulate", "mirror-truth.toml", "--log", "u.csv", "--map", "command[1]=ux"];
+    succeed(&[&run[..], &["--map", "command[2]=uy", "-o", "mirror.csv"]].concat(), at);
+}
+
+#[test]
+fn two_axes_that_couple_become_a_plant_that_moves_as_they_do() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    measure_mirror(at);
+    let columns = [
+        "frequency-response",
+        "mirror.csv",
+        "--input",
+        "command[1]",
+        "--input",
+        "command[2]",
+        "--output",
+        "position[1]",
+        "--output",
+        "position[2]",
+        "--modes",
+        "4",
+    ];
+    let more = ["--skip", "1", "--plant", "found.toml", "--report", "page.html"];
+    let answer = json(&[&columns[..], &more].concat(), at);
+    println!("{}", answer["plant"]);
+    let errors = answer["plant"]["errors"].as_array().expect("errors");
+    assert_eq!(errors.len(), 4, "two records of two outputs");
+    for error in errors {
+        assert!(error["relative"].as_f64().expect("a number") < 1e-3, "{error}");
+        assert_eq!(error["from_row"], 1001);
+    }
+    let modes: Vec<f64> = answer["fit"]["modes"]
+        .as_array()
+        .expect("modes")
+        .iter()
+        .map(|mode| mode["frequency"].as_f64().expect("a frequency"))
+        .collect();
+    for truth in [90.0, 210.0] {
+        assert!(modes.iter().any(|f| (f / truth - 1.0).abs() < 1e-4), "{modes:?}");
+    }
+    // −2, 0.4·3; −0.3·(−2), 3
+    for (i, row) in [[-2.0, 1.2], [0.6, 3.0]].iter().enumerate() {
+        for (j, truth) in row.iter().enumerate() {
+            let gain = answer["fit"]["static_gain"][i][j].as_f64().expect("a gain");
+            assert!((gain / truth - 1.0).abs() < 1e-3, "{i} {j}: {gain}");
+        }
+    }
+    // As any plant: packed, and moved by the log again.
+    succeed(&["pack", "found.toml", "-o", "found.fmu"], at);
+    let again = json(&["simulate", "found.fmu", "--log", "mirror.csv", "-o", "again.csv"], at);
+    let fits = again["fits"].as_array().expect("fits");
+    assert_eq!(fits.len(), 4, "{again}");
+    for fit in fits {
+        assert!(fit["nrmse_percent"].as_f64().expect("a number") < 0.01, "{fit}");
+    }
+    assert!(fs::read_to_string(at.join("page.html")).expect("a page").contains("The plant"));
+
+    let error = refuse(&[&columns[..8], &["--plant", "other.toml"]].concat(), at);
+    assert!(error.contains("2 inputs and 1 outputs") && !at.join("other.toml").exists(), "{error}");
+    let error = refuse(&[&columns[..], &["--plant", "mirror.csv"]].concat(), at);
+    assert!(error.contains("mirror.csv") && error.contains("also read"), "{error}");
+}
+
 #[test]
 fn what_cannot_be_measured_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");

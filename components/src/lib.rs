@@ -79,6 +79,7 @@ pub static COMPONENTS: model::Registry = &[
     &coupling::CommandCoupling,
     &coupling::DisplacementCoupling,
     &coupling::ModeCoupling,
+    &coupling::ModalMatrix,
     &coupling::OpticsJacobian,
     &coupling::PsdPincushion,
     &environment::ThermalDrift,

@@ -78,6 +78,10 @@ fn drawn(dice: &mut Dice, component: &dyn Component) -> (Vec<f64>, Vec<f64>) {
             vec![axes, 4.0]
         }
         _ if declaration.is_coupling() && structure.len() == 1 => vec![2.0],
+        // A matrix per mode.
+        [_, _, modes, _] if declaration.kind == "modal-matrix" => {
+            vec![2.0, 4.0, *modes, 4.0 * modes]
+        }
         _ => structure,
     };
     let mut values = Vec::new();

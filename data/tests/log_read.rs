@@ -369,3 +369,37 @@ mod quality {
         assert_eq!(found, []);
     }
 }
+
+#[test]
+fn times_that_were_rounded_are_those_of_the_grid() {
+    let text = |times: &mut dyn Iterator<Item = String>| {
+        let rows: Vec<String> = times.map(|t| format!("{t},1\n")).collect();
+        format!("time,y\n{}", rows.concat())
+    };
+    let grid = |k: u32| f64::from(k) / 6400.0;
+    // Six digits, as printf's %g writes them.
+    let short = |t: f64| {
+        let size = if t == 0.0 { 0 } else { t.log10().floor() as i32 };
+        let decimals = (5 - size).max(1) as usize;
+        format!("{t:.decimals$}").trim_end_matches('0').trim_end_matches('.').to_owned()
+    };
+    let log = read(&text(&mut (0..16_384).map(|k| short(grid(k))))).unwrap();
+    let is_grid = |log: &Log| log.time().iter().zip(0..).all(|(t, k)| (t - grid(k)).abs() < 1e-15);
+    assert!(is_grid(&log));
+    assert!(matches!(log.rounded(), [r] if r.period == 1.0 / 6400.0 && r.distance > 0.02));
+    assert!(log.note_on_times().unwrap().contains("too few digits"));
+    // Single precision.
+    let log = read(&text(&mut (0..16_384).map(|k| f64::from(grid(k) as f32 * 1.0).to_string())));
+    assert!(is_grid(&log.unwrap()));
+    let late = |k: u32| f64::from((3.0 + f64::from(k) * 1e-4) as f32).to_string();
+    let log = read(&text(&mut (0..5000).map(late))).unwrap();
+    assert_eq!((log.rounded().len(), log.time()[4999]), (1, 3.0 + 4999.0 * 1e-4));
+
+    // A clock that trembles is no rounding: 1 % of a sample, all digits given.
+    let tremble = |k: u32| (grid(k) + 1.5e-6 * f64::from(k * 7919 % 13) / 13.0).to_string();
+    let log = read(&text(&mut (0..2000).map(tremble))).unwrap();
+    assert!(log.rounded().is_empty() && log.time()[1] != grid(1));
+    // All digits that a double has.
+    let log = read(&text(&mut (0..2000).map(|k| (f64::from(k) / 3000.0).to_string()))).unwrap();
+    assert!(log.rounded().is_empty());
+}

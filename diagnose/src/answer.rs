@@ -39,7 +39,8 @@ pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> 
     let mut warnings: Vec<String> =
         outcomes.iter().flat_map(|o| o.problem.warnings.clone()).collect();
     warnings.extend(outcomes.iter().flat_map(cautions));
-    warnings.dedup();
+    let mut told = std::collections::BTreeSet::new();
+    warnings.retain(|warning| told.insert(warning.clone()));
     let mut gap = Gap {
         schema: SCHEMA.to_owned(),
         sentence: String::new(),
@@ -393,6 +394,10 @@ fn provenance(request: &Request, simulations: u64) -> Provenance {
         )
     } else {
         "the logs given for it".to_owned()
+    };
+    let split = match request.drop {
+        0.0 => split,
+        drop => format!("{split}; the first {drop} s of each record are a run-in"),
     };
     let origins = |logs: &[data::Log]| logs.iter().map(|l| l.origin().to_owned()).collect();
     Provenance {

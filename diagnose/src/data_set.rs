@@ -12,6 +12,8 @@ const MOST_FIT_ROWS: usize = 8_000;
 pub(crate) struct RecordData {
     /// Name in reports.
     pub(crate) name: String,
+    /// Times of the run-in in s: rows before `rows` that are simulated, neither fitted nor judged.
+    pub(crate) run_in: Vec<f64>,
     /// Its rows.
     pub(crate) rows: Range<usize>,
     /// Rows that are fitted, a part of `rows` from its start.
@@ -22,7 +24,7 @@ pub(crate) struct RecordData {
     pub(crate) training_hits_end: usize,
     /// Its part of the rows of the fit.
     pub(crate) fit: Range<usize>,
-    /// Inputs of a black box beside the one that is driven, row by row, in the model's units.
+    /// Inputs of a black box beside the one that is driven, row by row from the run-in on, in the model's units.
     pub(crate) others: Vec<Vec<f64>>,
 }
 
@@ -72,7 +74,9 @@ pub(crate) struct RecordRows {
     pub(crate) y: Vec<f64>,
     pub(crate) aux: Vec<Vec<f64>>,
     pub(crate) others: Vec<Vec<f64>>,
-    /// Part of the rows that is fitted, 0 to 1.
+    /// Rows from the start that are a run-in.
+    pub(crate) run_in: usize,
+    /// Part of the other rows that is fitted, 0 to 1.
     pub(crate) training: f64,
 }
 
@@ -128,16 +132,18 @@ impl DataSet {
         for (k, aux) in self.aux.iter_mut().enumerate() {
             expand(&record.aux[k], &mut aux.hits);
         }
-        self.row_hit.extend(hits.iter().map(|h| (hit + h) as u32));
-        let rows = row..row + record.time.len();
+        let (run_in, time) = record.time.split_at(record.run_in.min(record.time.len()));
+        self.row_hit.extend(hits[run_in.len()..].iter().map(|h| (hit + h) as u32));
+        let rows = row..row + time.len();
         let count = (record.training * rows.len() as f64).round() as usize;
         let training = rows.start..rows.start + count;
         let training_hits_end =
             training.clone().last().map_or(hit, |last| self.row_hit[last] as usize + 1);
-        self.time.extend(record.time);
-        self.y.extend(record.y);
+        self.time.extend(time);
+        self.y.extend(&record.y[run_in.len()..]);
         self.records.push(RecordData {
             name: record.name,
+            run_in: run_in.to_vec(),
             rows,
             training,
             hits: hit..self.command.len(),
@@ -186,6 +192,14 @@ impl DataSet {
     /// Measured less simulated at all rows.
     pub(crate) fn residual(&self, simulated: &[f64]) -> Vec<f64> {
         self.y.iter().zip(&self.row_hit).map(|(y, hit)| y - simulated[*hit as usize]).collect()
+    }
+
+    /// Times of all rows of each record, its run-in first, by the first row that is judged.
+    pub(crate) fn times(&self) -> impl Iterator<Item = (usize, Vec<f64>)> {
+        self.records.iter().map(|record| {
+            let judged = &self.time[record.rows.clone()];
+            (record.rows.start, [&record.run_in, judged].concat())
+        })
     }
 
     /// Median sample time in s.

@@ -141,10 +141,9 @@ fn gain(o: &Outcome, a: &Candidate, b: &Candidate, item: &Item) -> Option<f64> {
 /// A chain over other records.
 fn over(chain: &Chain, data: &DataSet) -> Chain {
     let mut chain = chain.clone();
-    let times = || data.records.iter().map(|r| (r.rows.start, data.time[r.rows.clone()].to_vec()));
     for node in &mut chain.nodes {
         if let Node::BlackBox(fmu) = node {
-            *fmu = fmu.over(times().collect());
+            *fmu = fmu.over(data.times().collect());
         }
     }
     chain
@@ -179,6 +178,7 @@ fn record(o: &Outcome, item: &Item) -> DataSet {
         y: vec![0.0; n],
         aux: aux.collect(),
         others,
+        run_in: 0,
         training: 1.0,
     };
     let names: Vec<(String, bool)> =

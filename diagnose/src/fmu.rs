@@ -95,12 +95,7 @@ fn problem(
         is_white: false,
     };
     let mut problem = assemble(request, inputs, outputs, input, output, base, None)?;
-    let times = problem
-        .data
-        .records
-        .iter()
-        .map(|r| (r.rows.start, problem.data.time[r.rows.clone()].to_vec()))
-        .collect();
+    let times = problem.data.times().collect();
     let units = (inputs[input].si, outputs[output].si);
     let mut node = BlackBox::new(fmu, names, outputs[output].name.clone(), units, times);
     node.parameters = tuned.iter().map(|p| (p.name.clone(), p.value)).collect();

@@ -177,57 +177,87 @@ pub(crate) fn fourth_differences(
     (median > 0.0).then(|| median / (0.6745 * 70f64.sqrt()))
 }
 
-/// Standard deviation of what does not repeat, where a record repeats its command: from the
-/// differences of neighbouring periods, a straight line taken out of each.
-pub(crate) fn periods(
-    command: &[f64],
-    y: &[f64],
-    records: impl Iterator<Item = Range<usize>>,
-) -> Option<f64> {
-    let (mut squares, mut count) = (0.0, 0.0);
-    for rows in records {
-        let (u, y) = (&command[rows.clone()], &y[rows]);
-        let Some(period) = period_of(u) else { continue };
-        // The first period is not settled.
-        let mut from = period;
-        while from + 2 * period <= y.len() {
-            let d: Vec<f64> = (from..from + period).map(|k| y[k + period] - y[k]).collect();
-            let n = period as f64;
-            let mean = d.iter().sum::<f64>() / n;
-            let centre = 0.5 * (n - 1.0);
-            let (mut cross, mut square) = (0.0, 0.0);
-            for (k, d) in d.iter().enumerate() {
-                let t = k as f64 - centre;
-                cross += t * (d - mean);
-                square += t * t;
-            }
-            let slope = cross / square.max(1.0);
-            squares += d
-                .iter()
-                .enumerate()
-                .map(|(k, d)| (d - mean - slope * (k as f64 - centre)).powi(2))
-                .sum::<f64>();
-            count += n - 2.0;
-            from += period;
-        }
-    }
-    // The difference of two periods has twice the variance.
-    (count > 50.0).then(|| (0.5 * squares / count).sqrt()).filter(|s| *s > 0.0)
+/// What does not repeat, where records repeat their command.
+pub(crate) struct Repeats {
+    /// Differences of neighbouring periods over √2, which have the noise's variance, a straight line taken
+    /// out of each.
+    pub(crate) parts: Vec<Vec<f64>>,
 }
 
-/// The shortest shift at which a signal repeats to a billionth of its range, at least three times.
+impl Repeats {
+    /// Of an output over these records; `None` where no command repeats.
+    ///
+    /// The first period is not settled: with three or more it is left out, of two its first half.
+    pub(crate) fn of(
+        command: &[f64],
+        y: &[f64],
+        records: impl Iterator<Item = Range<usize>>,
+    ) -> Option<Self> {
+        let mut parts = Vec::new();
+        for rows in records {
+            // The first row is the rest under its own command; what moved the others is the row before.
+            let rows = (rows.start + 1).min(rows.end)..rows.end;
+            let (u, y) = (&command[rows.clone()], &y[rows]);
+            let Some(period) = period_of(u) else { continue };
+            let last = y.len() - period;
+            let mut from = if last + 1 < 2 * period { period / 2 } else { period };
+            while from + 8 < last {
+                let end = ((from / period + 1) * period).min(last);
+                let d: Vec<f64> = (from..end).map(|k| y[k + period] - y[k]).collect();
+                parts.push(level(&d));
+                from = end;
+            }
+        }
+        let count: usize = parts.iter().map(Vec::len).sum();
+        (count > 50).then_some(Self { parts })
+    }
+
+    /// Its standard deviation.
+    pub(crate) fn sigma(&self) -> Option<f64> {
+        let squares: f64 = self.parts.iter().flatten().map(|d| d * d).sum();
+        let freedom: f64 = self.parts.iter().map(|d| d.len() as f64 - 2.0).sum();
+        Some((squares / freedom).sqrt()).filter(|s| *s > 0.0)
+    }
+
+    /// Level of the white part and corner, as [`of_rest`] has them.
+    pub(crate) fn shape(&self, sample: f64) -> Option<(f64, f64)> {
+        let parts: Vec<&[f64]> = self.parts.iter().map(Vec::as_slice).collect();
+        of_rest(&parts, sample)
+    }
+}
+
+/// Differences over √2 without their straight line.
+fn level(d: &[f64]) -> Vec<f64> {
+    let n = d.len() as f64;
+    let mean = d.iter().sum::<f64>() / n;
+    let centre = 0.5 * (n - 1.0);
+    let (mut cross, mut square) = (0.0, 0.0);
+    for (k, d) in d.iter().enumerate() {
+        let t = k as f64 - centre;
+        cross += t * (d - mean);
+        square += t * t;
+    }
+    let slope = cross / square.max(1.0);
+    let line = |k: usize| mean + slope * (k as f64 - centre);
+    d.iter().enumerate().map(|(k, d)| (d - line(k)) * std::f64::consts::FRAC_1_SQRT_2).collect()
+}
+
+/// The shortest shift at which a signal repeats, over a third of its length at least: to half a thousandth of its range, as a command
+/// that was measured does, where it moves by a tenth of it in between.
 fn period_of(u: &[f64]) -> Option<usize> {
     let (low, high) =
         u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    let close = 1e-6 * (high - low);
+    let range = high - low;
+    let close = 5e-4 * range;
     if close.is_nan() || close <= 0.0 {
         return None;
     }
-    (8..=u.len() / 3).find(|shift| {
+    (8..=2 * u.len() / 3).find(|shift| {
         // A few places first, then all.
         let same = |k: usize| (u[k] - u[k + shift]).abs() <= close;
         let last = u.len() - shift;
-        (0..16).all(|k| same(k * (last - 1) / 15)) && (0..last).all(same)
+        let moves = |k: usize| (u[k] - u[k + shift / 2]).abs() > 0.1 * range;
+        (0..16).all(|k| same(k * (last - 1) / 15)) && (0..last).all(same) && (0..last).any(moves)
     })
 }
 
@@ -251,11 +281,35 @@ mod tests {
             (0..n).map(|k| (std::f64::consts::TAU * (k % 1000) as f64 / 1000.0).sin()).collect();
         let y: Vec<f64> = u.iter().zip(noise(n)).map(|(u, e)| 3.0 * u + 0.01 * e).collect();
         let all = || std::iter::once(0..n);
-        for sigma in
-            [second_differences(&y, all()), fourth_differences(&y, all()), periods(&u, &y, all())]
-        {
+        let repeats = Repeats::of(&u, &y, all()).unwrap();
+        let (white, corner) = repeats.shape(1e-4).unwrap();
+        for sigma in [
+            second_differences(&y, all()),
+            fourth_differences(&y, all()),
+            repeats.sigma(),
+            Some(white * coloured(corner, 0.5, 5e3).sqrt()),
+        ] {
             assert!((sigma.unwrap() / 0.01 - 1.0).abs() < 0.05, "{sigma:?}");
         }
+    }
+
+    #[test]
+    fn two_periods_of_a_rich_command_tell_its_noise() {
+        // No difference of neighbours cancels what fills the whole band; the transient is in the first half.
+        let n = 8192;
+        let one = noise(n);
+        let played = |k: usize| one[k % n];
+        let u: Vec<f64> = (0..2 * n).map(|k| played(k.saturating_sub(1))).collect();
+        let y: Vec<f64> = u
+            .iter()
+            .zip(noise(3 * n).split_off(n))
+            .enumerate()
+            .map(|(k, (u, e))| 3.0 * u + 0.01 * e + 5.0 * (-(k as f64) / 100.0).exp())
+            .collect();
+        let all = || std::iter::once(0..2 * n);
+        assert!(second_differences(&y, all()).unwrap() > 1.0);
+        let sigma = Repeats::of(&u, &y, all()).unwrap().sigma().unwrap();
+        assert!((sigma / 0.01 - 1.0).abs() < 0.05, "{sigma}");
     }
 
     #[test]
@@ -263,5 +317,7 @@ mod tests {
         let u: Vec<f64> = (0..3000).map(|k| (f64::from(k).powi(2) * 1e-3).sin()).collect();
         assert_eq!(period_of(&u), None);
         assert_eq!(period_of(&[1.0; 100]), None);
+        let ramp: Vec<f64> = (0..30_000).map(f64::from).collect();
+        assert_eq!(period_of(&ramp), None);
     }
 }

@@ -205,6 +205,7 @@ pub(crate) fn assemble(
     let judged = request.holdout.iter().map(|log| (log, true));
     let training = if request.holdout.is_empty() { 1.0 - HELD_OUT } else { 1.0 };
     for (log, is_judged) in logs.chain(judged) {
+        warnings.extend(log.note_on_times());
         let training = if is_judged { 0.0 } else { training };
         let command = column(request, u, log, "input")?;
         let measured = column(request, y, log, "output")?;
@@ -220,12 +221,17 @@ pub(crate) fn assemble(
             .collect::<Result<_, Error>>()?;
         for record in log.records() {
             let rows = record.rows.clone();
-            if rows.len() < 60 {
+            let start = log.time()[rows.start];
+            // A row that lies on the border up to rounding stays.
+            let is_run_in = |t: &&f64| *t - start < request.drop * (1.0 - 1e-9);
+            let run_in = log.time()[rows.clone()].iter().take_while(is_run_in).count();
+            if rows.len() - run_in < 60 {
                 warnings.push(format!(
-                    "{}, record {}: {} rows are too few to judge anything; it was left out",
+                    "{}, record {}: {} rows{} are too few to judge anything; it was left out",
                     log.origin(),
                     record.id,
-                    rows.len()
+                    rows.len() - run_in,
+                    if run_in > 0 { " after the run-in" } else { "" }
                 ));
                 continue;
             }
@@ -240,6 +246,7 @@ pub(crate) fn assemble(
                 y: si(&y.si, &measured),
                 aux: aux.iter().map(|a| part(a)).collect(),
                 others: others.iter().map(|o| part(o)).collect(),
+                run_in,
                 training,
             });
         }
@@ -370,6 +377,9 @@ pub(crate) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
 }
 
+/// Part of what differences of neighbours show that differences of periods are below where the command is rich.
+const RICH: f64 = 0.5;
+
 /// The noise of an output, in its unit.
 fn floor(
     request: &Request,
@@ -380,7 +390,8 @@ fn floor(
     let records = || data.records.iter().map(|r| r.rows.clone());
     let second = noise::second_differences(&data.y, records()).map(|s| s / factor);
     let command: Vec<f64> = data.row_hit.iter().map(|h| data.command[*h as usize]).collect();
-    let periods = noise::periods(&command, &data.y, records()).map(|s| s / factor);
+    let repeats = noise::Repeats::of(&command, &data.y, records());
+    let periods = repeats.as_ref().and_then(noise::Repeats::sigma).map(|s| s / factor);
     let mut rest_corner = None;
     let (sigma, source) = match &request.noise {
         Noise::Given(all) => {
@@ -401,7 +412,14 @@ fn floor(
                 |(white, corner): (f64, f64)| white * noise::coloured(corner, low, high).sqrt();
             (found.map(sigma), "rest record")
         }
-        Noise::Estimated => (None, ""),
+        Noise::Estimated => {
+            // Where the command fills the whole band no difference of neighbours cancels it.
+            let rich = |s: &f64| second.is_none_or(|second| *s < RICH * second);
+            let found = periods.filter(rich);
+            let shape = |r: &noise::Repeats| r.shape(data.sample_time()).map(|(_, corner)| corner);
+            rest_corner = found.and(repeats.as_ref()).and_then(shape);
+            (found, "periods")
+        }
     };
     let (sigma, source) = match sigma.filter(|s| *s > 0.0) {
         Some(sigma) => (sigma, source),

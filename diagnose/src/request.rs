@@ -55,6 +55,8 @@ pub struct Request {
     pub logs: Vec<Log>,
     /// Logs that are only used to judge; none: the last 30 % of each record of `logs`.
     pub holdout: Vec<Log>,
+    /// Run-in in s from the start of each record: simulated, neither fitted nor judged.
+    pub drop: f64,
     /// Which variable of the model reads which column.
     pub names: NameMap,
     /// Outputs that are looked at; empty: all that the logs have a column for.
@@ -86,6 +88,7 @@ impl Request {
             model,
             logs,
             holdout: Vec::new(),
+            drop: 0.0,
             names: NameMap::default(),
             outputs: Vec::new(),
             tolerances: Vec::new(),

@@ -247,6 +247,7 @@ mod tests {
             y: vec![0.0; rows],
             aux: Vec::new(),
             others: Vec::new(),
+            run_in: 0,
             training: 1.0,
         };
         let data = DataSet::new(vec![record(1000), record(2000)], &[], None);
@@ -274,6 +275,7 @@ mod tests {
             y: vec![0.0; rows],
             aux: Vec::new(),
             others: Vec::new(),
+            run_in: 0,
             training: 0.7,
         };
         let data = DataSet::new(vec![record], &[], None);

@@ -66,7 +66,8 @@ impl Evidence<'_> {
                 let after = mean_square(&self.after.residual[rows.clone()]);
                 HeldOut {
                     record: record.name.clone(),
-                    rows: [rows.start - record.rows.start + 1, rows.end - record.rows.start],
+                    rows: [rows.start + 1, rows.end]
+                        .map(|k| k + record.run_in.len() - record.rows.start),
                     rms_before: self.sigma * before.sqrt(),
                     rms_after: self.sigma * after.sqrt(),
                     fraction: fraction(before, after),

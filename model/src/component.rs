@@ -263,6 +263,12 @@ impl Declaration {
         self.inputs.iter().any(|port| matches!(port.source, Source::EachPath))
     }
 
+    /// Fewest axes that it couples: two, where its first setting, the number of axes, says nothing else.
+    #[must_use]
+    pub fn least_axes(&self) -> usize {
+        self.structure.first().map_or(2, |axes| axes.min as usize)
+    }
+
     /// Most axes that it can couple: as many as its ports and its first setting, the number of axes,
     /// allow.
     #[must_use]

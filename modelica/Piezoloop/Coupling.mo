@@ -53,6 +53,47 @@ package Coupling "Several axes at once"
     annotation(Documentation(info="<html><p>Component <code>mode-coupling</code>:</p><p><code>y[i] = x[i] + sum(matrix[i,j]*z[j]); z'' + 2*damping*w*z' + w^2*z = w^2*u; w = 2*pi*frequency</code></p></html>"));
   end ModeCoupling;
 
+  block ModalMatrix "Linear structure with several inputs and outputs: modes that all axes share"
+    parameter Integer axes(min = 1, max = 8) "Number of coupled axes";
+    parameter Integer entries(min = 1, max = 64) "Number of entries of a matrix";
+    parameter Integer modes(min = 1, max = 64) "Number of modes";
+    parameter Integer residues(min = 1, max = 4096) "Entries of all modes' matrices";
+    parameter Real direct[entries](each unit="1") "Motion per motion of what has no mode here, row by row";
+    parameter Real frequency[modes](each unit="Hz", each min = 0) "Undamped natural frequency of each mode";
+    parameter Real damping[modes](each unit="1", each min = 0) "Damping ratio of each mode";
+    parameter Real residue[residues](each unit="1") "Static motion per motion through each mode, row by row, mode after mode";
+    parameter Real rate_residue[residues](each unit="1") "Motion per rate of each mode over its angular frequency, row by row, mode after mode";
+    Interfaces.PositionInput u[axes] "Position of each axis in front";
+    Interfaces.PositionOutput y[axes] "Position of each axis behind";
+  protected
+    Real z[modes,axes](each unit="um") "Each mode under each axis";
+    Real v[modes,axes](each unit="um") "Its rate over its angular frequency";
+    Real s[modes + 1,axes](each unit="um") "Direct motion and the modes up to each";
+  initial equation
+    for k in 1:modes loop
+      for j in 1:axes loop
+        der(z[k,j]) = 0;
+        der(v[k,j]) = 0;
+      end for;
+    end for;
+  equation
+    for k in 1:modes loop
+      for j in 1:axes loop
+        der(z[k,j]) = 2*Constants.pi*frequency[k]*v[k,j];
+        der(v[k,j]) = 2*Constants.pi*frequency[k]*(u[j] - z[k,j] - 2*damping[k]*v[k,j]);
+      end for;
+    end for;
+    for i in 1:axes loop
+      s[1,i] = Functions.rowProduct(direct, i, u);
+      for k in 1:modes loop
+        s[k + 1,i] = s[k,i] + Functions.rowProduct(residue, (k - 1)*axes + i, z[k,:])
+          + Functions.rowProduct(rate_residue, (k - 1)*axes + i, v[k,:]);
+      end for;
+      y[i] = s[modes + 1,i];
+    end for;
+    annotation(Documentation(info="<html><p>Component <code>modal-matrix</code>:</p><p><code>y[i] = sum(direct[i,j]*x[j]) + sum(residue[k,i,j]*z[k,j] + rate_residue[k,i,j]*z[k,j]'/w[k]); z'' + 2*damping*w*z' + w^2*z = w^2*x; w = 2*pi*frequency</code></p></html>"));
+  end ModalMatrix;
+
   block OpticsJacobian "From the angles of several mirrors to the coordinates of the spots on the sensors"
     parameter Integer axes(min = 2, max = 32) "Number of coupled axes";
     parameter Integer entries(min = 4, max = 1024) "Number of entries of the matrix";

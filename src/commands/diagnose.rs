@@ -39,6 +39,10 @@ pub(crate) struct Diagnose {
     /// A log that is only used to judge [default: the last 30 % of each record]
     #[arg(long, value_name = "FILE")]
     holdout: Vec<PathBuf>,
+    /// Run-in in s from the start of each record: simulated, neither fitted nor judged, as where the
+    /// machine was moving already
+    #[arg(long, allow_negative_numbers = true, value_name = "S", default_value_t = 0.0)]
+    drop: f64,
     #[command(flatten)]
     options: LogOptions,
     /// Outputs to look at [default: all that the logs have]
@@ -217,6 +221,10 @@ impl Diagnose {
         };
         let mut request = Request::new(self.model()?, logs(&self.logs)?);
         request.holdout = logs(&self.holdout)?;
+        if !(self.drop.is_finite() && self.drop >= 0.0) {
+            bail!("--drop {}: give a time in s, 0 or more", self.drop);
+        }
+        request.drop = self.drop;
         request.names = self.options.names()?;
         request.outputs.clone_from(&self.outputs);
         request.tolerances =

@@ -1,5 +1,7 @@
 //! `piezoloop frequency-response`: what a machine does linearly, line by line, and how well that is known.
 
+pub(crate) mod plant;
+
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -12,6 +14,7 @@ use identify::frequency::{
 };
 use serde::Serialize;
 
+use self::plant::Plant;
 use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
 use crate::pages::{self, PageOptions};
@@ -25,10 +28,11 @@ const BAND: f64 = 1e-4;
 /// From multisines, swept sines or any other rich signal, of one axis or of several that move together
 /// (then at least as many experiments as inputs; each record of a log is one). Local polynomial method;
 /// where the records consist of whole periods noise and distortion are told apart, and lines that a
-/// multisine leaves out show even and odd nonlinearities. Modes and a delay are fitted to the response.
+/// multisine leaves out show even and odd nonlinearities. Modes and a delay are fitted to the response. With
+/// --plant they become a plant of as many axes, to be packed, simulated and diagnosed.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop frequency-response sweep.csv --input u --output y --report page.html\n  piezoloop frequency-response mirror-*.csv --input u1 --input u2 --output x --output y --modes 4 -o response.csv"
+    after_help = "Examples:\n  piezoloop frequency-response sweep.csv --input u --output y --report page.html\n  piezoloop frequency-response mirror-*.csv --input u1 --input u2 --output x --output y --modes 4 -o response.csv\n  piezoloop frequency-response mirror.csv --input u1 --input u2 --output y1 --output y2 --modes 4 --plant mirror.toml"
 )]
 pub(crate) struct FrequencyResponse {
     /// Logs; each record of each is an experiment
@@ -63,6 +67,9 @@ pub(crate) struct FrequencyResponse {
     /// Also write the response as this CSV file, a row per line
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Also write the fit as this plant: an axis per input and output, and the modes that they share
+    #[arg(long, value_name = "FILE")]
+    plant: Option<PathBuf>,
     #[command(flatten)]
     page: PageOptions,
 }
@@ -97,6 +104,7 @@ pub(crate) struct Measured {
     /// Per output.
     pub(crate) levels: Vec<OutputLevels>,
     pub(crate) fit: Option<Fit>,
+    pub(crate) plant: Option<Plant>,
     pub(crate) notes: Vec<String>,
     pub(crate) written: Option<PathBuf>,
     #[serde(skip)]
@@ -130,13 +138,16 @@ pub(crate) struct Fit {
 impl FrequencyResponse {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
-        if let Some(out) = &self.out {
+        for out in self.out.iter().chain(&self.plant) {
             inputs::not_over(out, &logs)?;
         }
         self.page.not_over(&logs)?;
         let answer = self.execute()?;
         if let Some(out) = &self.out {
             write_table(&answer, out)?;
+        }
+        if let Some(plant) = &answer.plant {
+            inputs::write_blueprint(&plant.checked, &plant.blueprint, &logs)?;
         }
         let files: Vec<(&str, &Path)> = logs.iter().map(|log| ("log", *log)).collect();
         self.page.finish(screen, &answer, || {
@@ -165,8 +176,29 @@ impl FrequencyResponse {
         };
         let response = frequency::measure(&experiments, &settings)?;
         let mut notes = Vec::new();
-        let model = self.fit(&response, &mut notes);
         let outputs = signals.split_off(self.inputs.len());
+        let (plant, model) = match &self.plant {
+            None => (None, self.fit(&response, &mut notes)),
+            Some(file) => {
+                if self.modes == 0 {
+                    bail!(
+                        "--plant {}: --modes 0 fits none; give the most that it may have",
+                        file.display()
+                    );
+                }
+                let source = plant::Source {
+                    experiments: &experiments,
+                    sample_time,
+                    response: &response,
+                    inputs: &signals,
+                    outputs: &outputs,
+                    logs: &self.logs,
+                };
+                let (plant, choice) =
+                    plant::fitted(&source, file, &self.fit_settings(), self.modes, &mut notes)?;
+                (Some(plant), Some(choice))
+            }
+        };
         let levels = outputs.iter().enumerate().map(|(k, output)| {
             let coherence = || response.lines.iter().map(|line| line.coherence[k]);
             OutputLevels {
@@ -189,6 +221,7 @@ impl FrequencyResponse {
             from_hz: edge(response.lines.first()),
             to_hz: edge(response.lines.last()),
             fit: model.as_ref().map(fit_of),
+            plant,
             notes,
             written: self.out.clone(),
             response,
@@ -246,17 +279,20 @@ impl FrequencyResponse {
         Ok(skipped)
     }
 
+    fn fit_settings(&self) -> RationalSettings {
+        RationalSettings {
+            single: self.lags,
+            longest_delay: self.longest_delay,
+            ..RationalSettings::default()
+        }
+    }
+
     /// A rational model, where one was asked for and can be had.
     fn fit(&self, response: &Response, notes: &mut Vec<String>) -> Option<Choice> {
         if self.modes == 0 {
             return None;
         }
-        let settings = RationalSettings {
-            single: self.lags,
-            longest_delay: self.longest_delay,
-            ..RationalSettings::default()
-        };
-        match frequency::choose(response, Domain::Continuous, &settings, self.modes) {
+        match frequency::choose(response, Domain::Continuous, &self.fit_settings(), self.modes) {
             Ok((mut tried, best)) => Some(tried.swap_remove(best).1),
             Err(error) => {
                 notes.push(format!("no modes were fitted: {error}"));
@@ -360,6 +396,12 @@ impl Answer for Measured {
                     "{what} {frequency:.3} Hz, damping {damping:.4}, height {height:.3e}"
                 )?;
             }
+            for (row, output) in fit.static_gain.iter().zip(&self.outputs) {
+                let each = row.iter().zip(&self.inputs);
+                let gains: Vec<String> =
+                    each.map(|(gain, input)| format!("{gain:.4} from {}", input.name)).collect();
+                writeln!(out, "static gain of {}: {}", output.name, gains.join(", "))?;
+            }
             writeln!(
                 out,
                 "delay {} s; the fit leaves {:.3} times the response's own scatter",
@@ -370,9 +412,22 @@ impl Answer for Measured {
         for note in &self.notes {
             writeln!(out, "note: {note}")?;
         }
-        match &self.written {
-            Some(file) => writeln!(out, "{}: written", file.display()),
-            None => Ok(()),
+        if let Some(plant) = &self.plant {
+            for error in &plant.errors {
+                writeln!(
+                    out,
+                    "{}: {} simulated to {:.4} {} rms, {:.2} % of its own",
+                    error.record,
+                    error.output,
+                    error.rmse,
+                    error.unit,
+                    100.0 * error.relative
+                )?;
+            }
         }
+        for file in self.written.iter().chain(self.plant.iter().map(|plant| &plant.blueprint)) {
+            writeln!(out, "{}: written", file.display())?;
+        }
+        Ok(())
     }
 }

@@ -47,6 +47,8 @@ struct One {
     records: Vec<Record>,
     columns: Vec<Column>,
     findings: Vec<Doubt>,
+    /// That times were rounded.
+    note: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -124,6 +126,7 @@ fn describe(path: PathBuf, log: &Measured) -> One {
         records: records.collect(),
         columns: columns.collect(),
         findings: findings.collect(),
+        note: log.note_on_times(),
     }
 }
 
@@ -142,6 +145,9 @@ impl Answer for Described {
             for Column { name, unit, min, max } in &log.columns {
                 let unit = unit.as_deref().unwrap_or("(no unit)");
                 writeln!(out, "  {name}: {min} to {max} {unit}")?;
+            }
+            if let Some(note) = &log.note {
+                writeln!(out, "  note: {note}")?;
             }
             for doubt in log.findings.iter().take(MOST_SHOWN) {
                 writeln!(out, "{}", doubt.message)?;

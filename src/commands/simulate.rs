@@ -160,6 +160,7 @@ impl Simulate {
             .map(|ending| format!("the FMU asked for the end of the run: {ending:?}"))
             .collect();
         notes.extend(ear.notes());
+        notes.extend(log.note_on_times());
         let (fits, measured) = self.fits(&memory, &log, &names, &addresses, &mut notes)?;
         self.result(opened.name, memory, fits, measured, notes)
     }

@@ -7,6 +7,7 @@ use report::{
     Verdict,
 };
 
+use crate::commands::frequency_response::plant::Plant;
 use crate::commands::frequency_response::{Measured, Signal};
 
 /// Coherence below which a response is told not to be sound.
@@ -35,10 +36,42 @@ pub(crate) fn frequency_response(measured: &Measured, provenance: Provenance) ->
         quality = quality.figure(spectrum(measured, o, output));
     }
     page = page.section(responses).section(quality);
-    match modes(measured) {
-        Some(section) => page.section(section),
-        None => page,
+    if let Some(section) = modes(measured) {
+        page = page.section(section);
     }
+    if let Some(plant) = &measured.plant {
+        page = page.section(simulation(plant));
+    }
+    page
+}
+
+/// How far the plant that was written is from the records.
+fn simulation(plant: &Plant) -> Section {
+    let columns = [
+        Column::new("record"),
+        Column::new("output"),
+        Column::new("unit"),
+        Column::new("rms error"),
+        Column::new("of the output's rms").unit("%").decimals(2),
+    ];
+    let mut table = Table::new("Simulated with the inputs of the records", columns);
+    for error in &plant.errors {
+        table = table.row([
+            Value::from(error.record.as_str()),
+            error.output.as_str().into(),
+            error.unit.as_str().into(),
+            error.rmse.into(),
+            (100.0 * error.relative).into(),
+        ]);
+    }
+    let text = format!(
+        "{}: {} modes that all axes share, over inputs that are held for a sample. The plant starts at rest and \
+         sees the inputs alone; records with periods are judged from the second one on, means taken out. It was \
+         fitted to these records.",
+        plant.blueprint.display(),
+        plant.modes
+    );
+    Section::new("The plant").paragraph(text).table(table)
 }
 
 fn verdict(measured: &Measured) -> Verdict {

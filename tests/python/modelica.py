@@ -108,12 +108,15 @@ def check_text(tool, package):
     print(f"{len(rows)} components, {compared} parameters: as the registry says")
 
 
+def flat(rows):
+    return [cell for row in rows for cell in row] if isinstance(rows[0], list) else rows
+
+
 def value(x):
     if isinstance(x, bool):
         return str(x).lower()
     if isinstance(x, list):
-        flat = [cell for row in x for cell in row] if isinstance(x[0], list) else x
-        return "{" + ", ".join(value(cell) for cell in flat) + "}"
+        return "{" + ", ".join(value(cell) for cell in flat(x)) + "}"
     return repr(x)
 
 
@@ -123,8 +126,8 @@ def modifiers(row, parameters, text):
     for quantity in row["parameters"]:
         length, given = quantity["length"], parameters.get(quantity["name"])
         if length and given is not None and length not in ("axes", "entries"):
-            written[length] = len(given)
-    if "matrix" in parameters:
+            written[length] = len(flat(given))
+    if re.search(r"parameter Integer entries", text):
         written["entries"] = 4
     if re.search(r"parameter Integer axes", text):
         written["axes"] = 2

@@ -7,11 +7,13 @@ mod command;
 mod displacement;
 mod jacobian;
 pub(crate) mod matrix;
+mod modal_matrix;
 mod mode;
 mod pincushion;
 
 pub use command::CommandCoupling;
 pub use displacement::DisplacementCoupling;
 pub use jacobian::OpticsJacobian;
+pub use modal_matrix::ModalMatrix;
 pub use mode::ModeCoupling;
 pub use pincushion::PsdPincushion;

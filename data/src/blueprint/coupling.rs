@@ -1,6 +1,7 @@
 //! The check of what goes beyond an axis by itself: couplings, and inputs that components ask for.
 
 use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
 
 use model::{
     AxisSpec, Connections, Conversion, CouplingSpec, DEMANDED_INPUTS, InputSpec, Kind, Stage,
@@ -194,7 +195,8 @@ fn one(
         checker.report(&place.child("name"), &shown, "is the name of another coupling", way_out);
         return None;
     }
-    let numbers = axes_of(checker, axes, given, &place, declaration.most_axes())?;
+    let range = declaration.least_axes()..=declaration.most_axes();
+    let numbers = axes_of(checker, axes, given, &place, range)?;
     let after = (!given.after.is_empty()).then(|| given.after.clone());
     let place_of_after = place.child("after");
     for axis in numbers.iter().filter_map(|number| axes.get(*number)) {
@@ -232,7 +234,7 @@ fn axes_of(
     axes: &[AxisSpec],
     given: &CouplingBlueprint,
     place: &Place,
-    most: usize,
+    range: RangeInclusive<usize>,
 ) -> Option<Vec<usize>> {
     let key = place.child("axes");
     if checker.is_spoilt(&key.key) {
@@ -259,8 +261,9 @@ fn axes_of(
     if checker.problems.len() > before {
         return None;
     }
-    if !(2..=most).contains(&numbers.len()) {
-        let (shown, rule) = (numbers.len().to_string(), format!("must be 2 to {most} axes"));
+    if !range.contains(&numbers.len()) {
+        let rule = format!("must be {} to {} axes", range.start(), range.end());
+        let shown = numbers.len().to_string();
         checker.report(&key, &shown, rule, "name the axes that it couples, as in [\"Y\", \"Z\"]");
         return None;
     }

@@ -32,6 +32,7 @@ mod mf4;
 mod parquet;
 mod quality;
 mod read;
+mod rounded;
 mod rows;
 mod table;
 mod write;
@@ -49,6 +50,7 @@ pub use mf4::{Mf4About, Mf4Writer};
 #[cfg(feature = "parquet")]
 pub use parquet::ParquetLogWriter;
 pub use quality::{Finding, Quality};
+pub use rounded::Rounded;
 pub use rows::SampleTime;
 pub use write::{ColumnHeader, LogWriter, UnitPlace};
 
@@ -65,6 +67,7 @@ pub struct Log {
     records: Vec<Record>,
     /// Whether the records are numbered in the file.
     is_numbered: bool,
+    rounded: Vec<Rounded>,
 }
 
 /// Logs are equal where they hold the same; the lines on which it stands do not count.
@@ -164,12 +167,13 @@ impl ColumnUnit {
 }
 
 impl Log {
-    /// Reads a file.
+    /// Reads a file. Times that were rounded when they were written are taken as those of a uniform grid,
+    /// see [`rounded`](Self::rounded).
     ///
     /// # Errors
     /// Every [`Problem`] of the file, up to 20, and how many more there are.
     pub fn read(path: &Path, options: &ReadOptions) -> Result<Self, Problems> {
-        read::file(path, options)
+        read::file(path, options).map(Self::undo_rounding)
     }
 
     /// Reads a text, with nothing beside it; `origin` is what messages call it.
@@ -177,7 +181,7 @@ impl Log {
     /// # Errors
     /// As [`read`](Self::read).
     pub fn parse(bytes: &[u8], origin: &str, options: &ReadOptions) -> Result<Self, Problems> {
-        read::text(bytes, origin, options)
+        read::text(bytes, origin, options).map(Self::undo_rounding)
     }
 
     /// A log of one record with these times in s and no columns yet; `origin` is what messages call
@@ -238,7 +242,8 @@ impl Log {
             }
         }
         let (lines, columns) = (Lines::default(), Vec::new());
-        Ok(Self { origin: origin.into(), time, lines, columns, records, is_numbered })
+        let rounded = Vec::new();
+        Ok(Self { origin: origin.into(), time, lines, columns, records, is_numbered, rounded })
     }
 
     /// Adds a column at the end.

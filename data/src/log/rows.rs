@@ -112,6 +112,7 @@ impl Log {
             columns: columns.collect(),
             records: records.collect(),
             is_numbered: self.is_numbered,
+            rounded: self.rounded.clone(),
         }
     }
 }

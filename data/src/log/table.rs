@@ -257,6 +257,7 @@ impl<'a> Table<'a> {
             columns: columns.collect(),
             records: self.records,
             is_numbered: self.record_at.is_some(),
+            rounded: Vec::new(),
         })
     }
 }

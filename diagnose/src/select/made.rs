@@ -90,6 +90,7 @@ impl Made {
                 y: (0..ROWS).map(|k| read(k) + noise()).collect(),
                 aux: columns.iter().map(|tones| over(tones)).collect(),
                 others: Vec::new(),
+                run_in: 0,
                 training: 0.7,
             }
         };

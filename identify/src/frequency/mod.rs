@@ -5,6 +5,7 @@
 //! * [`Rational`]: a common-denominator fit of all its elements, with modes and delay.
 
 mod excitation;
+mod held;
 mod levels;
 mod local;
 mod modes;
@@ -12,6 +13,7 @@ mod rational;
 mod relocate;
 
 pub use excitation::{Experiment, period_of};
+pub use held::{HeldMode, HeldPlant, PlantNames, choose_held};
 pub use levels::{Distortion, Levels};
 pub use local::{FrequencyResponse, Line, MeasureSettings, measure};
 pub use modes::{Choice, Mode, RationalSettings, choose, fit_with_delay};

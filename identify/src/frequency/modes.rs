@@ -22,11 +22,22 @@ pub struct RationalSettings {
     pub by_deviation: bool,
     /// Longest delay that is tried, in s.
     pub longest_delay: f64,
+    /// Whether the poles are those of a plant over time that the lines show: none on the negative real axis of a
+    /// discrete model, none below three times the lowest line, whose static part would be a guess, and no real
+    /// ones in place of a pair where none were asked for.
+    pub is_held: bool,
 }
 
 impl Default for RationalSettings {
     fn default() -> Self {
-        Self { pairs: 1, single: 0, rounds: 25, by_deviation: true, longest_delay: 0.0 }
+        Self {
+            pairs: 1,
+            single: 0,
+            rounds: 25,
+            by_deviation: true,
+            longest_delay: 0.0,
+            is_held: false,
+        }
     }
 }
 
@@ -86,6 +97,8 @@ const SEARCH_LINES: usize = 1500;
 const DELAY_LINES: usize = 400;
 /// Delays that are tried between 0 and the longest.
 const DELAYS: usize = 20;
+/// Least frequency of a pole that the lines show, over that of the lowest line.
+const LOWEST: f64 = 3.0;
 /// Damping of the poles at the start.
 const START_DAMPING: f64 = 0.01;
 
@@ -227,7 +240,16 @@ pub fn fit_with_delay(
         }
     }
     let delay = best.0;
-    let (_, _, basis) = fit_at(measured, domain, settings, delay, SEARCH_LINES, None)?;
+    let (_, _, mut basis) = fit_at(measured, domain, settings, delay, SEARCH_LINES, None)?;
+    if settings.is_held {
+        let lowest = measured.lines.first().map_or(0.0, |line| line.frequency);
+        basis.poles.retain(|pole| {
+            let is_decay = domain == Domain::Continuous || pole.re > 0.0;
+            let is_of_plant = pole.im != 0.0 || (is_decay && settings.single > 0);
+            let corner = domain.continuous(*pole).norm() / core::f64::consts::TAU;
+            is_of_plant && corner > LOWEST * lowest
+        });
+    }
     let all = Prepared::new(measured, domain, settings.by_deviation, usize::MAX, delay);
     let (model, misfit) = residues(&basis, &all.samples(), delay)?;
     let elements = model.direct.len();

@@ -18,13 +18,15 @@ pub(crate) struct Detail {
 
 impl Detail {
     /// From all that a figure keeps to what is still a picture.
-    pub(crate) const LEVELS: [Self; 6] = [
+    pub(crate) const LEVELS: [Self; 8] = [
         Self { live: 4000, wide: 1800, narrow: 500 },
         Self { live: 2400, wide: 1200, narrow: 400 },
         Self { live: 1600, wide: 900, narrow: 320 },
         Self { live: 1000, wide: 700, narrow: 260 },
         Self { live: 600, wide: 500, narrow: 200 },
         Self { live: 400, wide: 360, narrow: 160 },
+        Self { live: 260, wide: 280, narrow: 130 },
+        Self { live: 160, wide: 200, narrow: 100 },
     ];
 
     /// Most points of a curve that is not over time.

@@ -224,9 +224,9 @@ impl<'a> Builder<'a> {
             );
         }
         let count = coupling.axes.len();
-        let most = declaration.most_axes();
-        if !(2..=most).contains(&count) {
-            self.error(&place, format!("{count} axes; it couples 2 to {most}"));
+        let (least, most) = (declaration.least_axes(), declaration.most_axes());
+        if !(least..=most).contains(&count) {
+            self.error(&place, format!("{count} axes; it couples {least} to {most}"));
         }
         for (at, axis) in coupling.axes.iter().enumerate() {
             if coupling.axes[..at].contains(axis) || *axis >= spec.axes.len() {

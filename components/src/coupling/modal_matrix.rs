@@ -1,0 +1,275 @@
+//! A linear structure with as many inputs as outputs: modes that all axes share.
+//!
+//! ```text
+//! y_i = Σ_j D_ij·x_j + Σ_k Σ_j (R_kij·z_kj + Q_kij·z_kj′/ω_k)
+//! z_kj″ + 2·damping_k·ω_k·z_kj′ + ω_k²·z_kj = ω_k²·x_j,   ω_k = 2π·frequency_k
+//! ```
+//!
+//! * direct D, and per mode residue R and rate_residue Q, without unit, row by row and mode after mode: a
+//!   row per axis that is moved, a column per axis that moves it. frequency in Hz and damping of each mode; a
+//!   damping of 1 or more is a pair of real poles.
+//! * The static gain is `D + Σ_k R_k`. Residues of any rank: a free structure has those of rank one.
+//! * State: z_kj and z_kj′/ω_k. Exact at any period, as the input is held over a step. Up to eight axes.
+//!
+//! Limits: linear.
+//!
+//! Source: J.-N. Juang, R. S. Pappa, J. Guidance 8 (1985) 620-627; fitted by `piezoloop frequency-response`.
+
+use model::{
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
+    Violation,
+};
+
+use super::matrix;
+use crate::linear::Transition;
+use crate::rules::{WRONG_LENGTH, require, second_order};
+
+/// The component `modal-matrix`.
+pub struct ModalMatrix;
+
+/// Most axes, and most modes.
+const AXES: usize = 8;
+const MODES: usize = 64;
+
+static DECLARATION: Declaration = Declaration {
+    kind: "modal-matrix",
+    name: "modes",
+    summary: "Linear structure with several inputs and outputs: modes that all axes share",
+    equation: "y[i] = sum(direct[i,j]*x[j]) + sum(residue[k,i,j]*z[k,j] + rate_residue[k,i,j]*z[k,j]'/w[k]); \
+               z'' + 2*damping*w*z' + w^2*z = w^2*x; w = 2*pi*frequency",
+    reference: "J.-N. Juang, R. S. Pappa, J. Guidance 8 (1985) 620-627",
+    stage: Stage::Coupling,
+    conversion: Conversion::None,
+    effect: None,
+    inputs: &[Input::EACH_PATH],
+    outputs: &[Output::PATH],
+    structure: &[
+        Structural::count("axes", "Number of coupled axes", 1, AXES),
+        Structural::count("entries", "Number of entries of a matrix", 1, AXES * AXES),
+        Structural::count("modes", "Number of modes", 1, MODES),
+        Structural::count("residues", "Entries of all modes' matrices", 1, MODES * AXES * AXES),
+    ],
+    parameters: &[
+        Quantity::new("direct", "1", "Motion per motion of what has no mode here, row by row")
+            .per(1)
+            .fitted(),
+        Quantity::new("frequency", "Hz", "Undamped natural frequency of each mode")
+            .per(2)
+            .min(0.0)
+            .fitted(),
+        Quantity::new("damping", "1", "Damping ratio of each mode").per(2).min(0.0).fitted(),
+        Quantity::new(
+            "residue",
+            "1",
+            "Static motion per motion through each mode, row by row, mode after mode",
+        )
+        .per(3)
+        .fitted(),
+        Quantity::new(
+            "rate_residue",
+            "1",
+            "Motion per rate of each mode over its angular frequency, row by row, mode after mode",
+        )
+        .per(3)
+        .fitted(),
+    ],
+};
+
+/// Numbers of axes and modes.
+fn counts(structure: &[f64]) -> (usize, usize) {
+    (matrix::axes(structure), structure.get(2).map_or(0, |n| *n as usize))
+}
+
+/// Coefficients of a mode: those of its transition, R and Q.
+fn per_mode(axes: usize) -> usize {
+    3 + 2 * axes * axes
+}
+
+impl Component for ModalMatrix {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
+        let (n, modes) = counts(structure);
+        Sizes { coefficients: n * n + modes * per_mode(n), states: 2 * n * modes }
+    }
+
+    fn prepare(
+        &self,
+        structure: &[f64],
+        parameters: &[f64],
+        period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        let (n, modes) = counts(structure);
+        let entries = n * n;
+        matrix::is_square(structure)?;
+        let residues = structure.get(3).copied().unwrap_or(0.0);
+        require(
+            residues == (modes * entries) as f64,
+            "residue",
+            residues,
+            "entries: each mode has a matrix with a row and a column per axis; give them all, mode after mode",
+        )?;
+        if parameters.len() != entries + 2 * modes * (1 + entries)
+            || coefficients.len() != entries + modes * per_mode(n)
+        {
+            return Err(WRONG_LENGTH);
+        }
+        let (direct, rest) = parameters.split_at(entries);
+        let (frequencies, rest) = rest.split_at(modes);
+        let (dampings, rest) = rest.split_at(modes);
+        let (residues, rate_residues) = rest.split_at(modes * entries);
+        let (own_direct, own) = coefficients.split_at_mut(entries);
+        own_direct.copy_from_slice(direct);
+        let poles = frequencies.iter().zip(dampings).enumerate();
+        let matrices = residues.chunks_exact(entries).zip(rate_residues.chunks_exact(entries));
+        for (((index, (f, d)), (r, q)), slot) in
+            poles.zip(matrices).zip(own.chunks_exact_mut(per_mode(n)))
+        {
+            second_order(*f, *d, period).map_err(|v| Violation { index: Some(index), ..v })?;
+            let Transition { same, cross, rate } = Transition::new(*f, *d, period);
+            let (transition, matrices) = slot.split_at_mut(3);
+            transition.copy_from_slice(&[same, cross, rate]);
+            let (own_r, own_q) = matrices.split_at_mut(entries);
+            own_r.copy_from_slice(r);
+            own_q.copy_from_slice(q);
+        }
+        Ok(())
+    }
+
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
+        let n = inputs.len().max(1);
+        for mode in state.chunks_exact_mut(2 * n) {
+            let (z, v) = mode.split_at_mut(n);
+            z.copy_from_slice(inputs);
+            v.fill(0.0);
+        }
+        read(coefficients, inputs, state, outputs);
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        _tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        let n = inputs.len().max(1);
+        let Some((_, modes)) = coefficients.split_at_checked(n * n) else { return };
+        for (slot, mode) in modes.chunks_exact(per_mode(n)).zip(state.chunks_exact_mut(2 * n)) {
+            let &[same, cross, rate, ..] = slot else { return };
+            let transition = Transition { same, cross, rate };
+            let (z, v) = mode.split_at_mut(n);
+            for ((z, v), x) in z.iter_mut().zip(v).zip(inputs) {
+                let (e, scaled_rate) = transition.apply(*z - x, *v);
+                (*z, *v) = (x + e, scaled_rate);
+            }
+        }
+        read(coefficients, inputs, state, outputs);
+    }
+}
+
+/// What the states and the inputs make of the paths.
+#[inline]
+fn read(coefficients: &[f64], inputs: &[f64], state: &[f64], outputs: &mut [f64]) {
+    let n = inputs.len().max(1);
+    let entries = n * n;
+    let Some((direct, modes)) = coefficients.split_at_checked(entries) else { return };
+    matrix::product(direct, core::iter::repeat_n(&0.0, n), inputs, outputs);
+    for (slot, mode) in modes.chunks_exact(per_mode(n)).zip(state.chunks_exact(2 * n)) {
+        let Some((r, q)) = slot.get(3..).and_then(|both| both.split_at_checked(entries)) else {
+            return;
+        };
+        let (z, v) = mode.split_at(n);
+        let rows = r.chunks_exact(n).zip(q.chunks_exact(n));
+        for (output, (r, q)) in outputs.iter_mut().zip(rows) {
+            let slow: f64 = r.iter().zip(z).map(|(r, z)| r * z).sum();
+            let fast: f64 = q.iter().zip(v).map(|(q, v)| q * v).sum();
+            *output += slow + fast;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::MODE;
+    use crate::testing::{Instance, Random};
+
+    const T: f64 = 1e-4;
+
+    /// Paths of a component over two axes.
+    fn run(structure: &[f64], values: &[f64], signals: &[[f64; 2]]) -> [std::vec::Vec<f64>; 2] {
+        let mut own = Instance::new(&ModalMatrix, structure, values, T).unwrap();
+        own.outputs = std::vec![0.0; 2];
+        let mut all = [std::vec![], std::vec![]];
+        own.rest(&[0.0; 2]);
+        for inputs in signals {
+            own.step(inputs);
+            all[0].push(own.outputs[0]);
+            all[1].push(own.outputs[1]);
+        }
+        all
+    }
+
+    #[test]
+    fn is_a_matrix_of_sums_of_modes() {
+        let mut random = Random::new(5);
+        let signals: std::vec::Vec<[f64; 2]> =
+            (0..400).map(|_| [random.between(-1.0, 1.0), random.between(-1.0, 1.0)]).collect();
+        let (f, d) = ([300.0, 720.0], [0.02, 1.4]);
+        let direct = [0.1, -0.2, 0.3, 0.4];
+        let residue = [1.0, 0.5, -0.3, 0.8, 0.2, -0.6, 0.7, 0.9];
+        let values = [&direct[..], &f, &d, &residue, &[0.0; 8]].concat();
+        let own = run(&[2.0, 4.0, 2.0, 8.0], &values, &signals);
+        let through = |mode: usize, input: usize| {
+            let x: std::vec::Vec<f64> = signals.iter().map(|both| both[input]).collect();
+            let mut one = Instance::new(&MODE, &[], &[f[mode], d[mode], 1.0], T).unwrap();
+            one.response(0.0, &x)
+        };
+        let z = [[through(0, 0), through(0, 1)], [through(1, 0), through(1, 1)]];
+        for (k, inputs) in signals.iter().enumerate() {
+            for (i, path) in own.iter().enumerate() {
+                let wanted: f64 = (0..2)
+                    .map(|j| {
+                        let modes: f64 =
+                            (0..2).map(|m| residue[4 * m + 2 * i + j] * z[m][j][k]).sum();
+                        direct[2 * i + j] * inputs[j] + modes
+                    })
+                    .sum();
+                assert!((path[k] - wanted).abs() < 1e-12, "row {k}, axis {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn rate_residue_is_the_slope_of_a_mode() {
+        // After a step, z′/ω = e^(−ζωt)·sin(ω√(1−ζ²)t)/√(1−ζ²).
+        let (f, d) = (200.0, 0.05);
+        let values = [[0.0; 4].as_slice(), &[f], &[d], &[0.0; 4], &[0.0, 1.0, 0.0, 0.0]].concat();
+        let own = run(&[2.0, 4.0, 1.0, 4.0], &values, &[[0.0, 1.0]; 300]);
+        let omega = core::f64::consts::TAU * f;
+        let root = (1.0_f64 - d * d).sqrt();
+        for (k, y) in own[0].iter().enumerate() {
+            let t = (k + 1) as f64 * T;
+            let wanted = (-d * omega * t).exp() * (omega * root * t).sin() / root;
+            assert!((y - wanted).abs() < 1e-12, "{y} for {wanted} at {t}");
+        }
+        assert!(own[1].iter().all(|y| *y == 0.0));
+    }
+
+    #[test]
+    fn refuses_a_matrix_that_is_short_and_a_mode_without_damping() {
+        let short =
+            Instance::new(&ModalMatrix, &[2.0, 4.0, 2.0, 4.0], &[1.0; 16], T).err().unwrap();
+        assert_eq!((short.quantity, short.value), ("residue", 4.0));
+        let mut values = [1.0; 14];
+        values[5] = 0.0;
+        let undamped =
+            Instance::new(&ModalMatrix, &[2.0, 4.0, 1.0, 4.0], &values, T).err().unwrap();
+        assert_eq!((undamped.quantity, undamped.index), ("damping", Some(0)));
+    }
+}
