@@ -2,8 +2,9 @@
 """Learned models beside what their users have today: numpy/scipy, scikit-learn, pyswarms.
 
     cargo build --release -p piezoloop-learned --example peer
+    cargo build --release -p piezoloop-identify --example operator
     python3 -m venv env && env/bin/pip install numpy scipy scikit-learn pyswarms
-    env/bin/python benches/peers.py [--quick] [--peer target/release/examples/peer]
+    env/bin/python benches/peers.py [--quick] [--peer target/release/examples/peer] [--operator …]
 
 One thread on both sides. The two sides run in turn on the same data; a figure is the median of the
 ratios of the rounds (time of the peer / ours), so that other work on the machine hits both. Answers
@@ -323,12 +324,78 @@ def steps(binary, rounds):
         peer.close()
 
 
+class DynamicPlays:
+    """y = offset + sum(w*P) + (alpha[s]*u' + beta[s]*u'')*sum(P), all particles at once."""
+
+    def __init__(self, u, period, plays):
+        self.u, self.r = u, np.arange(plays) * 0.5 * np.ptp(u) / plays
+        self.rate = np.concatenate([[0.0], np.diff(u) / period])
+        self.acceleration = np.concatenate([[0.0], np.diff(self.rate) / period])
+        falls = self.rate < 0
+        self.segment = np.where(falls, np.where(self.acceleration <= 0, 2, 3), np.where(self.acceleration >= 0, 0, 1))
+
+    def run(self, x):
+        """Positions of each particle; columns: w, alpha of four segments, beta of four, offset."""
+        count = len(self.r)
+        w, alpha, beta, offset = x[:, :count], x[:, count:count + 4], x[:, count + 4:count + 8], x[:, -1]
+        p = np.zeros_like(w)
+        y = np.empty((len(self.u), len(x)))
+        for k, (u, s) in enumerate(zip(self.u, self.segment)):
+            p = np.maximum(u - self.r, np.minimum(u + self.r, p))
+            moving = alpha[:, s] * self.rate[k] + beta[:, s] * self.acceleration[k]
+            y[k] = offset + (w * p).sum(1) + moving * p.sum(1)
+        return y
+
+
+def operators(binary, rounds):
+    """The dynamic Prandtl-Ishlinskii model of the cutting paper: 10 plays, 4000 samples, swarm of 100 x 100."""
+    import logging
+
+    import pyswarms
+
+    period, plays, n = 1e-3, 10, 4000
+    t = np.arange(n) * period
+    u = 30 * (1 - np.cos(2 * np.pi * 2 * t)) + 6 * (1 - np.cos(2 * np.pi * 11 * t))
+    model = DynamicPlays(u, period, plays)
+    gain = 0.1 / plays
+    fast, hard = np.abs(model.rate).max(), np.abs(model.acceleration).max()
+    scale = np.concatenate([np.full(plays, gain), np.full(4, 0.1 * gain / fast), np.full(4, 0.1 * gain / hard), [1.0]])
+    rng = np.random.default_rng(3)
+    truth = scale * np.concatenate([rng.uniform(0.3, 1.7, plays), rng.uniform(-1, 1, 9)])
+    y = model.run(truth[None])[:, 0] + 0.005 * rng.standard_normal(n)
+    low = scale * np.concatenate([np.zeros(plays), np.full(9, -2.0)])
+    high = scale * np.full(len(scale), 2.0)
+
+    def swarm(iterations):
+        optimiser = pyswarms.single.GlobalBestPSO(
+            n_particles=100, dimensions=len(scale), options={"c1": 2.0, "c2": 2.0, "w": 0.6}, bounds=(low, high))
+        optimiser.rep.logger.setLevel(logging.ERROR)
+        cost = lambda x: np.sqrt(((model.run(x) - y[:, None]) ** 2).mean(0))
+        return optimiser.optimize(cost, iters=iterations, verbose=False)[0]
+
+    peer = Peer.__new__(Peer)
+    peer.file = tempfile.NamedTemporaryFile(suffix=".f64")
+    # In a log a position is read before the command of its row acts.
+    read = np.concatenate([y[:1], y[:-1]])
+    peer.file.write(np.concatenate([[n, period, plays], u, read]).astype("<f8").tobytes())
+    peer.file.flush()
+    peer.process = subprocess.Popen([binary, peer.file.name], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    pairs = alternate(min(rounds, 3), lambda: swarm(100), lambda: peer.run("identify"))
+    peer.close()
+    theirs, ours = min(t for _, t, _ in pairs), pairs[0][2]["rmse"]
+    report("dynamic PI, pyswarms+numpy 100 x 100", 100, pairs,
+           note=f"rms error {theirs:.4f} um, ours {ours:.4f} um, noise 0.0050 um")
+    if ours > theirs:
+        sys.exit("the faster side is less exact")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--peer", default="target/release/examples/peer")
+    parser.add_argument("--operator", default="target/release/examples/operator")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--quick", action="store_true", help="smaller pruning and swarm")
-    parser.add_argument("--only", nargs="*", help="training validation pruning searching processes steps")
+    parser.add_argument("--only", nargs="*", help="training validation pruning searching processes operators steps")
     parser.add_argument("--json", help="write the figures here")
     given = parser.parse_args()
     print(f"load {os.getloadavg()[0]:.1f}; numpy {np.__version__}")
@@ -336,6 +403,7 @@ def main():
         "steps": lambda: steps(given.peer, given.rounds),
         "training": lambda: training(given.peer, given.rounds),
         "validation": lambda: validation(given.peer, given.rounds),
+        "operators": lambda: operators(given.operator, given.rounds),
         "processes": lambda: processes(given.peer, given.rounds),
         "searching": lambda: searching(given.peer, given.rounds, given.quick),
         "pruning": lambda: pruning(given.peer, given.rounds, given.quick),
