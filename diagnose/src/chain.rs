@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use model::{ComponentRef, Tick};
 pub(crate) use surround::Force;
+use surround::ForcedMode;
 
 use crate::black_box::BlackBox;
 use crate::block::{Block, Wires};
@@ -313,8 +314,7 @@ impl ComponentNode {
     }
 }
 
-/// A mode `x″ + 2ζω x′ + ω²·(x + pull(x)) = ω²·gain·u`: the pull acts as a part of the input that is
-/// held over the step.
+/// A mode `x″ + 2ζω x′ + ω²·(x + pull(x)) = ω²·gain·u`.
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn forced(
     mode: &ComponentNode,
@@ -330,22 +330,14 @@ pub(crate) fn forced(
     if !(frequency > 0.0 && damping > 0.0) {
         return Err(Failed);
     }
-    let parts = force.parts();
-    let transition =
-        components::linear::Transition::new(frequency, damping, step / f64::from(parts));
     let Some(&first) = u.first() else { return Ok(()) };
-    let (mut z, mut rate) = (0.0, 0.0);
     let far = centre.abs() + half;
-    let mut x = force.rest(p, gain * first, &mut z, far);
-    let mut before = x;
+    let forced = ForcedMode::new((frequency, damping), force, far, step);
+    let mut slide = 0.0;
+    let rest = force.rest(p, gain * first, &mut slide, far);
+    let mut state = [rest, 0.0, slide, rest];
     for (n, (y, u)) in out.iter_mut().zip(u).enumerate() {
-        for _ in 0..if n > 0 { parts } else { 0 } {
-            let target = gain * u - force.pull(p, (x, x - before, rate), &mut z, far);
-            before = x;
-            let (e, r) = transition.apply(x - target, rate);
-            (x, rate) = (target + e, r);
-        }
-        *y = x;
+        *y = if n > 0 { forced.step(p, gain * u, &mut state) } else { rest };
     }
     Ok(())
 }

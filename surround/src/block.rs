@@ -6,7 +6,7 @@
 use components::linear::lag_fraction;
 use serde::{Deserialize, Serialize};
 
-use crate::mechanics::{Force, before_mode, dahl, forced, mode};
+use crate::mechanics::{Force, ForcedMode, before_mode, dahl, mode};
 use crate::state::{State, past};
 use crate::warmth::{Loss, warming};
 use crate::{map, memory};
@@ -375,7 +375,12 @@ impl Block {
                 before_mode((frequency, damping), x, dt, z)
             }
             (&Self::ForcedMode { frequency, damping, force, far }, p) => {
-                forced(((frequency, damping), force, far), p, x, dt, z)
+                let Ok(z) = z.as_mut_slice().try_into() else { return x };
+                if dt > 0.0 {
+                    ForcedMode::new((frequency, damping), force, far, dt).step(p, x, z)
+                } else {
+                    z[0]
+                }
             }
             (Self::ParallelMode, &[gain, frequency, damping]) => {
                 x + gain * (mode((frequency, damping), x, dt, z) - x)

@@ -21,7 +21,7 @@ mod warmth;
 mod whole;
 
 pub use block::{Block, Wires};
-pub use mechanics::Force;
+pub use mechanics::{Force, ForcedMode};
 pub use repair::{
     Change, Effect, Error, FILE, FORMAT, Original, Parameter, Piece, Port, Repair, Side, Variable,
 };

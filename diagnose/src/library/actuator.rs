@@ -16,7 +16,7 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(Family::new(&effects::CREEP, creep(s)));
     let mut family = Family::new(&effects::HYSTERESIS, hysteresis(s));
     // A loop of the same width at every amplitude is a clearance, and no memory.
-    family.nulls = vec![super::mechanics::clearance(s)];
+    family.nulls = super::mechanics::backlash(s);
     all.push(family);
     let mut family = Family::new(&effects::ASYMMETRY, asymmetry(s, &memory));
     // A play of the same width along the whole range is hysteresis or clearance.

@@ -14,8 +14,9 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(Family::new(&effects::EXTRA_MODE, extra_mode(s)));
     if s.base.mode.is_some() {
         let mut family = Family::new(&effects::DUFFING, duffing(s));
-        // A spring that is stiffer at every amplitude bends nothing.
+        // A spring that is stiffer at every amplitude bends nothing, whether or not the gain goes with it.
         family.nulls = released(s, &effects::RESONANCE_SHIFT).into_iter().collect();
+        family.nulls.extend(stiffness(s));
         all.push(family);
     }
     all.push(Family::new(&effects::BACKLASH, backlash(s)));
@@ -155,7 +156,7 @@ fn duffing(s: &Setting<'_>) -> Vec<Formula> {
 }
 
 /// Clearance before the mechanics, with these starts of its half width.
-pub(super) fn clearance(s: &Setting<'_>) -> Formula {
+fn clearance(s: &Setting<'_>) -> Formula {
     let (half, starts) = half_width(s);
     Formula::new("clearance before the mechanics")
         .block(Slot::BeforeMechanics, Block::Backlash, vec![half])
@@ -168,7 +169,7 @@ fn half_width(s: &Setting<'_>) -> (Free, [Vec<f64>; 4]) {
     (half, [0.003, 0.01, 0.03, 0.1].map(|k| vec![k * h]))
 }
 
-fn backlash(s: &Setting<'_>) -> Vec<Formula> {
+pub(super) fn backlash(s: &Setting<'_>) -> Vec<Formula> {
     let (half, starts) = half_width(s);
     let bridge = Free::linear("share within the clearance", "1", 0.0, 0.5).step(0.01);
     vec![
