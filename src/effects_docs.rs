@@ -151,12 +151,12 @@ const CATALOGUE: &[(&str, &[&str], &str)] = &[
     ("hysteresis", &["prandtl-ishlinskii", "preisach", "bouc-wen", "duhem", "dahl"], ""),
     (
         "asymmetric hysteresis",
-        &["modified-prandtl-ishlinskii", "generalised-play", "bouc-wen"],
+        &["modified-prandtl-ishlinskii", "generalised-play", "skewed-play", "bouc-wen"],
         "`bouc-wen` by its `delta`",
     ),
     (
         "rate-dependent hysteresis",
-        &["rate-dependent-play", "grpi", "mpi", "dynamic-prandtl-ishlinskii"],
+        &["rate-dependent-play", "lagging-play", "grpi", "mpi", "dynamic-prandtl-ishlinskii"],
         "",
     ),
     ("unknown past, remanence", &["remanence"], ""),
@@ -173,7 +173,7 @@ const CATALOGUE: &[(&str, &[&str], &str)] = &[
     ("second mode, non-collocated pair", &["mode-pair", "collocated-mode"], ""),
     ("stiffness over the amplitude", &["duffing"], ""),
     ("backlash, loose preload", &["backlash"], ""),
-    ("friction, stick-slip", &["friction"], ""),
+    ("friction, stick-slip", &["friction", "nonlinear-damping"], ""),
     (
         "cutting force",
         &["cutting-force", "load-force"],

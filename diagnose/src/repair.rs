@@ -204,21 +204,65 @@ fn actuator_with(
             let (r, w): (Vec<f64>, Vec<f64>) = all.pairs.into_iter().unzip();
             ComponentBlueprint::new("prandtl-ishlinskii").value("r", r).value("w", w)
         }
-        Block::RatePlays(_) => {
-            let &[time] = p else { return None };
+        Block::RatePlays(_) | Block::LaggedPlays(_) => {
+            let &[value] = p else { return None };
+            let (kind, name) = match block {
+                Block::RatePlays(_) => ("rate-dependent-play", "rate"),
+                _ => ("lagging-play", "bandwidth"),
+            };
             let (straight, wide): (Vec<_>, Vec<_>) =
                 plays.pairs.into_iter().partition(|(r, _)| *r == 0.0);
             let (r, w): (Vec<f64>, Vec<f64>) = wide.into_iter().unzip();
-            ComponentBlueprint::new("rate-dependent-play")
+            ComponentBlueprint::new(kind)
                 .value("r", r)
                 .value("w", w)
                 .value("gain", straight.iter().map(|(_, w)| w).sum::<f64>())
-                .value("rate", time)
+                .value(name, value)
         }
+        Block::SkewedPlays { .. } | Block::GeneralisedPlay(_) => skewed(o, last, block, p, plays)?,
         _ => return None,
     };
     take_place(&mut component, old);
     Some(component)
+}
+
+/// Plays beside which others are wider at one end of the range.
+fn skewed(
+    o: &Outcome,
+    last: &Candidate,
+    block: &Block,
+    p: &[f64],
+    mut plays: Plays,
+) -> Option<ComponentBlueprint> {
+    let (u, y) = (o.problem.command_factor, o.problem.factor);
+    let factor = output_gain(&o.problem.base, (&last.chain, &last.fit.theta));
+    let weight = |w: f64| factor * w * u / y;
+    let (span, skew, [wide, width, growth, curvature]) = match (block, p) {
+        (Block::SkewedPlays { bank, span }, weights) => {
+            let of = |(r, w): (&f64, &f64)| (r / u, weight(*w));
+            (span, bank.iter().zip(weights).map(of).collect(), [0.0; 4])
+        }
+        (Block::GeneralisedPlay(span), &[w, width, growth, curvature]) => {
+            (span, Vec::new(), [weight(w), width, growth, curvature])
+        }
+        _ => return None,
+    };
+    skew.iter().for_each(|(r, _)| plays.add(*r, 0.0));
+    let skew_of = |r: f64| skew.iter().filter(|(own, _)| *own == r).map(|(_, v)| v).sum::<f64>();
+    let skew: Vec<f64> = plays.pairs.iter().map(|(r, _)| skew_of(*r)).collect();
+    let (r, w): (Vec<f64>, Vec<f64>) = plays.pairs.into_iter().unzip();
+    Some(
+        ComponentBlueprint::new("skewed-play")
+            .value("r", r)
+            .value("w", w)
+            .value("skew", skew)
+            .value("play_weight", wide)
+            .value("width", width)
+            .value("width_growth", growth)
+            .value("width_curvature", curvature)
+            .value("centre", span.centre / u)
+            .value("half_range", span.half / u),
+    )
 }
 
 /// Name and offset of the actuator that another one takes the place of.

@@ -12,6 +12,11 @@ fn number(value: f64) -> String {
     report::format_number(value, 4)
 }
 
+/// In whole percent; nothing is 0, not −0.
+fn percent(part: f64) -> f64 {
+    (100.0 * part).round() + 0.0
+}
+
 pub(crate) fn of(gap: &Gap) -> String {
     let s = &gap.shrink;
     let output = &gap.place.output;
@@ -52,17 +57,17 @@ fn effects(gap: &Gap) -> String {
     };
     let how = match (s.fraction, s.ci95) {
         (Some(f), Some([low, high])) => {
-            let interval = format!("95 %: {:.0} to {:.0} %", 100.0 * low, 100.0 * high);
+            let interval = format!("95 %: {:.0} to {:.0} %", percent(low), percent(high));
             match s.as_found.filter(|found| found - f > HELD) {
                 None => format!(
                     "{:.0} % of the gap's power goes on rows that were not used ({interval})",
-                    100.0 * f
+                    percent(f)
                 ),
                 Some(found) => format!(
                     "{:.0} % of the gap's power goes on rows that were not used, {:.0} % with the \
                      repaired blueprint, whose components do not hold all of it ({interval})",
-                    100.0 * found,
-                    100.0 * f
+                    percent(found),
+                    percent(f)
                 ),
             }
         }

@@ -40,7 +40,12 @@ pub(crate) fn stand_in(
             continue;
         }
         let goes = |c: &Candidate| explained(&o.found.base.judged, &c.judged);
-        let Ok(without) = search.refit_without(&last, slot) else { continue };
+        // With no effect left it is the re-tuned model, which the search has fitted more than once.
+        let without = match last.picks.as_slice() {
+            [_] => Ok(o.found.base.clone()),
+            _ => search.refit_without(&last, slot),
+        };
+        let Ok(without) = without else { continue };
         // A disturbance of each record's own is no part of a model; its terms stay in the fit.
         if best.pieces.is_empty() && best.force.is_none() {
             continue;

@@ -37,6 +37,36 @@ package Hysteresis "Memory of the actuator, one step per sample"
     annotation(Documentation(info="<html><p>Component <code>modified-prandtl-ishlinskii</code>:</p><p><code>y = offset + x + sum(slope[j]*z[j](x)); x = sum(w[i]*P[i]); z[j] = max(x - edge[j], 0) for edge[j] &gt; 0, else min(x - edge[j], 0)</code></p></html>"));
   end ModifiedPrandtlIshlinskii;
 
+  block SkewedPlay "Asymmetric hysteresis, independent of rate: plays that are wider at one end of the range"
+    extends Interfaces.Actuator;
+    parameter Integer plays(min = 1, max = 4096) "Number of play operators";
+    parameter Real r[plays](each unit="V", each min = 0) "Threshold of each play, increasing from 0";
+    parameter Real w[plays](each unit="um/V", each min = 0) "Weight of each play";
+    parameter Real skew[plays](each unit="um/V") "Growth of the weight of each play's memory to the upper end of the range";
+    parameter Real offset(unit="um") = 0 "Position at zero command in the virgin state";
+    parameter Real play_weight(unit="um/V") = 0 "Weight of the play whose width changes";
+    parameter Real width(unit="1", min = 0) = 0 "Half width of that play at the centre over half_range";
+    parameter Real width_growth(unit="1") = 0 "Growth of the width to the upper end of the range";
+    parameter Real width_curvature(unit="1") = 0 "Growth of the width to both ends of the range";
+    parameter Real centre(unit="V") "Middle of the range";
+    parameter Real half_range(unit="V", min = 0) "Half of the range";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    discrete Real last(start = 0, fixed = true, unit="V") "Command at the last sample";
+    discrete Real x(start = 0, fixed = true) "Place in the range, from -1 to 1";
+    discrete Real q[1](each start = 0, each fixed = true, each unit="V") "The play whose width changes";
+    discrete Real p[plays](each start = 0, each fixed = true, each unit="V") "Plays";
+  equation
+    when sample(0, step) then
+      last = u;
+      x = (u - centre)/half_range;
+      p = Functions.plays(u, r, 0, pre(p));
+      q = Functions.plays(u, {half_range*max(0, width + x*(width_growth + x*width_curvature))}, 0, pre(q));
+    end when;
+    y = offset + w*p + x*(skew*p - last*sum(skew)) + play_weight*(q[1] - last);
+    annotation(Documentation(info="<html><p>Component <code>skewed-play</code>:</p><p><code>y = offset + sum(w[i]*P[i]) + x*sum(skew[i]*(P[i] - u)) + play_weight*(Q - u); P[i] = max(u - r[i], min(u + r[i], P[i])); Q the same with half_range*max(0, width + width_growth*x + width_curvature*x^2); x = (u - centre)/half_range</code></p></html>"));
+  end SkewedPlay;
+
   block GeneralisedPlay "Asymmetric, saturating hysteresis: plays between hyperbolic-tangent envelopes"
     extends Interfaces.Actuator;
     parameter Integer plays(min = 1, max = 4096) "Number of play operators";
@@ -174,6 +204,31 @@ package Hysteresis "Memory of the actuator, one step per sample"
     y = offset + gain*last + w*p;
     annotation(Documentation(info="<html><p>Component <code>rate-dependent-play</code>:</p><p><code>y = offset + gain*u + sum(w[i]*F[i]); F[i] = max(u - t[i], min(u + t[i], F[i])); t[i] = r[i] + rate*|u'|</code></p></html>"));
   end RateDependentPlay;
+
+  block LaggingPlay "Hysteresis whose memory lags behind the command"
+    extends Interfaces.Actuator;
+    parameter Integer plays(min = 1, max = 4096) "Number of play operators";
+    parameter Real r[plays](each unit="V", each min = 0) "Threshold of each play, increasing from 0";
+    parameter Real w[plays](each unit="um/V", each min = 0) "Weight of each play";
+    parameter Real offset(unit="um") = 0 "Position at zero command in the virgin state";
+    parameter Real gain(unit="um/V", min = 0) = 0 "Part of the elongation without memory";
+    parameter Real bandwidth(unit="Hz", min = 0) "Frequency from which on the memory lags";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    discrete Boolean on(start = false, fixed = true) "The first sample is past";
+    discrete Real last(start = 0, fixed = true, unit="V") "Command at the last sample";
+    discrete Real v(start = 0, fixed = true, unit="V") "What the memory has seen of the command";
+    discrete Real p[plays](each start = 0, each fixed = true, each unit="V") "Plays";
+  equation
+    when sample(0, step) then
+      on = true;
+      last = u;
+      v = if pre(on) then pre(v) + (1 - exp(-2*Constants.pi*bandwidth*step))*(u - pre(v)) else u;
+      p = Functions.plays(v, r, 0, pre(p));
+    end when;
+    y = offset + gain*last + w*p;
+    annotation(Documentation(info="<html><p>Component <code>lagging-play</code>:</p><p><code>y = offset + gain*u + sum(w[i]*P[i]); P[i] = max(v - r[i], min(v + r[i], P[i])); v' = 2*pi*bandwidth*(u - v)</code></p></html>"));
+  end LaggingPlay;
 
   block Grpi "Generalised rate-dependent Prandtl-Ishlinskii hysteresis"
     extends Interfaces.Actuator;

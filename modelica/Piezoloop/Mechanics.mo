@@ -193,6 +193,25 @@ package Mechanics "Moving mass, flexures, guides and load"
     annotation(Documentation(info="<html><p>Component <code>friction</code>:</p><p><code>x'' + 2*damping*w*x' + w^2*(x + coulomb*z/presliding) = w^2*u; z' = x' - |x'|*z/g; g = presliding*(1 + (stiction/coulomb - 1)*exp(-(x'/stribeck)^2))</code></p></html>"));
   end Friction;
 
+  block NonlinearDamping "Mode with Coulomb friction and damping that grows with the speed"
+    extends Interfaces.PositionFilter;
+    parameter Real frequency(unit="Hz", min = 0) "Undamped natural frequency";
+    parameter Real damping(unit="1", min = 0) "Damping ratio at small velocities";
+    parameter Real coulomb(unit="um", min = 0) = 0 "Coulomb friction over stiffness";
+    parameter Real velocity(unit="um/s", min = 0) = 1 "Velocity of 76 % of the Coulomb friction";
+    parameter Real growth(unit="s/um", min = 0) = 0 "Growth of the damping ratio with the speed";
+  protected
+    final parameter Real w(unit="rad/s") = 2*Constants.pi*frequency "Natural angular frequency";
+    Real v(unit="um/s") "Rate of y";
+  initial equation
+    der(y) = 0;
+    der(v) = 0;
+  equation
+    der(y) = v;
+    der(v) = w^2*(u - y - coulomb*tanh(v/velocity)) - 2*(damping + growth*abs(v))*w*v;
+    annotation(Documentation(info="<html><p>Component <code>nonlinear-damping</code>:</p><p><code>x'' + 2*(damping + growth*|x'|)*w*x' + w^2*(x + coulomb*tanh(x'/velocity)) = w^2*u; w = 2*pi*frequency</code></p></html>"));
+  end NonlinearDamping;
+
   block Backlash "Clearance, as a play of constant width"
     extends Interfaces.PositionFilter;
     parameter Real width(unit="um", min = 0) "Clearance";

@@ -169,7 +169,6 @@ mod tests {
                     (energy(&z) / first - 1.0).abs()
                 })
                 .fold(0.0, f64::max);
-            println!("{force:?}: {worst:.4}");
             assert!(worst < 0.03, "{force:?}: energy off by {worst} after 20 periods");
         }
     }
@@ -198,7 +197,6 @@ mod tests {
             let (whole, fine) = (run(force, p, 1), run(force, p, FINE));
             let effect = rms(&fine, &run(Force::Cubic, &[0.0], 1));
             let part = rms(&whole, &fine) / effect;
-            println!("{force:?} {p:?}: {part:.4} of {effect:.4}");
             assert!(part < bound, "{force:?} {p:?}: {part} of what the force does");
         }
     }

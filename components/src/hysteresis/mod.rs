@@ -13,6 +13,7 @@ mod dynamic_prandtl_ishlinskii;
 mod generalised_play;
 mod grpi;
 mod inverse_prandtl_ishlinskii;
+mod lagging_play;
 mod modified_prandtl_ishlinskii;
 mod mpi;
 mod prandtl_ishlinskii;
@@ -20,6 +21,7 @@ mod preisach;
 mod preisach_inverse;
 mod rate;
 mod rate_dependent_play;
+mod skewed_play;
 
 pub use bouc_wen::BoucWen;
 pub use bouc_wen_inverse::INVERSE_BOUC_WEN;
@@ -32,6 +34,7 @@ pub use dynamic_prandtl_ishlinskii::{
 pub use generalised_play::{GeneralisedPlay, InverseGeneralisedPlay};
 pub use grpi::{Grpi, INVERSE as INVERSE_GRPI};
 pub use inverse_prandtl_ishlinskii::InversePrandtlIshlinskii;
+pub use lagging_play::LaggingPlay;
 pub use modified_prandtl_ishlinskii::{
     InverseModifiedPrandtlIshlinskii, ModifiedPrandtlIshlinskii,
 };
@@ -40,3 +43,4 @@ pub use prandtl_ishlinskii::PrandtlIshlinskii;
 pub use preisach::Preisach;
 pub use preisach_inverse::InversePreisach;
 pub use rate_dependent_play::{INVERSE as INVERSE_RATE_DEPENDENT_PLAY, RateDependentPlay};
+pub use skewed_play::SkewedPlay;

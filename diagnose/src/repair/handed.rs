@@ -22,8 +22,6 @@ use crate::select::Candidate;
 const OFF: f64 = 1.02;
 /// How far values of components that were found may be tuned again, relative (1 σ).
 const FOUND: f64 = 0.2;
-/// The same of a damping: components solve a mode with another force by steps that damp it as well.
-const FOUND_DAMPING: f64 = 0.03;
 
 /// The written axis under the logs.
 struct Written<'a> {
@@ -87,15 +85,9 @@ impl<'a> Written<'a> {
             .components
             .iter()
             .filter(|c| !given.components.iter().any(|own| is_same(own, c)))
-            .flat_map(|c| {
-                let of = |quantity: &str, deviation| Tolerance {
-                    name: format!("axis[{axis}].{}.{quantity}", c.name),
-                    deviation,
-                };
-                [
-                    of("*", Deviation::Relative(FOUND)),
-                    of("damping", Deviation::Absolute(FOUND_DAMPING)),
-                ]
+            .map(|c| Tolerance {
+                name: format!("axis[{axis}].{}.*", c.name),
+                deviation: Deviation::Relative(FOUND),
             })
             .collect();
         let gain = o.problem.base.gain_tolerance;

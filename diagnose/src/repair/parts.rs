@@ -1,5 +1,7 @@
 //! Which component does what a block or a force does.
 
+use std::f64::consts::TAU;
+
 use data::ComponentBlueprint;
 
 use super::number;
@@ -44,28 +46,28 @@ pub(super) fn forced(
         (Force::Uneven, &[square, cubic]) if gain == 1.0 => stiffness(square, cubic),
         // Dahl's law is LuGre's without a difference between static and sliding friction.
         (Force::Friction, &[size, distance]) if gain == 1.0 => Some(
-            less_damped(new("friction")?, o.problem.data.step)?
+            new("friction")?
                 .value("coulomb", size / y)
                 .value("stiction", size / y)
                 .value("presliding", distance / y)
                 .value("stribeck", half / y),
         ),
+        // The rate over ω becomes a velocity, and what it damps a part of the damping ratio.
+        (Force::Coulomb, &[size, smooth]) if gain == 1.0 => {
+            let omega = TAU * mode.get("frequency").and_then(number)?;
+            Some(
+                new("nonlinear-damping")?
+                    .value("coulomb", size / y)
+                    .value("velocity", smooth * omega / y),
+            )
+        }
+        (Force::SpeedDamping, &[ratio]) if gain == 1.0 && ratio >= 0.0 => {
+            let omega = TAU * mode.get("frequency").and_then(number)?;
+            let far = (centre.abs() + half) / y;
+            Some(new("nonlinear-damping")?.value("growth", 0.5 * ratio / (omega * far)))
+        }
         _ => None,
     }
-}
-
-/// A component whose implicit steps of a tenth of a radian damp its mode beside the damping that it is
-/// told: by half a step's angle.
-fn less_damped(mut component: ComponentBlueprint, period: f64) -> Option<ComponentBlueprint> {
-    const STEP: f64 = 0.1;
-    const MOST: f64 = 64.0;
-    const LEAST: f64 = 0.05;
-    let frequency = component.get("frequency").and_then(number)?;
-    let damping = component.get("damping").and_then(number)?;
-    let angle = std::f64::consts::TAU * frequency * period;
-    let own = 0.5 * angle / (angle / STEP).ceil().clamp(1.0, MOST);
-    component.set("damping", (damping - own).max(LEAST * damping));
-    Some(component)
 }
 
 /// The components that do what a block does with these values, where there are any.
