@@ -48,7 +48,14 @@ fn the_answer_speaks_of_the_blueprint_that_is_handed_back() {
 
 #[test]
 fn a_component_that_can_do_it_takes_the_gap_away() {
-    for effect in [Effect::Crosstalk, Effect::PolarisationSaturation] {
+    for effect in [
+        Effect::Crosstalk,
+        Effect::PolarisationSaturation,
+        Effect::Asymmetry,
+        Effect::AmplifierSaturation,
+        Effect::Friction,
+        Effect::Duffing,
+    ] {
         let [before, after, _] = before_after_written(effect);
         assert!(after < 0.3 * before, "{effect:?}: {after} of {before}");
     }

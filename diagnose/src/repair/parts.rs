@@ -1,6 +1,6 @@
 //! Which component does what a block or a force does.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use data::ComponentBlueprint;
 
@@ -106,6 +106,11 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
         (Block::ClampLow, &[low]) => {
             one(new("amplifier-clamp").value("low", low / u).value("high", far / u))
         }
+        // A parabola takes as much off in sum as the logarithm of the formula: ∫ = softness²/6 = π²/6·width².
+        (Block::SoftHigh, &[limit, width]) => one(new("amplifier-clamp")
+            .value("low", -far / u)
+            .value("high", limit / u)
+            .value("softness", PI * width / u)),
         (Block::ClampBoth(s), &[half]) => one(new("amplifier-clamp")
             .value("low", (s.centre - half) / u)
             .value("high", (s.centre + half) / u)),
