@@ -157,6 +157,7 @@ impl Maps<'_> {
         const LEVELS: usize = 12;
         let span = Span::of(command.iter().copied());
         let mut sums = [[(0.0, 0.0); 2]; LEVELS];
+        let (mut squares, mut rows) = (0.0, 0.0);
         for record in &self.data.records {
             for k in record.rows.start + 1..record.rows.end {
                 let way = command[k] - command[k - 1];
@@ -167,6 +168,8 @@ impl Maps<'_> {
                 let cell = &mut sums[level.min(LEVELS - 1)][usize::from(way < 0.0)];
                 cell.0 += self.before[k];
                 cell.1 += 1.0;
+                squares += self.before[k].powi(2);
+                rows += 1.0;
             }
         }
         let (mut difference, mut half_sum, mut cells) = (0.0, 0.0, 0.0);
@@ -187,7 +190,12 @@ impl Maps<'_> {
         } else if difference > 3.0 * half_sum {
             "opposite on rising and falling commands: memory or lag"
         } else if half_sum > 3.0 * difference {
-            "the same on rising and falling commands: a static map"
+            // The share of the gap's power that a curve over the command holds.
+            if half_sum / cells > 0.5 * (squares / rows - 1.0_f64).max(0.0) {
+                "the same on rising and falling commands: a static map"
+            } else {
+                "the mean is the same on rising and falling commands, but holds less than half of the gap"
+            }
         } else {
             "different on rising and falling commands"
         };
