@@ -188,13 +188,12 @@ fn actuator_with(
     p: &[f64],
     old: &ComponentBlueprint,
 ) -> Option<ComponentBlueprint> {
-    let (u, y) = (o.problem.command_factor, o.problem.factor);
+    let u = o.problem.command_factor;
     let plays = Plays::of(old)?;
     let mut component = match block {
         Block::Plays { bank, gain } => {
             let (linear, weights) = p.split_at(usize::from(*gain));
-            let factor = output_gain(&o.problem.base, (&last.chain, &last.fit.theta));
-            let weight = |w: f64| factor * w * u / y;
+            let weight = weight_of(o, last);
             let sum: f64 = weights.iter().sum();
             let mut all = plays;
             all.add(0.0, weight(linear.first().copied().unwrap_or(0.0) - sum));
@@ -226,6 +225,13 @@ fn actuator_with(
     Some(component)
 }
 
+/// Fitted weights of plays as a blueprint has them: with the re-tuned gain of the output, in the axis' units.
+fn weight_of(o: &Outcome, last: &Candidate) -> impl Fn(f64) -> f64 + use<> {
+    let factor = output_gain(&o.problem.base, (&last.chain, &last.fit.theta));
+    let (u, y) = (o.problem.command_factor, o.problem.factor);
+    move |w| factor * w * u / y
+}
+
 /// Plays beside which others are wider at one end of the range.
 fn skewed(
     o: &Outcome,
@@ -234,9 +240,7 @@ fn skewed(
     p: &[f64],
     mut plays: Plays,
 ) -> Option<ComponentBlueprint> {
-    let (u, y) = (o.problem.command_factor, o.problem.factor);
-    let factor = output_gain(&o.problem.base, (&last.chain, &last.fit.theta));
-    let weight = |w: f64| factor * w * u / y;
+    let (u, weight) = (o.problem.command_factor, weight_of(o, last));
     let (span, skew, [wide, width, growth, curvature]) = match (block, p) {
         (Block::SkewedPlays { bank, span }, weights) => {
             let of = |(r, w): (&f64, &f64)| (r / u, weight(*w));

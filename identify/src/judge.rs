@@ -32,28 +32,51 @@ pub struct Figures {
 /// # Errors
 /// [`Error::Model`] where the plant is not of one axis, or leaves its range.
 pub fn simulate(plant: &CheckedBlueprint, record: &Record) -> Result<Vec<f64>, Error> {
+    let time = |row: usize| record.time(row);
+    let mut positions = simulate_axes(plant, &[record.input()], &[record.rest()], time)?;
+    Ok(positions.pop().unwrap_or_default())
+}
+
+/// The simulated position of each axis at each row, under the command of each axis, from rest under `rest`
+/// at the first row; `time` in s by row.
+///
+/// # Errors
+/// [`Error::Model`] where the plant has fewer axes, or leaves its range.
+pub fn simulate_axes<C: AsRef<[f64]>>(
+    plant: &CheckedBlueprint,
+    commands: &[C],
+    rest: &[f64],
+    time: impl Fn(usize) -> f64,
+) -> Result<Vec<Vec<f64>>, Error> {
     let mut system = plant.build();
     let name = plant.blueprint().name.clone();
     let model = |message: String| Error::Model { name: name.clone(), message };
-    let find = |variable: &str| {
-        system.variables().find(variable).ok_or_else(|| {
+    let find = |variable: &str, axis: usize| {
+        let variable = format!("{variable}[{}]", axis + 1);
+        system.variables().find(&variable).ok_or_else(|| {
             model(format!(
                 "has no variable \"{variable}\"; only plants can be simulated from a log"
             ))
         })
     };
-    let (command, position) = (find("command[1]")?, find("position[1]")?);
-    if record.is_empty() {
-        return Ok(Vec::new());
-    }
-    system.set(command, record.rest()).map_err(|e| model(system.explain_set(&e)))?;
-    system.initialise(record.start()).map_err(|e| model(system.explain(&e)))?;
-    let mut positions = Vec::with_capacity(record.len());
-    positions.push(system.get(position).unwrap_or(f64::NAN));
-    for row in 1..record.len() {
-        system.set(command, record.input()[row - 1]).map_err(|e| model(system.explain_set(&e)))?;
-        system.advance(record.time(row)).map_err(|e| model(system.explain(&e)))?;
-        positions.push(system.get(position).unwrap_or(f64::NAN));
+    let axes = (0..commands.len())
+        .map(|axis| Ok((find("command", axis)?, find("position", axis)?)))
+        .collect::<Result<Vec<_>, Error>>()?;
+    let rows = commands.iter().map(|u| u.as_ref().len()).min().unwrap_or(0);
+    let mut positions = vec![Vec::with_capacity(rows); axes.len()];
+    for row in 0..rows {
+        for (((command, _), u), rest) in axes.iter().zip(commands).zip(rest) {
+            let held = if row == 0 { *rest } else { u.as_ref()[row - 1] };
+            system.set(*command, held).map_err(|e| model(system.explain_set(&e)))?;
+        }
+        let moved = match row {
+            0 => system.initialise(time(0)),
+            _ => system.advance(time(row)).map(|_| ()),
+        };
+        moved.map_err(|e| model(system.explain(&e)))?;
+        for ((_, position), all) in axes.iter().zip(&mut positions) {
+            all.push(system.get(*position).unwrap_or(f64::NAN));
+        }
     }
     Ok(positions)
 }

@@ -41,7 +41,7 @@ pub use identification::{
     Candidate, Correlation, Estimate, Identification, RULES, RecordFit, Verdict,
 };
 pub use identify::{SIGNIFICANT_FALL, identify};
-pub use judge::{Figures, compare, simulate};
+pub use judge::{Figures, compare, simulate, simulate_axes};
 pub use methods::methods;
 pub use observer::{Observer, Silent};
 pub use record::{Columns, Record, Rows, records_of};

@@ -261,12 +261,15 @@ fn unit(
         let Some(unit) = &log.require(column)?.unit else { continue };
         found.get_or_insert_with(|| unit.text.clone());
     }
-    Ok(found.unwrap_or_else(|| {
-        notes.push(format!(
-            "column {column} has no unit, taken as {usual}; say another with --unit {column}=UNIT"
-        ));
-        usual.to_owned()
-    }))
+    Ok(found.unwrap_or_else(|| usual_unit(column, usual, notes)))
+}
+
+/// The usual unit for a column that has none, which is noted.
+pub(crate) fn usual_unit(column: &str, usual: &str, notes: &mut Vec<String>) -> String {
+    notes.push(format!(
+        "column {column} has no unit, taken as {usual}; say another with --unit {column}=UNIT"
+    ));
+    usual.to_owned()
 }
 
 fn axis(input: &str, output: &str, command_unit: &str, position_unit: &str) -> AxisBlueprint {

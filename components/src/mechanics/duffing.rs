@@ -139,7 +139,7 @@ impl Component for Duffing {
         else {
             return;
         };
-        *y = steps.advance(u, state, |x| cubic(x, hardening, reference));
+        *y = steps.advance(u, state, |x, _| cubic(x, hardening, reference));
     }
 }
 

@@ -24,8 +24,8 @@ use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
+use super::substeps::SubSteps;
 use crate::effects;
-use crate::linear::Transition;
 use crate::rules::{WRONG_LENGTH, require, second_order};
 
 /// Greatest turn of the mode in one sub-step, in rad.
@@ -67,31 +67,26 @@ static DECLARATION: Declaration = Declaration {
     ],
 };
 
-/// `full | half | ω | coulomb | velocity | growth | sub-steps | turn of one`.
 struct Law {
-    full: Transition,
-    half: Transition,
     omega: f64,
     coulomb: f64,
     velocity: f64,
     growth: f64,
-    count: f64,
     /// Turn of the mode in one sub-step, in rad.
     turn: f64,
 }
 
-impl Law {
-    #[inline]
-    fn of(coefficients: &[f64]) -> Option<Self> {
-        let &[a, b, c, d, e, f, omega, coulomb, velocity, growth, count, turn] = coefficients
-        else {
-            return None;
-        };
-        let full = Transition { same: a, cross: b, rate: c };
-        let half = Transition { same: d, cross: e, rate: f };
-        Some(Self { full, half, omega, coulomb, velocity, growth, count, turn })
-    }
+/// `sub-steps | ω | coulomb | velocity | growth | turn of one sub-step`.
+#[inline]
+fn split(coefficients: &[f64]) -> Option<(SubSteps, Law)> {
+    let (&steps, &[omega, coulomb, velocity, growth, turn]) = coefficients.split_first_chunk()?
+    else {
+        return None;
+    };
+    Some((SubSteps::of(steps), Law { omega, coulomb, velocity, growth, turn }))
+}
 
+impl Law {
     /// What the force beyond the linear one costs, at a velocity over ω. No speed is braked by more than
     /// itself in a sub-step.
     #[inline]
@@ -108,7 +103,7 @@ impl Component for NonlinearDamping {
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: 12, states: 2 }
+        Sizes { coefficients: SubSteps::COEFFICIENTS + 5, states: 2 }
     }
 
     fn prepare(
@@ -118,7 +113,9 @@ impl Component for NonlinearDamping {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let &[frequency, damping, coulomb, velocity, growth] = parameters else {
+        let (&[frequency, damping, coulomb, velocity, growth], Some((steps, [w, c, v, g, turn]))) =
+            (parameters, coefficients.split_first_chunk_mut())
+        else {
             return Err(WRONG_LENGTH);
         };
         second_order(frequency, damping, period)?;
@@ -136,26 +133,8 @@ impl Component for NonlinearDamping {
             velocity,
             "is too low for the internal step and this friction; make it higher or shorten `step`",
         )?;
-        let full = Transition::new(frequency, damping, period / count);
-        let half = Transition::new(frequency, damping, 0.5 * period / count);
-        let all = [
-            full.same,
-            full.cross,
-            full.rate,
-            half.same,
-            half.cross,
-            half.rate,
-            omega,
-            coulomb,
-            velocity,
-            growth,
-            count,
-            angle / count,
-        ];
-        if coefficients.len() != all.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(&all);
+        *steps = SubSteps::of_count(frequency, damping, count, period).to_array();
+        (*w, *c, *v, *g, *turn) = (omega, coulomb, velocity, growth, angle / count);
         Ok(())
     }
 
@@ -173,18 +152,12 @@ impl Component for NonlinearDamping {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (Some(law), &[u], [x, rate], [y]) = (Law::of(coefficients), inputs, state, outputs)
+        let (Some((steps, law)), &[u], Ok(state), [y]) =
+            (split(coefficients), inputs, state.try_into(), outputs)
         else {
             return;
         };
-        for _ in 0..law.count as usize {
-            let target = u - law.beyond(*rate);
-            let (_, middle) = law.half.apply(*x - target, *rate);
-            let target = u - law.beyond(middle);
-            let (deviation, turned) = law.full.apply(*x - target, *rate);
-            (*x, *rate) = (target + deviation, turned);
-        }
-        *y = *x;
+        *y = steps.advance(u, state, |_, rate| law.beyond(rate));
     }
 }
 

@@ -176,7 +176,7 @@ impl Component for PositionStiffness {
         else {
             return;
         };
-        *y = steps.advance(u, state, |x| (law.stiffness(x)[0] - 1.0) * x);
+        *y = steps.advance(u, state, |x, _| (law.stiffness(x)[0] - 1.0) * x);
     }
 }
 

@@ -1,4 +1,4 @@
-//! A mode with a force that depends on its deflection, in sub-steps.
+//! A mode with a force that depends on its deflection or its velocity, in sub-steps.
 
 use core::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use crate::rules::require;
 /// Greatest turn of the stiffest motion in one sub-step, in rad.
 const TURN: f64 = 0.05;
 
-/// `x″ + 2ζω x′ + ω²·[x + beyond(x)] = ω²·u`: in each sub-step the linear part is exact and `beyond`
+/// `x″ + 2ζω x′ + ω²·[x + beyond(x, x′/ω)] = ω²·u`: in each sub-step the linear part is exact and `beyond`
 /// is taken at its middle (exponential midpoint rule, second order). A state of equilibrium stays
 /// exactly.
 ///
@@ -41,9 +41,14 @@ impl SubSteps {
             frequency,
             "is too high for the internal step; shorten `step` in the blueprint",
         )?;
+        Ok(Self::of_count(frequency, damping, count, period))
+    }
+
+    /// With so many sub-steps.
+    pub(super) fn of_count(frequency: f64, damping: f64, count: f64, period: f64) -> Self {
         let full = Transition::new(frequency, damping, period / count);
         let half = Transition::new(frequency, damping, 0.5 * period / count);
-        Ok(Self { full, half, count })
+        Self { full, half, count }
     }
 
     /// As coefficients of a component.
@@ -65,12 +70,12 @@ impl SubSteps {
         &self,
         u: f64,
         [x, v]: &mut [f64; 2],
-        beyond: impl Fn(f64) -> f64,
+        beyond: impl Fn(f64, f64) -> f64,
     ) -> f64 {
         for _ in 0..self.count as usize {
-            let target = u - beyond(*x);
-            let (middle, _) = self.half.apply(*x - target, *v);
-            let target = u - beyond(target + middle);
+            let target = u - beyond(*x, *v);
+            let (middle, turned) = self.half.apply(*x - target, *v);
+            let target = u - beyond(target + middle, turned);
             let (deviation, rate) = self.full.apply(*x - target, *v);
             (*x, *v) = (target + deviation, rate);
         }

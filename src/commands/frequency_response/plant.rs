@@ -7,10 +7,11 @@ use data::CheckedBlueprint;
 use identify::frequency::{
     Choice, Experiment, FrequencyResponse as Response, PlantNames, RationalSettings, choose_held,
 };
+use identify::simulate_axes;
 use serde::Serialize;
 
 use super::Signal;
-use crate::commands::identify::identifier;
+use crate::commands::identify::{identifier, usual_unit};
 
 /// A plant as it is written.
 #[derive(Serialize)]
@@ -58,15 +59,8 @@ pub(super) fn fitted(
 ) -> anyhow::Result<(Plant, Choice)> {
     let (held, choice) = choose_held(source.response, source.sample_time, settings, most)
         .context("no plant can be fitted")?;
-    let mut unit = |signal: &Signal, usual: &str| match &signal.unit {
-        Some(unit) => unit.clone(),
-        None => {
-            let name = &signal.name;
-            notes.push(format!(
-                "column {name} has no unit, taken as {usual}; say another with --unit {name}=UNIT"
-            ));
-            usual.to_owned()
-        }
+    let mut unit = |signal: &Signal, usual: &str| {
+        signal.unit.clone().unwrap_or_else(|| usual_unit(&signal.name, usual, notes))
     };
     let units: Vec<String> = source.inputs.iter().map(|signal| unit(signal, "V")).collect();
     let outputs = source.outputs.iter().map(|s| (identifier(&s.name), unit(s, "um"))).collect();
@@ -93,7 +87,10 @@ pub(super) fn fitted(
     let mut errors = Vec::new();
     for experiment in source.experiments {
         let first = source.response.period.filter(|p| 2 * p <= experiment.len()).unwrap_or(0);
-        let simulated = simulated(&checked, experiment, source.sample_time)?;
+        let time = |row: usize| row as f64 * source.sample_time;
+        let rest: Vec<f64> =
+            experiment.inputs.iter().map(|u| u.first().copied().unwrap_or(0.0)).collect();
+        let simulated = simulate_axes(&checked, &experiment.inputs, &rest, time)?;
         for ((signal, measured), simulated) in
             names.outputs.iter().zip(&experiment.outputs).zip(&simulated)
         {
@@ -119,40 +116,4 @@ fn deviation(values: &[f64]) -> f64 {
     let count = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / count;
     (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt()
-}
-
-/// The outputs of the plant at each row, at rest under the first one before.
-fn simulated(
-    plant: &CheckedBlueprint,
-    experiment: &Experiment,
-    sample_time: f64,
-) -> anyhow::Result<Vec<Vec<f64>>> {
-    let mut system = plant.build();
-    let find = |name: &str, k: usize| {
-        let variable = format!("{name}[{}]", k + 1);
-        system.variables().find(&variable).with_context(|| format!("the plant has no {variable}"))
-    };
-    let each = |name: &'static str, count: usize| {
-        (0..count).map(|k| find(name, k)).collect::<anyhow::Result<Vec<_>>>()
-    };
-    let commands = each("command", experiment.inputs.len())?;
-    let positions = each("position", experiment.outputs.len())?;
-    let mut outputs = vec![Vec::with_capacity(experiment.len()); positions.len()];
-    for row in 0..experiment.len() {
-        for (command, input) in commands.iter().zip(&experiment.inputs) {
-            system
-                .set(*command, input[row.saturating_sub(1)])
-                .map_err(|e| anyhow::anyhow!("{}", system.explain_set(&e)))?;
-        }
-        let moved = if row == 0 {
-            system.initialise(0.0)
-        } else {
-            system.advance(row as f64 * sample_time).map(|_| ())
-        };
-        moved.map_err(|e| anyhow::anyhow!("{}", system.explain(&e)))?;
-        for (position, output) in positions.iter().zip(&mut outputs) {
-            output.push(system.get(*position).unwrap_or(f64::NAN));
-        }
-    }
-    Ok(outputs)
 }
