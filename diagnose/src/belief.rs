@@ -115,7 +115,7 @@ fn excess(c: &Candidate) -> f64 {
 
 /// How likely a formula of the library leaves so much: the more is left over what the noise alone may
 /// leave, and the larger a part of the gap that is, the less.
-fn formula_is_known(sight: &Sight<'_>, own: &Candidate) -> f64 {
+pub(crate) fn formula_is_known(sight: &Sight<'_>, own: &Candidate) -> f64 {
     let left = (excess(own) - (sight.adequate - 1.0)).max(0.0) / sight.base_excess.max(0.1);
     1.0 / (1.0 + (left / LEFT_OF_UNKNOWN).powf(STEEPNESS))
 }

@@ -266,29 +266,7 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span, sigma: f6
     apparent_power /= slopes.len().max(1) as f64;
     let slope_power = slopes.iter().map(|s| s * s).sum::<f64>() / slopes.len().max(1) as f64;
     let steepest = slopes.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
-    let longest = data.records.iter().max_by_key(|r| r.training.len());
-    let lines = longest.map_or_else(Vec::new, |r| {
-        let is_mains = |f: f64| {
-            [50.0, 60.0]
-                .iter()
-                .any(|m| (1..=6).any(|k| (f / (m * f64::from(k)) - 1.0).abs() < 0.01))
-        };
-        let mut lines = spectrum::lines(&base.judged.residual[r.training.clone()], sample, 6);
-        lines.retain(|f| !is_mains(*f));
-        // A line that the command has, or a multiple of its strongest, is an answer to the command.
-        let scale = 1e3 / data.command_span.half;
-        let command: Vec<f64> = rows[r.training.clone()].iter().map(|u| u * scale).collect();
-        let driven = spectrum::lines(&command, sample, 40);
-        let resolution = 2.0 / (r.training.len() as f64 * sample);
-        lines.retain(|f| {
-            let is_multiple = driven.first().is_some_and(|d| {
-                let times = (f / d).round().max(1.0);
-                times <= 20.0 && (f - times * d).abs() < resolution
-            });
-            !is_multiple && driven.iter().all(|d| (f - d).abs() > resolution)
-        });
-        lines
-    });
+    let lines = own_lines(data, &base.judged.residual, sample);
     let training = || data.records.iter().flat_map(|r| r.training.clone());
     let residual = &base.judged.residual;
     let before = before_mode(problem, residual);
@@ -315,6 +293,53 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span, sigma: f6
         reading_steps: reading.steps(),
         reading_gaps: reading.gaps(),
     }
+}
+
+/// Frequencies of lines that the residual has and no command has: of the longest record, or of two. Those of
+/// most records first, then the strongest ones.
+fn own_lines(data: &DataSet, residual: &[f64], sample: f64) -> Vec<f64> {
+    /// Lines that are kept.
+    const MOST: usize = 6;
+    let neighbours = data.aux.iter().filter(|a| a.is_command).map(|a| (&a.hits, a.span));
+    let commands: Vec<_> =
+        std::iter::once((&data.command, data.command_span)).chain(neighbours).collect();
+    let mut records: Vec<_> = data.records.iter().map(|r| r.training.clone()).collect();
+    records.sort_by_key(|rows| std::cmp::Reverse(rows.len()));
+    // Frequency, how many records have it, the first of them, place in that one.
+    let mut all: Vec<(f64, usize, usize, usize)> = Vec::new();
+    for (record, rows) in records.into_iter().enumerate() {
+        let resolution = 2.0 / (rows.len() as f64 * sample);
+        let mut lines = spectrum::lines(&residual[rows.clone()], sample, MOST);
+        lines.retain(|f| !is_mains(*f));
+        for (hits, span) in commands.iter().filter(|(_, span)| span.half > 0.0) {
+            let at = data.row_hit[rows.clone()].iter();
+            let command: Vec<f64> = at.map(|h| hits[*h as usize] * 1e3 / span.half).collect();
+            let driven = spectrum::lines(&command, sample, 40);
+            // A line that the command has, or a multiple of its strongest, is an answer to the command.
+            lines.retain(|f| {
+                let is_multiple = driven.first().is_some_and(|d| {
+                    let times = (f / d).round().max(1.0);
+                    times <= 20.0 && (f - times * d).abs() < resolution
+                });
+                !is_multiple && driven.iter().all(|d| (f - d).abs() > resolution)
+            });
+        }
+        for (place, line) in lines.into_iter().enumerate() {
+            match all.iter_mut().find(|(f, ..)| (f - line).abs() < resolution) {
+                Some((_, records, ..)) => *records += 1,
+                None => all.push((line, 1, record, place)),
+            }
+        }
+    }
+    all.retain(|(_, records, first, _)| *records > 1 || *first == 0);
+    all.sort_by(|a, b| b.1.cmp(&a.1).then(a.3.cmp(&b.3)).then(a.0.total_cmp(&b.0)));
+    all.into_iter().take(MOST).map(|(f, ..)| f).collect()
+}
+
+/// Whether a frequency is that of the mains or a multiple of it.
+fn is_mains(frequency: f64) -> bool {
+    let is_near = |f: f64| (frequency / f - 1.0).abs() < 0.01;
+    [50.0, 60.0].iter().any(|m| (1..=6).any(|k| is_near(m * f64::from(k))))
 }
 
 /// What an error of the command would have to be at each row to leave this residual, in σ: the residual

@@ -32,6 +32,9 @@ const CLEAR: f64 = 0.8;
 const RIVALS: usize = 3;
 /// How many times what the best one leaves they may leave.
 const NEAR: f64 = 3.0;
+/// Probability that the formulas of several effects are the machine's, from what they leave: two together
+/// imitate much that is in no library, and then leave more than they do of a pair.
+const OF_SEVERAL: f64 = 0.8;
 /// Most members that are exchanged once the search stands.
 const MOST_SWAPS: usize = 2;
 /// Part of the fitted rows' gap that must go, and most coefficients of each effect, where the rows that
@@ -66,6 +69,13 @@ impl Search<'_> {
         if best.picks.len() == 1 && self.max_effects > 1 && has_gap(&best, self.adequate) {
             best = self.pair_beside_rivals(&base, best, &first, &mut rivals)?;
         }
+        let mut is_last_resort = false;
+        if self.max_effects > 1
+            && !self.explains_enough(&base, &best)
+            && let Some(pair) = self.pair_of_the_whole(&best, &first, &mut rivals)?
+        {
+            (best, is_last_resort) = (pair, true);
+        }
         if self.is_hopeless(&base, &best) {
             let last = base.clone();
             return Ok(Found { base, last, rivals, first, alone: Vec::new() });
@@ -74,6 +84,10 @@ impl Search<'_> {
             best = self.reconsider(best, &mut rivals)?;
         }
         best = self.eliminate(&base, best, &mut rivals)?;
+        // What was no answer alone is none because a pair was tried.
+        if is_last_resort && best.picks.len() == 1 {
+            best = base.clone();
+        }
         let last = self.believed(&base, best, &mut rivals)?;
         let alone = self.alone(&base, &last)?;
         Ok(Found { base, last, rivals, first, alone })
@@ -107,6 +121,28 @@ impl Search<'_> {
         Ok(best)
     }
 
+    /// The last resort where what was found explains too little: a pair that leaves next to nothing, of which
+    /// neither member stands out alone.
+    fn pair_of_the_whole(
+        &self,
+        found: &Candidate,
+        first: &[Looked],
+        rivals: &mut Vec<Vec<Looked>>,
+    ) -> Result<Option<Candidate>, Failed> {
+        let fitted = first.iter().filter_map(|l| l.best.as_ref());
+        // The search went on from the best one.
+        let others = fitted.filter(|c| found.picks.first() != c.picks.first());
+        for other in others.take(RIVALS) {
+            let looked = self.expand(other)?;
+            let Some(pair) = looked.iter().find_map(|l| l.best.clone()) else { continue };
+            if pair.rank < found.rank && left(&pair) < NEARLY_NOISE {
+                *rivals = vec![first.to_vec(), looked];
+                return Ok(Some(pair));
+            }
+        }
+        Ok(None)
+    }
+
     /// The effects that can be named: those that explain enough together, without those whose name is
     /// too uncertain.
     fn believed(
@@ -116,10 +152,13 @@ impl Search<'_> {
         rivals: &mut Vec<Vec<Looked>>,
     ) -> Result<Candidate, Failed> {
         loop {
-            if best.picks.is_empty() || !self.explains_enough(base, &best) {
+            let sight = self.sight(base);
+            if best.picks.is_empty()
+                || !self.explains_enough(base, &best)
+                || (best.picks.len() > 1 && belief::formula_is_known(&sight, &best) < OF_SEVERAL)
+            {
                 return Ok(base.clone());
             }
-            let sight = self.sight(base);
             best = self.most_probable(&sight, rivals, best);
             let trust = |slot: usize| {
                 let family = best.picks[slot].0;
