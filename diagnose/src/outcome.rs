@@ -368,3 +368,46 @@ fn before_mode(problem: &Problem, residual: &[f64]) -> Vec<f64> {
     }
     sought
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data_set::RecordRows;
+    use crate::random::Random;
+
+    #[test]
+    fn a_line_of_two_records_that_no_command_has_is_one_of_its_own() {
+        const SAMPLE: f64 = 1e-3;
+        let tone = |f: f64, k: usize| (std::f64::consts::TAU * f * k as f64 * SAMPLE).sin();
+        let record = |(name, rows): (&str, usize)| RecordRows {
+            name: name.to_owned(),
+            time: (0..rows).map(|k| SAMPLE * k as f64).collect(),
+            command: (0..rows).map(|k| tone(17.3, k)).collect(),
+            y: vec![0.0; rows],
+            aux: vec![(0..rows).map(|k| tone(81.7, k)).collect()],
+            others: Vec::new(),
+            run_in: 0,
+            training: 0.7,
+        };
+        let lengths = [("short", 2000), ("long", 3000), ("other", 2400)];
+        let neighbour = [("neighbour".to_owned(), true)];
+        let data = DataSet::new(lengths.map(record).into(), &neighbour, None);
+        let mut random = Random::new(5);
+        // Lines of two records, of one of them, of the longest; of the neighbour, of the command, of the mains.
+        let residual: Vec<f64> = lengths
+            .iter()
+            .flat_map(|(name, rows)| (0..*rows).map(move |k| (*name, k)))
+            .map(|(name, k)| {
+                let lines: &[f64] = match name {
+                    "short" => &[123.4, 222.2, 81.7, 51.9, 100.0],
+                    "long" => &[333.3, 81.7, 17.3, 100.0],
+                    _ => &[123.4, 81.7, 17.3],
+                };
+                lines.iter().map(|f| tone(*f, k)).sum::<f64>() + random.uniform() - 0.5
+            })
+            .collect();
+        let found = own_lines(&data, &residual, SAMPLE);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!((found[0] - 123.4).abs() < 0.1 && (found[1] - 333.3).abs() < 0.1, "{found:?}");
+    }
+}

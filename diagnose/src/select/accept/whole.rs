@@ -115,6 +115,46 @@ fn a_small_effect_beside_much_that_is_in_no_library_is_not_named() {
     assert!(found.last.picks.is_empty() && found.alone.is_empty());
 }
 
+/// Two tones of 100 powers of the noise each and perhaps a third one, and families that add: a half of both
+/// with another tone; the first; the second.
+fn halved(more: f64) -> Made {
+    let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0), (5, 1.0), (7, 1.3)], &[(3, 1.0)], &[(5, 1.0)]];
+    Made::new(&[(3, 10.0), (5, 10.0), (9, more)], &columns)
+}
+
+#[test]
+fn a_pair_is_found_behind_what_takes_a_half_of_both() {
+    let made = halved(0.0);
+    let search = made.search();
+    let first = search.expand(&made.retuned()).unwrap();
+    assert_eq!(listed(&first)[0], 0, "the imitation is the best single effect");
+    let mut rivals = marked(1);
+    let found = made.families(&[0]);
+    let pair = search.pair_of_the_whole(&found, &first, &mut rivals).unwrap().unwrap();
+    let mut both = names(&pair);
+    both.sort_unstable();
+    assert_eq!(both, [1, 2]);
+    assert_eq!(listed(&rivals[0]), listed(&first));
+    assert_eq!((rivals.len(), names(rivals[1][0].best.as_ref().unwrap())), (2, names(&pair)));
+    // Nine powers of the noise that no pair takes: it may be anything.
+    let made = halved(3.0);
+    let (search, found) = (made.search(), made.families(&[0]));
+    let first = search.expand(&made.retuned()).unwrap();
+    assert!(search.pair_of_the_whole(&found, &first, &mut rivals).unwrap().is_none());
+}
+
+#[test]
+fn several_names_are_given_only_where_they_leave_little() {
+    // A tenth of the gap is left: a single effect may have another formula, a pair is an imitation.
+    let columns: [&[(usize, f64)]; 2] = [&[(3, 1.0)], &[(5, 1.0)]];
+    let one = Made::new(&[(3, 18.0), (9, 6.0)], &columns);
+    let found = one.search().run(one.retuned()).unwrap();
+    assert_eq!(names(&found.last), [0]);
+    let two = Made::new(&[(3, 12.0), (5, 13.4), (9, 6.0)], &columns);
+    let found = two.search().run(two.retuned()).unwrap();
+    assert!(found.last.picks.is_empty(), "{:?}", names(&found.last));
+}
+
 #[test]
 fn a_pair_is_found_behind_what_imitates_both() {
     let mut made = imitated();
