@@ -13,6 +13,9 @@ const CUT_TO_NOISE: f64 = 3.0;
 /// effect's formula seldom cuts so much.
 const CUT_SHARPLY: f64 = 10.0;
 const NEARLY_NOISE: f64 = 1.0;
+/// Part of what two effects leave on held-out rows that a third one must take where it brings little of the
+/// whole: what repairs another effect's formula seldom takes nearly all of it on rows that no fit has seen.
+const REST: f64 = 0.9;
 /// Score that the effects together must reach.
 const EXPLAINED: f64 = 0.6;
 /// Part of the held-out gap's power that the effects together must explain.
@@ -269,7 +272,10 @@ impl Search<'_> {
         // Nor does that need a count of blocks where it is most of what was left.
         let is_clear = is_whole && explained(&before.judged, &after.judged) >= CLEAR;
         let is_sharp = cut > CUT_SHARPLY && left(after) < NEARLY_NOISE;
-        is_clear || (paired > 4.0 && ((is_large && cut > CUT) || is_whole || is_sharp))
+        let is_rest = before.picks.len() > 1
+            && cut > CUT_TO_NOISE
+            && explained(&before.judged, &after.judged) >= REST;
+        is_clear || (paired > 4.0 && ((is_large && cut > CUT) || is_whole || is_sharp || is_rest))
     }
 
     /// Looks at each slot again with the others in place, and takes what is better there.

@@ -212,6 +212,27 @@ fn a_further_effect_that_cuts_sharply_may_be_small_and_leave_something() {
 }
 
 #[test]
+fn a_third_effect_that_takes_nearly_all_of_what_two_leave_may_leave_more_than_the_noise() {
+    let told = Told::new();
+    let search = Search { adequate: 1.05, ..told.made.search() };
+    // Of a gap of 1000 little is left before and after; held out and fitted are told apart.
+    let left = |effects, held_out: f64, training: f64| {
+        let mut c = told.set(effects, 0.5, 0.5);
+        (c.judged.held_out, c.judged.training) = (1.0 + held_out, 1.0 + training);
+        c
+    };
+    let is_worth_it = |before: Candidate, held_out: f64, training: f64| {
+        let mut after = left(before.picks.len() + 1, held_out, training);
+        after.judged.blocks = (0..10).map(|k| 5.0 + f64::from(k % 2)).collect();
+        search.is_worth_it(&left(0, 1000.0, 1000.0), &before, &after)
+    };
+    assert!(is_worth_it(left(2, 20.0, 20.0), 1.9, 4.0));
+    assert!(!is_worth_it(left(1, 20.0, 20.0), 1.9, 4.0), "a second one must leave less");
+    assert!(!is_worth_it(left(2, 20.0, 20.0), 2.1, 2.1), "a tenth of it is left");
+    assert!(!is_worth_it(left(2, 20.0, 20.0), 1.9, 12.0), "all rows together are not cut by 3");
+}
+
+#[test]
 fn rows_that_are_held_out_without_a_gap_leave_it_to_the_fitted_ones() {
     let told = Told::new();
     // 9 of 10 powers of the noise must go.
