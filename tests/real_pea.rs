@@ -84,6 +84,7 @@ fn shown(model: &str, log: &str, at: &Path) -> [f64; 2] {
 fn a_learned_stack_follows_the_motion_that_it_was_shown() {
     let Some(log) = measured("pea_p885_1hz_inverse_ff/model_1hz_3v6.csv") else { return };
     let folder = tempfile::tempdir().expect("a folder");
+    let Some(other) = measured("pea_p885_1hz_inverse_ff/test_ff.csv") else { return };
     for model in ["lssvm-narx", "gp", "lssvm-stops"] {
         let [percent, packed] = shown(model, &log.to_string_lossy(), folder.path());
         println!("held-out half of model_1hz_3v6.csv, {model}: {percent:.3} % of the range");
@@ -91,6 +92,14 @@ fn a_learned_stack_follows_the_motion_that_it_was_shown() {
         assert!(percent <= 0.3, "{model}: {percent}");
         assert!((packed - percent).abs() < 0.05, "{model}: {packed} {percent}");
     }
+    // Stop operators on a line, projected on the command, know smaller loops of another record, too.
+    let log = other.to_string_lossy();
+    let arguments =
+        ["simulate", "plant.fmu", "--log", &log, "--map", "u=u1", "--rows", "5051..6050"];
+    let run = json(&arguments, folder.path());
+    let error = run["fits"][0]["nrmse_percent"].as_f64().expect("a figure");
+    println!("rows 5051 to 6050 of test_ff.csv, lssvm-stops: {error:.3} %");
+    assert!(error <= 0.6, "{error}");
 }
 
 /// The learned stack under its learned inverse and a PID loop, and under the loop alone: 2 Hz, swings of 10 to

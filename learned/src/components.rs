@@ -2,7 +2,8 @@
 //!
 //! Each evaluates `y = bias + Σ w_i exp(−Σ_k (x_ik − z_k)²/s_k²)` on its own sample time; between its
 //! samples the output is held. A table has one row more than support vectors: the first row is the
-//! bias and the widths s_k, each other one a weight and a support vector.
+//! bias and the widths s_k, each other one a weight and a support vector. Where stop operators are projected on the
+//! command, a second row between them is 0, the weights of the stops, 0, 0.
 //!
 //! At rest the output is where a hundred steps with the input held lead to.
 
@@ -67,8 +68,9 @@ fn narx(_period: f64, structure: &[f64]) -> Option<Features> {
 }
 
 fn stops(period: f64, structure: &[f64]) -> Option<Features> {
-    let &[count, range, rate_scale, _] = structure else { return None };
-    Some(Features::Stops(Stops { count: count as usize, range, period, rate_scale }))
+    let &[count, range, rate_scale, ..] = structure else { return None };
+    let (count, projection) = (count as usize, Vec::new());
+    Some(Features::Stops(Stops { count, range, period, rate_scale, projection }))
 }
 
 fn derivatives(_period: f64, structure: &[f64]) -> Option<Features> {
@@ -78,15 +80,20 @@ fn derivatives(_period: f64, structure: &[f64]) -> Option<Features> {
 
 impl Family {
     fn load(&'static self, structure: &[f64], table: &Table) -> Result<Loaded, String> {
-        let features = structure
+        let mut features = structure
             .split_first()
             .and_then(|(period, rest)| (self.features)(*period, rest))
             .ok_or("the structure does not give a set of inputs; inputs are 2, 6, 9 or 12")?;
         let (d, columns) = (features.dimension(), table.columns());
-        if columns != d + 1 || table.rows() < 2 {
+        let (slope, is_projected) = match (&features, structure) {
+            (Features::Stops(_), &[.., slope, projected]) => (slope, projected > 0.5),
+            _ => (0.0, false),
+        };
+        let least = 2 + usize::from(is_projected);
+        if columns != d + 1 || table.rows() < least {
             return Err(format!(
                 "the table has {} rows of {columns} numbers, but this structure takes {d} inputs: {} \
-                 numbers in each row, in at least 2 rows; give the table that belongs to it",
+                 numbers in each row, in at least {least} rows; give the table that belongs to it",
                 table.rows(),
                 d + 1
             ));
@@ -98,7 +105,7 @@ impl Family {
                 at % columns + 1
             ));
         }
-        let (head, rows) = table.values().split_at(columns);
+        let (head, mut rows) = table.values().split_at(columns);
         if let Some(at) = head[1..].iter().position(|width| *width <= 0.0) {
             return Err(format!(
                 "width {} in the table's first row is {}, but must be positive; train it again",
@@ -106,14 +113,14 @@ impl Family {
                 head[at + 1]
             ));
         }
+        if let (Features::Stops(stops), true) = (&mut features, is_projected) {
+            let (projection, centres) = rows.split_at(columns);
+            (stops.projection, rows) = (projection[1..=stops.count].to_vec(), centres);
+        }
         let weights: Vec<f64> = rows.chunks_exact(columns).map(|row| row[0]).collect();
         let centres: Vec<f64> =
             rows.chunks_exact(columns).flat_map(|row| row[1..].iter().copied()).collect();
         let sum = KernelSum::new(d, &centres, &weights, &head[1..], head[0]);
-        let slope = match features {
-            Features::Stops(_) => structure.last().copied().unwrap_or(0.0),
-            Features::Narx(_) | Features::Derivatives(_) => 0.0,
-        };
         Ok(Loaded { family: self, features, slope, sum })
     }
 }
@@ -320,7 +327,7 @@ mod tests {
         // One stop operator at 0.5, the input and its rate; one far support vector, so the line alone is left.
         let rows = [0.1, 1.0, 1.0, 1.0, 0.3, 50.0, 50.0, 50.0];
         let table = Table::new(4, rows.to_vec()).unwrap();
-        let structure = |slope: f64| [1e-3, 1.0, 1.0, 1.0, slope];
+        let structure = |slope: f64| [1e-3, 1.0, 1.0, 1.0, slope, 0.0];
         let answer = |slope: f64, u: f64| {
             let component =
                 declarations::LSSVM_STOPS.with_table(&structure(slope), &table).unwrap();
@@ -337,6 +344,34 @@ mod tests {
         // Scaled 0.5, and beyond the low end −0.3.
         assert!((answer(0.8, 5.0) - (0.2 + 2.0 * 0.8 * 0.5)).abs() < 1e-12);
         assert!((answer(0.8, -3.0) - (0.2 - 2.0 * 0.8 * 0.3)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_projection_adds_the_stops_to_the_command() {
+        // One stop operator at 0.5 with weight −0.4; one support vector over the projected command.
+        let rows = [0.1, 1e3, 0.5, 1e9, 0.0, -0.4, 0.0, 0.0, 2.0, 0.0, 0.3, 0.0];
+        let table = Table::new(4, rows.to_vec()).unwrap();
+        let structure = [1e-3, 1.0, 1.0, 1.0, 0.0, 1.0];
+        let component = declarations::LSSVM_STOPS.with_table(&structure, &table).unwrap();
+        let sizes = component.sizes(&structure, 1e-3);
+        let (mut k, mut state) = (vec![0.0; sizes.coefficients], vec![0.0; sizes.states]);
+        component.prepare(&structure, &[0.0, 1.0, 0.0, 1.0], 1e-3, &mut k).unwrap();
+        let mut y = [0.0];
+        component.rest(&k, &[0.0], &mut state, &mut y);
+        let mut at = |index: u64, u: f64| {
+            let tick = Tick { index, time: 1e-3 * index as f64, period: 1e-3 };
+            component.step(&k, &mut state, tick, &[u], &mut y);
+            y[0]
+        };
+        // Up to 0.9 the stop ends at 0.5, down to 0.7 at 0.3.
+        for (index, u, stop) in [(1, 0.9, 0.5), (2, 0.7, 0.3_f64)] {
+            let x: f64 = (u - 0.4 * stop - 0.3) / 0.5;
+            let wanted = 0.1 + 2.0 * (-x * x).exp();
+            assert!((at(index, u) - wanted).abs() < 1e-5, "{u}");
+        }
+        let short = Table::new(4, rows[..8].to_vec()).unwrap();
+        let text = declarations::LSSVM_STOPS.with_table(&structure, &short).err().unwrap();
+        assert!(text.contains("at least 3 rows"), "{text}");
     }
 
     #[test]

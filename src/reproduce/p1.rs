@@ -116,7 +116,7 @@ const FILTER: f64 = 40.0;
 
 /// Frame over stop operators and the command, without its rate.
 fn stops_frame(range: f64, output: Span, period: f64, pairs: &[(&[f64], &[f64])]) -> Frame {
-    let stops = Stops { count: STOPS, range, period, rate_scale: 1e12 };
+    let stops = Stops { count: STOPS, range, period, rate_scale: 1e12, projection: Vec::new() };
     Frame::new(Features::Stops(stops), Span::UNIT, output, Recipe::Plain, pairs).on_a_line(pairs)
 }
 
@@ -136,7 +136,8 @@ pub(super) fn series(
     let inward: Vec<Vec<f64>> = train.iter().map(|run| before_filter(&before, run)).collect();
     let pairs: Vec<(&[f64], &[f64])> =
         train.iter().zip(&inward).map(|(run, x)| (run.command, &x[..])).collect();
-    let frame = stops_frame(RANGE, Span::UNIT, period, &pairs);
+    let rows: Vec<usize> = (0..inward.iter().map(Vec::len).sum()).collect();
+    let frame = stops_frame(RANGE, Span::UNIT, period, &pairs).projected(&pairs, &rows);
     say("widths by the evidence");
     let search = (70, 750);
     let found = weigh(&frame, &pairs, &is_command, (&START.0, START.1), search)?;
@@ -185,7 +186,8 @@ pub(super) fn run(searches: bool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
     let mut answer = Reproduction::default();
     let narx = Features::Narx(Narx { commands: 3, outputs: 3 });
     let narx = Frame::new(narx, Span::UNIT, Span::UNIT, Recipe::Standardised, &pairs);
-    let stops = Stops { count: STOPS, range: RANGE, period, rate_scale: 1.0 };
+    let stops =
+        Stops { count: STOPS, range: RANGE, period, rate_scale: 1.0, projection: Vec::new() };
     let stops = Features::Stops(stops);
     let stops = Frame::new(stops, Span::UNIT, Span::UNIT, Recipe::Standardised, &pairs);
     let printed = [0.0106, 0.0109, 0.0123, 0.0126];

@@ -163,10 +163,13 @@ fn machine(
     let table = components.iter().find(|c| c.kind == KIND).and_then(|c| plant.table_of(c));
     let table = table.ok_or_else(|| format!("{} has no table that can be read", node.name))?;
     let value = |name: &str| values(node, name).first().copied().unwrap_or(0.0);
-    let &[period, count, range, rate_scale, slope] = &node.structure[..] else {
+    let &[period, count, range, rate_scale, slope, projected] = &node.structure[..] else {
         return Err(format!("{} has not the structure of {KIND}", node.name));
     };
-    let features = Features::Stops(Stops { count: count as usize, range, period, rate_scale });
+    let count = count as usize;
+    // The table has the weights.
+    let projection = if projected > 0.5 { vec![0.0; count] } else { Vec::new() };
+    let features = Features::Stops(Stops { count, range, period, rate_scale, projection });
     let command = Span { low: value("command_low") / before, high: value("command_high") / before };
     let output = Span { low: value("position_low") * after, high: value("position_high") * after };
     let mut frame = Frame::new(features, command, output, Recipe::Plain, &[]);

@@ -25,7 +25,7 @@ const ROWS: f64 = 4000.0;
 const START: ([f64; 2], f64) = ([10.0, 0.3], 1e4);
 const SEARCH: (usize, usize) = (60, 700);
 /// Most centres that stay, and the part of the error, and of the command's range, that this may add.
-const CENTRES: (usize, f64, f64) = (400, 0.05, 1e-4);
+const CENTRES: (usize, f64, f64) = (1000, 0.05, 1e-4);
 /// The law of the waves is asked for these frequencies in its own time, in Hz.
 const BAND: [f64; 2] = [20.0 / LONGEST, 20.0];
 /// Fewest stop operators.
@@ -102,8 +102,10 @@ pub(crate) fn learn(
         range: 1.0,
         period: purpose.period,
         rate_scale: own.rate_scale.max(1e12),
+        projection: Vec::new(),
     };
-    let group = |input: usize| usize::from(input >= stops.count);
+    let count = stops.count;
+    let group = |input: usize| usize::from(input >= count);
     let features = Features::Stops(stops);
     let (position, whole) = (Span::of(&heights), Span { low: range[0], high: range[1] });
     let frame = Frame::new(features, position, whole, Recipe::Plain, &pairs).on_a_line(&pairs);

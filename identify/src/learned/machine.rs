@@ -6,7 +6,7 @@ use learned::lssvm::{LsSvm, Pruned, Pruning, Report, Samples, Settings, prune};
 use learned::{Compressor, KernelSum};
 use model::Table;
 
-use super::rms_difference;
+use super::{projection, rms_difference};
 
 /// A range that is mapped onto 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,6 +115,32 @@ impl Frame {
         self
     }
 
+    /// The same with the stop operators added to the command, where a curve of their sum follows these rows of the
+    /// records, counted through, better than a curve of the command beside them.
+    #[must_use]
+    pub fn projected(&self, records: &[(&[f64], &[f64])], rows: &[usize]) -> Self {
+        let mut projected = self.clone();
+        if let Features::Stops(stops) = &mut projected.features {
+            stops.projection = projection::project(self, records, rows).unwrap_or_default();
+        }
+        projected
+    }
+
+    /// Inputs as these features give them and outputs, both scaled, for the commands of these records.
+    pub(super) fn bare(
+        &self,
+        features: &Features,
+        records: &[(&[f64], &[f64])],
+    ) -> (Vec<f64>, Vec<f64>) {
+        let plain = Self {
+            features: features.clone(),
+            slope: 0.0,
+            widths: vec![1.0; features.dimension()],
+            ..*self
+        };
+        plain.raw(records)
+    }
+
     /// The same with each width times the factor of its input's group.
     #[must_use]
     pub(crate) fn stretched(&self, group: &dyn Fn(usize) -> usize, factors: &[f64]) -> Self {
@@ -195,6 +221,13 @@ impl Machine {
         let d = widths.len();
         let mut rows = vec![self.machine.bias];
         rows.extend(widths.iter().map(|width| width * sigma));
+        if let Features::Stops(stops) = &self.frame.features
+            && stops.is_projected()
+        {
+            rows.push(0.0);
+            rows.extend_from_slice(&stops.projection);
+            rows.extend([0.0; 2]);
+        }
         for (weight, centre) in self.machine.weights.iter().zip(self.machine.centres.chunks(d)) {
             rows.push(*weight);
             rows.extend(centre.iter().zip(widths).map(|(x, width)| x * width));
@@ -202,7 +235,8 @@ impl Machine {
         Table::new(d + 1, rows)
     }
 
-    /// The machine of a table, in this frame, whose widths become those of the table.
+    /// The machine of a table, in this frame, whose widths (and projection, where it has one) become those of the
+    /// table.
     ///
     /// # Errors
     /// A table that has not the frame's number of inputs.
@@ -214,6 +248,12 @@ impl Machine {
             return Err(format!("the table has {columns} columns, and {d} inputs need {}", d + 1));
         };
         frame.widths = widths.to_vec();
+        if let Features::Stops(stops) = &mut frame.features
+            && stops.is_projected()
+        {
+            let row = rows.next().ok_or("the table has no row with the weights of the stops")?;
+            stops.projection = row[1..=stops.count].to_vec();
+        }
         let (mut weights, mut centres) = (Vec::new(), Vec::new());
         for row in rows {
             weights.push(row[0]);
@@ -236,7 +276,8 @@ impl Machine {
                 .value("stops", stops.count as f64)
                 .value("range", stops.range)
                 .value("rate_scale", stops.rate_scale)
-                .value("slope", self.frame.slope),
+                .value("slope", self.frame.slope)
+                .value("projected", f64::from(stops.is_projected())),
             Features::Narx(narx) => named("lssvm-narx", "lssvm-inverse")
                 .value("past_inputs", narx.commands as f64)
                 .value("past_outputs", narx.outputs as f64),
@@ -349,7 +390,8 @@ mod tests {
         let u: Vec<f64> = (0..300).map(|k| 1.0 - (0.05 * f64::from(k)).cos()).collect();
         let y: Vec<f64> = u.iter().map(|u| truth(*u)).collect();
         let records = [(&u[..], &y[..])];
-        let stops = Stops { count: 4, range: 2.0, period: 1e-2, rate_scale: 1e12 };
+        let stops =
+            Stops { count: 4, range: 2.0, period: 1e-2, rate_scale: 1e12, projection: Vec::new() };
         let features = Features::Stops(stops);
         let plain = Frame::new(features, Span::of(&u), Span::of(&y), Recipe::Plain, &records);
         let line = plain.clone().on_a_line(&records);
@@ -367,6 +409,31 @@ mod tests {
         };
         let (with, without) = (error(line), error(plain));
         assert!(with < 0.4 && with < 0.3 * without, "{with} {without}");
+    }
+
+    #[test]
+    fn a_projection_comes_back_from_the_table() {
+        use learned::features::Stops;
+        let u: Vec<f64> = (0..200).map(|k| 1.0 - (0.07 * f64::from(k)).cos()).collect();
+        let y: Vec<f64> = u.iter().map(|u| 3.0 * u + u * u).collect();
+        let projection = vec![0.1, 0.0, -0.2];
+        let stops = Stops { count: 3, range: 2.0, period: 1e-2, rate_scale: 1e12, projection };
+        let with = |stops: Stops| {
+            let records = [(&u[..], &y[..])];
+            Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &records)
+        };
+        let settings = Settings { gamma: 1e4, sigma2: 2.0 };
+        let (machine, _) =
+            Machine::train(with(stops.clone()), &[(&u, &y)], settings).expect("a machine");
+        let table = machine.table().expect("a table");
+        assert_eq!(table.rows(), machine.machine.weights.len() + 2);
+        let blank = with(Stops { projection: vec![0.0; 3], ..stops });
+        let again = Machine::of_table(blank, &table).expect("the same machine");
+        assert_eq!(again.frame.features, machine.frame.features);
+        let apart = rms_difference(&again.simulate(&u, y[0]), &machine.simulate(&u, y[0]));
+        assert!(apart < 1e-9, "{apart}");
+        let component = machine.component(false, "t.npy", 1e-2);
+        assert!(component.values.iter().any(|(name, v)| name == "projected" && *v == 1.0.into()));
     }
 
     #[test]

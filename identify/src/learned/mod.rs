@@ -10,6 +10,7 @@ pub(crate) mod inverse;
 mod machine;
 pub(crate) mod plant;
 mod process;
+mod projection;
 mod rehearsal;
 mod series;
 mod weighed;

@@ -20,7 +20,7 @@ use crate::record::{Record, Rows};
 /// Most samples that a machine is trained on.
 const SAMPLES: usize = 1500;
 /// Most centres that stay, and the part of the error that this may add.
-const CENTRES: (usize, f64) = (400, 0.02);
+const CENTRES: (usize, f64) = (1000, 0.02);
 /// Zeros and poles of D.
 const ORDERS: [(usize, usize); 2] = [(2, 2), (3, 3)];
 

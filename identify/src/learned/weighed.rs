@@ -2,7 +2,8 @@
 //!
 //! A flexible machine takes a mode or a lag for a shape of its own, and no turn takes it away again. So it begins
 //! stiff, with widths at which it is nearly a sum of its operators and of the command: what is dynamic has nowhere to
-//! go but into the linear part. Then the widths are chosen by the evidence of what that leaves, in turn.
+//! go but into the linear part. Then, in turn, stops are projected on the command where that makes what is curved a curve
+//! of one input, and the widths are chosen by the evidence of what the linear part leaves.
 
 use super::series::rows;
 use super::{Frame, Run, Series, Turns, Weighed, weigh_samples};
@@ -41,8 +42,9 @@ impl Series {
         let weigh = |targets: &[Vec<f64>], start: (&[f64], f64)| {
             let pairs: Vec<(&[f64], &[f64])> =
                 runs.iter().zip(targets).map(|(run, target)| (run.command, &target[..])).collect();
+            let frame = frame.projected(&pairs, &fitted);
             let samples = frame.samples(&pairs)?.subset(&fitted);
-            Ok(weigh_samples(frame, &samples, widths.group, start, widths.search))
+            Ok(weigh_samples(&frame, &samples, widths.group, start, widths.search))
         };
         if orders.is_empty() {
             let targets: Vec<Vec<f64>> = runs.iter().map(|run| run.position.to_vec()).collect();
@@ -110,7 +112,13 @@ mod tests {
             .collect();
         let run =
             Run { command: &chirp, position: &y, start: 0.0, first: 0, teaches: Teaches::Both };
-        let stops = Stops { count: 12, range: 5.0, period: 1e-3, rate_scale: 300.0 };
+        let stops = Stops {
+            count: 12,
+            range: 5.0,
+            period: 1e-3,
+            rate_scale: 300.0,
+            projection: Vec::new(),
+        };
         let pairs = [(&chirp[..], &y[..])];
         let frame =
             Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &pairs);

@@ -37,6 +37,15 @@ const STOPS: &[Structural] = &[
         -1e6,
         1e6,
     ),
+    Structural {
+        name: "projected",
+        unit: "1",
+        description: "1: the table's second row holds weights with which the stops are added to the input",
+        start: Some(0.0),
+        min: 0.0,
+        max: 1.0,
+        integer: true,
+    },
 ];
 const DERIVATIVES: &[Structural] = &[
     SAMPLE_TIME,
@@ -72,7 +81,7 @@ const GP_SOURCE: &str = "Gaussian process with high-dimensional input, eqs. (8),
 const NARX_EQUATION: &str = "y(t) = bias + sum(w[i]*exp(-|x[i] - z|^2)); z = [u(t), u(t-1), ..., \
                              y(t-1), ...], scaled";
 const STOPS_EQUATION: &str = "y(t) = slope*u + bias + sum(w[i]*exp(-|x[i] - z|^2)); z = [stops of \
-                              u, u, u'], scaled";
+                              u, u + sum(p[i]*stop[i]), u'], scaled";
 const GP_EQUATION: &str = "y(t) = mean + sum(w[i]*exp(-|x[i] - z|^2)); z = [u, u', u'', u'''] about \
                            t minus the delay, scaled";
 

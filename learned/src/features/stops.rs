@@ -2,8 +2,11 @@
 //!
 //! ```text
 //! z_i(t) = E_{r_i}[u(t) − u(t−1) + z_i(t−1)],  E_r[x] = min(max(x, −r), r),  r_i = i·u_max/(n + 1)
-//! inputs: [z_1 … z_n, u, u̇],  u̇ = (u(t) − u(t−1))/T
+//! inputs: [z_1 … z_n, u + Σ p_i z_i, u̇],  u̇ = (u(t) − u(t−1))/T
 //! ```
+//!
+//! Without a projection p the command stands for itself, as in the paper. With it a curve behind a loop, as Kuhnen's
+//! dead zones behind his operators are, is a function of one input.
 //!
 //! The paper prints r_i = i/((n + 1)|u|max), whose unit is not that of a command. At the start
 //! z_i = E_r[u], as for a command that rose from 0.
@@ -14,7 +17,7 @@
 //! Source: LS-SVM with stop operators tuned by particle swarm, eqs. (17)-(19).
 
 /// Number and range.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Stops {
     /// Number of stop operators n.
     pub count: usize,
@@ -24,9 +27,17 @@ pub struct Stops {
     pub period: f64,
     /// What the rate is divided by, in commands per s.
     pub rate_scale: f64,
+    /// Weights p of the stops that are added to the command; none: it stands for itself.
+    pub projection: Vec<f64>,
 }
 
 impl Stops {
+    /// Whether stops are added to the command.
+    #[must_use]
+    pub fn is_projected(&self) -> bool {
+        !self.projection.is_empty()
+    }
+
     pub(super) fn dimension(&self) -> usize {
         self.count + 2
     }
@@ -53,12 +64,13 @@ impl Stops {
         let Some((stops_out, [u_out, rate_out])) = z.split_last_chunk_mut::<2>() else { return };
         let change = u - *last;
         *last = u;
-        for (i, (stop, out)) in stops.iter_mut().zip(stops_out).enumerate() {
+        for (i, (stop, out)) in stops.iter_mut().zip(stops_out.iter_mut()).enumerate() {
             let r = self.threshold(i);
             *stop = (*stop + change).max(-r).min(r);
             *out = *stop / self.range;
         }
-        *u_out = u / self.range;
+        let added: f64 = self.projection.iter().zip(stops_out).map(|(p, z)| p * *z).sum();
+        *u_out = u / self.range + added;
         *rate_out = change / self.period / self.rate_scale;
     }
 }
@@ -70,9 +82,10 @@ mod tests {
 
     #[test]
     fn a_stop_is_the_command_less_its_play() {
-        let stops = Stops { count: 3, range: 4.0, period: 0.5, rate_scale: 2.0 };
+        let mut stops =
+            Stops { count: 3, range: 4.0, period: 0.5, rate_scale: 2.0, projection: Vec::new() };
         let u: Vec<f64> = (0..60).map(|k| 2.0 + 2.0 * libm::sin(0.4 * f64::from(k))).collect();
-        let all = Features::Stops(stops).of_record(&u, &u);
+        let all = Features::Stops(stops.clone()).of_record(&u, &u);
         for (i, r) in [1.0, 2.0, 3.0].into_iter().enumerate() {
             let mut play = u[0] - u[0].clamp(-r, r);
             for (k, u) in u.iter().enumerate() {
@@ -83,6 +96,12 @@ mod tests {
         for k in 1..u.len() {
             assert_eq!(all[5 * k + 3], u[k] / 4.0);
             assert!((all[5 * k + 4] - (u[k] - u[k - 1])).abs() < 1e-12);
+        }
+        stops.projection = vec![0.5, 0.0, -2.0];
+        let projected = Features::Stops(stops).of_record(&u, &u);
+        for (with, z) in projected.chunks(5).zip(all.chunks(5)) {
+            assert!((with[3] - (z[3] + 0.5 * z[0] - 2.0 * z[2])).abs() < 1e-12);
+            assert_eq!((&with[..3], with[4]), (&z[..3], z[4]));
         }
     }
 }

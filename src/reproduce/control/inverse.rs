@@ -50,7 +50,7 @@ pub(super) fn hysteresis_inverse(
     let rehearsal = Rehearsal::new(measured, Some(wanted.waves), simulate)?;
     let pairs = rehearsal.pairs();
     let range = pairs.iter().flat_map(|(h, _)| *h).fold(0.0_f64, |top, h| top.max(h.abs()));
-    let features = Features::Stops(Stops { range, ..wanted.stops });
+    let features = Features::Stops(Stops { range, ..wanted.stops.clone() });
     let frame = Frame::new(features, Span::UNIT, wanted.span, Recipe::Plain, &pairs);
     let frame = frame.on_a_line(&pairs);
     let found = weigh(&frame, &pairs, wanted.group, wanted.begin, SEARCH)?;

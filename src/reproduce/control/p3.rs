@@ -80,7 +80,13 @@ const AHEAD: usize = 6;
 fn of_stops(chirp: &Response, tables: &mut Blueprint) -> anyhow::Result<(Inverse, String)> {
     let (forward, _) = series(chirp)?;
     let wanted = Wanted {
-        stops: Stops { count: COUNT, range: 0.0, period: PERIOD, rate_scale: RATE },
+        stops: Stops {
+            count: COUNT,
+            range: 0.0,
+            period: PERIOD,
+            rate_scale: RATE,
+            projection: Vec::new(),
+        },
         span: Span { low: 0.0, high: 2.0 },
         waves: WAVES,
         group: &group,

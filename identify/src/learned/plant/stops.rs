@@ -20,7 +20,13 @@ const SEARCH: (usize, usize) = (60, 700);
 pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, Error> {
     stage(0, 3)?;
     let pairs = scene.pairs();
-    let stops = Stops { count: scene.stops, range: 1.0, period: scene.period, rate_scale: 1e12 };
+    let stops = Stops {
+        count: scene.stops,
+        range: 1.0,
+        period: scene.period,
+        rate_scale: 1e12,
+        projection: Vec::new(),
+    };
     let features = Features::Stops(stops);
     let frame = Frame::new(features, scene.command, scene.position, Recipe::Plain, &pairs);
     let frame = frame.on_a_line(&pairs);
