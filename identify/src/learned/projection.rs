@@ -112,8 +112,8 @@ impl Scene {
         self.command[row] + self.stops[row].iter().zip(p).map(|(z, p)| z * p).sum::<f64>()
     }
 
-    /// Least squares of the targets over splines at `x` and further columns: splines' and columns' coefficients,
-    /// what is left.
+    /// Least squares of the targets over splines at `x` and a further column for each stop: the coefficients of the
+    /// splines, then those of the columns.
     fn solve(
         &self,
         x: &dyn Fn(usize) -> f64,
@@ -139,9 +139,16 @@ impl Scene {
             }
         }
         let scale = self.target.len() as f64;
-        smooth(&mut normal, scale);
+        for k in 0..of_curve - 2 {
+            for (i, a) in [1.0, -2.0, 1.0].into_iter().enumerate() {
+                for (j, b) in [1.0, -2.0, 1.0].into_iter().enumerate() {
+                    normal[(k + i, k + j)] += RIDGE.0 * scale * a * b;
+                }
+            }
+        }
+        // A spline without samples is determined by its neighbours, and those at the ends by this.
         for k in 0..count {
-            normal[(k, k)] += if k < of_curve { 0.0 } else { RIDGE.1 * scale };
+            normal[(k, k)] += scale * RIDGE.1 * if k < of_curve { 1e-3 } else { 1.0 };
         }
         Some(normal.cholesky()?.solve(&right).as_slice().to_vec())
     }
@@ -202,21 +209,6 @@ impl Scene {
             }
         }
         Some(at)
-    }
-}
-
-/// Adds the curvature of the splines, of which there are as many as knots or fewer than columns, and a little of
-/// each, so that those without samples are determined.
-fn smooth(normal: &mut DMatrix<f64>, scale: f64) {
-    for k in 0..INTERVALS + 1 {
-        for (i, a) in [1.0, -2.0, 1.0].into_iter().enumerate() {
-            for (j, b) in [1.0, -2.0, 1.0].into_iter().enumerate() {
-                normal[(k + i, k + j)] += RIDGE.0 * scale * a * b;
-            }
-        }
-    }
-    for k in 0..INTERVALS + 3 {
-        normal[(k, k)] += 1e-3 * RIDGE.1 * scale;
     }
 }
 
