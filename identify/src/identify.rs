@@ -428,9 +428,8 @@ impl<'a> Session<'a> {
             dynamic: self.plan.dynamics == Dynamics::Automatic,
         };
         let file = format!("{}.npy", self.target.axis.name);
-        let Learned { chain, table, numbers } = lesson.learn(&file, &mut *self.observer)?;
+        let Learned { chain, table, late, numbers } = lesson.learn(&file, &mut *self.observer)?;
         let chain = Chain { hysteresis: chain, reading: Vec::new() };
-        let late = lesson.late();
         let delay = late as f64 * self.plan.period;
         let plant = Plant {
             actuator: Actuator::Chain(&chain),

@@ -1,7 +1,8 @@
 //! Nanopositioning stage: LS-SVM over stop operators against LS-SVM with NARX inputs.
 
+use anyhow::Context as _;
 use identify::learned::{
-    Arx, Frame, Machine, Recipe, Run, Series, Span, Teaches, Turns, rms_difference, weigh,
+    Frame, Machine, Recipe, Run, Series, Span, Teaches, Widths, rms_difference,
 };
 use learned::features::{Features, Narx, Stops};
 use learned::lssvm::{Folds, Settings, Validation};
@@ -107,17 +108,15 @@ fn seen(records: &Records, machines: &[(&str, Machine)], series: &Series) -> Cha
 
 /// First widths of the stops and of the command, in parts of the greatest command, and γ.
 const START: ([f64; 2], f64) = ([40.0, 0.08], 1e5);
-/// Numbers of zeros and poles behind the filter: the lag of the filter, and creep.
-const ORDERS: [(usize, usize); 1] = [(3, 3)];
-const ROUNDS: usize = 100;
-
 /// The filter that the paper names, in Hz.
 const FILTER: f64 = 40.0;
 
 /// Frame over stop operators and the command, without its rate.
-fn stops_frame(range: f64, output: Span, period: f64, pairs: &[(&[f64], &[f64])]) -> Frame {
-    let stops = Stops { count: STOPS, range, period, rate_scale: 1e12, projection: Vec::new() };
-    Frame::new(Features::Stops(stops), Span::UNIT, output, Recipe::Plain, pairs).on_a_line(pairs)
+fn stops_frame(period: f64, pairs: &[(&[f64], &[f64])]) -> Frame {
+    let projection = Vec::new();
+    let stops = Stops { count: STOPS, range: RANGE, period, rate_scale: 1e12, projection };
+    Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, pairs)
+        .on_a_line(pairs)
 }
 
 /// Whether an input of the stops' frame is the command (or its rate, which is nothing).
@@ -132,18 +131,13 @@ pub(super) fn series(
     period: f64,
     say: &dyn Fn(&str),
 ) -> anyhow::Result<(Series, String)> {
-    let before = Arx::lag(FILTER, period);
-    let inward: Vec<Vec<f64>> = train.iter().map(|run| before_filter(&before, run)).collect();
     let pairs: Vec<(&[f64], &[f64])> =
-        train.iter().zip(&inward).map(|(run, x)| (run.command, &x[..])).collect();
-    let rows: Vec<usize> = (0..inward.iter().map(Vec::len).sum()).collect();
-    let frame = stops_frame(RANGE, Span::UNIT, period, &pairs).projected(&pairs, &rows);
-    say("widths by the evidence");
-    let search = (70, 750);
-    let found = weigh(&frame, &pairs, &is_command, (&START.0, START.1), search)?;
-    say("hysteresis and linear part in turn");
-    let first = (&before, &ORDERS[..]);
-    let series = Series::train(&found.frame, found.settings, train, first, Turns::of(ROUNDS))?;
+        train.iter().map(|run| (run.command, run.position)).collect();
+    let frame = stops_frame(period, &pairs);
+    say("projection, curve and linear part; widths by the evidence");
+    let widths = Widths { group: &is_command, stiff: (&START.0, START.1), search: (70, 750) };
+    let found = Series::train_cascade(&frame, widths, train, (FILTER, period), usize::MAX)?;
+    let (series, found) = found.context("no linear part follows the training signals")?;
     let told = format!(
         "stops and linear part: {} evaluations of the evidence; widths of stops and command {:.3} and {:.3} of \
          8.5 V, gamma = {:.2e}; training error {:.4} um; D: b = {:.4?}, a = {:.4?}, poles at {}",
@@ -157,18 +151,6 @@ pub(super) fn series(
         super::poles(&series.linear, period)
     );
     Ok((series, told))
-}
-
-/// What went into a filter with one pole for this record to come out.
-fn before_filter(filter: &Arx, run: &Run<'_>) -> Vec<f64> {
-    let (gain, keep) = (filter.b[0], -filter.a[0]);
-    let mut before = run.start;
-    let value = |y: &f64| {
-        let x = (y - keep * before) / gain;
-        before = *y;
-        x
-    };
-    run.position.iter().map(value).collect()
 }
 
 fn runs(records: &[Response]) -> Vec<Run<'_>> {

@@ -240,11 +240,19 @@ impl Arx {
     pub fn simulate(&self, input: &[f64], y0: f64) -> Vec<f64> {
         let mut output: Vec<f64> = Vec::with_capacity(input.len());
         let first = input.first().copied().unwrap_or(0.0);
-        for t in 0..input.len() {
+        let settled = self.b.len().max(self.a.len() + 1) - 1;
+        for t in 0..input.len().min(settled) {
             let past = |i: usize| t.checked_sub(i).map_or(first, |k| input[k]);
             let before = |j: usize| t.checked_sub(j).map_or(y0, |k| output[k]);
             let forward: f64 = self.b.iter().enumerate().map(|(i, b)| b * past(i)).sum();
             let back: f64 = self.a.iter().zip(1..).map(|(a, j)| a * before(j)).sum();
+            output.push((forward - back).clamp(-1e9, 1e9));
+        }
+        for t in settled..input.len() {
+            let past = input[t + 1 - self.b.len()..=t].iter().rev();
+            let before = output[t - self.a.len()..].iter().rev();
+            let forward: f64 = self.b.iter().zip(past).map(|(b, u)| b * u).sum();
+            let back: f64 = self.a.iter().zip(before).map(|(a, y)| a * y).sum();
             output.push((forward - back).clamp(-1e9, 1e9));
         }
         output

@@ -33,7 +33,7 @@ impl Span {
         (x - self.low) / (self.high - self.low)
     }
 
-    fn outward(self, x: f64) -> f64 {
+    pub(super) fn outward(self, x: f64) -> f64 {
         self.low + x * (self.high - self.low)
     }
 }
@@ -124,6 +124,14 @@ impl Frame {
             stops.projection = projection::project(self, records, rows).unwrap_or_default();
         }
         projected
+    }
+
+    /// The scaled command with the stops added to it as they are weighed, from rest under the first command.
+    pub(super) fn projected_command(&self, command: &[f64]) -> Vec<f64> {
+        let (inputs, _) = self.bare(&self.features, &[(command, command)]);
+        let d = self.features.dimension();
+        // The last input is the rate.
+        inputs.chunks_exact(d).map(|z| z[d - 2]).collect()
     }
 
     /// Inputs as these features give them and outputs, both scaled, for the commands of these records.

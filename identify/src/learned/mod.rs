@@ -5,6 +5,7 @@
 //! row k of a log and row k + 1 ([`pairs`]).
 
 mod arx;
+mod cascade;
 mod evidence;
 pub(crate) mod inverse;
 mod machine;
@@ -13,6 +14,7 @@ mod process;
 mod projection;
 mod rehearsal;
 mod series;
+mod spline;
 mod weighed;
 
 pub use arx::Arx;

@@ -89,6 +89,8 @@ pub(crate) struct Lesson<'a> {
 pub(crate) struct Learned {
     pub(crate) chain: Vec<ComponentBlueprint>,
     pub(crate) table: Table,
+    /// Whole periods of delay in front of it.
+    pub(crate) late: usize,
     /// Numbers that were learned.
     pub(crate) numbers: usize,
 }
@@ -104,6 +106,8 @@ struct Scene<'a> {
     dynamic: bool,
     /// Where D begins.
     first: Arx,
+    /// Of a lag in D, in Hz, where creep is fitted with it.
+    bandwidth: f64,
 }
 
 /// Tells how far it is: done and total. An error where the observer asks to stop.
@@ -160,40 +164,39 @@ impl Lesson<'_> {
             if observer.stopped() { Err(Error::Stopped) } else { Ok(()) }
         };
         let middle = self.offsets.iter().sum::<f64>() / self.offsets.len().max(1) as f64;
-        let commands: Vec<Vec<f64>> =
-            self.records.iter().zip(self.fitted).map(|(r, rows)| self.command(r, rows)).collect();
         let positions: Vec<Vec<f64>> = (self.records.iter().zip(self.fitted))
             .zip(self.offsets)
             .map(|((record, rows), offset)| {
                 record.output()[..rows.end].iter().map(|y| y - (offset - middle)).collect()
             })
             .collect();
-        let runs: Vec<Run<'_>> = (commands.iter().zip(&positions))
-            .zip(self.fitted)
-            .map(|((command, position), rows)| Run {
-                command,
-                position,
-                start: position.first().copied().unwrap_or(0.0),
-                first: rows.first,
-                teaches: Teaches::Both,
+        let late: Vec<usize> = self.lates();
+        let commands: Vec<Vec<Vec<f64>>> = late.iter().map(|late| self.commands(*late)).collect();
+        let all_runs: Vec<Vec<Run<'_>>> =
+            commands.iter().map(|commands| self.runs(commands, &positions)).collect();
+        let scenes: Vec<Scene<'_>> = late
+            .iter()
+            .zip(&all_runs)
+            .zip(&commands)
+            .map(|((late, runs), commands)| Scene {
+                runs,
+                command: Span::of(&commands.concat()),
+                position: Span::of(&positions.concat()),
+                period: self.period,
+                stops: self.stops,
+                dynamic: self.dynamic,
+                first: if self.dynamic { sampled(&self.known, self.period) } else { none() },
+                bandwidth: self.bandwidth(*late),
             })
             .collect();
-        let all = |signals: &[Vec<f64>]| Span::of(&signals.concat());
-        let scene = Scene {
-            runs: &runs,
-            command: all(&commands),
-            position: all(&positions),
-            period: self.period,
-            stops: self.stops,
-            dynamic: self.dynamic,
-            first: if self.dynamic { sampled(&self.known, self.period) } else { none() },
+        let last = &scenes[scenes.len() - 1];
+        let (number, series) = match self.family {
+            Family::Stops => stops::learn(&scenes, &mut stage)?,
+            Family::Narx => (scenes.len() - 1, narx::learn(last, &mut stage)?),
+            Family::Process => (scenes.len() - 1, process::learn(last, &mut stage)?),
         };
-        let series = match self.family {
-            Family::Stops => stops::learn(&scene, &mut stage)?,
-            Family::Narx => narx::learn(&scene, &mut stage)?,
-            Family::Process => process::learn(&scene, &mut stage)?,
-        };
-        let error = series.error(&runs);
+        let (runs, commands) = (&all_runs[number], &commands[number]);
+        let error = series.error(runs);
         let Series { machine, linear } = series;
         let simulated: Vec<Vec<f64>> =
             runs.iter().map(|run| machine.simulate(run.command, run.start)).collect();
@@ -211,19 +214,42 @@ impl Lesson<'_> {
             );
         }
         let of_d = if linear == none() { 0 } else { linear.b.len() + linear.a.len() };
-        Ok(Learned { chain, numbers: table.values().len() + of_d, table })
+        Ok(Learned { chain, late: late[number], numbers: table.values().len() + of_d, table })
     }
 
-    /// Whole periods of delay in front of the hysteresis.
-    pub(crate) fn late(&self) -> usize {
-        (self.known.delay / self.period + 1e-6) as usize
+    /// Whole periods of delay that may stand in front of the hysteresis. What is none or little is rather a lag.
+    fn lates(&self) -> Vec<usize> {
+        let found = (self.known.delay / self.period + 1e-6) as usize;
+        let is_open = self.family == Family::Stops && self.dynamic && found > 0;
+        is_open.then_some(0).into_iter().chain([found]).collect()
     }
 
-    /// What the hysteresis is under at each row: at rest, then the command of the row before, late.
-    fn command(&self, record: &Record, rows: &Rows) -> Vec<f64> {
-        let before = 1 + self.late();
-        let rest = std::iter::repeat_n(record.rest(), before);
-        rest.chain(record.input().iter().copied()).take(rows.end).collect()
+    /// Bandwidth in Hz at which the linear part begins behind so many periods of delay: slow signals are as late behind a lag of τ as
+    /// after a delay of τ.
+    fn bandwidth(&self, late: usize) -> f64 {
+        let open = self.known.delay - late as f64 * self.period;
+        let lag = 1.0 / (core::f64::consts::TAU * open.max(self.period));
+        self.known.bandwidth.unwrap_or(lag)
+    }
+
+    /// What the hysteresis of each record is under at each row: at rest, then the command of the row before, late.
+    fn commands(&self, late: usize) -> Vec<Vec<f64>> {
+        let of = |(record, rows): (&Record, &Rows)| {
+            let rest = std::iter::repeat_n(record.rest(), 1 + late);
+            rest.chain(record.input().iter().copied()).take(rows.end).collect()
+        };
+        self.records.iter().zip(self.fitted).map(of).collect()
+    }
+
+    fn runs<'s>(&self, commands: &'s [Vec<f64>], positions: &'s [Vec<f64>]) -> Vec<Run<'s>> {
+        let of = |((command, position), rows): ((&'s Vec<f64>, &'s Vec<f64>), &Rows)| Run {
+            command,
+            position,
+            start: position.first().copied().unwrap_or(0.0),
+            first: rows.first,
+            teaches: Teaches::Both,
+        };
+        commands.iter().zip(positions).zip(self.fitted).map(of).collect()
     }
 }
 

@@ -16,11 +16,10 @@ use learned::features::{Features, Stops};
 use nalgebra::{DMatrix, DVector};
 
 use super::Frame;
+use super::spline::Knots;
 
 /// Intervals of the spline.
 const INTERVALS: usize = 24;
-/// How far the knots reach beyond the commands, in parts of their range.
-const BEYOND: f64 = 0.3;
 /// Stops that take part: as many, evenly over the range.
 const STOPS: usize = 16;
 /// Steps of Gauss-Newton, and halvings of each.
@@ -42,10 +41,7 @@ pub(super) fn project(
     rows: &[usize],
 ) -> Option<Vec<f64>> {
     let Features::Stops(stops) = &frame.features else { return None };
-    let taken: Vec<usize> = match stops.count {
-        n if n <= STOPS => (0..n).collect(),
-        n => (0..STOPS).map(|k| k * n / STOPS).collect(),
-    };
+    let taken = taken(stops.count);
     let bare = Stops { projection: Vec::new(), ..stops.clone() };
     let (inputs, targets) = frame.bare(&Features::Stops(bare), records);
     let every = rows.len().div_ceil(MOST).max(1);
@@ -57,13 +53,20 @@ pub(super) fn project(
     Some(all)
 }
 
+/// The stops of `count` that take part.
+pub(super) fn taken(count: usize) -> Vec<usize> {
+    if count <= STOPS {
+        return (0..count).collect();
+    }
+    (0..STOPS).map(|k| k * count / STOPS).collect()
+}
+
 /// Samples: command, the stops that take part, target.
 struct Scene {
     command: Vec<f64>,
     stops: Vec<Vec<f64>>,
     target: Vec<f64>,
-    low: f64,
-    width: f64,
+    knots: Knots,
 }
 
 /// A projection, its curve, and the squares that they leave.
@@ -80,32 +83,8 @@ impl Scene {
         let command: Vec<f64> = rows.iter().map(|row| of(row)[d - 2]).collect();
         let stops = rows.iter().map(|row| taken.iter().map(|k| of(row)[*k]).collect()).collect();
         let target = rows.iter().map(|row| targets[*row]).collect();
-        let low = command.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = command.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let reach = BEYOND * (high - low).max(1e-9);
-        let width = (high - low + 2.0 * reach) / INTERVALS as f64;
-        Self { command, stops, target, low: low - reach, width }
-    }
-
-    /// Number of the first of four splines at x, their values and slopes.
-    fn splines(&self, x: f64) -> (usize, [f64; 4], [f64; 4]) {
-        let place = ((x - self.low) / self.width).clamp(0.0, INTERVALS as f64 - 1e-9);
-        let first = place as usize;
-        let t = place - first as f64;
-        let s = 1.0 - t;
-        let values = [
-            s * s * s / 6.0,
-            (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0,
-            (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0,
-            t * t * t / 6.0,
-        ];
-        let slopes = [
-            -s * s / 2.0,
-            (3.0 * t * t - 4.0 * t) / 2.0,
-            (4.0 * s - 3.0 * s * s) / 2.0,
-            t * t / 2.0,
-        ];
-        (first, values, slopes.map(|slope| slope / self.width))
+        let knots = Knots::about(command.iter().copied(), INTERVALS);
+        Self { command, stops, target, knots }
     }
 
     fn x(&self, row: usize, p: &[f64]) -> f64 {
@@ -119,13 +98,13 @@ impl Scene {
         x: &dyn Fn(usize) -> f64,
         columns: &dyn Fn(usize, &mut [f64]),
     ) -> Option<Vec<f64>> {
-        let (of_curve, of_stops) = (INTERVALS + 3, self.stops.first()?.len());
+        let (of_curve, of_stops) = (self.knots.count(), self.stops.first()?.len());
         let count = of_curve + of_stops;
         let mut normal = DMatrix::<f64>::zeros(count, count);
         let mut right = DVector::<f64>::zeros(count);
         let mut own = vec![0.0; of_stops];
         for row in 0..self.target.len() {
-            let (first, values, _) = self.splines(x(row));
+            let (first, values, _) = self.knots.at(x(row));
             columns(row, &mut own);
             let entries = || {
                 let curve = values.iter().enumerate().map(|(k, v)| (first + k, *v));
@@ -158,7 +137,7 @@ impl Scene {
     }
 
     fn curve(&self, coefficients: &[f64], x: f64) -> (f64, f64) {
-        let (first, values, slopes) = self.splines(x);
+        let (first, values, slopes) = self.knots.at(x);
         let of = |all: [f64; 4]| -> f64 {
             all.iter().zip(&coefficients[first..]).map(|(v, c)| v * c).sum()
         };
@@ -170,7 +149,7 @@ impl Scene {
         let columns = |row: usize, own: &mut [f64]| own.copy_from_slice(&self.stops[row]);
         let found = self.solve(&|row| self.command[row], &columns);
         let Some(found) = found else { return f64::INFINITY };
-        let (curve, weights) = found.split_at(INTERVALS + 3);
+        let (curve, weights) = found.split_at(self.knots.count());
         self.squares(&|row| {
             let beside: f64 = self.stops[row].iter().zip(weights).map(|(z, w)| z * w).sum();
             self.curve(curve, self.command[row]).0 + beside
@@ -195,7 +174,7 @@ impl Scene {
             };
             // The curve moves with p: its coefficients are solved for together with the step.
             let step = self.solve(&|row| self.x(row, &at.p), &columns)?;
-            let step = &step[INTERVALS + 3..];
+            let step = &step[self.knots.count()..];
             let better = (0..STEPS.1).find_map(|halvings| {
                 let part = 0.5_f64.powi(halvings);
                 let tried = at.p.iter().zip(step).map(|(p, s)| p + part * s).collect();

@@ -4,11 +4,12 @@
 //! y = D·H(u, stops of u),   stops as in P1, D a discrete transfer function
 //! ```
 //!
-//! Widths and γ by the evidence, H and D in turn, stiff at first.
+//! Widths and γ by the evidence. H and D in turn, stiff at first, or D together with a curve: what errs less on the last third of what
+//! is fitted.
 
 use learned::features::{Features, Stops};
 
-use super::super::{Frame, Recipe, Series, Widths};
+use super::super::{Frame, Recipe, Run, Series, Widths};
 use super::{SAMPLES, Scene, Stage, failed};
 use crate::error::Error;
 
@@ -17,8 +18,56 @@ const STIFF: ([f64; 2], f64) = ([100.0, 1.0], 1e5);
 /// Evaluations of that search, and most samples it looks at.
 const SEARCH: (usize, usize) = (60, 700);
 
-pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, Error> {
-    stage(0, 3)?;
+/// Learns from one of these scenes, which differ in what is taken for a delay; the number of that one is given, too.
+pub(super) fn learn(scenes: &[Scene<'_>], stage: &mut Stage<'_>) -> Result<(usize, Series), Error> {
+    let total = scenes.len() + 2;
+    // In turn, or together with a curve: what errs least on rows that neither has seen.
+    let mut best: Option<(f64, usize)> = None;
+    for (number, scene) in scenes.iter().enumerate().filter(|(_, scene)| scene.dynamic) {
+        stage(number, total)?;
+        let (some, rest) = scene.parts();
+        // What cannot be solved exactly is no candidate.
+        if let Ok(Some(series)) = together(scene, &some) {
+            let error = series.error(&rest);
+            if best.is_none_or(|(least, _)| error < least) {
+                best = Some((error, number));
+            }
+        }
+    }
+    let (number, last) = (scenes.len() - 1, &scenes[scenes.len() - 1]);
+    if let Some((error, number)) = best {
+        stage(scenes.len(), total)?;
+        let (some, rest) = last.parts();
+        let other = in_turn(last, &some).map_or(f64::INFINITY, |series| series.error(&rest));
+        if error < other {
+            stage(total - 1, total)?;
+            if let Ok(Some(series)) = together(&scenes[number], scenes[number].runs) {
+                return Ok((number, series));
+            }
+        }
+    }
+    stage(total - 1, total)?;
+    Ok((number, in_turn(last, last.runs)?))
+}
+
+fn together(scene: &Scene<'_>, runs: &[Run<'_>]) -> Result<Option<Series>, Error> {
+    let (frame, group) = framed(scene);
+    let widths = Widths { group: &group, stiff: (&STIFF.0, STIFF.1), search: SEARCH };
+    let sampled = (scene.bandwidth, scene.period);
+    let found = Series::train_cascade(&frame, widths, runs, sampled, SAMPLES).map_err(failed)?;
+    Ok(found.map(|(series, _)| series))
+}
+
+fn in_turn(scene: &Scene<'_>, runs: &[Run<'_>]) -> Result<Series, Error> {
+    let (frame, group) = framed(scene);
+    let widths = Widths { group: &group, stiff: (&STIFF.0, STIFF.1), search: SEARCH };
+    let first = (&scene.first, scene.orders());
+    let found = Series::train_weighed(&frame, widths, runs, first, SAMPLES).map_err(failed)?;
+    Ok(found.0)
+}
+
+/// The frame, and the group of each input: stops, command.
+fn framed(scene: &Scene<'_>) -> (Frame, impl Fn(usize) -> usize + use<>) {
     let pairs = scene.pairs();
     let stops = Stops {
         count: scene.stops,
@@ -29,13 +78,6 @@ pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, 
     };
     let features = Features::Stops(stops);
     let frame = Frame::new(features, scene.command, scene.position, Recipe::Plain, &pairs);
-    let frame = frame.on_a_line(&pairs);
-    let group = |input: usize| usize::from(input >= scene.stops);
-    let widths = Widths { group: &group, stiff: (&STIFF.0, STIFF.1), search: SEARCH };
-    stage(1, 3)?;
-    let (orders, first) = (scene.orders(), &scene.first);
-    let (series, _) = Series::train_weighed(&frame, widths, scene.runs, (first, orders), SAMPLES)
-        .map_err(failed)?;
-    stage(2, 3)?;
-    Ok(series)
+    let count = scene.stops;
+    (frame.on_a_line(&pairs), move |input| usize::from(input >= count))
 }
