@@ -1,6 +1,6 @@
 //! Runs the cases: draws, asks, keeps the answers. A case that has been answered is not run again.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -77,7 +77,8 @@ impl Head {
     }
 }
 
-/// Runs cases and gives their outcomes in their order; `progress` is told how many of them are done.
+/// Runs cases and gives their outcomes in their order. `go_on` is told how many of them are done; where it answers
+/// no, cases that are under way are finished, and of the others only those that an earlier call has answered are given.
 ///
 /// # Errors
 /// The folder holds another benchmark, or a file cannot be written. A tool that fails is an outcome.
@@ -86,7 +87,7 @@ pub fn run(
     cases: &[Case],
     settings: &Settings,
     tool: &dyn Tool,
-    progress: &(dyn Fn(usize) + Sync),
+    go_on: &(dyn Fn(usize) -> bool + Sync),
 ) -> Result<Vec<Outcome>, Error> {
     claim(plan, &settings.folders.root)?;
     let pool = rayon::ThreadPoolBuilder::new()
@@ -95,10 +96,12 @@ pub fn run(
         .map_err(|_| Error::Threads(settings.threads))?;
     let done = AtomicUsize::new(0);
     pool.install(|| {
-        let outcomes = cases.par_iter().map(|case| {
-            let outcome = one(case, settings, tool);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
-            outcome
+        let outcomes = cases.par_iter().filter_map(|case| {
+            let known = answered(case, settings).transpose();
+            let is_next = known.is_some() || go_on(done.load(Ordering::Relaxed));
+            let outcome = known.or_else(|| is_next.then(|| one(case, settings, tool)))?;
+            go_on(done.fetch_add(1, Ordering::Relaxed) + 1);
+            Some(outcome)
         });
         outcomes.collect()
     })
@@ -124,12 +127,17 @@ fn claim(plan: Plan, root: &Path) -> Result<(), Error> {
     }
 }
 
+fn file(case: &Case, settings: &Settings) -> PathBuf {
+    settings.folders.truth(&case.id).join("outcome.json")
+}
+
+/// What an earlier call has made of a case.
+fn answered(case: &Case, settings: &Settings) -> Result<Option<Outcome>, Error> {
+    read_json(&file(case, settings))
+}
+
 fn one(case: &Case, settings: &Settings, tool: &dyn Tool) -> Result<Outcome, Error> {
     let folders = &settings.folders;
-    let path = folders.truth(&case.id).join("outcome.json");
-    if let Some(outcome) = read_json::<Outcome>(&path)? {
-        return Ok(outcome);
-    }
     let outcome = match prepare(case, folders, tool)? {
         Err(message) => Outcome {
             label: None,
@@ -142,7 +150,7 @@ fn one(case: &Case, settings: &Settings, tool: &dyn Tool) -> Result<Outcome, Err
     };
     let truth = folders.truth(&case.id);
     at(&truth, std::fs::create_dir_all(&truth))?;
-    write_json(&path, &outcome)?;
+    write_json(&file(case, settings), &outcome)?;
     if !settings.keeps_logs {
         remove_logs(&folders.case(&case.id));
         remove_logs(&truth);

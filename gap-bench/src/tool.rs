@@ -75,7 +75,11 @@ impl Program {
         let create = |path: &Path| {
             std::fs::File::create(path).map_err(|error| format!("{}: {error}", path.display()))
         };
-        let child = Command::new(&self.path)
+        let mut command = Command::new(&self.path);
+        // Ctrl-C ends the benchmark, not the diagnosis that is under way.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let child = command
             .current_dir(folder)
             .args(arguments)
             .stdin(Stdio::null())

@@ -58,7 +58,7 @@ fn settings(folder: &Path) -> Settings {
 
 fn outcomes(folder: &Path, tool: &Creep, text: &str) -> Result<Vec<Outcome>, Error> {
     let cases = select(PLAN.cases(), Some(text))?;
-    run(PLAN, &cases, &settings(folder), tool, &|_| ())
+    run(PLAN, &cases, &settings(folder), tool, &|_| true)
 }
 
 #[test]
@@ -75,9 +75,24 @@ fn a_benchmark_goes_on_where_it_was_stopped_and_scores_what_it_has() {
     // Another seed is another benchmark.
     let cases = Plan { seed: 4, ..PLAN }.cases();
     let other =
-        run(Plan { seed: 4, ..PLAN }, &cases[..1], &settings(folder.path()), &tool, &|_| ());
+        run(Plan { seed: 4, ..PLAN }, &cases[..1], &settings(folder.path()), &tool, &|_| true);
     let message = other.unwrap_err().to_string();
     assert!(message.contains("seed 3") && message.contains("seed 4"), "{message}");
+}
+
+#[test]
+fn a_benchmark_that_is_stopped_gives_what_is_answered_and_goes_on_later() {
+    let folder = tempfile::tempdir().unwrap();
+    let tool = Creep::default();
+    let cases = select(PLAN.cases(), Some("6")).unwrap();
+    let settings = Settings { threads: 1, ..settings(folder.path()) };
+    let some = run(PLAN, &cases, &settings, &tool, &|done| done < 3).unwrap();
+    assert_eq!((some.len(), tool.calls.load(Ordering::Relaxed)), (3, 3));
+    // Nothing new, and what is there.
+    let again = run(PLAN, &cases, &settings, &tool, &|_| false).unwrap();
+    assert_eq!((again == some, tool.calls.load(Ordering::Relaxed)), (true, 3));
+    let all = run(PLAN, &cases, &settings, &tool, &|_| true).unwrap();
+    assert_eq!((all.len(), tool.calls.load(Ordering::Relaxed)), (6, 6));
 }
 
 #[test]

@@ -11,13 +11,13 @@ use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::pages::{self, PageOptions};
-use crate::progress;
+use crate::{interrupt, progress};
 
 /// How well does diagnose name what a machine does and its model does not?
 ///
 /// Machines with withheld effects are drawn, measured and diagnosed, each by a call of this program
-/// that sees the model and the logs and not the label. A benchmark that was stopped goes on where it
-/// was.
+/// that sees the model and the logs and not the label. Ctrl-C ends it after the cases that are under way and scores
+/// what is answered, in a random order of the plan; the same command goes on where it was.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop gap-bench --short\n  piezoloop gap-bench --cases 300 -o bench\n  piezoloop gap-bench --cases pair:40,unknown --seed 2 -o bench-2\n  piezoloop gap-bench --cases single/creep:6 -o creep"
@@ -58,6 +58,10 @@ const PATIENCE: Duration = Duration::from_secs(900);
 #[derive(Serialize)]
 struct Benchmarked {
     page: PathBuf,
+    /// Whether Ctrl-C came before all cases were answered.
+    stopped: bool,
+    /// Cases that were asked for.
+    planned: usize,
     #[serde(flatten)]
     scores: Scores,
 }
@@ -77,8 +81,12 @@ impl GapBench {
         };
         let tool = Program { path: self.program()?, patience: PATIENCE };
         let bar = progress::bar(screen, "diagnosing", cases.len() as u64);
-        let outcomes =
-            gap_bench::run(plan, &cases, &settings, &tool, &|done| bar.set_position(done as u64))?;
+        interrupt::listen()?;
+        let go_on = |done: usize| {
+            bar.set_position(done as u64);
+            !interrupt::asked()
+        };
+        let outcomes = gap_bench::run(plan, &cases, &settings, &tool, &go_on)?;
         bar.finish_and_clear();
         let scores = Scores::of(&outcomes);
         let page = root.join("index.html");
@@ -89,7 +97,11 @@ impl GapBench {
         let json = serde_json::to_vec_pretty(&scores)?;
         data::WholeFile::write_all_of(&root.join("scores.json"), &json)?;
         let pages = self.page.with_own(pages, &page);
-        pages.show(screen, &Benchmarked { page, scores })
+        let drawn = cases.len();
+        pages.show(
+            screen,
+            &Benchmarked { page, stopped: outcomes.len() < drawn, planned: drawn, scores },
+        )
     }
 
     fn program(&self) -> anyhow::Result<PathBuf> {
@@ -106,6 +118,13 @@ impl GapBench {
 
 impl Answer for Benchmarked {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        if self.stopped {
+            writeln!(
+                out,
+                "stopped before all of {} cases; the same command goes on",
+                self.planned
+            )?;
+        }
         self.scores.write_text(out)?;
         writeln!(out, "\n{}: written", self.page.display())
     }
