@@ -2,7 +2,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::simd::{Block, LANES, distance4, exp4, groups};
+use crate::simd::{Block, LANES, distance4, distance8, exp4, groups, minus4};
 
 /// `f(z) = bias + Σ w_i exp(−‖x_i − z‖²/σ²)`, ready to be evaluated: no allocation, no branch, vectors
 /// as wide as the machine has them.
@@ -98,6 +98,9 @@ pub(crate) fn blocks(d: usize, n: usize, at: impl Fn(usize, usize) -> f64) -> Ve
     all
 }
 
+/// Coordinates from which two groups are summed at once: 15 % less time for 57 of them, 5 % more for 6.
+const TOGETHER: usize = 16;
+
 /// The weighted sum of kernels at a scaled point.
 pub(crate) struct Value<'a> {
     pub(crate) centres: &'a [Block],
@@ -114,11 +117,20 @@ impl WithSimd for Value<'_> {
         let mut sum = [s.splat_f64s(0.0); 4];
         for (rows, weights) in self.centres.chunks_exact(self.d.max(1)).zip(self.weights) {
             let weights = S::as_simd_f64s(&weights.0).0;
-            for h in 0..groups::<S>() {
-                let distance = distance4(s, rows, self.z, h);
-                let e = exp4(s, distance.map(|d| s.neg_f64s(d)));
-                for i in 0..4 {
-                    sum[i] = s.mul_add_e_f64s(weights[4 * h + i], e[i], sum[i]);
+            for h in (0..groups::<S>()).step_by(2) {
+                // A block of the widest machine is one group. No closures here: they are not compiled for it.
+                let pair = if groups::<S>() > 1 && self.d >= TOGETHER {
+                    distance8(s, rows, self.z, h)
+                } else {
+                    let low = distance4(s, rows, self.z, h);
+                    let is_last = groups::<S>() == 1;
+                    [low, if is_last { low } else { distance4(s, rows, self.z, h + 1) }]
+                };
+                for (g, distance) in pair.into_iter().enumerate().take(groups::<S>()) {
+                    let e = exp4(s, minus4(s, distance));
+                    for i in 0..4 {
+                        sum[i] = s.mul_add_e_f64s(weights[4 * (h + g) + i], e[i], sum[i]);
+                    }
                 }
             }
         }

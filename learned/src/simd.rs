@@ -64,6 +64,15 @@ pub(crate) fn exp4<S: Simd>(s: S, x: [S::f64s; 4]) -> [S::f64s; 4] {
     p
 }
 
+/// −x.
+#[inline(always)]
+pub(crate) fn minus4<S: Simd>(s: S, mut x: [S::f64s; 4]) -> [S::f64s; 4] {
+    for x in &mut x {
+        *x = s.neg_f64s(*x);
+    }
+    x
+}
+
 /// Squared distances of 32 points (a block for each coordinate) from `z`, group `h` of 4 vectors.
 #[inline(always)]
 pub(crate) fn distance4<S: Simd>(s: S, rows: &[Block], z: &[f64], h: usize) -> [S::f64s; 4] {
@@ -74,6 +83,24 @@ pub(crate) fn distance4<S: Simd>(s: S, rows: &[Block], z: &[f64], h: usize) -> [
         for i in 0..4 {
             let e = s.sub_f64s(row[i], z);
             sum[i] = s.mul_add_e_f64s(e, e, sum[i]);
+        }
+    }
+    sum
+}
+
+/// The same for two groups at once, from group `h` on: eight sums that do not wait for each other, and each row
+/// is read from end to end.
+#[inline(always)]
+pub(crate) fn distance8<S: Simd>(s: S, rows: &[Block], z: &[f64], h: usize) -> [[S::f64s; 4]; 2] {
+    let mut sum = [[s.splat_f64s(0.0); 4]; 2];
+    for (row, z) in rows.iter().zip(z) {
+        let z = s.splat_f64s(*z);
+        let row = &S::as_simd_f64s(&row.0).0[4 * h..4 * h + 8];
+        for g in 0..2 {
+            for i in 0..4 {
+                let e = s.sub_f64s(row[4 * g + i], z);
+                sum[g][i] = s.mul_add_e_f64s(e, e, sum[g][i]);
+            }
         }
     }
     sum

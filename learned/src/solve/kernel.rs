@@ -3,7 +3,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::kernel_sum::blocks;
-use crate::simd::{Block, LANES, distance4, exp4, groups};
+use crate::simd::{Block, LANES, distance4, exp4, groups, minus4};
 
 /// Points divided by the kernel's width.
 #[derive(Clone, Debug)]
@@ -84,7 +84,7 @@ impl WithSimd for Products<'_> {
             for (at, rows) in rows.take(own + 1).enumerate() {
                 for h in 0..groups::<S>() {
                     let distance = distance4(s, rows, z, h);
-                    let k = exp4(s, distance.map(|d| s.neg_f64s(d)));
+                    let k = exp4(s, minus4(s, distance));
                     let x0 = &S::as_simd_f64s(&x0[at].0).0[4 * h..4 * h + 4];
                     let x1 = &S::as_simd_f64s(&x1[at].0).0[4 * h..4 * h + 4];
                     for c in 0..4 {
@@ -168,11 +168,8 @@ impl WithSimd for Column<'_> {
             let lanes = S::as_mut_simd_f64s(&mut block.0).0;
             for h in 0..groups::<S>() {
                 let distance = distance4(s, rows, self.z, h);
-                let e = if self.what == What::Kernel {
-                    exp4(s, distance.map(|d| s.neg_f64s(d)))
-                } else {
-                    distance
-                };
+                let e =
+                    if self.what == What::Kernel { exp4(s, minus4(s, distance)) } else { distance };
                 lanes[4 * h..4 * h + 4].copy_from_slice(&e);
             }
             out.copy_from_slice(&block.0[..out.len()]);
@@ -197,7 +194,10 @@ impl WithSimd for Exp<'_> {
             block.0[..distances.len()].copy_from_slice(distances);
             let lanes = S::as_mut_simd_f64s(&mut block.0).0;
             for h in 0..groups::<S>() {
-                let x = [0, 1, 2, 3].map(|i| s.mul_f64s(lanes[4 * h + i], factor));
+                let mut x = [factor; 4];
+                for i in 0..4 {
+                    x[i] = s.mul_f64s(lanes[4 * h + i], factor);
+                }
                 lanes[4 * h..4 * h + 4].copy_from_slice(&exp4(s, x));
             }
             out.copy_from_slice(&block.0[..out.len()]);
