@@ -105,13 +105,7 @@ pub(super) fn stops(
     pairs: &[(&[f64], &[f64])],
     [command, output]: [Span; 2],
 ) -> anyhow::Result<(Frame, Settings)> {
-    let stops = Stops {
-        count: COUNT,
-        range: 1.0,
-        period: PERIOD,
-        rate_scale: 1e12,
-        projection: Vec::new(),
-    };
+    let stops = Stops::new(COUNT, 1.0, PERIOD);
     let frame = Frame::new(Features::Stops(stops), command, output, Recipe::Plain, pairs);
     let group = |input: usize| usize::from(input >= COUNT);
     let found = weigh(&frame, pairs, &group, (&[10.0, 0.3], 1e4), (60, 800))?;

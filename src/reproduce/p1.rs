@@ -113,8 +113,7 @@ const FILTER: f64 = 40.0;
 
 /// Frame over stop operators and the command, without its rate.
 fn stops_frame(period: f64, pairs: &[(&[f64], &[f64])]) -> Frame {
-    let projection = Vec::new();
-    let stops = Stops { count: STOPS, range: RANGE, period, rate_scale: 1e12, projection };
+    let stops = Stops::new(STOPS, RANGE, period);
     Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, pairs)
         .on_a_line(pairs)
 }
@@ -168,8 +167,7 @@ pub(super) fn run(searches: bool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
     let mut answer = Reproduction::default();
     let narx = Features::Narx(Narx { commands: 3, outputs: 3 });
     let narx = Frame::new(narx, Span::UNIT, Span::UNIT, Recipe::Standardised, &pairs);
-    let stops =
-        Stops { count: STOPS, range: RANGE, period, rate_scale: 1.0, projection: Vec::new() };
+    let stops = Stops::new(STOPS, RANGE, period).rated(1.0);
     let stops = Features::Stops(stops);
     let stops = Frame::new(stops, Span::UNIT, Span::UNIT, Recipe::Standardised, &pairs);
     let printed = [0.0106, 0.0109, 0.0123, 0.0126];

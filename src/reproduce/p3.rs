@@ -92,13 +92,7 @@ pub(crate) fn group(input: usize) -> usize {
 
 /// The LS-SVM over stop operators, command and rate with a linear part behind it, trained on the chirp.
 pub(crate) fn series(chirp: &Response) -> anyhow::Result<(Series, String)> {
-    let stops = Stops {
-        count: COUNT,
-        range: GREATEST,
-        period: chirp.period,
-        rate_scale: RATE,
-        projection: Vec::new(),
-    };
+    let stops = Stops::new(COUNT, GREATEST, chirp.period).rated(RATE);
     let pairs = [(&chirp.command[..], chirp.after())];
     let frame = Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &pairs);
     let run = Run {

@@ -181,7 +181,7 @@ struct Record {
 
 impl Record {
     fn new(frame: &Frame, stops: &Stops, run: &Run<'_>) -> Self {
-        let bare = Stops { projection: Vec::new(), ..stops.clone() };
+        let bare = stops.bare();
         let (inputs, target) = frame.bare(&Features::Stops(bare), &[(run.command, run.position)]);
         let d = inputs.len() / target.len().max(1);
         let taken = taken(stops.count);
@@ -354,8 +354,7 @@ mod tests {
     }
 
     fn frame(pairs: &[(&[f64], &[f64])]) -> Frame {
-        let projection = Vec::new();
-        let stops = Stops { count: 15, range: 8.0, period: PERIOD, rate_scale: 1e12, projection };
+        let stops = Stops::new(15, 8.0, PERIOD);
         Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, pairs)
             .on_a_line(pairs)
     }

@@ -117,8 +117,7 @@ mod tests {
     #[test]
     fn what_is_linear_gets_a_wide_kernel_and_holds_beyond_the_record() {
         // Plays behind a curved gain; the test reverses where no record of the training did.
-        let features =
-            Stops { count: 8, range: 9.0, period: 1e-2, rate_scale: 1e9, projection: Vec::new() };
+        let features = Stops::new(8, 9.0, 1e-2);
         let truth = |u: &[f64]| -> Vec<f64> {
             let mut play = [0.0_f64; 3];
             u.iter()

@@ -97,13 +97,8 @@ pub(crate) fn learn(
     let rehearsal = Rehearsal::new(&[&slow], Some(waves), answer)?;
     let pairs = rehearsal.pairs();
     let heights: Vec<f64> = pairs.iter().flat_map(|(h, _)| *h).copied().collect();
-    let stops = Stops {
-        count: own.count.max(STOPS),
-        range: 1.0,
-        period: purpose.period,
-        rate_scale: own.rate_scale.max(1e12),
-        projection: Vec::new(),
-    };
+    let stops =
+        Stops::new(own.count.max(STOPS), 1.0, purpose.period).rated(own.rate_scale.max(1e12));
     let count = stops.count;
     let group = |input: usize| usize::from(input >= count);
     let features = Features::Stops(stops);

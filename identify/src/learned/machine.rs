@@ -398,8 +398,7 @@ mod tests {
         let u: Vec<f64> = (0..300).map(|k| 1.0 - (0.05 * f64::from(k)).cos()).collect();
         let y: Vec<f64> = u.iter().map(|u| truth(*u)).collect();
         let records = [(&u[..], &y[..])];
-        let stops =
-            Stops { count: 4, range: 2.0, period: 1e-2, rate_scale: 1e12, projection: Vec::new() };
+        let stops = Stops::new(4, 2.0, 1e-2);
         let features = Features::Stops(stops);
         let plain = Frame::new(features, Span::of(&u), Span::of(&y), Recipe::Plain, &records);
         let line = plain.clone().on_a_line(&records);
@@ -425,7 +424,7 @@ mod tests {
         let u: Vec<f64> = (0..200).map(|k| 1.0 - (0.07 * f64::from(k)).cos()).collect();
         let y: Vec<f64> = u.iter().map(|u| 3.0 * u + u * u).collect();
         let projection = vec![0.1, 0.0, -0.2];
-        let stops = Stops { count: 3, range: 2.0, period: 1e-2, rate_scale: 1e12, projection };
+        let stops = Stops { projection, ..Stops::new(3, 2.0, 1e-2) };
         let with = |stops: Stops| {
             let records = [(&u[..], &y[..])];
             Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &records)

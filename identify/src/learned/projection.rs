@@ -12,7 +12,7 @@
 //! Reference: K. Kuhnen, Modeling, identification and compensation of complex hysteretic nonlinearities, European
 //! Journal of Control 9 (2003); J. Friedman, W. Stuetzle, Projection pursuit regression, JASA 76 (1981).
 
-use learned::features::{Features, Stops};
+use learned::features::Features;
 use nalgebra::{DMatrix, DVector};
 
 use super::Frame;
@@ -42,7 +42,7 @@ pub(super) fn project(
 ) -> Option<Vec<f64>> {
     let Features::Stops(stops) = &frame.features else { return None };
     let taken = taken(stops.count);
-    let bare = Stops { projection: Vec::new(), ..stops.clone() };
+    let bare = stops.bare();
     let (inputs, targets) = frame.bare(&Features::Stops(bare), records);
     let every = rows.len().div_ceil(MOST).max(1);
     let rows: Vec<usize> = rows.iter().copied().step_by(every).collect();
@@ -193,6 +193,8 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
+    use learned::features::Stops;
+
     use super::super::{Recipe, Span};
     use super::*;
 
@@ -220,8 +222,7 @@ mod tests {
     }
 
     fn frame(records: &[(&[f64], &[f64])]) -> Frame {
-        let projection = Vec::new();
-        let stops = Stops { count: 15, range: 8.0, period: 1e-2, rate_scale: 1e12, projection };
+        let stops = Stops::new(15, 8.0, 1e-2);
         Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, records)
     }
 

@@ -222,8 +222,7 @@ mod tests {
             Run { command: &slow, position: &y_slow, start: 0.0, first: 0, teaches: Teaches::Both },
             Run { command: &fast, position: &y_fast, start: 0.0, first: 0, teaches: Teaches::Both },
         ];
-        let stops =
-            Stops { count: 8, range: 6.0, period: 1e-2, rate_scale: 1e9, projection: Vec::new() };
+        let stops = Stops::new(8, 6.0, 1e-2);
         let pairs = runs.map(|run| (run.command, run.position));
         let mut frame =
             Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &pairs);

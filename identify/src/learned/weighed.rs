@@ -112,13 +112,7 @@ mod tests {
             .collect();
         let run =
             Run { command: &chirp, position: &y, start: 0.0, first: 0, teaches: Teaches::Both };
-        let stops = Stops {
-            count: 12,
-            range: 5.0,
-            period: 1e-3,
-            rate_scale: 300.0,
-            projection: Vec::new(),
-        };
+        let stops = Stops::new(12, 5.0, 1e-3).rated(300.0);
         let pairs = [(&chirp[..], &y[..])];
         let frame =
             Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &pairs);

@@ -31,7 +31,29 @@ pub struct Stops {
     pub projection: Vec<f64>,
 }
 
+/// What the rate is divided by where it is no input: it is then nothing beside the others.
+const NO_RATE: f64 = 1e12;
+
 impl Stops {
+    /// So many stops up to the greatest command, a sample every `period` s; without a projection, and the rate
+    /// as good as none.
+    #[must_use]
+    pub fn new(count: usize, range: f64, period: f64) -> Self {
+        Self { count, range, period, rate_scale: NO_RATE, projection: Vec::new() }
+    }
+
+    /// The same with the rate as an input, divided by `scale`.
+    #[must_use]
+    pub fn rated(self, scale: f64) -> Self {
+        Self { rate_scale: scale, ..self }
+    }
+
+    /// The same without the projection.
+    #[must_use]
+    pub fn bare(&self) -> Self {
+        Self { projection: Vec::new(), ..self.clone() }
+    }
+
     /// Whether stops are added to the command.
     #[must_use]
     pub fn is_projected(&self) -> bool {
@@ -82,8 +104,7 @@ mod tests {
 
     #[test]
     fn a_stop_is_the_command_less_its_play() {
-        let mut stops =
-            Stops { count: 3, range: 4.0, period: 0.5, rate_scale: 2.0, projection: Vec::new() };
+        let mut stops = Stops::new(3, 4.0, 0.5).rated(2.0);
         let u: Vec<f64> = (0..60).map(|k| 2.0 + 2.0 * libm::sin(0.4 * f64::from(k))).collect();
         let all = Features::Stops(stops.clone()).of_record(&u, &u);
         for (i, r) in [1.0, 2.0, 3.0].into_iter().enumerate() {

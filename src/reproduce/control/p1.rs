@@ -261,13 +261,7 @@ fn observed(inverse: &[ComponentBlueprint]) -> Vec<ComponentBlueprint> {
 fn inverted(forward: &Series, runs: &[Run<'_>]) -> anyhow::Result<(Machine, Arx)> {
     let commands: Vec<&[f64]> = runs.iter().map(|run| run.command).collect();
     let wanted = Wanted {
-        stops: Stops {
-            count: STOPS,
-            range: 0.0,
-            period: PERIOD,
-            rate_scale: 1e12,
-            projection: Vec::new(),
-        },
+        stops: Stops::new(STOPS, 0.0, PERIOD),
         span: Span { low: 0.0, high: GREATEST },
         waves: WAVES,
         group: &is_command,

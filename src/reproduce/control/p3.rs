@@ -80,13 +80,7 @@ const AHEAD: usize = 6;
 fn of_stops(chirp: &Response, tables: &mut Blueprint) -> anyhow::Result<(Inverse, String)> {
     let (forward, _) = series(chirp)?;
     let wanted = Wanted {
-        stops: Stops {
-            count: COUNT,
-            range: 0.0,
-            period: PERIOD,
-            rate_scale: RATE,
-            projection: Vec::new(),
-        },
+        stops: Stops::new(COUNT, 0.0, PERIOD).rated(RATE),
         span: Span { low: 0.0, high: 2.0 },
         waves: WAVES,
         group: &group,

@@ -69,13 +69,7 @@ fn in_turn(scene: &Scene<'_>, runs: &[Run<'_>]) -> Result<Series, Error> {
 /// The frame, and the group of each input: stops, command.
 fn framed(scene: &Scene<'_>) -> (Frame, impl Fn(usize) -> usize + use<>) {
     let pairs = scene.pairs();
-    let stops = Stops {
-        count: scene.stops,
-        range: 1.0,
-        period: scene.period,
-        rate_scale: 1e12,
-        projection: Vec::new(),
-    };
+    let stops = Stops::new(scene.stops, 1.0, scene.period);
     let features = Features::Stops(stops);
     let frame = Frame::new(features, scene.command, scene.position, Recipe::Plain, &pairs);
     let count = scene.stops;
