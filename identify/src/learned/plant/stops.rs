@@ -4,8 +4,8 @@
 //! y = D·H(u, stops of u),   stops as in P1, D a discrete transfer function
 //! ```
 //!
-//! Widths and γ by the evidence. H and D in turn, stiff at first, or D together with a curve: what errs less on the last third of what
-//! is fitted.
+//! Widths and γ by the evidence. H and D in turn, stiff at first; or D together with a curve, where that errs less on the last third of
+//! what is fitted.
 
 use learned::features::{Features, Stops};
 
@@ -18,10 +18,13 @@ const STIFF: ([f64; 2], f64) = ([100.0, 1.0], 1e5);
 /// Evaluations of that search, and most samples it looks at.
 const SEARCH: (usize, usize) = (60, 700);
 
+/// How many times what training in turn leaves of its own rows the other may leave of rows that it has not seen.
+const HOPELESS: f64 = 3.0;
+
 /// Learns from one of these scenes, which differ in what is taken for a delay; the number of that one is given, too.
 pub(super) fn learn(scenes: &[Scene<'_>], stage: &mut Stage<'_>) -> Result<(usize, Series), Error> {
-    let total = scenes.len() + 2;
-    // In turn, or together with a curve: what errs least on rows that neither has seen.
+    let total = scenes.len() + 3;
+    // Together with a curve: on the first two thirds, judged on the rest.
     let mut best: Option<(f64, usize)> = None;
     for (number, scene) in scenes.iter().enumerate().filter(|(_, scene)| scene.dynamic) {
         stage(number, total)?;
@@ -34,20 +37,19 @@ pub(super) fn learn(scenes: &[Scene<'_>], stage: &mut Stage<'_>) -> Result<(usiz
             }
         }
     }
+    stage(scenes.len(), total)?;
     let (number, last) = (scenes.len() - 1, &scenes[scenes.len() - 1]);
-    if let Some((error, number)) = best {
-        stage(scenes.len(), total)?;
-        let (some, rest) = last.parts();
-        let other = in_turn(last, &some).map_or(f64::INFINITY, |series| series.error(&rest));
-        if error < other {
-            stage(total - 1, total)?;
-            if let Ok(Some(series)) = together(&scenes[number], scenes[number].runs) {
-                return Ok((number, series));
-            }
-        }
-    }
+    let turned = in_turn(last, last.runs)?;
+    // What errs several times what the other leaves of its own rows is not compared.
+    let best = best.filter(|(error, _)| *error < HOPELESS * turned.error(last.runs));
+    let Some((error, found)) = best else { return Ok((number, turned)) };
+    stage(scenes.len() + 1, total)?;
+    let (some, rest) = last.parts();
+    let other = in_turn(last, &some).map_or(f64::INFINITY, |series| series.error(&rest));
     stage(total - 1, total)?;
-    Ok((number, in_turn(last, last.runs)?))
+    let better =
+        if error < other { together(&scenes[found], scenes[found].runs) } else { Ok(None) };
+    Ok(better.ok().flatten().map_or((number, turned), |series| (found, series)))
 }
 
 fn together(scene: &Scene<'_>, runs: &[Run<'_>]) -> Result<Option<Series>, Error> {
