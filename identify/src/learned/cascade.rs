@@ -20,7 +20,7 @@ use learned::features::{Features, Stops};
 use nalgebra::{DMatrix, DVector};
 
 use super::projection::taken;
-use super::series::rows;
+use super::series::{before, rows};
 use super::spline::Knots;
 use super::{Arx, Frame, Machine, Run, SEED, Series, Span, Waves, Weighed, Widths, weigh_samples};
 use crate::fit::levenberg_marquardt::{Ending, Unknown, minimise};
@@ -131,8 +131,7 @@ impl Series {
         let Some(found) = fit(frame, runs, bandwidth, period) else { return Ok(None) };
         let waves = waves(runs);
         let answers: Vec<Vec<f64>> = waves.iter().map(|u| found.simulate(u)).collect();
-        // What a linear part of this kind is given can be told from what it gives.
-        let given: Vec<Vec<f64>> = runs.iter().map(|run| before(&found, run)).collect();
+        let given: Vec<Vec<f64>> = runs.iter().map(|run| given(&found, run)).collect();
         let own = runs.iter().zip(&given).map(|(run, x)| (run.command, &x[..]));
         let theirs = waves.iter().zip(&answers).map(|(u, x)| (&u[..], &x[..]));
         let pairs: Vec<(&[f64], &[f64])> = own.chain(theirs).collect();
@@ -154,14 +153,13 @@ impl Series {
 
 /// What stands before the linear part for it to give these positions: by its inverse where that is stable,
 /// or as the curve has it and the difference behind.
-fn before(found: &Cascade, run: &Run<'_>) -> Vec<f64> {
+fn given(found: &Cascade, run: &Run<'_>) -> Vec<f64> {
     let inverse = found.linear.inverse();
     if inverse.is_stable() {
-        return inverse.simulate(run.position, run.start);
+        inverse.simulate(run.position, run.start)
+    } else {
+        before(&found.linear, run, &found.simulate(run.command))
     }
-    let h = found.simulate(run.command);
-    let behind = found.linear.simulate(&h, run.start);
-    run.position.iter().zip(&h).zip(behind).map(|((y, h), behind)| y + h - behind).collect()
 }
 
 /// Waves over the range of the commands.
@@ -291,28 +289,12 @@ impl Scene {
             }
             begin += self.compared(record).count();
         }
-        let coefficients = smooth(&basis, &target)?;
+        let (mut normal, scale) = (basis.tr_mul(&basis), rows as f64);
+        self.knots.stiffen(&mut normal, RIDGE.0 * scale, 1e-3 * RIDGE.1 * scale);
+        let coefficients = normal.cholesky()?.solve(&basis.tr_mul(&target));
         let left = target - basis * &coefficients;
         Some((coefficients, left))
     }
-}
-
-/// Least squares over the basis, as smooth as it may be.
-fn smooth(basis: &DMatrix<f64>, target: &DVector<f64>) -> Option<DVector<f64>> {
-    let mut normal = basis.tr_mul(basis);
-    let scale = target.len() as f64;
-    for k in 0..basis.ncols() - 2 {
-        for (i, a) in [1.0, -2.0, 1.0].into_iter().enumerate() {
-            for (j, b) in [1.0, -2.0, 1.0].into_iter().enumerate() {
-                normal[(k + i, k + j)] += RIDGE.0 * scale * a * b;
-            }
-        }
-    }
-    // Splines without samples at the ends are determined by this.
-    for k in 0..basis.ncols() {
-        normal[(k, k)] += 1e-3 * RIDGE.1 * scale;
-    }
-    Some(normal.cholesky()?.solve(&basis.tr_mul(target)))
 }
 
 #[cfg(test)]

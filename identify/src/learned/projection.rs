@@ -118,16 +118,9 @@ impl Scene {
             }
         }
         let scale = self.target.len() as f64;
-        for k in 0..of_curve - 2 {
-            for (i, a) in [1.0, -2.0, 1.0].into_iter().enumerate() {
-                for (j, b) in [1.0, -2.0, 1.0].into_iter().enumerate() {
-                    normal[(k + i, k + j)] += RIDGE.0 * scale * a * b;
-                }
-            }
-        }
-        // A spline without samples is determined by its neighbours, and those at the ends by this.
-        for k in 0..count {
-            normal[(k, k)] += scale * RIDGE.1 * if k < of_curve { 1e-3 } else { 1.0 };
+        self.knots.stiffen(&mut normal, RIDGE.0 * scale, scale * RIDGE.1 * 1e-3);
+        for k in of_curve..count {
+            normal[(k, k)] += scale * RIDGE.1;
         }
         Some(normal.cholesky()?.solve(&right).as_slice().to_vec())
     }

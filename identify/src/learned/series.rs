@@ -187,7 +187,7 @@ fn mean_square(linear: &Arx, records: &[(&[f64], &[f64], f64)]) -> f64 {
 }
 
 /// y − (D − 1)·h.
-fn before(linear: &Arx, run: &Run<'_>, h: &[f64]) -> Vec<f64> {
+pub(super) fn before(linear: &Arx, run: &Run<'_>, h: &[f64]) -> Vec<f64> {
     let behind = linear.simulate(h, run.start);
     let with = run.position.iter().zip(h).zip(behind);
     with.map(|((y, h), behind)| y + h - behind).collect()

@@ -1,5 +1,7 @@
 //! Cubic splines over even knots.
 
+use nalgebra::DMatrix;
+
 /// How far the knots reach beyond the samples, in parts of their range.
 const BEYOND: f64 = 0.3;
 
@@ -24,6 +26,21 @@ impl Knots {
     /// Number of splines.
     pub(super) fn count(self) -> usize {
         self.intervals + 3
+    }
+
+    /// Adds to the normal equations, whose first columns are these splines, the squares of their curvature and of
+    /// themselves, weighed: those without samples are determined by their neighbours, and at the ends by the latter.
+    pub(super) fn stiffen(self, normal: &mut DMatrix<f64>, curvature: f64, size: f64) {
+        for k in 0..self.count() - 2 {
+            for (i, a) in [1.0, -2.0, 1.0].into_iter().enumerate() {
+                for (j, b) in [1.0, -2.0, 1.0].into_iter().enumerate() {
+                    normal[(k + i, k + j)] += curvature * a * b;
+                }
+            }
+        }
+        for k in 0..self.count() {
+            normal[(k, k)] += size;
+        }
     }
 
     /// Number of the first of the four splines that are not 0 at x, their values and slopes.
