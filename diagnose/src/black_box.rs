@@ -48,6 +48,8 @@ struct Incidents {
     /// Simulations that failed, those that ended its process among them.
     failed: usize,
     lost: usize,
+    /// Of those that failed, the ones that ran when they were repeated.
+    ran_again: usize,
     /// The first failure.
     first: Option<String>,
     /// What it changed of the program that ran it.
@@ -108,7 +110,8 @@ impl BlackBox {
         shared.fmu.instantiate(shared.name(), &options)
     }
 
-    /// Runs a record; a failure of the FMU is a failed simulation, and remembered.
+    /// Runs a record; a failure of the FMU is remembered, and a failed simulation where it happens
+    /// again in a fresh instance. A crash or a hang, which costs a process, is not tried again.
     pub(crate) fn run(
         &self,
         theta: &[f64],
@@ -119,13 +122,19 @@ impl BlackBox {
         if incidents_of(&self.shared.incidents).lost >= MOST_LOST {
             return Err(Failed);
         }
-        self.try_run(theta, record, x, out).map_err(|error| {
+        let Err(error) = self.try_run(theta, record, x, out) else { return Ok(()) };
+        let lost = is_lost(&error);
+        {
             let mut incidents = incidents_of(&self.shared.incidents);
             incidents.failed += 1;
-            incidents.lost += usize::from(is_lost(&error));
+            incidents.lost += usize::from(lost);
             incidents.first.get_or_insert_with(|| error.to_string());
-            Failed
-        })
+        }
+        if lost || self.try_run(theta, record, x, out).is_err() {
+            return Err(Failed);
+        }
+        incidents_of(&self.shared.incidents).ran_again += 1;
+        Ok(())
     }
 
     /// Natural frequency in Hz and damping of the mode that the output leaves through, where the
@@ -149,7 +158,7 @@ impl BlackBox {
         let step = |row| command.centre + if row < BEFORE { 0.0 } else { SIZE * command.half };
         let x: Vec<f64> = (0..rows).map(step).collect();
         let mut response = vec![0.0; rows];
-        self.try_run(&vec![0.0; self.parameters.len()], &alone, &x, &mut response).ok()?;
+        self.run(&vec![0.0; self.parameters.len()], &alone, &x, &mut response).ok()?;
         ringing(&response, BEFORE, sample)
     }
 
@@ -184,10 +193,14 @@ impl BlackBox {
         let mut all: Vec<String> =
             incidents.changes.iter().map(|change| format!("FMU `{name}`: {change}")).collect();
         if let Some(first) = &incidents.first {
+            let (failed, again) = (incidents.failed, incidents.ran_again);
+            let after = match failed - again {
+                0 => "but ran when that was repeated".to_owned(),
+                left => format!("{again} of which ran when repeated and {left} were passed over"),
+            };
             all.push(format!(
-                "the FMU failed {} times with other inputs or parameters, which were passed over; the \
-                 first time: {first}",
-                incidents.failed
+                "the FMU failed {failed} times with other inputs or parameters, {after}; the first \
+                 time: {first}"
             ));
         }
         all

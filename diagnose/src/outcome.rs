@@ -49,8 +49,9 @@ pub(crate) fn of(
     let model_error = |output: &str| Error::Model {
         model: output.to_owned(),
         message:
-            "the model cannot be simulated over these logs with its own parameters; check units \
-                  and range of the command, and run `piezoloop simulate` for the details"
+            "the model cannot be simulated over these logs with its own parameters and with ones \
+                  beside them; check units and range of the command, and run `piezoloop simulate` \
+                  for the details"
                 .to_owned(),
     };
     let retune = |judge: &Judge, sigma: f64, problem: &Problem| {

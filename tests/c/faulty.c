@@ -12,7 +12,7 @@
 enum {
     SOUND, CRASH_LOAD, CRASH_INSTANTIATE, CRASH_STEP, CRASH_FREE, EXIT_STEP, HANG_INSTANTIATE, HANG_STEP, HANG_FREE,
     ERROR_STEP, FATAL_STEP, DISCARD_STEP, LEAK, PRINT, ROUNDING, FOLDER, FOLDER_ERROR, NO_NUMBER, INFINITE, MANY, ROUNDING_GET,
-    CRASH_TUNED, ERROR_TUNED, ERROR_SOMETIMES,
+    CRASH_TUNED, ERROR_TUNED, ERROR_HIGH, ERROR_SOMETIMES,
     CRASH_SOMETIMES, LEAK_MUCH
 };
 /* Bytes per step. */
@@ -148,7 +148,8 @@ Status fmi2DoStep(void *c, double time, double step, int forget) {
     if (FAULT == CRASH_TUNED && it->real[2] != 2) crash();
     if (FAULT == CRASH_SOMETIMES && runs % 40 == 39) crash();
     if (FAULT == ERROR_SOMETIMES && runs % 40 == 39) { say(it, ERROR, "not now"); return ERROR; }
-    if (FAULT == ERROR_TUNED && it->real[2] > 2.0001) { say(it, ERROR, "the gain is not 2"); return ERROR; }
+    if (FAULT == ERROR_TUNED && it->real[2] != 2) { say(it, ERROR, "the gain is not 2"); return ERROR; }
+    if (FAULT == ERROR_HIGH && it->real[2] > 2.002) { say(it, ERROR, "the gain is too high"); return ERROR; }
     return time > 0.499 ? strike(it) : OK;
 }
 #endif
