@@ -13,8 +13,10 @@ const CUT_TO_NOISE: f64 = 3.0;
 /// effect's formula seldom cuts so much.
 const CUT_SHARPLY: f64 = 10.0;
 const NEARLY_NOISE: f64 = 1.0;
-/// Part of what two effects leave on held-out rows that a third one must take where it brings little of the
-/// whole: what repairs another effect's formula seldom takes nearly all of it on rows that no fit has seen.
+/// Part of the gap that is next to nothing, too, where the gap is large.
+const NEARLY_NOTHING: f64 = 0.003;
+/// Part of what one or two effects leave on held-out rows that a further one must take where it brings little
+/// of the whole: what repairs another effect's formula seldom takes nearly all of it on rows that no fit has seen.
 const REST: f64 = 0.9;
 /// Score that the effects together must reach.
 const EXPLAINED: f64 = 0.6;
@@ -38,6 +40,9 @@ const NEAR: f64 = 3.0;
 /// Probability that the formulas of several effects are the machine's, from what they leave: two together
 /// imitate much that is in no library, and then leave more than they do of a pair.
 const OF_SEVERAL: f64 = 0.8;
+/// The same where no other group of names does nearly as well in any place: the least of that probability
+/// times the trust in each name.
+const OF_CLEAR_NAMES: f64 = 0.6;
 /// Most members that are exchanged once the search stands.
 const MOST_SWAPS: usize = 2;
 /// Part of the fitted rows' gap that must go, and most coefficients of each effect, where the rows that
@@ -63,6 +68,7 @@ impl Search<'_> {
                 first.clone_from(&looked);
             }
             let Some(next) = looked.iter().find_map(|l| l.best.clone()) else { break };
+            let next = self.with_best_formulas(next)?;
             if !self.is_worth_it(&base, &best, &next) {
                 break;
             }
@@ -75,7 +81,7 @@ impl Search<'_> {
         let mut is_last_resort = false;
         if self.max_effects > 1
             && !self.explains_enough(&base, &best)
-            && let Some(pair) = self.pair_of_the_whole(&best, &first, &mut rivals)?
+            && let Some(pair) = self.pair_of_the_whole(&base, &best, &first, &mut rivals)?
         {
             (best, is_last_resort) = (pair, true);
         }
@@ -94,6 +100,20 @@ impl Search<'_> {
         let last = self.believed(&base, best, &mut rivals)?;
         let alone = self.alone(&base, &last)?;
         Ok(Found { base, last, rivals, first, alone })
+    }
+
+    /// The last effect beside the others in the formulas that suit it best: a formula that was the best
+    /// alone imitated a part of what is now explained.
+    fn with_best_formulas(&self, mut best: Candidate) -> Result<Candidate, Failed> {
+        for slot in 0..best.picks.len().saturating_sub(1) {
+            if !has_gap(&best, self.adequate) {
+                break;
+            }
+            if let Some(other) = self.with_another_formula(&best, slot)? {
+                best = other;
+            }
+        }
+        Ok(best)
     }
 
     /// A pair whose first member is not the best single effect: a formula that imitates both, as a lag
@@ -128,6 +148,7 @@ impl Search<'_> {
     /// neither member stands out alone.
     fn pair_of_the_whole(
         &self,
+        base: &Candidate,
         found: &Candidate,
         first: &[Looked],
         rivals: &mut Vec<Vec<Looked>>,
@@ -138,7 +159,9 @@ impl Search<'_> {
         for other in others.take(RIVALS) {
             let looked = self.expand(other)?;
             let Some(pair) = looked.iter().find_map(|l| l.best.clone()) else { continue };
-            if pair.rank < found.rank && left(&pair) < NEARLY_NOISE {
+            let pair = self.with_best_formulas(pair)?;
+            let little = NEARLY_NOISE.max(NEARLY_NOTHING * left(base));
+            if pair.rank < found.rank && left(&pair) < little {
                 *rivals = vec![first.to_vec(), looked];
                 return Ok(Some(pair));
             }
@@ -156,10 +179,7 @@ impl Search<'_> {
     ) -> Result<Candidate, Failed> {
         loop {
             let sight = self.sight(base);
-            if best.picks.is_empty()
-                || !self.explains_enough(base, &best)
-                || (best.picks.len() > 1 && belief::formula_is_known(&sight, &best) < OF_SEVERAL)
-            {
+            if best.picks.is_empty() || !self.explains_enough(base, &best) {
                 return Ok(base.clone());
             }
             best = self.most_probable(&sight, rivals, best);
@@ -171,6 +191,11 @@ impl Search<'_> {
             let worst = (0..best.picks.len())
                 .map(|slot| (slot, trust(slot)))
                 .min_by(|a, b| a.1.total_cmp(&b.1));
+            let known = belief::formula_is_known(&sight, &best);
+            let sure = known * worst.map_or(0.0, |(_, trust)| trust);
+            if best.picks.len() > 1 && known < OF_SEVERAL && sure < OF_CLEAR_NAMES {
+                return Ok(base.clone());
+            }
             match worst {
                 Some((slot, trust)) if trust < belief::TRUSTED => {
                     if best.picks.len() == 1 {
@@ -272,10 +297,12 @@ impl Search<'_> {
         // Nor does that need a count of blocks where it is most of what was left.
         let is_clear = is_whole && explained(&before.judged, &after.judged) >= CLEAR;
         let is_sharp = cut > CUT_SHARPLY && left(after) < NEARLY_NOISE;
-        let is_rest = before.picks.len() > 1
-            && cut > CUT_TO_NOISE
-            && explained(&before.judged, &after.judged) >= REST;
-        is_clear || (paired > 4.0 && ((is_large && cut > CUT) || is_whole || is_sharp || is_rest))
+        let is_rest = explained(&before.judged, &after.judged) >= REST;
+        let is_all_rest = is_rest && cut > CUT_SHARPLY;
+        let is_rest = is_rest && before.picks.len() > 1 && cut > CUT_TO_NOISE;
+        is_clear
+            || is_all_rest
+            || (paired > 4.0 && ((is_large && cut > CUT) || is_whole || is_sharp || is_rest))
     }
 
     /// Looks at each slot again with the others in place, and takes what is better there.
