@@ -75,25 +75,98 @@ pub(crate) fn frequencies(
     peaks.into_iter().take(MOST).map(|k| k as f64 * step).collect()
 }
 
-/// A residual less its mean and what it has of the rate, and of the rate times the time.
+/// A residual less what it has of a constant, of the rate, and of the rate times the time.
 fn without_steady(residual: &[f64], rate: &[f64]) -> Vec<f64> {
-    let mean = residual.iter().sum::<f64>() / residual.len() as f64;
-    let mut left: Vec<f64> = residual.iter().map(|r| r - mean).collect();
-    let middle = 0.5 * (rate.len() as f64 - 1.0);
-    let growing: Vec<f64> =
-        rate.iter().enumerate().map(|(k, v)| v * (k as f64 / middle - 1.0)).collect();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let take = |left: &mut [f64], of: &[f64]| {
-        let power = dot(of, of);
-        if power > 0.0 {
-            let part = dot(left, of) / power;
-            left.iter_mut().zip(of).for_each(|(l, v)| *l -= part * v);
+    let middle = 0.5 * (rate.len() as f64 - 1.0);
+    let growing = rate.iter().enumerate().map(|(k, v)| v * (k as f64 / middle - 1.0)).collect();
+    // Each one less what it has of those before: one after the other they are all together then.
+    let mut taken: Vec<Vec<f64>> = Vec::new();
+    let take = |from: &mut [f64], taken: &[Vec<f64>]| {
+        for of in taken {
+            let part = dot(from, of) / dot(of, of);
+            from.iter_mut().zip(of).for_each(|(f, of)| *f -= part * of);
         }
     };
-    // The second one less what it has of the first: one after the other is both together then.
-    let mut own = growing;
-    take(&mut own, rate);
-    take(&mut left, rate);
-    take(&mut left, &own);
+    for mut next in [vec![1.0; rate.len()], rate.to_vec(), growing] {
+        let before = dot(&next, &next);
+        take(&mut next, &taken);
+        if dot(&next, &next) > 1e-12 * before {
+            taken.push(next);
+        }
+    }
+    let mut left = residual.to_vec();
+    take(&mut left, &taken);
     left
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::data_set::RecordRows;
+
+    const SAMPLE: f64 = 1e-3;
+
+    /// Records of a sine, a triangle and steps, and the residual of instants that swing, with what a
+    /// constant lateness and a clock that is fast leave beside it, in noise.
+    fn records(swing: f64) -> (DataSet, Vec<f64>) {
+        let rows = |name: &str, y: Vec<f64>| RecordRows {
+            name: name.to_owned(),
+            time: (0..y.len()).map(|k| SAMPLE * k as f64).collect(),
+            command: y.clone(),
+            y,
+            aux: Vec::new(),
+            others: Vec::new(),
+            run_in: 0,
+            training: 0.7,
+        };
+        let t = |k: usize| SAMPLE * k as f64;
+        let sine = (0..3000).map(|k| (TAU * 11.0 * t(k)).sin()).collect();
+        let triangle =
+            (0..2500).map(|k| (4.0 * ((5.0 * t(k)).fract() - 0.5).abs()) - 1.0).collect();
+        let steps = (0..2000).map(|k| f64::from((k / 90 % 5) as u8) - 2.0).collect();
+        let records = vec![rows("a", sine), rows("b", triangle), rows("c", steps)];
+        let data = DataSet::new(records, &[], None);
+        let rate = rate(&data.y, &data);
+        let (mut residual, mut noise) = (vec![0.0; data.y.len()], 1_u32);
+        for (phase, record) in data.records.iter().enumerate() {
+            for (k, row) in record.rows.clone().enumerate() {
+                let late = 3.0 + 2.0 * t(k) + swing * (TAU * 3.3 * t(k) + phase as f64).sin();
+                noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                residual[row] =
+                    0.4 + late * rate[row] + 0.02 * (f64::from(noise >> 8) / 8.4e6 - 1.0);
+            }
+        }
+        (data, residual)
+    }
+
+    #[test]
+    fn the_frequency_of_a_swing_is_found_whatever_its_phase() {
+        let (data, residual) = records(1.0);
+        let found = frequencies(&data, &residual, &data.y, SAMPLE);
+        assert!((found[0] - 3.3).abs() < 0.15, "{found:?}");
+    }
+
+    #[test]
+    fn what_is_late_by_a_rule_does_not_swing() {
+        let (data, residual) = records(0.0);
+        let found = frequencies(&data, &residual, &data.y, SAMPLE);
+        assert!(found.is_empty(), "{found:?}");
+        // Nor does a model that stands still.
+        let still = vec![1.0; data.y.len()];
+        assert!(frequencies(&data, &residual, &still, SAMPLE).is_empty());
+    }
+
+    #[test]
+    fn a_rate_stays_within_its_record() {
+        let (data, _) = records(0.0);
+        let rate = rate(&data.y, &data);
+        let (first, second) = (data.records[0].rows.end - 1, data.records[1].rows.start);
+        let half = data.output_span.half;
+        assert!((rate[first] - (data.y[first] - data.y[first - 1]) / half).abs() < 1e-12);
+        assert!((rate[second] - (data.y[second + 1] - data.y[second]) / half).abs() < 1e-12);
+        assert!((rate[10] - (data.y[11] - data.y[9]) / (2.0 * half)).abs() < 1e-12);
+    }
 }

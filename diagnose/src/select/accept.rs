@@ -15,9 +15,11 @@ const CUT_SHARPLY: f64 = 10.0;
 const NEARLY_NOISE: f64 = 1.0;
 /// Part of the gap that is next to nothing, too, where the gap is large.
 const NEARLY_NOTHING: f64 = 0.003;
-/// Part of what one or two effects leave on held-out rows that a further one must take where it brings little
-/// of the whole: what repairs another effect's formula seldom takes nearly all of it on rows that no fit has seen.
+/// Part of what two effects leave on held-out rows that a third one must take where it brings little of the
+/// whole: what repairs another effect's formula seldom takes nearly all of it on rows that no fit has seen.
 const REST: f64 = 0.9;
+/// The same with which any further effect needs no count of blocks: what acts in few records shows in few.
+const ALL_REST: f64 = 0.95;
 /// Score that the effects together must reach.
 const EXPLAINED: f64 = 0.6;
 /// Part of the held-out gap's power that the effects together must explain.
@@ -40,9 +42,11 @@ const NEAR: f64 = 3.0;
 /// Probability that the formulas of several effects are the machine's, from what they leave: two together
 /// imitate much that is in no library, and then leave more than they do of a pair.
 const OF_SEVERAL: f64 = 0.8;
-/// The same where no other group of names does nearly as well in any place: the least of that probability
-/// times the trust in each name.
+/// Least trust in each of several names, which says in addition that no other does nearly as well in its
+/// place, that is as good where most of the gap's power goes.
 const OF_CLEAR_NAMES: f64 = 0.6;
+/// Least probability of each of several names.
+const LIKELY: f64 = 0.5;
 /// Most members that are exchanged once the search stands.
 const MOST_SWAPS: usize = 2;
 /// Part of the fitted rows' gap that must go, and most coefficients of each effect, where the rows that
@@ -98,8 +102,38 @@ impl Search<'_> {
             best = base.clone();
         }
         let last = self.believed(&base, best, &mut rivals)?;
-        let alone = self.alone(&base, &last)?;
+        let (last, alone) = self.likely(&base, last, &mut rivals)?;
         Ok(Found { base, last, rivals, first, alone })
+    }
+
+    /// The effects without those that are less likely effects than repairs of the others' formulas, and
+    /// what goes with each.
+    fn likely(
+        &self,
+        base: &Candidate,
+        mut best: Candidate,
+        rivals: &mut Vec<Vec<Looked>>,
+    ) -> Result<(Candidate, Vec<f64>), Failed> {
+        loop {
+            let alone = self.alone(base, &best)?;
+            if best.picks.len() < 2 {
+                return Ok((best, alone));
+            }
+            let sight = self.sight(base);
+            let probability = |slot: usize| {
+                let beliefs = belief::beliefs(&sight, &rivals[slot], &best);
+                belief::probability(&sight, &best, slot, &beliefs, alone[slot])
+            };
+            let all = (0..best.picks.len()).map(|slot| (slot, probability(slot)));
+            match all.min_by(|a, b| a.1.total_cmp(&b.1)) {
+                Some((slot, probability)) if probability < LIKELY => {
+                    best = self.refit_without(&best, slot)?;
+                    rivals.remove(slot);
+                    best = self.believed(base, best, rivals)?;
+                }
+                _ => return Ok((best, alone)),
+            }
+        }
     }
 
     /// The last effect beside the others in the formulas that suit it best: a formula that was the best
@@ -191,9 +225,10 @@ impl Search<'_> {
             let worst = (0..best.picks.len())
                 .map(|slot| (slot, trust(slot)))
                 .min_by(|a, b| a.1.total_cmp(&b.1));
-            let known = belief::formula_is_known(&sight, &best);
-            let sure = known * worst.map_or(0.0, |(_, trust)| trust);
-            if best.picks.len() > 1 && known < OF_SEVERAL && sure < OF_CLEAR_NAMES {
+            let is_clear = worst.is_some_and(|(_, trust)| trust >= OF_CLEAR_NAMES)
+                && explained(&base.judged, &best.judged) >= MOST;
+            let is_known = is_clear || belief::formula_is_known(&sight, &best) >= OF_SEVERAL;
+            if best.picks.len() > 1 && !is_known {
                 return Ok(base.clone());
             }
             match worst {
@@ -297,11 +332,10 @@ impl Search<'_> {
         // Nor does that need a count of blocks where it is most of what was left.
         let is_clear = is_whole && explained(&before.judged, &after.judged) >= CLEAR;
         let is_sharp = cut > CUT_SHARPLY && left(after) < NEARLY_NOISE;
-        let is_rest = explained(&before.judged, &after.judged) >= REST;
-        let is_all_rest = is_rest && cut > CUT_SHARPLY;
-        let is_rest = is_rest && before.picks.len() > 1 && cut > CUT_TO_NOISE;
+        let rest = explained(&before.judged, &after.judged);
+        let is_rest = before.picks.len() > 1 && cut > CUT_TO_NOISE && rest >= REST;
         is_clear
-            || is_all_rest
+            || (cut > CUT_SHARPLY && rest >= ALL_REST)
             || (paired > 4.0 && ((is_large && cut > CUT) || is_whole || is_sharp || is_rest))
     }
 
