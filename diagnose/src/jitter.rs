@@ -53,7 +53,7 @@ pub(crate) fn frequencies(
     for rows in data.records.iter().map(|record| record.training.clone()) {
         let v = &rate[rows.clone()];
         let power: f64 = v.iter().map(|v| v * v).sum();
-        if rows.len() < FEWEST || !(power > 0.0) {
+        if rows.len() < FEWEST || power <= 0.0 {
             continue;
         }
         let left = without_steady(&residual[rows], v);
