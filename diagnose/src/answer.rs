@@ -230,7 +230,12 @@ fn named(o: &Outcome) -> Vec<NamedEffect> {
             .map(|looked| belief::beliefs(&Sight::of(o), looked, last))
             .unwrap_or_default();
         let explained = o.found.alone.get(slot).copied().unwrap_or(0.0);
-        let probability = belief::probability(&Sight::of(o), last, slot, &beliefs, explained);
+        let is_effect = match last.picks.len() {
+            1 => 1.0,
+            _ => belief::is_effect(&Sight::of(o), last, explained),
+        };
+        let probability =
+            is_effect * beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.probability);
         let mut set: Vec<String> = belief::set(&beliefs)
             .into_iter()
             .map(|f| o.library[f].effect.name.to_owned())

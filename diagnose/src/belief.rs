@@ -129,20 +129,6 @@ pub(crate) fn is_effect(sight: &Sight<'_>, own: &Candidate, alone: f64) -> f64 {
     odds / (1.0 + odds)
 }
 
-/// Probability of the name of the effect number `slot`, `alone` being the part of the gap that comes back
-/// without it.
-pub(crate) fn probability(
-    sight: &Sight<'_>,
-    own: &Candidate,
-    slot: usize,
-    beliefs: &[Belief],
-    alone: f64,
-) -> f64 {
-    let family = own.picks.get(slot).map(|pick| pick.0);
-    let name = beliefs.iter().find(|b| family == Some(b.family)).map_or(0.0, |b| b.probability);
-    if own.picks.len() > 1 { is_effect(sight, own, alone) * name } else { name }
-}
-
 /// How far a name can be trusted by what it leaves: its probability, or that of its group where the group
 /// is what the data can tell, over what it would have if nothing were left.
 pub(crate) fn trust(library: &[Family], beliefs: &[Belief], family: usize) -> f64 {

@@ -45,7 +45,8 @@ const OF_SEVERAL: f64 = 0.8;
 /// Least trust in each of several names, which says in addition that no other does nearly as well in its
 /// place, that is as good where most of the gap's power goes.
 const OF_CLEAR_NAMES: f64 = 0.6;
-/// Least probability of each of several names.
+/// Least probability that each of several effects is one, whatever its name, and no repair of the others'
+/// formulas.
 const LIKELY: f64 = 0.5;
 /// Most members that are exchanged once the search stands.
 const MOST_SWAPS: usize = 2;
@@ -120,13 +121,10 @@ impl Search<'_> {
                 return Ok((best, alone));
             }
             let sight = self.sight(base);
-            let probability = |slot: usize| {
-                let beliefs = belief::beliefs(&sight, &rivals[slot], &best);
-                belief::probability(&sight, &best, slot, &beliefs, alone[slot])
-            };
-            let all = (0..best.picks.len()).map(|slot| (slot, probability(slot)));
+            let is_effect = |slot: usize| belief::is_effect(&sight, &best, alone[slot]);
+            let all = (0..best.picks.len()).map(|slot| (slot, is_effect(slot)));
             match all.min_by(|a, b| a.1.total_cmp(&b.1)) {
-                Some((slot, probability)) if probability < LIKELY => {
+                Some((slot, is_effect)) if is_effect < LIKELY => {
                     best = self.refit_without(&best, slot)?;
                     rivals.remove(slot);
                     best = self.believed(base, best, rivals)?;
