@@ -18,8 +18,6 @@ const NEARLY_NOTHING: f64 = 0.003;
 /// Part of what two effects leave on held-out rows that a third one must take where it brings little of the
 /// whole: what repairs another effect's formula seldom takes nearly all of it on rows that no fit has seen.
 const REST: f64 = 0.9;
-/// The same with which any further effect needs no count of blocks: what acts in few records shows in few.
-const ALL_REST: f64 = 0.95;
 /// Score that the effects together must reach.
 const EXPLAINED: f64 = 0.6;
 /// Part of the held-out gap's power that the effects together must explain.
@@ -330,11 +328,10 @@ impl Search<'_> {
         // Nor does that need a count of blocks where it is most of what was left.
         let is_clear = is_whole && explained(&before.judged, &after.judged) >= CLEAR;
         let is_sharp = cut > CUT_SHARPLY && left(after) < NEARLY_NOISE;
-        let rest = explained(&before.judged, &after.judged);
-        let is_rest = before.picks.len() > 1 && cut > CUT_TO_NOISE && rest >= REST;
-        is_clear
-            || (cut > CUT_SHARPLY && rest >= ALL_REST)
-            || (paired > 4.0 && ((is_large && cut > CUT) || is_whole || is_sharp || is_rest))
+        let is_rest = before.picks.len() > 1
+            && cut > CUT_TO_NOISE
+            && explained(&before.judged, &after.judged) >= REST;
+        is_clear || (paired > 4.0 && ((is_large && cut > CUT) || is_whole || is_sharp || is_rest))
     }
 
     /// Looks at each slot again with the others in place, and takes what is better there.

@@ -212,21 +212,6 @@ fn a_further_effect_that_cuts_sharply_may_be_small_and_leave_something() {
 }
 
 #[test]
-fn a_further_effect_that_takes_nearly_all_that_was_left_needs_no_blocks() {
-    let told = Told::new();
-    let search = Search { adequate: 1.05, ..told.made.search() };
-    let left = |effects, left: f64| {
-        let mut c = told.set(effects, 0.5, 0.5);
-        (c.judged.held_out, c.judged.training) = (1.0 + left, 1.0 + left);
-        c
-    };
-    let is_worth_it =
-        |after: f64| search.is_worth_it(&left(0, 1000.0), &left(1, 40.0), &left(2, after));
-    assert!(is_worth_it(1.9));
-    assert!(!is_worth_it(2.1), "more than a twentieth of it is left");
-}
-
-#[test]
 fn a_third_effect_that_takes_nearly_all_of_what_two_leave_may_leave_more_than_the_noise() {
     let told = Told::new();
     let search = Search { adequate: 1.05, ..told.made.search() };
