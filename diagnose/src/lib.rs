@@ -22,7 +22,6 @@ pub mod figures;
 mod fit;
 mod fmu;
 mod gap;
-mod jitter;
 mod library;
 mod louder;
 mod noise;
