@@ -209,20 +209,20 @@ impl<'a> Work<'a> {
         let mut columns = Vec::new();
         for k in which {
             let parameter = &self.chain().parameters[k];
-            let (up, down) = (parameter.step, -parameter.step);
-            let fits = point.theta[k] + up <= parameter.high;
-            let (first, other) = if fits { (up, down) } else { (down, up) };
-            let mut step_by = |step: f64| {
+            let (low, high) = (parameter.low, parameter.high);
+            let up = point.theta[k] + parameter.step <= high;
+            let step = if up { parameter.step } else { -parameter.step };
+            let mut moved_by = |step: f64| {
                 let mut theta = point.theta.clone();
                 theta[k] += step;
-                if !(parameter.low..=parameter.high).contains(&theta[k]) && step == other {
-                    return Err(Failed);
-                }
                 // With the step that the coordinate really made.
                 Ok((theta[k] - point.theta[k], self.beside(&theta)?.residual))
             };
-            // An FMU may fail on one side of its own value.
-            let (step, moved) = step_by(first).or_else(|_| step_by(other))?;
+            let (step, moved) = match moved_by(step) {
+                // An FMU may fail on one side of its own value.
+                Err(Failed) if (low..=high).contains(&(point.theta[k] - step)) => moved_by(-step)?,
+                done => done?,
+            };
             let column = moved.iter().zip(&point.residual).map(|(a, b)| (a - b) / step);
             columns.push(column.collect());
         }
