@@ -7,7 +7,7 @@ use model::{AxisSpec, Conversion, Declaration, NodeSpec, Source, Stage, Unit, un
 
 use crate::black_box::BlackBox;
 use crate::block::Memory;
-use crate::chain::{Chain, ComponentNode, Link, Node, Parameter};
+use crate::chain::{Acting, Chain, ComponentNode, Link, Node, Parameter};
 use crate::error::Error;
 use crate::library::{Formula, Slot};
 use crate::request::{Deviation, Tolerance};
@@ -488,16 +488,18 @@ impl<'a> Composer<'a> {
             Node::BlackBox(fmu) => fmu.links = links,
             _ => {}
         }
-        let force =
-            self.effects.iter().zip(&self.first).find_map(|(e, first)| Some((e.force?, first)));
-        if let (Some(((force, centre, half), &first)), Node::Component(mode), true) =
-            (force, &node, self.base.mode == Some(k))
-        {
-            self.touch(first, force.count());
-            self.nodes.push(Node::Forced { mode: mode.clone(), force, first, centre, half });
-            return;
+        let acting = |(effect, first): (&&Formula, &usize)| {
+            let (force, centre, half) = effect.force?;
+            Some(Acting { force, first: *first, far: centre.abs() + half })
+        };
+        let forces: Vec<Acting> = self.effects.iter().zip(&self.first).filter_map(acting).collect();
+        match node {
+            Node::Component(mode) if self.base.mode == Some(k) && !forces.is_empty() => {
+                forces.iter().for_each(|a| self.touch(a.first, a.force.count()));
+                self.nodes.push(Node::Forced { mode, forces });
+            }
+            node => self.nodes.push(node),
         }
-        self.nodes.push(node);
     }
 
     fn finish(mut self) -> Chain {

@@ -68,6 +68,16 @@ pub(crate) struct ComponentNode {
     pub(crate) reads_command: bool,
 }
 
+/// A force on a mode.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Acting {
+    pub(crate) force: Force,
+    /// Its first parameter.
+    pub(crate) first: usize,
+    /// The far end of the range.
+    pub(crate) far: f64,
+}
+
 /// One node of a chain.
 #[derive(Clone)]
 pub(crate) enum Node {
@@ -75,8 +85,8 @@ pub(crate) enum Node {
     Component(ComponentNode),
     /// What has to enter this mode for its input to come out.
     BeforeMode(ComponentNode),
-    /// A mode of the model with another force on it.
-    Forced { mode: ComponentNode, force: Force, first: usize, centre: f64, half: f64 },
+    /// A mode of the model with other forces on it.
+    Forced { mode: ComponentNode, forces: Vec<Acting> },
     /// A block of an effect; its parameters begin at `first`.
     Block { block: Block, first: usize, count: usize, aux: usize },
     /// The gain of the output: 1 + deviation·coordinate.
@@ -241,9 +251,10 @@ impl<'a> Bench<'a> {
                         out,
                     );
                 }
-                Node::Forced { mode, force, first, centre, half } => {
-                    let p = natural(parameters, theta, *first, force.count());
-                    forced(mode, *force, &p, (*centre, *half), theta, x, self.data.step, out)?;
+                Node::Forced { mode, forces } => {
+                    let p = |a: &Acting| natural(parameters, theta, a.first, a.force.count());
+                    let forces: Vec<_> = forces.iter().map(|a| (a.force, p(a), a.far)).collect();
+                    forced(mode, &forces, theta, x, self.data.step, out)?;
                 }
                 Node::Block { block, first, count, aux } => {
                     let p = natural(parameters, theta, *first, *count);
@@ -314,13 +325,11 @@ impl ComponentNode {
     }
 }
 
-/// A mode `x″ + 2ζω x′ + ω²·(x + pull(x)) = ω²·gain·u`.
-#[allow(clippy::too_many_arguments)]
+/// A mode `x″ + 2ζω x′ + ω²·(x + Σ pull(x)) = ω²·gain·u` under forces with their parameters and the far
+/// ends of their ranges.
 pub(crate) fn forced(
     mode: &ComponentNode,
-    force: Force,
-    p: &[f64],
-    (centre, half): (f64, f64),
+    forces: &[(Force, Vec<f64>, f64)],
     theta: &[f64],
     u: &[f64],
     step: f64,
@@ -331,13 +340,17 @@ pub(crate) fn forced(
         return Err(Failed);
     }
     let Some(&first) = u.first() else { return Ok(()) };
-    let far = centre.abs() + half;
-    let forced = ForcedMode::new((frequency, damping), force, far, step);
-    let mut slide = 0.0;
-    let rest = force.rest(p, gain * first, &mut slide, far);
-    let mut state = [rest, 0.0, slide, rest];
+    let forced = ForcedMode::new((frequency, damping), forces.iter().map(|(f, ..)| *f), step);
+    // States of the frictions.
+    let mut slides = vec![0.0; forces.len()];
+    let mut pull = |at, goes_on| -> f64 {
+        let all = forces.iter().zip(&mut slides);
+        all.map(|((force, p, far), slide)| force.pull(p, *far, at, slide, goes_on)).sum()
+    };
+    let rest = ForcedMode::rest(gain * first, |at| pull(at, true));
+    let mut state = [rest, 0.0, rest];
     for (n, (y, u)) in out.iter_mut().zip(u).enumerate() {
-        *y = if n > 0 { forced.step(p, gain * u, &mut state) } else { rest };
+        *y = if n > 0 { forced.step(gain * u, &mut state, &mut pull) } else { rest };
     }
     Ok(())
 }

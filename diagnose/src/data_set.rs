@@ -189,6 +189,11 @@ impl DataSet {
         self.fit_rows.iter().map(at).collect()
     }
 
+    /// The simulated output at all rows.
+    pub(crate) fn at_rows(&self, simulated: &[f64]) -> Vec<f64> {
+        self.row_hit.iter().map(|hit| simulated[*hit as usize]).collect()
+    }
+
     /// Measured less simulated at all rows.
     pub(crate) fn residual(&self, simulated: &[f64]) -> Vec<f64> {
         self.y.iter().zip(&self.row_hit).map(|(y, hit)| y - simulated[*hit as usize]).collect()

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::chain::{Bench, Chain, Failed, Horizon};
 use crate::data_set::DataSet;
 use crate::normal::{dot, normal_equations, products, within};
-use crate::nuisance::Projector;
+use crate::nuisance::{Nuisance, Projector};
 
 /// Most iterations.
 const ITERATIONS: usize = 16;
@@ -150,19 +150,22 @@ impl<'a> Work<'a> {
         self.bench.chain
     }
 
-    /// Residual in standard deviations with the nuisances taken out.
-    fn finish(&mut self, theta: &[f64], mut residual: Vec<f64>) -> Vec<f64> {
+    /// What a simulation leaves at the rows of the fit in standard deviations, with the nuisances taken
+    /// out: of the kept point, or of one beside it.
+    fn left(&mut self, theta: &[f64], aside: bool) -> Result<Vec<f64>, Failed> {
         let chain = self.chain();
+        let simulated = if aside { self.bench.beside(theta)? } else { self.bench.keep(theta)? };
+        let mut residual = self.fitter.data.fit_residual(simulated);
         let values: Vec<f64> = if chain.nuisances.is_empty() {
             Vec::new()
         } else {
             chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect()
         };
-        let is_current =
-            self.projector.as_ref().is_some_and(|(of, _)| *of == relevant(chain, &values));
+        let key = relevant(chain, &values);
+        let is_current = !chain.nuisances.iter().any(Nuisance::is_of_simulation)
+            && self.projector.as_ref().is_some_and(|(of, _)| *of == key);
         if !is_current {
-            let key = relevant(chain, &values);
-            let projector = Projector::new(&chain.nuisances, values, self.fitter.data);
+            let projector = Projector::new(&chain.nuisances, values, self.fitter.data, simulated);
             self.projector = Some((key, projector));
         }
         if let Some((_, projector)) = &self.projector {
@@ -173,7 +176,7 @@ impl<'a> Work<'a> {
         if let Some(weights) = self.fitter.weights {
             residual.iter_mut().zip(weights).for_each(|(r, w)| *r *= w);
         }
-        residual
+        Ok(residual)
     }
 
     fn point(&self, theta: &[f64], residual: Vec<f64>) -> Result<Point, Failed> {
@@ -189,14 +192,12 @@ impl<'a> Work<'a> {
     }
 
     fn keep(&mut self, theta: &[f64]) -> Result<Point, Failed> {
-        let residual = self.fitter.data.fit_residual(self.bench.keep(theta)?);
-        let residual = self.finish(theta, residual);
+        let residual = self.left(theta, false)?;
         self.point(theta, residual)
     }
 
     fn beside(&mut self, theta: &[f64]) -> Result<Point, Failed> {
-        let residual = self.fitter.data.fit_residual(self.bench.beside(theta)?);
-        let residual = self.finish(theta, residual);
+        let residual = self.left(theta, true)?;
         self.point(theta, residual)
     }
 
@@ -516,14 +517,14 @@ impl<'a> Work<'a> {
 
 /// The values that nuisances depend on.
 fn relevant(chain: &Chain, values: &[f64]) -> Vec<f64> {
-    use crate::nuisance::Nuisance;
     chain
         .nuisances
         .iter()
         .filter_map(|n| match n {
             Nuisance::Settling { parameter }
             | Nuisance::Lines { parameter, .. }
-            | Nuisance::Modulation { parameter } => values.get(*parameter).copied(),
+            | Nuisance::Modulation { parameter }
+            | Nuisance::Jitter { parameter } => values.get(*parameter).copied(),
             Nuisance::Drift { .. } | Nuisance::Knots { .. } => None,
         })
         .collect()

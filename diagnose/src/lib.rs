@@ -22,6 +22,7 @@ pub mod figures;
 mod fit;
 mod fmu;
 mod gap;
+mod jitter;
 mod library;
 mod louder;
 mod noise;

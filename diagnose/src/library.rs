@@ -230,6 +230,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) apparent_power: f64,
     /// Residual of the re-tuned model at the rows of the fit, for the search for lines.
     pub(crate) lines: Vec<f64>,
+    /// Frequencies in Hz at which instants may swing.
+    pub(crate) swings: Vec<f64>,
     /// Frequency of the model's first mode in Hz.
     pub(crate) resonance: Option<f64>,
     /// Converters that may have rounded the command: steps over its range, phase.

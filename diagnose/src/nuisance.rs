@@ -5,6 +5,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::data_set::{DataSet, RecordData};
+use crate::jitter;
 
 /// A kind of terms.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +32,11 @@ pub(crate) enum Nuisance {
         /// Number of the frequency's parameter.
         parameter: usize,
     },
+    /// Sines and cosines of a frequency times the rate of the simulated output: instants that swing.
+    Jitter {
+        /// Number of the frequency's parameter.
+        parameter: usize,
+    },
     /// Straight lines between this many equidistant knots.
     Knots {
         /// Number of knots.
@@ -47,6 +53,7 @@ impl Nuisance {
                 Self::Lines { parameter: parameter + first, harmonics: *harmonics }
             }
             Self::Modulation { parameter } => Self::Modulation { parameter: parameter + first },
+            Self::Jitter { parameter } => Self::Jitter { parameter: parameter + first },
             other => other.clone(),
         }
     }
@@ -56,11 +63,16 @@ impl Nuisance {
         matches!(self, Self::Drift { .. } | Self::Knots { .. })
     }
 
+    /// Whether its terms depend on what is simulated.
+    pub(crate) fn is_of_simulation(&self) -> bool {
+        matches!(self, Self::Jitter { .. })
+    }
+
     /// Coefficients per record.
     pub(crate) fn count(&self) -> usize {
         match self {
             Self::Drift { order } => *order,
-            Self::Settling { .. } | Self::Modulation { .. } => 2,
+            Self::Settling { .. } | Self::Modulation { .. } | Self::Jitter { .. } => 2,
             Self::Lines { harmonics, .. } => 2 * harmonics,
             Self::Knots { count } => *count,
         }
@@ -78,14 +90,20 @@ impl Nuisance {
             Self::Lines { parameter, harmonics } => {
                 (1..=*harmonics).flat_map(|k| [value(*parameter) * k as f64; 2]).collect()
             }
-            // As white as the reading is wide.
-            Self::Modulation { .. } => vec![f64::INFINITY; 2],
+            // As white as the reading or its rate is wide.
+            Self::Modulation { .. } | Self::Jitter { .. } => vec![f64::INFINITY; 2],
         }
     }
 
-    /// The terms at time t of a record of this length, where the reading over its range is y; z is t
-    /// over the record from −1 to 1.
-    fn terms(&self, values: &[f64], (t, length): (f64, f64), y: f64, row: &mut Vec<f64>) {
+    /// The terms at time t of a record of this length, where the reading over its range is y and the
+    /// simulated one moves by v per row; z is t over the record from −1 to 1.
+    fn terms(
+        &self,
+        values: &[f64],
+        (t, length): (f64, f64),
+        (y, v): (f64, f64),
+        row: &mut Vec<f64>,
+    ) {
         let z = 2.0 * t / length - 1.0;
         let value = |parameter: usize| values.get(parameter).copied().unwrap_or(1.0);
         match self {
@@ -108,10 +126,11 @@ impl Nuisance {
                     row.push(c);
                 }
             }
-            Self::Modulation { parameter } => {
+            Self::Modulation { parameter } | Self::Jitter { parameter } => {
                 let (s, c) = (std::f64::consts::TAU * value(*parameter) * t).sin_cos();
-                row.push(y * s);
-                row.push(y * c);
+                let carrier = if matches!(self, Self::Jitter { .. }) { v } else { y };
+                row.push(carrier * s);
+                row.push(carrier * c);
             }
             Self::Knots { count } => {
                 let place = 0.5 * (z + 1.0) * *count as f64;
@@ -127,6 +146,8 @@ impl Nuisance {
 pub(crate) struct Projector {
     nuisances: Vec<Nuisance>,
     values: Vec<f64>,
+    /// Rate of the simulated output over its range per row, where some terms depend on it.
+    rate: Vec<f64>,
     records: Vec<Terms>,
 }
 
@@ -139,9 +160,18 @@ struct Terms {
 }
 
 impl Projector {
-    /// The terms for natural parameter values.
-    pub(crate) fn new(nuisances: &[Nuisance], values: Vec<f64>, data: &DataSet) -> Self {
-        let mut projector = Self { nuisances: nuisances.to_vec(), values, records: Vec::new() };
+    /// The terms for natural parameter values and what is simulated with them.
+    pub(crate) fn new(
+        nuisances: &[Nuisance],
+        values: Vec<f64>,
+        data: &DataSet,
+        simulated: &[f64],
+    ) -> Self {
+        let depends = nuisances.iter().any(Nuisance::is_of_simulation);
+        let rate = || jitter::rate(&data.at_rows(simulated), data);
+        let rate = if depends { rate() } else { Vec::new() };
+        let nuisances = nuisances.to_vec();
+        let mut projector = Self { nuisances, values, rate, records: Vec::new() };
         for record in &data.records {
             let rows = &data.fit_rows[record.fit.clone()];
             let basis = projector.basis(record, data, rows.iter().map(|row| *row as usize));
@@ -175,8 +205,9 @@ impl Projector {
         for row in rows {
             all.push(1.0);
             for nuisance in &self.nuisances {
-                let y = data.y[row] / data.output_span.half;
-                nuisance.terms(&self.values, (data.time[row] - start, length), y, &mut all);
+                let rate = self.rate.get(row).copied().unwrap_or(0.0);
+                let carriers = (data.y[row] / data.output_span.half, rate);
+                nuisance.terms(&self.values, (data.time[row] - start, length), carriers, &mut all);
             }
         }
         DMatrix::from_row_slice(count, columns, &all)

@@ -17,7 +17,7 @@ use crate::problem::Problem;
 use crate::request::Request;
 use crate::score::{Judge, Judged};
 use crate::select::{Candidate, Found, Search, has_gap};
-use crate::{louder, robust, second, shrink, spectrum};
+use crate::{jitter, louder, robust, second, shrink, spectrum};
 
 /// The diagnosis of one output.
 pub(crate) struct Outcome {
@@ -275,6 +275,7 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span, sigma: f6
     // The reading less what the model leaves of it: the simulated one.
     let simulated: Vec<f64> = data.y.iter().zip(residual).map(|(y, r)| y - sigma * r).collect();
     let reading = Converted::new(&simulated, position, residual, training());
+    let swings = jitter::frequencies(data, residual, &simulated, sample);
     let half = if position.half > 0.0 { position.half } else { 1.0 };
     Setting {
         base: &problem.base,
@@ -288,6 +289,7 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span, sigma: f6
         loop_power,
         apparent_power,
         lines,
+        swings,
         resonance: problem.base.resonance(),
         steps: command.steps(),
         gaps: command.gaps(),

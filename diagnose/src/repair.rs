@@ -66,7 +66,10 @@ pub(crate) fn repair(
         tried.retain(|c| !own.iter().any(|o| is_same_place(c, o)));
         tried.extend(own);
         match apply(&given, axis, &tried).check(components::COMPONENTS) {
-            Ok(_) => changes = tried,
+            Ok(_) => {
+                notes.extend(crate::around::part_stays_out(effect, formula));
+                changes = tried;
+            }
             Err(problems) => notes.push(format!(
                 "{effect} ({}) stays out of the repaired blueprint, whose components do not take these values: {problems}",
                 formula.name
@@ -140,6 +143,10 @@ fn write(
     if let Some(force) = formula.force {
         let place = place_of(base.mode?);
         let old = now.components.get(place_now(given, now, place)?)?;
+        // Another force has the mode: no component holds two.
+        if old.kind != given.components.get(place)?.kind {
+            return None;
+        }
         let component = parts::forced(o, force, values, old)?.note(&note);
         return Some(vec![Change::Replace { place, component }]);
     }

@@ -117,9 +117,10 @@ impl Judge {
         count: &AtomicU64,
     ) -> Result<Judged, Failed> {
         let mut bench = Bench::new(chain, data, Horizon::All, count);
-        let mut residual = data.residual(bench.keep(theta)?);
+        let simulated = bench.keep(theta)?;
+        let mut residual = data.residual(simulated);
         let values = chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
-        Projector::new(&chain.nuisances, values, data).extend(data, &mut residual);
+        Projector::new(&chain.nuisances, values, data, simulated).extend(data, &mut residual);
         residual.iter_mut().for_each(|r| *r /= sigma);
         self.level_off(&mut residual, data);
         Ok(self.figures(residual, data))

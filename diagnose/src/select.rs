@@ -311,8 +311,18 @@ impl<'a> Search<'a> {
 
     /// A set of effects of which all are in `from`, fitted from its values.
     fn refit(&self, from: &Candidate, picks: Vec<(usize, usize)>) -> Result<Candidate, Failed> {
-        let formulas = self.formulas(&picks);
-        let chain = self.base.compose(&formulas);
+        let (chain, theta) = self.carried(from, &picks)?;
+        let fit = self.fitter().fit(&chain, &theta)?;
+        self.candidate(picks, chain, fit)
+    }
+
+    /// The chain of a set of effects of which all are in `from`, with its values.
+    fn carried(
+        &self,
+        from: &Candidate,
+        picks: &[(usize, usize)],
+    ) -> Result<(Chain, Vec<f64>), Failed> {
+        let chain = self.base.compose(&self.formulas(picks));
         let values = |pick: &(usize, usize)| {
             let at = from.picks.iter().position(|p| p == pick)?;
             let before: usize =
@@ -330,11 +340,42 @@ impl<'a> Search<'a> {
                 same.map_or(0.0, |k| from.fit.theta[k])
             })
             .collect();
-        for pick in &picks {
+        for pick in picks {
             theta.extend(values(pick).ok_or(Failed)?);
         }
-        let fit = self.fitter().fit(&chain, &theta)?;
-        self.candidate(picks, chain, fit)
+        Ok((chain, theta))
+    }
+
+    /// The same effects with the best other formula of the family of effect `slot`, where that is better.
+    pub(crate) fn with_another_formula(
+        &self,
+        from: &Candidate,
+        slot: usize,
+    ) -> Result<Option<Candidate>, Failed> {
+        let (family, own) = from.picks[slot];
+        let formulas = &self.library[family].formulas;
+        let others: Vec<usize> =
+            (0..formulas.len()).filter(|k| *k != own && !formulas[*k].is_stand_in).collect();
+        if others.is_empty() {
+            return Ok(None);
+        }
+        // The others as they are beside it: alone they would take its part, and not find back.
+        let mut rest = from.clone();
+        rest.picks.remove(slot);
+        (rest.chain, rest.fit.theta) = self.carried(from, &rest.picks)?;
+        let fixed = self.formulas(&rest.picks);
+        let linear = self.fitter().linearise(&rest.chain, &rest.fit.theta)?;
+        let fitted = others.par_iter().map(|k| {
+            let (_, start) = self.screen(&rest, &fixed, (family, *k), &linear);
+            self.fit_one(&rest, &fixed, (family, *k), &start, &linear).ok()
+        });
+        let fitted: Vec<Option<Candidate>> = fitted.collect();
+        let best = fitted.into_iter().flatten().min_by(|a, b| a.rank.total_cmp(&b.rank));
+        let Some(best) = best else { return Ok(None) };
+        let mut picks = from.picks.clone();
+        picks[slot] = *best.picks.last().unwrap_or(&picks[slot]);
+        let better = self.refit(&best, picks).ok().filter(|c| c.rank < from.rank - 1.0);
+        Ok(better)
     }
 
     /// The same effects with another formula (number `number` of its family) for the effect `slot`.

@@ -81,6 +81,38 @@ fn a_lag_is_named_within_its_group() {
     assert!(gap.effects[0].set.iter().any(|n| n == "delay"), "{:?}", gap.effects[0].set);
 }
 
+/// The names that are given, the frequency of a swing, and the part of the gap that goes with them.
+fn names_of(effects: &[(Effect, f64)], seed: u64) -> (Vec<String>, Option<f64>, f64) {
+    let add = |machine: Machine, (effect, size): &(Effect, f64)| machine.with(*effect, *size);
+    let machine = effects.iter().fold(Machine::new(seed, 1.0), add);
+    let gap = diagnose_machine(&machine, machine.logs(), &[]);
+    let mut names: Vec<String> = gap.effects.iter().map(|e| e.effect.clone()).collect();
+    names.sort_unstable();
+    let values = gap.effects.iter().flat_map(|e| &e.parameters);
+    let swing = values.filter(|(name, _)| *name == "delay.frequency").map(|(_, p)| p.value).next();
+    (names, swing, gap.shrink.fraction.unwrap_or(0.0))
+}
+
+#[test]
+fn a_delay_that_swings_is_named_with_its_frequency_alone_and_beside_another_effect() {
+    for (effects, names) in [
+        (&[(Effect::SwingingDelay, 20.0)][..], &["delay"][..]),
+        (&[(Effect::SwingingDelay, 20.0), (Effect::Duffing, 6.0)], &["delay", "duffing"]),
+    ] {
+        let (found, swing, fraction) = names_of(effects, 41);
+        assert_eq!(found, names);
+        assert!(swing.is_some_and(|f| (f / 3.3 - 1.0).abs() < 0.01), "{swing:?}");
+        assert!(fraction > 0.97, "{fraction}");
+    }
+}
+
+#[test]
+fn two_forces_on_one_mode_are_both_named() {
+    let (found, _, fraction) = names_of(&[(Effect::Friction, 15.0), (Effect::Duffing, 15.0)], 42);
+    assert_eq!(found, ["duffing", "friction"]);
+    assert!(fraction > 0.95, "{fraction}");
+}
+
 #[test]
 fn a_model_that_is_right_is_adequate() {
     let machine = Machine::new(11, 0.0);

@@ -60,3 +60,20 @@ fn a_component_that_can_do_it_takes_the_gap_away() {
         assert!(after < 0.3 * before, "{effect:?}: {after} of {before}");
     }
 }
+
+/// No component holds two forces: the one that is written stays, and the other is told.
+#[test]
+fn a_second_force_on_a_mode_is_told_and_does_not_replace_the_first() {
+    let machine = Machine::new(42, 1.0).with(Effect::Friction, 15.0).with(Effect::Duffing, 15.0);
+    let mut first = examine(&request(&machine), &mut Silent).unwrap();
+    let names: Vec<String> = first.gap.effects.iter().map(|e| e.effect.clone()).collect();
+    assert_eq!(names.len(), 2, "{}", first.gap.sentence);
+    let (repaired, notes) = first.repair(blueprint().blueprint());
+    let is_told = |name: &&String| notes.iter().any(|note| note.starts_with(&format!("{name} (")));
+    let told: Vec<_> = names.iter().filter(is_told).collect();
+    assert_eq!(told.len(), 1, "{names:?}: {notes:?}");
+    let written = names.iter().find(|name| !told.contains(name)).unwrap();
+    let found = format!("{written}, found by diagnosis");
+    let all = &repaired.axes[0].components;
+    assert!(all.iter().any(|c| c.note == found), "{found}: {all:?}");
+}

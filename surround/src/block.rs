@@ -314,8 +314,8 @@ impl Block {
             | Self::PoleZero => state.z.extend([x, 0.0]),
             Self::ForcedMode { force, far, .. } => {
                 let mut slide = 0.0;
-                let rest = force.rest(p, x, &mut slide, *far);
-                state.z.extend([rest, 0.0, slide, rest]);
+                let rest = ForcedMode::rest(x, |at| force.pull(p, *far, at, &mut slide, true));
+                state.z.extend([rest, 0.0, rest, slide]);
             }
             Self::Slew
             | Self::UnevenSlew
@@ -375,9 +375,10 @@ impl Block {
                 before_mode((frequency, damping), x, dt, z)
             }
             (&Self::ForcedMode { frequency, damping, force, far }, p) => {
-                let Ok(z) = z.as_mut_slice().try_into() else { return x };
+                let Some((z, [slide, ..])) = z.split_first_chunk_mut::<3>() else { return x };
                 if dt > 0.0 {
-                    ForcedMode::new((frequency, damping), force, far, dt).step(p, x, z)
+                    let pull = |at, goes_on| force.pull(p, far, at, slide, goes_on);
+                    ForcedMode::new((frequency, damping), [force], dt).step(x, z, pull)
                 } else {
                     z[0]
                 }

@@ -46,8 +46,15 @@ impl Force {
     }
 
     /// The force over the linear stiffness, as a displacement: at the position x, `way` after the last
-    /// one, with the rate over ω; z is the state of the friction.
-    pub fn pull(self, p: &[f64], (x, way, rate): (f64, f64, f64), z: &mut f64, far: f64) -> f64 {
+    /// one, with the rate over ω; z is the state of the friction, which stays where it does not go on.
+    pub fn pull(
+        self,
+        p: &[f64],
+        far: f64,
+        (x, way, rate): (f64, f64, f64),
+        z: &mut f64,
+        goes_on: bool,
+    ) -> f64 {
         // The flexure is straight where the position is zero.
         let e = x / far;
         match (self, p) {
@@ -55,18 +62,16 @@ impl Force {
             (Self::Uneven, &[square, cubic]) => x * (square * e + cubic * e * e),
             (Self::Friction, &[size, distance]) => {
                 let decay = decay(way.abs() / distance);
-                *z = way.signum() * (1.0 - decay) + *z * decay;
-                size * *z
+                let slide = way.signum() * (1.0 - decay) + *z * decay;
+                if goes_on {
+                    *z = slide;
+                }
+                size * slide
             }
             (Self::SpeedDamping, &[ratio]) => ratio * rate * rate.abs() / far,
             (Self::Coulomb, &[size, smooth]) => size * tanh(rate / smooth),
             _ => 0.0,
         }
-    }
-
-    /// Where a mode rests under the input u: the equilibrium by fixed-point steps.
-    pub fn rest(self, p: &[f64], u: f64, z: &mut f64, far: f64) -> f64 {
-        (0..50).fold(u, |x, _| u - self.pull(p, (x, 0.0, 0.0), z, far))
     }
 }
 
@@ -129,39 +134,52 @@ pub(crate) fn before_mode((frequency, damping): (f64, f64), x: f64, dt: f64, z: 
     u
 }
 
-/// A unit-gain mode with a force on it, which acts as a part of the input. It is taken at the middle of
+/// A unit-gain mode with forces on it, which act as a part of the input. They are taken at the middle of
 /// each part of a step (exponential midpoint rule: M. Hochbruck, A. Ostermann, Acta Numerica 19 (2010)
 /// 209–286): at its begin it would come late, and a stiffness that comes late feeds the oscillation.
 #[derive(Clone, Copy, Debug)]
 pub struct ForcedMode {
-    force: Force,
-    /// The far end of the range.
-    far: f64,
     parts: u8,
     full: Transition,
     half: Transition,
 }
 
 impl ForcedMode {
-    /// For steps of `dt` seconds; the frequency is in Hz.
+    /// For steps of `dt` seconds under forces of these kinds; the frequency is in Hz.
     #[must_use]
-    pub fn new((frequency, damping): (f64, f64), force: Force, far: f64, dt: f64) -> Self {
-        let parts = force.parts(TAU * frequency * dt);
+    pub fn new(
+        (frequency, damping): (f64, f64),
+        forces: impl IntoIterator<Item = Force>,
+        dt: f64,
+    ) -> Self {
+        let parts = forces.into_iter().map(|force| force.parts(TAU * frequency * dt));
+        let parts = parts.max().unwrap_or(1);
         let part = dt / f64::from(parts);
         let half = Transition::new(frequency, damping, 0.5 * part);
-        Self { force, far, parts, full: Transition::new(frequency, damping, part), half }
+        Self { parts, full: Transition::new(frequency, damping, part), half }
+    }
+
+    /// Where the mode rests under the input u: the equilibrium by fixed-point steps, where `pull` is what
+    /// the forces are at a position, the way since the last one, and the rate over the natural frequency.
+    pub fn rest(u: f64, mut pull: impl FnMut((f64, f64, f64)) -> f64) -> f64 {
+        (0..50).fold(u, |x, _| u - pull((x, 0.0, 0.0)))
     }
 
     /// Goes on by a step under the input `u` that is held, and returns the position. State: position, rate
-    /// over the natural frequency, state of the friction, position before.
-    pub fn step(&self, p: &[f64], u: f64, z: &mut [f64; 4]) -> f64 {
-        let [position, rate, slide, before] = z;
-        let pull = |at, slide: &mut f64| self.force.pull(p, at, slide, self.far);
+    /// over the natural frequency, position before. `pull` is the sum of the forces as in [`Self::rest`],
+    /// and whether their own states go on with it.
+    pub fn step(
+        &self,
+        u: f64,
+        z: &mut [f64; 3],
+        mut pull: impl FnMut((f64, f64, f64), bool) -> f64,
+    ) -> f64 {
+        let [position, rate, before] = z;
         for _ in 0..self.parts {
-            let target = u - pull((*position, *position - *before, *rate), slide);
+            let target = u - pull((*position, *position - *before, *rate), true);
             let (e, r) = self.half.apply(*position - target, *rate);
-            // The friction's own state goes on with the position that comes out, not with this guess.
-            let target = u - pull((target + e, target + e - *position, r), &mut slide.clone());
+            // A friction's own state goes on with the position that comes out, not with this guess.
+            let target = u - pull((target + e, target + e - *position, r), false);
             *before = *position;
             let (e, r) = self.full.apply(*position - target, *rate);
             (*position, *rate) = (target + e, r);
@@ -189,21 +207,28 @@ mod tests {
     const MODE: (f64, f64) = (400.0, 1e-9);
     const ROW: f64 = 2.5e-4;
 
+    /// Position, rate, position before, and state of the friction.
+    type State = ([f64; 3], f64);
+
+    fn step(mode: &ForcedMode, (force, p): (Force, &[f64]), u: f64, (z, slide): &mut State) -> f64 {
+        mode.step(u, z, |at, goes_on| force.pull(p, 1.0, at, slide, goes_on))
+    }
+
     #[test]
     fn a_spring_that_bends_keeps_the_energy_of_its_oscillation() {
         for (force, p) in [(Force::Cubic, &[0.3][..]), (Force::Uneven, &[-0.2, 0.2])] {
-            let mode = ForcedMode::new(MODE, force, 1.0, ROW);
+            let mode = ForcedMode::new(MODE, [force], ROW);
             let (square, cubic) = if p.len() == 1 { (0.0, p[0]) } else { (p[0], p[1]) };
-            let energy = |z: &[f64; 4]| {
+            let energy = |z: &[f64; 3]| {
                 let (x, rate) = (z[0], z[1]);
                 0.5 * rate * rate + x * x * (0.5 + square * x / 3.0 + 0.25 * cubic * x * x)
             };
-            let mut z = [1.0, 0.0, 0.0, 1.0];
-            let first = energy(&z);
+            let mut state = ([1.0, 0.0, 1.0], 0.0);
+            let first = energy(&state.0);
             let worst = (0..200)
                 .map(|_| {
-                    mode.step(p, 0.0, &mut z);
-                    (energy(&z) / first - 1.0).abs()
+                    step(&mode, (force, p), 0.0, &mut state);
+                    (energy(&state.0) / first - 1.0).abs()
                 })
                 .fold(0.0, f64::max);
             assert!(worst < 0.03, "{force:?}: energy off by {worst} after 20 periods");
@@ -221,11 +246,11 @@ mod tests {
             (Force::Coulomb, &[0.05, 0.1], 0.01),
         ] {
             let run = |force: Force, p: &[f64], parts: usize| {
-                let mode = ForcedMode::new((400.0, 0.02), force, 1.0, ROW / parts as f64);
-                let mut z = [0.0; 4];
+                let mode = ForcedMode::new((400.0, 0.02), [force], ROW / parts as f64);
+                let mut state = ([0.0; 3], 0.0);
                 let rows = (0..300).map(|n| if n % 60 < 30 { 0.5 } else { -0.2 });
-                let step = |u| (0..parts).map(|_| mode.step(p, u, &mut z)).last();
-                rows.filter_map(step).collect::<Vec<f64>>()
+                let row = |u| (0..parts).map(|_| step(&mode, (force, p), u, &mut state)).last();
+                rows.filter_map(row).collect::<Vec<f64>>()
             };
             let rms = |a: &[f64], b: &[f64]| {
                 let squares = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
@@ -252,13 +277,16 @@ mod tests {
 
     #[test]
     fn a_forced_mode_rests_where_it_is_in_equilibrium() {
-        let (force, p) = (Force::Uneven, [0.1, 0.3]);
-        let mode = ForcedMode::new((400.0, 0.1), force, 2.0, ROW);
-        let x = force.rest(&p, 1.5, &mut 0.0, 2.0);
-        let mut z = [x, 0.0, 0.0, x];
+        let pull = |at| {
+            let spring = Force::Uneven.pull(&[0.1, 0.3], 2.0, at, &mut 0.0, true);
+            spring + Force::SpeedDamping.pull(&[0.4], 2.0, at, &mut 0.0, true)
+        };
+        let mode = ForcedMode::new((400.0, 0.1), [Force::Uneven, Force::SpeedDamping], ROW);
+        let x = ForcedMode::rest(1.5, pull);
+        let mut z = [x, 0.0, x];
         for _ in 0..100 {
-            assert!((mode.step(&p, 1.5, &mut z) - x).abs() < 1e-12);
+            assert!((mode.step(1.5, &mut z, |at, _| pull(at)) - x).abs() < 1e-12);
         }
-        assert!((x + force.pull(&p, (x, 0.0, 0.0), &mut 0.0, 2.0) - 1.5).abs() < 1e-12);
+        assert!((x + pull((x, 0.0, 0.0)) - 1.5).abs() < 1e-12);
     }
 }

@@ -244,9 +244,10 @@ mod tests {
             (surround::Force::Coulomb, &[0.05, 0.02]),
         ] {
             let mut whole = vec![0.0; x.len()];
-            let range = (centre, half);
-            crate::chain::forced(&mode, force, p, range, &[], &x, STEP, &mut whole).unwrap();
-            let around = Around::ForcedMode { frequency, damping, force, far: centre + half };
+            let far = centre + half;
+            crate::chain::forced(&mode, &[(force, p.to_vec(), far)], &[], &x, STEP, &mut whole)
+                .unwrap();
+            let around = Around::ForcedMode { frequency, damping, force, far };
             let plain = Around::Mode { frequency, damping };
             let (mut state, mut other) = Default::default();
             let mut changed = false;

@@ -283,6 +283,7 @@ impl<'a> Maker<'a> {
             ));
             return Ok(());
         }
+        self.notes.extend(part_stays_out(name, formula));
         let own = self.name(name, o);
         let mut effect = Effect {
             name: own,
@@ -436,6 +437,17 @@ pub(crate) fn stays_out(effect: &str, formula: &Formula) -> String {
         "there is no block or component of this formula"
     };
     format!("{effect} ({}) stays out of the repaired model: {why}", formula.name)
+}
+
+/// What of an effect that is written is no part of a repaired model.
+pub(crate) fn part_stays_out(effect: &str, formula: &Formula) -> Option<String> {
+    formula.nuisance.as_ref().map(|_| {
+        format!(
+            "{effect} ({}) is written with what is the same in each record; what has a phase of its own \
+             there stays out of the repaired model",
+            formula.name
+        )
+    })
 }
 
 /// A text as a part of a structured name.

@@ -1,38 +1,70 @@
 //! Timing and amplifier.
 
 use components::effects;
+use model::Effect;
 
 use super::{Family, Formula, Free, Setting, Slot};
 use crate::block::{Block, Span};
 use crate::converter::Gaps;
+use crate::jitter;
+use crate::nuisance::Nuisance;
 
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
-    all.push(Family::new(&effects::DELAY, delay(s)));
-    all.push(Family::new(&effects::CLOCK_OFFSET, clock()));
+    all.push(delay(s));
+    all.push(clock(s));
     all.push(Family::new(&effects::DAC_QUANTISATION, quantiser(s)));
     all.push(Family::new(&effects::AMPLIFIER_BANDWIDTH, lags(s, Slot::Amplifier)));
     all.push(Family::new(&effects::AMPLIFIER_SLEW, slew(s)));
     all.push(Family::new(&effects::AMPLIFIER_SATURATION, saturation(s)));
 }
 
-fn delay(s: &Setting<'_>) -> Vec<Formula> {
+fn delay(s: &Setting<'_>) -> Family {
     let longest = (50.0 * s.sample).min(0.1 * s.length);
     let time = Free::log("delay", "s", 0.01 * s.sample, longest).step(0.05);
     let starts = [0.3, 1.0, 3.0, 10.0].map(|k| vec![k * s.sample]);
-    vec![
-        Formula::new("transport delay")
-            .block(Slot::Command, Block::Delay, vec![time])
-            .starts(starts),
-    ]
+    let constant = Formula::new("transport delay")
+        .block(Slot::Command, Block::Delay, vec![time])
+        .starts(starts);
+    instants(&effects::DELAY, constant, "transport delay that swings", s)
 }
 
-fn clock() -> Vec<Formula> {
+fn clock(s: &Setting<'_>) -> Family {
     let offset = Free::linear("offset", "1", -1e-2, 1e-2).step(1e-6);
-    vec![
-        Formula::new("offset of the clock")
-            .block(Slot::Reading, Block::Clock, vec![offset])
-            .start(&[0.0]),
-    ]
+    let constant = Formula::new("offset of the clock")
+        .block(Slot::Reading, Block::Clock, vec![offset])
+        .start(&[0.0]);
+    instants(&effects::CLOCK_OFFSET, constant, "offset of a clock that wanders", s)
+}
+
+/// The same with instants that swing about it, where some frequency is seen in the residual.
+fn swinging(formula: &Formula, name: &'static str, s: &Setting<'_>) -> Option<Formula> {
+    let mut all = Formula { name, ..formula.clone() };
+    all.starts.clear();
+    for start in &formula.starts {
+        all.starts.extend(s.swings.iter().map(|f| [&start[..], &[*f]].concat()));
+    }
+    all.nuisance = Some(Nuisance::Jitter { parameter: formula.parameters.len() });
+    all.screened = formula.parameters.len();
+    // Less than a period in a record is a ramp.
+    let lowest = 1.0 / s.length;
+    let frequency = Free::log("frequency", "Hz", lowest, 2.0 * jitter::HIGHEST / s.sample);
+    all.parameters.push(frequency.step(1e-3 * lowest));
+    (!all.starts.is_empty()).then_some(all)
+}
+
+/// A family of instants that are off by a rule, with its formula alone and with instants that swing about
+/// it; where the swing alone is as good there is no such rule.
+fn instants(
+    effect: &'static Effect,
+    formula: Formula,
+    name: &'static str,
+    s: &Setting<'_>,
+) -> Family {
+    let swings = swinging(&formula, name, s);
+    let mut family = Family::new(effect, std::iter::once(formula).chain(swings).collect());
+    let nothing = Formula::new("nothing").start(&[]);
+    family.nulls = swinging(&nothing, "instants that swing", s).into_iter().collect();
+    family
 }
 
 fn quantiser(s: &Setting<'_>) -> Vec<Formula> {

@@ -13,6 +13,8 @@ const CUT_TO_NOISE: f64 = 3.0;
 /// effect's formula seldom cuts so much.
 const CUT_SHARPLY: f64 = 10.0;
 const NEARLY_NOISE: f64 = 1.0;
+/// Part of the gap that is next to nothing, too, where the gap is large.
+const NEARLY_NOTHING: f64 = 0.003;
 /// Part of what two effects leave on held-out rows that a third one must take where it brings little of the
 /// whole: what repairs another effect's formula seldom takes nearly all of it on rows that no fit has seen.
 const REST: f64 = 0.9;
@@ -38,6 +40,12 @@ const NEAR: f64 = 3.0;
 /// Probability that the formulas of several effects are the machine's, from what they leave: two together
 /// imitate much that is in no library, and then leave more than they do of a pair.
 const OF_SEVERAL: f64 = 0.8;
+/// Least trust in each of several names, which says in addition that no other does nearly as well in its
+/// place, that is as good where most of the gap's power goes.
+const OF_CLEAR_NAMES: f64 = 0.6;
+/// Least probability that each of several effects is one, whatever its name, and no repair of the others'
+/// formulas.
+const LIKELY: f64 = 0.5;
 /// Most members that are exchanged once the search stands.
 const MOST_SWAPS: usize = 2;
 /// Part of the fitted rows' gap that must go, and most coefficients of each effect, where the rows that
@@ -63,6 +71,7 @@ impl Search<'_> {
                 first.clone_from(&looked);
             }
             let Some(next) = looked.iter().find_map(|l| l.best.clone()) else { break };
+            let next = self.with_best_formulas(next)?;
             if !self.is_worth_it(&base, &best, &next) {
                 break;
             }
@@ -75,7 +84,7 @@ impl Search<'_> {
         let mut is_last_resort = false;
         if self.max_effects > 1
             && !self.explains_enough(&base, &best)
-            && let Some(pair) = self.pair_of_the_whole(&best, &first, &mut rivals)?
+            && let Some(pair) = self.pair_of_the_whole(&base, &best, &first, &mut rivals)?
         {
             (best, is_last_resort) = (pair, true);
         }
@@ -92,8 +101,49 @@ impl Search<'_> {
             best = base.clone();
         }
         let last = self.believed(&base, best, &mut rivals)?;
-        let alone = self.alone(&base, &last)?;
+        let (last, alone) = self.likely(&base, last, &mut rivals)?;
         Ok(Found { base, last, rivals, first, alone })
+    }
+
+    /// The effects without those that are less likely effects than repairs of the others' formulas, and
+    /// what goes with each.
+    fn likely(
+        &self,
+        base: &Candidate,
+        mut best: Candidate,
+        rivals: &mut Vec<Vec<Looked>>,
+    ) -> Result<(Candidate, Vec<f64>), Failed> {
+        loop {
+            let alone = self.alone(base, &best)?;
+            if best.picks.len() < 2 {
+                return Ok((best, alone));
+            }
+            let sight = self.sight(base);
+            let is_effect = |slot: usize| belief::is_effect(&sight, &best, alone[slot]);
+            let all = (0..best.picks.len()).map(|slot| (slot, is_effect(slot)));
+            match all.min_by(|a, b| a.1.total_cmp(&b.1)) {
+                Some((slot, is_effect)) if is_effect < LIKELY => {
+                    best = self.refit_without(&best, slot)?;
+                    rivals.remove(slot);
+                    best = self.believed(base, best, rivals)?;
+                }
+                _ => return Ok((best, alone)),
+            }
+        }
+    }
+
+    /// The last effect beside the others in the formulas that suit it best: a formula that was the best
+    /// alone imitated a part of what is now explained.
+    fn with_best_formulas(&self, mut best: Candidate) -> Result<Candidate, Failed> {
+        for slot in 0..best.picks.len().saturating_sub(1) {
+            if !has_gap(&best, self.adequate) {
+                break;
+            }
+            if let Some(other) = self.with_another_formula(&best, slot)? {
+                best = other;
+            }
+        }
+        Ok(best)
     }
 
     /// A pair whose first member is not the best single effect: a formula that imitates both, as a lag
@@ -128,6 +178,7 @@ impl Search<'_> {
     /// neither member stands out alone.
     fn pair_of_the_whole(
         &self,
+        base: &Candidate,
         found: &Candidate,
         first: &[Looked],
         rivals: &mut Vec<Vec<Looked>>,
@@ -138,7 +189,9 @@ impl Search<'_> {
         for other in others.take(RIVALS) {
             let looked = self.expand(other)?;
             let Some(pair) = looked.iter().find_map(|l| l.best.clone()) else { continue };
-            if pair.rank < found.rank && left(&pair) < NEARLY_NOISE {
+            let pair = self.with_best_formulas(pair)?;
+            let little = NEARLY_NOISE.max(NEARLY_NOTHING * left(base));
+            if pair.rank < found.rank && left(&pair) < little {
                 *rivals = vec![first.to_vec(), looked];
                 return Ok(Some(pair));
             }
@@ -156,10 +209,7 @@ impl Search<'_> {
     ) -> Result<Candidate, Failed> {
         loop {
             let sight = self.sight(base);
-            if best.picks.is_empty()
-                || !self.explains_enough(base, &best)
-                || (best.picks.len() > 1 && belief::formula_is_known(&sight, &best) < OF_SEVERAL)
-            {
+            if best.picks.is_empty() || !self.explains_enough(base, &best) {
                 return Ok(base.clone());
             }
             best = self.most_probable(&sight, rivals, best);
@@ -171,6 +221,12 @@ impl Search<'_> {
             let worst = (0..best.picks.len())
                 .map(|slot| (slot, trust(slot)))
                 .min_by(|a, b| a.1.total_cmp(&b.1));
+            let is_clear = worst.is_some_and(|(_, trust)| trust >= OF_CLEAR_NAMES)
+                && explained(&base.judged, &best.judged) >= MOST;
+            let is_known = is_clear || belief::formula_is_known(&sight, &best) >= OF_SEVERAL;
+            if best.picks.len() > 1 && !is_known {
+                return Ok(base.clone());
+            }
             match worst {
                 Some((slot, trust)) if trust < belief::TRUSTED => {
                     if best.picks.len() == 1 {

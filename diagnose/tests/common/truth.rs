@@ -44,6 +44,8 @@ pub enum Effect {
     AcCoupling,
     /// A converter of which every fifth code is missing.
     MissingCodes,
+    /// A delay that a bus lets swing by two fifths, in a triangle.
+    SwingingDelay,
 }
 
 impl Effect {
@@ -95,10 +97,12 @@ pub fn input_side(m: &Machine, u: &[f64]) -> Vec<f64> {
     let mut v = u.to_vec();
     for (effect, s) in &m.effects {
         match effect {
-            Effect::Delay => {
-                let shift = 20.0 * s;
+            Effect::Delay | Effect::SwingingDelay => {
                 let old = v.clone();
                 for (k, v) in v.iter_mut().enumerate() {
+                    let turn = (3.3 * k as f64 / RATE).fract();
+                    let swing = if *effect == Effect::Delay { 0.0 } else { 0.4 };
+                    let shift = 20.0 * s * (1.0 + swing * (4.0 * (turn - 0.5).abs() - 1.0));
                     let at = (k as f64 - shift).max(0.0);
                     let (a, f) = (at.floor() as usize, at.fract());
                     *v = old[a] * (1.0 - f) + old[(a + 1).min(old.len() - 1)] * f;

@@ -130,7 +130,8 @@ fn a_pair_is_found_behind_what_takes_a_half_of_both() {
     assert_eq!(listed(&first)[0], 0, "the imitation is the best single effect");
     let mut rivals = marked(1);
     let found = made.families(&[0]);
-    let pair = search.pair_of_the_whole(&found, &first, &mut rivals).unwrap().unwrap();
+    let pair =
+        search.pair_of_the_whole(&made.retuned(), &found, &first, &mut rivals).unwrap().unwrap();
     let mut both = names(&pair);
     both.sort_unstable();
     assert_eq!(both, [1, 2]);
@@ -140,7 +141,9 @@ fn a_pair_is_found_behind_what_takes_a_half_of_both() {
     let made = halved(3.0);
     let (search, found) = (made.search(), made.families(&[0]));
     let first = search.expand(&made.retuned()).unwrap();
-    assert!(search.pair_of_the_whole(&found, &first, &mut rivals).unwrap().is_none());
+    assert!(
+        search.pair_of_the_whole(&made.retuned(), &found, &first, &mut rivals).unwrap().is_none()
+    );
 }
 
 #[test]
@@ -153,6 +156,69 @@ fn several_names_are_given_only_where_they_leave_little() {
     let two = Made::new(&[(3, 12.0), (5, 13.4), (9, 6.0)], &columns);
     let found = two.search().run(two.retuned()).unwrap();
     assert!(found.last.picks.is_empty(), "{:?}", names(&found.last));
+    // A sixteenth: named, unless another name leaves little more.
+    let of = |rival: f64| {
+        let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0)], &[(5, 1.0), (11, rival)]];
+        let made = Made::new(&[(3, 12.0), (5, 13.4), (9, 4.7)], &columns);
+        names(&made.search().run(made.retuned()).unwrap().last)
+    };
+    assert_eq!(of(0.5), [1, 0]);
+    assert!(of(0.12).is_empty(), "{:?}", of(0.12));
+}
+
+/// Two tones of 100 powers of the noise each. A family whose first formula has half of the second tone and a
+/// little that is not there, and whose other one is the first tone alone, and a family with the second tone.
+fn two_formulas() -> Made {
+    let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0), (5, 0.5), (7, 0.3)], &[(5, 1.0)], &[(3, 1.0)]];
+    let mut made = Made::new(&[(3, 10.0), (5, 10.0)], &columns);
+    let own = made.library.remove(2).formulas.remove(0);
+    made.library[0].formulas.push(own);
+    made
+}
+
+#[test]
+fn the_formula_that_was_best_alone_gives_way_to_the_one_that_is_best_beside_another_effect() {
+    let made = two_formulas();
+    let search = made.search();
+    assert_eq!(made.with(&[(0, 0)]).picks.len(), 1);
+    assert!(made.with(&[(0, 0)]).rank < made.with(&[(0, 1)]).rank, "it imitates both");
+    let found = search.run(made.retuned()).unwrap();
+    let mut picks = found.last.picks.clone();
+    picks.sort_unstable();
+    assert_eq!(picks, [(0, 1), (1, 0)]);
+    // With the tones apart from each other nothing is better than what stands.
+    let right = made.with(&[(0, 1), (1, 0)]);
+    assert!(search.with_another_formula(&right, 0).unwrap().is_none());
+    assert!(search.with_another_formula(&right, 1).unwrap().is_none(), "it has one formula");
+}
+
+#[test]
+fn of_a_large_gap_a_pair_of_the_last_resort_may_leave_more_than_the_noise() {
+    // Imitated by half, as above, at 1000 powers each, with 4 of something else.
+    let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0), (5, 1.0), (7, 1.3)], &[(3, 1.0)], &[(5, 1.0)]];
+    for (more, is_taken) in [(2.0, true), (3.0, false)] {
+        let made = Made::new(&[(3, 32.0), (5, 32.0), (9, more)], &columns);
+        let (search, found) = (made.search(), made.families(&[0]));
+        let base = made.retuned();
+        let first = search.expand(&base).unwrap();
+        let pair = search.pair_of_the_whole(&base, &found, &first, &mut marked(1)).unwrap();
+        assert_eq!(pair.is_some(), is_taken, "{more}");
+    }
+}
+
+#[test]
+fn of_several_effects_one_that_is_more_likely_a_repair_is_not_named() {
+    let of = |third: f64| {
+        let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]];
+        let made = Made::new(&[(3, 20.0), (5, 15.0), (7, third), (9, 0.4)], &columns);
+        let found = made.search().run(made.retuned()).unwrap();
+        assert_eq!(found.alone.len(), found.last.picks.len());
+        assert_eq!(found.rivals.len(), found.last.picks.len());
+        names(&found.last)
+    };
+    // Of 628 powers 3 go with it, and 0.2 are left: as a repair of what the others leave would do.
+    assert_eq!(of(1.7), [0, 1]);
+    assert_eq!(of(5.0), [0, 1, 2]);
 }
 
 #[test]
