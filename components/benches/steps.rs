@@ -144,3 +144,30 @@ fn preisach_120_levels_relay_by_relay(bencher: Bencher<'_, '_>) {
         total
     });
 }
+
+/// 19 modes over three axes: a steering mirror.
+#[divan::bench]
+fn modal_matrix_19_of_3(bencher: Bencher<'_, '_>) {
+    const MODES: usize = 19;
+    let component = find("modal-matrix").expect("registered");
+    let structure = [3.0, 9.0, MODES as f64, 9.0 * MODES as f64];
+    let frequencies = (0..MODES).map(|k| 200.0 + 140.0 * k as f64);
+    let residues = (0..18 * MODES).map(|k| (0.7 * k as f64).sin());
+    let direct = (0..9).map(|k| 0.1 * f64::from(k));
+    let dampings = [0.01; MODES];
+    let parameters: Vec<f64> = direct.chain(frequencies).chain(dampings).chain(residues).collect();
+    let sizes = component.sizes(&structure, T);
+    let (mut coefficients, mut state) = (vec![0.0; sizes.coefficients], vec![0.0; sizes.states]);
+    component.prepare(&structure, &parameters, T, &mut coefficients).expect("valid");
+    let mut y = [0.0; 3];
+    component.rest(&coefficients, &[0.0; 3], &mut state, &mut y);
+    let signal = noise();
+    bencher.counter(ItemsCount::new(STEPS)).bench_local(move || {
+        for (index, u) in signal.iter().enumerate() {
+            let tick = Tick { index: index as u64, time: index as f64 * T, period: T };
+            let x = black_box([*u, -*u, 0.5 * u]);
+            component.step(&coefficients, &mut state, tick, &x, &mut y);
+        }
+        y[0]
+    });
+}

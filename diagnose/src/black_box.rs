@@ -264,16 +264,16 @@ impl BlackBox {
             slave.set_start(name, &Value::Real(value + shift))?;
         }
         let mut values = vec![0.0; names.len()];
-        let mut fill = |row: usize, value: f64| {
-            values[0] = shared.units.0.from_si(value);
-            for (v, other) in values[1..].iter_mut().zip(&record.others) {
+        let fill = |values: &mut [f64], row: usize, value: f64| {
+            let Some((driven, rest)) = values.split_first_mut() else { return };
+            *driven = shared.units.0.from_si(value);
+            for (v, other) in rest.iter_mut().zip(&record.others) {
                 *v = other.get(row).copied().unwrap_or(0.0);
             }
-            values.clone()
         };
-        let first = fill(0, x.first().copied().unwrap_or(0.0));
+        fill(&mut values, 0, x.first().copied().unwrap_or(0.0));
         slave.enter_initialization()?;
-        slave.set(&inputs, &first)?;
+        slave.set(&inputs, &values)?;
         slave.exit_initialization()?;
         let mut y = [0.0];
         for (row, time) in times.iter().enumerate().take(out.len()) {
@@ -288,7 +288,8 @@ impl BlackBox {
             if row + 1 >= out.len() {
                 break;
             }
-            slave.set(&inputs, &fill(row, u))?;
+            fill(&mut values, row, u);
+            slave.set(&inputs, &values)?;
             let step = next - time;
             if let StepResult::Discarded { reached, .. } = slave.step(*time, step)? {
                 return Err(cosim::Error::Discarded {

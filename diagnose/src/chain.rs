@@ -111,6 +111,11 @@ pub(crate) struct Chain {
 }
 
 impl Chain {
+    /// Whether an FMU is part of it.
+    pub(crate) fn has_black_box(&self) -> bool {
+        self.nodes.iter().any(|node| matches!(node, Node::BlackBox(_)))
+    }
+
     /// For each parameter the number of the parameter of `from` that it continues: the model's own by
     /// name, those of effects in their order.
     pub(crate) fn origin(&self, from: &Self) -> Vec<Option<usize>> {
@@ -138,6 +143,7 @@ pub(crate) enum Horizon {
 }
 
 /// Simulates one chain over all records and keeps the signals between the nodes.
+#[derive(Clone)]
 pub(crate) struct Bench<'a> {
     pub(crate) chain: &'a Chain,
     pub(crate) data: &'a DataSet,

@@ -7,6 +7,7 @@
 use std::sync::atomic::AtomicU64;
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::chain::{Bench, Chain, Failed, Horizon};
 use crate::data_set::DataSet;
@@ -201,33 +202,40 @@ impl<'a> Work<'a> {
         self.point(theta, residual)
     }
 
-    /// Sensitivities of the residual to some parameters by forward differences.
+    /// Sensitivities of the residual to some parameters; with an FMU in the chain, whose runs take nearly all
+    /// the time, side by side.
     fn columns(
         &mut self,
         point: &Point,
         which: impl IntoIterator<Item = usize>,
     ) -> Result<Vec<Vec<f64>>, Failed> {
-        let mut columns = Vec::new();
-        for k in which {
-            let parameter = &self.chain().parameters[k];
-            let (low, high) = (parameter.low, parameter.high);
-            let up = point.theta[k] + parameter.step <= high;
-            let step = if up { parameter.step } else { -parameter.step };
-            let mut moved_by = |step: f64| {
-                let mut theta = point.theta.clone();
-                theta[k] += step;
-                // With the step that the coordinate really made.
-                Ok((theta[k] - point.theta[k], self.beside(&theta)?.residual))
-            };
-            let (step, moved) = match moved_by(step) {
-                // An FMU may fail on one side of its own value.
-                Err(Failed) if (low..=high).contains(&(point.theta[k] - step)) => moved_by(-step)?,
-                done => done?,
-            };
-            let column = moved.iter().zip(&point.residual).map(|(a, b)| (a - b) / step);
-            columns.push(column.collect());
+        let which: Vec<usize> = which.into_iter().collect();
+        if which.len() > 1 && self.chain().has_black_box() {
+            let copy = || Work { bench: self.bench.clone(), projector: None, ..*self };
+            let all = which.par_iter().map_init(copy, |work, k| work.column(point, *k));
+            return all.collect();
         }
-        Ok(columns)
+        which.into_iter().map(|k| self.column(point, k)).collect()
+    }
+
+    /// Sensitivity of the residual to one parameter by a forward difference.
+    fn column(&mut self, point: &Point, k: usize) -> Result<Vec<f64>, Failed> {
+        let parameter = &self.chain().parameters[k];
+        let (low, high) = (parameter.low, parameter.high);
+        let up = point.theta[k] + parameter.step <= high;
+        let step = if up { parameter.step } else { -parameter.step };
+        let mut moved_by = |step: f64| {
+            let mut theta = point.theta.clone();
+            theta[k] += step;
+            // With the step that the coordinate really made.
+            Ok((theta[k] - point.theta[k], self.beside(&theta)?.residual))
+        };
+        let (step, moved) = match moved_by(step) {
+            // An FMU may fail on one side of its own value.
+            Err(Failed) if (low..=high).contains(&(point.theta[k] - step)) => moved_by(-step)?,
+            done => done?,
+        };
+        Ok(moved.iter().zip(&point.residual).map(|(a, b)| (a - b) / step).collect())
     }
 
     /// The known sensitivities as this chain sees them: its own terms per record taken out.
