@@ -3,6 +3,7 @@
 //! A change of a parameter only runs the nodes from its own on; what comes before is kept. This makes
 //! the sensitivities, of which a diagnosis needs thousands, cheap.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use model::{ComponentRef, Tick};
@@ -143,13 +144,12 @@ pub(crate) enum Horizon {
 }
 
 /// Simulates one chain over all records and keeps the signals between the nodes.
-#[derive(Clone)]
 pub(crate) struct Bench<'a> {
     pub(crate) chain: &'a Chain,
     pub(crate) data: &'a DataSet,
     horizon: Horizon,
     /// Signals behind each node at the kept point.
-    edges: Vec<Vec<f64>>,
+    edges: Arc<Vec<Vec<f64>>>,
     /// The same at a point beside it.
     aside: Vec<Vec<f64>>,
     at: Option<Vec<f64>>,
@@ -164,7 +164,14 @@ impl<'a> Bench<'a> {
         count: &'a AtomicU64,
     ) -> Self {
         let signals = || vec![Vec::new(); chain.nodes.len()];
-        Self { chain, data, horizon, edges: signals(), aside: signals(), at: None, count }
+        let edges = Arc::new(signals());
+        Self { chain, data, horizon, edges, aside: signals(), at: None, count }
+    }
+
+    /// The same about the kept point, for points beside it.
+    pub(crate) fn at_kept_point(&self) -> Self {
+        let aside = vec![Vec::new(); self.chain.nodes.len()];
+        Self { edges: Arc::clone(&self.edges), aside, at: self.at.clone(), ..*self }
     }
 
     /// Simulates at `theta` and keeps the signals; the output signal over the grid.
@@ -175,9 +182,9 @@ impl<'a> Bench<'a> {
         };
         self.at = None;
         for k in first..self.chain.nodes.len() {
-            let mut out = std::mem::take(&mut self.edges[k]);
+            let mut out = std::mem::take(&mut Arc::make_mut(&mut self.edges)[k]);
             let done = self.run(k, theta, first, false, &mut out);
-            self.edges[k] = out;
+            Arc::make_mut(&mut self.edges)[k] = out;
             done?;
         }
         self.count.fetch_add(1, Ordering::Relaxed);

@@ -4,6 +4,7 @@
 //! noise, and the priors of the model's own parameters must not be overruled by its size. N_eff is the
 //! number of rows over the correlation length of residuals.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use nalgebra::{DMatrix, DVector};
@@ -60,7 +61,7 @@ struct Point {
 struct Work<'a> {
     bench: Bench<'a>,
     fitter: Fitter<'a>,
-    projector: Option<(Vec<f64>, Projector)>,
+    projector: Option<(Vec<f64>, Arc<Projector>)>,
 }
 
 impl<'a> Fitter<'a> {
@@ -167,7 +168,7 @@ impl<'a> Work<'a> {
             && self.projector.as_ref().is_some_and(|(of, _)| *of == key);
         if !is_current {
             let projector = Projector::new(&chain.nuisances, values, self.fitter.data, simulated);
-            self.projector = Some((key, projector));
+            self.projector = Some((key, Arc::new(projector)));
         }
         if let Some((_, projector)) = &self.projector {
             projector.project(&mut residual);
@@ -202,16 +203,18 @@ impl<'a> Work<'a> {
         self.point(theta, residual)
     }
 
-    /// Sensitivities of the residual to some parameters; with an FMU in the chain, whose runs take nearly all
-    /// the time, side by side.
+    /// Sensitivities of the residual to some parameters; those that need runs of an FMU side by side.
     fn columns(
         &mut self,
         point: &Point,
         which: impl IntoIterator<Item = usize>,
     ) -> Result<Vec<Vec<f64>>, Failed> {
         let which: Vec<usize> = which.into_iter().collect();
-        if which.len() > 1 && self.chain().has_black_box() {
-            let copy = || Work { bench: self.bench.clone(), projector: None, ..*self };
+        if self.chain().has_black_box() && which.len() > 1 {
+            let copy = || {
+                let bench = self.bench.at_kept_point();
+                Work { bench, fitter: self.fitter, projector: self.projector.clone() }
+            };
             let all = which.par_iter().map_init(copy, |work, k| work.column(point, *k));
             return all.collect();
         }

@@ -34,6 +34,7 @@ pub(crate) fn of(
     let folds = count.min(FOLDS);
     let judged: Vec<(usize, f64, f64)> = (0..folds)
         .into_par_iter()
+        .with_max_len(1)
         .filter_map(|fold| left_out(fitter, judge, (base, last), (fold, folds)))
         .flatten()
         .collect();

@@ -143,8 +143,12 @@ impl<'a> Search<'a> {
             .flat_map(|family| (0..self.library[family].formulas.len()).map(move |k| (family, k)))
             .filter(|(family, k)| !self.library[*family].formulas[*k].is_stand_in)
             .collect();
-        let screened: Vec<(f64, Vec<f64>)> =
-            jobs.par_iter().map(|job| self.screen(from, &fixed, *job, &linear)).collect();
+        // One by one, here and below: some take many times as long as others.
+        let screened: Vec<(f64, Vec<f64>)> = jobs
+            .par_iter()
+            .with_max_len(1)
+            .map(|job| self.screen(from, &fixed, *job, &linear))
+            .collect();
         let best_of = |family: usize| {
             let own = jobs.iter().zip(&screened).filter(|((f, _), _)| *f == family);
             own.map(|(_, (promise, _))| *promise).fold(f64::NEG_INFINITY, f64::max)
@@ -165,6 +169,7 @@ impl<'a> Search<'a> {
             .collect();
         let fitted: Vec<Option<Candidate>> = to_fit
             .par_iter()
+            .with_max_len(1)
             .map(|k| self.fit_one(from, &fixed, jobs[*k], &screened[*k].1, &linear).ok())
             .collect();
         let mut looked: Vec<Looked> = families
@@ -191,7 +196,7 @@ impl<'a> Search<'a> {
             self.hold_against_nulls(from, &fixed, entry, &linear, as_gain);
         }
         sort(&mut looked);
-        looked.par_iter_mut().take(REFINED).for_each(|entry| self.refine(entry));
+        looked.par_iter_mut().take(REFINED).with_max_len(1).for_each(|entry| self.refine(entry));
         sort(&mut looked);
         Ok(looked)
     }
@@ -365,7 +370,7 @@ impl<'a> Search<'a> {
         (rest.chain, rest.fit.theta) = self.carried(from, &rest.picks)?;
         let fixed = self.formulas(&rest.picks);
         let linear = self.fitter().linearise(&rest.chain, &rest.fit.theta)?;
-        let fitted = others.par_iter().map(|k| {
+        let fitted = others.par_iter().with_max_len(1).map(|k| {
             let (_, start) = self.screen(&rest, &fixed, (family, *k), &linear);
             self.fit_one(&rest, &fixed, (family, *k), &start, &linear).ok()
         });
