@@ -5,6 +5,7 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
 use crate::data_set::DataSet;
+use crate::normal::dot;
 
 /// Frequencies that are tried.
 const MOST: usize = 2;
@@ -77,7 +78,6 @@ pub(crate) fn frequencies(
 
 /// A residual less what it has of a constant, of the rate, and of the rate times the time.
 fn without_steady(residual: &[f64], rate: &[f64]) -> Vec<f64> {
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let middle = 0.5 * (rate.len() as f64 - 1.0);
     let growing = rate.iter().enumerate().map(|(k, v)| v * (k as f64 / middle - 1.0)).collect();
     // Each one less what it has of those before: one after the other they are all together then.
