@@ -16,6 +16,11 @@ use crate::request::{Deviation, Tolerance};
 const MOST_OF_ARRAY: usize = 12;
 /// Where the prior's box ends, in standard deviations.
 const BOX: f64 = 3.0;
+/// What a released parameter can become, over its value.
+const MOST_OF_VALUE: f64 = 10.0;
+/// Damping ratio that a released one can reach whatever its value: a mode that creeps, three times
+/// over critical. The model's may be that of a bare resonance, the machine's that of a damped one.
+const OVERDAMPED: f64 = 3.0;
 /// Deviation of a parameter without a tolerance, relative to its value, as a scale.
 const FREE: f64 = 0.1;
 
@@ -38,6 +43,15 @@ pub(crate) struct BaseParameter {
     pub(crate) has_tolerance: bool,
     /// The effect that stands for it beyond its tolerance.
     pub(crate) effect: Option<&'static str>,
+}
+
+impl BaseParameter {
+    /// How far above its value it can go where an effect releases it, in its own unit.
+    fn most_added(&self) -> f64 {
+        let most = MOST_OF_VALUE * self.value.abs();
+        let reach = if self.effect == Some("damping") { most.max(OVERDAMPED) } else { most };
+        reach - self.value.abs()
+    }
 }
 
 /// The model as it came.
@@ -395,7 +409,7 @@ impl<'a> Composer<'a> {
             }
             of_base.push(Some(parameters.len()));
             let (low, high, prior) = if released(k) {
-                (-0.95 * p.value.abs() / p.deviation, 9.0 * p.value.abs() / p.deviation, 0.0)
+                (-0.95 * p.value.abs() / p.deviation, p.most_added() / p.deviation, 0.0)
             } else {
                 (-BOX, BOX, 1.0)
             };

@@ -106,6 +106,20 @@ fn a_delay_that_swings_is_named_with_its_frequency_alone_and_beside_another_effe
     }
 }
 
+/// A model of the bare resonance, and a machine whose mode creeps.
+#[test]
+fn a_damping_far_above_the_models_is_named_with_its_value() {
+    for damping in [0.3, 1.5] {
+        let machine = Machine { damping, ..Machine::new(43, 1.0) };
+        let gap = diagnose_machine(&machine, machine.logs(), &[]);
+        let names: Vec<&str> = gap.effects.iter().map(|e| e.effect.as_str()).collect();
+        assert_eq!(names, ["damping"], "{damping}: {}", gap.sentence);
+        let found = gap.effects[0].parameters.iter().find(|(name, _)| name.contains("damping"));
+        let value = found.map_or(f64::NAN, |(_, p)| p.value);
+        assert!((value / damping - 1.0).abs() < 0.03, "{damping}: {:?}", gap.effects[0].parameters);
+    }
+}
+
 #[test]
 fn two_forces_on_one_mode_are_both_named() {
     let (found, _, fraction) = names_of(&[(Effect::Friction, 15.0), (Effect::Duffing, 15.0)], 42);
