@@ -1,26 +1,22 @@
 //! The model as it came, as a chain with places where effects go in.
 
+mod compose;
+
 use std::collections::BTreeMap;
 
 use data::CheckedBlueprint;
 use model::{AxisSpec, Conversion, Declaration, NodeSpec, Source, Stage, Unit, unit_on_axis};
 
+use self::compose::Composer;
 use crate::black_box::BlackBox;
 use crate::block::Memory;
-use crate::chain::{Acting, Chain, ComponentNode, Link, Node, Parameter};
+use crate::chain::{Chain, ComponentNode, Node};
 use crate::error::Error;
 use crate::library::{Formula, Slot};
 use crate::request::{Deviation, Tolerance};
 
 /// Parameters of one array that are free one by one; a longer array is free in groups.
 const MOST_OF_ARRAY: usize = 12;
-/// Where the prior's box ends, in standard deviations.
-const BOX: f64 = 3.0;
-/// What a released parameter can become, over its value.
-const MOST_OF_VALUE: f64 = 10.0;
-/// Damping ratio that a released one can reach whatever its value: a mode that creeps, three times
-/// over critical. The model's may be that of a bare resonance, the machine's that of a damped one.
-const OVERDAMPED: f64 = 3.0;
 /// Deviation of a parameter without a tolerance, relative to its value, as a scale.
 const FREE: f64 = 0.1;
 
@@ -43,15 +39,6 @@ pub(crate) struct BaseParameter {
     pub(crate) has_tolerance: bool,
     /// The effect that stands for it beyond its tolerance.
     pub(crate) effect: Option<&'static str>,
-}
-
-impl BaseParameter {
-    /// How far above its value it can go where an effect releases it, in its own unit.
-    fn most_added(&self) -> f64 {
-        let most = MOST_OF_VALUE * self.value.abs();
-        let reach = if self.effect == Some("damping") { most.max(OVERDAMPED) } else { most };
-        reach - self.value.abs()
-    }
 }
 
 /// The model as it came.
@@ -318,14 +305,7 @@ impl Base {
 
     /// The chain with these effects in place.
     pub(crate) fn compose(&self, effects: &[&Formula]) -> Chain {
-        let mut builder = Composer::new(self, effects);
-        for k in 0..=self.nodes.len() {
-            builder.insert(k);
-            if let Some(node) = self.nodes.get(k) {
-                builder.base_node(k, node);
-            }
-        }
-        builder.finish()
+        Composer::compose(self, effects)
     }
 }
 
@@ -382,155 +362,4 @@ fn memory_of(values: &[f64]) -> Option<Memory> {
     let live = r.iter().zip(w).filter(|(r, w)| **r > 0.0 && **w > 0.0);
     let (r, w): (Vec<f64>, Vec<f64>) = live.unzip();
     (!r.is_empty()).then_some(Memory { r, w })
-}
-
-/// Puts a chain together.
-struct Composer<'a> {
-    base: &'a Base,
-    effects: &'a [&'a Formula],
-    nodes: Vec<Node>,
-    parameters: Vec<Parameter>,
-    /// First parameter of each effect.
-    first: Vec<usize>,
-    /// Chain's parameter of each of the base's parameters.
-    of_base: Vec<Option<usize>>,
-    drive: usize,
-}
-
-impl<'a> Composer<'a> {
-    fn new(base: &'a Base, effects: &'a [&'a Formula]) -> Self {
-        let mut parameters = Vec::new();
-        let mut of_base = Vec::new();
-        let released = |k: usize| effects.iter().any(|e| e.releases.contains(&k));
-        for (k, p) in base.parameters.iter().enumerate() {
-            if !p.has_tolerance && !released(k) {
-                of_base.push(None);
-                continue;
-            }
-            of_base.push(Some(parameters.len()));
-            let (low, high, prior) = if released(k) {
-                (-0.95 * p.value.abs() / p.deviation, p.most_added() / p.deviation, 0.0)
-            } else {
-                (-BOX, BOX, 1.0)
-            };
-            parameters.push(Parameter {
-                name: p.name.clone(),
-                unit: p.unit.clone(),
-                low,
-                high,
-                log: false,
-                step: 0.2,
-                prior,
-                node: 0,
-                jumps: false,
-                is_base: true,
-            });
-        }
-        // The output's gain.
-        parameters.push(Parameter {
-            name: "output.gain".to_owned(),
-            unit: "1".to_owned(),
-            low: -BOX,
-            high: BOX,
-            log: false,
-            step: 0.2,
-            prior: 1.0,
-            node: 0,
-            jumps: false,
-            is_base: true,
-        });
-        let mut first = Vec::new();
-        for effect in effects {
-            first.push(parameters.len());
-            parameters.extend(effect.parameters.iter().map(|p| p.to_parameter()));
-        }
-        let nodes = Vec::new();
-        Self { base, effects, nodes, parameters, first, of_base, drive: 0 }
-    }
-
-    /// Inserts the effects whose slot is before node `k` of the base.
-    fn insert(&mut self, k: usize) {
-        for slot in Slot::ALL {
-            if self.base.slots.get(&slot) != Some(&k) {
-                continue;
-            }
-            for (effect, first) in self.effects.iter().zip(self.first.clone()) {
-                let mut at = first;
-                for piece in &effect.pieces {
-                    if piece.slot == slot {
-                        self.touch(at, piece.count);
-                        self.nodes.push(Node::Block {
-                            block: piece.block.clone(),
-                            first: at,
-                            count: piece.count,
-                            aux: piece.aux,
-                        });
-                    }
-                    at += piece.count;
-                }
-            }
-        }
-    }
-
-    /// Says that these parameters act from the node that comes next.
-    fn touch(&mut self, first: usize, count: usize) {
-        let node = self.nodes.len();
-        for p in &mut self.parameters[first..first + count] {
-            p.node = node;
-        }
-    }
-
-    fn base_node(&mut self, k: usize, node: &Node) {
-        if k == self.base.actuator {
-            self.drive = self.nodes.len();
-        }
-        let here = self.nodes.len();
-        let mut links = Vec::new();
-        for (p, chain) in self.base.parameters.iter().zip(&self.of_base) {
-            let Some(parameter) = *chain else { continue };
-            let link = |index, deviation| Link { parameter, index, deviation };
-            if p.node == k {
-                self.parameters[parameter].node = here;
-                links.extend(p.indices.iter().map(|(index, deviation)| link(*index, *deviation)));
-            }
-            let also = p.also.iter().filter(|(node, ..)| *node == k);
-            links.extend(also.map(|(_, index, deviation)| link(*index, *deviation)));
-        }
-        let mut node = node.clone();
-        match &mut node {
-            Node::Component(component) | Node::BeforeMode(component) => component.links = links,
-            Node::BlackBox(fmu) => fmu.links = links,
-            _ => {}
-        }
-        let acting = |(effect, first): (&&Formula, &usize)| {
-            let (force, centre, half) = effect.force?;
-            Some(Acting { force, first: *first, far: centre.abs() + half })
-        };
-        let forces: Vec<Acting> = self.effects.iter().zip(&self.first).filter_map(acting).collect();
-        match node {
-            Node::Component(mode) if self.base.mode == Some(k) && !forces.is_empty() => {
-                forces.iter().for_each(|a| self.touch(a.first, a.force.count()));
-                self.nodes.push(Node::Forced { mode, forces });
-            }
-            node => self.nodes.push(node),
-        }
-    }
-
-    fn finish(mut self) -> Chain {
-        let gain = self.parameters.iter().position(|p| p.name == "output.gain").unwrap_or(0);
-        self.touch(gain, 1);
-        self.nodes.push(Node::Gain { parameter: gain, deviation: self.base.gain_tolerance });
-        let mut nuisances = Vec::new();
-        for (effect, first) in self.effects.iter().zip(&self.first) {
-            if let Some(nuisance) = &effect.nuisance {
-                nuisances.push(nuisance.shifted(*first));
-                let end = self.nodes.len();
-                let own: usize = effect.pieces.iter().map(|p| p.count).sum();
-                for p in &mut self.parameters[first + own..first + effect.parameters.len()] {
-                    p.node = end;
-                }
-            }
-        }
-        Chain { nodes: self.nodes, parameters: self.parameters, drive: self.drive, nuisances }
-    }
 }
