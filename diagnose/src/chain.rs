@@ -3,6 +3,7 @@
 //! A change of a parameter only runs the nodes from its own on; what comes before is kept. This makes
 //! the sensitivities, of which a diagnosis needs thousands, cheap.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -12,7 +13,7 @@ use surround::ForcedMode;
 
 use crate::black_box::BlackBox;
 use crate::block::{Block, Wires};
-use crate::data_set::DataSet;
+use crate::data_set::{DataSet, RecordData};
 
 /// A parameter of a chain, in the coordinate in which it is fitted.
 #[derive(Clone, Debug, PartialEq)]
@@ -237,22 +238,15 @@ impl<'a> Bench<'a> {
         let drive = self.edge(self.chain.drive.min(k), first, aside);
         out.resize(self.data.command.len(), 0.0);
         let Some(node) = self.chain.nodes.get(k) else { return Err(Failed) };
+        if let Node::Component(component) = node {
+            let mut lanes = self.lanes(x, out);
+            return component.run(theta, self.data.step, &mut lanes);
+        }
         let parameters = &self.chain.parameters;
-        for record in &self.data.records {
-            let end = match self.horizon {
-                Horizon::All => record.hits.end,
-                Horizon::Training => record.training_hits_end,
-            };
-            let range = record.hits.start..end;
-            if range.is_empty() {
-                continue;
-            }
+        for (record, range) in self.ranges() {
             let (x, out) = (&x[range.clone()], &mut out[range.clone()]);
             match node {
-                Node::Component(node) => {
-                    let command = &self.data.command[range.clone()];
-                    node.run(theta, (x, command), self.data.step, out)?;
-                }
+                Node::Component(_) => {}
                 Node::BeforeMode(mode) => {
                     let &[frequency, damping, _] = mode.values_at(theta).as_slice() else {
                         return Err(Failed);
@@ -282,12 +276,48 @@ impl<'a> Bench<'a> {
                 }
                 Node::BlackBox(fmu) => fmu.run(theta, record, x, out)?,
             }
-            // A NaN or an infinity anywhere stays until the end in every recursive block.
-            if out.last().is_none_or(|last| !last.is_finite()) {
-                return Err(Failed);
-            }
+            ends_finite(out)?;
         }
         Ok(())
+    }
+
+    /// The records that are simulated, with their hits.
+    fn ranges(&self) -> impl Iterator<Item = (&'a RecordData, Range<usize>)> {
+        let horizon = self.horizon;
+        let range = move |record: &RecordData| match horizon {
+            Horizon::All => record.hits.clone(),
+            Horizon::Training => record.hits.start..record.training_hits_end,
+        };
+        self.data.records.iter().map(move |r| (r, range(r))).filter(|(_, range)| !range.is_empty())
+    }
+
+    /// Input, command and output of each record.
+    fn lanes<'s>(&'s self, x: &'s [f64], out: &'s mut [f64]) -> Vec<Lane<'s>> {
+        let (mut rest, mut at) = (out, 0);
+        let mut lanes = Vec::with_capacity(self.data.records.len());
+        for (_, range) in self.ranges() {
+            let (out, behind) = rest[range.start - at..].split_at_mut(range.len());
+            (rest, at) = (behind, range.end);
+            let command = &self.data.command[range.clone()];
+            lanes.push(Lane { x: &x[range], command, out, state: Vec::new() });
+        }
+        lanes
+    }
+}
+
+/// One record on its way through a component.
+struct Lane<'a> {
+    x: &'a [f64],
+    command: &'a [f64],
+    out: &'a mut [f64],
+    state: Vec<f64>,
+}
+
+/// A NaN or an infinity anywhere stays until the end in every recursive block.
+fn ends_finite(out: &[f64]) -> Result<(), Failed> {
+    match out.last() {
+        Some(last) if last.is_finite() => Ok(()),
+        _ => Err(Failed),
     }
 }
 
@@ -310,31 +340,42 @@ impl ComponentNode {
         values
     }
 
-    fn run(
-        &self,
-        theta: &[f64],
-        (x, command): (&[f64], &[f64]),
-        step: f64,
-        out: &mut [f64],
-    ) -> Result<(), Failed> {
+    /// Runs records side by side: a step waits for the one before it in its record, and a processor
+    /// goes on with the others meanwhile.
+    fn run(&self, theta: &[f64], step: f64, lanes: &mut [Lane<'_>]) -> Result<(), Failed> {
+        /// Records that are under way at once.
+        const ABREAST: usize = 4;
         let inputs = if self.reads_command { 2 } else { 1 };
         let component = &self.component;
         let sizes = component.sizes(&self.structure, step);
         let mut coefficients = vec![0.0; sizes.coefficients];
-        let mut state = vec![0.0; sizes.states];
         let mut outputs = vec![0.0; component.declaration().outputs.len()];
         let values = self.values_at(theta);
         component.prepare(&self.structure, &values, step, &mut coefficients).map_err(|_| Failed)?;
-        let mut pairs = x.iter().zip(command).zip(out.iter_mut());
-        let Some(((x, u), y)) = pairs.next() else { return Ok(()) };
-        component.rest(&coefficients, &[*x, *u][..inputs], &mut state, &mut outputs);
-        *y = outputs.first().copied().unwrap_or(f64::NAN);
-        for (((x, u), y), index) in pairs.zip(1u64..) {
-            let tick = Tick { index, time: index as f64 * step, period: step };
-            component.step(&coefficients, &mut state, tick, &[*x, *u][..inputs], &mut outputs);
-            *y = outputs[0];
+        for lanes in lanes.chunks_mut(ABREAST) {
+            for Lane { x, command, out, state } in &mut *lanes {
+                state.resize(sizes.states, 0.0);
+                component.rest(&coefficients, &[x[0], command[0]][..inputs], state, &mut outputs);
+                out[0] = outputs.first().copied().unwrap_or(f64::NAN);
+            }
+            // Shorter records end first.
+            lanes.sort_by_key(|lane| std::cmp::Reverse(lane.x.len()));
+            let mut next = 1;
+            for under_way in (1..=lanes.len()).rev() {
+                let lanes = &mut lanes[..under_way];
+                let end = lanes.last().map_or(next, |shortest| shortest.x.len());
+                for n in next..end {
+                    let tick = Tick { index: n as u64, time: n as f64 * step, period: step };
+                    for Lane { x, command, out, state } in &mut *lanes {
+                        let inputs = &[x[n], command[n]][..inputs];
+                        component.step(&coefficients, state, tick, inputs, &mut outputs);
+                        out[n] = outputs[0];
+                    }
+                }
+                next = next.max(end);
+            }
         }
-        Ok(())
+        lanes.iter().try_for_each(|lane| ends_finite(lane.out))
     }
 }
 

@@ -298,11 +298,18 @@ fn setting<'a>(problem: &'a Problem, base: &Candidate, position: Span, sigma: f6
     }
 }
 
-/// Frequencies of lines that the residual has and no command has: of the longest record, or of two. Those of
-/// most records first, then the strongest ones.
+/// Frequencies of lines that the residual has and no command has: of the longest record, or of two, or of one
+/// where most records have a line just there, by whatever command. Those of most records first, then the
+/// strongest ones.
 fn own_lines(data: &DataSet, residual: &[f64], sample: f64) -> Vec<f64> {
     /// Lines that are kept.
     const MOST: usize = 6;
+    /// Most that a multiple is off, in parts of the frequency.
+    const SLOW: f64 = 0.25;
+    /// Records that have a line, where in all but one it may be an answer.
+    const SEEN: usize = 3;
+    /// How near such lines are, over the resolution: a place between lines is known well.
+    const SAME: f64 = 0.25;
     let neighbours = data.aux.iter().filter(|a| a.is_command).map(|a| (&a.hits, a.span));
     let commands: Vec<_> =
         std::iter::once((&data.command, data.command_span)).chain(neighbours).collect();
@@ -310,10 +317,12 @@ fn own_lines(data: &DataSet, residual: &[f64], sample: f64) -> Vec<f64> {
     records.sort_by_key(|rows| std::cmp::Reverse(rows.len()));
     // Frequency, how many records have it, the first of them, place in that one.
     let mut all: Vec<(f64, usize, usize, usize)> = Vec::new();
+    let mut seen: Vec<(f64, f64)> = Vec::new();
     for (record, rows) in records.into_iter().enumerate() {
         let resolution = 2.0 / (rows.len() as f64 * sample);
         let mut lines = spectrum::lines(&residual[rows.clone()], sample, MOST);
         lines.retain(|f| !is_mains(*f));
+        seen.extend(lines.iter().map(|f| (*f, SAME * resolution)));
         for (hits, span) in commands.iter().filter(|(_, span)| span.half > 0.0) {
             let at = data.row_hit[rows.clone()].iter();
             let command: Vec<f64> = at.map(|h| hits[*h as usize] * 1e3 / span.half).collect();
@@ -322,7 +331,8 @@ fn own_lines(data: &DataSet, residual: &[f64], sample: f64) -> Vec<f64> {
             lines.retain(|f| {
                 let is_multiple = driven.first().is_some_and(|d| {
                     let times = (f / d).round().max(1.0);
-                    times <= 20.0 && (f - times * d).abs() < resolution
+                    // Near a multiple of a slow command is every line, if near is not a part of its frequency.
+                    times <= 20.0 && (f - times * d).abs() < resolution.min(SLOW * d)
                 });
                 !is_multiple && driven.iter().all(|d| (f - d).abs() > resolution)
             });
@@ -334,7 +344,8 @@ fn own_lines(data: &DataSet, residual: &[f64], sample: f64) -> Vec<f64> {
             }
         }
     }
-    all.retain(|(_, records, first, _)| *records > 1 || *first == 0);
+    let times = |line: f64| seen.iter().filter(|(f, near)| (f - line).abs() < *near).count();
+    all.retain(|(f, records, first, _)| *records > 1 || *first == 0 || times(*f) >= SEEN);
     all.sort_by(|a, b| b.1.cmp(&a.1).then(a.3.cmp(&b.3)).then(a.0.total_cmp(&b.0)));
     all.into_iter().take(MOST).map(|(f, ..)| f).collect()
 }
@@ -412,5 +423,38 @@ mod tests {
         let found = own_lines(&data, &residual, SAMPLE);
         assert_eq!(found.len(), 2, "{found:?}");
         assert!((found[0] - 123.4).abs() < 0.1 && (found[1] - 333.3).abs() < 0.1, "{found:?}");
+    }
+
+    /// Of a slow command each line is near a multiple; one that stays where it is while commands change is none.
+    #[test]
+    fn a_line_that_all_records_have_is_its_own_though_most_commands_could_cause_it() {
+        const SAMPLE: f64 = 1e-3;
+        const ROWS: usize = 2000;
+        let tone = |f: f64, k: usize| (std::f64::consts::TAU * f * k as f64 * SAMPLE).sin();
+        // Ten times 2.21, seven times 3.28; only the last one has nothing there.
+        let commands = [("a", 2.21), ("b", 3.28), ("c", 138.25)];
+        let record = |(name, f): (&str, f64)| RecordRows {
+            name: name.to_owned(),
+            time: (0..ROWS).map(|k| SAMPLE * k as f64).collect(),
+            command: (0..ROWS).map(|k| tone(f, k)).collect(),
+            y: vec![0.0; ROWS],
+            aux: Vec::new(),
+            others: Vec::new(),
+            run_in: 0,
+            training: 1.0,
+        };
+        let data = DataSet::new(commands.map(record).into(), &[], None);
+        let found = |lines: [f64; 3]| {
+            let mut random = Random::new(5);
+            let rows = lines.iter().flat_map(|f| (0..ROWS).map(move |k| (*f, k)));
+            let residual: Vec<f64> =
+                rows.map(|(f, k)| tone(f, k) + random.uniform() - 0.5).collect();
+            own_lines(&data, &residual, SAMPLE)
+        };
+        let own = found([22.53, 22.53, 22.53]);
+        assert!(matches!(own[..], [f] if (f - 22.53).abs() < 0.05), "{own:?}");
+        // Elsewhere in each: answers.
+        let answers = found([22.1, 22.96, 22.53]);
+        assert!(answers.is_empty(), "{answers:?}");
     }
 }

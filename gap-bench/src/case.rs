@@ -183,25 +183,30 @@ fn several(count: usize, index: usize, random: &mut Random) -> Vec<Wish> {
     wishes
 }
 
-/// The cases that a text such as `200`, `single,none`, `pair:20` or `single/creep:6` (those of a family in
-/// which this effect is withheld) asks for.
+/// The cases that a text such as `200`, `single,none`, `pair:20`, `single/creep:6` (those of a family in
+/// which this effect is withheld) or `8c6a1eda` (the one with this name) asks for.
 ///
 /// # Errors
-/// A family or an effect that there is not, or a count that is none.
+/// A family, an effect or a case that there is not, or a count that is none.
 pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> {
     /// A family, and an effect of it.
     type Meant<'a> = (&'a str, Option<Effect>);
     let Some(text) = text else { return Ok(cases) };
     let refuse = |message: String| Error::Selection { text: text.to_owned(), message };
     let mut limits: Vec<(Option<Meant>, usize)> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
     for item in text.split(',').map(str::trim) {
+        if cases.iter().any(|case| case.id == item) {
+            names.push(item);
+            continue;
+        }
         let (name, count) = item.split_once(':').map_or((item, None), |(n, c)| (n, Some(c)));
         let number = |digits: &str| {
             digits.parse::<usize>().map_err(|_| {
                 let names: Vec<_> = FAMILIES.iter().map(|family| family.name).collect();
                 refuse(format!(
-                    "\"{digits}\" is neither a number nor a family; write a number of cases, or \
-                     families with or without a number, as in pair:20; families are {}",
+                    "\"{digits}\" is neither a number nor a family, nor a case of this seed; write a number \
+                     of cases, or families with or without a number, as in pair:20; families are {}",
                     names.join(", ")
                 ))
             })
@@ -220,7 +225,7 @@ pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> 
             limits.push((None, number(item)?));
         }
     }
-    let has_families = limits.iter().any(|(name, _)| name.is_some());
+    let is_choice = !names.is_empty() || limits.iter().any(|(name, _)| name.is_some());
     let total = limits.iter().filter(|(name, _)| name.is_none()).map(|(_, n)| *n).min();
     let mut kept = Vec::new();
     for case in cases {
@@ -230,13 +235,14 @@ pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> 
                 family == case.family && effect.is_none_or(has)
             })
         };
-        let wanted = match limits.iter_mut().find(|(meant, left)| *left > 0 && is_meant(meant)) {
-            Some((_, left)) => {
-                *left -= 1;
-                true
-            }
-            None => !has_families,
-        };
+        let wanted = names.contains(&case.id.as_str())
+            || match limits.iter_mut().find(|(meant, left)| *left > 0 && is_meant(meant)) {
+                Some((_, left)) => {
+                    *left -= 1;
+                    true
+                }
+                None => !is_choice,
+            };
         if wanted && kept.len() < total.unwrap_or(usize::MAX) {
             kept.push(case);
         }
@@ -311,6 +317,10 @@ mod tests {
         assert!(message.contains("pears") && message.contains("wrong-hysteresis"), "{message}");
         assert!(count("pair:x").is_err());
         assert_eq!(count("single/creep:6,pair:2").unwrap(), 8);
+        let last = FULL.cases().last().map(|case| case.id.clone()).unwrap();
+        assert_eq!(select(FULL.cases(), Some(&last)).unwrap()[0].id, last);
+        assert_eq!(count(&format!("{last},none:3")).unwrap(), 4);
+        assert!(count("00000000:x").is_err());
         let creep = select(FULL.cases(), Some("single/creep")).unwrap();
         assert!(creep.len() >= 90);
         assert!(creep.iter().all(|case| case.order.effects[0].effect == Effect::Creep));

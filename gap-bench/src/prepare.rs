@@ -12,7 +12,7 @@ use crate::label::Label;
 use crate::tool::Tool;
 
 /// Machines that are drawn until one can have the effects at their sizes.
-const DRAWS: u64 = 12;
+const DRAWS: u64 = 60;
 
 /// Where the files of a benchmark lie.
 #[derive(Clone, Debug)]

@@ -20,14 +20,15 @@ use crate::{interrupt, progress};
 /// what is answered, in a random order of the plan; the same command goes on where it was.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop gap-bench --short\n  piezoloop gap-bench --cases 300 -o bench\n  piezoloop gap-bench --cases pair:40,unknown --seed 2 -o bench-2\n  piezoloop gap-bench --cases single/creep:6 -o creep"
+    after_help = "Examples:\n  piezoloop gap-bench --short\n  piezoloop gap-bench --cases 300 -o bench\n  piezoloop gap-bench --cases pair:40,unknown --seed 2 -o bench-2\n  piezoloop gap-bench --cases single/creep:6 -o creep\n  piezoloop gap-bench --seed 2 --cases 8c6a1eda --keep -o one"
 )]
 pub(crate) struct GapBench {
     /// Fewer cases and shorter records
     #[arg(long)]
     short: bool,
-    /// A number of cases, or families with or without an effect and a number; the full benchmark takes hours
-    #[arg(long, value_name = "N|FAMILY[/EFFECT][:N],…")]
+    /// A number of cases, families with or without an effect and a number, or names of cases; the full benchmark
+    /// takes hours
+    #[arg(long, value_name = "N|FAMILY[/EFFECT][:N]|CASE,…")]
     cases: Option<String>,
     /// Seed of the machines
     #[arg(long, value_name = "S", default_value_t = 1)]

@@ -78,14 +78,16 @@ pub(super) fn pole_zero(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     }
 }
 
-/// Adds `share·lag(x)` to `out`, starting from `extra` of the rest value being there already.
-fn add_element(share: f64, time: f64, w: Wires<'_>, out: &mut [f64]) {
+/// Adds `share·lag(x)` to `out` for each share and time, side by side as none waits for another.
+fn add_elements<const N: usize>(elements: &[(f64, f64); N], w: Wires<'_>, out: &mut [f64]) {
     let Some(&first) = w.x.first() else { return };
-    let fraction = -(-w.step / time).exp_m1();
-    let mut z = first;
+    let fractions = elements.map(|(_, time)| -(-w.step / time).exp_m1());
+    let mut states = [first; N];
     for (y, x) in out.iter_mut().zip(w.x) {
-        z += fraction * (x - z);
-        *y += share * z;
+        for (((share, _), fraction), z) in elements.iter().zip(&fractions).zip(&mut states) {
+            *z += fraction * (x - *z);
+            *y += share * *z;
+        }
     }
 }
 
@@ -119,9 +121,10 @@ pub(super) fn elements(block: &Block, p: &[f64]) -> Option<Vec<(f64, f64)>> {
 
 pub(super) fn creep(block: &Block, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     out.copy_from_slice(w.x);
-    for (share, time) in elements(block, p).unwrap_or_default() {
-        add_element(share, time, w, out);
-    }
+    let all = elements(block, p).unwrap_or_default();
+    let (fours, others) = all.as_chunks::<4>();
+    fours.iter().for_each(|four| add_elements(four, w, out));
+    others.iter().for_each(|one| add_elements(&[*one], w, out));
 }
 
 /// `x + a·s + b·s′` with a signal s in steps.
@@ -153,12 +156,8 @@ pub(super) fn droop(p: &[f64], w: Wires<'_>, out: &mut [f64]) {
 pub(super) fn lagged_aux(scale: f64, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     let &[a, bandwidth] = p else { return };
     out.copy_from_slice(w.x);
-    add_element(
-        a / scale,
-        1.0 / (core::f64::consts::TAU * bandwidth),
-        Wires { x: w.aux, ..w },
-        out,
-    );
+    let element = (a / scale, 1.0 / (core::f64::consts::TAU * bandwidth));
+    add_elements(&[element], Wires { x: w.aux, ..w }, out);
 }
 
 pub(super) fn modal_aux(scale: f64, p: &[f64], w: Wires<'_>, out: &mut [f64]) {

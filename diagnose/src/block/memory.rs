@@ -37,8 +37,20 @@ pub(super) fn plays(bank: &[f64], gain: bool, p: &[f64], w: Wires<'_>, out: &mut
     if let &[g] = linear {
         out.iter_mut().zip(w.drive).for_each(|(y, u)| *y += g * u);
     }
-    for (r, weight) in bank.iter().zip(weights) {
-        add_memory(*r, w.drive, out, |_, m| weight * m);
+    let weighted: Vec<(f64, f64)> = bank.iter().copied().zip(weights.iter().copied()).collect();
+    let (fours, others) = weighted.as_chunks::<4>();
+    fours.iter().for_each(|four| add_plays(four, w.drive, out));
+    others.iter().for_each(|one| add_plays(&[*one], w.drive, out));
+}
+
+/// Adds the weighted memory parts of plays, side by side as none waits for another.
+fn add_plays<const N: usize>(plays: &[(f64, f64); N], v: &[f64], out: &mut [f64]) {
+    let mut states = [0.0; N];
+    for (y, u) in out.iter_mut().zip(v) {
+        for ((r, weight), state) in plays.iter().zip(&mut states) {
+            *state = play(*r, *u, *state);
+            *y += weight * (*state - u);
+        }
     }
 }
 
