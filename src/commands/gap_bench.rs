@@ -20,7 +20,7 @@ use crate::{interrupt, progress};
 /// what is answered, in a random order of the plan; the same command goes on where it was.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop gap-bench --short\n  piezoloop gap-bench --cases 300 -o bench\n  piezoloop gap-bench --cases pair:40,unknown --seed 2 -o bench-2\n  piezoloop gap-bench --cases single/creep:6 -o creep\n  piezoloop gap-bench --seed 2 --cases 8c6a1eda --keep -o one"
+    after_help = "Examples:\n  piezoloop gap-bench --short\n  piezoloop gap-bench --cases 300 -o bench\n  piezoloop gap-bench --cases pair:40,unknown --seed 2 -o bench-2\n  piezoloop gap-bench --cases single/creep:6 -o creep\n  piezoloop gap-bench --seed 2 --cases dd146315 --keep -o one"
 )]
 pub(crate) struct GapBench {
     /// Fewer cases and shorter records

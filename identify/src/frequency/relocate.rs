@@ -12,6 +12,7 @@
 
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::Complex;
 use super::rational::{Domain, Rational};
@@ -113,8 +114,8 @@ pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, E
         (0..columns).flat_map(|i| (0..rows).map(move |o| (o, i))).collect();
     // What each element says about σ; and that σ is one on average.
     let mut stack = Mat::<f64>::zeros(elements.len() * (n + 1) + 1, n + 1);
-    let mut scale = 0.0;
-    for (e, &(o, i)) in elements.iter().enumerate() {
+    let mut scale = 0.0_f64;
+    let triangle = |&(o, i): &(usize, usize)| {
         let both: Vec<Vec<Complex>> = phi
             .iter()
             .zip(samples.response)
@@ -125,11 +126,15 @@ pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, E
             .collect();
         let weight = |k: usize| samples.weight[k][(o, i)];
         let power = |k: usize| (weight(k) * samples.response[k][(o, i)].norm()).powi(2);
-        scale += (0..phi.len()).map(power).sum::<f64>();
-        let triangle = stacked(&both, weight).qr().thin_R().to_owned();
+        let power: f64 = (0..phi.len()).map(power).sum();
+        (stacked(&both, weight).qr().thin_R().to_owned(), power)
+    };
+    let triangles: Vec<(Mat<f64>, f64)> = elements.par_iter().map(triangle).collect();
+    for (e, (triangle, power)) in triangles.iter().enumerate() {
+        scale += power;
         for r in 0..=n {
             for c in 0..=n {
-                if let (Some(x), true) = (at(&triangle, n + 1 + r, n + 1 + c), r <= c) {
+                if let (Some(x), true) = (at(triangle, n + 1 + r, n + 1 + c), r <= c) {
                     stack[(e * (n + 1) + r, c)] = x;
                 }
             }
@@ -195,20 +200,20 @@ pub(super) fn residues(
 ) -> Result<(Rational, f64), Error> {
     let phi: Vec<Vec<Complex>> = samples.variable.iter().map(|x| basis.at(*x)).collect();
     let (rows, columns) = samples.response[0].shape();
-    let (mut all, mut sum) = (Vec::new(), 0.0);
-    for i in 0..columns {
-        for o in 0..rows {
-            let weight = |k: usize| samples.weight[k][(o, i)];
-            let matrix = stacked(&phi, weight);
-            let values: Vec<Vec<Complex>> =
-                samples.response.iter().map(|g| vec![g[(o, i)]]).collect();
-            let right = stacked(&values, weight);
-            let c = least_squares(matrix.clone(), right.clone())?;
-            let rest = &right - &matrix * &c;
-            sum += rest.col(0).iter().map(|x| x * x).sum::<f64>();
-            all.push(c.col(0).iter().copied().collect::<Vec<f64>>());
-        }
-    }
+    let element = |(o, i): (usize, usize)| {
+        let weight = |k: usize| samples.weight[k][(o, i)];
+        let matrix = stacked(&phi, weight);
+        let values: Vec<Vec<Complex>> = samples.response.iter().map(|g| vec![g[(o, i)]]).collect();
+        let right = stacked(&values, weight);
+        let c = least_squares(matrix.clone(), right.clone())?;
+        let rest = &right - &matrix * &c;
+        let squares: f64 = rest.col(0).iter().map(|x| x * x).sum();
+        Ok((c.col(0).iter().copied().collect::<Vec<f64>>(), squares))
+    };
+    let elements = (0..rows * columns).into_par_iter().map(|k| element((k % rows, k / rows)));
+    let fitted = elements.collect::<Result<Vec<_>, Error>>()?;
+    let sum: f64 = fitted.iter().map(|(_, squares)| squares).sum();
+    let all: Vec<Vec<f64>> = fitted.into_iter().map(|(c, _)| c).collect();
     let count = (phi.len() * rows * columns) as f64;
     Ok((Rational::from_coefficients(basis, (rows, columns), &all, delay), sum / count))
 }
