@@ -28,6 +28,14 @@ pub(super) struct Samples<'a> {
     pub(super) weight: &'a [DMatrix<f64>],
 }
 
+impl Samples<'_> {
+    /// Row and column of each element, column by column.
+    fn elements(&self) -> Vec<(usize, usize)> {
+        let (rows, columns) = self.response[0].shape();
+        (0..columns).flat_map(|i| (0..rows).map(move |o| (o, i))).collect()
+    }
+}
+
 /// Partial fractions with real coefficients.
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
@@ -109,9 +117,7 @@ fn stacked(rows: &[Vec<Complex>], weight: impl Fn(usize) -> f64) -> Mat<f64> {
 pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, Error> {
     let n = basis.width();
     let phi: Vec<Vec<Complex>> = samples.variable.iter().map(|x| basis.at(*x)).collect();
-    let (rows, columns) = samples.response[0].shape();
-    let elements: Vec<(usize, usize)> =
-        (0..columns).flat_map(|i| (0..rows).map(move |o| (o, i))).collect();
+    let elements = samples.elements();
     // What each element says about σ; and that σ is one on average.
     let mut stack = Mat::<f64>::zeros(elements.len() * (n + 1) + 1, n + 1);
     let mut scale = 0.0_f64;
@@ -199,8 +205,7 @@ pub(super) fn residues(
     delay: f64,
 ) -> Result<(Rational, f64), Error> {
     let phi: Vec<Vec<Complex>> = samples.variable.iter().map(|x| basis.at(*x)).collect();
-    let (rows, columns) = samples.response[0].shape();
-    let element = |(o, i): (usize, usize)| {
+    let element = |&(o, i): &(usize, usize)| {
         let weight = |k: usize| samples.weight[k][(o, i)];
         let matrix = stacked(&phi, weight);
         let values: Vec<Vec<Complex>> = samples.response.iter().map(|g| vec![g[(o, i)]]).collect();
@@ -210,10 +215,10 @@ pub(super) fn residues(
         let squares: f64 = rest.col(0).iter().map(|x| x * x).sum();
         Ok((c.col(0).iter().copied().collect::<Vec<f64>>(), squares))
     };
-    let elements = (0..rows * columns).into_par_iter().map(|k| element((k % rows, k / rows)));
-    let fitted = elements.collect::<Result<Vec<_>, Error>>()?;
+    let fitted = samples.elements().par_iter().map(element).collect::<Result<Vec<_>, Error>>()?;
     let sum: f64 = fitted.iter().map(|(_, squares)| squares).sum();
     let all: Vec<Vec<f64>> = fitted.into_iter().map(|(c, _)| c).collect();
-    let count = (phi.len() * rows * columns) as f64;
-    Ok((Rational::from_coefficients(basis, (rows, columns), &all, delay), sum / count))
+    let count = (phi.len() * all.len()) as f64;
+    let shape = samples.response[0].shape();
+    Ok((Rational::from_coefficients(basis, shape, &all, delay), sum / count))
 }
