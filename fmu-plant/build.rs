@@ -11,7 +11,7 @@ fn main() {
     }
     if target("CARGO_CFG_TARGET_OS") == "windows" && target("CARGO_CFG_TARGET_ENV") == "gnu" {
         // zig as linker is not given rustc's list of exports, and without one exports everything.
-        let list = concat!(env!("CARGO_MANIFEST_DIR"), "/../fmi-bindings/fmi.def");
+        let list = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/fmi-bindings/fmi.def");
         println!("cargo:rerun-if-changed={list}");
         println!("cargo:rustc-cdylib-link-arg={list}");
     }

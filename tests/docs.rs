@@ -151,7 +151,7 @@ fn every_command_of_the_pages_is_run_or_marked() {
 }
 
 fn is_command(line: &str) -> bool {
-    let starts = ["piezoloop ", "cargo ", "pip ", "sh ", "rustup ", "tools/"];
+    let starts = ["piezoloop ", "cargo ", "pip ", "sh ", "rustup ", "dev/tools/"];
     starts.iter().any(|start| line.starts_with(start))
 }
 
@@ -227,7 +227,7 @@ fn the_site_builds_without_a_warning() {
     let Some(python) = foreign::environment("docs") else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let mut site = Command::new(python);
-    site.arg(root().join("tools/site")).arg(env!("CARGO_BIN_EXE_piezoloop")).arg(folder.path());
+    site.arg(root().join("dev/tools/site")).arg(env!("CARGO_BIN_EXE_piezoloop")).arg(folder.path());
     let said = foreign::said(&mut site, folder.path());
     println!("{said}");
     let page = |name: &str| {

@@ -45,7 +45,7 @@ fn only_the_standards_functions_are_exported_and_only_the_c_library_is_needed() 
         assert_eq!((of("fmi2"), of("fmi3")), (44, 75), "{names:?}");
         assert_eq!(names.len(), 44 + 75, "more than the standard's: {names:?}");
         // What Windows' linkers are told to export.
-        let list = include_str!("../fmi-bindings/fmi.def").lines();
+        let list = include_str!("../crates/fmi-bindings/fmi.def").lines();
         let told: BTreeSet<&str> = list.filter_map(|line| line.strip_prefix("    ")).collect();
         assert_eq!(told, names.into_iter().collect());
 
@@ -205,7 +205,7 @@ fn a_library_that_is_given_takes_the_place_of_the_tools_own() {
             let library = packed.binary().expect("a library");
             assert!(std::fs::read(library).expect("a library") == other, "{platform}");
         }
-        // From a folder as tools/portable makes it; a folder that is no platform's is left alone.
+        // From a folder as dev/tools/portable makes it; a folder that is no platform's is left alone.
         let kind = if blueprint == PLANT { "plant" } else { "controller" };
         for platform in ["all/linux64", "all/notes"] {
             let place = folder.path().join(platform);

@@ -78,7 +78,7 @@ pub(crate) struct Diagnose {
     /// Write the repaired model, .toml or .fmu
     #[arg(long, value_name = "FILE")]
     repair: Option<PathBuf>,
-    /// A folder with a folder of this tool's shared libraries per platform, as tools/portable makes
+    /// A folder with a folder of this tool's shared libraries per platform, as dev/tools/portable makes
     /// it: a repaired FMU runs wherever the original does
     #[arg(long, value_name = "FOLDER", requires = "repair")]
     libraries: Option<PathBuf>,

@@ -43,7 +43,7 @@ pub(crate) struct Pack {
     /// which the tool carries (may be given several times)
     #[arg(long = "binary", value_name = "PLATFORM=FILE")]
     binaries: Vec<String>,
-    /// A folder with a folder of this tool's shared libraries per platform, as tools/portable makes
+    /// A folder with a folder of this tool's shared libraries per platform, as dev/tools/portable makes
     /// it: all of them go in
     #[arg(long, value_name = "FOLDER")]
     libraries: Option<PathBuf>,
@@ -319,7 +319,7 @@ fn libraries_of(folder: &Path, kind: &str) -> anyhow::Result<Vec<String>> {
     if found.is_empty() {
         bail!(
             "--libraries {}: no library piezoloop_{kind} lies in a folder of a platform there, such as \
-             linux64/libpiezoloop_{kind}.so; tools/portable makes such a folder",
+             linux64/libpiezoloop_{kind}.so; dev/tools/portable makes such a folder",
             folder.display()
         );
     }

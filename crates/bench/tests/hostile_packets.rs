@@ -1,0 +1,143 @@
+//! Packets that nobody should send: none makes the reader panic, and none is counted twice or not.
+//!
+//! `PIEZOLOOP_PACKETS=10000000 cargo test --release -p piezoloop-bench --test hostile_packets` tries so many.
+#![allow(clippy::print_stdout)]
+
+use bench::packet::{
+    CHECKSUM, Header, Kind, MAX_BYTES, PacketError, Status, decode, encode, length,
+};
+use bench::receive::{Arrival, Counters, Receiver};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+const CHANNELS: usize = 3;
+
+struct Dice(ChaCha8Rng);
+
+impl Dice {
+    fn below(&mut self, n: usize) -> usize {
+        (self.0.next_u32() as usize) % n.max(1)
+    }
+
+    fn one_in(&mut self, n: usize) -> bool {
+        self.below(n) == 0
+    }
+}
+
+/// A packet; mostly of our channels and kind, its sequence near the one before.
+fn packet(dice: &mut Dice, sequence: &mut u32, bytes: &mut [u8]) -> usize {
+    let channels = if dice.one_in(20) { dice.below(129) } else { CHANNELS };
+    *sequence = match dice.below(50) {
+        0 => dice.0.next_u32(),
+        1 => sequence.wrapping_sub(dice.below(2000) as u32),
+        _ => sequence.wrapping_add(1),
+    };
+    let kind = if dice.one_in(20) { Kind::Command } else { Kind::Measurement };
+    let header = Header {
+        kind,
+        channels: channels as u16,
+        sequence: *sequence,
+        status: Status(dice.0.next_u32()),
+        time_ns: dice.0.next_u64(),
+        echo_sequence: dice.0.next_u32() % 8,
+        state: dice.0.next_u32() as u8,
+        reason: dice.0.next_u32() as u8,
+        echo_time_ns: dice.0.next_u64() % 3,
+    };
+    let values: Vec<f64> = (0..channels).map(|_| f64::from_bits(dice.0.next_u64())).collect();
+    encode(&header, &values, bytes)
+}
+
+/// Damages a packet in place; its new length.
+fn damage(dice: &mut Dice, bytes: &mut [u8], length: usize) -> usize {
+    let mut length = length;
+    for _ in 0..dice.below(4) {
+        let place = dice.below(length);
+        bytes[place] = dice.0.next_u32() as u8;
+    }
+    if dice.one_in(8) {
+        length = dice.below(bytes.len() + 1);
+    }
+    // Half of the damaged ones have a checksum that fits the damage.
+    if dice.one_in(2) && length >= CHECKSUM {
+        let checksum = crc32fast::hash(&bytes[..length - CHECKSUM]);
+        bytes[length - CHECKSUM..length].copy_from_slice(&checksum.to_le_bytes());
+    }
+    length
+}
+
+/// What is read is what stands there.
+fn says_the_same(header: &Header, values: &[f64], bytes: &[u8]) {
+    let mut again = [0; MAX_BYTES];
+    let total = encode(header, values, &mut again);
+    assert_eq!(total, bytes.len());
+    assert_eq!(total, length(usize::from(header.channels)));
+    // Bytes 30 and 31 are reserved: whatever a sender puts there is passed over.
+    assert_eq!(again[..30], bytes[..30]);
+    assert_eq!(again[32..total - CHECKSUM], bytes[32..total - CHECKSUM]);
+}
+
+fn total(counters: &Counters) -> u64 {
+    counters.used
+        + counters.late
+        + counters.duplicate
+        + counters.reordered
+        + counters.corrupt
+        + counters.mismatched
+        + counters.not_finite
+        + counters.invalid
+        + counters.stale
+}
+
+#[test]
+fn no_packet_panics_and_each_is_counted_once() {
+    let seed = 20_261;
+    let packets: u64 =
+        std::env::var("PIEZOLOOP_PACKETS").ok().and_then(|n| n.parse().ok()).unwrap_or(1_000_000);
+    let mut dice = Dice(ChaCha8Rng::seed_from_u64(seed));
+    let mut receiver = Receiver::new(Kind::Measurement, CHANNELS, 5);
+    let mut bytes = [0; 2 * MAX_BYTES];
+    let (mut sequence, mut read, mut refused) = (0, 0u64, [0u64; 6]);
+    for _ in 0..packets {
+        let whole = packet(&mut dice, &mut sequence, &mut bytes);
+        let length = match dice.one_in(2) {
+            true => damage(&mut dice, &mut bytes, whole),
+            false => whole,
+        };
+        let mut values = [7.0; CHANNELS];
+        let found = &bytes[..length];
+        match decode(found, Kind::Measurement, &mut values) {
+            Ok(header) => {
+                read += 1;
+                says_the_same(&header, &values, found);
+            }
+            Err(error) => {
+                assert_eq!(values, [7.0; CHANNELS], "a refused packet leaves the values alone");
+                refused[match error {
+                    PacketError::Length(_) => 0,
+                    PacketError::Magic => 1,
+                    PacketError::Checksum => 2,
+                    PacketError::Version(_) => 3,
+                    PacketError::Kind(_) => 4,
+                    PacketError::Channels { .. } => 5,
+                }] += 1;
+            }
+        }
+        let used = receiver.counters().used;
+        let arrival = receiver.receive(found, 6);
+        if matches!(arrival, Arrival::Fresh | Arrival::Restarted) {
+            assert_eq!(receiver.counters().used, used + 1);
+            assert!(receiver.values().iter().all(|value| value.is_finite()));
+            assert_eq!(receiver.values(), values);
+        }
+    }
+    println!(
+        "seed {seed}: {packets} packets, {read} read, refused for length, first bytes, checksum, \
+         version, kind, channels: {refused:?}; {:?}",
+        receiver.counters()
+    );
+    assert_eq!(total(receiver.counters()), packets, "each is counted once");
+    let counters = receiver.counters();
+    let all = [counters.used, counters.late, counters.duplicate, counters.reordered];
+    assert!(refused.iter().chain(&all).all(|count| *count > 0), "everything happened");
+}

@@ -1,0 +1,238 @@
+//! Test FMUs: C sources of `tests/fmus`, compiled by the system's C compiler and packed.
+#![allow(dead_code, unreachable_pub, unused_macros)]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use cosim::{Fmu, InstanceOptions, Slave};
+use modeldescription::description::{BaseUnit, CoSimulation, LogCategory, Unit};
+use modeldescription::package::Platform;
+use modeldescription::structure::Unknown;
+use modeldescription::variable::{
+    Causality, DataType, Dimension, Initial, Start, Variability, Variable,
+};
+use modeldescription::{FmiVersion, ModelDescription, PackageBuilder};
+
+/// A folder with packed test FMUs; removed when dropped.
+pub struct Fmus {
+    folder: tempfile::TempDir,
+}
+
+/// Returns from a test, with a line, where no C compiler is.
+#[macro_export]
+macro_rules! fmus_or_skip {
+    () => {
+        match $crate::common::Fmus::new() {
+            Some(fmus) => fmus,
+            None => {
+                println!("skipped: no C compiler `cc`");
+                return;
+            }
+        }
+    };
+}
+
+impl Fmus {
+    pub fn new() -> Option<Self> {
+        Command::new("cc").arg("--version").output().ok()?;
+        Some(Fmus { folder: tempfile::tempdir().expect("a temporary folder") })
+    }
+
+    pub fn path(&self, file: &str) -> PathBuf {
+        self.folder.path().join(file)
+    }
+
+    /// Compiles a source of `tests/fmus` and packs it with a description.
+    pub fn pack(&self, source: &str, description: &ModelDescription) -> PathBuf {
+        let library = std::fs::read(self.compile(source)).expect("the library");
+        let version = description.fmi_version;
+        let platform = Platform::host().expect("a known platform").folder(version);
+        let mut builder = PackageBuilder::new(description).expect("a valid description");
+        builder.binary(platform, library).expect("one binary");
+        let fmu = self.path(&format!("{source} é.fmu"));
+        builder.write(&fmu).expect("a written package");
+        fmu
+    }
+
+    pub fn compile(&self, source: &str) -> PathBuf {
+        let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fmus");
+        let library = self.path(&format!("{source}.so"));
+        let output = Command::new("cc")
+            .args(["-std=c11", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-o"])
+            .args([&library, &sources.join(format!("{source}.c"))])
+            .output()
+            .expect("the C compiler runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        library
+    }
+
+    pub fn integrator(&self) -> Fmu {
+        Fmu::open(self.pack("integrator", &integrator())).expect("it opens")
+    }
+
+    pub fn controller(&self) -> Fmu {
+        Fmu::open(self.pack("controller", &controller())).expect("it opens")
+    }
+}
+
+pub fn instance(fmu: &Fmu, name: &str) -> Box<dyn Slave> {
+    fmu.instantiate(name, &InstanceOptions::default()).expect("an instance")
+}
+
+fn variable(name: &str, reference: u32, data_type: DataType, causality: Causality) -> Variable {
+    let mut variable = Variable::new(name, reference, data_type);
+    variable.causality = causality;
+    let discrete = !data_type.is_float();
+    match causality {
+        Causality::Parameter => variable.stated_variability = Some(Variability::Fixed),
+        _ if discrete => variable.stated_variability = Some(Variability::Discrete),
+        _ => {}
+    }
+    if matches!(causality, Causality::Parameter | Causality::Input) {
+        variable.start = Some(match data_type {
+            DataType::Boolean => Start::Boolean(vec![true]),
+            DataType::Int32 => Start::Integer(vec![0]),
+            DataType::String => Start::Text(vec![String::new()]),
+            _ => Start::Float(vec![0.0]),
+        });
+    }
+    variable
+}
+
+pub fn real(name: &str, reference: u32, causality: Causality, unit: Option<&str>) -> Variable {
+    let mut variable = variable(name, reference, DataType::Float64, causality);
+    variable.properties.unit = unit.map(str::to_owned);
+    variable
+}
+
+fn described(identifier: &str, variables: Vec<Variable>) -> ModelDescription {
+    let mut description = ModelDescription::new(FmiVersion::V2, identifier, identifier);
+    let mut co_simulation = CoSimulation::new(identifier);
+    co_simulation.can_handle_variable_communication_step_size = true;
+    co_simulation.common.can_get_and_set_fmu_state = identifier != "bare";
+    co_simulation.common.can_serialize_fmu_state = identifier != "bare";
+    description.co_simulation = Some(co_simulation);
+    description.log_categories = vec![LogCategory {
+        name: "logStatus".to_owned(),
+        description: None,
+        line: Default::default(),
+    }];
+    let length = BaseUnit { m: 1, ..BaseUnit::default() };
+    let volt = BaseUnit { kg: 1, m: 2, s: -3, a: -1, ..BaseUnit::default() };
+    description.units =
+        vec![unit("m", length), unit("um", BaseUnit { factor: 1e-6, ..length }), unit("V", volt)];
+    let outputs = variables.iter().enumerate().filter(|(_, v)| v.causality == Causality::Output);
+    let outputs: Vec<Unknown> = outputs.map(|(i, _)| Unknown::new(i as u32 + 1)).collect();
+    description.structure.initial_unknowns.clone_from(&outputs);
+    description.structure.outputs = outputs;
+    description.variables = variables;
+    description
+}
+
+pub fn unit(name: &str, base: BaseUnit) -> Unit {
+    Unit {
+        name: name.to_owned(),
+        base: Some(base),
+        display_units: Vec::new(),
+        line: Default::default(),
+    }
+}
+
+/// `integrator.c` as a plant: `position[1]' = k · command[1]`.
+pub fn integrator() -> ModelDescription {
+    use Causality::{Input, Local, Output, Parameter};
+    let mut k = real("k", 2, Parameter, None);
+    k.stated_variability = Some(Variability::Tunable);
+    k.start = Some(Start::Float(vec![1.0]));
+    let mut limit = real("limit", 3, Parameter, None);
+    limit.start = Some(Start::Float(vec![1e300]));
+    let mut end = real("end", 4, Parameter, None);
+    end.start = Some(Start::Float(vec![1e300]));
+    let mut history = variable("history", 1, DataType::String, Local);
+    history.stated_initial = Some(Initial::Calculated);
+    described(
+        "integrator",
+        vec![
+            real("command[1]", 0, Input, Some("V")),
+            real("position[1]", 1, Output, Some("um")),
+            k,
+            limit,
+            end,
+            variable("steps", 0, DataType::Int32, Output),
+            variable("misbehaviour", 1, DataType::Int32, Input),
+            variable("enabled", 0, DataType::Boolean, Input),
+            variable("label", 0, DataType::String, Parameter),
+            history,
+        ],
+    )
+}
+
+/// `controller.c`: `command[1] = k · (reference[1] − measured[1])`.
+pub fn controller() -> ModelDescription {
+    use Causality::{Input, Output, Parameter};
+    let mut k = real("k", 3, Parameter, None);
+    k.start = Some(Start::Float(vec![1.0]));
+    described(
+        "controller",
+        vec![
+            real("reference[1]", 0, Input, Some("um")),
+            real("measured[1]", 1, Input, Some("um")),
+            real("command[1]", 2, Output, Some("V")),
+            k,
+        ],
+    )
+}
+
+/// `integrator3.c`: `position' = k · command`, of FMI 3.0, with a variable of every type.
+pub fn integrator3() -> ModelDescription {
+    use Causality::{Input, Output, Parameter};
+    let mut k = real("k", 3, Parameter, None);
+    k.start = Some(Start::Float(vec![1.0]));
+    let number = |name: &str, reference: u32, data_type: DataType| {
+        let mut variable = variable(name, reference, data_type, Input);
+        if data_type.integer_range(FmiVersion::V3).is_some() {
+            variable.start = Some(Start::Integer(vec![0]));
+        }
+        variable
+    };
+    let array = |name: &str, reference: u32, causality: Causality, start: &[f64]| {
+        let mut array = real(name, reference, causality, None);
+        array.dimensions = vec![Dimension::Size(3)];
+        array.start = Some(Start::Float(start.to_vec())).filter(|start| !start.is_empty());
+        array
+    };
+    let mut description = described(
+        "integrator3",
+        vec![
+            real("command[1]", 1, Input, Some("V")),
+            real("position[1]", 2, Output, Some("um")),
+            k,
+            variable("label", 4, DataType::String, Parameter),
+            number("f32", 10, DataType::Float32),
+            number("i8", 11, DataType::Int8),
+            number("u8", 12, DataType::UInt8),
+            number("i16", 13, DataType::Int16),
+            number("u16", 14, DataType::UInt16),
+            number("i32", 15, DataType::Int32),
+            number("u32", 16, DataType::UInt32),
+            number("i64", 17, DataType::Int64),
+            number("u64", 18, DataType::UInt64),
+            number("boolean", 19, DataType::Boolean),
+            array("u", 30, Input, &[1.0, 2.0, 3.0]),
+            array("y", 31, Output, &[]),
+        ],
+    );
+    description.fmi_version = FmiVersion::V3;
+    let outputs = vec![Unknown::new(2), Unknown::new(31)];
+    description.structure.initial_unknowns.clone_from(&outputs);
+    description.structure.outputs = outputs;
+    description
+}
+
+/// `bare.c`: `y = 2 · u`.
+pub fn bare() -> ModelDescription {
+    described(
+        "bare",
+        vec![real("u", 0, Causality::Input, None), real("y", 1, Causality::Output, None)],
+    )
+}

@@ -1,0 +1,82 @@
+//! What a diagnosis stands on: noise that was stated too small, a tap, records that are left out.
+
+mod common;
+
+use common::machine::{Machine, blueprint};
+use common::truth::{Effect, input_side};
+use data::Log;
+use diagnose::{Gap, Model, Noise, Request, Silent, Verdict, diagnose};
+
+fn gap_of(logs: Vec<Log>, sigma: f64, change: impl FnOnce(&mut Request)) -> Gap {
+    let mut request = Request::new(Model::Blueprint(Box::new(blueprint())), logs);
+    request.noise = Noise::Given(vec![(None, sigma)]);
+    change(&mut request);
+    diagnose(&request, &mut Silent).unwrap()
+}
+
+#[test]
+fn readings_that_are_noisier_than_stated_lack_nothing_else() {
+    let machine = Machine::new(51, 1.0);
+    let stated = machine.sigma / 2.5;
+    let gap = gap_of(machine.logs(), stated, |_| ());
+    assert_eq!(gap.verdict, Verdict::Effects, "{}", gap.sentence);
+    assert_eq!(gap.effects.len(), 1, "{}", gap.sentence);
+    assert_eq!(gap.effects[0].effect, "sensor_noise", "{}", gap.sentence);
+    let beside = gap.effects[0].parameters["sensor_noise.standard_deviation"].value;
+    let expected = stated * (2.5f64 * 2.5 - 1.0).sqrt();
+    assert!((beside / expected - 1.0).abs() < 0.1, "{beside} {expected}");
+    assert!(!gap.leftover.present && gap.shrink.ci95.is_none(), "{:?}", gap.leftover);
+    // Taken out of the library it is no longer the answer.
+    let without = gap_of(machine.logs(), stated, |r| r.without = vec!["sensor_noise".into()]);
+    assert!(without.effects.iter().all(|e| e.effect != "sensor_noise"), "{}", without.sentence);
+}
+
+#[test]
+fn an_effect_is_not_taken_for_noise() {
+    let machine = Machine::new(52, 1.0).with(Effect::ThermalDrift, 6.0);
+    let gap = gap_of(machine.logs(), machine.sigma, |_| ());
+    assert!(gap.effects.iter().all(|e| e.effect != "sensor_noise"), "{}", gap.sentence);
+}
+
+#[test]
+fn a_monitor_says_that_a_lag_is_before_the_actuator() {
+    let machine = Machine::new(53, 1.0).with(Effect::AmplifierBandwidth, 6.0);
+    let mut logs = machine.logs();
+    for (log, u) in logs.iter_mut().zip(machine.commands()) {
+        // Read before the command of its row acts.
+        let mut v = input_side(&machine, &u);
+        v.rotate_right(1);
+        v[0] = u[0];
+        log.add_column("u_monitor", Some("V"), v).unwrap();
+    }
+    let gap = gap_of(logs, machine.sigma, |r| {
+        let Noise::Given(all) = &mut r.noise else { return };
+        all.push((Some("u_monitor".into()), 0.01));
+    });
+    let outputs: Vec<&str> = gap.outputs.iter().map(|o| o.output.as_str()).collect();
+    assert_eq!(outputs, ["u_monitor", "y"]);
+    assert_eq!(gap.outputs[0].verdict, Verdict::Effects, "{}", gap.sentence);
+    assert!(
+        ["amplifier_bandwidth", "delay"].contains(&gap.outputs[0].effects[0].as_str()),
+        "{:?}",
+        gap.outputs[0].effects
+    );
+    // Behind the monitor nothing is missing.
+    assert!(
+        matches!(gap.outputs[1].verdict, Verdict::Adequate | Verdict::Retune),
+        "{:?}",
+        gap.outputs[1].verdict
+    );
+}
+
+#[test]
+fn whole_records_that_are_left_out_agree() {
+    let machine = Machine::new(54, 1.0).with(Effect::Creep, 6.0);
+    let gap = gap_of(machine.logs(), machine.sigma, |_| ());
+    let second = gap.shrink.second_opinion.expect("four records");
+    assert_eq!(second.records.len(), 4);
+    assert!(second.agrees && second.fraction > 0.6, "{second:?}");
+    // Logs that are held out are an opinion of their own.
+    let gap = gap_of(machine.logs(), machine.sigma, |r| r.holdout = machine.logs());
+    assert!(gap.shrink.second_opinion.is_none());
+}

@@ -1,0 +1,79 @@
+//! What is promised of a repaired blueprint is what it does.
+
+mod common;
+
+use common::machine::{Machine, blueprint};
+use common::truth::Effect;
+use components::COMPONENTS;
+use diagnose::{Model, Noise, Request, Silent, diagnose, examine};
+
+fn request(machine: &Machine) -> Request {
+    let mut request = Request::new(Model::Blueprint(Box::new(blueprint())), machine.logs());
+    request.noise = Noise::Given(vec![(None, machine.sigma)]);
+    request
+}
+
+/// The answer's root mean squares before and after, and that of the written blueprint as it is.
+fn before_after_written(effect: Effect) -> [f64; 3] {
+    let machine = Machine::new(300 + effect as u64, 1.0).with(effect, 10.0);
+    let mut first = examine(&request(&machine), &mut Silent).unwrap();
+    assert!(!first.gap.effects.is_empty(), "{effect:?}: {}", first.gap.sentence);
+    let found = first.gap.shrink.clone();
+    let (repaired, _) = first.repair(blueprint().blueprint());
+    let promised = &first.gap.shrink;
+    assert_eq!(promised.as_found, found.fraction, "{effect:?}");
+    assert_eq!(first.gap.outputs[0].shrink, *promised);
+    let mut again = request(&machine);
+    again.model = Model::Blueprint(Box::new(repaired.check(COMPONENTS).unwrap()));
+    again.max_effects = 0;
+    let second = diagnose(&again, &mut Silent).unwrap();
+    [promised.rms_before, promised.rms_after, second.shrink.rms_as_given]
+}
+
+#[test]
+fn the_answer_speaks_of_the_blueprint_that_is_handed_back() {
+    for effect in [
+        Effect::Asymmetry,
+        Effect::AmplifierSaturation,
+        Effect::Crosstalk,
+        Effect::PolarisationSaturation,
+        Effect::SelfHeating,
+        Effect::CrossCoupling,
+    ] {
+        let [before, after, written] = before_after_written(effect);
+        assert!((written / after - 1.0).abs() < 1e-3, "{effect:?}: {written} is not {after}");
+        assert!(after < 1.02 * before, "{effect:?}: {after} is worse than {before}");
+    }
+}
+
+#[test]
+fn a_component_that_can_do_it_takes_the_gap_away() {
+    for effect in [
+        Effect::Crosstalk,
+        Effect::PolarisationSaturation,
+        Effect::Asymmetry,
+        Effect::AmplifierSaturation,
+        Effect::Friction,
+        Effect::Duffing,
+    ] {
+        let [before, after, _] = before_after_written(effect);
+        assert!(after < 0.3 * before, "{effect:?}: {after} of {before}");
+    }
+}
+
+/// No component holds two forces: the one that is written stays, and the other is told.
+#[test]
+fn a_second_force_on_a_mode_is_told_and_does_not_replace_the_first() {
+    let machine = Machine::new(42, 1.0).with(Effect::Friction, 15.0).with(Effect::Duffing, 15.0);
+    let mut first = examine(&request(&machine), &mut Silent).unwrap();
+    let names: Vec<String> = first.gap.effects.iter().map(|e| e.effect.clone()).collect();
+    assert_eq!(names.len(), 2, "{}", first.gap.sentence);
+    let (repaired, notes) = first.repair(blueprint().blueprint());
+    let is_told = |name: &&String| notes.iter().any(|note| note.starts_with(&format!("{name} (")));
+    let told: Vec<_> = names.iter().filter(is_told).collect();
+    assert_eq!(told.len(), 1, "{names:?}: {notes:?}");
+    let written = names.iter().find(|name| !told.contains(name)).unwrap();
+    let found = format!("{written}, found by diagnosis");
+    let all = &repaired.axes[0].components;
+    assert!(all.iter().any(|c| c.note == found), "{found}: {all:?}");
+}

@@ -1,7 +1,0 @@
-//! Prints the reference of all signals: `cargo run -p piezoloop-signals --example
-//! signals_reference > signals/SIGNALS.md`.
-#![allow(clippy::print_stdout)]
-
-fn main() {
-    print!("{}", piezoloop_signals::document());
-}
