@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use control::{Calibration, CalibrationRecord};
 use data::{Blueprint, Value};
-use identify::{Calibration, CalibrationRecord};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
@@ -70,7 +70,7 @@ impl Calibrate {
         let mut blueprint = self.blueprint.as_deref().map(inputs::blueprint).transpose()?;
         let zeros = self.structural_zeros(blueprint.as_ref().map(|text| &text.blueprint))?;
         let (record, period) = self.record(zeros)?;
-        let calibration = identify::calibrate(&record)?;
+        let calibration = control::calibrate(&record)?;
         if let (Some(text), Some(out)) = (&mut blueprint, &self.out) {
             put(&mut text.blueprint, &calibration)?;
             text.blueprint.check(learned::COMPONENTS)?;

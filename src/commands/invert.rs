@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use identify::{ControlSettings, LoopFigures};
+use control::{ControlSettings, LoopFigures};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
@@ -75,7 +75,7 @@ impl Invert {
             noise: self.noise,
         };
         let observer = &mut progress::Stages::new(screen, "invert");
-        let inversion = identify::invert(&plant, &settings, observer)?;
+        let inversion = control::invert(&plant, &settings, observer)?;
         let mut controller = inversion.controller;
         if self.feedback_only {
             let mut alone = controller.blueprint().clone();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
-use identify::{Gains, LoopVerdict, Ultimate};
+use control::{Gains, LoopVerdict, Ultimate};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
@@ -118,21 +118,21 @@ impl Tune {
         };
         let point = [self.middle, self.amplitude];
         let found = match self.experiment {
-            Experiment::Relay => identify::relay(&mut machine, self.period, point, 20),
-            Experiment::Gain => identify::ultimate_by_gain(&mut machine, self.period, point),
+            Experiment::Relay => control::relay(&mut machine, self.period, point, 20),
+            Experiment::Gain => control::ultimate_by_gain(&mut machine, self.period, point),
         };
-        let impulse = identify::impulse_of(&mut machine, point, self.samples.max(10), 4)?;
+        let impulse = control::impulse_of(&mut machine, point, self.samples.max(10), 4)?;
         let frequencies: Vec<f64> = [0.001, 0.01, 0.1].map(|part| part / self.period).to_vec();
         let judge = |name, gains: Gains| TunedLoop {
             name,
             gains,
-            verdict: identify::judge_loop(&impulse, self.period, &gains, false, &frequencies),
+            verdict: control::judge_loop(&impulse, self.period, &gains, false, &frequencies),
         };
         let mut loops = Vec::new();
         if let Ok(ultimate) = &found {
-            loops.push(judge("Ziegler-Nichols", identify::ziegler_nichols(ultimate)));
+            loops.push(judge("Ziegler-Nichols", control::ziegler_nichols(ultimate)));
         }
-        let robust = identify::robust(&impulse, self.period, self.sensitivity, self.noise)?;
+        let robust = control::robust(&impulse, self.period, self.sensitivity, self.noise)?;
         loops.push(judge("robust", robust));
         let answer = Tuned {
             axis: self.axis,

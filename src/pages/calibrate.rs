@@ -1,6 +1,6 @@
 //! The page of a calibration: the Jacobian with its intervals, measured and computed coordinates.
 
-use identify::{Calibration, CalibrationRecord};
+use control::{Calibration, CalibrationRecord};
 use report::{
     Axis, Column, KeyFigure, Provenance, Report, Role, Section, Table, TimeSeries, Value, Verdict,
     XyLoop,

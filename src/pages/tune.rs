@@ -1,6 +1,7 @@
 //! The page of a tuning: step response, loop and sensitivity over frequency, gains and margins.
 
-use identify::{LoopCurves, frequency::Complex, loop_curves};
+use control::{LoopCurves, loop_curves};
+use identify::frequency::Complex;
 use report::{
     Axis, Bode, Column, KeyFigure, Provenance, Report, Role, Section, Spectrum, Table, TimeSeries,
     Value, Verdict,

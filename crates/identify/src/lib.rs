@@ -1,4 +1,4 @@
-//! From a measured log to a blueprint, and from a plant to its controller.
+//! From a measured log to a blueprint.
 //!
 //! * [`Record`]: what one axis was told and what it did, checked; [`records_of`] takes them from a log.
 //! * [`identify`]: records → plant. The static Prandtl–Ishlinskii model by non-negative least squares
@@ -6,12 +6,9 @@
 //!   and the evidence: figures in simulation mode on rows that were held out, the straight line they
 //!   compare with, and what the data say about each parameter.
 //! * [`simulate`] and [`compare`]: the fit of any plant to any record.
-//! * [`invert`]: plant → controller, the exact inverse as feedforward and a PID loop with stated
-//!   margins; [`simulate_loop`] runs the two.
 //!
 //! Nothing prints; an [`Observer`] is told how far long work is.
 
-mod control;
 mod error;
 mod estimates;
 mod fit;
@@ -29,11 +26,6 @@ mod structure;
 #[cfg(test)]
 mod testing;
 
-pub use control::{
-    Calibration, CalibrationRecord, ControlSettings, CoordinateFit, Gains, Inversion, LoopCurves,
-    LoopFigures, LoopRun, LoopVerdict, Machine, Ultimate, calibrate, impulse_of, invert,
-    judge_loop, loop_curves, relay, robust, simulate_loop, ultimate_by_gain, ziegler_nichols,
-};
 pub use error::{Error, NotInvertible, Problem, SettingsProblem};
 pub use fit::operator::Search;
 pub use fit::swarm::Swarm;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use control::{Calibration, CalibrationRecord, Gains};
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, SignalBlueprint, Value};
 use identify::learned::{Arx, Machine, Run, Series, Span, Teaches, Turns};
-use identify::{Calibration, CalibrationRecord, Gains};
 use model::Kind;
 
 use super::bed::{Bed, Tracked};
@@ -184,7 +184,7 @@ fn calibrate(bed: &mut Bed, inverses: &[Inverse]) -> anyhow::Result<Calibration>
         (1..).zip(lists).map(|(n, list)| (format!("{stem}{n}"), list)).collect()
     };
     let apart = |row: usize| (0..AXES).map(|axis| row < 2 && axis >= 2).collect();
-    Ok(identify::calibrate(&CalibrationRecord {
+    Ok(control::calibrate(&CalibrationRecord {
         motions: named("theta", motions),
         positions: named("p", positions),
         starts: vec![0],
@@ -204,8 +204,8 @@ fn retuned(bed: &mut Bed, inverse: &Inverse) -> anyhow::Result<Gains> {
         let error = |e: anyhow::Error| identify::Error::Tuning { message: format!("{e:#}") };
         all.map(|p| (p[0] - inverse.from) / inverse.span).map_err(error)
     };
-    let impulse = identify::impulse_of(&mut machine, [75.0, 20.0], 60, 4)?;
-    Ok(identify::robust(&impulse, PERIOD, 1.6, 20.0)?)
+    let impulse = control::impulse_of(&mut machine, [75.0, 20.0], 60, 4)?;
+    Ok(control::robust(&impulse, PERIOD, 1.6, 20.0)?)
 }
 
 /// The trajectory at a rate.

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use control::Gains;
 use data::{Blueprint, ComponentBlueprint};
-use identify::Gains;
 use identify::learned::{Arx, Machine, Run, SEED, Series, Span, Teaches, Waves, rms_difference};
 use learned::features::Stops;
 use model::Kind;
@@ -99,10 +99,10 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let gain: f64 = response.iter().sum();
     let printed = Gains { kp: 35.0, ki: 715.0, kd: 0.43, derivative_filter: 0.0 };
     let found = ultimate(&mut bed, [5.0, 0.5], PERIOD, None)?;
-    let rules = identify::ziegler_nichols(&found);
-    let robust = identify::robust(&response, PERIOD, SENSITIVITY, 20.0)?;
+    let rules = control::ziegler_nichols(&found);
+    let robust = control::robust(&response, PERIOD, SENSITIVITY, 20.0)?;
     for (name, gains) in [("printed", printed), ("Ziegler-Nichols", rules), ("robust", robust)] {
-        let verdict = identify::judge_loop(&response, PERIOD, &gains, false, &[5.0, 20.0]);
+        let verdict = control::judge_loop(&response, PERIOD, &gains, false, &[5.0, 20.0]);
         answer.remarks.push(format!(
             "{name} gains kp {:.3} V/um, ki {:.2} V/(um s), kd {:.2e} V s/um: {}",
             gains.kp,

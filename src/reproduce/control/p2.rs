@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use control::Gains;
 use data::{Blueprint, ComponentBlueprint, Value};
-use identify::Gains;
 use identify::learned::{Frame, Machine, Recipe, Span};
 use learned::features::{Features, Narx};
 use learned::lssvm::Settings;
@@ -101,7 +101,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     ));
     let found = ultimate(&mut bed, [5.0, 0.3], PERIOD, notch);
     let response = impulse(&mut bed, [5.0, 0.3], PERIOD, 400, notch)?;
-    let robust = identify::robust(&response, PERIOD, 1.6, 20.0)?;
+    let robust = control::robust(&response, PERIOD, 1.6, 20.0)?;
     let mut laws: Vec<(&str, Gains)> = Vec::new();
     match found {
         Ok(found) => {
@@ -109,7 +109,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
                 "the paper prints no gains; a relay gives K_u {:.4} V/um, T_u {:.4} s",
                 found.gain, found.period
             ));
-            laws.push(("Ziegler-Nichols", identify::ziegler_nichols(&found)));
+            laws.push(("Ziegler-Nichols", control::ziegler_nichols(&found)));
         }
         Err(error) => answer.remarks.push(format!("Ziegler-Nichols: {error}")),
     }

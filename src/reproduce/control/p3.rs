@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::Context;
+use control::Gains;
 use data::{Blueprint, ComponentBlueprint};
-use identify::Gains;
 use identify::learned::{
     Frame, Machine, Recipe, SEED, Search, Span, Waves, by_likelihood, rms_difference,
 };

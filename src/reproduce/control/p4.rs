@@ -5,8 +5,8 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use clap::Parser;
+use control::{ControlSettings, Gains};
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Log, UnitPlace, Value};
-use identify::{ControlSettings, Gains};
 
 use super::bed::{Bed, Tracked};
 use super::learning::{Learned, Learning, learn};
@@ -232,11 +232,11 @@ fn by_trial(bed: &mut Bed, errors: &mut Trial<'_>) -> anyhow::Result<[Gains; 2]>
             let error = |e: anyhow::Error| identify::Error::Tuning { message: format!("{e:#}") };
             bed.step(&commands).map(|p| p[axis]).map_err(error)
         };
-        impulses.push(identify::impulse_of(&mut machine, STEPS, 200, 4)?);
+        impulses.push(control::impulse_of(&mut machine, STEPS, 200, 4)?);
     }
     let mut best: [Option<(f64, Gains)>; 2] = [None; 2];
     for sensitivity in SENSITIVITIES {
-        let gains = |axis: usize| identify::robust(&impulses[axis], PERIOD, sensitivity, 20.0);
+        let gains = |axis: usize| control::robust(&impulses[axis], PERIOD, sensitivity, 20.0);
         let gains = [gains(0)?, gains(1)?];
         let found = errors(bed, gains)?;
         for ((best, gains), error) in best.iter_mut().zip(gains).zip(found) {
@@ -310,7 +310,7 @@ pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let generalised = identified(&log, "generalised-play", "20")?;
     let settings = ControlSettings { period: Some(PERIOD), ..ControlSettings::default() };
     let inversion =
-        identify::invert(&plain.check(learned::COMPONENTS)?, &settings, &mut identify::Silent)?;
+        control::invert(&plain.check(learned::COMPONENTS)?, &settings, &mut identify::Silent)?;
     let inverted = inversion.controller.blueprint().clone();
     say("gains by trial on case 1");
     let first = reference(&CASES[0], spans, TURNS);

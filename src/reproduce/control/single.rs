@@ -1,7 +1,7 @@
 //! Controllers of one axis, and what is judged on them.
 
+use control::Gains;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, SignalBlueprint, Value};
-use identify::Gains;
 use model::Kind;
 
 use super::bed::{Bed, Tracked};
@@ -127,7 +127,7 @@ pub(super) fn impulse(
 ) -> anyhow::Result<Vec<f64>> {
     bed.rest(&[middle], period)?;
     let mut machine = behind(bed, notch, period, middle);
-    Ok(identify::impulse_of(&mut machine, [middle, amplitude], samples, 4)?)
+    Ok(control::impulse_of(&mut machine, [middle, amplitude], samples, 4)?)
 }
 
 /// The ultimate gain of a bed's only axis by a relay.
@@ -136,10 +136,10 @@ pub(super) fn ultimate(
     point: [f64; 2],
     period: f64,
     notch: Option<Notch>,
-) -> anyhow::Result<identify::Ultimate> {
+) -> anyhow::Result<control::Ultimate> {
     bed.rest(&[point[0]], period)?;
     let mut machine = behind(bed, notch, period, point[0]);
-    Ok(identify::relay(&mut machine, period, point, 20)?)
+    Ok(control::relay(&mut machine, period, point, 20)?)
 }
 
 /// The frequency at which a bed's only axis rings after a step, as its samples see it, in Hz.

@@ -16,7 +16,7 @@ const WAVES: (usize, usize) = (24, 6);
 /// Most samples of the waves, and of the slow ones over the whole range.
 const SAMPLES: (usize, usize) = (2500, 500);
 /// Samples of the shortest wave, at least; the longest is so many times as long.
-pub(crate) const SHORTEST: f64 = 50.0;
+pub const SHORTEST: f64 = 50.0;
 const LONGEST: f64 = 20.0;
 /// Most samples of one signal.
 const ROWS: f64 = 4000.0;
@@ -31,18 +31,18 @@ const BAND: [f64; 2] = [20.0 / LONGEST, 20.0];
 /// Fewest stop operators.
 const STOPS: usize = 10;
 /// Error from which an inverse is refused, as a part of the position's range.
-pub(crate) const MOST_ERROR: f64 = 0.1;
+const MOST_ERROR: f64 = 0.1;
 const STAGE: &str = "inverse by an LS-SVM";
 
 /// What an inverse is learned for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Purpose {
+pub struct Purpose {
     /// Sample time in s.
-    pub(crate) period: f64,
+    pub period: f64,
     /// Least and greatest command, within the range that the forward model was shown.
-    pub(crate) commands: [f64; 2],
+    pub commands: [f64; 2],
     /// Greatest frequency of the waves in Hz.
-    pub(crate) highest: f64,
+    pub highest: f64,
 }
 
 /// What is known of a learned inverse.
@@ -68,7 +68,7 @@ pub struct InverseFigures {
 /// # Errors
 /// [`Error::Learned`] where it errs by more than 10 % of the range, or the training fails;
 /// [`Error::Stopped`].
-pub(crate) fn learn(
+pub fn learn(
     forward: &Machine,
     purpose: &Purpose,
     observer: &mut dyn Observer,

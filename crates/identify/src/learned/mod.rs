@@ -7,7 +7,7 @@
 mod arx;
 mod cascade;
 mod evidence;
-pub(crate) mod inverse;
+pub mod inverse;
 mod machine;
 pub(crate) mod plant;
 mod process;

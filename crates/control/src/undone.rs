@@ -13,7 +13,7 @@
 
 use nalgebra::Complex;
 
-use crate::learned::Arx;
+use identify::learned::Arx;
 
 /// Magnitude up to which zeros on the left side are undone exactly.
 const RINGING: f64 = 0.7;

@@ -23,7 +23,7 @@ use nalgebra::Complex;
 use serde::Serialize;
 
 use super::loop_shape::{Limits, Response, Shape, margins, sensitivity, shape};
-use crate::error::Error;
+use identify::Error;
 
 /// The position at the end of one period with a command.
 pub type Machine<'a> = dyn FnMut(f64) -> Result<f64, Error> + 'a;

@@ -6,7 +6,7 @@ use model::{AxisSpec, NodeSpec};
 use nalgebra::Complex;
 
 use super::linearised::{actuator_of, product_of_gains, values};
-use crate::learned::{Arx, Frame, Machine, Recipe, Span, inverse, inverse::Purpose};
+use identify::learned::{Arx, Frame, Machine, Recipe, Span, inverse, inverse::Purpose};
 
 /// The component that is inverted.
 pub(crate) const KIND: &str = "lssvm-stops";

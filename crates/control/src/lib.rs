@@ -1,4 +1,11 @@
 //! From a plant to its controller.
+//!
+//! * [`invert`]: plant → controller, the inverse of what the plant does as feedforward and a PID loop with stated
+//!   margins; [`simulate_loop`] runs the two.
+//! * [`relay`], [`robust`] and others: gains from experiments on a machine.
+//! * [`calibrate`]: the Jacobian of coupled axes from their simultaneous motion.
+//!
+//! Nothing prints; an [`Observer`](identify::Observer) is told how far long work is.
 
 mod calibration;
 mod closed_loop;
@@ -11,6 +18,8 @@ mod undone;
 
 pub use calibration::{Calibration, CalibrationRecord, CoordinateFit, calibrate};
 pub use closed_loop::{LoopRun, simulate_loop};
+pub use identify::learned::InverseFigures;
+pub use identify::{Error, NotInvertible, SettingsProblem};
 pub use invert::{ControlSettings, Inversion, LoopFigures, invert};
 pub use tuning::{
     Gains, LoopCurves, LoopVerdict, Machine, Ultimate, impulse_of, judge_loop, loop_curves, relay,

@@ -3,7 +3,7 @@
 use data::CheckedBlueprint;
 use model::System;
 
-use crate::error::Error;
+use identify::Error;
 
 /// What a closed loop did: one list per axis, one value per communication point.
 #[derive(Clone, Debug, PartialEq)]

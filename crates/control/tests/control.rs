@@ -2,15 +2,15 @@
 
 #![allow(clippy::print_stdout, reason = "figures and seeds are shown with --nocapture")]
 
+#[path = "../../identify/tests/common/mod.rs"]
 mod common;
 
 use core::f64::consts::TAU;
 
 use components::COMPONENTS;
+use control::{ControlSettings, Error, Inversion, invert, simulate_loop};
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint};
-use identify::{
-    ControlSettings, Error, Inversion, Settings, Silent, identify, invert, simulate_loop,
-};
+use identify::{Settings, Silent, identify};
 use model::Kind;
 
 const R: [f64; 10] = [0.0, 6.0, 12.0, 18.0, 24.0, 30.0, 36.0, 42.0, 48.0, 54.0];
@@ -101,7 +101,7 @@ fn ellipses_at_100_hz_are_followed_far_better_with_the_inverse_than_by_feedback_
     };
     let (both, feedback) = (run(&found.controller), run(&feedback_only(&found)));
     for (axis, (name, stroke)) in [("y", 4.0), ("z", 7.0)].into_iter().enumerate() {
-        let error = |run: &identify::LoopRun| {
+        let error = |run: &control::LoopRun| {
             largest_error(&references[axis], &run.position[axis], 5000) / stroke
         };
         let (with, without) = (error(&both), error(&feedback));

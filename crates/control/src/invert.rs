@@ -5,7 +5,7 @@ use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, Signa
 use model::{AxisSpec, Kind};
 use serde::Serialize;
 
-use crate::error::{Error, NotInvertible, SettingsProblem};
+use identify::{Error, NotInvertible, SettingsProblem};
 
 use super::learned_axis::{LearnedAxis, sample_time};
 use super::linearised::{
@@ -13,8 +13,8 @@ use super::linearised::{
 };
 use super::loop_shape::{Limits, Response, Shape, Shaped, shape};
 use super::undone::Undone;
-use crate::learned::{InverseFigures, Machine, inverse};
-use crate::observer::Observer;
+use identify::Observer;
+use identify::learned::{InverseFigures, Machine, inverse};
 
 /// Relative shifts of the modes' frequencies for which the loop keeps its margins.
 const SHIFTS: [f64; 3] = [1.0, 0.9, 1.1];

@@ -19,7 +19,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use crate::error::Error;
+use identify::Error;
 
 /// Least singular value of the standardised motions, relative to the greatest.
 const LEAST_INDEPENDENCE: f64 = 1e-3;

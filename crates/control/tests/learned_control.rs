@@ -2,15 +2,17 @@
 
 #![allow(clippy::print_stdout, reason = "figures and seeds are shown with --nocapture")]
 
+#[path = "../../identify/tests/common/mod.rs"]
 mod common;
 
 use core::f64::consts::TAU;
 
 use common::{Random, target};
+use control::{ControlSettings, Error, Inversion, invert, simulate_loop};
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint};
 use identify::{
-    Columns, ControlSettings, Dynamics, Error, Identification, Inversion, Methods, Observer,
-    Record, Settings, Silent, identify, invert, simulate, simulate_loop,
+    Columns, Dynamics, Identification, Methods, Observer, Record, Settings, Silent, identify,
+    simulate,
 };
 use model::Kind;
 
