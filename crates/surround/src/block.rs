@@ -4,6 +4,7 @@
 //! now; steps may differ in length.
 
 use components::linear::lag_fraction;
+use libm::{expm1, log10, pow};
 use serde::{Deserialize, Serialize};
 
 use crate::mechanics::{Force, ForcedMode, before_mode, dahl, mode};
@@ -411,9 +412,7 @@ impl Block {
                 play + bridge * (x - play)
             }
             (Self::Gain, &[gain]) => x + gain * (x - z.first().copied().unwrap_or(x)),
-            (Self::AgeingGain, &[gain, growth]) => {
-                x + (gain + growth * (1.0 + t / 0.1).log10()) * x
-            }
+            (Self::AgeingGain, &[gain, growth]) => x + (gain + growth * log10(1.0 + t / 0.1)) * x,
             (Self::Warming { half, loss, times }, p) => warming(*half, *loss, times, p, w, dt, z),
             (Self::Dahl, &[size, distance]) => dahl(size, distance, x, z),
             (Self::Heating { half, loss }, &[growth, time]) => {
@@ -470,7 +469,7 @@ impl Block {
             (Self::PowerCreep { shortest, longest }, &[gain, exponent]) => {
                 let middle = (shortest * longest).sqrt();
                 grid(*shortest, *longest)
-                    .for_each(|t| each(0.5 * gain * (t / middle).powf(exponent), t));
+                    .for_each(|t| each(0.5 * gain * pow(t / middle, exponent), t));
             }
             _ => {}
         }
@@ -481,7 +480,7 @@ impl Block {
         let mut z = z.iter_mut();
         self.each_element(p, |share, time| {
             if let Some(z) = z.next() {
-                *z += -(-dt / time).exp_m1() * (x - *z);
+                *z += -expm1(-dt / time) * (x - *z);
                 y += share * *z;
             }
         });
@@ -491,9 +490,9 @@ impl Block {
 
 /// Two elements per decade.
 fn grid(shortest: f64, longest: f64) -> impl Iterator<Item = f64> {
-    let decades = (longest / shortest).log10().max(0.5);
+    let decades = log10(longest / shortest).max(0.5);
     let count = (2.0 * decades).round().max(1.0);
-    (0..count as usize).map(move |i| shortest * 10f64.powf(decades * (i as f64 + 0.5) / count))
+    (0..count as usize).map(move |i| shortest * pow(10.0, decades * (i as f64 + 0.5) / count))
 }
 
 /// Replaces the one number of a state.

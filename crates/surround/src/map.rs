@@ -1,5 +1,7 @@
 //! Maps without memory: value by value.
 
+use libm::{exp, log1p, sin, tanh};
+
 use crate::block::Block;
 
 /// What a map without memory makes of a value.
@@ -20,15 +22,15 @@ pub(crate) fn value(block: &Block, p: &[f64], x: f64) -> f64 {
         (Block::Limits { centre }, &[half]) => centre + (x - centre).clamp(-half, half),
         (Block::SoftLimitAbove, &[limit, width]) => {
             let z = (x - limit) / width;
-            x - width * (z.max(0.0) + (-z.abs()).exp().ln_1p())
+            x - width * (z.max(0.0) + log1p(exp(-z.abs())))
         }
         (Block::Tanh { centre, half }, &[size]) => {
             let a = size * half;
-            centre + a * ((x - centre) / a).tanh()
+            centre + a * tanh((x - centre) / a)
         }
         (Block::SCurve { centre, half }, &[size, shift]) => {
             let z = (x - centre) / half - shift;
-            x - size * half * (z - z.tanh()) / (1.0 - 1f64.tanh())
+            x - size * half * (z - tanh(z)) / (1.0 - tanh(1.0))
         }
         (Block::DeadZones { centre, half }, &[high, low]) => {
             let z = (x - centre) / half;
@@ -40,7 +42,7 @@ pub(crate) fn value(block: &Block, p: &[f64], x: f64) -> f64 {
             x + half * sum * z * z
         }
         (Block::Sine { centre, half }, &[size, cycles, phase]) => {
-            let at = |z: f64| (std::f64::consts::PI * cycles * z + phase).sin();
+            let at = |z: f64| sin(std::f64::consts::PI * cycles * z + phase);
             // Less the chord over the range: a line is a gain, and no nonlinearity.
             let (z, slope) = ((x - centre) / half, 0.5 * (at(1.0) - at(-1.0)));
             x + size * half * (at(z) - slope * z)

@@ -1,5 +1,6 @@
 //! Warmth of an actuator from the power of its drive.
 
+use libm::expm1;
 use serde::{Deserialize, Serialize};
 
 use crate::block::Wires;
@@ -44,7 +45,7 @@ impl Loss {
             let rate = (drive - *before) / dt;
             *before = drive;
             let power = self.power(drive, rate);
-            *warmth += -(-dt / time).exp_m1() * (power - *warmth);
+            *warmth += -expm1(-dt / time) * (power - *warmth);
         }
         *warmth
     }
@@ -69,7 +70,7 @@ pub(crate) fn warming(
     *before = w.drive;
     let (mut grown, mut mean) = (0.0, 0.0);
     for ((z, time), growth) in warmth.iter_mut().zip(times).zip(growths) {
-        *z += -(-dt / time).exp_m1() * (power - *z);
+        *z += -expm1(-dt / time) * (power - *z);
         grown += growth * *z;
         mean += *z / times.len() as f64;
     }
