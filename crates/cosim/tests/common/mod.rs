@@ -236,3 +236,17 @@ pub fn bare() -> ModelDescription {
         vec![real("u", 0, Causality::Input, None), real("y", 1, Causality::Output, None)],
     )
 }
+
+/// `stranger.c`, an FMU of both versions that calls the logger with foreign pointers: `y = 2 · u`.
+pub fn stranger(version: FmiVersion) -> ModelDescription {
+    let mut description = described(
+        "stranger",
+        vec![real("u", 0, Causality::Input, None), real("y", 1, Causality::Output, None)],
+    );
+    description.fmi_version = version;
+    if version == FmiVersion::V3 {
+        description.structure.outputs = vec![Unknown::new(1)];
+        description.structure.initial_unknowns = vec![Unknown::new(1)];
+    }
+    description
+}

@@ -160,7 +160,7 @@ fn print(format: &str, value: Value) -> Option<Vec<u8>> {
 }
 
 /// The text at an address, as far as it is readable; `None` if the address is not.
-fn string_at(address: usize) -> Option<Cow<'static, CStr>> {
+pub(super) fn string_at(address: usize) -> Option<Cow<'static, CStr>> {
     if address == 0 {
         return Some(Cow::Borrowed(c"(null)"));
     }

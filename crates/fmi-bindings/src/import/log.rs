@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::error::Status;
+use super::registry::{self, Speaker};
 use super::text::text_of;
 use crate::fmi2::{fmi2CallbackLogger, fmi2ComponentEnvironment, fmi2Status, fmi2String};
 use crate::fmi3::{fmi3InstanceEnvironment, fmi3Status, fmi3String};
@@ -41,19 +42,27 @@ pub type OnMessage = std::sync::Arc<dyn Fn(&Message) + Send + Sync>;
 
 /// The messages of one instance.
 ///
-/// Its address is the instance's environment pointer, so it stays where it is.
+/// The environment pointer that the instance is given is looked up in a registry and never
+/// followed: FMUs are known that call the logger with other pointers.
 pub struct Log {
     messages: Mutex<VecDeque<Message>>,
     on_message: Option<OnMessage>,
     /// A step, a set or a get changed the floating-point mode. They may run in a cycle, which takes no
     /// lock: the message follows when messages are asked for.
     mode_changed: AtomicBool,
+    /// It was said that the FMU passes a foreign environment pointer.
+    foreign_noted: AtomicBool,
 }
 
 impl Log {
     /// An empty log; `on_message` sees each message as it comes.
     pub fn new(on_message: Option<OnMessage>) -> Self {
-        Log { messages: Mutex::default(), on_message, mode_changed: AtomicBool::new(false) }
+        Log {
+            messages: Mutex::default(),
+            on_message,
+            mode_changed: AtomicBool::new(false),
+            foreign_noted: AtomicBool::new(false),
+        }
     }
 
     /// All messages that are kept (the last 256), oldest first.
@@ -96,6 +105,18 @@ impl Log {
         }
     }
 
+    /// Says, once, that a message came with an environment pointer that no instance was given.
+    fn note_foreign(&self, address: usize) {
+        if !self.foreign_noted.swap(true, Ordering::Relaxed) {
+            let text = format!(
+                "calls the logger with an environment pointer that it was not given ({address:#x}); \
+                 its messages are told apart by thread and name"
+            );
+            let (status, category) = (Status::Warning, super::host::HOST.to_owned());
+            self.push(Message { status, category, text });
+        }
+    }
+
     fn lock(&self) -> MutexGuard<'_, VecDeque<Message>> {
         self.messages.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -113,7 +134,7 @@ impl Log {
 #[rustfmt::skip]
 unsafe extern "C" fn receive(
     environment: fmi2ComponentEnvironment,
-    _instance_name: fmi2String,
+    instance_name: fmi2String,
     status: fmi2Status,
     category: fmi2String,
     message: fmi2String,
@@ -121,17 +142,18 @@ unsafe extern "C" fn receive(
     w8: usize,
     d0: f64, d1: f64, d2: f64, d3: f64, d4: f64, d5: f64, d6: f64, d7: f64,
 ) {
-    use super::format::{Arguments, formatted};
+    use super::format::{Arguments, formatted, string_at};
     if message.is_null() {
         return;
     }
     let words = [w0, w1, w2, w3, w4, w5, w6, w7, w8];
     let doubles = [d0, d1, d2, d3, d4, d5, d6, d7];
-    // SAFETY: the standard promises zero-terminated texts, valid during this call; the environment
-    // is null or the `Log` given at instantiation, which outlives the instance.
+    // An FMU that does not know its environment may not know its name either: it is read with care.
+    let name = || Some(string_at(instance_name.addr())?.to_string_lossy().into_owned());
+    // SAFETY: the standard promises zero-terminated texts, valid during this call.
     unsafe {
         let text = std::ffi::CStr::from_ptr(message);
-        deliver(environment, status.into(), category, || {
+        deliver(environment, name, status.into(), category, || {
             formatted(text, &Arguments { words, doubles })
         });
     }
@@ -149,10 +171,15 @@ unsafe extern "C" fn receive(
     category: fmi2String,
     message: fmi2String,
 ) {
-    // SAFETY: the standard promises null or zero-terminated texts, valid during this call; the
-    // environment is null or the `Log` given at instantiation, which outlives the instance.
+    // SAFETY: the standard promises null or zero-terminated texts, valid during this call.
     unsafe {
-        deliver(environment, status.into(), category, || text_of(message).replace("%%", "%"));
+        deliver(
+            environment,
+            || None,
+            status.into(),
+            category,
+            || text_of(message).replace("%%", "%"),
+        );
     }
 }
 
@@ -164,25 +191,32 @@ pub(crate) unsafe extern "C" fn receive_v3(
     message: fmi3String,
 ) {
     // SAFETY: as for FMI 2.0.
-    unsafe { deliver(environment, status.into(), category, || text_of(message)) };
+    unsafe { deliver(environment, || None, status.into(), category, || text_of(message)) };
 }
 
 /// Puts a message into its log.
 ///
 /// # Safety
-/// `environment` is null or a `Log`; `category` is null or a zero-terminated text.
+/// `category` is null or a zero-terminated text. The environment may be anything.
 unsafe fn deliver(
     environment: *mut c_void,
+    name: impl FnOnce() -> Option<String>,
     status: Status,
     category: *const c_char,
     text: impl FnOnce() -> String,
 ) {
-    // SAFETY: promised by the caller; only shared access is made of the log.
-    let Some(log) = (unsafe { environment.cast::<Log>().as_ref() }) else { return };
-    // SAFETY: promised by the caller.
-    let category = unsafe { text_of(category) };
     // A panic of the user's closure must not unwind into the FMU's C code.
     let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        let log = match registry::speaker(environment, name) {
+            Speaker::Own(log) => log,
+            Speaker::Guessed(log) => {
+                log.note_foreign(environment.addr());
+                log
+            }
+            Speaker::Gone => return,
+        };
+        // SAFETY: promised by the caller.
+        let category = unsafe { text_of(category) };
         log.push(Message { status, category, text: text() });
     }));
 }

@@ -15,6 +15,7 @@ mod error;
 mod format;
 mod host;
 mod log;
+mod registry;
 mod state;
 mod step;
 mod text;

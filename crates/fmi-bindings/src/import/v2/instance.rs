@@ -7,6 +7,7 @@ use std::sync::atomic::Ordering;
 use super::super::error::{CallError, Error, Said, Status};
 use super::super::host::{FloatMode, Folder};
 use super::super::log::{Log, OnMessage, logger};
+use super::super::registry::Token;
 use super::super::state::States;
 use super::super::step::{Experiment, StepResult};
 use super::super::text::{c_text, text_of};
@@ -44,12 +45,11 @@ pub struct Instance {
     /// That of the thread when the instance was made. Gets and sets, which are not looked after one
     /// by one, are found out by the next step.
     mode: FloatMode,
-    // FMUs made for the first releases of 2.0 keep the pointer: the struct lives with the instance.
-    _callbacks: Box<fmi2CallbackFunctions>,
+    token: Token,
 }
 
 // SAFETY: the standard lets an instance be called from any thread, one at a time (section 2.1.2);
-// `&mut self` on every call excludes two at a time. The callbacks point to `Log`, which is `Sync`.
+// `&mut self` on every call excludes two at a time. The environment is no pointer that anyone follows.
 unsafe impl Send for Instance {}
 
 unsafe extern "C" {
@@ -70,23 +70,26 @@ impl Instance {
             return Err(Error::Dead { fmu: name, call: "fmi2Instantiate" });
         }
         let log = Arc::new(Log::new(on_message));
-        let callbacks = Box::new(callbacks(&log));
+        let token = Token::new(&log, &name);
+        let callbacks = token.keep(callbacks(&token));
         let c_name = c_text(&name, "the instance name", &name)?;
         let c_guid = c_text(&name, "the GUID", &guid)?;
         let c_location = c_text(&name, "the resource location", &location)?;
         let (folder, mode) = (Folder::now(), FloatMode::now());
-        // SAFETY: the texts live during the call, callbacks and log as long as the instance.
+        let called = token.call();
+        // SAFETY: the texts live during the call, the callbacks for ever.
         let component = unsafe {
             (library.functions.instantiate)(
                 c_name.as_ptr(),
                 fmi2CoSimulation,
                 c_guid.as_ptr(),
                 c_location.as_ptr(),
-                &raw const *callbacks,
+                callbacks,
                 visible.into(),
                 logging_on.into(),
             )
         };
+        drop(called);
         mode.keep(&log);
         folder.keep(&log, "fmi2Instantiate");
         if component.is_null() {
@@ -102,7 +105,7 @@ impl Instance {
         }
         let library = Arc::clone(library);
         let states = States::default();
-        Ok(Instance { component, library, name, states, log, folder, mode, _callbacks: callbacks })
+        Ok(Instance { component, library, name, states, log, folder, mode, token })
     }
 
     /// Name of the instance.
@@ -192,9 +195,11 @@ impl Instance {
         const CALL: &str = "fmi2DoStep";
         let component = self.alive(CALL)?;
         let drop_earlier_state = (!keep_earlier_state).into();
+        let called = self.token.call();
         // SAFETY: the instance is alive.
         let status =
             unsafe { (self.functions().do_step)(component, time, step, drop_earlier_state) };
+        drop(called);
         self.mode.keep(&self.log);
         if status == fmi2OK {
             return Ok(StepResult::Completed);
@@ -303,8 +308,10 @@ impl Instance {
         function: unsafe extern "C" fn(fmi2Component) -> fmi2Status,
     ) -> Result<(), Error> {
         let component = self.alive(call)?;
+        let called = self.token.call();
         // SAFETY: the instance is alive.
         let status = unsafe { function(component) };
+        drop(called);
         self.mode.keep(&self.log);
         self.log.tell_of_mode();
         self.folder.keep(&self.log, call);
@@ -338,6 +345,7 @@ impl Drop for Instance {
             return;
         }
         self.free_all_states();
+        let _called = self.token.call();
         // SAFETY: the instance is alive and is not used again; the standard allows the call in
         // every state but after a fatal status.
         unsafe { (self.functions().free_instance)(self.component) };
@@ -346,12 +354,12 @@ impl Drop for Instance {
     }
 }
 
-fn callbacks(log: &Arc<Log>) -> fmi2CallbackFunctions {
+fn callbacks(token: &Token) -> fmi2CallbackFunctions {
     fmi2CallbackFunctions {
         logger: Some(logger()),
         allocateMemory: Some(calloc),
         freeMemory: Some(free),
         stepFinished: None,
-        componentEnvironment: Arc::as_ptr(log).cast_mut().cast(),
+        componentEnvironment: token.environment(),
     }
 }

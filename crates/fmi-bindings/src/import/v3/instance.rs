@@ -8,6 +8,7 @@ use std::sync::atomic::Ordering;
 use super::super::error::{CallError, Error, Said};
 use super::super::host::{FloatMode, Folder};
 use super::super::log::{Log, OnMessage, receive_v3};
+use super::super::registry::Token;
 use super::super::state::States;
 use super::super::step::{Experiment, StepResult};
 use super::super::text::c_text;
@@ -45,10 +46,11 @@ pub struct Instance {
     /// That of the thread when the instance was made. Gets and sets, which are not looked after one
     /// by one, are found out by the next step.
     mode: FloatMode,
+    token: Token,
 }
 
 // SAFETY: the standard lets an instance be called from any thread, one at a time; `&mut self` on
-// every call excludes two at a time. The environment points to `Log`, which is `Sync`.
+// every call excludes two at a time. The environment is no pointer that anyone follows.
 unsafe impl Send for Instance {}
 
 impl Instance {
@@ -59,18 +61,21 @@ impl Instance {
     /// [`Error::Instantiate`] with the FMU's messages if it returns null, as it must for a wrong
     /// token.
     pub fn new(library: &Arc<Library>, options: Instantiation) -> Result<Self, Error> {
-        let Instantiation { name, token, resources, visible, logging_on, on_message } = options;
+        let Instantiation { name, token: guid, resources, visible, logging_on, on_message } =
+            options;
         if library.dead.load(Ordering::Relaxed) {
             return Err(Error::Dead { fmu: name, call: "fmi3InstantiateCoSimulation" });
         }
         // The standard wants a path that ends with a separator.
         let path = format!("{}{}", resources.display(), std::path::MAIN_SEPARATOR);
         let log = Arc::new(Log::new(on_message));
+        let token = Token::new(&log, &name);
         let c_name = c_text(&name, "the instance name", &name)?;
-        let c_token = c_text(&name, "the instantiation token", &token)?;
+        let c_token = c_text(&name, "the instantiation token", &guid)?;
         let c_path = c_text(&name, "the resource path", &path)?;
         let (folder, mode) = (Folder::now(), FloatMode::now());
-        // SAFETY: the texts live during the call, the log as long as the instance.
+        let called = token.call();
+        // SAFETY: the texts live during the call.
         let pointer = unsafe {
             (library.functions.instantiate_co_simulation)(
                 c_name.as_ptr(),
@@ -82,24 +87,26 @@ impl Instance {
                 false,
                 ptr::null(),
                 0,
-                Arc::as_ptr(&log).cast_mut().cast(),
+                token.environment(),
                 Some(receive_v3),
                 None,
             )
         };
+        drop(called);
         mode.keep(&log);
         folder.keep(&log, "fmi3InstantiateCoSimulation");
         if pointer.is_null() {
             return Err(Error::Instantiate {
                 fmu: name,
                 function: "fmi3InstantiateCoSimulation",
-                guid: token,
+                guid,
                 resources: path,
                 said: Said(log.latest()),
             });
         }
         let library = Arc::clone(library);
-        Ok(Instance { pointer, library, name, states: States::default(), log, folder, mode })
+        let states = States::default();
+        Ok(Instance { pointer, library, name, states, log, folder, mode, token })
     }
 
     /// Name of the instance.
@@ -186,6 +193,7 @@ impl Instance {
         let mut flags = [0_u8; 3];
         let mut reached = time + step;
         let [event, terminate, early] = flags.each_mut().map(|flag| ptr::from_mut(flag).cast());
+        let called = self.token.call();
         // SAFETY: the instance is alive; each result has a place of the size of C's `bool`.
         let status = unsafe {
             (self.functions().do_step)(
@@ -199,6 +207,7 @@ impl Instance {
                 &raw mut reached,
             )
         };
+        drop(called);
         self.mode.keep(&self.log);
         let [_, terminated, early] = flags.map(|flag| flag != 0);
         if status == fmi3Discard {
@@ -237,8 +246,10 @@ impl Instance {
         function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,
     ) -> Result<(), Error> {
         let instance = self.alive(call)?;
+        let called = self.token.call();
         // SAFETY: the instance is alive.
         let status = unsafe { function(instance) };
+        drop(called);
         self.mode.keep(&self.log);
         self.log.tell_of_mode();
         self.folder.keep(&self.log, call);
@@ -272,6 +283,7 @@ impl Drop for Instance {
             return;
         }
         self.free_all_states();
+        let _called = self.token.call();
         // SAFETY: the instance is alive and is not used again.
         unsafe { (self.functions().free_instance)(self.pointer) };
         self.log.tell_of_mode();
