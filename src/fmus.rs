@@ -1,12 +1,11 @@
 //! FMUs as the commands take them: opened, or packed from a blueprint first; and their short names.
 
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use cosim::{Fmu, HOST, InstanceOptions, Message, Worker};
+use cosim::{Fmu, Worker};
 use data::{Blueprint, Log, NameMap};
 use modeldescription::description::{BaseUnit, Line, Unit};
 use modeldescription::variable::Causality;
@@ -66,31 +65,6 @@ impl Isolation {
             worker.memory = Some((megabytes * 1e6) as u64);
         }
         Ok(Some(worker))
-    }
-}
-
-/// Hears what FMUs change of the program that runs them, or that they do not end well; the rest of what
-/// they say comes with errors.
-#[derive(Clone, Default)]
-pub(crate) struct Ear(Arc<Mutex<Vec<String>>>);
-
-impl Ear {
-    /// For an instance of this name.
-    pub(crate) fn options(&self, fmu: &str) -> InstanceOptions {
-        let (heard, fmu) = (Arc::clone(&self.0), fmu.to_owned());
-        let hear = move |message: &Message| {
-            let note = format!("FMU `{fmu}`: {}", message.text);
-            let mut heard = heard.lock().unwrap_or_else(PoisonError::into_inner);
-            if message.category == HOST && !heard.contains(&note) {
-                heard.push(note);
-            }
-        };
-        InstanceOptions { on_message: Some(Arc::new(hear)), ..InstanceOptions::default() }
-    }
-
-    /// What was heard so far; ask when the FMUs are gone.
-    pub(crate) fn notes(&self) -> Vec<String> {
-        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 

@@ -12,6 +12,7 @@ mod inputs;
 mod interrupt;
 mod libraries;
 mod matching;
+mod messages;
 mod pages;
 mod progress;
 mod reference;
@@ -55,8 +56,11 @@ fn main() -> ExitCode {
         Cli::command().error(clap::error::ErrorKind::ArgumentConflict, message).exit();
     }
     let screen = answer::Screen { json, quiet: cli.quiet };
+    cosim::guard_exit();
     let kept = if json { answer::keep_standard_output() } else { Ok(()) };
-    match kept.and_then(|()| cli.command.run(&screen)) {
+    let outcome = kept.and_then(|()| cli.command.run(&screen));
+    cosim::finished();
+    match outcome {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
             screen.error(&error);

@@ -98,6 +98,10 @@ impl Default for XmlLimits {
     }
 }
 
+/// Bytes of a text that are kept, and texts of one document.
+const TEXT: usize = 256;
+const TEXTS: usize = 64;
+
 /// An element, its attributes and its child elements; text between elements is dropped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
@@ -130,6 +134,9 @@ pub struct Document {
     pub root: Element,
     /// `encoding` of the XML declaration, if there is one.
     pub encoding: Option<String>,
+    /// Which children of the root hold a text, and the text without blanks around it; of few and short
+    /// ones, as FMI and SSP need none.
+    pub texts: Vec<(usize, String)>,
 }
 
 /// Reads a document.
@@ -142,6 +149,13 @@ pub fn parse(bytes: &[u8], limits: &XmlLimits) -> Result<Document, XmlError> {
         return Err(XmlError::TooLarge { bytes: bytes.len(), limit: limits.bytes });
     }
     let text = decode(bytes)?;
+    if let Some(at) = text.bytes().position(|byte| byte < b' ' && !b"\t\n\r".contains(&byte)) {
+        let (before, rest) = text.split_at(at);
+        let line = 1 + before.bytes().filter(|byte| *byte == b'\n').count() as u32;
+        let code = rest.bytes().next().unwrap_or_default();
+        let message = format!("the character U+{code:04X}, which no XML holds");
+        return Err(XmlError::NotWellFormed { line, message });
+    }
     Parser::new(&text, limits).run()
 }
 
@@ -180,6 +194,7 @@ struct Parser<'a> {
     open: Vec<Element>,
     root: Option<Element>,
     encoding: Option<String>,
+    texts: Vec<(usize, String)>,
 }
 
 impl<'a> Parser<'a> {
@@ -195,6 +210,7 @@ impl<'a> Parser<'a> {
             open: Vec::new(),
             root: None,
             encoding: None,
+            texts: Vec::new(),
         }
     }
 
@@ -227,7 +243,7 @@ impl<'a> Parser<'a> {
                         declaration.encoding().and_then(Result::ok).map(Cow::into_owned);
                 }
                 Event::GeneralRef(reference) => self.check_reference(&reference)?,
-                Event::Text(text) => self.check_text(&text.into_inner())?,
+                Event::Text(text) => self.text(&text.into_inner())?,
                 Event::Eof => return self.finish(),
                 Event::CData(_) | Event::Comment(_) | Event::PI(_) => {}
             }
@@ -243,7 +259,7 @@ impl<'a> Parser<'a> {
             return Err(self.not_well_formed(message));
         }
         match self.root.take() {
-            Some(root) => Ok(Document { root, encoding: self.encoding }),
+            Some(root) => Ok(Document { root, encoding: self.encoding, texts: self.texts }),
             None => Err(self.not_well_formed("there is no root element")),
         }
     }
@@ -298,9 +314,16 @@ impl<'a> Parser<'a> {
         Err(self.not_well_formed(format!("the entity \"&{reference};\" is not defined")))
     }
 
-    fn check_text(&self, text: &str) -> Result<(), XmlError> {
-        if self.open.is_empty() && !text.trim().is_empty() {
-            return Err(self.not_well_formed("text outside the root element"));
+    fn text(&mut self, text: &str) -> Result<(), XmlError> {
+        let text = text.trim();
+        match self.open.as_slice() {
+            [] if !text.is_empty() => {
+                return Err(self.not_well_formed("text outside the root element"));
+            }
+            [root, _] if !text.is_empty() && text.len() <= TEXT && self.texts.len() < TEXTS => {
+                self.texts.push((root.children.len(), text.to_owned()));
+            }
+            _ => {}
         }
         Ok(())
     }

@@ -5,21 +5,25 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use cosim::{Coupling, Drive, Fmu, Loop, LoopSettings, Memory, Points, Run};
+use cosim::{Coupling, Drive, Ending, Fmu, Loop, LoopSettings, Memory, Points, Run};
 use cosim::{Signal, Signals, Slave, Value, Wiring};
 use data::{Log, UnitPlace};
 use modeldescription::description::Unit;
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
-use crate::fmus::{self, Addresses, Ear, Isolation};
+use crate::fmus::{self, Addresses, Isolation};
 use crate::inputs::{self, LogOptions};
+use crate::messages::{MessageOptions, Said};
 use crate::pages::{self, PageOptions};
 use crate::progress;
 use crate::window::Window;
 
+mod matched;
 mod output_fit;
 
+use matched::Matched;
+pub(crate) use matched::list;
 pub(crate) use output_fit::OutputFit;
 
 /// Drives an FMU with a log's inputs, or closes the loop of a plant and a controller
@@ -65,6 +69,14 @@ pub(crate) struct Simulate {
     window: Window,
     #[command(flatten)]
     isolation: Isolation,
+    #[command(flatten)]
+    messages: MessageOptions,
+    /// A variable to record (may be given several times) [default: driven inputs and all outputs]
+    #[arg(long = "record", value_name = "NAME", conflicts_with = "closed")]
+    record: Vec<String>,
+    /// Do not tell the FMU when the run ends, for FMUs that refuse to step to that time
+    #[arg(long)]
+    no_stop_time: bool,
     /// Record the run in this file
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
@@ -91,11 +103,44 @@ pub(crate) struct Simulated {
     pub(crate) stop_s: f64,
     pub(crate) fits: Vec<OutputFit>,
     pub(crate) run: Option<PathBuf>,
+    /// Records that an FMU ended itself.
+    pub(crate) endings: Vec<EarlyEnd>,
+    /// Columns of the log that neither feed an input nor measure an output.
+    pub(crate) unused_columns: Vec<String>,
+    /// Inputs that no column feeds.
+    pub(crate) unfed_inputs: Vec<String>,
+    /// What FMUs said, each message once.
+    pub(crate) messages: Vec<Said>,
     pub(crate) notes: Vec<String>,
     #[serde(skip)]
     pub(crate) signals: Memory,
     #[serde(skip)]
     pub(crate) measured: Vec<(String, Vec<f64>)>,
+}
+
+/// A run that an FMU ended before its stop time.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct EarlyEnd {
+    pub(crate) fmu: String,
+    pub(crate) record: usize,
+    pub(crate) time_s: f64,
+}
+
+impl EarlyEnd {
+    pub(crate) fn note(&self) -> String {
+        let Self { fmu, record, time_s } = self;
+        let record = if *record == 0 { String::new() } else { format!(" in record {record}") };
+        format!("FMU `{fmu}` asked for the end of the run at {time_s} s{record}")
+    }
+}
+
+/// What belongs to a result beside its signals.
+#[derive(Default)]
+struct About {
+    endings: Vec<EarlyEnd>,
+    matched: Matched,
+    messages: Vec<Said>,
+    notes: Vec<String>,
 }
 
 impl Simulate {
@@ -137,13 +182,16 @@ impl Simulate {
         let names = self.options.names()?;
         let addresses = Addresses::of(&opened.fmu);
         let map = addresses.columns(&names, &log)?;
+        let matched = Matched::of(&opened.fmu, &addresses, &names, &map, &log)?;
         let records = signals(&log);
         let drive = Drive {
             map,
             parameters: self.parameters(&addresses, &opened.fmu)?,
+            record: self.record.iter().map(|name| addresses.variable(name)).collect(),
+            no_stop_time: self.no_stop_time,
             ..Drive::default()
         };
-        let ear = Ear::default();
+        let ear = self.messages.ear(&[log_path, what], self.out.as_deref())?;
         let slave = opened.fmu.instantiate(opened.name.clone(), &ear.options(&opened.name))?;
         let mut memory = Memory::new();
         let mut bar = progress::Rows::new(screen, "simulate", log.len());
@@ -153,16 +201,14 @@ impl Simulate {
         if let (Err(error), Some(out)) = (&outcome, &self.out) {
             return Err(broken_off(error, &memory, out)?);
         }
-        let endings = outcome?;
-        let mut notes: Vec<String> = endings
-            .iter()
-            .flatten()
-            .map(|ending| format!("the FMU asked for the end of the run: {ending:?}"))
-            .collect();
+        let endings: Vec<EarlyEnd> = (0..).zip(outcome?).filter_map(early_end).collect();
+        let mut notes: Vec<String> = endings.iter().map(EarlyEnd::note).collect();
+        notes.extend(matched.notes());
         notes.extend(ear.notes());
         notes.extend(log.note_on_times());
         let (fits, measured) = self.fits(&memory, &log, &names, &addresses, &mut notes)?;
-        self.result(opened.name, memory, fits, measured, notes)
+        let about = About { endings, matched, messages: ear.said(), notes };
+        self.result(opened.name, memory, fits, measured, about)
     }
 
     /// The fit of each output that the log has a column for, record by record.
@@ -230,7 +276,10 @@ impl Simulate {
         let points = points(&log, &controller.fmu, self.step, None)?;
         let addresses = Addresses::of(&controller.fmu);
         let columns = addresses.columns(&self.options.names()?, &log)?;
-        let ear = Ear::default();
+        let ear = self.messages.ear(
+            &self.fmus.iter().chain(&self.reference).map(PathBuf::as_path).collect::<Vec<_>>(),
+            self.out.as_deref(),
+        )?;
         let (c, p) = (
             controller.fmu.instantiate("controller", &ear.options("controller"))?,
             plant.fmu.instantiate("plant", &ear.options("plant"))?,
@@ -251,18 +300,21 @@ impl Simulate {
         };
         let mut closed = Loop::new(c, p, &settings)?;
         let mut memory = Memory::new();
-        let run = Run { record: 0, points, signals: &table, tolerance: None };
+        let run = Run { no_stop_time: self.no_stop_time, ..Run::new(points, &table) };
         let outcome = closed.run(&run, &mut memory);
         drop(closed);
         if let (Err(error), Some(out)) = (&outcome, &self.out) {
             return Err(broken_off(error, &memory, out)?);
         }
-        outcome?;
+        let endings: Vec<EarlyEnd> = [(0, outcome?)].into_iter().filter_map(early_end).collect();
         let fits = self.tracking(&memory, &pairs)?;
         let mut notes = slow_plant(&plant.fmu, &controller.fmu);
+        notes.extend(endings.iter().map(EarlyEnd::note));
         notes.extend(ear.notes());
         let name = format!("{} with {}", plant.name, controller.name);
-        self.result(name, memory, fits, Vec::new(), notes)
+        let messages = ear.said();
+        let about = About { endings, messages, notes, ..About::default() };
+        self.result(name, memory, fits, Vec::new(), about)
     }
 
     /// Position against reference, axis by axis.
@@ -321,10 +373,11 @@ impl Simulate {
         memory: Memory,
         fits: Vec<OutputFit>,
         measured: Vec<(String, Vec<f64>)>,
-        notes: Vec<String>,
+        about: About,
     ) -> anyhow::Result<Simulated> {
+        let About { endings, matched, messages, mut notes } = about;
         if let Some(out) = &self.out {
-            keep(&memory, out)?;
+            notes.extend(keep(&memory, out)?);
         }
         let time = memory.time();
         Ok(Simulated {
@@ -335,6 +388,10 @@ impl Simulate {
             stop_s: time.last().copied().unwrap_or(0.0),
             fits,
             run: self.out.clone(),
+            endings,
+            unused_columns: matched.unused_columns,
+            unfed_inputs: matched.unfed_inputs,
+            messages,
             notes,
             signals: memory,
             measured,
@@ -440,8 +497,13 @@ fn broken_off(error: &cosim::Error, memory: &Memory, out: &Path) -> anyhow::Resu
     Ok(anyhow::anyhow!("{error}; the {rows} rows until then are in {}", out.display()))
 }
 
-/// Writes a run as a log.
-fn keep(memory: &Memory, out: &Path) -> anyhow::Result<()> {
+fn early_end((record, ending): (usize, Option<Ending>)) -> Option<EarlyEnd> {
+    ending.map(|Ending { slave, time }| EarlyEnd { fmu: slave, record, time_s: time })
+}
+
+/// Writes a run as a log. A name that no log can hold is written as one that it can, which is a note.
+fn keep(memory: &Memory, out: &Path) -> anyhow::Result<Vec<String>> {
+    let mut notes = Vec::new();
     let lengths: Vec<(i64, usize)> =
         memory.records().iter().zip(0..).map(|(rows, id)| (id, rows.len())).collect();
     let origin = out.display().to_string();
@@ -452,9 +514,18 @@ fn keep(memory: &Memory, out: &Path) -> anyhow::Result<()> {
     };
     for series in memory.series() {
         let unit = series.column.unit.as_deref().filter(|unit| model::Unit::parse(unit).is_ok());
-        log.add_column(&series.column.name, unit, series.values.clone())?;
+        let name = log.free_name(&series.column.name);
+        if name != series.column.name {
+            notes.push(format!(
+                "{}: variable `{}` is column `{name}`, a name that logs can hold",
+                out.display(),
+                series.column.name.escape_debug()
+            ));
+        }
+        log.add_column(&name, unit, series.values.clone())?;
     }
-    Ok(log.write(out, UnitPlace::Sidecar)?)
+    log.write(out, UnitPlace::Sidecar)?;
+    Ok(notes)
 }
 
 impl Answer for Simulated {

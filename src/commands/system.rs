@@ -13,8 +13,9 @@ use serde::Serialize;
 
 use super::simulate;
 use crate::answer::{Answer, Screen};
-use crate::fmus::{self, Ear, Isolation};
+use crate::fmus::{self, Isolation};
 use crate::inputs::{self, LogOptions};
+use crate::messages::{MessageOptions, Said};
 use crate::progress;
 
 /// Runs any number of FMUs together, connected by a short TOML or by an SSP
@@ -45,6 +46,11 @@ pub(crate) struct System {
     algorithm: Option<Algorithm>,
     #[command(flatten)]
     isolation: Isolation,
+    #[command(flatten)]
+    messages: MessageOptions,
+    /// Do not tell the FMUs when the run ends, for FMUs that refuse to step to that time
+    #[arg(long)]
+    no_stop_time: bool,
     #[command(flatten)]
     options: LogOptions,
     /// Record the run in this file: .csv, .npy, .npz or .parquet
@@ -107,6 +113,12 @@ struct Ran {
     start_s: f64,
     stop_s: f64,
     run: Option<PathBuf>,
+    endings: Vec<simulate::EarlyEnd>,
+    /// Columns of the input table that feed nothing.
+    unused_columns: Vec<String>,
+    /// Inputs that nothing feeds.
+    unfed_inputs: Vec<String>,
+    messages: Vec<Said>,
     notes: Vec<String>,
 }
 
@@ -152,6 +164,8 @@ impl System {
             stop,
             algorithm: None,
             isolation: Isolation::default(),
+            messages: MessageOptions::default(),
+            no_stop_time: false,
             options,
             out: None,
             export: None,
@@ -180,7 +194,7 @@ impl System {
         let fmus = self.open(plan)?;
         let descriptions: Vec<&ModelDescription> = fmus.iter().map(Fmu::description).collect();
         let log = self.input.as_deref().map(|path| self.options.read(path)).transpose()?;
-        let columns = plan.columns();
+        let (columns, names) = (plan.columns(), self.options.names()?);
         if log.is_none() && !columns.is_empty() {
             bail!(
                 "the system has the inputs {}; give a table with these columns by --input FILE",
@@ -190,7 +204,8 @@ impl System {
         let (points, step) = self.points(plan, &descriptions, log.as_ref())?;
         let table = self.table(plan, log.as_ref())?;
         let units = simulate::units(&table);
-        let ear = Ear::default();
+        let read = [&read[..], &[self.file.as_path()]].concat();
+        let ear = self.messages.ear(&read, self.out.as_deref())?;
         let slaves = plan
             .fmus
             .iter()
@@ -205,7 +220,7 @@ impl System {
             bar: progress::Rows::new(screen, "run", rows),
             rows: 0,
         };
-        let run = Run { record: 0, points, signals: &table, tolerance: None };
+        let run = Run { no_stop_time: self.no_stop_time, ..Run::new(points, &table) };
         let outcome = prepared.system.run(&run, &*prepared.algorithm, &mut recorder);
         recorder.bar.finish();
         let Recording { file, rows, .. } = recorder;
@@ -213,6 +228,25 @@ impl System {
             file.finish().with_context(|| format!("{} cannot be written", out.display()))?;
         }
         let mut notes = prepared.notes;
+        let unfed_inputs = prepared.unfed;
+        if !unfed_inputs.is_empty() {
+            let keep = if unfed_inputs.len() == 1 {
+                "keeps its start value"
+            } else {
+                "keep their start values"
+            };
+            let list = simulate::list(&unfed_inputs);
+            notes.push(format!("nothing feeds {list}, which {keep}"));
+        }
+        let is_used = |name: &str| {
+            plan.columns().iter().any(|used| names.column(used).unwrap_or(used) == name)
+        };
+        let unused = log.iter().flat_map(Log::columns).map(|column| column.name.clone());
+        let unused_columns: Vec<String> = unused.filter(|name| !is_used(name)).collect();
+        if !unused_columns.is_empty() {
+            let (s, feed) = if unused_columns.len() == 1 { ("", "feeds") } else { ("s", "feed") };
+            notes.push(format!("the column{s} {} {feed} nothing", simulate::list(&unused_columns)));
+        }
         notes.extend(prepared.system.unsolved().iter().map(|variables| {
             format!(
                 "at the start {variables} depend on each other in a circle for which no values were \
@@ -221,13 +255,15 @@ impl System {
         }));
         drop(prepared.system);
         notes.extend(ear.notes());
+        let mut endings = Vec::new();
         match (outcome, &self.out) {
             (Err(error), Some(out)) if rows > 0 => {
                 bail!("{error}; the {rows} rows until then are in {}", out.display())
             }
             (Err(error), _) => return Err(error.into()),
             (Ok(Some(Ending { slave, time })), _) => {
-                notes.push(format!("FMU `{slave}` asked for the end of the run at {time} s"));
+                endings.push(simulate::EarlyEnd { fmu: slave, record: 0, time_s: time });
+                notes.extend(endings.iter().map(simulate::EarlyEnd::note));
             }
             (Ok(None), _) => {}
         }
@@ -240,6 +276,10 @@ impl System {
             start_s,
             stop_s,
             run: self.out.clone(),
+            endings,
+            unused_columns,
+            unfed_inputs,
+            messages: ear.said(),
             notes,
         })
     }

@@ -13,8 +13,12 @@ enum {
     SOUND, CRASH_LOAD, CRASH_INSTANTIATE, CRASH_STEP, CRASH_FREE, EXIT_STEP, HANG_INSTANTIATE, HANG_STEP, HANG_FREE,
     ERROR_STEP, FATAL_STEP, DISCARD_STEP, LEAK, PRINT, ROUNDING, FOLDER, FOLDER_ERROR, NO_NUMBER, INFINITE, MANY, ROUNDING_GET,
     CRASH_TUNED, ERROR_TUNED, ERROR_HIGH, ERROR_SOMETIMES,
-    CRASH_SOMETIMES, LEAK_MUCH
+    CRASH_SOMETIMES, LEAK_MUCH, END, END_UNTOLD, WARN, TALK, FLOOD, EXIT_FREE, EXIT_GET
 };
+/* Time that it says it has reached when it ends the run. */
+#ifndef REACHED
+#define REACHED 0.5
+#endif
 /* Bytes per step. */
 #ifndef LEAKED
 #define LEAKED (1 << 20)
@@ -63,6 +67,7 @@ void *fmi2Instantiate(const char *name, int type, const char *guid, const char *
 }
 void fmi2FreeInstance(void *c) {
     if (FAULT == CRASH_FREE) crash();
+    if (FAULT == EXIT_FREE) exit(0);
     if (FAULT == HANG_FREE) hang();
     free(c);
 }
@@ -94,6 +99,7 @@ Status fmi2GetReal(void *c, const unsigned vr[], size_t n, double value[]) {
         if (vr[k] > 2) { say(c, ERROR, "there is no such variable"); return ERROR; }
         value[k] = ((struct faulty *)c)->real[vr[k]];
     }
+    if (FAULT == EXIT_GET && ((struct faulty *)c)->time > 0.55) exit(0);
     if (FAULT == ROUNDING_GET) fesetround(FE_UPWARD);
     /* As one that writes all its outputs, whatever it is asked for. */
     if (FAULT == MANY && ((struct faulty *)c)->time > 0.55)
@@ -117,7 +123,9 @@ static Status strike(struct faulty *it) {
     case FOLDER_ERROR: (void)!chdir("/"); /* fall through */
     case ERROR_STEP: say(it, ERROR, "the bearing is worn"); return ERROR;
     case FATAL_STEP: say(it, FATAL, "the bearing is gone"); return FATAL;
-    case DISCARD_STEP: return DISCARD;
+    case DISCARD_STEP: case END: case END_UNTOLD: return DISCARD;
+    case FLOOD:
+        for (;;) say(it, WARNING, "and on and on");
     case NO_NUMBER: it->real[1] = 0.0 / *(volatile double *)&(double){0}; break;
     case INFINITE: it->real[1] = 1.0 / *(volatile double *)&(double){0}; break;
     default: break;
@@ -150,6 +158,24 @@ Status fmi2DoStep(void *c, double time, double step, int forget) {
     if (FAULT == ERROR_SOMETIMES && runs % 40 == 39) { say(it, ERROR, "not now"); return ERROR; }
     if (FAULT == ERROR_TUNED && it->real[2] != 2) { say(it, ERROR, "the gain is not 2"); return ERROR; }
     if (FAULT == ERROR_HIGH && it->real[2] > 2.002) { say(it, ERROR, "the gain is too high"); return ERROR; }
+    if (FAULT == WARN) return WARNING;
+    if (FAULT == TALK) {
+        Logger log = it->callbacks.logger;
+        void *own = it->callbacks.environment;
+        log(own, "faulty", WARNING, NULL, "#r0# is %d%% of %s, ##%4.1f", 93, "full scale", 2.5);
+        log(own, "faulty", WARNING, "slip", "at %g s #r1# slips\n", time);
+        log(own, "faulty", OK, "chat", "\033[31mall is well");
+    }
     return time > 0.499 ? strike(it) : OK;
 }
 #endif
+
+Status fmi2GetBooleanStatus(void *c, int kind, int *value) {
+    *value = FAULT == END || FAULT == END_UNTOLD;
+    return kind == 3 ? OK : DISCARD;
+}
+Status fmi2GetRealStatus(void *c, int kind, double *value) {
+    if (kind != 2 || FAULT != END) return DISCARD;
+    *value = REACHED;
+    return OK;
+}

@@ -105,7 +105,7 @@ fn master(
     let mut closed = Loop::new(c, p, &settings).expect("a loop");
     let signals = Signals::new(&[0.0]).with("reference[1]", &[1.0]);
     let points = Points::uniform(0.0, STEPS as f64 * H, H).expect("points");
-    let run = Run { record: 0, points, signals: &signals, tolerance: None };
+    let run = Run::new(points, &signals);
     best(|| {
         closed.run(&run, &mut *recorder()).expect("a run");
     })

@@ -21,6 +21,15 @@ pub struct Run<'a> {
     pub signals: &'a Signals<'a>,
     /// Relative tolerance for FMUs with error control.
     pub tolerance: Option<f64>,
+    /// Do not tell the FMUs the stop time; some refuse a last step that reaches it but for rounding.
+    pub no_stop_time: bool,
+}
+
+impl<'a> Run<'a> {
+    /// Record 0 over these points, driven by a table.
+    pub fn new(points: Points<'a>, signals: &'a Signals<'a>) -> Self {
+        Run { record: 0, points, signals, tolerance: None, no_stop_time: false }
+    }
 }
 
 impl System {
@@ -42,7 +51,8 @@ impl System {
     /// 5. `fmi2Terminate`.
     ///
     /// Returns the [`Ending`] if an FMU asked for the end before the stop time. The last row is
-    /// then at the time that FMU reached; other slaves are at the end of their step.
+    /// then at the time that FMU reached (one that does not say so has reached the beginning of the
+    /// step, whose row is there); other slaves are at the end of their step.
     ///
     /// # Errors
     /// [`Error::Run`] with the time; the rows until then, that of the failing step included, are
@@ -139,7 +149,11 @@ impl Stepping<'_, '_> {
         self.system.unsolved.clear();
         self.initialize(held)?;
         let ending = self.steps(held, step)?;
-        self.last_row(held)?;
+        // One that ended where a row was just written adds none.
+        if ending.as_ref().is_none_or(|ending| ending.time > self.time) {
+            self.time = ending.as_ref().map_or(self.time, |ending| ending.time);
+            self.last_row(held)?;
+        }
         for participant in &mut self.system.participants {
             participant.slave.terminate()?;
         }
@@ -147,8 +161,8 @@ impl Stepping<'_, '_> {
     }
 
     fn initialize(&mut self, held: &mut Held<'_>) -> Result<(), Error> {
-        let Run { points, tolerance, .. } = self.run;
-        let (start, stop) = (points.start(), Some(points.stop()));
+        let Run { points, tolerance, no_stop_time, .. } = self.run;
+        let (start, stop) = (points.start(), (!no_stop_time).then(|| points.stop()));
         let experiment = Experiment { start, stop, tolerance: *tolerance };
         for participant in &mut self.system.participants {
             let slave = &mut participant.slave;
@@ -186,7 +200,6 @@ impl Stepping<'_, '_> {
             outcome?;
             if let Some(ending) = self.system.ending.take() {
                 self.system.publish_late();
-                self.time = ending.time;
                 return Ok(Some(ending));
             }
         }

@@ -24,6 +24,8 @@ pub struct Drive {
     pub record: Vec<String>,
     /// Relative tolerance for FMUs with error control.
     pub tolerance: Option<f64>,
+    /// Do not tell the FMU when a record ends.
+    pub no_stop_time: bool,
 }
 
 /// Drives a slave with the rows of a log, record by record, and records it.
@@ -78,7 +80,7 @@ pub fn simulate_with_inputs(
     let runs = records.iter().enumerate().map(|(record, signals)| {
         let points = Points::rows(signals.time)
             .map_err(|problem| Problem::Table { record, what: problem.to_string() })?;
-        Ok(Run { record, points, signals, tolerance })
+        Ok(Run { record, tolerance, no_stop_time: drive.no_stop_time, ..Run::new(points, signals) })
     });
     let runs = runs.collect::<Result<Vec<_>, Problem>>().map_err(Problems::from)?;
     runs.iter().map(|run| system.run(run, &Jacobi, recorder)).collect()

@@ -377,7 +377,9 @@ impl System {
         if !terminated {
             return Err(Error::Discarded { fmu: slave, step, reached });
         }
-        self.ending = Some(Ending { slave, time: reached.unwrap_or(time + step) });
+        // An FMU that does not say how far it got has not done the step.
+        let reached = reached.filter(|reached| (time..=time + step).contains(reached));
+        self.ending = Some(Ending { slave, time: reached.unwrap_or(time) });
         Ok(())
     }
 

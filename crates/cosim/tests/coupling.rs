@@ -33,7 +33,7 @@ fn source_and_sampler(fmus: &Fmus, sampler_first: bool) -> System {
 fn run(system: &mut System, algorithm: &dyn Algorithm) -> (Vec<f64>, Vec<f64>) {
     let signals = Signals::default();
     let points = Points::uniform(0.0, 10.0 * H, H).unwrap();
-    let run = Run { record: 0, points, signals: &signals, tolerance: None };
+    let run = Run::new(points, &signals);
     let mut memory = Memory::new();
     assert_eq!(system.run(&run, algorithm, &mut memory).unwrap(), None);
     for (k, (t, y)) in memory.time().iter().zip(memory.values("position[1]").unwrap()).enumerate() {
@@ -106,9 +106,7 @@ fn closed_loop(fmus: &Fmus, coupling: Coupling, gain: f64) -> Memory {
     let signals = Signals::new(&[0.0]).with("reference[1]", &[1.0]);
     let points = Points::uniform(0.0, 40.0 * H, H).unwrap();
     let mut memory = Memory::new();
-    closed
-        .run(&Run { record: 0, points, signals: &signals, tolerance: None }, &mut memory)
-        .unwrap();
+    closed.run(&Run::new(points, &signals), &mut memory).unwrap();
     memory
 }
 
@@ -160,7 +158,7 @@ fn units_are_converted_on_connections() {
     let signals = Signals::default();
     let points = Points::uniform(0.0, 1.0, 1.0).unwrap();
     let mut memory = Memory::new();
-    let run = Run { record: 0, points, signals: &signals, tolerance: None };
+    let run = Run::new(points, &signals);
     system.run(&run, &Jacobi, &mut memory).unwrap();
     assert_eq!(memory.values("measured[1]").unwrap(), [0.0, 8e-6]);
     assert_eq!(memory.series()[0].column.unit.as_deref(), Some("m"));

@@ -64,9 +64,7 @@ fn both_versions_close_a_loop() {
     let signals = Signals::new(&[0.0]).with("reference[1]", &[1.0]);
     let points = Points::uniform(0.0, 5.0, 0.125).unwrap();
     let mut memory = Memory::new();
-    closed
-        .run(&Run { record: 0, points, signals: &signals, tolerance: None }, &mut memory)
-        .unwrap();
+    closed.run(&Run::new(points, &signals), &mut memory).unwrap();
     for (k, y) in memory.values("position[1]").unwrap().iter().enumerate() {
         assert!((y - (1.0 - 0.75_f64.powi(k as i32))).abs() < 1e-14, "y_{k} = {y}");
     }
@@ -185,7 +183,7 @@ fn elements_of_arrays_are_fed_connected_and_recorded() {
     for _ in 0..2 {
         memory = Memory::new();
         let points = Points::uniform(0.0, 2.0, 1.0).expect("points");
-        let run = Run { record: 0, points, signals: &signals, tolerance: None };
+        let run = Run::new(points, &signals);
         system.run(&run, &order, &mut memory).expect("a run");
     }
     let found = |name: &str| memory.values(name).expect(name).to_vec();

@@ -115,7 +115,7 @@ fn the_closed_loop_by_hand_in_fmpy_is_ours() {
         let mut closed = Loop::new(c, p, &settings).unwrap();
         let signals = Signals::new(&time).with("reference[1]", &reference_signal);
         let points = Points::uniform(0.0, f64::from(steps) * step, step).unwrap();
-        let run = Run { record: 0, points, signals: &signals, tolerance: None };
+        let run = Run::new(points, &signals);
         let mut memory = Memory::new();
         closed.run(&run, &mut memory).unwrap();
 

@@ -130,7 +130,7 @@ fn system(slaves: Vec<Linear>, wires: &[(&str, &str, usize)]) -> (System, Vec<No
 fn begin(system: &mut System, algorithm: &dyn Algorithm) -> Result<(), Error> {
     let signals = Signals::default();
     let points = Points::uniform(0.0, 1.0, 1.0).unwrap();
-    let run = Run { record: 0, points, signals: &signals, tolerance: None };
+    let run = Run::new(points, &signals);
     system.run(&run, algorithm, &mut ()).map(|_| ())
 }
 

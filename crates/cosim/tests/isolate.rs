@@ -101,7 +101,7 @@ fn the_record_on_disk_is_kept_after_a_crash() {
     diagram.start(("p", "command[1]"), 1.0).record(("p", "position[1]"));
     let mut system = diagram.build().unwrap();
     let points = Points::uniform(0.0, 5.0, 1.0).unwrap();
-    let run = Run { record: 0, points, signals: &signals, tolerance: None };
+    let run = Run::new(points, &signals);
     let order = GaussSeidel::by_dependency(&system);
     assert!(system.run(&run, &order, &mut file).is_err());
     file.finish().unwrap();
@@ -162,7 +162,7 @@ fn a_loop_is_iterated_across_processes() {
     let iteration = Iteration::new(&system, IterationSettings::default()).unwrap();
     let signals = Signals::new(&[0.0]);
     let points = Points::uniform(0.0, 3.0, 1.0).unwrap();
-    let run = Run { record: 0, points, signals: &signals, tolerance: None };
+    let run = Run::new(points, &signals);
     let mut memory = Memory::new();
     system.run(&run, &iteration, &mut memory).unwrap();
     let found = memory.values("position[1]").unwrap();

@@ -28,7 +28,7 @@ fn the_number_of_allocations_does_not_grow_with_the_number_of_steps() {
         let signals = Signals::new(&time).with("reference[1]", &reference);
         let mut count = |steps: u32, recorder: &mut dyn Recorder| {
             let points = Points::uniform(0.0, f64::from(steps) * 1e-3, 1e-3).unwrap();
-            let run = Run { record: 0, points, signals: &signals, tolerance: None };
+            let run = Run::new(points, &signals);
             let before = counting::calls();
             closed.run(&run, recorder).unwrap();
             counting::calls() - before

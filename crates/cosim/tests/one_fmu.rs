@@ -80,6 +80,7 @@ fn calls_come_in_the_order_of_fmpy() {
         points: Points::rows(signals.time).unwrap(),
         signals: &signals,
         tolerance: None,
+        no_stop_time: false,
     };
     let mut memory = Memory::new();
     system.run(&run, &Jacobi, &mut memory).unwrap();

@@ -42,7 +42,7 @@ fn run(plan: &Plan, rows: &[(f64, f64)]) -> Memory {
     let (time, values): (Vec<f64>, Vec<f64>) = rows.iter().copied().unzip();
     let signals = Signals::new(&time).with("r", &values);
     let points = Points::uniform(0.0, plan.master.stop.unwrap(), step).unwrap();
-    let run = Run { record: 0, points, signals: &signals, tolerance: None };
+    let run = Run::new(points, &signals);
     let mut memory = Memory::new();
     prepared.system.run(&run, &*prepared.algorithm, &mut memory).unwrap();
     memory

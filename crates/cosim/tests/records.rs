@@ -131,7 +131,7 @@ fn most_of_a_run(fmus: &common::Fmus, ending: &str, steps: usize) -> usize {
     let mut system = diagram.build().unwrap();
     let signals = Signals::new(&[0.0]);
     let points = Points::uniform(0.0, steps as f64 * 1e-3, 1e-3).unwrap();
-    let run = Run { record: 0, points, signals: &signals, tolerance: None };
+    let run = Run::new(points, &signals);
     let mut file = RecordFile::create(&path).unwrap();
     let before = counting::reset_peak();
     system.run(&run, &Jacobi, &mut file).unwrap();

@@ -36,7 +36,7 @@ fn run(system: &mut System, algorithm: &dyn Algorithm, steps: u32) -> Result<Mem
     let mut memory = Memory::new();
     let signals = Signals::new(&[0.0]);
     let points = Points::uniform(0.0, f64::from(steps), 1.0).expect("points");
-    let run = Run { record: 0, points, signals: &signals, tolerance: None };
+    let run = Run::new(points, &signals);
     system.run(&run, algorithm, &mut memory).map(|_| memory)
 }
 

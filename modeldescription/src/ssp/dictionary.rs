@@ -107,6 +107,7 @@ fn fill(reader: &mut Reader<'_>, list: &xml::Element, into: &mut SignalDictionar
             name: reader.required(entry, "name"),
             kind: Kind::Inout,
             data_type: read::stated_type(reader, entry, "signal"),
+            dimensions: Vec::new(),
             line: Line(entry.line),
         };
         if signals.iter().any(|other| other.name == signal.name) {

@@ -26,6 +26,8 @@ pub struct Flat {
     pub outputs: Vec<FlatOutput>,
     /// Start values of variables.
     pub starts: Vec<FlatStart>,
+    /// Parameters and mappings that reach nothing.
+    pub notes: Vec<String>,
 }
 
 /// A component and its place in the hierarchy.
@@ -137,6 +139,9 @@ impl SystemStructure {
     }
 }
 
+/// Arrays with more elements are not connected element by element.
+const MOST_ELEMENTS: u64 = 1 << 16;
+
 /// Path of an element, empty for the outermost system, and the name of its connector.
 type Node = (String, String);
 
@@ -145,6 +150,8 @@ struct NodeInfo {
     kind: Kind,
     unit: Option<Unit>,
     is_component: bool,
+    /// Names of the elements of an array whose sizes are stated.
+    elements: Vec<String>,
 }
 
 /// What feeds a node.
@@ -196,15 +203,19 @@ impl<'a> Flattener<'a> {
         self.problems.push(found.rule(rule).way_out(way_out));
     }
 
+    /// A unit of the SSD that the SSD names at this line.
     fn unit(&mut self, name: &str, line: Line) -> Option<Unit> {
+        let file = self.file;
+        self.unit_of(name, Format::Structure, file, line)
+    }
+
+    /// A unit of the SSD that a file names at this line.
+    fn unit_of(&mut self, name: &str, format: Format, file: &str, line: Line) -> Option<Unit> {
         let found = self.structure.units.iter().find(|unit| unit.name == name).cloned();
         if found.is_none() {
-            self.report(
-                line,
-                format!("unit \"{name}\" is not defined"),
-                "a unit that is used is defined in <Units>",
-                "add the unit to the SSD",
-            );
+            let problem = problem(format, file, line.0, format!("unit \"{name}\" is not defined"));
+            let rule = "a unit that is used is defined in <Units>";
+            self.problems.push(problem.rule(rule).way_out("add the unit to <Units>"));
         }
         found
     }
@@ -213,7 +224,8 @@ impl<'a> Flattener<'a> {
         for connector in connectors {
             let name = connector.data_type.as_ref().and_then(|t| t.unit.as_deref());
             let unit = name.and_then(|name| self.unit(name, connector.line));
-            let info = NodeInfo { kind: connector.kind, unit, is_component };
+            let elements = elements(connector);
+            let info = NodeInfo { kind: connector.kind, unit, is_component, elements };
             let node = (path.to_owned(), connector.name.clone());
             if self.nodes.insert(node, info).is_some() {
                 self.report(
@@ -385,21 +397,75 @@ impl<'a> Flattener<'a> {
                 continue;
             }
             let Some((from, way, line)) = self.origin(&sink) else { continue };
-            match (from.0.is_empty(), is_component) {
-                (false, true) => {
-                    self.flat.connections.push(FlatConnection { from, to: sink, way, line });
+            for (from, to) in self.elementwise(from, sink, line) {
+                let way = way.clone();
+                match (from.0.is_empty(), is_component) {
+                    (false, true) => {
+                        self.flat.connections.push(FlatConnection { from, to, way, line });
+                    }
+                    (true, true) => {
+                        let connector = from.1;
+                        self.flat.inputs.push(FlatInput { connector, to, way, line });
+                    }
+                    (false, false) => {
+                        let connector = to.1;
+                        self.flat.outputs.push(FlatOutput { connector, from, way, line });
+                    }
+                    // From outside to outside: no component takes part.
+                    (true, false) => {}
                 }
-                (true, true) => {
-                    let connector = from.1;
-                    self.flat.inputs.push(FlatInput { connector, to: sink, way, line });
-                }
-                (false, false) => {
-                    let connector = sink.1;
-                    self.flat.outputs.push(FlatOutput { connector, from, way, line });
-                }
-                // From outside to outside: no component takes part.
-                (true, false) => {}
             }
         }
     }
+
+    /// A connection, or, of two arrays, one for each of their elements. Where only one side states its
+    /// sizes, the other has the same.
+    fn elementwise(&mut self, from: Node, to: Node, line: Line) -> Vec<(Node, Node)> {
+        let suffixes = |this: &Self, node: &Node| {
+            this.nodes.get(node).map(|info| info.elements.clone()).unwrap_or_default()
+        };
+        let (a, b) = (suffixes(self, &from), suffixes(self, &to));
+        if !a.is_empty() && !b.is_empty() && a != b {
+            let found = format!(
+                "an array of {} elements is connected to one of {}: {}.{} to {}.{}",
+                a.len(),
+                b.len(),
+                from.0,
+                from.1,
+                to.0,
+                to.1
+            );
+            let rule = "connected arrays have the same sizes";
+            self.report(line, found, rule, "correct the <Dimension> of one of them");
+            return Vec::new();
+        }
+        let indices = if a.is_empty() { b } else { a };
+        if indices.is_empty() {
+            return vec![(from, to)];
+        }
+        let element = |node: &Node, index: &String| (node.0.clone(), format!("{}{index}", node.1));
+        indices.iter().map(|index| (element(&from, index), element(&to, index))).collect()
+    }
+}
+
+/// `[1]`, `[2]`, … or `[1,1]`, `[1,2]`, … of an array whose sizes are stated and not too many to list.
+fn elements(connector: &Connector) -> Vec<String> {
+    let size = |dimension: &Dimension| match dimension {
+        Dimension::Size(size) => Some(*size),
+        Dimension::Connector(_) => None,
+    };
+    let sizes: Option<Vec<u64>> = connector.dimensions.iter().map(size).collect();
+    let Some(sizes) = sizes.filter(|sizes| !sizes.is_empty()) else { return Vec::new() };
+    let count = sizes.iter().try_fold(1_u64, |count, size| count.checked_mul(*size));
+    if count.is_none_or(|count| count > MOST_ELEMENTS) {
+        return Vec::new();
+    }
+    let heads = sizes.iter().fold(vec![String::new()], |heads, size| {
+        let longer = |head: &String, index: u64| match head.as_str() {
+            "" => index.to_string(),
+            head => format!("{head},{index}"),
+        };
+        heads.iter().flat_map(|head| (1..=*size).map(move |index| longer(head, index))).collect()
+    });
+    heads.iter().map(|index| format!("[{index}]")).collect()
 }

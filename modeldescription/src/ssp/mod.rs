@@ -25,7 +25,7 @@ pub use flat::{Flat, FlatComponent, FlatConnection, FlatInput, FlatOutput, FlatS
 pub use package::{Ssp, SspBuilder};
 pub use problem::SspError;
 pub use structure::{
-    Annotation, Binding, Component, Connection, Connector, ConnectorType, Element, End,
+    Annotation, Binding, Component, Connection, Connector, ConnectorType, Dimension, Element, End,
     Enumeration, Experiment, Implementation, Kind, Mapped, Mapping, MappingEntry, Parameter,
     ParameterMapping, ParameterSet, ParameterValue, Source, System, SystemStructure,
     Transformation,

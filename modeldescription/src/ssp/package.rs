@@ -19,13 +19,16 @@ use crate::xml::XmlLimits;
 pub struct Ssp {
     path: PathBuf,
     folder: PathBuf,
+    /// The SSD's file name.
+    name: String,
     structure: SystemStructure,
     _unpacked: Option<TempDir>,
 }
 
 impl Ssp {
     /// Opens an SSP: an archive is unpacked into a new temporary folder, which is removed when this
-    /// is dropped; a folder, or a single `.ssd`, is read where it lies.
+    /// is dropped; a folder, or a single `.ssd`, is read where it lies. Sources of an archive lie
+    /// inside it; those of a folder may lie beside it (`../plant.fmu`).
     ///
     /// # Errors
     /// An archive that is refused, or everything that is wrong in its files.
@@ -61,18 +64,21 @@ impl Ssp {
         if !file.is_file() {
             return Err(SspError::NoStructure { path: path.to_owned() });
         }
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let within = if unpacked.is_some() { Within::Archive } else { Within::Folder };
         let mut problems = Vec::new();
         let structure = content(&file, &limits.xml)
             .map_err(|source| PackageError::Read { path: file, source })
-            .map(|bytes| read::read(&bytes, SYSTEM_STRUCTURE, &limits.xml, &mut problems))?;
+            .map(|bytes| read::read(&bytes, &name, &limits.xml, &mut problems))?;
         let structure = structure.map(|mut structure| {
-            let mut loader = Loader { folder: &folder, limits, problems: &mut problems };
+            let problems = &mut problems;
+            let mut loader = Loader { folder: &folder, name: &name, within, limits, problems };
             loader.system(&mut structure.system);
             structure
         });
         match structure {
             Some(structure) if problems.is_empty() => {
-                Ok(Ssp { path: path.to_owned(), folder, structure, _unpacked: unpacked })
+                Ok(Ssp { path: path.to_owned(), folder, name, structure, _unpacked: unpacked })
             }
             _ => Err(SspError::Problems(problems)),
         }
@@ -81,6 +87,11 @@ impl Ssp {
     /// The archive or folder that was opened.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The file name of the SSD, for messages.
+    pub fn file_name(&self) -> &str {
+        &self.name
     }
 
     /// What the SSD says, with the parameter sets and mappings of other files in their places.
@@ -93,8 +104,18 @@ impl Ssp {
     /// # Errors
     /// A sentence: it leads out of the SSP, has a scheme, or there is no such file.
     pub fn file(&self, source: &str) -> Result<PathBuf, String> {
-        resolve(&self.folder, source)
+        let within = if self._unpacked.is_some() { Within::Archive } else { Within::Folder };
+        resolve(&self.folder, source, within)
     }
+}
+
+/// Where the sources of an SSP may lie.
+#[derive(Clone, Copy, PartialEq)]
+enum Within {
+    /// Inside the archive.
+    Archive,
+    /// In the folder or, by `..`, beside it: a folder is its owner's.
+    Folder,
 }
 
 /// Reads a file, at most one byte more than is allowed, which the XML reader then refuses.
@@ -107,38 +128,42 @@ fn content(file: &Path, limits: &XmlLimits) -> std::io::Result<Vec<u8>> {
 }
 
 /// The relative path that a URI means.
-fn relative(source: &str) -> Result<PathBuf, String> {
+fn relative(source: &str, within: Within) -> Result<PathBuf, String> {
     let decoded = percent_decode_str(source).decode_utf8().map_err(|_| {
         format!("the source \"{source}\" does not decode to UTF-8; percent-encode it as UTF-8")
     })?;
     let relative = Path::new(&*decoded);
     let scheme = source.split(['/', '?', '#']).next().is_some_and(|first| first.contains(':'));
-    let plain =
-        relative.components().all(|part| matches!(part, PathPart::Normal(_) | PathPart::CurDir));
+    let plain = relative.components().all(|part| match part {
+        PathPart::Normal(_) | PathPart::CurDir => true,
+        PathPart::ParentDir => within == Within::Folder,
+        _ => false,
+    });
     if scheme || !plain || decoded.contains('\0') {
         return Err(format!(
             "the source \"{source}\" leads out of the SSP; write a relative path inside it, such \
              as resources/plant.fmu"
         ));
     }
-    Ok(relative.components().filter(|part| matches!(part, PathPart::Normal(_))).collect())
+    Ok(relative.components().filter(|part| !matches!(part, PathPart::CurDir)).collect())
 }
 
 /// A relative URI below a folder.
-fn resolve(folder: &Path, source: &str) -> Result<PathBuf, String> {
-    let file = folder.join(relative(source)?);
-    match file.is_file() {
-        true => Ok(file),
-        false => {
-            Err(format!("there is no file \"{source}\" in the SSP; add it or correct the name"))
-        }
+fn resolve(folder: &Path, source: &str, within: Within) -> Result<PathBuf, String> {
+    let file = folder.join(relative(source, within)?);
+    // Of a plain folder, an unpacked FMU too.
+    if file.is_file() || (within == Within::Folder && file.join("modelDescription.xml").is_file()) {
+        return Ok(file);
     }
+    Err(format!("there is no file \"{source}\" in the SSP; add it or correct the name"))
 }
 
 /// A file inside a component, which is an archive, an FMU as a rule.
 fn within(component: &Path, source: &str, limits: &Limits) -> Result<Vec<u8>, String> {
-    let parts: Vec<String> =
-        relative(source)?.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    let parts: Vec<String> = relative(source, Within::Archive)?
+        .iter()
+        .map(|part| part.to_string_lossy().into_owned())
+        .collect();
     let mut archive = Archive::open(component, limits).map_err(|error| error.to_string())?;
     if let Some((entry, defect)) = archive.all_defects().next() {
         return Err(PackageError::entry(component, entry, defect.clone()).to_string());
@@ -156,6 +181,8 @@ fn within(component: &Path, source: &str, limits: &Limits) -> Result<Vec<u8>, St
 /// Loads the files of parameter bindings.
 struct Loader<'a> {
     folder: &'a Path,
+    name: &'a str,
+    within: Within,
     limits: &'a Limits,
     problems: &'a mut Vec<Problem>,
 }
@@ -200,13 +227,15 @@ impl Loader<'_> {
     ) -> Option<(String, Vec<u8>)> {
         let loaded = match (source, component) {
             (Source::Inline, _) => return None,
-            (Source::File(file), _) => resolve(self.folder, file).and_then(|path| {
+            (Source::File(file), _) => resolve(self.folder, file, self.within).and_then(|path| {
                 let bytes = content(&path, &self.limits.xml).map_err(|e| format!("{file}: {e}"))?;
                 Ok((file.clone(), bytes))
             }),
-            (Source::InComponent(file), Some(component)) => resolve(self.folder, component)
-                .and_then(|archive| within(&archive, file, self.limits))
-                .map(|bytes| (format!("{component}/{file}"), bytes)),
+            (Source::InComponent(file), Some(component)) => {
+                resolve(self.folder, component, self.within)
+                    .and_then(|archive| within(&archive, file, self.limits))
+                    .map(|bytes| (format!("{component}/{file}"), bytes))
+            }
             (Source::InComponent(file), None) => Err(format!(
                 "the source \"{file}\" is relative to a component, but the binding is a system's; \
                  remove sourceBase"
@@ -214,7 +243,7 @@ impl Loader<'_> {
         };
         loaded
             .map_err(|found| {
-                let problem = problem(Format::Structure, SYSTEM_STRUCTURE, line, found);
+                let problem = problem(Format::Structure, self.name, line, found);
                 let rule = "the SSP carries what its SSD names";
                 self.problems.push(problem.rule(rule));
             })

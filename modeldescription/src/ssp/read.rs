@@ -117,7 +117,7 @@ fn elements(reader: &mut Reader<'_>, element: &xml::Element) -> Vec<Element> {
 fn component(reader: &mut Reader<'_>, element: &xml::Element) -> Component {
     let known = ["Connectors", "ParameterBindings", "Annotations"];
     reader.only(element, &known, &["ElementGeometry", "MetaData", "Signature"]);
-    let implementation = reader.parsed(
+    let implementation = reader.optional(
         element,
         "implementation",
         "any, ModelExchange, CoSimulation or ScheduledExecution",
@@ -127,7 +127,7 @@ fn component(reader: &mut Reader<'_>, element: &xml::Element) -> Component {
         name: name(reader, element),
         description: element.attribute("description").map(str::to_owned),
         source: reader.required(element, "source"),
-        media_type: element.attribute("type").unwrap_or(super::FMU_TYPE).to_owned(),
+        media_type: reader.stated(element, "type").unwrap_or(super::FMU_TYPE).to_owned(),
         implementation: implementation.unwrap_or(Implementation::Any),
         connectors: connectors(reader, element),
         bindings: bindings(reader, element),
@@ -148,7 +148,31 @@ fn connector(reader: &mut Reader<'_>, element: &xml::Element) -> Connector {
         reader.required(element, "kind");
     }
     let data_type = stated_type(reader, element, "connector");
-    Connector { name, kind: kind.unwrap_or(Kind::Input), data_type, line: Line(element.line) }
+    let (kind, line) = (kind.unwrap_or(Kind::Input), Line(element.line));
+    Connector { name, kind, data_type, dimensions: dimensions(reader, element), line }
+}
+
+/// The sizes of a connector that is an array (SSP 2.0).
+fn dimensions(reader: &mut Reader<'_>, element: &xml::Element) -> Vec<Dimension> {
+    let mut dimensions = Vec::new();
+    for found in children(element, "Dimension") {
+        let rule = "a whole number from 1 to 16777216";
+        let size = |text: &str| text.parse().ok().filter(|size| (1..=1 << 24).contains(size));
+        let stated = reader.stated(found, "sizeConnector").map(str::to_owned);
+        match (reader.stated(found, "size"), stated) {
+            (Some(_), None) => {
+                dimensions.extend(reader.parsed(found, "size", rule, size).map(Dimension::Size));
+            }
+            (None, Some(connector)) => dimensions.push(Dimension::Connector(connector)),
+            (both, _) => {
+                let what = if both.is_some() { "both" } else { "neither of" };
+                let text = format!("<{}> has {what} size and sizeConnector", found.name);
+                let rule = "a dimension has one of size and sizeConnector";
+                reader.report(found.line, text, rule, "state the size");
+            }
+        }
+    }
+    dimensions
 }
 
 /// The type that stands in a connector or a signal, which is `what`.
@@ -161,16 +185,18 @@ pub(super) fn stated_type(
     let mut data_type = None;
     for child in &element.children {
         match local(&child.name) {
-            "ConnectorGeometry" | "Annotations" => {}
+            "ConnectorGeometry" | "Annotations" | "MetaData" | "Signature" => {}
+            "Dimension" if what == "connector" => {}
             "Dimension" | "Clock" => {
                 let found = format!("{what} \"{name}\" has a <{}>", child.name);
-                let rule = "arrays and clocks of SSP 2.0 are not supported";
-                let way_out = "declare a connector per element of the array, as in command[1]";
+                let rule = "arrays in signal dictionaries and clocks of SSP 2.0 are not supported";
+                let way_out = "declare a signal per element of the array, as in command[1]; connect \
+                               no clocks";
                 reader.report(child.line, found, rule, way_out);
             }
             type_name => match connector_type(type_name) {
                 Some(found) => {
-                    let unit = child.attribute("unit").map(str::to_owned);
+                    let unit = reader.stated(child, "unit").map(str::to_owned);
                     let enumeration =
                         (found == DataType::Enumeration).then(|| reader.required(child, "name"));
                     data_type = Some(ConnectorType { data_type: found, unit, enumeration });
@@ -198,8 +224,9 @@ pub(super) fn connector_type(name: &str) -> Option<DataType> {
 }
 
 fn read_connection(reader: &mut Reader<'_>, element: &xml::Element) -> Connection {
+    // An empty name is the system itself, as OMSimulator writes it.
     let mut end = |element_name: &str, connector: &str| End {
-        element: element.attribute(element_name).map(str::to_owned),
+        element: reader.stated(element, element_name).map(str::to_owned),
         connector: reader.required(element, connector),
     };
     let start = end("startElement", "startConnector");
@@ -241,7 +268,7 @@ fn read_mapping(reader: &mut Reader<'_>, element: &xml::Element) -> Mapping {
 }
 
 fn media_type(reader: &mut Reader<'_>, element: &xml::Element, wanted: &str) {
-    if let Some(found) = element.attribute("type").filter(|found| *found != wanted) {
+    if let Some(found) = reader.stated(element, "type").filter(|found| *found != wanted) {
         let found = format!("<{}> is of type=\"{found}\"", element.name);
         reader.report(element.line, found, format!("only {wanted} is understood"), "convert it");
     }
@@ -249,7 +276,7 @@ fn media_type(reader: &mut Reader<'_>, element: &xml::Element, wanted: &str) {
 
 /// `source` and `sourceBase`; exactly one of a source and an inline content must be there.
 pub(super) fn source(reader: &mut Reader<'_>, element: &xml::Element, inline: bool) -> Source {
-    let base = reader.parsed(element, "sourceBase", "SSD or component", |text| match text {
+    let base = reader.optional(element, "sourceBase", "SSD or component", |text| match text {
         "SSD" => Some(false),
         "component" => Some(true),
         _ => None,

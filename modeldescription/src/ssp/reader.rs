@@ -118,6 +118,23 @@ impl Reader<'_> {
         }
     }
 
+    /// An attribute that may be left out, or be there and say nothing, as some tools write it.
+    pub(super) fn stated<'e>(&self, element: &'e Element, name: &str) -> Option<&'e str> {
+        element.attribute(name).filter(|value| !value.trim().is_empty())
+    }
+
+    /// An attribute of a type that is parsed, where it says something.
+    pub(super) fn optional<T>(
+        &mut self,
+        element: &Element,
+        name: &str,
+        rule: &str,
+        parse: impl Fn(&str) -> Option<T>,
+    ) -> Option<T> {
+        self.stated(element, name)?;
+        self.parsed(element, name, rule, parse)
+    }
+
     /// An attribute of a type that is parsed; `rule` says what it takes.
     pub(super) fn parsed<T>(
         &mut self,
@@ -138,17 +155,17 @@ impl Reader<'_> {
 
     /// A number (`xs:double`).
     pub(super) fn float(&mut self, element: &Element, name: &str) -> Option<f64> {
-        self.parsed(element, name, "a number such as 1.5e-6", float)
+        self.optional(element, name, "a number such as 1.5e-6", float)
     }
 
     /// A finite number, or its default.
     pub(super) fn finite(&mut self, element: &Element, name: &str, default: f64) -> f64 {
         let finite = |text: &str| float(text).filter(|value| value.is_finite());
-        self.parsed(element, name, "a finite number such as 1.5e-6", finite).unwrap_or(default)
+        self.optional(element, name, "a finite number such as 1.5e-6", finite).unwrap_or(default)
     }
 
     pub(super) fn flag(&mut self, element: &Element, name: &str) -> bool {
-        self.parsed(element, name, "true or false", boolean).unwrap_or(false)
+        self.optional(element, name, "true or false", boolean).unwrap_or(false)
     }
 
     /// Children that the format does not know, or that this reader cannot honour.

@@ -220,14 +220,31 @@ pub struct Connector {
     pub kind: Kind,
     /// Type and unit, if stated.
     pub data_type: Option<ConnectorType>,
+    /// Sizes of an array (2.0); none: it is a scalar, or as the FMU has it.
+    pub dimensions: Vec<Dimension>,
     /// Where it stands.
     pub line: Line,
+}
+
+/// One dimension of an array.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Dimension {
+    /// So many elements.
+    Size(u64),
+    /// As many as the value of this connector, a structural parameter.
+    Connector(String),
 }
 
 impl Connector {
     /// A connector without a stated type.
     pub fn new(name: impl Into<String>, kind: Kind) -> Self {
-        Connector { name: name.into(), kind, data_type: None, line: Line(0) }
+        Connector {
+            name: name.into(),
+            kind,
+            data_type: None,
+            dimensions: Vec::new(),
+            line: Line(0),
+        }
     }
 }
 

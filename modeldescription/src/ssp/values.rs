@@ -87,7 +87,7 @@ fn parameter(reader: &mut Reader<'_>, element: &xml::Element) -> Option<Paramete
         return None;
     };
     let value = value(reader, &name, content)?;
-    let unit = content.attribute("unit").map(str::to_owned);
+    let unit = reader.stated(content, "unit").map(str::to_owned);
     Some(Parameter { name, value, unit, line: Line(element.line) })
 }
 

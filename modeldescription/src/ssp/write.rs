@@ -151,6 +151,10 @@ pub(super) fn connector(connector: &Connector) -> Xml {
         .with("name", &connector.name)
         .with("kind", connector.kind.name())
         .holding_all(stated_type(connector).into_iter())
+        .holding_all(connector.dimensions.iter().map(|dimension| match dimension {
+            Dimension::Size(size) => element("ssd:Dimension").with("size", &size.to_string()),
+            Dimension::Connector(name) => element("ssd:Dimension").with("sizeConnector", name),
+        }))
 }
 
 /// The type of a connector or of a signal.

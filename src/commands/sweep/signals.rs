@@ -395,6 +395,7 @@ impl SignalWorker<'_> {
             points: ready.points.clone(),
             signals: &self.table,
             tolerance: None,
+            no_stop_time: false,
         };
         let ending = match &mut ready.set {
             Set::Loop(closed) => closed.run(&run, &mut meter)?,

@@ -158,7 +158,7 @@ impl Bed {
         let mut closed = Loop::new(c, p, &LoopSettings { wiring, ..LoopSettings::default() })?;
         let mut memory = Memory::new();
         let points = Points::uniform(0.0, time.last().copied().unwrap_or(0.0), period)?;
-        closed.run(&Run { record: 0, points, signals: &table, tolerance: None }, &mut memory)?;
+        closed.run(&Run::new(points, &table), &mut memory)?;
         let of = |name: &str, axis: usize| -> anyhow::Result<Vec<f64>> {
             let values = memory.values(&format!("{name}[{}]", axis + 1));
             Ok(values.with_context(|| format!("{name} was not recorded"))?[..rows].to_vec())

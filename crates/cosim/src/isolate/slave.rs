@@ -85,6 +85,8 @@ impl IsolatedSlave {
 
     fn ask(&mut self, call: &str, request: &Request) -> Result<Answer, Error> {
         self.tell(call, request)?;
+        let begin = Instant::now();
+        let mut is_shorter = false;
         loop {
             let Some(socket) = &mut self.socket else { return Err(self.gone(call, None)) };
             match receive(socket) {
@@ -92,9 +94,23 @@ impl IsolatedSlave {
                     if let Some(on_message) = &self.settings.on_message {
                         on_message(&received(status, category, text));
                     }
+                    // However much it says meanwhile, the call has its time and no more.
+                    let left = self.timeout.saturating_sub(begin.elapsed());
+                    is_shorter = true;
+                    if left.is_zero() || socket.set_read_timeout(Some(left)).is_err() {
+                        return Err(self.gone(call, Some(io::ErrorKind::TimedOut.into())));
+                    }
                 }
-                Ok(Answer::Failed(text)) => return Err(Error::Worker(text)),
-                Ok(answer) => return Ok(answer),
+                Ok(answer) => {
+                    if is_shorter {
+                        // Sockets that cannot be set have just been refused.
+                        let _ = socket.set_read_timeout(Some(self.timeout));
+                    }
+                    match answer {
+                        Answer::Failed(text) => return Err(Error::Worker(text)),
+                        answer => return Ok(answer),
+                    }
+                }
                 Err(error) => return Err(self.gone(call, Some(error))),
             }
         }
@@ -191,6 +207,32 @@ fn start(_: &Worker) -> io::Result<(Socket, Child)> {
     ))
 }
 
+impl IsolatedSlave {
+    /// Asks for nothing more, hears what the FMU says while it is freed, and whether it was.
+    fn is_freed(&mut self, longest: Duration) -> bool {
+        let begin = Instant::now();
+        let Some(socket) = &mut self.socket else { return false };
+        if socket.shutdown(std::net::Shutdown::Write).is_err() {
+            return false;
+        }
+        loop {
+            let left = longest.saturating_sub(begin.elapsed());
+            if left.is_zero() || socket.set_read_timeout(Some(left)).is_err() {
+                return false;
+            }
+            match receive(socket) {
+                Ok(Answer::Message { status, category, text }) => {
+                    if let Some(on_message) = &self.settings.on_message {
+                        on_message(&received(status, category, text));
+                    }
+                }
+                Ok(answer) => return matches!(answer, Answer::Done),
+                Err(_) => return false,
+            }
+        }
+    }
+}
+
 /// The exit status, if the process ends in time; else it is killed.
 fn waited(child: &mut Child, longest: Duration) -> Option<std::process::ExitStatus> {
     let begin = Instant::now();
@@ -206,13 +248,15 @@ fn waited(child: &mut Child, longest: Duration) -> Option<std::process::ExitStat
 }
 
 impl Drop for IsolatedSlave {
-    /// Hangs up, upon which the worker frees the FMU and ends. One that does not end well is told of.
+    /// Hangs up, upon which the worker frees the FMU, says so and ends. One that does not end well is
+    /// told of.
     fn drop(&mut self) {
-        self.socket = None;
         let longest = LONGEST_END.min(self.timeout);
+        let freed = self.is_freed(longest);
+        self.socket = None;
         let status = waited(&mut self.child, longest);
         let how = match status {
-            Some(status) if status.success() => return,
+            Some(status) if status.success() && freed => return,
             Some(status) => format!("crashed: its process ended with {status}"),
             None => format!("has not returned within {} s and was ended", longest.as_secs_f64()),
         };

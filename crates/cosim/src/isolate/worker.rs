@@ -10,6 +10,8 @@ use std::io;
 #[cfg(unix)]
 pub fn serve() -> io::Result<()> {
     use std::os::fd::AsFd;
+    // The master tells how this process ends.
+    fmi_bindings::import::finished();
     let socket = std::os::unix::net::UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
     end_with_parent();
     unix::Server::new(socket)?.run()
@@ -89,7 +91,14 @@ mod unix {
             loop {
                 let request = match receive(&mut self.requests) {
                     Ok(request) => request,
-                    Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(()),
+                    Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+                        self.slave = None;
+                        let mut answers =
+                            self.answers.lock().unwrap_or_else(PoisonError::into_inner);
+                        // A master that was killed hears nothing more.
+                        let _ = send(&mut *answers, &Answer::Done);
+                        return Ok(());
+                    }
                     Err(error) => return Err(error),
                 };
                 if let Request::Set(selection, values) = request {

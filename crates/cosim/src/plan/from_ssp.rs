@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use modeldescription::ssp::{
-    Annotation, FMU_TYPE, Flat, Implementation, SYSTEM_STRUCTURE, Ssp, SspError,
-};
+use modeldescription::ssp::{Annotation, FMU_TYPE, Flat, Implementation, Ssp, SspError};
 use modeldescription::xml;
 
 use super::{Coupling, Master, Plan, PlannedConnection, PlannedFmu, PlannedInput, PlannedStart};
@@ -19,7 +17,7 @@ impl Plan {
     pub(super) fn read_ssp(path: &Path) -> Result<Self, Error> {
         let ssp = Ssp::open(path)?;
         let structure = ssp.structure();
-        let flat = structure.flatten(SYSTEM_STRUCTURE).map_err(SspError::Problems)?;
+        let flat = structure.flatten(ssp.file_name()).map_err(SspError::Problems)?;
         let fmus = fmus(&ssp, &flat).map_err(|reasons| Error::Package {
             path: path.to_path_buf(),
             reason: reasons.join("\n"),
@@ -59,6 +57,8 @@ impl Plan {
             record,
             fmus,
             master,
+            notes: flat.notes,
+            undirected: false,
             _ssp: Some(ssp),
         })
     }
@@ -68,7 +68,7 @@ fn fmus(ssp: &Ssp, flat: &Flat) -> Result<Vec<PlannedFmu>, Vec<String>> {
     let (mut fmus, mut problems) = (Vec::new(), Vec::new());
     for component in &flat.components {
         let at =
-            format!("{SYSTEM_STRUCTURE}:{}: component \"{}\"", component.line.0, component.path);
+            format!("{}:{}: component \"{}\"", ssp.file_name(), component.line.0, component.path);
         if component.media_type != FMU_TYPE {
             let found = &component.media_type;
             problems.push(format!("{at} is of type {found}; only FMUs ({FMU_TYPE}) are run"));

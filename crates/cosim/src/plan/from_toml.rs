@@ -81,6 +81,8 @@ impl Reader {
             starts: Vec::new(),
             record: Vec::new(),
             master: self.master(root),
+            notes: Vec::new(),
+            undirected: false,
             _ssp: None,
         };
         for (name, value) in self.table(root, "fmus") {

@@ -1,5 +1,6 @@
 //! A system as a file describes it: a short TOML, or an SSP.
 
+mod from_osp;
 mod from_ssp;
 mod from_ssv;
 mod from_toml;
@@ -58,6 +59,10 @@ pub struct Plan {
     pub record: Vec<(Port, String)>,
     /// How it is run.
     pub master: Master,
+    /// What the file says that has no effect.
+    pub notes: Vec<String>,
+    /// Connections may be written from input to output, too.
+    pub(crate) undirected: bool,
     /// Keeps the unpacked archive.
     _ssp: Option<Ssp>,
 }
@@ -161,7 +166,7 @@ pub struct Master {
 }
 
 impl Plan {
-    /// Reads a plan: `.toml`, or `.ssp`, an `.ssd` or an unpacked folder.
+    /// Reads a plan: `.toml`, an `OspSystemStructure.xml`, or `.ssp`, an `.ssd` or an unpacked folder.
     ///
     /// # Errors
     /// Everything that is wrong in the file, with its lines.
@@ -169,6 +174,13 @@ impl Plan {
         let path = path.as_ref();
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
             return Plan::read_toml(path);
+        }
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml")) {
+            return Plan::read_osp(path);
+        }
+        let osp = path.join(from_osp::FILE);
+        if osp.is_file() && !path.join(modeldescription::ssp::SYSTEM_STRUCTURE).exists() {
+            return Plan::read_osp(&osp);
         }
         Plan::read_ssp(path)
     }

@@ -5,12 +5,12 @@ use modeldescription::description::Unit;
 use modeldescription::ssp::ParameterValue;
 use modeldescription::variable::{Causality, DataType};
 
-use super::{Coupling, Plan, PlannedStart};
+use super::{Coupling, Plan, PlannedConnection, PlannedStart};
 use crate::algorithm::{Algorithm, Extrapolation, GaussSeidel, Iteration, Jacobi};
 use crate::diagram::{Diagram, Port};
 use crate::error::Error;
 use crate::problem::{Problem, Problems};
-use crate::slave::{Address, Selection, Slave, Value};
+use crate::slave::{Address, Slave, Value, numbers};
 use crate::system::System;
 
 /// A multiple of the communication step that misses a whole number by less than this part is one.
@@ -24,6 +24,8 @@ pub struct Prepared {
     pub algorithm: Box<dyn Algorithm>,
     /// What was ignored.
     pub notes: Vec<String>,
+    /// Inputs, as `fmu.variable`, that nothing feeds and that the plan gives no start value.
+    pub unfed: Vec<String>,
 }
 
 impl Plan {
@@ -63,7 +65,7 @@ impl Plan {
         units: &[(String, Unit)],
     ) -> Result<Prepared, Error> {
         let mut problems = Vec::new();
-        let mut notes = Vec::new();
+        let mut notes = self.notes.clone();
         let mut diagram = Diagram::new();
         for start in &self.starts {
             self.start(&slaves, start, &mut diagram, &mut notes, &mut problems);
@@ -73,9 +75,9 @@ impl Plan {
             let unit = unit.map(|(_, unit)| unit.clone());
             diagram.feed_by(&input.column, unit, input.to.clone(), input.way.clone());
         }
-        for connection in &self.connections {
-            let (from, to) = (connection.from.clone(), connection.to.clone());
-            diagram.connect_by(from, to, connection.way.clone());
+        let connections = self.directed(&slaves);
+        for PlannedConnection { from, to, way } in connections.clone() {
+            diagram.connect_by(from, to, way);
         }
         for fmu in &self.fmus {
             match multiple(fmu.step, step) {
@@ -86,7 +88,7 @@ impl Plan {
                 Err(what) => problems.push(Problem::Pace { slave: fmu.name.clone(), what }),
             }
         }
-        for (port, name) in self.recorded(&slaves) {
+        for (port, name) in self.recorded(&slaves, &connections) {
             diagram.record_as(port, name);
         }
         slaves.into_iter().for_each(|slave| {
@@ -99,8 +101,9 @@ impl Plan {
                 return Err(Problems(problems).into());
             }
         };
+        let unfed = unfed(&system);
         let algorithm = self.algorithm(&system)?;
-        Ok(Prepared { system, algorithm, notes })
+        Ok(Prepared { system, algorithm, notes, unfed })
     }
 
     fn algorithm(&self, system: &System) -> Result<Box<dyn Algorithm>, Problems> {
@@ -116,20 +119,59 @@ impl Plan {
         })
     }
 
+    /// The connections from output to input, those of arrays element by element.
+    fn directed(&self, slaves: &[Box<dyn Slave>]) -> Vec<PlannedConnection> {
+        let description = |port: &Port| {
+            slaves.iter().find(|s| s.name() == port.slave).map(|slave| slave.description())
+        };
+        let variable = |port: &Port| description(port)?.variable(&port.variable);
+        let is = |port: &Port, causality| variable(port).is_some_and(|v| v.causality == causality);
+        let elements = |port: &Port| -> Vec<Port> {
+            let array = variable(port).filter(|variable| !variable.dimensions.is_empty());
+            let names = array.zip(description(port)).map(|(v, d)| numbers(d, v));
+            let port_of = |name: &String| Port::from((port.slave.as_str(), name.as_str()));
+            names.unwrap_or_default().iter().map(port_of).collect()
+        };
+        let mut directed = Vec::new();
+        for connection in &self.connections {
+            let PlannedConnection { mut from, mut to, way } = connection.clone();
+            let backwards = !is(&from, Causality::Output) && is(&to, Causality::Output);
+            if self.undirected && backwards {
+                std::mem::swap(&mut from, &mut to);
+            }
+            let (sources, targets) = (elements(&from), elements(&to));
+            if sources.is_empty() || sources.len() != targets.len() {
+                directed.push(PlannedConnection { from, to, way });
+                continue;
+            }
+            let pairs = sources.into_iter().zip(targets);
+            directed.extend(pairs.map(|(from, to)| PlannedConnection {
+                from,
+                to,
+                way: way.clone(),
+            }));
+        }
+        directed
+    }
+
     /// What is recorded, and under which names.
-    fn recorded(&self, slaves: &[Box<dyn Slave>]) -> Vec<(Port, String)> {
+    fn recorded(
+        &self,
+        slaves: &[Box<dyn Slave>],
+        connections: &[PlannedConnection],
+    ) -> Vec<(Port, String)> {
         if !self.record.is_empty() {
             return self.record.clone();
         }
         let mut ports: Vec<Port> = self.inputs.iter().map(|input| input.to.clone()).collect();
-        ports.extend(self.connections.iter().map(|connection| connection.to.clone()));
+        ports.extend(connections.iter().map(|connection| connection.to.clone()));
         for slave in slaves {
-            let outputs = slave.description().variables.iter().filter(|variable| {
-                variable.causality == Causality::Output && Selection::takes(variable)
-            });
-            ports.extend(outputs.map(|variable| Port::from((slave.name(), &variable.name))));
+            let description = slave.description();
+            let outputs = description.variables.iter().filter(|v| v.causality == Causality::Output);
+            let names = outputs.flat_map(|variable| numbers(description, variable));
+            ports.extend(names.map(|name| Port::from((slave.name(), name.as_str()))));
         }
-        let connected = self.connections.iter().map(|connection| connection.from.clone());
+        let connected = connections.iter().map(|connection| connection.from.clone());
         for port in connected {
             if !ports.contains(&port) {
                 ports.push(port);
@@ -157,8 +199,16 @@ impl Plan {
             return;
         };
         let several = count(&start.value) > 1;
+        // An array of several dimensions gets its values row by row.
+        let elements = description.variable(variable).map(|v| numbers(description, v));
+        let elements = elements.filter(|names| names.len() == count(&start.value));
+        let names = elements.unwrap_or_default();
         for i in 0..count(&start.value) {
-            let name = if several { format!("{variable}[{}]", i + 1) } else { variable.clone() };
+            let name = match names.get(i) {
+                Some(name) => name.clone(),
+                None if several => format!("{variable}[{}]", i + 1),
+                None => variable.clone(),
+            };
             let address = match Address::find(slave, description, &name) {
                 Ok(address) => address,
                 Err(_) if start.optional => {
@@ -235,6 +285,23 @@ fn value_for(
         }
         ParameterValue::Binary(_) => Err("the variable is not binary".to_owned()),
     }
+}
+
+/// Inputs that nothing feeds and that have no start value of the plan.
+fn unfed(system: &System) -> Vec<String> {
+    let mut names = Vec::new();
+    for participant in &system.participants {
+        let (slave, description) = (participant.slave.name(), participant.slave.description());
+        let given = participant.starts_before.iter().chain(&participant.starts_during);
+        let given: Vec<&str> = given.map(|(name, _)| name.as_str()).collect();
+        let inputs = description.variables.iter().filter(|v| v.causality == Causality::Input);
+        let all = inputs.flat_map(|input| numbers(description, input));
+        let is_fed = |name: &String| {
+            given.contains(&name.as_str()) || participant.driven.position(name).is_some()
+        };
+        names.extend(all.filter(|name| !is_fed(name)).map(|name| format!("{slave}.{name}")));
+    }
+    names
 }
 
 /// How many communication steps an FMU's own step has.

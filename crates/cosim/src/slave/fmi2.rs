@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use fmi_bindings::import::v2::{Instance, Instantiation, Library};
-use fmi_bindings::import::{Error as ImportError, Experiment, StepResult};
-use modeldescription::variable::DataType;
+use fmi_bindings::import::{Error as ImportError, Experiment, NameOf, StepResult};
+use modeldescription::variable::{DataType, Variable};
 use modeldescription::{ModelDescription, Package};
 
 use super::address::Address;
@@ -67,8 +67,16 @@ impl Fmi2Slave {
         let Settings { name, visible, logging_on, on_message } = self.settings.clone();
         let guid = self.description.instantiation_token.clone();
         let resource_location = self.package.resources_uri();
-        let options =
-            Instantiation { name, guid, resource_location, visible, logging_on, on_message };
+        let name_of = Some(names(&self.description));
+        let options = Instantiation {
+            name,
+            guid,
+            resource_location,
+            visible,
+            logging_on,
+            on_message,
+            name_of,
+        };
         self.instance = Some(Instance::new(&self.library, options)?);
         Ok(())
     }
@@ -105,6 +113,23 @@ impl Fmi2Slave {
         }
         Ok(())
     }
+}
+
+/// The names that references in messages stand for; of aliases the first.
+fn names(description: &Arc<ModelDescription>) -> NameOf {
+    let description = Arc::clone(description);
+    Arc::new(move |letter, reference| {
+        let is_meant = |variable: &&Variable| {
+            let own = match variable.data_type {
+                DataType::Float32 | DataType::Float64 => 'r',
+                DataType::Boolean => 'b',
+                DataType::String => 's',
+                _ => 'i',
+            };
+            variable.value_reference == reference && own == letter
+        };
+        description.variables.iter().find(is_meant).map(|variable| variable.name.clone())
+    })
 }
 
 impl Slave for Fmi2Slave {

@@ -45,8 +45,8 @@ pub(super) fn check_name(name: &str) -> Result<(), (String, &'static str)> {
     if name.is_empty() {
         return problem("a column has no name", "give it one");
     }
-    if name.contains([',', '"', '\u{feff}']) || name.chars().any(char::is_control) {
-        let way_out = "rename it: commas, quotation marks and line ends separate columns";
+    if name.contains('\u{feff}') || name.chars().any(char::is_control) {
+        let way_out = "rename it: line ends and other control characters separate columns";
         return problem("is no name that every reader of logs takes", way_out);
     }
     if name != name.trim() || split(name).1.is_some() {
@@ -54,6 +54,19 @@ pub(super) fn check_name(name: &str) -> Result<(), (String, &'static str)> {
         return problem("would be read as another name", way_out);
     }
     Ok(())
+}
+
+/// A name like this one that can be written to a log and read again.
+pub(super) fn writable(name: &str) -> String {
+    let plain = |c: char| if c.is_control() || c == '\u{feff}' { '_' } else { c };
+    let mut name = name.chars().map(plain).collect::<String>().trim().to_owned();
+    if split(&name).1.is_some() {
+        name = name.replace('[', "(").replace(']', ")");
+    }
+    if name.is_empty() || is_reserved(&name) {
+        name.push('_');
+    }
+    name
 }
 
 /// Name and unit of a cell of the header: `y [um]` and `y[um]` are y in um; `position[1]` is a name.
@@ -257,9 +270,21 @@ mod tests {
     #[test]
     fn refuses_names_that_would_not_be_read_again() {
         assert!(check_name("axis[1].hysteresis.w[3]").is_ok());
-        for bad in ["", "a,b", "a\"b", "a\nb", " a", "y [um]", "y[um]"] {
+        // Legal names of FMI, which are quoted.
+        assert!(["A[1,1]", "a\"b"].iter().all(|name| check_name(name).is_ok()));
+        for (bad, like) in [
+            ("", "_"),
+            ("a\nb", "a_b"),
+            (" a", "a"),
+            ("y [um]", "y (um)"),
+            ("y[um]", "y(um)"),
+            ("\u{feff}time ", "_time"),
+        ] {
             assert!(check_name(bad).is_err(), "{bad:?}");
+            assert_eq!(writable(bad), like);
+            assert!(check_name(&writable(bad)).is_ok());
         }
+        assert_eq!((writable("time"), writable("record")), ("time_".into(), "record_".into()));
     }
 
     #[test]

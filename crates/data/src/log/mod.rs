@@ -246,6 +246,18 @@ impl Log {
         Ok(Self { origin: origin.into(), time, lines, columns, records, is_numbered, rounded })
     }
 
+    /// The name, or one like it that this log can still take: names of others' variables may hold line
+    /// ends, be called `time`, or end with what is read as a unit.
+    #[must_use]
+    pub fn free_name(&self, name: &str) -> String {
+        let name = header::writable(name);
+        if self.column(&name).is_none() {
+            return name;
+        }
+        let numbered = (2_usize..).map(|number| format!("{name}_{number}"));
+        numbered.into_iter().find(|name| self.column(name).is_none()).unwrap_or(name)
+    }
+
     /// Adds a column at the end.
     ///
     /// # Errors

@@ -169,10 +169,15 @@ fn header_line(columns: &[ColumnHeader], is_numbered: bool, units: UnitPlace) ->
     }
     for column in columns {
         line.push(',');
-        line.push_str(&column.name);
+        let mut cell = column.name.clone();
         if let (UnitPlace::Header, Some(unit)) = (units, &column.unit) {
-            let _ = write!(line, " [{}]", unit.text);
+            let _ = write!(cell, " [{}]", unit.text);
         }
+        // RFC 4180.
+        if cell.contains([',', '"']) {
+            cell = format!("\"{}\"", cell.replace('"', "\"\""));
+        }
+        line.push_str(&cell);
     }
     line.push('\n');
     line

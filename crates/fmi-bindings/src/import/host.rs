@@ -2,6 +2,7 @@
 //! the working folder, the standard output. The first two are put back and told of.
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::error::Status;
 use super::log::{Log, Message};
@@ -110,6 +111,44 @@ impl Folder {
 fn tell(log: &Log, text: String) {
     log.push(Message { status: Status::Warning, category: HOST.to_owned(), text });
 }
+
+/// From now on `exit(0)` is no success of this program while an FMU is loaded into it and
+/// [`finished`] was not called: an FMU has called it, and what was asked for is not done. The exit code
+/// is then 2, with a line on standard error. Only glibc tells of exits with their code.
+pub fn guard_exit() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    {
+        use std::ffi::{c_int, c_void};
+        unsafe extern "C" {
+            fn on_exit(handler: extern "C" fn(c_int, *mut c_void), argument: *mut c_void) -> c_int;
+            fn _exit(code: c_int) -> !;
+        }
+        extern "C" fn left(code: c_int, _: *mut c_void) {
+            use std::io::Write;
+            let names = super::registry::names();
+            if code != 0 || names.is_empty() || FINISHED.load(Ordering::Relaxed) {
+                return;
+            }
+            let _ = writeln!(
+                std::io::stderr(),
+                "error: an FMU ({}) has ended this program from inside (exit); run it in a process \
+                 of its own, with --isolate, which keeps what is done",
+                names.join(", ")
+            );
+            // SAFETY: it only ends the process.
+            unsafe { _exit(2) }
+        }
+        // SAFETY: the handler is a function of this program, and takes no argument.
+        unsafe { on_exit(left, std::ptr::null_mut()) };
+    }
+}
+
+/// The program ends of its own will; see [`guard_exit`].
+pub fn finished() {
+    FINISHED.store(true, Ordering::Relaxed);
+}
+
+static FINISHED: AtomicBool = AtomicBool::new(false);
 
 /// The standard output, which from now on nobody else writes to: what FMUs print goes to standard
 /// error. To be called once, before anything is printed.

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::ffi::{c_char, c_void};
 use std::fmt;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::error::Status;
@@ -37,6 +37,9 @@ impl fmt::Display for Message {
     }
 }
 
+/// The name of a variable by the letter of its type (`r`, `i`, `b`, `s`) and its value reference.
+pub type NameOf = std::sync::Arc<dyn Fn(char, u32) -> Option<String> + Send + Sync>;
+
 /// Called with each message at once, possibly from a thread of the FMU.
 pub type OnMessage = std::sync::Arc<dyn Fn(&Message) + Send + Sync>;
 
@@ -47,6 +50,10 @@ pub type OnMessage = std::sync::Arc<dyn Fn(&Message) + Send + Sync>;
 pub struct Log {
     messages: Mutex<VecDeque<Message>>,
     on_message: Option<OnMessage>,
+    /// For references in messages, see [`resolved`].
+    name_of: Option<NameOf>,
+    /// Steps, and other calls, that returned *Warning* since it was last told of.
+    warnings: [AtomicU64; 2],
     /// A step, a set or a get changed the floating-point mode. They may run in a cycle, which takes no
     /// lock: the message follows when messages are asked for.
     mode_changed: AtomicBool,
@@ -55,11 +62,13 @@ pub struct Log {
 }
 
 impl Log {
-    /// An empty log; `on_message` sees each message as it comes.
-    pub fn new(on_message: Option<OnMessage>) -> Self {
+    /// An empty log; `on_message` sees each message as it comes, `name_of` resolves references in it.
+    pub fn new(on_message: Option<OnMessage>, name_of: Option<NameOf>) -> Self {
         Log {
             messages: Mutex::default(),
             on_message,
+            name_of,
+            warnings: Default::default(),
             mode_changed: AtomicBool::new(false),
             foreign_noted: AtomicBool::new(false),
         }
@@ -87,6 +96,24 @@ impl Log {
             messages.pop_front();
         }
         messages.push_back(message);
+    }
+
+    /// Notes, without a lock, that a call returned *Warning*.
+    pub(super) fn has_warned(&self, is_step: bool) {
+        self.warnings[usize::from(!is_step)].fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Says how many calls returned *Warning*; not to be called in a cycle.
+    pub(super) fn tell_of_warnings(&self) {
+        for (count, which) in self.warnings.iter().zip(["step", "other"]) {
+            let count = count.swap(0, Ordering::Relaxed);
+            if count > 0 {
+                let s = if count == 1 { "" } else { "s" };
+                let text = format!("returned Warning from {count} {which} call{s}");
+                let (status, category) = (Status::Warning, super::host::HOST.to_owned());
+                self.push(Message { status, category, text });
+            }
+        }
     }
 
     /// Notes that a call left another floating-point mode, without a lock.
@@ -217,8 +244,52 @@ unsafe fn deliver(
         };
         // SAFETY: promised by the caller.
         let category = unsafe { text_of(category) };
-        log.push(Message { status, category, text: text() });
+        let text = text();
+        let text = log.name_of.as_ref().map_or_else(|| text.clone(), |of| resolved(&text, of));
+        let (category, text) = (shown(&category), shown(text.trim_end()));
+        log.push(Message { status, category, text });
     }));
+}
+
+/// A message with its references to variables replaced by their names: `#r12#` is the real variable
+/// with value reference 12, `##` a single `#` (FMI 2.0.5, section 2.1.5). What is no reference, or one
+/// to nothing, stays.
+fn resolved(text: &str, name_of: &NameOf) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find('#') {
+        out.push_str(&rest[..at]);
+        rest = &rest[at + 1..];
+        if let Some(after) = rest.strip_prefix('#') {
+            out.push('#');
+            rest = after;
+            continue;
+        }
+        let found = rest.split_once('#').and_then(|(reference, after)| {
+            let mut letters = reference.chars();
+            let kind = letters.next().filter(|kind| "ribs".contains(*kind))?;
+            Some((name_of(kind, letters.as_str().parse().ok()?)?, after))
+        });
+        match found {
+            Some((name, after)) => {
+                out.push_str(&name);
+                rest = after;
+            }
+            None => out.push('#'),
+        }
+    }
+    out.push_str(rest);
+    out
+}
+
+/// A text that does nothing to a terminal: control characters are written out.
+fn shown(text: &str) -> String {
+    let is_plain = |c: char| !c.is_control() || matches!(c, '\n' | '\t');
+    if text.chars().all(is_plain) {
+        return text.to_owned();
+    }
+    let show = |c: char| if is_plain(c) { c.to_string() } else { c.escape_default().to_string() };
+    text.replace("\r\n", "\n").chars().map(show).collect()
 }
 
 /// The logger to hand to FMI 2.0 instances.
@@ -226,4 +297,34 @@ pub(crate) fn logger() -> fmi2CallbackLogger {
     let receive = receive as *const ();
     // SAFETY: both are C function pointers; see `receive` for the calling convention.
     unsafe { std::mem::transmute::<*const (), fmi2CallbackLogger>(receive) }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+
+    #[test]
+    fn references_become_names() {
+        let names: NameOf = Arc::new(|kind, reference| match (kind, reference) {
+            ('r', 1) => Some("axis[1].u".to_owned()),
+            ('i', 1) => Some("count".to_owned()),
+            _ => None,
+        });
+        for (text, words) in [
+            ("#r1# is high, #i1# too", "axis[1].u is high, count too"),
+            ("##r1#, ## and #r1##r1#", "#r1#, # and axis[1].uaxis[1].u"),
+            ("#r9# #x1# #r# #r1 #", "#r9# #x1# #r# #r1 #"),
+            ("ends with #r1", "ends with #r1"),
+            ("#", "#"),
+        ] {
+            assert_eq!(resolved(text, &names), words);
+        }
+    }
+
+    #[test]
+    fn a_terminal_is_not_told_what_to_do() {
+        assert_eq!(shown("a\u{1b}[31m\tb\r\nc"), "a\\u{1b}[31m\tb\nc");
+    }
 }

@@ -123,6 +123,12 @@ impl Drop for Called {
     }
 }
 
+/// The instances that there are, without waiting for anybody.
+pub(super) fn names() -> Vec<String> {
+    let registry = REGISTRY.try_lock();
+    registry.map(|r| r.live.values().map(|k| k.name.clone()).collect()).unwrap_or_default()
+}
+
 /// Whose message it is.
 pub(super) enum Speaker {
     /// The pointer is that of this instance.

@@ -1,7 +1,8 @@
 //! Parameter bindings, resolved to the variables of components.
 
 use super::{FlatStart, Flattener, Linear, Node, joined};
-use crate::description::{Line, Unit};
+use crate::description::Unit;
+use crate::ssp::problem::Format;
 use crate::ssp::structure::*;
 
 impl Flattener<'_> {
@@ -67,23 +68,59 @@ impl Flattener<'_> {
 
     fn apply(&mut self, binding: &Binding, resolve: &dyn Fn(&Self, &str) -> Vec<Node>) {
         let set = binding.values.as_ref();
-        let file = match &binding.source {
-            Source::File(file) | Source::InComponent(file) => file.clone(),
-            Source::Inline => self.file.to_owned(),
+        let (format, file) = match &binding.source {
+            Source::File(file) | Source::InComponent(file) => (Format::Values, file.clone()),
+            Source::Inline => (Format::Structure, self.file.to_owned()),
         };
+        self.unmatched(binding, &file);
         for Mapped { target, parameter, entry } in binding.mapped() {
             let place = format!("{file}:{}: parameter \"{}\"", parameter.line.0, parameter.name);
             let unit = parameter.unit.as_deref().and_then(|name| {
                 let own = set.and_then(|set| set.units.iter().find(|unit| unit.name == name));
-                own.cloned().or_else(|| self.unit(name, Line(0)))
+                own.cloned().or_else(|| self.unit_of(name, format, &file, parameter.line))
             });
             let enumerations = set.map(|set| set.enumerations.as_slice()).unwrap_or_default();
             let value = self.numbered(&parameter.value, enumerations);
             let (value, way) = way(value, unit, entry);
-            for to in resolve(self, &target) {
+            let targets = resolve(self, &target);
+            if targets.is_empty() {
+                let mapped = entry.map_or(String::new(), |_| format!(", mapped to \"{target}\","));
+                self.flat.notes.push(format!(
+                    "{place}{mapped} is ignored: it reaches no variable of a component"
+                ));
+            }
+            for to in targets {
                 let (value, way, place) = (value.clone(), way.clone(), place.clone());
                 self.flat.starts.retain(|start| start.to != to);
                 self.flat.starts.push(FlatStart { to, value, way, place });
+            }
+        }
+    }
+
+    /// Notes what a mapping names that is not there, and parameters that it leaves out.
+    fn unmatched(&mut self, binding: &Binding, file: &str) {
+        let (Some(set), Some(of)) = (&binding.values, &binding.mapping) else { return };
+        let Some(mapping) = &of.mapping else { return };
+        let own = match &of.source {
+            Source::File(file) | Source::InComponent(file) => file.as_str(),
+            Source::Inline => self.file,
+        };
+        let name = |parameter: &Parameter| format!("{}{}", binding.prefix, parameter.name);
+        for entry in &mapping.entries {
+            if !set.parameters.iter().any(|parameter| name(parameter) == entry.source) {
+                self.flat.notes.push(format!(
+                    "{own}:{}: the mapping of \"{}\" is ignored: the parameter set has no such \
+                     parameter",
+                    entry.line.0, entry.source
+                ));
+            }
+        }
+        for parameter in &set.parameters {
+            if !mapping.entries.iter().any(|entry| entry.source == name(parameter)) {
+                self.flat.notes.push(format!(
+                    "{file}:{}: parameter \"{}\" is ignored: the mapping does not name it",
+                    parameter.line.0, parameter.name
+                ));
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::{Flattener, NodeInfo, joined};
 use crate::ssp::dictionary::{DictionaryReference, SignalDictionary};
+use crate::ssp::problem::Format;
 use crate::ssp::structure::*;
 
 impl<'a> Flattener<'a> {
@@ -22,8 +23,16 @@ impl<'a> Flattener<'a> {
             };
             let name = signal.data_type.as_ref().and_then(|stated| stated.unit.as_deref());
             let own = |name: &str| dictionary.units.iter().find(|u| u.name == name).cloned();
-            let unit = name.and_then(|name| own(name).or_else(|| self.unit(name, connector.line)));
-            let info = NodeInfo { kind: Kind::Inout, unit, is_component: false };
+            let (format, file) = match &dictionary.source {
+                Source::File(file) | Source::InComponent(file) => {
+                    (Format::Dictionary, file.clone())
+                }
+                Source::Inline => (Format::Structure, self.file.to_owned()),
+            };
+            let outer = |this: &mut Self, name| this.unit_of(name, format, &file, signal.line);
+            let unit = name.and_then(|name| own(name).or_else(|| outer(self, name)));
+            let (kind, elements) = (Kind::Inout, Vec::new());
+            let info = NodeInfo { kind, unit, is_component: false, elements };
             self.nodes.insert((place.clone(), signal.name.clone()), info);
         }
         self.shared.insert(path.to_owned(), place);

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use super::super::error::{CallError, Error, Said, Status};
 use super::super::host::{FloatMode, Folder};
-use super::super::log::{Log, OnMessage, logger};
+use super::super::log::{Log, NameOf, OnMessage, logger};
 use super::super::registry::Token;
 use super::super::state::States;
 use super::super::step::{Experiment, StepResult};
@@ -30,6 +30,8 @@ pub struct Instantiation {
     pub logging_on: bool,
     /// Sees each message at once.
     pub on_message: Option<OnMessage>,
+    /// Names of variables, for messages that refer to them by value references.
+    pub name_of: Option<NameOf>,
 }
 
 /// One FMI 2.0 co-simulation instance. Dropping it frees it.
@@ -66,10 +68,11 @@ impl Instance {
     pub fn new(library: &Arc<Library>, options: Instantiation) -> Result<Self, Error> {
         let Instantiation { name, guid, resource_location: location, visible, .. } = options;
         let (logging_on, on_message) = (options.logging_on, options.on_message);
+        let name_of = options.name_of;
         if library.dead.load(Ordering::Relaxed) {
             return Err(Error::Dead { fmu: name, call: "fmi2Instantiate" });
         }
-        let log = Arc::new(Log::new(on_message));
+        let log = Arc::new(Log::new(on_message, name_of));
         let token = Token::new(&log, &name);
         let callbacks = token.keep(callbacks(&token));
         let c_name = c_text(&name, "the instance name", &name)?;
@@ -314,6 +317,7 @@ impl Instance {
         drop(called);
         self.mode.keep(&self.log);
         self.log.tell_of_mode();
+        self.log.tell_of_warnings();
         self.folder.keep(&self.log, call);
         self.check(call, status)
     }
@@ -321,7 +325,11 @@ impl Instance {
     /// OK and Warning pass.
     #[inline]
     pub(super) fn check(&mut self, call: &'static str, status: fmi2Status) -> Result<(), Error> {
-        if status == fmi2OK || status == fmi2Warning {
+        if status == fmi2OK {
+            return Ok(());
+        }
+        if status == fmi2Warning {
+            self.log.has_warned(call.ends_with("DoStep"));
             return Ok(());
         }
         Err(self.failed(call, status))
@@ -350,6 +358,7 @@ impl Drop for Instance {
         // every state but after a fatal status.
         unsafe { (self.functions().free_instance)(self.component) };
         self.log.tell_of_mode();
+        self.log.tell_of_warnings();
         self.folder.keep(&self.log, "fmi2FreeInstance");
     }
 }

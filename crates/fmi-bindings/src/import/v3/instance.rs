@@ -68,7 +68,7 @@ impl Instance {
         }
         // The standard wants a path that ends with a separator.
         let path = format!("{}{}", resources.display(), std::path::MAIN_SEPARATOR);
-        let log = Arc::new(Log::new(on_message));
+        let log = Arc::new(Log::new(on_message, None));
         let token = Token::new(&log, &name);
         let c_name = c_text(&name, "the instance name", &name)?;
         let c_token = c_text(&name, "the instantiation token", &guid)?;
@@ -252,6 +252,7 @@ impl Instance {
         drop(called);
         self.mode.keep(&self.log);
         self.log.tell_of_mode();
+        self.log.tell_of_warnings();
         self.folder.keep(&self.log, call);
         self.check(call, status)
     }
@@ -259,7 +260,11 @@ impl Instance {
     /// OK and Warning pass.
     #[inline]
     pub(super) fn check(&mut self, call: &'static str, status: fmi3Status) -> Result<(), Error> {
-        if status == fmi3OK || status == fmi3Warning {
+        if status == fmi3OK {
+            return Ok(());
+        }
+        if status == fmi3Warning {
+            self.log.has_warned(call.ends_with("DoStep"));
             return Ok(());
         }
         Err(self.failed(call, status))
@@ -287,6 +292,7 @@ impl Drop for Instance {
         // SAFETY: the instance is alive and is not used again.
         unsafe { (self.functions().free_instance)(self.pointer) };
         self.log.tell_of_mode();
+        self.log.tell_of_warnings();
         self.folder.keep(&self.log, "fmi3FreeInstance");
     }
 }
