@@ -63,6 +63,34 @@ fn the_identified_stack_follows_the_measured_one() {
     assert!(error <= OTHER);
 }
 
+/// The same with nothing said but the run-in: every model is tried, and the first rows tell that the machine had rested
+/// at 0 V.
+#[test]
+fn the_default_holds_on_the_other_record() {
+    let (Some(model), Some(test)) = (
+        measured("pea_p885_1hz_inverse_ff/model_1hz_3v6.csv"),
+        measured("pea_p885_1hz_inverse_ff/test_ff.csv"),
+    ) else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let (model, test) = (model.to_string_lossy(), test.to_string_lossy());
+    let columns = ["identify", "--log", &model, "--input", "u", "--output", "y"];
+    let arguments = [&columns[..], &["--drop", "2", "-o", "plant.toml"]].concat();
+    let identified = json(&arguments, folder.path());
+    assert!(
+        identified["notes"].to_string().contains("the machine rested under 0 V"),
+        "{identified}"
+    );
+    let held_out = &identified["axes"][0]["records"][0]["held_out"]["nrmse"];
+    assert!(held_out.as_f64().is_some_and(|part| part <= 0.4e-2), "{held_out}");
+    succeed(&["pack", "plant.toml", "-o", "plant.fmu"], folder.path());
+    let arguments =
+        ["simulate", "plant.fmu", "--log", &test, "--map", "u=u1", "--rows", "5051..6050"];
+    let error = json(&arguments, folder.path())["fits"][0]["nrmse_percent"].as_f64();
+    assert!(error.is_some_and(|percent| percent <= 0.55), "{error:?}");
+}
+
 /// Identifies the measured stack by one model, packs it, and gives the held-out error in % of the range, of the
 /// plant and of its FMU.
 fn shown(model: &str, log: &str, at: &Path) -> [f64; 2] {

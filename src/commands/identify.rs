@@ -42,7 +42,8 @@ pub(crate) struct Identify {
     /// Write the plant of every model that was tried to this folder, one file each
     #[arg(long, value_name = "FOLDER")]
     all: Option<PathBuf>,
-    /// The command under which the machine rested before each record [default: the record's first]
+    /// The command under which the machine rested before each record [default: the record's first, or 0 where
+    /// its first rows say so]
     #[arg(long, allow_negative_numbers = true, value_name = "COMMAND")]
     rest: Option<f64>,
     /// Search the shapes by particle swarm and not by Levenberg-Marquardt
@@ -57,9 +58,10 @@ pub(crate) struct Identify {
     /// Number of plays
     #[arg(long, value_name = "N", default_value_t = 30)]
     plays: usize,
-    /// Run-in in s from the start of each record: simulated, neither fitted nor judged
-    #[arg(long, allow_negative_numbers = true, value_name = "S", default_value_t = 0.0)]
-    drop: f64,
+    /// Run-in in s from the start of each record: simulated, neither fitted nor judged [default: as
+    /// long as the first rows differ from what the rest of the record foretells]
+    #[arg(long, allow_negative_numbers = true, value_name = "S")]
+    drop: Option<f64>,
     /// Part of each record's time, at its end, that is held out to judge the fit
     #[arg(long, allow_negative_numbers = true, value_name = "PART", default_value_t = 0.5)]
     hold_out: f64,
@@ -166,19 +168,50 @@ impl Identify {
                 source: self.source(),
                 axis: axis(input, output, &command_unit, &position_unit),
             };
-            tasks.push(Task { name: output.clone(), records, target, command_unit });
+            let drop = self.begin(&mut records, &command_unit, &mut notes);
+            tasks.push(Task { name: output.clone(), records, target, command_unit, drop });
         }
         let axes = self.identify_all(tasks, screen)?;
         let plant = join(&axes)?;
         Ok((plant, Identified { blueprint: self.out.clone(), axes, notes }))
     }
 
+    /// Finds out how the records begin and says it in a note. The run-in in s.
+    fn begin(&self, records: &mut [Record], unit: &str, notes: &mut Vec<String>) -> f64 {
+        // What does not suit is said by the identification itself.
+        let Ok(found) = identify::beginnings(records, &self.settings()) else {
+            return self.drop.unwrap_or(0.0);
+        };
+        for (record, beginning) in records.iter_mut().zip(&found) {
+            if beginning.rest != record.rest() {
+                notes.push(format!(
+                    "{}: the machine rested under {} {unit}, as the first rows say, not under the first command, \
+                     {:.4} {unit} (--rest COMMAND says otherwise)",
+                    record.name(),
+                    beginning.rest,
+                    record.rest()
+                ));
+                *record = record.clone().rested_at(beginning.rest);
+            }
+        }
+        self.drop.unwrap_or_else(|| {
+            let run_in = found.iter().map(|beginning| beginning.run_in).fold(0.0, f64::max);
+            if run_in > 0.0 {
+                notes.push(format!(
+                    "a run-in of {run_in:.4} s is neither fitted nor judged: the first rows differ from what \
+                     the rest of the record foretells (--drop 0 keeps them)"
+                ));
+            }
+            run_in
+        })
+    }
+
     /// Identifies the axes side by side; the first one moves the progress bar.
     fn identify_all(&self, tasks: Vec<Task>, screen: &Screen) -> anyhow::Result<Vec<AxisResult>> {
         interrupt::listen()?;
-        let settings = self.settings();
         let one = |task: Task, observer: &mut dyn Observer| -> anyhow::Result<AxisResult> {
-            let Task { name, records, target, command_unit } = task;
+            let Task { name, records, target, command_unit, drop } = task;
+            let settings = Settings { drop, ..self.settings() };
             let identification = identify::identify(&records, &target, &settings, observer)?;
             Ok(AxisResult { name, identification, records, command_unit })
         };
@@ -211,7 +244,6 @@ impl Identify {
             methods,
             search: if self.swarm { Search::ParticleSwarm(swarm) } else { Search::default() },
             plays: self.plays,
-            drop: self.drop,
             hold_out: self.hold_out,
             dynamics: if self.is_static { Dynamics::Static } else { Dynamics::Automatic },
             ..Settings::default()
@@ -237,6 +269,8 @@ struct Task {
     records: Vec<Record>,
     target: Target,
     command_unit: String,
+    /// Run-in in s.
+    drop: f64,
 }
 
 /// A name that every tool takes: letters, digits and `_`, a letter first.

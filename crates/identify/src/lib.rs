@@ -9,6 +9,7 @@
 //!
 //! Nothing prints; an [`Observer`] is told how far long work is.
 
+mod beginning;
 mod error;
 mod estimates;
 mod fit;
@@ -26,6 +27,7 @@ mod structure;
 #[cfg(test)]
 mod testing;
 
+pub use beginning::{Beginning, beginnings};
 pub use error::{Error, NotInvertible, Problem, SettingsProblem};
 pub use fit::operator::Search;
 pub use fit::swarm::Swarm;

@@ -105,6 +105,12 @@ impl Record {
         self.rest.or(self.input.first().copied()).unwrap_or(0.0)
     }
 
+    /// That command where [`Record::rested_at`] said it.
+    #[must_use]
+    pub fn given_rest(&self) -> Option<f64> {
+        self.rest
+    }
+
     /// Name for messages.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -1,0 +1,155 @@
+//! How a record begins: the command under which the machine rested before the first row, and the run-in
+//! during which it still remembers what nobody recorded.
+//!
+//! A static Prandtl–Ishlinskii model is fitted to rows well inside the record, where its start hardly
+//! matters, and simulated from the first row for each command that the machine may have rested under: the
+//! first row's, and zero, as a machine that is switched on. The one that foretells the first rows better
+//! is taken. What is still off then, by more than the model is off later, is the run-in.
+
+use serde::Serialize;
+
+use crate::error::Error;
+use crate::fit::delay;
+use crate::fit::response::responses;
+use crate::fit::weights::{Fitted, Task, mean};
+use crate::record::{Record, Rows};
+use crate::settings::{Plan, Settings};
+
+/// Part of the rows fitted on, at their end, that the static model is fitted to here.
+const INSIDE: f64 = 0.5;
+/// Part of a record's rows, from its first, that a rest is judged by.
+const FIRST_ROWS: f64 = 0.1;
+/// Fewest rows that a rest is judged by.
+const FEWEST: usize = 10;
+/// Another rest than the first row's must leave at most this part of the error of the first rows.
+const CLEARLY_BETTER: f64 = 0.8;
+/// A row belongs to the run-in where its error is this many times the error inside the record.
+const OFF: f64 = 4.0;
+/// Plays of the static model.
+const PLAYS: usize = 15;
+
+/// How one record begins.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Beginning {
+    /// Command under which the machine rested before the first row, in the record's unit.
+    pub rest: f64,
+    /// Time from the first row until the machine has forgotten what was before, in s.
+    pub run_in: f64,
+}
+
+/// How each record begins, as its first rows tell. Where the caller said a rest, that one is kept; `settings.drop`
+/// does not matter.
+///
+/// # Errors
+/// [`Error`], as [`identify`](crate::identify()) has them for records or settings that do not suit.
+pub fn beginnings(records: &[Record], settings: &Settings) -> Result<Vec<Beginning>, Error> {
+    let settings = Settings { drop: 0.0, plays: PLAYS, thresholds: None, ..settings.clone() };
+    let plan = settings.plan(records)?;
+    let rows = plan.fitted.iter().map(|rows| Rows { first: inside(*rows), end: rows.end });
+    let task = Task {
+        records,
+        rows: rows.collect(),
+        period: plan.period,
+        substeps: 1,
+        thresholds: plan.thresholds.clone(),
+        least_slope: plan.least_slope,
+    };
+    let (_, fitted) = delay::search(&task, plan.longest_delay, &mut |_, _| {})?;
+    (0..records.len()).map(|k| beginning(&records[k], task.rows[k], &plan, &fitted)).collect()
+}
+
+fn inside(rows: Rows) -> usize {
+    rows.first + ((1.0 - INSIDE) * rows.len() as f64) as usize
+}
+
+fn beginning(
+    record: &Record,
+    rows: Rows,
+    plan: &Plan,
+    fitted: &Fitted,
+) -> Result<Beginning, Error> {
+    let errors = |rest: f64| -> Result<Vec<f64>, Error> {
+        let input = record.input();
+        let columns = responses(rest, input, plan.period, 1, &plan.thresholds, &fitted.linear)?;
+        let model =
+            |at: usize| columns.iter().zip(&fitted.weights).map(|(c, w)| c[at] * w).sum::<f64>();
+        let all: Vec<f64> = record.output().iter().enumerate().map(|(k, y)| y - model(k)).collect();
+        let offset = mean(rows.of(&all));
+        Ok(all.into_iter().map(|e| e - offset).collect())
+    };
+    let rms = |e: &[f64]| mean(&e.iter().map(|e| e * e).collect::<Vec<_>>()).sqrt();
+    let count = ((FIRST_ROWS * rows.end as f64) as usize).max(FEWEST).min(rows.first);
+    let mut rest = record.rest();
+    let mut error = errors(rest)?;
+    if record.given_rest().is_none() && rest != 0.0 {
+        let other = errors(0.0)?;
+        if rms(&other[..count]) < CLEARLY_BETTER * rms(&error[..count]) {
+            (rest, error) = (0.0, other);
+        }
+    }
+    let usual = rms(rows.of(&error));
+    let last_off = error[..rows.first].iter().rposition(|e| e.abs() > OFF * usual);
+    // The first row is read before any command acts; alone it says nothing of a run-in.
+    let run_in = last_off.filter(|row| *row > 0).map_or(0.0, |row| (row + 1) as f64 * plan.period);
+    Ok(Beginning { rest, run_in })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Columns;
+    use components::hysteresis::play::play;
+
+    const PERIOD: f64 = 1e-3;
+    const THRESHOLDS: [f64; 4] = [0.0, 4.0, 10.0, 20.0];
+    const WEIGHTS: [f64; 4] = [0.06, 0.02, 0.02, 0.03];
+
+    /// A sine from 20 to 80 V on a machine of four plays that rested at `rest`, and drifts by `settling` (um) at first.
+    fn record(rest: f64, settling: f64) -> Record {
+        let input: Vec<f64> = (0..8000)
+            .map(|k| 50.0 + 30.0 * (2.0 * std::f64::consts::PI * f64::from(k) * PERIOD).sin())
+            .collect();
+        let mut plays = THRESHOLDS.map(|r| play(rest, r, 0.0));
+        let mut output = Vec::new();
+        let mut held = rest;
+        for (k, u) in input.iter().enumerate() {
+            let mut y = settling * (-(k as f64) * PERIOD / 0.2).exp();
+            for ((p, r), w) in plays.iter_mut().zip(THRESHOLDS).zip(WEIGHTS) {
+                *p = play(held, r, *p);
+                y += w * *p;
+            }
+            output.push(y + 2e-3 * ((k * 7919 % 1013) as f64 / 1013.0 - 0.5));
+            held = *u;
+        }
+        let time: Vec<f64> = (0..8000).map(|k| f64::from(k) * PERIOD).collect();
+        Record::new(Columns {
+            name: "a",
+            time: &time,
+            input_name: "u",
+            input: &input,
+            output_name: "y",
+            output: &output,
+        })
+        .unwrap()
+    }
+
+    fn found(record: Record) -> Beginning {
+        beginnings(&[record], &Settings::default()).unwrap()[0]
+    }
+
+    #[test]
+    fn the_command_that_a_machine_rested_under_is_found() {
+        assert_eq!(found(record(0.0, 0.0)).rest, 0.0);
+        assert_eq!(found(record(50.0, 0.0)).rest, 50.0);
+        // What the caller says is kept.
+        assert_eq!(found(record(0.0, 0.0).rested_at(50.0)).rest, 50.0);
+    }
+
+    #[test]
+    fn a_run_in_lasts_until_the_error_is_that_of_the_rest() {
+        assert!(found(record(50.0, 0.0)).run_in <= 0.01);
+        let run_in = found(record(50.0, 1.0)).run_in;
+        // 1 um·exp(-t/0.2 s) falls to a few nm within some 1.2 s.
+        assert!((0.4..1.6).contains(&run_in), "{run_in}");
+    }
+}
