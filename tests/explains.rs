@@ -146,7 +146,7 @@ fn check_repeats_the_reference_results_and_tells_a_difference() {
     let at = folder.path();
     for (blueprint, version) in [(PLANT, "2"), (CONTROLLER, "3")] {
         let package = packed(blueprint, version, at);
-        let said = succeed(&["check", "model.fmu", "--strict"], at);
+        let said = succeed(&["check", "model.fmu", "--strict", "--replay"], at);
         assert!(said.contains("reference results repeated, largest difference 0"), "{said}");
 
         // A value in the middle, off by a millionth of the range.
@@ -168,15 +168,15 @@ fn check_repeats_the_reference_results_and_tells_a_difference() {
         row[1] += 1e-6 * (ends.1 - ends.0);
         lines[101] = row.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
         fs::write(&file, lines.join("\n") + "\n").expect("a file");
-        let output = piezoloop(&["check", "changed"], at);
+        let output = piezoloop(&["check", "changed", "--replay"], at);
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(said.contains("output.csv") && said.contains("1.000e-6"), "{said}");
-        succeed(&["check", "changed", "--no-replay"], at);
+        succeed(&["check", "changed"], at);
 
         // Nothing to compare with: said, not skipped.
         fs::write(changed.join(REFERENCE).join("reference.toml"), "format = 7\n").expect("a file");
-        let output = piezoloop(&["check", "changed"], at);
+        let output = piezoloop(&["check", "changed", "--replay"], at);
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(said.contains("cannot be repeated") && said.contains("reference.toml"), "{said}");

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 use cosim::Worker;
 use modeldescription::Package;
@@ -17,8 +17,8 @@ use crate::reference::{self, Replay};
 /// Checks FMUs of any vendor against the letter of FMI 2.0 or 3.0
 ///
 /// Prints every problem with file, line, value, rule, way out and the section of the standard. The
-/// exit code is 1 where there are errors. Reference results that travel with an FMU are replayed, in a
-/// process of its own; no other code of an FMU is run.
+/// exit code is 1 where there are errors, and 2 where something could not be checked. No code of an FMU
+/// is run but with --replay.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  piezoloop check plant.fmu")]
 pub(crate) struct Check {
@@ -28,13 +28,19 @@ pub(crate) struct Check {
     /// Let warnings count as errors
     #[arg(long)]
     strict: bool,
-    /// Run no code of the FMUs: leave reference results alone
+    /// Repeat the reference results that travel with an FMU: runs its code, in a process of its own
     #[arg(long)]
-    no_replay: bool,
+    replay: bool,
+    /// Longest time of the repetition of one FMU's results in s
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 60.0,
+        requires = "replay",
+        allow_negative_numbers = true
+    )]
+    timeout: f64,
 }
-
-/// So long one call of a replayed FMU may take.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 #[derive(Serialize)]
 struct Checked {
@@ -52,26 +58,53 @@ struct Fmu {
     errors: usize,
     warnings: usize,
     problems: Vec<Problem>,
-    /// What the repetition of its reference results gave, where it has some.
+    /// Why it could not be checked, or not as a whole.
+    unchecked: Option<String>,
+    /// Whether it has reference results.
+    has_reference: bool,
+    /// What the repetition of its reference results gave, where it was asked for.
     replay: Option<Replay>,
 }
 
 impl Check {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        let fmus = self.fmus.iter().map(|path| check(path, !self.no_replay));
-        let fmus = fmus.collect::<anyhow::Result<_>>()?;
+        if !(self.timeout > 0.0 && self.timeout < 1e9) {
+            bail!("--timeout {}: give a time in s, greater than 0", self.timeout);
+        }
+        let patience = self.replay.then(|| Duration::from_secs_f64(self.timeout));
+        // One that cannot be read is no reason to be silent about the others.
+        let fmus: Vec<Fmu> = self.fmus.iter().map(|path| check(path, patience)).collect();
+        if let [Fmu { unchecked: Some(why), problems, .. }] = &fmus[..]
+            && problems.is_empty()
+        {
+            bail!("{why}");
+        }
         screen.show(&Checked { fmus, strict: self.strict })
     }
 }
 
-fn check(path: &Path, runs: bool) -> anyhow::Result<Fmu> {
-    let mut problems = modeldescription::check(path)?;
-    let package = Package::open(path).ok();
+fn check(path: &Path, patience: Option<Duration>) -> Fmu {
+    let (mut problems, mut unchecked) = match modeldescription::check(path) {
+        Ok(problems) => (problems, None),
+        Err(error) => (Vec::new(), Some(error.to_string())),
+    };
+    let has_error = problems.iter().any(|problem| problem.severity == Severity::Error);
+    let package = match Package::open(path) {
+        Ok(package) => Some(package),
+        Err(error) => {
+            // What is wrong with the FMU was said; anything else is said here.
+            if !has_error && unchecked.is_none() {
+                unchecked = Some(format!("it cannot be opened: {error}"));
+            }
+            None
+        }
+    };
+    let has_reference = package.as_ref().is_some_and(|p| reference::has_one(p.folder()));
     let mut replay = None;
     // Where there is no library for this machine, there is nothing to repeat.
-    let can_run = |p: &&Package| runs && reference::has_one(p.folder()) && p.binary().is_ok();
-    if let Some(package) = package.as_ref().filter(can_run) {
-        match repeat(package) {
+    let can_run = |p: &&Package| has_reference && p.binary().is_ok();
+    if let (Some(package), Some(patience)) = (package.as_ref().filter(can_run), patience) {
+        match repeat(package, patience) {
             Ok(done) => {
                 problems.extend(differences(package, &done));
                 replay = Some(done);
@@ -81,7 +114,7 @@ fn check(path: &Path, runs: bool) -> anyhow::Result<Fmu> {
     }
     let description = package.as_ref().map(Package::description);
     let count = |severity| problems.iter().filter(|p| p.severity == severity).count();
-    Ok(Fmu {
+    Fmu {
         path: path.to_owned(),
         model: description.map(|d| d.model_name.clone()),
         fmi_version: description.map(|d| d.fmi_version.text()),
@@ -89,15 +122,27 @@ fn check(path: &Path, runs: bool) -> anyhow::Result<Fmu> {
         errors: count(Severity::Error),
         warnings: count(Severity::Warning),
         problems,
+        unchecked,
+        has_reference,
         replay,
-    })
+    }
 }
 
-/// Repeats the reference results in a process of its own.
-fn repeat(package: &Package) -> anyhow::Result<Replay> {
-    let worker = Worker::this_program(super::WORKER, PATIENCE)
+/// Repeats the reference results in a process of its own, which ends with this one; all of it within
+/// this time.
+fn repeat(package: &Package, patience: Duration) -> anyhow::Result<Replay> {
+    let worker = Worker::this_program(super::WORKER, patience)
         .context("this program does not find itself to start the FMU in its own process")?;
-    reference::replay(&cosim::Fmu::open_isolated(package.folder(), &worker)?)
+    let folder = package.folder().to_path_buf();
+    let (send, receive) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let open = cosim::Fmu::open_isolated(folder, &worker);
+        // Nobody waits any more where this comes too late.
+        let _ = send.send(open.map_err(Into::into).and_then(|fmu| reference::replay(&fmu)));
+    });
+    receive.recv_timeout(patience).unwrap_or_else(|_| {
+        bail!("it takes longer than {} s; --timeout S allows it more", patience.as_secs_f64())
+    })
 }
 
 fn problem(package: &Package, file: &str, found: String) -> Problem {
@@ -126,7 +171,7 @@ fn not_repeated(package: &Package, error: &anyhow::Error) -> Problem {
         format!("the reference results cannot be repeated: {error:#}"),
     )
     .rule("reference results that travel with an FMU can be repeated with it")
-    .way_out("pack the FMU again, or check with --no-replay")
+    .way_out("pack the FMU again, or check without --replay")
 }
 
 impl Answer for Checked {
@@ -141,14 +186,24 @@ impl Answer for Checked {
                 }
                 _ => String::new(),
             };
-            let verdict = match (fmu.errors, fmu.warnings) {
-                (0, 0) => "no problem".to_owned(),
-                (errors, warnings) => {
-                    let several = |count: usize| if count == 1 { "" } else { "s" };
-                    let (e, w) = (several(errors), several(warnings));
-                    format!("{errors} error{e}, {warnings} warning{w}")
+            let several = |count: usize| if count == 1 { "" } else { "s" };
+            let (errors, warnings) = (fmu.errors, fmu.warnings);
+            let (e, w) = (several(errors), several(warnings));
+            let verdict = match (errors + warnings, &fmu.unchecked) {
+                (0, Some(why)) => format!("not checked: {why}"),
+                (0, None) => "no problem".to_owned(),
+                (_, None) => format!("{errors} error{e}, {warnings} warning{w}"),
+                (_, Some(why)) => {
+                    format!("{errors} error{e}, {warnings} warning{w}, not all was checked: {why}")
                 }
             };
+            if fmu.has_reference && fmu.replay.is_none() && errors == 0 {
+                let path = fmu.path.display();
+                writeln!(
+                    out,
+                    "{path}: has reference results; --replay runs its code and repeats them"
+                )?;
+            }
             let replayed = fmu.replay.as_ref().map_or(String::new(), |replay| {
                 let worst = replay.outputs.iter().map(|o| o.difference).fold(0.0, f64::max);
                 format!("; reference results repeated, largest difference {worst:.1e} of the range")
@@ -159,6 +214,9 @@ impl Answer for Checked {
     }
 
     fn exit_code(&self) -> u8 {
+        if self.fmus.iter().any(|fmu| fmu.unchecked.is_some()) {
+            return 2;
+        }
         let bad = |f: &Fmu| f.errors > 0 || (self.strict && f.warnings > 0);
         u8::from(self.fmus.iter().any(bad))
     }

@@ -1,7 +1,9 @@
 //! `piezoloop system`: any number of FMUs, connected by a TOML or an SSP.
 
+use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use anyhow::{Context, bail};
 use clap::Args;
@@ -192,7 +194,8 @@ impl System {
             inputs::not_over(out, &[&read[..], &[self.file.as_path()]].concat())?;
         }
         let fmus = self.open(plan)?;
-        let descriptions: Vec<&ModelDescription> = fmus.iter().map(Fmu::description).collect();
+        let descriptions: Vec<&ModelDescription> =
+            fmus.iter().map(|fmu| fmu.description()).collect();
         let log = self.input.as_deref().map(|path| self.options.read(path)).transpose()?;
         let (columns, names) = (plan.columns(), self.options.names()?);
         if log.is_none() && !columns.is_empty() {
@@ -284,12 +287,28 @@ impl System {
         })
     }
 
-    fn open(&self, plan: &Plan) -> anyhow::Result<Vec<Fmu>> {
+    /// The FMUs, each file opened once for all its components; one that allows a single instance per
+    /// process is unpacked for each, so that each has a library of its own.
+    fn open(&self, plan: &Plan) -> anyhow::Result<Vec<Rc<Fmu>>> {
         if self.isolation.isolate && plan.master.coupling == Coupling::Extrapolation {
             bail!("jacobi-extrapolated runs FMUs in this process only; leave out --isolate");
         }
         let worker = self.isolation.worker()?;
-        let open = |path: &Path| Ok(fmus::open_in(path, worker.as_ref())?.fmu);
+        let mut opened: HashMap<PathBuf, Rc<Fmu>> = HashMap::new();
+        let mut open = |path: &Path| -> anyhow::Result<Rc<Fmu>> {
+            let file = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+            if let Some(fmu) = opened.get(&file) {
+                return Ok(Rc::clone(fmu));
+            }
+            let fmu = Rc::new(fmus::open_in(path, worker.as_ref())?.fmu);
+            let interface = fmu.description().co_simulation.as_ref();
+            let is_single =
+                interface.is_some_and(|cs| cs.common.can_be_instantiated_only_once_per_process);
+            if !is_single {
+                opened.insert(file, Rc::clone(&fmu));
+            }
+            Ok(fmu)
+        };
         plan.fmus.iter().map(|fmu| open(&fmu.path)).collect()
     }
 

@@ -4,6 +4,7 @@
 
    references: 0 u, 1 y, 2 gain; as a controller (-DCONTROLLER) 0 reference, 1 measured, 2 command */
 #include <fenv.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +14,7 @@ enum {
     SOUND, CRASH_LOAD, CRASH_INSTANTIATE, CRASH_STEP, CRASH_FREE, EXIT_STEP, HANG_INSTANTIATE, HANG_STEP, HANG_FREE,
     ERROR_STEP, FATAL_STEP, DISCARD_STEP, LEAK, PRINT, ROUNDING, FOLDER, FOLDER_ERROR, NO_NUMBER, INFINITE, MANY, ROUNDING_GET,
     CRASH_TUNED, ERROR_TUNED, ERROR_HIGH, ERROR_SOMETIMES,
-    CRASH_SOMETIMES, LEAK_MUCH, END, END_UNTOLD, WARN, TALK, FLOOD, EXIT_FREE, EXIT_GET
+    CRASH_SOMETIMES, LEAK_MUCH, END, END_UNTOLD, WARN, TALK, FLOOD, EXIT_FREE, EXIT_GET, SIGPIPE_STEP
 };
 /* Time that it says it has reached when it ends the run. */
 #ifndef REACHED
@@ -119,6 +120,7 @@ static Status strike(struct faulty *it) {
     switch (FAULT) {
     case CRASH_STEP: crash(); break;
     case EXIT_STEP: exit(0);
+    case SIGPIPE_STEP: signal(SIGPIPE, SIG_DFL); raise(SIGPIPE); break;
     case HANG_STEP: hang(); break;
     case FOLDER_ERROR: (void)!chdir("/"); /* fall through */
     case ERROR_STEP: say(it, ERROR, "the bearing is worn"); return ERROR;
@@ -179,3 +181,20 @@ Status fmi2GetRealStatus(void *c, int kind, double *value) {
     *value = REACHED;
     return OK;
 }
+
+#ifdef ALL /* the functions that nobody calls */
+#define STUB(name) Status fmi2##name(void) { return DISCARD; }
+STUB(GetFMUstate)
+STUB(SetFMUstate)
+STUB(FreeFMUstate)
+STUB(SerializedFMUstateSize)
+STUB(SerializeFMUstate)
+STUB(DeSerializeFMUstate)
+STUB(GetDirectionalDerivative)
+STUB(SetRealInputDerivatives)
+STUB(GetRealOutputDerivatives)
+STUB(CancelStep)
+STUB(GetStatus)
+STUB(GetIntegerStatus)
+STUB(GetStringStatus)
+#endif

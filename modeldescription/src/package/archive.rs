@@ -12,6 +12,9 @@ use zip::{CompressionMethod, ZipArchive};
 
 use super::error::{EntryDefect, PackageError};
 
+/// Longest name of a file or folder that file systems hold, in bytes.
+const PART_BYTES: usize = 255;
+
 /// Bounds of an archive.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
@@ -195,6 +198,9 @@ fn safe_components(name: &str, limit: usize) -> Result<Vec<String>, EntryDefect>
     }
     let parts = name.split(['/', '\\']).filter(|part| !part.is_empty() && *part != ".");
     let components: Vec<String> = parts.map(str::to_owned).collect();
+    if let Some(part) = components.iter().find(|part| part.len() > PART_BYTES) {
+        return Err(EntryDefect::NameTooLong { bytes: part.len(), limit: PART_BYTES });
+    }
     match () {
         () if components.iter().any(|part| part == "..") => Err(EntryDefect::Traversal),
         () if components.is_empty() && !name.ends_with(['/', '\\']) => Err(EntryDefect::NoName),

@@ -114,6 +114,18 @@ pub enum PackageError {
         /// What the zip reader says.
         message: String,
     },
+    /// The name of the library is none.
+    #[error(
+        "\"{}\": modelIdentifier=\"{}\" is no file name, and might lead out of the FMU; ask its maker for \
+         one whose identifier is a C identifier",
+        package.display(), identifier.escape_debug()
+    )]
+    Identifier {
+        /// The FMU.
+        package: PathBuf,
+        /// The name.
+        identifier: String,
+    },
     /// An entry is refused.
     #[error("\"{}\"{}: {defect}; the archive was not unpacked", archive.display(), named(entry))]
     Entry {

@@ -36,6 +36,15 @@ pub struct Package {
     _unpacked: Option<TempDir>,
 }
 
+/// Whether a name is that of a file in a folder, and leads nowhere else.
+fn is_file_name(name: &str) -> bool {
+    !name.is_empty()
+        && name != "."
+        && name != ".."
+        && !name.contains(['/', '\\', ':'])
+        && !name.chars().any(char::is_control)
+}
+
 impl Package {
     /// Opens an FMU: an archive is unpacked, a folder is read where it lies.
     ///
@@ -106,7 +115,13 @@ impl Package {
         let co_simulation = self.description.co_simulation.as_ref().map(|cs| &cs.common);
         let first = self.description.interfaces().next().map(|(_, interface)| interface);
         match co_simulation.or(first) {
-            Some(interface) => Ok(&interface.model_identifier),
+            Some(interface) if is_file_name(&interface.model_identifier) => {
+                Ok(&interface.model_identifier)
+            }
+            Some(interface) => Err(PackageError::Identifier {
+                package: self.path.clone(),
+                identifier: interface.model_identifier.clone(),
+            }),
             None => Err(PackageError::NoInterface { package: self.path.clone() }),
         }
     }

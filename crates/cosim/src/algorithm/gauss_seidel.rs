@@ -44,14 +44,21 @@ impl GaussSeidel {
     /// Sources before targets as far as connections allow. Where they form a circle, the slave
     /// that was added first goes first, and the connections to it that close the circle delay.
     pub fn by_dependency(system: &System) -> Self {
+        let sources: Vec<Vec<usize>> = (0..system.len())
+            .map(|slave| system.sources_of(slave).filter(|source| *source != slave).collect())
+            .collect();
         let mut order: Vec<usize> = Vec::with_capacity(system.len());
+        let mut placed = vec![false; system.len()];
+        // Those before it are all placed.
+        let mut first = 0;
         while order.len() < system.len() {
-            let left = || (0..system.len()).filter(|slave| !order.contains(slave));
-            let waits = |slave: usize| {
-                system.sources_of(slave).any(|source| source != slave && !order.contains(&source))
-            };
-            let free = left().find(|slave| !waits(*slave));
-            let Some(next) = free.or_else(|| left().next()) else { break };
+            while placed.get(first) == Some(&true) {
+                first += 1;
+            }
+            let waits = |slave: usize| sources[slave].iter().any(|source| !placed[*source]);
+            let free = (first..system.len()).find(|slave| !placed[*slave] && !waits(*slave));
+            let next = free.unwrap_or(first);
+            placed[next] = true;
             order.push(next);
         }
         GaussSeidel { order }
