@@ -1,6 +1,6 @@
 //! Gain and offset: one component with several declarations.
 
-use model::{Component, Declaration, Sizes, Tick, Violation};
+use model::{Component, Conversion, Declaration, Extension, Sizes, Tick, Violation};
 
 use crate::rules::WRONG_LENGTH;
 
@@ -12,6 +12,13 @@ pub struct Affine {
 impl Component for Affine {
     fn declaration(&self) -> &'static Declaration {
         self.declaration
+    }
+
+    fn extended(&self, by: Extension) -> Option<&'static dyn Component> {
+        match self.declaration.conversion {
+            Conversion::CommandToPosition => crate::hysteresis::extended(by),
+            _ => None,
+        }
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {

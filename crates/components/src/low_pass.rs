@@ -1,8 +1,9 @@
 //! A second-order low-pass: one component with several declarations.
 
-use model::{Component, Declaration, Sizes, Tick, Violation};
+use model::{Component, Declaration, Extension, Sizes, Tick, Violation};
 
 use crate::linear::SecondOrder;
+use crate::mechanics;
 use crate::rules::{WRONG_LENGTH, second_order};
 
 /// `x″ + 2ζω x′ + ω² x = ω²·gain·u`, exact while u is held over a step. Its state is x and x′/ω.
@@ -22,6 +23,10 @@ pub(crate) fn with_gain(parameters: &[f64], period: f64) -> Result<SecondOrder, 
 impl Component for LowPass {
     fn declaration(&self) -> &'static Declaration {
         self.declaration
+    }
+
+    fn extended(&self, by: Extension) -> Option<&'static dyn Component> {
+        if self.declaration.is_mode() { mechanics::extended(by) } else { None }
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {

@@ -41,6 +41,15 @@ pub(crate) struct BaseParameter {
     pub(crate) effect: Option<&'static str>,
 }
 
+/// Where a node stands in a blueprint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Standing {
+    /// Number of the axis' component; of a coupling: of the one behind it.
+    pub(crate) place: usize,
+    /// Number of the coupling, where the node is one.
+    pub(crate) coupling: Option<usize>,
+}
+
 /// The model as it came.
 pub(crate) struct Base {
     pub(crate) nodes: Vec<Node>,
@@ -51,8 +60,8 @@ pub(crate) struct Base {
     pub(crate) actuator: usize,
     /// Node of the first mode.
     pub(crate) mode: Option<usize>,
-    /// Number of the blueprint's component of each node.
-    pub(crate) components: Vec<usize>,
+    /// Where each node stands in the blueprint.
+    pub(crate) components: Vec<Standing>,
     /// Plays of the model.
     pub(crate) memory: Option<Memory>,
     pub(crate) gain_tolerance: f64,
@@ -94,14 +103,15 @@ impl Base {
             gain_tolerance,
             is_white: true,
         };
-        if !blueprint.spec().connections.couplings.is_empty() {
-            let message = "couples its axes, and effects go in along one axis only; pack it \
-                           (piezoloop pack) and diagnose the FMU, whose inputs all act"
-                .to_owned();
-            return Err(Error::Model { model: name.clone(), message });
+        let mut series: Vec<(Standing, &NodeSpec, &data::ComponentBlueprint)> = Vec::new();
+        for (place, (spec, said)) in axis.components.iter().zip(&told.components).enumerate() {
+            series.push((Standing { place, coupling: None }, spec, said));
         }
+        series.extend(couplings_in_series(blueprint, number)?);
+        // A coupling stands in front of the component of its number; the sort keeps its place.
+        series.sort_by_key(|(at, ..)| (at.place, at.coupling.is_none()));
         let mut stages = Vec::new();
-        for (index, (spec, said)) in axis.components.iter().zip(&told.components).enumerate() {
+        for (standing, spec, said) in series {
             let declaration = spec.component.declaration();
             let is_noise = declaration
                 .effect
@@ -121,8 +131,12 @@ impl Base {
                 base.actuator = base.nodes.len();
             }
             stages.push(declaration.stage);
-            base.components.push(index);
-            base.component(axis, number, spec, said, tolerances);
+            base.components.push(standing);
+            let path = match standing.coupling {
+                None => format!("axis[{number}].{}", spec.name),
+                Some(_) => format!("coupling.{}", spec.name),
+            };
+            base.component(axis, &path, spec, said, tolerances);
         }
         base.place_slots(&stages);
         Ok(base)
@@ -149,7 +163,7 @@ impl Base {
     fn component(
         &mut self,
         axis: &AxisSpec,
-        number: usize,
+        path: &str,
         spec: &NodeSpec,
         said: &data::ComponentBlueprint,
         tolerances: &[Tolerance],
@@ -165,19 +179,19 @@ impl Base {
             let own = spec.values.get(at..at + length).unwrap_or_default();
             values.extend(own.iter().map(|v| unit.to_si(*v)));
             if quantity.fit {
-                let path = format!("axis[{number}].{}.{}", spec.name, quantity.name);
+                let path = format!("{path}.{}", quantity.name);
                 let relative = said.tolerance.get(quantity.name).copied();
-                let effect = released_by(declaration.kind, quantity.name);
+                let effect = quantity.releases.map(|effect| effect.name);
                 let place = Place { node, path: &path, at, unit: &text, factor: unit.factor };
                 self.quantity(&place, own, relative, effect, tolerances);
             }
             at += length;
         }
-        if declaration.kind == "mode" && self.mode.is_none() {
+        if declaration.is_mode() && self.mode.is_none() {
             self.mode = Some(node);
         }
-        if declaration.kind == "prandtl-ishlinskii" {
-            self.memory = memory_of(&values);
+        if declaration.conversion == Conversion::CommandToPosition {
+            self.memory = memory_of(spec, &values);
         }
         self.nodes.push(Node::Component(ComponentNode {
             component: spec.component.clone(),
@@ -309,6 +323,41 @@ impl Base {
     }
 }
 
+/// The couplings that have one axis only, this one: components of it in a section of their own.
+///
+/// # Errors
+/// [`Error::Model`]: another coupling reaches this axis.
+fn couplings_in_series(
+    blueprint: &CheckedBlueprint,
+    number: usize,
+) -> Result<Vec<(Standing, &NodeSpec, &data::ComponentBlueprint)>, Error> {
+    let spec = blueprint.spec();
+    let axis = &spec.axes[number - 1];
+    let mut all = Vec::new();
+    let couplings = spec.connections.couplings.iter().zip(&blueprint.blueprint().couplings);
+    for (k, (coupling, given)) in couplings.enumerate() {
+        if !coupling.axes.contains(&(number - 1)) {
+            continue;
+        }
+        if coupling.axes.len() > 1 {
+            let message = format!(
+                "couples its axes (coupling {}), and effects go in along one axis only; pack it \
+                 (piezoloop pack) and diagnose the FMU, whose inputs all act",
+                coupling.node.name
+            );
+            return Err(Error::Model { model: spec.name.clone(), message });
+        }
+        let is_before = |node: &NodeSpec| match coupling.after.as_deref() {
+            Some(name) => node.name == name,
+            None => node.component.declaration().stage <= Stage::Mechanics,
+        };
+        let place = axis.components.iter().rposition(is_before).map_or(0, |at| at + 1);
+        let standing = Standing { place, coupling: Some(k) };
+        all.push((standing, &coupling.node, &given.component));
+    }
+    Ok(all)
+}
+
 /// Where a quantity is.
 struct Place<'a> {
     node: usize,
@@ -341,25 +390,14 @@ fn reads_command(declaration: &Declaration) -> bool {
         if path.source == Source::Path && other.source == Source::Axis("command"))
 }
 
-/// The effect that stands for a parameter beyond its tolerance.
-fn released_by(kind: &str, quantity: &str) -> Option<&'static str> {
-    match (kind, quantity) {
-        ("mode", "frequency") => Some("resonance_shift"),
-        ("mode", "damping") => Some("damping"),
-        ("amplifier-lag", "bandwidth") => Some("amplifier_bandwidth"),
-        ("sensor-lag", "bandwidth") => Some("sensor_bandwidth"),
-        ("delay", "delay") => Some("delay"),
-        ("prandtl-ishlinskii", "w") => Some("hysteresis"),
-        ("kelvin-voigt-creep", "share") | ("logarithmic-creep", "gain") => Some("creep"),
-        _ => None,
-    }
-}
-
-/// Plays above zero of a Prandtl-Ishlinskii model; its values are `r | w | offset`.
-fn memory_of(values: &[f64]) -> Option<Memory> {
-    let plays = values.len().checked_sub(1)? / 2;
-    let (r, w) = (&values[..plays], &values[plays..2 * plays]);
-    let live = r.iter().zip(w).filter(|(r, w)| **r > 0.0 && **w > 0.0);
-    let (r, w): (Vec<f64>, Vec<f64>) = live.unzip();
+/// Plays above zero of an actuator with these values in SI.
+fn memory_of(spec: &NodeSpec, values: &[f64]) -> Option<Memory> {
+    let (mut r, mut w) = (Vec::new(), Vec::new());
+    spec.component.plays(&spec.structure, values, &mut |threshold, weight| {
+        if threshold > 0.0 && weight > 0.0 {
+            r.push(threshold);
+            w.push(weight);
+        }
+    });
     (!r.is_empty()).then_some(Memory { r, w })
 }

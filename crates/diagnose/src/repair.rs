@@ -6,6 +6,7 @@ mod zones;
 
 use components::effects;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
+use model::{Extension, Role};
 
 use crate::base::Base;
 use crate::block::Block;
@@ -32,8 +33,8 @@ pub(crate) fn repair(
     axis: usize,
     blueprint: &mut Blueprint,
 ) -> (Vec<String>, Option<Judged>) {
-    let Some(target) = blueprint.axes.get_mut(axis - 1) else { return (Vec::new(), None) };
-    let axis_given = target.clone();
+    let given_blueprint = blueprint.clone();
+    let Some(axis_given) = blueprint.axes.get(axis - 1).cloned() else { return (Vec::new(), None) };
     let is_written = |effect: &str, formula: &Formula, values: &[f64]| {
         write(o, &o.found.last, effect, formula, values, (&axis_given, &axis_given)).is_some()
     };
@@ -42,7 +43,7 @@ pub(crate) fn repair(
     if o.louder.is_some() {
         notes.push(format!("{}: noise is no part of a repaired model", effects::SENSOR_NOISE.name));
     }
-    retune(&o.problem.base, (&last.chain, &last.fit.theta), o, target);
+    retune(&o.problem.base, (&last.chain, &last.fit.theta), o, (blueprint, axis));
     let given = blueprint.clone();
     let mut first = last.chain.parameters.iter().take_while(|p| p.is_base).count();
     let mut changes: Vec<Change> = Vec::new();
@@ -83,10 +84,8 @@ pub(crate) fn repair(
     if !judged.as_ref().is_some_and(is_worse) {
         return (notes, judged);
     }
-    if let Some(target) = blueprint.axes.get_mut(axis - 1) {
-        *target = axis_given;
-        retune(&o.problem.base, (&base.chain, &base.fit.theta), o, target);
-    }
+    *blueprint = given_blueprint;
+    retune(&o.problem.base, (&base.chain, &base.fit.theta), o, (blueprint, axis));
     notes.push(
         "the effects stay out of the repaired blueprint: with what components can do in their place \
          it would be further from the logs than without"
@@ -139,7 +138,7 @@ fn write(
     let base = &o.problem.base;
     let note = format!("{effect}, found by diagnosis");
     let place_of =
-        |node: usize| base.components.get(node).copied().unwrap_or(given.components.len());
+        |node: usize| base.components.get(node).map_or(given.components.len(), |at| at.place);
     if let Some(force) = formula.force {
         let place = place_of(base.mode?);
         let old = now.components.get(place_now(given, now, place)?)?;
@@ -207,25 +206,19 @@ fn actuator_with(
             bank.iter().zip(weights).for_each(|(r, w)| all.add(r / u, weight(*w)));
             let command: Vec<f64> = o.problem.data.command.iter().map(|v| v / u).collect();
             all.no_negative(&command);
-            let (r, w): (Vec<f64>, Vec<f64>) = all.pairs.into_iter().unzip();
-            ComponentBlueprint::new("prandtl-ishlinskii").value("r", r).value("w", w)
+            all.written(old, Extension::Plays)?
         }
-        Block::RatePlays(_) | Block::LaggedPlays(_) => {
-            let &[value] = p else { return None };
-            let (kind, name) = match block {
-                Block::RatePlays(_) => ("rate-dependent-play", "rate"),
-                _ => ("lagging-play", "bandwidth"),
-            };
-            let (straight, wide): (Vec<_>, Vec<_>) =
-                plays.pairs.into_iter().partition(|(r, _)| *r == 0.0);
-            let (r, w): (Vec<f64>, Vec<f64>) = wide.into_iter().unzip();
-            ComponentBlueprint::new(kind)
-                .value("r", r)
-                .value("w", w)
-                .value("gain", straight.iter().map(|(_, w)| w).sum::<f64>())
-                .value(name, value)
+        Block::RatePlays(_) => {
+            let &[rate] = p else { return None };
+            plays.written(old, Extension::Rate)?.value("rate", rate)
         }
-        Block::SkewedPlays { .. } | Block::GeneralisedPlay(_) => skewed(o, last, block, p, plays)?,
+        Block::LaggedPlays(_) => {
+            let &[bandwidth] = p else { return None };
+            plays.written(old, Extension::Lag)?.value("bandwidth", bandwidth)
+        }
+        Block::SkewedPlays { .. } | Block::GeneralisedPlay(_) => {
+            skewed(o, last, block, p, (plays, old))?
+        }
         _ => return None,
     };
     take_place(&mut component, old);
@@ -245,7 +238,7 @@ fn skewed(
     last: &Candidate,
     block: &Block,
     p: &[f64],
-    mut plays: Plays,
+    (mut plays, old): (Plays, &ComponentBlueprint),
 ) -> Option<ComponentBlueprint> {
     let (u, weight) = (o.problem.command_factor, weight_of(o, last));
     let (span, skew, [wide, width, growth, curvature]) = match (block, p) {
@@ -261,11 +254,9 @@ fn skewed(
     skew.iter().for_each(|(r, _)| plays.add(*r, 0.0));
     let skew_of = |r: f64| skew.iter().filter(|(own, _)| *own == r).map(|(_, v)| v).sum::<f64>();
     let skew: Vec<f64> = plays.pairs.iter().map(|(r, _)| skew_of(*r)).collect();
-    let (r, w): (Vec<f64>, Vec<f64>) = plays.pairs.into_iter().unzip();
     Some(
-        ComponentBlueprint::new("skewed-play")
-            .value("r", r)
-            .value("w", w)
+        plays
+            .written(old, Extension::Skew)?
             .value("skew", skew)
             .value("play_weight", wide)
             .value("width", width)
@@ -291,16 +282,39 @@ struct Plays {
 
 impl Plays {
     fn of(component: &ComponentBlueprint) -> Option<Self> {
-        let array = |name: &str| match component.get(name)? {
-            Value::List(all) => all.iter().map(number).collect::<Option<Vec<f64>>>(),
-            one => Some(vec![number(one)?]),
+        let kind = components::find(&component.kind)?;
+        // What has no extension holds more than plays.
+        kind.extended(Extension::Plays)?;
+        let of = |role: Role| {
+            let quantity = kind.declaration().parameters.iter().find(|q| q.role == Some(role))?;
+            match component.get(quantity.name)? {
+                Value::List(all) => all.iter().map(number).collect::<Option<Vec<f64>>>(),
+                one => Some(vec![number(one)?]),
+            }
         };
-        let pairs = match component.kind.as_str() {
-            "prandtl-ishlinskii" => array("r")?.into_iter().zip(array("w")?).collect(),
-            "actuator-gain" => vec![(0.0, number(component.get("gain")?)?)],
-            _ => return None,
-        };
-        Some(Self { pairs })
+        let mut pairs: Vec<(f64, f64)> =
+            of(Role::Slope).unwrap_or_default().into_iter().map(|w| (0.0, w)).collect();
+        if let (Some(r), Some(w)) = (of(Role::Threshold), of(Role::Weight)) {
+            pairs.extend(r.into_iter().zip(w));
+        }
+        (!pairs.is_empty()).then_some(Self { pairs })
+    }
+
+    /// The component that an actuator becomes with an extension, with these plays; the part without memory
+    /// is a quantity of its own where there is one.
+    fn written(self, old: &ComponentBlueprint, by: Extension) -> Option<ComponentBlueprint> {
+        let declaration = components::find(&old.kind)?.extended(by)?.declaration();
+        let name =
+            |role| declaration.parameters.iter().find(|q| q.role == Some(role)).map(|q| q.name);
+        let mut component = ComponentBlueprint::new(declaration.kind);
+        let mut pairs = self.pairs;
+        if let Some(slope) = name(Role::Slope) {
+            let straight = pairs.iter().filter(|(r, _)| *r == 0.0).map(|(_, w)| w).sum::<f64>();
+            component = component.value(slope, straight);
+            pairs.retain(|(r, _)| *r != 0.0);
+        }
+        let (r, w): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+        Some(component.value(name(Role::Threshold)?, r).value(name(Role::Weight)?, w))
     }
 
     fn add(&mut self, r: f64, w: f64) {
@@ -388,11 +402,23 @@ fn with_free_name(mut component: ComponentBlueprint, axis: &AxisBlueprint) -> Co
 }
 
 /// Re-tuned and released parameters, and the output's gain in the actuator.
-fn retune(base: &Base, fitted: (&Chain, &[f64]), o: &Outcome, axis: &mut AxisBlueprint) {
+fn retune(
+    base: &Base,
+    fitted: (&Chain, &[f64]),
+    o: &Outcome,
+    (blueprint, axis): (&mut Blueprint, usize),
+) {
     let (chain, theta) = fitted;
-    for (node, place) in base.components.iter().enumerate() {
+    for (node, standing) in base.components.iter().enumerate() {
         let Some(crate::chain::Node::Component(component)) = base.nodes.get(node) else { continue };
-        let Some(target) = axis.components.get_mut(*place) else { continue };
+        let target = match standing.coupling {
+            Some(k) => blueprint.couplings.get_mut(k).map(|coupling| &mut coupling.component),
+            None => blueprint
+                .axes
+                .get_mut(axis - 1)
+                .and_then(|axis| axis.components.get_mut(standing.place)),
+        };
+        let Some(target) = target else { continue };
         let mut values = component.values.clone();
         for p in base.parameters.iter().filter(|p| p.node == node) {
             let at = chain.parameters.iter().position(|c| c.is_base && c.name == p.name);
@@ -409,7 +435,8 @@ fn retune(base: &Base, fitted: (&Chain, &[f64]), o: &Outcome, axis: &mut AxisBlu
             let units = (o.problem.command_unit.as_str(), o.problem.unit.as_str());
             let text = model::unit_on_axis(quantity.unit, units.0, units.1);
             let unit = model::Unit::parse(&text).unwrap_or(model::Unit::ONE);
-            let is_gain = node == base.actuator && matches!(quantity.name, "w" | "gain");
+            // A factor of the position is one of everything that an actuator gives in positions.
+            let is_gain = node == base.actuator && quantity.unit.starts_with("{position}");
             let scale = if is_gain { factor } else { 1.0 };
             let old = &component.values[at..at + length];
             let new = &values[at..at + length];

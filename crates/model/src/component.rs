@@ -3,7 +3,7 @@
 use alloc::string::String;
 use core::fmt;
 
-use crate::{ComponentRef, Effect, Quantity, Structural, Table, Wiring};
+use crate::{ComponentRef, Effect, Quantity, Role, Structural, Table, Wiring};
 
 /// Most input ports of one component.
 pub const MAX_PORTS: usize = 64;
@@ -288,11 +288,56 @@ impl Declaration {
         }
     }
 
+    /// The values of the first quantity with this role among those of the whole component.
+    #[must_use]
+    pub fn values_of<'a>(
+        &self,
+        role: Role,
+        structure: &[f64],
+        parameters: &'a [f64],
+    ) -> Option<&'a [f64]> {
+        let index = self.parameters.iter().position(|q| q.role == Some(role))?;
+        let first: usize = (0..index).map(|k| self.length(k, structure)).sum();
+        parameters.get(first..first + self.length(index, structure))
+    }
+
+    /// Whether it is one linear mode: frequency, damping, gain and nothing else.
+    #[must_use]
+    pub fn is_mode(&self) -> bool {
+        self.conversion == Conversion::None
+            && matches!(self.parameters, [f, d, g]
+                if [f.role, d.role, g.role]
+                    == [Some(Role::Frequency), Some(Role::Damping), Some(Role::Gain)])
+    }
+
     /// Number of parameter values under this structure.
     #[must_use]
     pub fn parameter_count(&self, structure: &[f64]) -> usize {
         (0..self.parameters.len()).map(|i| self.length(i, structure)).sum()
     }
+}
+
+/// What a component may lack that another component has beside all that the first one does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extension {
+    /// An actuator: plays.
+    Plays,
+    /// An actuator: thresholds that grow with the command's rate.
+    Rate,
+    /// An actuator: memory that lags behind the command.
+    Lag,
+    /// An actuator: loops that are wider at one end of the range.
+    Skew,
+    /// An actuator: a bent characteristic behind its plays.
+    Bend,
+    /// A mode: a stiffness that grows with the deflection.
+    Hardening,
+    /// A mode: a stiffness that changes over the position.
+    PositionStiffness,
+    /// A mode: friction with a pre-sliding distance.
+    Friction,
+    /// A mode: damping that changes with the velocity.
+    NonlinearDamping,
 }
 
 /// Room that an instance needs.
@@ -346,6 +391,23 @@ impl fmt::Display for Violation {
 pub trait Component: Send + Sync {
     /// What is declared about it.
     fn declaration(&self) -> &'static Declaration;
+
+    /// Calls `each` with threshold and weight of every play about the middle of its range, in SI; not
+    /// at all for a component without plays.
+    fn plays(&self, structure: &[f64], parameters: &[f64], each: &mut dyn FnMut(f64, f64)) {
+        let declaration = self.declaration();
+        let of = |role| declaration.values_of(role, structure, parameters).unwrap_or_default();
+        for (r, w) in of(Role::Threshold).iter().zip(of(Role::Weight)) {
+            each(*r, *w);
+        }
+    }
+
+    /// The component that does the same as this one and has an extension too: it has this one's
+    /// quantities by their roles.
+    fn extended(&self, by: Extension) -> Option<&'static dyn Component> {
+        let _ = by;
+        None
+    }
 
     /// Whether it runs a learned table (the blueprint's key `table`).
     fn takes_table(&self) -> bool {

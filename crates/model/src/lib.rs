@@ -22,12 +22,12 @@ mod variable;
 
 pub use bundle::Bundle;
 pub use component::{
-    Component, Conversion, DEMANDED_INPUTS, Declaration, DemandedInput, Input, MAX_PORTS, Output,
-    Published, Registry, Sizes, Source, Stage, Tick, Violation,
+    Component, Conversion, DEMANDED_INPUTS, Declaration, DemandedInput, Extension, Input,
+    MAX_PORTS, Output, Published, Registry, Sizes, Source, Stage, Tick, Violation,
 };
 pub use context::{Context, ContextError};
 pub use effect::{Effect, Group};
-pub use quantity::{Quantity, Shape, Structural, Variability, Within, unit_on_axis};
+pub use quantity::{Quantity, Role, Shape, Structural, Variability, Within, unit_on_axis};
 pub use system::{
     AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, PortSpec,
     StepError, System, SystemSpec,

@@ -2,6 +2,8 @@
 
 use alloc::string::String;
 
+use crate::Effect;
+
 /// When a value may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variability {
@@ -29,6 +31,23 @@ pub enum Within {
     Commands,
     /// The structural settings with these indices: the least value, where one says it, the greatest.
     Settings(Option<usize>, usize),
+}
+
+/// What a quantity is to those who know its component only by what it declares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Thresholds of plays, in the unit of the command.
+    Threshold,
+    /// Weights of these plays, in position per command.
+    Weight,
+    /// A part without memory beside plays, in position per command.
+    Slope,
+    /// Undamped natural frequency of a mode.
+    Frequency,
+    /// Damping ratio of a mode.
+    Damping,
+    /// Static gain of a mode.
+    Gain,
 }
 
 /// A parameter of a component: name, unit, sentence, start, bounds, and whether it may be fitted.
@@ -61,6 +80,10 @@ pub struct Quantity {
     /// Whether it is the seed of noise: the component then sees it mixed with its own place in the
     /// model, so that two components never draw the same numbers.
     pub is_seed: bool,
+    /// What it is to others, where they ask.
+    pub role: Option<Role>,
+    /// The effect that a machine has where this quantity is off by more than its tolerance.
+    pub releases: Option<&'static Effect>,
 }
 
 impl Quantity {
@@ -79,6 +102,8 @@ impl Quantity {
             variability: Variability::Fixed,
             fit: false,
             is_seed: false,
+            role: None,
+            releases: None,
         }
     }
     /// With this default.
@@ -133,6 +158,18 @@ impl Quantity {
     #[must_use]
     pub const fn seed(mut self) -> Self {
         self.is_seed = true;
+        self
+    }
+    /// Is this to others.
+    #[must_use]
+    pub const fn role(mut self, role: Role) -> Self {
+        self.role = Some(role);
+        self
+    }
+    /// Stands for this effect where it is off.
+    #[must_use]
+    pub const fn releases(mut self, effect: &'static Effect) -> Self {
+        self.releases = Some(effect);
         self
     }
     /// May be fitted by an identification and varied by a diagnosis.

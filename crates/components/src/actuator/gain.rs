@@ -9,7 +9,7 @@
 //! Limits: no hysteresis, no dynamics; a linear baseline, or the actuator in front of a mode whose
 //! gain is 1.
 
-use model::{Conversion, Declaration, Input, Output, Quantity, Stage};
+use model::{Conversion, Declaration, Input, Output, Quantity, Role, Stage};
 
 use crate::affine::Affine;
 use crate::effects;
@@ -30,7 +30,9 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[],
     parameters: &[
-        Quantity::new("gain", "{position}/{command}", "Position per command").fitted(),
+        Quantity::new("gain", "{position}/{command}", "Position per command")
+            .role(Role::Slope)
+            .fitted(),
         Quantity::new("offset", "{position}", "Position at zero command").start(0.0).fitted(),
     ],
 };

@@ -36,6 +36,7 @@ static DECLARATION: Declaration = Declaration {
     structure: &[],
     parameters: &[
         Quantity::new("bandwidth", "Hz", "Frequency at which the gain has fallen by 3 dB")
+            .releases(&effects::AMPLIFIER_BANDWIDTH)
             .min(0.0)
             .fitted(),
         Quantity::new("gain", "1", "Gain at low frequency").start(1.0).fitted(),

@@ -16,11 +16,12 @@
 //! Source: J.-N. Juang, R. S. Pappa, J. Guidance 8 (1985) 620-627; fitted by `piezoloop frequency-response`.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
+    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Structural,
+    Tick, Violation,
 };
 
 use super::matrix;
+use crate::effects;
 use crate::linear::Transition;
 use crate::rules::{WRONG_LENGTH, require, second_order};
 
@@ -54,10 +55,17 @@ static DECLARATION: Declaration = Declaration {
             .per(1)
             .fitted(),
         Quantity::new("frequency", "Hz", "Undamped natural frequency of each mode")
+            .role(Role::Frequency)
+            .releases(&effects::RESONANCE_SHIFT)
             .per(2)
             .min(0.0)
             .fitted(),
-        Quantity::new("damping", "1", "Damping ratio of each mode").per(2).min(0.0).fitted(),
+        Quantity::new("damping", "1", "Damping ratio of each mode")
+            .role(Role::Damping)
+            .releases(&effects::DAMPING)
+            .per(2)
+            .min(0.0)
+            .fitted(),
         Quantity::new(
             "residue",
             "1",

@@ -11,8 +11,8 @@
 //! Limits: linear; the neighbour does not feel the motion that it causes.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
+    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Structural,
+    Tick, Violation,
 };
 
 use super::matrix;
@@ -46,10 +46,17 @@ static DECLARATION: Declaration = Declaration {
         .per(1)
         .fitted(),
         Quantity::new("frequency", "Hz", "Undamped natural frequency of each axis' mode")
+            .role(Role::Frequency)
+            .releases(&effects::RESONANCE_SHIFT)
             .per(0)
             .min(0.0)
             .fitted(),
-        Quantity::new("damping", "1", "Damping ratio of each axis' mode").per(0).min(0.0).fitted(),
+        Quantity::new("damping", "1", "Damping ratio of each axis' mode")
+            .role(Role::Damping)
+            .releases(&effects::DAMPING)
+            .per(0)
+            .min(0.0)
+            .fitted(),
     ],
 };
 

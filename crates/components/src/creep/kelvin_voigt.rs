@@ -37,6 +37,7 @@ pub(super) static DECLARATION: Declaration = Declaration {
     structure: &[Structural::count("elements", "Number of elements", 1, 64)],
     parameters: &[
         Quantity::new("share", "1", "Part of a step that each element adds in the end")
+            .releases(&effects::CREEP)
             .per(0)
             .fitted(),
         Quantity::new("time_constant", "s", "Time constant of each element, increasing")

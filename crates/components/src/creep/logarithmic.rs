@@ -51,7 +51,9 @@ static DECLARATION: Declaration = Declaration {
         Structural::real("longest", "s", "Time after a step at which creep ends", 1e4, 1e-3, 1e9),
     ],
     parameters: &[
-        Quantity::new("gain", "1", "Growth of the position in a decade of time").fitted(),
+        Quantity::new("gain", "1", "Growth of the position in a decade of time")
+            .releases(&effects::CREEP)
+            .fitted(),
         Quantity::new("reference", "s", "Time after a step at which the growth counts as zero")
             .start(0.1)
             .min(0.0)

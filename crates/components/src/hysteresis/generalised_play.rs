@@ -146,6 +146,17 @@ impl Component for GeneralisedPlay {
         &DECLARATION
     }
 
+    fn plays(&self, _structure: &[f64], parameters: &[f64], each: &mut dyn FnMut(f64, f64)) {
+        let Some((arrays, &[_, left, steep_left, _, _, right, steep_right, _, _])) =
+            parameters.split_last_chunk::<9>()
+        else {
+            return;
+        };
+        let (r, w) = arrays.split_at(arrays.len() / 2);
+        // Where the envelopes are steepest.
+        Plays { r, w }.behind(0.5 * (left * steep_left + right * steep_right), each);
+    }
+
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         sizes(structure)
     }

@@ -114,6 +114,12 @@ impl Component for Grpi {
         &DECLARATION
     }
 
+    fn plays(&self, _structure: &[f64], parameters: &[f64], each: &mut dyn FnMut(f64, f64)) {
+        let Some((arrays, &[_, a1, _, b1, _])) = parameters.split_last_chunk::<5>() else { return };
+        let (r, w) = arrays.split_at(arrays.len() / 2);
+        Plays { r, w }.behind(0.5 * (a1 + b1), each);
+    }
+
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         let plays = DECLARATION.length(0, structure);
         Sizes { coefficients: 2 * plays + 6, states: plays + 2 }

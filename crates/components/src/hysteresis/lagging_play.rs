@@ -17,7 +17,8 @@
 //! relaxation in front of them.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::play::Plays;
@@ -47,6 +48,7 @@ static DECLARATION: Declaration = Declaration {
         W,
         OFFSET,
         Quantity::new("gain", "{position}/{command}", "Part of the elongation without memory")
+            .role(Role::Slope)
             .start(0.0)
             .min(0.0)
             .fitted(),

@@ -44,3 +44,16 @@ pub use preisach::Preisach;
 pub use preisach_inverse::InversePreisach;
 pub use rate_dependent_play::{INVERSE as INVERSE_RATE_DEPENDENT_PLAY, RateDependentPlay};
 pub use skewed_play::SkewedPlay;
+
+/// What an actuator of plays, or without memory, becomes with one thing more.
+pub(crate) fn extended(by: model::Extension) -> Option<&'static dyn model::Component> {
+    use model::Extension;
+    match by {
+        Extension::Plays => Some(&PrandtlIshlinskii),
+        Extension::Rate => Some(&RateDependentPlay),
+        Extension::Lag => Some(&LaggingPlay),
+        Extension::Skew => Some(&SkewedPlay),
+        Extension::Bend => Some(&ModifiedPrandtlIshlinskii),
+        _ => None,
+    }
+}

@@ -18,7 +18,8 @@
 
 use libm::{fabs, fmax};
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
@@ -37,7 +38,9 @@ pub static INVERSE: NumericInverse<Mpi> =
     NumericInverse { forward: &Mpi, declaration: &INVERSE_DECLARATION };
 
 const LINEAR: Quantity =
-    Quantity::new("linear", "{position}/{command}", "Linear part without memory").fitted();
+    Quantity::new("linear", "{position}/{command}", "Linear part without memory")
+        .role(Role::Slope)
+        .fitted();
 const CUBIC: Quantity =
     Quantity::new("cubic", "{position}/{command}/{command}/{command}", "Cubic part without memory")
         .start(0.0)
@@ -91,6 +94,11 @@ fn polynomial(offset: f64, linear: f64, cubic: f64, u: f64) -> f64 {
 impl Component for Mpi {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn plays(&self, _structure: &[f64], parameters: &[f64], each: &mut dyn FnMut(f64, f64)) {
+        let Some((plays, [.., scale, _])) = split(parameters) else { return };
+        plays.r.iter().zip(plays.w).for_each(|(r, w)| each(scale * r, *w));
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

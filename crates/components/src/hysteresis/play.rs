@@ -45,6 +45,14 @@ impl Plays<'_> {
         self.step(u, state)
     }
 
+    /// Calls `each` with threshold and weight, over the command, of plays that follow a characteristic
+    /// of this slope: `w·P_r[m·u] = m·w·P_{r/m}[u]`. None where it is flat.
+    pub fn behind(&self, slope: f64, each: &mut dyn FnMut(f64, f64)) {
+        if slope > 0.0 {
+            self.r.iter().zip(self.w).for_each(|(r, w)| each(r / slope, slope * w));
+        }
+    }
+
     /// Moves the input monotonically to `u` and returns the sum, added up from the first play on.
     #[inline]
     pub fn step(&self, u: f64, state: &mut [f64]) -> f64 {

@@ -14,8 +14,8 @@
 //! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
+    Component, Conversion, Declaration, Extension, Input, Output, Quantity, Role, Sizes, Stage,
+    Structural, Tick, Violation,
 };
 
 use super::play::Plays;
@@ -30,9 +30,16 @@ pub(super) const PLAYS: Structural =
     Structural::count("plays", "Number of play operators", 1, 4096);
 pub(super) const STRUCTURE: &[Structural] = &[PLAYS];
 pub(super) const R: Quantity =
-    Quantity::new("r", "{command}", "Threshold of each play, increasing from 0").min(0.0).per(0);
-pub(super) const W: Quantity =
-    Quantity::new("w", "{position}/{command}", "Weight of each play").min(0.0).per(0).fitted();
+    Quantity::new("r", "{command}", "Threshold of each play, increasing from 0")
+        .role(Role::Threshold)
+        .min(0.0)
+        .per(0);
+pub(super) const W: Quantity = Quantity::new("w", "{position}/{command}", "Weight of each play")
+    .role(Role::Weight)
+    .releases(&effects::HYSTERESIS)
+    .min(0.0)
+    .per(0)
+    .fitted();
 pub(super) const OFFSET: Quantity =
     Quantity::new("offset", "{position}", "Position at zero command in the virgin state")
         .start(0.0)
@@ -92,6 +99,10 @@ pub(super) fn plays(coefficients: &[f64]) -> (Plays<'_>, f64) {
 impl Component for PrandtlIshlinskii {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn extended(&self, by: Extension) -> Option<&'static dyn Component> {
+        super::extended(by)
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

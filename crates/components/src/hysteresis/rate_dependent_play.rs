@@ -16,7 +16,8 @@
 
 use libm::fabs;
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
@@ -35,6 +36,7 @@ pub static INVERSE: NumericInverse<RateDependentPlay> =
 
 const GAIN: Quantity =
     Quantity::new("gain", "{position}/{command}", "Part of the elongation without memory")
+        .role(Role::Slope)
         .start(0.0)
         .min(0.0)
         .fitted();

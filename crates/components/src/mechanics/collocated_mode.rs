@@ -10,7 +10,8 @@
 //! Limits: the part that follows at once is as fast as the input.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
+    Violation,
 };
 
 use crate::effects;
@@ -34,8 +35,16 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[],
     parameters: &[
-        Quantity::new("frequency", "Hz", "Natural frequency of the resonance").min(0.0).fitted(),
-        Quantity::new("damping", "1", "Damping ratio of the resonance").min(0.0).fitted(),
+        Quantity::new("frequency", "Hz", "Natural frequency of the resonance")
+            .role(Role::Frequency)
+            .releases(&effects::RESONANCE_SHIFT)
+            .min(0.0)
+            .fitted(),
+        Quantity::new("damping", "1", "Damping ratio of the resonance")
+            .role(Role::Damping)
+            .releases(&effects::DAMPING)
+            .min(0.0)
+            .fitted(),
         Quantity::new("zero_frequency", "Hz", "Natural frequency of the antiresonance")
             .min(0.0)
             .fitted(),

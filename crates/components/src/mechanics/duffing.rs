@@ -16,7 +16,8 @@
 
 use libm::sqrt;
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::substeps::SubSteps;
@@ -41,8 +42,16 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[],
     parameters: &[
-        Quantity::new("frequency", "Hz", "Natural frequency of small motions").min(0.0).fitted(),
-        Quantity::new("damping", "1", "Damping ratio").min(0.0).fitted(),
+        Quantity::new("frequency", "Hz", "Natural frequency of small motions")
+            .role(Role::Frequency)
+            .releases(&effects::RESONANCE_SHIFT)
+            .min(0.0)
+            .fitted(),
+        Quantity::new("damping", "1", "Damping ratio")
+            .role(Role::Damping)
+            .releases(&effects::DAMPING)
+            .min(0.0)
+            .fitted(),
         Quantity::new(
             "hardening",
             "1",

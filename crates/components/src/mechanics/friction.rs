@@ -23,7 +23,8 @@ use core::f64::consts::TAU;
 
 use libm::{ceil, copysign, exp, fabs, fmax, sqrt};
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
+    Violation,
 };
 
 use crate::effects;
@@ -48,8 +49,16 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[],
     parameters: &[
-        Quantity::new("frequency", "Hz", "Undamped natural frequency").min(0.0).fitted(),
-        Quantity::new("damping", "1", "Damping ratio").min(0.0).fitted(),
+        Quantity::new("frequency", "Hz", "Undamped natural frequency")
+            .role(Role::Frequency)
+            .releases(&effects::RESONANCE_SHIFT)
+            .min(0.0)
+            .fitted(),
+        Quantity::new("damping", "1", "Damping ratio")
+            .role(Role::Damping)
+            .releases(&effects::DAMPING)
+            .min(0.0)
+            .fitted(),
         Quantity::new("coulomb", "{position}", "Coulomb friction over stiffness").min(0.0).fitted(),
         Quantity::new("stiction", "{position}", "Static friction over stiffness").min(0.0).fitted(),
         Quantity::new("presliding", "{position}", "Bristle deflection at the Coulomb force")

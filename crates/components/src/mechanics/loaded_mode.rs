@@ -16,7 +16,7 @@
 use core::f64::consts::TAU;
 
 use libm::sqrt;
-use model::{Conversion, Declaration, Input, Output, Quantity, Stage, Violation};
+use model::{Conversion, Declaration, Input, Output, Quantity, Role, Stage, Violation};
 
 use crate::effects;
 use crate::linear::SecondOrder;
@@ -41,9 +41,15 @@ static DECLARATION: Declaration = Declaration {
     structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Undamped natural frequency without load")
+            .role(Role::Frequency)
+            .releases(&effects::RESONANCE_SHIFT)
             .min(0.0)
             .fitted(),
-        Quantity::new("damping", "1", "Damping ratio without load").min(0.0).fitted(),
+        Quantity::new("damping", "1", "Damping ratio without load")
+            .role(Role::Damping)
+            .releases(&effects::DAMPING)
+            .min(0.0)
+            .fitted(),
         Quantity::new("mass", "kg", "Effective moving mass without load").min(0.0),
         Quantity::new("payload", "kg", "Mass of the payload").start(0.0).min(0.0).fitted(),
         Quantity::new("external_stiffness", "N/m", "Stiffness to the surroundings")

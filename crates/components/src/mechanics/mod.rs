@@ -28,3 +28,15 @@ pub use mode_pair::ModePair;
 pub use nonlinear_damping::NonlinearDamping;
 pub use position_stiffness::PositionStiffness;
 pub use vibration::Vibration;
+
+/// What a linear mode becomes with one thing more.
+pub(crate) fn extended(by: model::Extension) -> Option<&'static dyn model::Component> {
+    use model::Extension;
+    match by {
+        Extension::Hardening => Some(&Duffing),
+        Extension::PositionStiffness => Some(&PositionStiffness),
+        Extension::Friction => Some(&Friction),
+        Extension::NonlinearDamping => Some(&NonlinearDamping),
+        _ => None,
+    }
+}

@@ -11,7 +11,7 @@
 //!
 //! Limits: one mode, collocated; linear.
 
-use model::{Conversion, Declaration, Input, Output, Quantity, Stage};
+use model::{Conversion, Declaration, Input, Output, Quantity, Role, Stage};
 
 use crate::effects;
 use crate::low_pass::{self, LowPass};
@@ -32,9 +32,17 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[],
     parameters: &[
-        Quantity::new("frequency", "Hz", "Undamped natural frequency").min(0.0).fitted(),
-        Quantity::new("damping", "1", "Damping ratio; 1 is critical").min(0.0).fitted(),
-        Quantity::new("gain", "1", "Static gain").start(1.0).fitted(),
+        Quantity::new("frequency", "Hz", "Undamped natural frequency")
+            .role(Role::Frequency)
+            .releases(&effects::RESONANCE_SHIFT)
+            .min(0.0)
+            .fitted(),
+        Quantity::new("damping", "1", "Damping ratio; 1 is critical")
+            .role(Role::Damping)
+            .releases(&effects::DAMPING)
+            .min(0.0)
+            .fitted(),
+        Quantity::new("gain", "1", "Static gain").role(Role::Gain).start(1.0).fitted(),
     ],
 };
 

@@ -9,7 +9,8 @@
 //! Limits: linear; static gain 1.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
+    Violation,
 };
 
 use crate::effects;
@@ -32,12 +33,24 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[],
     parameters: &[
-        Quantity::new("frequency", "Hz", "Natural frequency of the first mode").min(0.0).fitted(),
-        Quantity::new("damping", "1", "Damping ratio of the first mode").min(0.0).fitted(),
-        Quantity::new("second_frequency", "Hz", "Natural frequency of the second mode")
+        Quantity::new("frequency", "Hz", "Natural frequency of the first mode")
+            .role(Role::Frequency)
+            .releases(&effects::RESONANCE_SHIFT)
             .min(0.0)
             .fitted(),
-        Quantity::new("second_damping", "1", "Damping ratio of the second mode").min(0.0).fitted(),
+        Quantity::new("damping", "1", "Damping ratio of the first mode")
+            .role(Role::Damping)
+            .releases(&effects::DAMPING)
+            .min(0.0)
+            .fitted(),
+        Quantity::new("second_frequency", "Hz", "Natural frequency of the second mode")
+            .releases(&effects::RESONANCE_SHIFT)
+            .min(0.0)
+            .fitted(),
+        Quantity::new("second_damping", "1", "Damping ratio of the second mode")
+            .releases(&effects::DAMPING)
+            .min(0.0)
+            .fitted(),
         Quantity::new("share", "1", "Part of the static motion in the second mode").fitted(),
     ],
 };

@@ -21,7 +21,8 @@ use core::f64::consts::TAU;
 
 use libm::{ceil, fabs, fmax, hypot, tanh};
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::substeps::SubSteps;
@@ -50,8 +51,16 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[],
     parameters: &[
-        Quantity::new("frequency", "Hz", "Undamped natural frequency").min(0.0).fitted(),
-        Quantity::new("damping", "1", "Damping ratio at small velocities").min(0.0).fitted(),
+        Quantity::new("frequency", "Hz", "Undamped natural frequency")
+            .role(Role::Frequency)
+            .releases(&effects::RESONANCE_SHIFT)
+            .min(0.0)
+            .fitted(),
+        Quantity::new("damping", "1", "Damping ratio at small velocities")
+            .role(Role::Damping)
+            .releases(&effects::DAMPING)
+            .min(0.0)
+            .fitted(),
         Quantity::new("coulomb", "{position}", "Coulomb friction over stiffness")
             .start(0.0)
             .min(0.0)

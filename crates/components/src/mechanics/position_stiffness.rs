@@ -21,7 +21,8 @@
 
 use libm::{fmax, fmin, sqrt};
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::substeps::SubSteps;
@@ -47,8 +48,16 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[],
     parameters: &[
-        Quantity::new("frequency", "Hz", "Natural frequency at the centre").min(0.0).fitted(),
-        Quantity::new("damping", "1", "Damping ratio at the centre").min(0.0).fitted(),
+        Quantity::new("frequency", "Hz", "Natural frequency at the centre")
+            .role(Role::Frequency)
+            .releases(&effects::RESONANCE_SHIFT)
+            .min(0.0)
+            .fitted(),
+        Quantity::new("damping", "1", "Damping ratio at the centre")
+            .role(Role::Damping)
+            .releases(&effects::DAMPING)
+            .min(0.0)
+            .fitted(),
         Quantity::new("linear", "1", "Relative growth of the stiffness to the upper end")
             .start(0.0)
             .fitted(),

@@ -37,6 +37,7 @@ static DECLARATION: Declaration = Declaration {
         "Hz",
         "Frequency at which the reading has fallen by 3 dB",
     )
+    .releases(&effects::SENSOR_BANDWIDTH)
     .min(0.0)
     .fitted()],
 };

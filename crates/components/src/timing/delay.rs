@@ -43,7 +43,11 @@ static DECLARATION: Declaration = Declaration {
         0.0,
         10.0,
     )],
-    parameters: &[Quantity::new("delay", "s", "Delay").min(0.0).at_most(0).fitted()],
+    parameters: &[Quantity::new("delay", "s", "Delay")
+        .releases(&effects::DELAY)
+        .min(0.0)
+        .at_most(0)
+        .fitted()],
 };
 
 /// Whole steps up to this relative distance count as whole: a delay and a period that were both

@@ -56,7 +56,7 @@ pub(super) fn settle(
     }
     let better = written.tuned().and_then(|theta| {
         let mut tuned = blueprint.clone();
-        retune(&written.base, (&written.chain, &theta), o, tuned.axes.get_mut(axis - 1)?);
+        retune(&written.base, (&written.chain, &theta), o, (&mut tuned, axis));
         // As it is written, with what a component may round or refuse.
         let again = read(&tuned)?;
         Some((again.judge(&again.start)?, tuned))

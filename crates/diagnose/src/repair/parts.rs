@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use data::ComponentBlueprint;
+use model::Extension;
 
 use super::number;
 use crate::block::{Block, Loss};
@@ -19,7 +20,8 @@ pub(super) fn forced(
 ) -> Option<ComponentBlueprint> {
     let gain = mode.get("gain").and_then(number).unwrap_or(1.0);
     let y = o.problem.factor;
-    let new = |kind: &str| {
+    let new = |by: Extension| {
+        let kind = components::find(&mode.kind)?.extended(by)?.declaration().kind;
         let mut component = ComponentBlueprint::new(kind);
         component.name.clone_from(&mode.name);
         for name in ["frequency", "damping"] {
@@ -30,7 +32,7 @@ pub(super) fn forced(
     // The stiffness over that at zero; the range ends where the position is farthest from zero.
     let stiffness = |linear: f64, quadratic: f64| {
         Some(
-            new("position-stiffness")?
+            new(Extension::PositionStiffness)?
                 .value("linear", linear)
                 .value("quadratic", quadratic)
                 .value("centre", 0.0)
@@ -40,13 +42,13 @@ pub(super) fn forced(
     match (force, p) {
         // The component hardens about zero, with a static gain of 1.
         (Force::Cubic, &[cubic]) if cubic >= 0.0 && centre.abs() < 0.1 * half && gain == 1.0 => {
-            Some(new("duffing")?.value("hardening", cubic).value("reference", half / y))
+            Some(new(Extension::Hardening)?.value("hardening", cubic).value("reference", half / y))
         }
         (Force::Cubic, &[cubic]) if gain == 1.0 => stiffness(0.0, cubic),
         (Force::Uneven, &[square, cubic]) if gain == 1.0 => stiffness(square, cubic),
         // Dahl's law is LuGre's without a difference between static and sliding friction.
         (Force::Friction, &[size, distance]) if gain == 1.0 => Some(
-            new("friction")?
+            new(Extension::Friction)?
                 .value("coulomb", size / y)
                 .value("stiction", size / y)
                 .value("presliding", distance / y)
@@ -56,7 +58,7 @@ pub(super) fn forced(
         (Force::Coulomb, &[size, smooth]) if gain == 1.0 => {
             let omega = TAU * mode.get("frequency").and_then(number)?;
             Some(
-                new("nonlinear-damping")?
+                new(Extension::NonlinearDamping)?
                     .value("coulomb", size / y)
                     .value("velocity", smooth * omega / y),
             )
@@ -64,7 +66,7 @@ pub(super) fn forced(
         (Force::SpeedDamping, &[ratio]) if gain == 1.0 && ratio >= 0.0 => {
             let omega = TAU * mode.get("frequency").and_then(number)?;
             let far = (centre.abs() + half) / y;
-            Some(new("nonlinear-damping")?.value("growth", 0.5 * ratio / (omega * far)))
+            Some(new(Extension::NonlinearDamping)?.value("growth", 0.5 * ratio / (omega * far)))
         }
         _ => None,
     }

@@ -1,6 +1,7 @@
 //! A bent characteristic right behind the actuator, as plays followed by one-sided dead zones.
 
 use data::ComponentBlueprint;
+use model::Extension;
 
 use super::{Plays, number, output_gain, take_place};
 use crate::library::{Piece, Slot};
@@ -25,7 +26,7 @@ pub(super) fn bent(
     if piece.slot != Slot::AfterActuator || !piece.block.is_map() {
         return None;
     }
-    let plays = Plays::of(old)?;
+    let mut plays = Plays::of(old)?;
     let y = o.problem.factor;
     let offset = old.get("offset").and_then(number).unwrap_or(0.0);
     // The gain of the output is in the plays already; the map lies before it.
@@ -43,11 +44,9 @@ pub(super) fn bent(
         }
     };
     let zones = Zones::of(&map, end(-1.0), end(1.0))?;
-    let (r, w): (Vec<f64>, Vec<f64>) =
-        plays.pairs.into_iter().map(|(r, w)| (r, w * zones.slope)).unzip();
-    let mut component = ComponentBlueprint::new("modified-prandtl-ishlinskii")
-        .value("r", r)
-        .value("w", w)
+    plays.pairs.iter_mut().for_each(|(_, w)| *w *= zones.slope);
+    let mut component = plays
+        .written(old, Extension::Bend)?
         .value("edge", zones.edges)
         .value("slope", zones.changes);
     take_place(&mut component, old);
