@@ -63,6 +63,14 @@ fn section(d: &Declaration) -> String {
         d.equation,
         d.reference
     );
+    let inverses = learned::COMPONENTS.iter().filter(|c| c.declaration().kind == d.kind);
+    let undone: Vec<String> = inverses
+        .flat_map(|component| component.inverses())
+        .map(|inverse| format!("[{0}](#{0}) ({1})", inverse.kind, inverse.undoing.name()))
+        .collect();
+    if !undone.is_empty() {
+        text.push_str(&format!("Undone in front of the machine by {}.\n\n", undone.join(", ")));
+    }
     text.push_str(
         "| parameter | unit | start | least | greatest | meaning |\n|---|---|---|---|---|---|\n",
     );

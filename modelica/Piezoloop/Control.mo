@@ -23,6 +23,26 @@ package Control "Control laws"
     annotation(Documentation(info="<html><p>Component <code>reference-lead</code>:</p><p><code>y = r + clamp(lag*r' + inertia*r'', +-limit)</code></p></html>"));
   end ReferenceLead;
 
+  block ReferenceCurve "Curve through points in front of the feedforward, for a static nonlinearity of the sensor"
+    extends Interfaces.ReferenceFilter;
+    parameter Integer points(min = 2, max = 4096) "Number of points";
+    parameter Real at[points](each unit="um") "Where the points are, increasing";
+    parameter Real value[points](each unit="um") "What the curve is there";
+  equation
+    y = Functions.curve(u, at, value);
+    annotation(Documentation(info="<html><p>Component <code>reference-curve</code>:</p><p><code>y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] &lt;= u &lt; at[i+1], the first and the last interval without end</code></p></html>"));
+  end ReferenceCurve;
+
+  block CommandCurve "Curve through points behind the feedforward, for a static nonlinearity of the amplifier"
+    extends Interfaces.CommandFilter;
+    parameter Integer points(min = 2, max = 4096) "Number of points";
+    parameter Real at[points](each unit="V") "Where the points are, increasing";
+    parameter Real value[points](each unit="V") "What the curve is there";
+  equation
+    y = Functions.curve(u, at, value);
+    annotation(Documentation(info="<html><p>Component <code>command-curve</code>:</p><p><code>y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] &lt;= u &lt; at[i+1], the first and the last interval without end</code></p></html>"));
+  end CommandCurve;
+
   block FeedforwardGain "Linear feedforward: command proportional to the position that is wanted"
     extends Interfaces.Inverse;
     parameter Real gain(unit="V/um") "Command per position";

@@ -22,6 +22,21 @@ package Functions "What several blocks share; states go in and come out"
     end for;
   end interpolate;
 
+  function curve "Straight lines between points, and on beyond the first and the last"
+    input Real u;
+    input Real at[:];
+    input Real value[size(at, 1)];
+    output Real y;
+  protected
+    Real upper;
+  algorithm
+    y := value[1];
+    for i in 1:size(at, 1) - 1 loop
+      upper := if i < size(at, 1) - 1 then min(u, at[min(i + 1, size(at, 1))]) else u;
+      y := y + (value[i + 1] - value[i])/(at[i + 1] - at[i])*((if i > 1 then max(upper, at[i]) else upper) - at[i]);
+    end for;
+  end curve;
+
   function play "One play: a piston in a cylinder of width 2r"
     input Real u;
     input Real r;

@@ -283,6 +283,7 @@ FEEDFORWARD, LIMITS = ("feedforward-gain", {"gain": 8.0}), {"output_min": -1e6, 
 LINEAR, OPEN, CLOSED = ("feedforward-gain", {"gain": 1.0}), ("pid", {"kp": 0.0} | LIMITS), ("pid", {"kp": 1.0} | LIMITS)
 AROUND = {"pid": ([FEEDFORWARD], []), "incremental-pid": ([FEEDFORWARD], []), "repetitive": ([FEEDFORWARD], []),
           "reference-lead": ([], [LINEAR, OPEN]), "inverse-kelvin-voigt-creep": ([], [LINEAR, OPEN]),
+          "reference-curve": ([], [LINEAR, OPEN]), "command-curve": ([FEEDFORWARD], [OPEN]),
           "notch": ([], [LINEAR, OPEN]), "disturbance-observer": ([], [LINEAR]),
           "reference-filter": ([], [LINEAR, CLOSED]), "reference-preview": ([], [LINEAR, CLOSED])}
 # Steps in which what can be switched off is off: from the first to the one before the second.

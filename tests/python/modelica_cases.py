@@ -112,6 +112,8 @@ CONTROLLER = {
     "inverse-dynamic-prandtl-ishlinskii": (PLAYS | LIMITS | DYNAMIC, 1e-9),
     "reference-lead": ({"lag": 5e-4, "inertia": 2e-7, "limit": 1.5}, EXACT),
     "feedforward-gain": ({"gain": 12.0, "offset": 0.3}, EXACT),
+    "reference-curve": ({"at": [0.0, 2.0, 5.0, 9.0], "value": [0.2, 1.9, 5.3, 8.8]}, EXACT),
+    "command-curve": ({"at": [0.0, 20.0, 50.0, 90.0], "value": [2.0, 19.0, 53.0, 88.0]}, EXACT),
     "pid": (GAINS | {"derivative_filter": 2e-4}, EXACT),
     "pid reversed": (GAINS | {"kp": -3.0, "ki": -900.0}, EXACT),
     "pid safe": (GAINS | SAFE | {"derivative_filter": 2e-4, "tracking_time": 2e-3}, EXACT),

@@ -1,6 +1,6 @@
 //! Gain and offset: one component with several declarations.
 
-use model::{Component, Conversion, Declaration, Extension, Sizes, Tick, Violation};
+use model::{Component, Conversion, Declaration, Extension, Inverse, Sizes, Tick, Violation};
 
 use crate::rules::WRONG_LENGTH;
 
@@ -18,6 +18,13 @@ impl Component for Affine {
         match self.declaration.conversion {
             Conversion::CommandToPosition => crate::hysteresis::extended(by),
             _ => None,
+        }
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        match self.declaration.conversion {
+            Conversion::CommandToPosition => const { &[Inverse::closed_form("feedforward-gain")] },
+            _ => &[],
         }
     }
 

@@ -2,14 +2,13 @@
 
 use data::CheckedBlueprint;
 use learned::features::{Features, Stops};
-use model::{AxisSpec, NodeSpec};
+use model::{AxisSpec, NodeSpec, Undoing};
 use nalgebra::Complex;
 
-use super::linearised::{actuator_of, product_of_gains, values};
+use crate::linearised::{is_discrete, product_of_gains, setting, values};
+use crate::probe::is_actuator;
 use identify::learned::{Arx, Frame, Machine, Recipe, Span, inverse, inverse::Purpose};
 
-/// The component that is inverted.
-pub(crate) const KIND: &str = "lssvm-stops";
 /// Where a command that shows slopes turns round, as parts of its range.
 const TURNS: [f64; 9] = [0.0, 1.0, 0.0, 0.8, 0.2, 0.6, 0.4, 1.0, 0.0];
 /// Its steps over the whole range, and over the chord of a slope.
@@ -31,8 +30,6 @@ pub(crate) struct LearnedAxis {
     commands: [f64; 2],
     /// Steepest chord, in position per command.
     pub(crate) slope: f64,
-    /// The same of the component alone.
-    pub(crate) own_slope: f64,
     /// Positions at the ends of the commands, each after the other end was visited.
     pub(crate) reach: (f64, f64),
 }
@@ -42,9 +39,15 @@ pub(crate) fn sample_time(axes: &[AxisSpec]) -> Option<f64> {
     axes.iter().find_map(|axis| sample_time_of(&axis.components[actuator_of(axis)?]))
 }
 
+fn actuator_of(axis: &AxisSpec) -> Option<usize> {
+    axis.components.iter().position(is_actuator)
+}
+
+/// The sample time of a component whose inverse is learned.
 fn sample_time_of(node: &NodeSpec) -> Option<f64> {
-    let learned = node.component.declaration().kind == KIND;
-    node.structure.first().copied().filter(|_| learned)
+    let mut inverses = node.component.inverses().iter();
+    let learned = inverses.any(|inverse| inverse.undoing == Undoing::Learned);
+    setting(node, "sample_time").filter(|_| learned)
 }
 
 impl LearnedAxis {
@@ -71,7 +74,7 @@ impl LearnedAxis {
             ));
         }
         let behind = &axis.components[at + 1..];
-        let discrete = |n: &&NodeSpec| n.enabled && n.component.declaration().kind == "arx";
+        let discrete = |n: &&NodeSpec| n.enabled && is_discrete(n);
         let mut linear = Arx { b: vec![1.0], a: Vec::new() };
         for part in behind.iter().filter(discrete) {
             let other = part.structure.first().copied().unwrap_or(own);
@@ -110,9 +113,8 @@ impl LearnedAxis {
                 node.name
             ));
         }
-        let own_slope = slope / (before * after);
         let reach = reach(&forward, commands);
-        Ok(Some(Self { forward, linear, period, commands, slope, own_slope, reach }))
+        Ok(Some(Self { forward, linear, period, commands, slope, reach }))
     }
 
     /// Position at rest under this command, after a rise from the model's least one.
@@ -160,11 +162,12 @@ fn machine(
     (before, after): (f64, f64),
 ) -> Result<Machine, String> {
     let components = &plant.blueprint().axes[index].components;
-    let table = components.iter().find(|c| c.kind == KIND).and_then(|c| plant.table_of(c));
+    let kind = node.component.declaration().kind;
+    let table = components.iter().find(|c| c.kind == kind).and_then(|c| plant.table_of(c));
     let table = table.ok_or_else(|| format!("{} has no table that can be read", node.name))?;
     let value = |name: &str| values(node, name).first().copied().unwrap_or(0.0);
     let &[period, count, range, rate_scale, slope, projected] = &node.structure[..] else {
-        return Err(format!("{} has not the structure of {KIND}", node.name));
+        return Err(format!("{} has not the structure of {kind}", node.name));
     };
     let count = count as usize;
     // The table has the weights.

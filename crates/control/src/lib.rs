@@ -7,20 +7,33 @@
 //!
 //! Nothing prints; an [`Observer`](identify::Observer) is told how far long work is.
 
+mod analysis;
+mod axis;
 mod calibration;
+mod check;
 mod closed_loop;
+mod coupling;
+mod curve;
+mod design;
+mod feedforward;
 mod invert;
 mod learned_axis;
 mod linearised;
 mod loop_shape;
+mod path;
+mod probe;
 mod tuning;
 mod undone;
+mod work;
 
 pub use calibration::{Calibration, CalibrationRecord, CoordinateFit, calibrate};
+pub use check::Check;
 pub use closed_loop::{LoopRun, simulate_loop};
+pub use design::Feedback;
+pub use feedforward::Feedforward;
 pub use identify::learned::InverseFigures;
 pub use identify::{Error, NotInvertible, SettingsProblem};
-pub use invert::{ControlSettings, Inversion, LoopFigures, invert};
+pub use invert::{ControlSettings, Coordinator, Inversion, LoopFigures, invert};
 pub use tuning::{
     Gains, LoopCurves, LoopVerdict, Machine, Ultimate, impulse_of, judge_loop, loop_curves, relay,
     robust, ultimate_by_gain, ziegler_nichols,

@@ -10,7 +10,7 @@
 mod declarations;
 mod feedforward;
 
-use model::{Component, ComponentRef, Declaration, Sizes, Table, Tick, Violation};
+use model::{Component, ComponentRef, Declaration, Inverse, Sizes, Table, Tick, Violation};
 
 use crate::KernelSum;
 use crate::features::{Derivatives, Features, Narx, Stops};
@@ -47,6 +47,8 @@ const BEYOND: f64 = 1.0;
 /// A kind of learned component without its table.
 struct Family {
     declaration: &'static Declaration,
+    /// What undoes it.
+    inverses: &'static [Inverse],
     /// Takes positions and gives commands.
     inverse: bool,
     /// The inputs that the structure (without its sample time, which comes first) asks for.
@@ -130,6 +132,10 @@ impl Component for &'static Family {
         self.declaration
     }
 
+    fn inverses(&self) -> &'static [Inverse] {
+        self.inverses
+    }
+
     fn takes_table(&self) -> bool {
         true
     }
@@ -190,6 +196,10 @@ impl Loaded {
 impl Component for Loaded {
     fn declaration(&self) -> &'static Declaration {
         self.family.declaration
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        self.family.inverses
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {

@@ -340,6 +340,57 @@ pub enum Extension {
     NonlinearDamping,
 }
 
+/// How a component is undone in front of the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Undoing {
+    /// Exactly, by an equation.
+    ClosedForm,
+    /// By a bounded search over the forward model at each step.
+    Iteration,
+    /// The forward model itself runs beside the machine; nothing is turned round.
+    InverseFree,
+    /// A table is learned from what the forward model answers.
+    Learned,
+}
+
+impl Undoing {
+    /// For reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ClosedForm => "closed form",
+            Self::Iteration => "iteration with a bound",
+            Self::InverseFree => "inverse-free",
+            Self::Learned => "learned",
+        }
+    }
+}
+
+/// A component of a controller that undoes another one. Its parameters are those of the same names;
+/// `command_min` and `command_max` are the bounds of the command where the other stands; a `gain` in command
+/// per position is the reciprocal of one in position per command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Inverse {
+    /// Its type.
+    pub kind: &'static str,
+    /// How it does that.
+    pub undoing: Undoing,
+}
+
+impl Inverse {
+    /// Exactly, by an equation.
+    #[must_use]
+    pub const fn closed_form(kind: &'static str) -> Self {
+        Self { kind, undoing: Undoing::ClosedForm }
+    }
+
+    /// By a bounded search at each step.
+    #[must_use]
+    pub const fn iteration(kind: &'static str) -> Self {
+        Self { kind, undoing: Undoing::Iteration }
+    }
+}
+
 /// Room that an instance needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sizes {
@@ -407,6 +458,12 @@ pub trait Component: Send + Sync {
     fn extended(&self, by: Extension) -> Option<&'static dyn Component> {
         let _ = by;
         None
+    }
+
+    /// The components that undo it in front of the machine, the best first. None: it is linear or without
+    /// memory and needs none of its own, or only feedback acts against it.
+    fn inverses(&self) -> &'static [Inverse] {
+        &[]
     }
 
     /// Whether it runs a learned table (the blueprint's key `table`).

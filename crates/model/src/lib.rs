@@ -22,8 +22,8 @@ mod variable;
 
 pub use bundle::Bundle;
 pub use component::{
-    Component, Conversion, DEMANDED_INPUTS, Declaration, DemandedInput, Extension, Input,
-    MAX_PORTS, Output, Published, Registry, Sizes, Source, Stage, Tick, Violation,
+    Component, Conversion, DEMANDED_INPUTS, Declaration, DemandedInput, Extension, Input, Inverse,
+    MAX_PORTS, Output, Published, Registry, Sizes, Source, Stage, Tick, Undoing, Violation,
 };
 pub use context::{Context, ContextError};
 pub use effect::{Effect, Group};

@@ -1,6 +1,7 @@
 //! Control laws and feedforward.
 
 mod bouc_wen_feedforward;
+mod curve;
 mod disturbance_observer;
 mod feedforward_gain;
 mod incremental_pid;
@@ -14,6 +15,7 @@ mod reference_preview;
 mod repetitive;
 
 pub use bouc_wen_feedforward::BoucWenFeedforward;
+pub use curve::{COMMAND_CURVE, REFERENCE_CURVE};
 pub use disturbance_observer::DisturbanceObserver;
 pub use feedforward_gain::FeedforwardGain;
 pub use incremental_pid::IncrementalPid;

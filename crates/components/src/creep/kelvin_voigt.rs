@@ -12,8 +12,8 @@
 //! Source: H. Janocha, K. Kuhnen, Sensors and Actuators A 79 (2000) 83–89.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
+    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Structural,
+    Tick, Violation,
 };
 
 use super::elements::{Elements, coefficients, fraction, parts_mut};
@@ -50,6 +50,10 @@ pub(super) static DECLARATION: Declaration = Declaration {
 impl Component for KelvinVoigtCreep {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const { &[Inverse::closed_form("inverse-kelvin-voigt-creep")] }
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

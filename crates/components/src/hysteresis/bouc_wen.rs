@@ -25,7 +25,8 @@
 
 use libm::{ceil, expm1, fabs, log1p, pow};
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Tick,
+    Undoing, Violation,
 };
 
 use super::numeric_inverse::{Forward, Rates};
@@ -166,6 +167,15 @@ fn split(coefficients: &[f64]) -> Option<(Law, f64, f64)> {
 impl Component for BoucWen {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const {
+            &[
+                Inverse::iteration("inverse-bouc-wen"),
+                Inverse { kind: "bouc-wen-feedforward", undoing: Undoing::InverseFree },
+            ]
+        }
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {

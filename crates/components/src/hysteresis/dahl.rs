@@ -15,7 +15,8 @@
 //! Source: P. R. Dahl, A solid friction model, The Aerospace Corporation TOR-0158(3107-18)-1, 1968.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::duhem::Law;
@@ -55,6 +56,10 @@ pub(super) const PARAMETERS: [Quantity; 4] = [
 impl Component for Dahl {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const { &[Inverse::iteration("inverse-dahl")] }
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {

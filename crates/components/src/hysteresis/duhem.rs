@@ -19,7 +19,8 @@
 
 use libm::{exp, fabs};
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Tick,
+    Violation,
 };
 
 use crate::effects;
@@ -96,6 +97,10 @@ impl Law {
 impl Component for Duhem {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const { &[Inverse::iteration("inverse-duhem")] }
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {

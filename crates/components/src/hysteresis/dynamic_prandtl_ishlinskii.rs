@@ -26,8 +26,8 @@
 //! Elliptical Vibration Cutting Device, eqs. (3) and (4).
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
+    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Structural,
+    Tick, Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
@@ -135,6 +135,10 @@ fn plays_of(parameters: &[f64]) -> Option<Plays<'_>> {
 impl Component for DynamicPrandtlIshlinskii {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const { &[Inverse::iteration("inverse-dynamic-prandtl-ishlinskii")] }
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

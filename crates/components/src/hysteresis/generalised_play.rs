@@ -22,7 +22,8 @@
 
 use libm::{atanh, tanh};
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::play::{Plays, between, invert};
@@ -155,6 +156,10 @@ impl Component for GeneralisedPlay {
         let (r, w) = arrays.split_at(arrays.len() / 2);
         // Where the envelopes are steepest.
         Plays { r, w }.behind(0.5 * (left * steep_left + right * steep_right), each);
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const { &[Inverse::closed_form("inverse-generalised-play")] }
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

@@ -17,7 +17,8 @@
 
 use libm::fabs;
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
@@ -118,6 +119,10 @@ impl Component for Grpi {
         let Some((arrays, &[_, a1, _, b1, _])) = parameters.split_last_chunk::<5>() else { return };
         let (r, w) = arrays.split_at(arrays.len() / 2);
         Plays { r, w }.behind(0.5 * (a1 + b1), each);
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const { &[Inverse::iteration("inverse-grpi")] }
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

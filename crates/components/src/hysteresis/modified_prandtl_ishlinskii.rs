@@ -12,8 +12,8 @@
 //! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
+    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Structural,
+    Tick, Violation,
 };
 
 use super::dead_zone::DeadZones;
@@ -91,6 +91,10 @@ fn sizes(structure: &[f64]) -> Sizes {
 impl Component for ModifiedPrandtlIshlinskii {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const { &[Inverse::closed_form("inverse-modified-prandtl-ishlinskii")] }
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

@@ -18,7 +18,7 @@
 
 use libm::{fabs, fmax};
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
+    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Role, Sizes, Stage, Tick,
     Violation,
 };
 
@@ -99,6 +99,10 @@ impl Component for Mpi {
     fn plays(&self, _structure: &[f64], parameters: &[f64], each: &mut dyn FnMut(f64, f64)) {
         let Some((plays, [.., scale, _])) = split(parameters) else { return };
         plays.r.iter().zip(plays.w).for_each(|(r, w)| each(scale * r, *w));
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const { &[Inverse::iteration("inverse-mpi")] }
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

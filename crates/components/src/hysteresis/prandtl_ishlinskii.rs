@@ -14,8 +14,8 @@
 //! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418.
 
 use model::{
-    Component, Conversion, Declaration, Extension, Input, Output, Quantity, Role, Sizes, Stage,
-    Structural, Tick, Violation,
+    Component, Conversion, Declaration, Extension, Input, Inverse, Output, Quantity, Role, Sizes,
+    Stage, Structural, Tick, Violation,
 };
 
 use super::play::Plays;
@@ -103,6 +103,10 @@ impl Component for PrandtlIshlinskii {
 
     fn extended(&self, by: Extension) -> Option<&'static dyn Component> {
         super::extended(by)
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const { &[Inverse::closed_form("inverse-prandtl-ishlinskii")] }
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

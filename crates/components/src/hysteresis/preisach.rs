@@ -22,8 +22,8 @@
 
 use libm::{floor, sqrt};
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
+    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Structural,
+    Tick, Violation,
 };
 
 use super::prandtl_ishlinskii::OFFSET;
@@ -182,6 +182,10 @@ impl Stack<'_> {
 impl Component for Preisach {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const { &[Inverse::iteration("inverse-preisach")] }
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

@@ -16,7 +16,7 @@
 
 use libm::fabs;
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
+    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Role, Sizes, Stage, Tick,
     Violation,
 };
 
@@ -45,10 +45,9 @@ pub(super) const RATE: Quantity =
         .min(0.0)
         .fitted();
 pub(super) const COMMAND_MIN: Quantity =
-    Quantity::new("command_min", "{command}", "Least command that the inverse gives").a_command();
+    Quantity::new("command_min", "{command}", "Least command that the inverse gives");
 pub(super) const COMMAND_MAX: Quantity =
-    Quantity::new("command_max", "{command}", "Greatest command that the inverse gives")
-        .a_command();
+    Quantity::new("command_max", "{command}", "Greatest command that the inverse gives");
 
 static DECLARATION: Declaration = Declaration {
     kind: "rate-dependent-play",
@@ -109,6 +108,10 @@ pub(super) fn widened_frozen(plays: Plays<'_>, u: f64, wider: f64, state: &[f64]
 impl Component for RateDependentPlay {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn inverses(&self) -> &'static [Inverse] {
+        const { &[Inverse::iteration("inverse-rate-dependent-play")] }
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

@@ -1,6 +1,8 @@
 //! What is declared about the learned components.
 
-use model::{Conversion, Declaration, Effect, Input, Output, Quantity, Stage, Structural};
+use model::{
+    Conversion, Declaration, Effect, Input, Inverse, Output, Quantity, Stage, Structural, Undoing,
+};
 
 use super::Family;
 
@@ -143,6 +145,7 @@ pub(super) static LSSVM_NARX: &Family = &Family {
         NARX,
         &HYSTERESIS,
     ),
+    inverses: &[],
     inverse: false,
     features: super::narx,
 };
@@ -155,6 +158,7 @@ pub(super) static LSSVM_STOPS: &Family = &Family {
         STOPS,
         &HYSTERESIS,
     ),
+    inverses: &[Inverse { kind: "lssvm-stops-inverse", undoing: Undoing::Learned }],
     inverse: false,
     features: super::stops,
 };
@@ -167,6 +171,7 @@ pub(super) static GAUSSIAN_PROCESS: &Family = &Family {
         DERIVATIVES,
         &HYSTERESIS,
     ),
+    inverses: &[],
     inverse: false,
     features: super::derivatives,
 };
@@ -178,6 +183,7 @@ pub(super) static LSSVM_INVERSE: &Family = &Family {
         NARX_SOURCE,
         NARX,
     ),
+    inverses: &[],
     inverse: true,
     features: super::narx,
 };
@@ -189,6 +195,7 @@ pub(super) static LSSVM_STOPS_INVERSE: &Family = &Family {
         STOPS_SOURCE,
         STOPS,
     ),
+    inverses: &[],
     inverse: true,
     features: super::stops,
 };
@@ -200,6 +207,7 @@ pub(super) static GP_INVERSE: &Family = &Family {
         GP_SOURCE,
         DERIVATIVES,
     ),
+    inverses: &[],
     inverse: true,
     features: super::derivatives,
 };

@@ -55,7 +55,7 @@ struct Loaded {
 
 /// Only for its loading of tables.
 static TABLES: &Family =
-    &Family { declaration: &DECLARATION, inverse: true, features: super::narx };
+    &Family { declaration: &DECLARATION, inverses: &[], inverse: true, features: super::narx };
 
 impl Component for Feedforward {
     fn declaration(&self) -> &'static Declaration {

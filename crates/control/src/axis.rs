@@ -1,0 +1,121 @@
+//! One axis on its way to a controller: its feedback, and the ways of its feedforward.
+
+use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint};
+use identify::learned::InverseFigures;
+use model::{AxisSpec, Kind, NodeSpec};
+
+use crate::analysis::{Analysed, linear_of};
+use crate::design::{Linear, SHIFTS, design};
+use crate::feedforward::{self, Candidate};
+use crate::invert::ControlSettings;
+use crate::learned_axis::LearnedAxis;
+use crate::linearised::{is_discrete, lead_of, modes, shifted};
+use crate::loop_shape::{Limits, Shaped};
+use crate::undone::Undone;
+
+/// One axis on its way to a controller.
+pub(crate) struct Design {
+    pub(crate) learned: Option<LearnedAxis>,
+    pub(crate) shaped: Shaped,
+    pub(crate) slope: f64,
+    /// The lead for all linear parts but those that a filter undoes.
+    pub(crate) lead: Option<ComponentBlueprint>,
+    pub(crate) delay: f64,
+    pub(crate) ways: Vec<Candidate>,
+    pub(crate) chosen: usize,
+    pub(crate) notes: Vec<String>,
+    pub(crate) inverse: Option<InverseFigures>,
+    pub(crate) tables: Vec<(String, model::Table)>,
+}
+
+/// The feedback of an axis, and the ways of its feedforward that need no run.
+///
+/// # Errors
+/// Every reason why there is none.
+pub(crate) fn axis_design(
+    plant: &CheckedBlueprint,
+    analysed: &Analysed,
+    index: usize,
+    settings: &ControlSettings,
+    (step, period): (f64, f64),
+) -> Result<Design, Vec<String>> {
+    let one = |reason: String| vec![reason];
+    let path = &analysed.paths[index];
+    let learned = LearnedAxis::of(plant, index, period)?;
+    let slope = learned.as_ref().map_or(path.sweep.slope, |learned| learned.slope);
+    let nodes = linear_of(analysed, index);
+    let response =
+        |nodes: &[NodeSpec]| analysed.impulse(plant, index, nodes, slope, (step, period));
+    let mut all_modes = modes(&nodes);
+    all_modes.extend(learned.iter().flat_map(LearnedAxis::modes));
+    let shifts = if modes(&nodes).is_empty() { &SHIFTS[..1] } else { &SHIFTS[..] };
+    let impulses = shifts
+        .iter()
+        .map(|shift| response(&shifted(&nodes, *shift)).map_err(one))
+        .collect::<Result<Vec<_>, _>>()?;
+    let linear = Linear {
+        impulses: &impulses,
+        modes: &all_modes,
+        slope,
+        is_learned: nodes.iter().any(is_discrete),
+        period,
+    };
+    let limits = Limits { sensitivity: settings.sensitivity, noise: settings.noise };
+    let shaped = design(&linear, settings.feedback, limits).ok_or_else(|| {
+        vec![
+            "no feedback gain keeps the margins; allow a larger sensitivity or a shorter period"
+                .to_owned(),
+        ]
+    })?;
+    let delay = lead_of(&impulses[0], period).0 - 0.5 * period;
+    let lead = match &learned {
+        None if nodes.is_empty() => None,
+        None => lead(lead_of(&impulses[0], period), path.sweep.reach),
+        Some(learned) => {
+            let others: Vec<NodeSpec> =
+                nodes.iter().filter(|node| !is_discrete(node)).cloned().collect();
+            let undone = Undone::of(&learned.linear, period);
+            if others.is_empty() && !undone.filters() {
+                None
+            } else {
+                let own = lead_of(&response(&others).map_err(one)?, period);
+                let (lag, inertia) = (undone.lag, undone.inertia);
+                let both = (own.0 + lag, own.1 + lag * own.0 + inertia);
+                lead(both, learned.reach)
+            }
+        }
+    };
+    let mut ways = Vec::new();
+    let mut notes = path.left.clone();
+    notes.extend(analysed.left[index].iter().cloned());
+    if learned.is_none() {
+        for way in feedforward::declared(path) {
+            match way.and_then(|way| buildable(way, &path.axis, period)) {
+                Ok(way) => ways.push(way),
+                Err(reason) => notes.push(format!("{}: {reason}", path.actuator.name)),
+            }
+        }
+    }
+    let (inverse, tables) = (None, Vec::new());
+    Ok(Design { learned, shaped, slope, lead, delay, ways, chosen: 0, notes, inverse, tables })
+}
+
+/// The way, where a controller can be built of it.
+pub(crate) fn buildable(way: Candidate, axis: &AxisSpec, period: f64) -> Result<Candidate, String> {
+    let mut own = AxisBlueprint::new("x", &axis.command_unit, &axis.position_unit);
+    own.command = own.command.between(axis.command_range.0, axis.command_range.1);
+    own.components.clone_from(&way.chain);
+    let blueprint = Blueprint::new(Kind::Controller, "part", period).axis(own);
+    match blueprint.check(learned::COMPONENTS) {
+        Ok(_) => Ok(way),
+        Err(problems) => Err(format!("{} does not suit: {problems}", way.name)),
+    }
+}
+
+/// What the feedforward adds to the reference for the linear parts of the path.
+fn lead((lag, inertia): (f64, f64), reach: (f64, f64)) -> Option<ComponentBlueprint> {
+    let limit = 0.5 * (reach.1 - reach.0);
+    let component = ComponentBlueprint::new("reference-lead");
+    let component = component.value("lag", lag.max(0.0)).value("inertia", inertia.max(0.0));
+    Some(component.value("limit", limit))
+}

@@ -1,0 +1,112 @@
+//! `invert` on the rigs: what it says, what it writes, and that it holds on the very plant.
+#![cfg(target_os = "linux")]
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::{json, refuse, succeed};
+use serde_json::Value;
+
+/// A raised sine over the middle of each reach, softly begun.
+fn wave(axes: &[Value], period: f64, at: &Path) {
+    use std::fmt::Write as _;
+    let mut text = String::from("time [s]");
+    (1..=axes.len()).for_each(|axis| write!(text, ",reference[{axis}]").expect("a text"));
+    for k in 0..=(4.0 / period) as usize {
+        let time = k as f64 * period;
+        write!(text, "\n{time}").expect("a text");
+        for axis in axes {
+            let end = |n: usize| axis["reach"][n].as_f64().expect("a number");
+            let (middle, half) = (0.5 * (end(0) + end(1)), 0.3 * (end(1) - end(0)));
+            let on = time.min(1.0);
+            write!(text, ",{}", middle + on * half * (std::f64::consts::TAU * time).sin())
+                .expect("a text");
+        }
+    }
+    fs::write(at.join("reference.csv"), text + "\n").expect("a file");
+}
+
+/// Largest rms error of the packed loop in percent of the reference's range.
+fn loop_error(rig: &str, extra: &[&str], at: &Path) -> f64 {
+    let answer = json(&[&["invert", rig, "-o", "controller.toml"], extra].concat(), at);
+    let axes = answer["axes"].as_array().expect("axes");
+    wave(axes, answer["period_s"].as_f64().expect("a period").max(1e-4), at);
+    succeed(&["pack", rig, "-o", "plant.fmu"], at);
+    succeed(&["pack", "controller.toml", "-o", "controller.fmu"], at);
+    let run = [
+        "simulate",
+        "--loop",
+        "plant.fmu",
+        "controller.fmu",
+        "--reference",
+        "reference.csv",
+        "--drop",
+        "2",
+    ];
+    let fits = json(&run, at);
+    let each = fits["fits"].as_array().expect("fits").iter();
+    each.map(|fit| fit["nrmse_percent"].as_f64().unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_packed_controller_holds_on_the_rig_that_it_was_made_from() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (rig, extra, bound) in [
+        // A filter of 40 Hz in the sensor, and a mode near half the sample rate.
+        ("p1", &[][..], 0.1),
+        // Amplifier and sensor are curved, and it creeps.
+        ("p885", &[], 0.1),
+        // Four axes that optics couple.
+        ("p0", &["--period", "5e-3"], 0.1),
+    ] {
+        let error = loop_error(rig, extra, folder.path());
+        assert!(error < bound, "{rig}: {error} % of range");
+    }
+}
+
+#[test]
+fn what_is_printed_stands_in_the_blueprint_and_in_the_answer() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let answer = json(&["invert", "p0", "--period", "5e-3", "-o", "c.toml"], at);
+    assert_eq!(answer["coordinators"][0]["couplings"][0], "optics-jacobian", "{answer}");
+    assert!(
+        answer["coordinators"][0]["condition"].as_f64().is_some_and(|c| (4.0..6.0).contains(&c))
+    );
+    let text = fs::read_to_string(at.join("c.toml")).expect("a file");
+    for word in
+        ["jacobian-coordinator", "motion = ", "reach", "gain margin", "on its own plant", "delay"]
+    {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    for axis in answer["axes"].as_array().expect("axes") {
+        // Two filters of 50 Hz and a driver: half a period of hold besides.
+        assert!(axis["delay"].as_f64().is_some_and(|d| (4e-3..6e-3).contains(&d)), "{axis}");
+        let check = &axis["checks"][0];
+        let error = |name: &str| check[name].as_f64().expect("a number");
+        assert!(error("closed_loop") < 0.1 * error("feedback"), "{axis}");
+    }
+    let said = succeed(&["invert", "p2", "-o", "c.toml"], at);
+    assert!(said.contains("curls over") && said.contains("fitted"), "{said}");
+}
+
+#[test]
+fn the_ways_of_a_plant_are_listed_and_can_be_chosen() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let answer = json(&["invert", "p2", "--list"], at);
+    let ways = answer["ways"].as_array().expect("ways");
+    let of = |name: &str| ways.iter().find(|way| way["name"] == name).expect("a way");
+    assert!(of("inverse")["reason"].as_str().is_some_and(|r| r.contains("curls over")), "{answer}");
+    for name in ["inverse-free", "fitted", "linear", "none"] {
+        assert!(of(name)["axes"][0]["checks"][0]["closed_loop"].is_number(), "{answer}");
+    }
+    assert!(!at.join("controller.toml").exists());
+    json(&["invert", "p3", "--feedforward", "linear", "--feedback", "pi", "-o", "c.toml"], at);
+    let text = fs::read_to_string(at.join("c.toml")).expect("a file");
+    assert!(text.contains("kd = 0") && text.contains("feedforward-gain"), "{text}");
+    let message = refuse(&["invert", "p3", "--feedforward", "inverse-free"], at);
+    assert!(message.contains("actuator") && message.contains("--list"), "{message}");
+}
