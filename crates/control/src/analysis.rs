@@ -105,6 +105,20 @@ pub(crate) fn linear_of(analysed: &Analysed, axis: usize) -> Vec<NodeSpec> {
     nodes
 }
 
+/// One response behind another; each answers within its first sample at the earliest.
+fn convolved(response: &[f64], own: &[f64]) -> Vec<f64> {
+    if let [gain] = own {
+        return response.iter().map(|h| h * gain).collect();
+    }
+    let mut both = vec![0.0; response.len() + own.len() - 1];
+    for (k, h) in response.iter().enumerate() {
+        for (i, g) in own.iter().enumerate() {
+            both[k + i] += h * g;
+        }
+    }
+    both
+}
+
 impl Analysed {
     fn group_of(&self, axis: usize) -> Option<(&Group, usize)> {
         self.groups.iter().find_map(|group| {
@@ -130,7 +144,8 @@ impl Analysed {
             let linear = |other: usize| {
                 if other == axis { nodes.to_vec() } else { linear_of(self, other) }
             };
-            return group.impulse_response(plant, number, &linear, &slopes, times);
+            let response = group.impulse_response(plant, number, &linear, &slopes, times)?;
+            return Ok(convolved(&response, &self.paths[axis].own));
         }
         // The gain of linear parts at rest is in the slope.
         let mut response = impulse_response(&self.paths[axis].axis, nodes, 1.0, times)?;
@@ -138,7 +153,7 @@ impl Analysed {
         for h in &mut response {
             *h *= slope / sum;
         }
-        Ok(response)
+        Ok(convolved(&response, &self.paths[axis].own))
     }
 
     /// Position at rest under a command; where axes are coupled, under the same command of all.

@@ -69,7 +69,7 @@ pub(crate) fn axis_design(
     })?;
     let delay = lead_of(&impulses[0], period).0 - 0.5 * period;
     let lead = match &learned {
-        None if nodes.is_empty() => None,
+        None if nodes.is_empty() && path.own.len() == 1 => None,
         None => lead(lead_of(&impulses[0], period), path.sweep.reach),
         Some(learned) => {
             let others: Vec<NodeSpec> =

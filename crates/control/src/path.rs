@@ -14,6 +14,10 @@ const TRIAL: usize = 64;
 const SAME: (f64, f64) = (1e-6, 1e-4);
 /// Parts of the range over which a component is tried: all of it, and little.
 const SWINGS: [f64; 2] = [0.25, 1e-4];
+/// A small step of the actuator in parts of its range, and the part of it that is there after one sample where it
+/// answers at once.
+const SMALL: f64 = 0.05;
+const AT_ONCE: f64 = 0.9;
 /// Where a command that shows slopes turns round, as parts of its range.
 const TURNS: [f64; 11] = [0.0, 1.0, 0.0, 1.0, 0.0, 0.8, 0.2, 0.6, 0.4, 1.0, 0.0];
 /// Least and most steps over the whole range, and steps in a chord's.
@@ -61,6 +65,8 @@ pub(crate) struct Path {
     pub(crate) maps: [Curve; 2],
     /// What the axis does at rest, command by command.
     pub(crate) sweep: Sweep,
+    /// The actuator's own impulse response to a small step, of sum 1; [1] where it answers at once.
+    pub(crate) own: Vec<f64>,
     /// What is left to feedback, and what it costs.
     pub(crate) left: Vec<String>,
     pub(crate) times: (f64, f64),
@@ -125,7 +131,19 @@ impl Path {
                 actuator.name
             ));
         }
-        Ok(Self { axis: axis.clone(), before, actuator, after, bounds, maps, sweep, left, times })
+        let own = own_response(axis, &actuator, bounds, times)?;
+        Ok(Self {
+            axis: axis.clone(),
+            before,
+            actuator,
+            after,
+            bounds,
+            maps,
+            sweep,
+            own,
+            left,
+            times,
+        })
     }
 
     /// All linear components with memory, in the order of the path.
@@ -140,6 +158,35 @@ impl Path {
             Probe::new(&self.axis, std::slice::from_ref(&self.actuator), false, self.times)?;
         Ok(self.maps[1].value(probe.rest(self.maps[0].value(command))?))
     }
+}
+
+/// How an actuator answers small steps up and down about the middle of its commands.
+fn own_response(
+    axis: &AxisSpec,
+    actuator: &NodeSpec,
+    [low, high]: [f64; 2],
+    times: (f64, f64),
+) -> Result<Vec<f64>, String> {
+    let mut probe = Probe::new(axis, std::slice::from_ref(actuator), false, times)?;
+    let (middle, small) = (0.5 * (low + high), SMALL * (high - low));
+    let mut before = probe.rest(middle)?;
+    for _ in 0..TRIAL {
+        before = probe.step(middle)?;
+    }
+    let mut answer = [0.0; TRIAL];
+    for (command, sign) in [(middle + small, 1.0), (middle, -1.0)] {
+        let from = before;
+        for value in &mut answer {
+            before = probe.step(command)?;
+            *value += sign * (before - from);
+        }
+    }
+    let end = answer[TRIAL - 1];
+    if !(end.abs() > 0.0 && end.is_finite()) || answer[0] / end >= AT_ONCE {
+        return Ok(vec![1.0]);
+    }
+    let last = std::iter::once(&0.0).chain(&answer);
+    Ok(answer.iter().zip(last).map(|(now, last)| (now - last) / end).collect())
 }
 
 /// The commands of a sweep between these bounds, with the row at which each way begins.
