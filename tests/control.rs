@@ -78,6 +78,51 @@ fn a_calibrated_jacobian_coordinates_the_controller() {
     assert_eq!(value("status"), 1.0);
 }
 
+/// A controller of two motions, as `invert` writes it for axes by themselves, gets the coordinator.
+#[test]
+fn a_controller_of_motions_gets_the_coordinator_that_was_calibrated() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    log(at, |turn| 0.5 - 0.4 * (4.0 * turn).cos());
+    let mut plant =
+        String::from("piezoloop = 1\nkind = \"plant\"\nname = \"motions\"\nstep = 5e-3\n");
+    for name in ["a", "b"] {
+        write!(
+            plant,
+            "[[axis]]\nname = \"{name}\"\ncommand = {{ unit = \"V\", min = 0, max = 100 }}\nposition = {{ unit = \"1\" }}\n\
+             [[axis.component]]\ntype = \"actuator-gain\"\ngain = 0.01\n"
+        )
+        .expect("a text");
+    }
+    fs::write(at.join("motions.toml"), plant).expect("a file");
+    succeed(&["invert", "motions.toml", "-o", "controller.toml"], at);
+    let more = ["--blueprint", "controller.toml", "-o", "calibrated.toml"];
+    json(&[&CALIBRATE[..], &more].concat(), at);
+    let text = fs::read_to_string(at.join("calibrated.toml")).expect("a file");
+    for word in ["jacobian-coordinator", "motion = { unit = \"1\" }", "unit = \"um\""] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    // The feedforward of a coordinate is that of its motions: u = 100·theta.
+    let table = format!(
+        "time [s],reference[1] [um],reference[2] [um],measured[1] [um],measured[2] [um]\n\
+         0,7,7,7,7\n0.005,{0},{1},{0},{1}\n0.01,{0},{1},{0},{1}\n",
+        7.0 + 500.0 * 0.3,
+        7.0 + 14.0 * 0.3 - 515.0 * 0.2
+    );
+    fs::write(at.join("r.csv"), table).expect("a file");
+    succeed(&["pack", "calibrated.toml", "-o", "c.fmu"], at);
+    succeed(&["simulate", "c.fmu", "--log", "r.csv", "-o", "run.csv"], at);
+    let run = fs::read_to_string(at.join("run.csv")).expect("a run");
+    let head: Vec<&str> = run.lines().next().expect("a head").split(',').collect();
+    let last: Vec<f64> =
+        run.lines().last().expect("a row").split(',').map(|x| x.parse().expect("number")).collect();
+    for (axis, wanted) in [(1, 30.0), (2, 20.0)] {
+        let name = format!("feedforward[{axis}]");
+        let found = last[head.iter().position(|h| h.starts_with(&name)).expect("a column")];
+        assert!((found - wanted).abs() < 1e-6, "axis {axis}: {found}");
+    }
+}
+
 #[test]
 fn motion_that_does_not_determine_the_jacobian_is_refused_by_name() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -7,6 +7,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use control::{Calibration, CalibrationRecord};
 use data::{Blueprint, Value};
+use model::Kind;
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
@@ -35,8 +36,9 @@ pub(crate) struct Calibrate {
     /// A coordinate that does not see an axis, as in x1:theta3 (may be given several times)
     #[arg(long = "zero", value_name = "POSITION:MOTION")]
     zeros: Vec<String>,
-    /// Blueprint with a jacobian-coordinator or optics-jacobian; its entries that are 0 are
-    /// structural zeros, and its values are replaced
+    /// Blueprint with a jacobian-coordinator or optics-jacobian, whose entries that are 0 are
+    /// structural zeros, and whose values are replaced; or a controller of the motions, which
+    /// gets a jacobian-coordinator: its axes then are those of the coordinates
     #[arg(long, value_name = "FILE")]
     blueprint: Option<PathBuf>,
     /// Longest delay of the sensors in s; where it is above 0 the delay is fitted
@@ -69,9 +71,12 @@ impl Calibrate {
         self.page.not_over(&logs)?;
         let mut blueprint = self.blueprint.as_deref().map(inputs::blueprint).transpose()?;
         let zeros = self.structural_zeros(blueprint.as_ref().map(|text| &text.blueprint))?;
-        let (record, period) = self.record(zeros)?;
+        let (record, period, units) = self.record(zeros)?;
         let calibration = control::calibrate(&record)?;
         if let (Some(text), Some(out)) = (&mut blueprint, &self.out) {
+            if jacobian(&text.blueprint).is_err() && text.blueprint.kind == Kind::Controller {
+                coordinate(&mut text.blueprint, &calibration, &units[self.motions.len()..])?;
+            }
             put(&mut text.blueprint, &calibration)?;
             text.blueprint.check(learned::COMPONENTS)?;
             text.blueprint.write(out)?;
@@ -89,7 +94,11 @@ impl Calibrate {
         })
     }
 
-    fn record(&self, zeros: Vec<Vec<bool>>) -> anyhow::Result<(CalibrationRecord, f64)> {
+    /// The record, its sample time, and the units of its columns.
+    fn record(
+        &self,
+        zeros: Vec<Vec<bool>>,
+    ) -> anyhow::Result<(CalibrationRecord, f64, Vec<Option<String>>)> {
         let mut record = CalibrationRecord {
             motions: self.motions.iter().map(|name| (name.clone(), Vec::new())).collect(),
             positions: self.positions.iter().map(|name| (name.clone(), Vec::new())).collect(),
@@ -117,7 +126,7 @@ impl Calibrate {
         if period > 0.0 {
             record.longest_delay = self.longest_delay / period;
         }
-        Ok((record, period))
+        Ok((record, period, units))
     }
 
     /// For each coordinate, the axes that it does not see.
@@ -140,6 +149,9 @@ impl Calibrate {
             zeros[row][column] = true;
         }
         let Some(blueprint) = blueprint else { return Ok(zeros) };
+        if blueprint.kind == Kind::Controller && jacobian(blueprint).is_err() {
+            return Ok(zeros);
+        }
         let matrix = jacobian(blueprint)?.component.get("matrix").map(flat).unwrap_or_default();
         if rows != columns || matrix.len() != rows * columns {
             bail!(
@@ -170,6 +182,48 @@ fn jacobian(blueprint: &Blueprint) -> anyhow::Result<&data::CouplingBlueprint> {
     couplings.find(|c| KINDS.contains(&c.component.kind.as_str())).context(
         "the blueprint has no jacobian-coordinator and no optics-jacobian; add one as a [[coupling]]",
     )
+}
+
+/// Puts a coordinator in front of a controller of motions: its positions become those of the coordinates, its
+/// references start where the motions did.
+fn coordinate(
+    blueprint: &mut Blueprint,
+    calibration: &Calibration,
+    units: &[Option<String>],
+) -> anyhow::Result<()> {
+    let (axes, rows) = (blueprint.axes.len(), calibration.coordinates.len());
+    if axes != rows || calibration.coordinates.iter().any(|fit| fit.row.len() != axes) {
+        bail!(
+            "the controller has {axes} axes, and {rows} positions of {} motions were given; give as many \
+             of each as it has axes",
+            calibration.coordinates.first().map_or(0, |fit| fit.row.len())
+        );
+    }
+    let start = |value: &Option<Value>| match value {
+        Some(Value::Number(number)) => *number,
+        _ => 0.0,
+    };
+    let motions: Vec<f64> =
+        blueprint.axes.iter().map(|axis| start(&axis.reference.start)).collect();
+    for ((axis, fit), unit) in blueprint.axes.iter_mut().zip(&calibration.coordinates).zip(units) {
+        let moved: f64 = fit.row.iter().zip(&motions).map(|(j, theta)| j * theta).sum();
+        axis.reference.start = Some(Value::Number(fit.offset + moved));
+        if axis.motion.unit.is_empty() {
+            axis.motion.unit.clone_from(&axis.position.unit);
+        }
+        if let Some(unit) = unit {
+            axis.position.unit.clone_from(unit);
+        }
+        (axis.position.min, axis.position.max) = (None, None);
+    }
+    let names: Vec<String> = (1..)
+        .zip(&blueprint.axes)
+        .map(|(n, a)| if a.name.is_empty() { format!("axis{n}") } else { a.name.clone() })
+        .collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let component = data::ComponentBlueprint::new(KINDS[0]);
+    *blueprint = blueprint.clone().coupling(&names, component);
+    Ok(())
 }
 
 const KINDS: [&str; 2] = ["jacobian-coordinator", "optics-jacobian"];

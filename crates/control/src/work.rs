@@ -20,6 +20,8 @@ use crate::undone::Undone;
 const GOOD: f64 = 2e-3;
 /// Part of the error of the ways before it below which a way is taken in their place.
 const CLEARLY: f64 = 0.8;
+/// Error of a loop in parts of the reach from which it is said that the feedforward alone errs less.
+const HARMFUL: f64 = 5e-3;
 /// Part by which a loop may err more than feedback alone, and the part of the reach that does not count.
 const WORSE: (f64, f64) = (1.05, 1e-4);
 
@@ -373,6 +375,19 @@ impl Work<'_> {
         let Shaped { shape, ki, .. } = design.shaped;
         let ki = if self.settings.feedback == Feedback::None { 0.0 } else { ki };
         let way = design.ways.get(pick);
+        let mut left = design.notes.clone();
+        if let Some(check) = checks.first()
+            && let Some(alone) = check.feedforward.filter(|alone| *alone < check.closed_loop)
+            && check.closed_loop > HARMFUL
+            && ki != 0.0
+        {
+            left.push(format!(
+                "the feedback adds to what the feedforward alone leaves ({:.3} % of the reach for {:.3} %): the \
+                 position does not follow small commands smoothly; --feedback none leaves it out",
+                100.0 * check.closed_loop,
+                100.0 * alone
+            ));
+        }
         LoopFigures {
             axis: self.plant.spec().axes[index].name.clone(),
             feedforward: way.map_or_else(|| "none".to_owned(), |way| way.name.clone()),
@@ -390,7 +405,7 @@ impl Work<'_> {
             delay: design.delay,
             reach,
             checks,
-            left_to_feedback: design.notes.clone(),
+            left_to_feedback: left,
             inverse: design.inverse,
         }
     }
