@@ -6,6 +6,7 @@ mod check;
 pub(crate) mod demo;
 mod diagnose;
 mod effects_docs;
+pub(crate) mod estimate;
 pub(crate) mod frequency_response;
 mod gap_bench;
 pub(crate) mod identify;
@@ -37,6 +38,7 @@ pub(crate) enum Command {
     Pack(pack::Pack),
     Simulate(simulate::Simulate),
     System(system::System),
+    Estimate(Box<estimate::Estimate>),
     Sweep(sweep::Sweep),
     Check(check::Check),
     Bench(bench::Bench),
@@ -68,6 +70,7 @@ impl Command {
             Self::Pack(command) => command.run(screen),
             Self::Simulate(command) => command.run(screen),
             Self::System(command) => command.run(screen),
+            Self::Estimate(command) => command.run(screen),
             Self::Sweep(command) => command.run(screen),
             Self::FmuWorker => {
                 cosim::isolate::serve()?;

@@ -459,7 +459,11 @@ fn slow_plant(plant: &Fmu, controller: &Fmu) -> Vec<String> {
 }
 
 /// A `NAME=VALUE` for an FMU.
-fn start(text: &str, addresses: &Addresses, fmu: &Fmu) -> anyhow::Result<(String, Value)> {
+pub(crate) fn start(
+    text: &str,
+    addresses: &Addresses,
+    fmu: &Fmu,
+) -> anyhow::Result<(String, Value)> {
     let Some((name, value)) = text.split_once('=') else {
         bail!("--start {text}: write NAME=VALUE, as in axis[1].mechanics.damping=0.05");
     };

@@ -2,6 +2,7 @@
 
 mod bench;
 mod calibrate;
+mod estimate;
 mod frequency_response;
 mod identify;
 mod open;
@@ -17,6 +18,7 @@ use report::{InputFile, Provenance, Report};
 
 pub(crate) use bench::{Rows, campaign, run as bench_run};
 pub(crate) use calibrate::calibration;
+pub(crate) use estimate::estimation;
 pub(crate) use frequency_response::frequency_response;
 pub(crate) use identify::{identification, picture, sections};
 pub(crate) use reproduce::reproduction;

@@ -51,7 +51,7 @@ pub use problem::{Problem, Problems};
 pub use record::{CsvFile, CsvRecorder, Memory, NpyFile, NpzFile, RecordFile, Recorder};
 pub use run::Run;
 pub use signals::{Signal, Signals};
-pub use simulate::{Drive, simulate_with_inputs};
+pub use simulate::{Drive, Driven, simulate_with_inputs};
 pub use slave::{ArrayRun, Selection, Slave, StateId, TypeRun, Value};
 pub use system::{Ending, System};
 pub use time::Points;

@@ -10,7 +10,7 @@ use crate::record::Recorder;
 use crate::run::Run;
 use crate::signals::Signals;
 use crate::slave::{Address, Slave, Value, numbers};
-use crate::system::Ending;
+use crate::system::{Ending, System};
 use crate::time::Points;
 
 /// How a log drives an FMU.
@@ -58,6 +58,66 @@ pub fn simulate_with_inputs(
     drive: &Drive,
     recorder: &mut dyn Recorder,
 ) -> Result<Vec<Option<Ending>>, Error> {
+    Driven::new(slave, records, drive)?.run(recorder)
+}
+
+/// A slave with the rows that drive it, to be run again and again: see [`simulate_with_inputs`].
+pub struct Driven<'a> {
+    slave: String,
+    system: System,
+    runs: Vec<Run<'a>>,
+}
+
+impl Driven<'_> {
+    /// Gives a parameter that the drive names another value for the runs that follow.
+    ///
+    /// # Errors
+    /// The drive does not name it, or the value does not fit.
+    pub fn set(&mut self, variable: &str, value: Value) -> Result<(), Error> {
+        let port = Port::from((self.slave.as_str(), variable));
+        self.system.set_start(&port, value).map_err(|problem| Problems::from(problem).into())
+    }
+
+    /// Runs all records.
+    ///
+    /// # Errors
+    /// What the slave says, as [`Error::Run`].
+    pub fn run(&mut self, recorder: &mut dyn Recorder) -> Result<Vec<Option<Ending>>, Error> {
+        let Driven { system, runs, .. } = self;
+        runs.iter().map(|run| system.run(run, &Jacobi, recorder)).collect()
+    }
+}
+
+impl<'a> Driven<'a> {
+    /// Connects the slave to the columns.
+    ///
+    /// # Errors
+    /// All problems of names, units and tables.
+    pub fn new(
+        slave: Box<dyn Slave>,
+        records: &'a [Signals<'a>],
+        drive: &Drive,
+    ) -> Result<Self, Error> {
+        let name = slave.name().to_owned();
+        let system = connected(slave, records, drive)?;
+        let tolerance = drive.tolerance;
+        let runs = records.iter().enumerate().map(|(record, signals)| {
+            let points = Points::rows(signals.time)
+                .map_err(|problem| Problem::Table { record, what: problem.to_string() })?;
+            let no_stop_time = drive.no_stop_time;
+            Ok(Run { record, tolerance, no_stop_time, ..Run::new(points, signals) })
+        });
+        let runs = runs.collect::<Result<Vec<_>, Problem>>().map_err(Problems::from)?;
+        Ok(Driven { slave: name, system, runs })
+    }
+}
+
+/// The slave as a system whose columns are those of the records.
+fn connected(
+    slave: Box<dyn Slave>,
+    records: &[Signals<'_>],
+    drive: &Drive,
+) -> Result<System, Error> {
     let columns = records.first().map(|first| first.columns.as_slice()).unwrap_or_default();
     let mut diagram = Diagram::new();
     let mut fed = Vec::new();
@@ -75,15 +135,7 @@ pub fn simulate_with_inputs(
     }
     check_map(&*slave, records, drive)?;
     diagram.add(slave);
-    let mut system = diagram.build()?;
-    let tolerance = drive.tolerance;
-    let runs = records.iter().enumerate().map(|(record, signals)| {
-        let points = Points::rows(signals.time)
-            .map_err(|problem| Problem::Table { record, what: problem.to_string() })?;
-        Ok(Run { record, tolerance, no_stop_time: drive.no_stop_time, ..Run::new(points, signals) })
-    });
-    let runs = runs.collect::<Result<Vec<_>, Problem>>().map_err(Problems::from)?;
-    runs.iter().map(|run| system.run(run, &Jacobi, recorder)).collect()
+    Ok(diagram.build()?)
 }
 
 fn port(slave: &dyn Slave, variable: &str) -> Port {

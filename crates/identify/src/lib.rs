@@ -10,6 +10,7 @@
 //! Nothing prints; an [`Observer`] is told how far long work is.
 
 mod beginning;
+pub mod calibration;
 mod error;
 mod estimates;
 mod fit;

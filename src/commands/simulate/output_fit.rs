@@ -28,7 +28,7 @@ pub(crate) struct OutputFit {
 }
 
 impl OutputFit {
-    pub(super) fn new(
+    pub(crate) fn new(
         output: &str,
         against: &str,
         record: i64,

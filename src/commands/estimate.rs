@@ -1,0 +1,494 @@
+//! `piezoloop estimate`: parameters of any FMU or blueprint from measurements.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+use cosim::{Drive, Driven, Fmu, Memory, Signals, Value};
+use data::Log;
+use identify::calibration::{Calibration, Tunable, calibrate};
+use modeldescription::ssp::{Parameter, ParameterSet, ParameterValue};
+use modeldescription::variable::{Causality, Number, Start};
+use serde::Serialize;
+
+use super::simulate::{self, OutputFit};
+use crate::answer::{Answer, Screen};
+use crate::fmus::{self, Addresses, Isolation};
+use crate::inputs::{self, LogOptions};
+use crate::messages::{MessageOptions, Said};
+use crate::pages::{self, PageOptions};
+use crate::window::Window;
+
+mod tuned;
+
+use tuned::{Series, Weights};
+
+/// Estimates parameters of an FMU from measurements
+///
+/// Any vendor's FMI co-simulation FMU, a blueprint (.toml) or a rig. The FMU is driven by the logs'
+/// inputs; the parameters are those with which its outputs come nearest to the measured ones (least
+/// squares). Says 95 % intervals, correlation, and what the logs do not determine.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop estimate plant.fmu --log a.csv --log b.csv --tune 'mass=0.2' --tune 'damping=1,0.1..10' -o set.ssv\n  piezoloop estimate plant.toml --log a.csv --held-out c.csv --tune 'axis[1].mechanics.damping=0.05'"
+)]
+pub(crate) struct Estimate {
+    /// The FMU, a blueprint or the name of a rig
+    #[arg(value_name = "MODEL")]
+    model: PathBuf,
+    /// A log with inputs and measured outputs (may be given several times)
+    #[arg(long, value_name = "FILE", required = true)]
+    log: Vec<PathBuf>,
+    /// A log that only judges what was found (may be given several times)
+    #[arg(long, value_name = "FILE")]
+    held_out: Vec<PathBuf>,
+    /// A parameter to find, with the value to begin with and, if there are some, its bounds, as in
+    /// mass=0.2,0.1..0.5; without a value it begins with the FMU's (may be given several times)
+    #[arg(long, value_name = "NAME[=START[,LOW..HIGH]]", required = true)]
+    tune: Vec<String>,
+    /// Compare this output only (may be given several times) [default: all that a log measures]
+    #[arg(long = "output", value_name = "NAME")]
+    outputs: Vec<String>,
+    /// A start value that stays, as in stiffness=2e5 (may be given several times)
+    #[arg(long = "start", value_name = "NAME=VALUE")]
+    fixed: Vec<String>,
+    /// Starts of the search: the given one, and others about it
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    starts: u64,
+    #[command(flatten)]
+    options: LogOptions,
+    #[command(flatten)]
+    window: Window,
+    #[command(flatten)]
+    isolation: Isolation,
+    #[command(flatten)]
+    messages: MessageOptions,
+    /// Write what was found as a parameter set (SSV), which `system --parameters` and other tools take
+    #[arg(short = 'o', long = "out", value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageOptions,
+}
+
+/// What was estimated.
+#[derive(Serialize)]
+pub(crate) struct Estimated {
+    pub(crate) model: String,
+    pub(crate) parameters: Vec<Found>,
+    /// Correlation of each parameter with each, in their order.
+    pub(crate) correlation: Vec<Vec<f64>>,
+    /// Groups of parameters that the logs do not determine: only together, or one not at all.
+    pub(crate) undetermined: Vec<Vec<String>>,
+    pub(crate) fits: Vec<LogFit>,
+    /// Residuals of an output are divided by this before they are squared.
+    pub(crate) weights: Vec<(String, f64)>,
+    /// Sum of the squares of the weighted residuals.
+    pub(crate) squares: f64,
+    pub(crate) residuals: usize,
+    /// Sum of squares that each start led to.
+    pub(crate) starts: Vec<Option<f64>>,
+    pub(crate) runs: usize,
+    pub(crate) failed_runs: usize,
+    pub(crate) set: Option<PathBuf>,
+    pub(crate) messages: Vec<Said>,
+    pub(crate) notes: Vec<String>,
+}
+
+/// A parameter that was found.
+#[derive(Serialize)]
+pub(crate) struct Found {
+    pub(crate) name: String,
+    pub(crate) unit: Option<String>,
+    pub(crate) start: f64,
+    pub(crate) value: f64,
+    pub(crate) sigma: Option<f64>,
+    /// 95 % interval.
+    pub(crate) interval: Option<[f64; 2]>,
+    pub(crate) at_bound: bool,
+}
+
+/// How well one output of one record fits, before and after.
+#[derive(Serialize)]
+pub(crate) struct LogFit {
+    pub(crate) log: PathBuf,
+    pub(crate) held_out: bool,
+    pub(crate) rmse_at_start: f64,
+    #[serde(flatten)]
+    pub(crate) fit: OutputFit,
+}
+
+/// A parameter as it is asked for.
+struct Asked {
+    name: String,
+    unit: Option<String>,
+    tunable: Tunable,
+}
+
+impl Estimate {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let read = self.read();
+        self.page.not_over(&read)?;
+        let result = self.execute()?;
+        let files: Vec<(&str, &Path)> =
+            self.log.iter().chain(&self.held_out).map(|f| ("log", f.as_path())).collect();
+        self.page.finish(screen, &result, || pages::estimation(&result, &files))
+    }
+
+    fn read(&self) -> Vec<&Path> {
+        let logs = self.log.iter().chain(&self.held_out).map(PathBuf::as_path);
+        std::iter::once(self.model.as_path()).chain(logs).collect()
+    }
+
+    fn execute(&self) -> anyhow::Result<Estimated> {
+        if let Some(out) = &self.out {
+            inputs::not_over(out, &self.read())?;
+        }
+        let opened = fmus::open_in(&self.model, self.isolation.worker()?.as_ref())?;
+        let fmu = &opened.fmu;
+        let addresses = Addresses::of(fmu);
+        let asked = self.asked(fmu, &addresses)?;
+        let ear = self.messages.ear(&self.read(), self.out.as_deref())?;
+        let mut notes = Vec::new();
+        let logs = self.log.iter().chain(&self.held_out).map(|file| self.options.read(file));
+        let logs: Vec<Log> = logs.collect::<anyhow::Result<_>>()?;
+        let tables: Vec<Vec<Signals<'_>>> = logs.iter().map(simulate::signals).collect();
+        let mut series = Vec::new();
+        for (number, (log, table)) in logs.iter().zip(&tables).enumerate() {
+            let compared = self.compared(fmu, &addresses, log)?;
+            let mut parameters = self.fixed(fmu, &addresses)?;
+            let at = |a: &Asked| (a.name.clone(), Value::Real(a.tunable.start));
+            parameters.extend(asked.iter().map(at));
+            let drive = Drive {
+                map: addresses.columns(&self.options.names()?, log)?,
+                parameters,
+                record: compared.iter().map(|(output, ..)| output.clone()).collect(),
+                ..Drive::default()
+            };
+            let slave = fmu.instantiate(opened.name.clone(), &ear.options(&opened.name))?;
+            let driven = Driven::new(slave, table, &drive)?;
+            let held_out = number >= self.log.len();
+            series.push(Series::new(driven, log, compared, &self.window, held_out, &mut notes)?);
+        }
+        let (used, judged) = series.split_at_mut(self.log.len());
+        // Tells now, in words of the FMU, if it does not run at all.
+        let own: Vec<f64> = asked.iter().map(|a| a.tunable.start).collect();
+        let mut before = Vec::new();
+        for one in used.iter_mut().chain(judged.iter_mut()) {
+            set(one, &asked, &own)?;
+            before.push(one.simulate()?);
+        }
+        let mut weights = Weights::by_range(used);
+        let tunables: Vec<Tunable> = asked.iter().map(|a| a.tunable).collect();
+        let starts = tuned::starts(&tunables, self.starts as usize);
+        let mut found = search(used, &asked, &tunables, &starts, &weights)?;
+        if weights.len() > 1 {
+            // Each output counts by what it leaves.
+            let last = at_values(used, &asked, &found.values)?;
+            weights = Weights::by_rest(used, &last);
+            let again: Vec<Tunable> = tunables
+                .iter()
+                .zip(&found.values)
+                .map(|(t, v)| Tunable { start: *v, ..*t })
+                .collect();
+            let first = found;
+            found = search(used, &asked, &again, &[], &weights)?;
+            found.starts = first.starts;
+            found.evaluations += first.evaluations;
+            found.failures += first.failures;
+        }
+        let mut fits = Vec::new();
+        for (number, one) in used.iter_mut().chain(judged.iter_mut()).enumerate() {
+            set(one, &asked, &found.values)?;
+            let after = one.simulate()?;
+            let file = self.log.iter().chain(&self.held_out).nth(number);
+            fits.extend(one.fits(file.cloned().unwrap_or_default(), &before[number], &after)?);
+        }
+        let set =
+            self.out.as_deref().map(|out| write_set(out, &asked, &found.values)).transpose()?;
+        let residuals = used.iter().map(|one| one.lengths().iter().sum::<usize>()).sum();
+        drop(series);
+        notes.extend(self.remarks(&asked, &found));
+        notes.extend(ear.notes());
+        let runs = found.evaluations * self.log.len();
+        Ok(Estimated {
+            model: opened.name.clone(),
+            undetermined: found
+                .undetermined
+                .iter()
+                .map(|group| group.iter().map(|k| asked[*k].name.clone()).collect())
+                .collect(),
+            parameters: parameters(asked, &found),
+            correlation: found.correlation,
+            fits,
+            weights: weights.0,
+            squares: found.squares,
+            residuals,
+            starts: found.starts,
+            runs,
+            failed_runs: found.failures,
+            set,
+            messages: ear.said(),
+            notes,
+        })
+    }
+
+    /// The parameters to find.
+    fn asked(&self, fmu: &Fmu, addresses: &Addresses) -> anyhow::Result<Vec<Asked>> {
+        let mut all: Vec<Asked> = Vec::new();
+        for text in &self.tune {
+            let (name, rest) = match text.split_once('=') {
+                Some((name, rest)) => (name, Some(rest)),
+                None => (text.as_str(), None),
+            };
+            let name = addresses.variable(name.trim());
+            let variable = fmu.variable(&name).with_context(|| format!("--tune {text}"))?;
+            if all.iter().any(|other| other.name == name) {
+                bail!("--tune {text}: `{name}` is asked for twice");
+            }
+            if !variable.data_type.is_float() {
+                bail!(
+                    "--tune {text}: `{name}` is of type {}; only real numbers are tuned",
+                    variable.data_type.name()
+                );
+            }
+            let (start, bounds) = match rest
+                .map(|rest| rest.split_once(',').map_or((rest, None), |(a, b)| (a, Some(b))))
+            {
+                Some((start, bounds)) => (Some(number(text, start)?), bounds),
+                None => (None, None),
+            };
+            let own = match &variable.start {
+                Some(Start::Float(values)) => values.first().copied(),
+                _ => None,
+            };
+            let Some(start) = start.or(own) else {
+                bail!("--tune {text}: the FMU says no start value of `{name}`; write {name}=VALUE");
+            };
+            let properties = fmu.description().properties(&variable);
+            let stated = |bound: Option<Number>, none: f64| bound.map_or(none, Number::as_f64);
+            let (mut lower, mut upper) =
+                (stated(properties.min, f64::NEG_INFINITY), stated(properties.max, f64::INFINITY));
+            if let Some(bounds) = bounds {
+                let Some((low, high)) = bounds.split_once("..") else {
+                    bail!("--tune {text}: write bounds as LOW..HIGH, as in mass=0.2,0.1..0.5");
+                };
+                (lower, upper) = (lower.max(number(text, low)?), upper.min(number(text, high)?));
+            }
+            if !(lower <= start && start <= upper && lower < upper) {
+                bail!(
+                    "--tune {text}: the start {start} is not within the bounds {lower} to {upper}"
+                );
+            }
+            let nominal = properties.nominal.filter(|n| *n > 0.0);
+            let width = Some(0.5 * (upper - lower)).filter(|width| width.is_finite());
+            let size = Some(start.abs()).filter(|size| *size > 0.0);
+            let scale = size.or(nominal).or(width).unwrap_or(1.0);
+            let unit = properties.unit.clone();
+            all.push(Asked { name, unit, tunable: Tunable { start, lower, upper, scale } });
+        }
+        Ok(all)
+    }
+
+    fn fixed(&self, fmu: &Fmu, addresses: &Addresses) -> anyhow::Result<Vec<(String, Value)>> {
+        self.fixed.iter().map(|text| simulate::start(text, addresses, fmu)).collect()
+    }
+
+    /// The outputs that this log measures: output, column, unit.
+    fn compared(
+        &self,
+        fmu: &Fmu,
+        addresses: &Addresses,
+        log: &Log,
+    ) -> anyhow::Result<Vec<(String, String, String)>> {
+        let names = self.options.names()?;
+        let wanted: Vec<String> =
+            self.outputs.iter().map(|name| addresses.variable(name)).collect();
+        let outputs = fmu.names(Causality::Output);
+        if let Some(unknown) = wanted.iter().find(|name| !outputs.contains(name)) {
+            bail!(
+                "--output {unknown}: the FMU has no such output; it has {}",
+                simulate::list(&outputs)
+            );
+        }
+        let mut compared = Vec::new();
+        for output in outputs.iter().filter(|o| wanted.is_empty() || wanted.contains(o)) {
+            let Some(column) = addresses.measured_column(output, &names, log) else { continue };
+            let variable = fmu.variable(output)?;
+            let unit = fmu.description().properties(&variable).unit.unwrap_or_default();
+            compared.push((output.clone(), column, unit));
+        }
+        if compared.is_empty() {
+            bail!(
+                "{}: no column measures an output of the FMU, which are {}; say which does, as in --map {}=COLUMN",
+                log.origin(),
+                simulate::list(&outputs),
+                outputs.first().map(String::as_str).unwrap_or("y")
+            );
+        }
+        Ok(compared)
+    }
+
+    fn remarks(&self, asked: &[Asked], found: &Calibration) -> Vec<String> {
+        let mut notes = Vec::new();
+        for group in &found.undetermined {
+            let names: Vec<String> = group.iter().map(|k| asked[*k].name.clone()).collect();
+            notes.push(match names.as_slice() {
+                [one] => format!("the logs do not determine `{one}`: the compared outputs do not depend on it"),
+                _ => format!("the logs determine {} only together: fix one of them with --start, or drive the FMU otherwise", simulate::list(&names)),
+            });
+        }
+        for (k, asked) in asked.iter().enumerate() {
+            if found.at_bound[k] {
+                notes.push(format!(
+                    "`{}` ends at its bound {}: it has no interval there",
+                    asked.name, found.values[k]
+                ));
+            } else if found.half_width[k]
+                .is_some_and(|half| half > asked.tunable.scale.max(found.values[k].abs()))
+            {
+                notes.push(format!(
+                    "the logs hardly determine `{}`: its interval is wider than its value",
+                    asked.name
+                ));
+            }
+        }
+        if found.inflation > 1.0 {
+            notes.push(format!(
+                "the residuals hang together, as those of a model that lacks something do: the intervals are {:.2} times as wide as \
+                 for white noise",
+                found.inflation.sqrt()
+            ));
+        }
+        if found.failures > 0 {
+            notes.push(format!(
+                "the FMU failed in {} of {} runs of the search, which went round them",
+                found.failures, found.evaluations
+            ));
+        }
+        let best = found.starts.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        let elsewhere = found
+            .starts
+            .iter()
+            .filter(|s| s.is_none_or(|s| s > best * (1.0 + 1e-3) + 1e-12))
+            .count();
+        if elsewhere > 0 {
+            notes.push(format!(
+                "{elsewhere} of {} starts led to a worse place; --starts N tries more",
+                found.starts.len()
+            ));
+        }
+        notes
+    }
+}
+
+fn number(text: &str, part: &str) -> anyhow::Result<f64> {
+    let number = part.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    number.with_context(|| format!("--tune {text}: \"{part}\" is no finite number; write NAME=START or NAME=START,LOW..HIGH"))
+}
+
+fn set(one: &mut Series<'_>, asked: &[Asked], values: &[f64]) -> anyhow::Result<()> {
+    for (asked, value) in asked.iter().zip(values) {
+        one.driven.set(&asked.name, Value::Real(*value))?;
+    }
+    Ok(())
+}
+
+fn at_values(
+    used: &mut [Series<'_>],
+    asked: &[Asked],
+    values: &[f64],
+) -> anyhow::Result<Vec<Memory>> {
+    let mut runs = Vec::new();
+    for one in used {
+        set(one, asked, values)?;
+        runs.push(one.simulate()?);
+    }
+    Ok(runs)
+}
+
+fn search(
+    used: &mut [Series<'_>],
+    asked: &[Asked],
+    tunables: &[Tunable],
+    starts: &[Vec<f64>],
+    weights: &Weights,
+) -> anyhow::Result<Calibration> {
+    let lengths: Vec<usize> = used.iter().flat_map(Series::lengths).collect();
+    let residuals = |values: &[f64]| {
+        let runs = at_values(used, asked, values).ok()?;
+        let parts = used.iter().zip(&runs).map(|(one, run)| one.residuals(run, weights));
+        Some(parts.collect::<Option<Vec<_>>>()?.concat())
+    };
+    Ok(calibrate(tunables, starts, &lengths, residuals)?)
+}
+
+fn parameters(asked: Vec<Asked>, found: &Calibration) -> Vec<Found> {
+    let of = |(k, asked): (usize, Asked)| {
+        let (value, half) = (found.values[k], found.half_width[k]);
+        Found {
+            name: asked.name,
+            unit: asked.unit,
+            start: asked.tunable.start,
+            value,
+            sigma: found.sigma[k],
+            interval: half.map(|half| [value - half, value + half]),
+            at_bound: found.at_bound[k],
+        }
+    };
+    asked.into_iter().enumerate().map(of).collect()
+}
+
+fn write_set(out: &Path, asked: &[Asked], values: &[f64]) -> anyhow::Result<PathBuf> {
+    let parameter = |(asked, value): (&Asked, &f64)| Parameter {
+        name: asked.name.clone(),
+        value: ParameterValue::Real(vec![*value]),
+        unit: None,
+        line: Default::default(),
+    };
+    let parameters = asked.iter().zip(values).map(parameter).collect();
+    let set = ParameterSet { parameters, ..ParameterSet::new("estimated") };
+    data::WholeFile::write_all_of(out, set.to_xml()?.as_bytes())
+        .with_context(|| format!("{} cannot be written", out.display()))?;
+    Ok(out.to_path_buf())
+}
+
+impl Answer for Estimated {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        for note in &self.notes {
+            writeln!(out, "note: {note}")?;
+        }
+        writeln!(out, "{}: {} residuals, {} runs", self.model, self.residuals, self.runs)?;
+        for (k, found) in self.parameters.iter().enumerate() {
+            let unit = found.unit.as_ref().filter(|unit| *unit != "1");
+            let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
+            let interval = match found.interval {
+                Some([low, high]) => format!("95 % within {low:.6e} to {high:.6e}{unit}"),
+                None if found.at_bound => "at its bound".to_owned(),
+                None => "not determined".to_owned(),
+            };
+            let others = self.correlation[k].iter().enumerate().filter(|(l, _)| *l != k);
+            let most = others.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            let most = most.filter(|(_, c)| c.abs() > 0.0).map_or(String::new(), |(l, c)| {
+                format!(", correlation {c:.3} with {}", self.parameters[l].name)
+            });
+            writeln!(
+                out,
+                "  {} = {:.9e}{unit} ({interval}; began with {}{most})",
+                found.name, found.value, found.start
+            )?;
+        }
+        for LogFit { log, held_out, rmse_at_start, fit } in &self.fits {
+            let how = if *held_out { ", held out" } else { "" };
+            writeln!(
+                out,
+                "  {}{how}: {fit}; rmse with the start values {rmse_at_start:.5}",
+                log.display()
+            )?;
+        }
+        match &self.set {
+            Some(set) => writeln!(out, "{}: written", set.display()),
+            None => Ok(()),
+        }
+    }
+}
