@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use numerics::Complex;
+use numerics::fft::Fft;
 
 use crate::block::Span;
 
@@ -120,12 +120,11 @@ impl Converted {
     /// Powers at all multiples of [`FINE`].
     fn powers(&self) -> Vec<f64> {
         let length = (PLACES as f64 / FINE) as usize;
-        let mut sums: Vec<Complex<f64>> =
-            self.places.iter().map(|place| Complex::new(place.sum, 0.0)).collect();
-        sums.resize(length, Complex::default());
-        FftPlanner::new().plan_fft_forward(length).process(&mut sums);
+        let mut sums: Vec<f64> = self.places.iter().map(|place| place.sum).collect();
+        sums.resize(length, 0.0);
+        let lines = Fft::forward(length).of_real(&sums);
         let count = (STEPS as f64 / FINE) as usize;
-        sums.iter().take(count + 1).map(Complex::norm_sqr).collect()
+        lines.iter().take(count + 1).map(Complex::norm_sqr).collect()
     }
 
     /// The powers that stand out of those around them, and zero for the others: what is slow over the

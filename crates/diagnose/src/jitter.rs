@@ -1,8 +1,8 @@
 //! Instants that swing: a sample that is taken, or a command that arrives, by `j(t)` too late shows
 //! `j` times the signal's rate.
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use numerics::Complex;
+use numerics::fft::Fft;
 
 use crate::data_set::DataSet;
 use crate::normal::dot;
@@ -48,7 +48,7 @@ pub(crate) fn frequencies(
     }
     let rate = rate(simulated, data);
     let length = (FINE * longest).next_power_of_two();
-    let transform = FftPlanner::new().plan_fft_forward(length);
+    let transform = Fft::forward(length);
     let mut taken = vec![0.0; length / 2];
     let mut total = 0.0;
     for rows in data.records.iter().map(|record| record.training.clone()) {

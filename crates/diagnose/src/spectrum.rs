@@ -1,7 +1,8 @@
 //! Spectra of residuals: powers in bands, lines, coherence.
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use numerics::Complex;
+use numerics::fft::Fft;
+use numerics::spectrum::windowed;
 
 /// Number of bands.
 const BANDS: usize = 18;
@@ -55,35 +56,18 @@ pub(crate) fn deconvolve(signal: &[f64], response: &[f64], noise: f64) -> Vec<f6
     if length == 0 {
         return Vec::new();
     }
-    let mut planner = FftPlanner::new();
-    let transform = planner.plan_fft_forward(length);
+    let transform = Fft::forward(length);
     let spectrum = |values: &[f64]| {
-        let mut buffer: Vec<_> = values.iter().map(|v| Complex::new(*v, 0.0)).collect();
-        buffer.resize(length, Complex::default());
-        transform.process(&mut buffer);
-        buffer
+        let mut padded = values.to_vec();
+        padded.resize(length, 0.0);
+        transform.of_real(&padded)
     };
     let mut sought = spectrum(signal);
     for (r, h) in sought.iter_mut().zip(spectrum(response)) {
         *r *= h.conj() / (h.norm_sqr() + noise);
     }
-    planner.plan_fft_inverse(length).process(&mut sought);
+    Fft::inverse(length).process(&mut sought);
     sought.iter().take(signal.len()).map(|c| c.re / length as f64).collect()
-}
-
-fn windowed(signal: &[f64]) -> Vec<Complex<f64>> {
-    let n = signal.len();
-    let mean = signal.iter().sum::<f64>() / n as f64;
-    let mut buffer: Vec<Complex<f64>> = signal
-        .iter()
-        .enumerate()
-        .map(|(k, v)| {
-            let w = 0.5 - 0.5 * (std::f64::consts::TAU * k as f64 / n as f64).cos();
-            Complex::new(w * (v - mean), 0.0)
-        })
-        .collect();
-    FftPlanner::new().plan_fft_forward(n).process(&mut buffer);
-    buffer
 }
 
 /// The densities of the lines in each band that has any.

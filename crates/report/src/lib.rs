@@ -28,7 +28,6 @@
 
 mod chart;
 mod context;
-mod density;
 mod diagram;
 mod error;
 mod figure;

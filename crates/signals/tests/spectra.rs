@@ -1,15 +1,13 @@
 //! Spectra: lines are excited where they should be, and nowhere else.
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use numerics::fft::Fft;
 use signals::find;
 
 /// Amplitudes of the lines 0 … N/2 of a record of N values.
 fn amplitudes(values: &[f64]) -> Vec<f64> {
-    let mut buffer: Vec<Complex<f64>> = values.iter().map(|&v| Complex::new(v, 0.0)).collect();
-    FftPlanner::new().plan_fft_forward(buffer.len()).process(&mut buffer);
+    let lines = Fft::forward(values.len()).of_real(values);
     let scale = 2.0 / values.len() as f64;
-    buffer.iter().take(values.len() / 2 + 1).map(|line| scale * line.norm()).collect()
+    lines.iter().take(values.len() / 2 + 1).map(|line| scale * line.norm()).collect()
 }
 
 fn channel(name: &str, index: usize, settings: &[(&str, f64)]) -> Vec<f64> {

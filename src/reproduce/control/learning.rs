@@ -10,11 +10,9 @@
 //! A pass that errs more than the best one before is taken back, and the step is halved. The pass
 //! that is judged plays the best correction once more.
 
-use std::sync::Arc;
-
 use data::Blueprint;
 use identify::frequency::Complex;
-use rustfft::{Fft, FftPlanner};
+use numerics::fft::Fft;
 
 use super::bed::{Bed, Tracked};
 
@@ -79,19 +77,17 @@ fn quotient(a: Complex, b: Complex, least: f64) -> Complex {
 
 /// The waves of a pass: sums of x with e^(−j2πkm/n) for k from 0 to n/2.
 struct Waves {
-    forward: Arc<dyn Fft<f64>>,
-    back: Arc<dyn Fft<f64>>,
+    forward: Fft,
+    back: Fft,
 }
 
 impl Waves {
     fn new(n: usize) -> Self {
-        let mut planner = FftPlanner::new();
-        Self { forward: planner.plan_fft_forward(n), back: planner.plan_fft_inverse(n) }
+        Self { forward: Fft::forward(n), back: Fft::inverse(n) }
     }
 
     fn of(&self, x: &[f64]) -> Vec<Complex> {
-        let mut all: Vec<Complex> = x.iter().map(|x| Complex::new(*x, 0.0)).collect();
-        self.forward.process(&mut all);
+        let mut all = self.forward.of_real(x);
         all.truncate(x.len() / 2 + 1);
         all
     }

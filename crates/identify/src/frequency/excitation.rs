@@ -1,6 +1,6 @@
 //! Experiments and their spectra, period by period.
 
-use rustfft::FftPlanner;
+use numerics::fft::Fft;
 
 use super::Complex;
 use crate::error::{Error, Problem};
@@ -104,11 +104,7 @@ pub(super) struct Spectra {
 }
 
 /// Spectra of whole periods; those of all samples where `period` is the length.
-pub(super) fn spectra(
-    experiment: &Experiment,
-    period: usize,
-    planner: &mut FftPlanner<f64>,
-) -> Result<Spectra, Error> {
+pub(super) fn spectra(experiment: &Experiment, period: usize) -> Result<Spectra, Error> {
     let count = experiment.len() / period;
     if count == 0 {
         return Err(Error::Unsuitable(vec![Problem::TooShort {
@@ -118,17 +114,15 @@ pub(super) fn spectra(
             needed: period,
         }]));
     }
-    let transform = planner.plan_fft_forward(period);
+    let transform = Fft::forward(period);
     let half = period / 2;
-    let mut one = |x: &[f64]| -> Vec<Complex> {
-        let mut line: Vec<Complex> = x.iter().map(|x| Complex::new(*x, 0.0)).collect();
-        transform.process(&mut line);
+    let one = |x: &[f64]| -> Vec<Complex> {
+        let mut line = transform.of_real(x);
         line.truncate(half + 1);
         line
     };
-    let mut mean_and_noise = |signal: &[f64]| {
-        let all: Vec<Vec<Complex>> =
-            signal.chunks_exact(period).take(count).map(&mut one).collect();
+    let mean_and_noise = |signal: &[f64]| {
+        let all: Vec<Vec<Complex>> = signal.chunks_exact(period).take(count).map(one).collect();
         let scale = 1.0 / count as f64;
         let mean: Vec<Complex> =
             (0..=half).map(|k| all.iter().map(|y| y[k]).sum::<Complex>() * scale).collect();

@@ -17,7 +17,6 @@
 //! (2012), sections 4.3 and 7.2-7.3.
 
 use nalgebra::{DMatrix, DVector};
-use rustfft::FftPlanner;
 
 use super::Complex;
 use super::excitation::{Experiment, Spectra, period_of, spectra};
@@ -116,11 +115,7 @@ pub fn measure(
     let period = settings.period.or_else(|| period_of(first));
     let length =
         period.unwrap_or_else(|| experiments.iter().map(Experiment::len).min().unwrap_or(0));
-    let mut planner = FftPlanner::new();
-    let all = experiments
-        .iter()
-        .map(|one| spectra(one, length, &mut planner))
-        .collect::<Result<Vec<_>, _>>()?;
+    let all = experiments.iter().map(|one| spectra(one, length)).collect::<Result<Vec<_>, _>>()?;
     let excited = excited(&all, period.is_none().then_some(settings.band));
     let window = Window {
         spectra: &all,

@@ -106,7 +106,7 @@ impl Spectrum {
     /// segments that overlap by half, Hann's window; one-sided, in the signal's unit per √Hz.
     #[must_use]
     pub fn density(self, role: Role, name: impl Into<String>, values: &[f64], period: f64) -> Self {
-        let (frequency, density) = crate::density::density(values, period);
+        let (frequency, density) = numerics::spectrum::welch(values, period);
         self.trace(role, name, &frequency, &density)
     }
 

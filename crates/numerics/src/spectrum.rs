@@ -1,7 +1,20 @@
-//! Amplitude density of a signal.
+//! Spectra of signals: the window, one windowed transform, and amplitude density by Welch's method.
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use crate::Complex;
+use crate::fft::Fft;
+
+/// Hann's window of `n` values, as periodic: `w_k = (1 − cos 2πk/n)/2`; `Σ w² = 3n/8`.
+pub fn hann(n: usize) -> Vec<f64> {
+    (0..n).map(|k| 0.5 - 0.5 * (std::f64::consts::TAU * k as f64 / n as f64).cos()).collect()
+}
+
+/// The forward transform of a signal, its mean taken out, under [Hann's window](hann); all lines.
+pub fn windowed(signal: &[f64]) -> Vec<Complex> {
+    let n = signal.len();
+    let mean = signal.iter().sum::<f64>() / n as f64;
+    let weighted: Vec<f64> = signal.iter().zip(hann(n)).map(|(x, w)| w * (x - mean)).collect();
+    Fft::forward(n).of_real(&weighted)
+}
 
 /// Segments over which powers are averaged, at least, where the signal is long enough.
 const SEGMENTS: usize = 8;
@@ -19,22 +32,21 @@ const SHORTEST: usize = 256;
 /// count as 0. Fewer than eight values have no density.
 ///
 /// Source: P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70–73.
-pub(crate) fn density(values: &[f64], period: f64) -> (Vec<f64>, Vec<f64>) {
+pub fn welch(values: &[f64], period: f64) -> (Vec<f64>, Vec<f64>) {
     let n = (2 * values.len() / (SEGMENTS + 1)).max(SHORTEST).min(values.len());
     if n < 8 || !(period.is_finite() && period > 0.0) {
         return (Vec::new(), Vec::new());
     }
-    let angle = std::f64::consts::TAU / n as f64;
-    let window: Vec<f64> = (0..n).map(|k| 0.5 - 0.5 * (angle * k as f64).cos()).collect();
+    let window = hann(n);
     let weight: f64 = window.iter().map(|w| w * w).sum();
-    let transform = FftPlanner::new().plan_fft_forward(n);
+    let transform = Fft::forward(n);
     let mut powers = vec![0.0; n / 2 + 1];
     let mut count = 0.0;
     for start in (0..=values.len() - n).step_by((n / 2).max(1)) {
         let segment = &values[start..start + n];
         let finite = |x: &f64| if x.is_finite() { *x } else { 0.0 };
         let mean = segment.iter().map(finite).sum::<f64>() / n as f64;
-        let mut buffer: Vec<Complex<f64>> = segment
+        let mut buffer: Vec<Complex> = segment
             .iter()
             .zip(&window)
             .map(|(x, w)| Complex::new(w * (finite(x) - mean), 0.0))
@@ -58,6 +70,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_window_has_the_power_that_its_doc_states_and_takes_the_mean_out() {
+        for n in [8, 9, 100] {
+            let power: f64 = hann(n).iter().map(|w| w * w).sum();
+            assert!((power - 0.375 * n as f64).abs() < 1e-9, "{n}: {power}");
+            assert!(windowed(&vec![7.0; n]).iter().all(|line| line.norm() < 1e-9));
+        }
+    }
+
+    #[test]
     fn the_power_of_a_signal_is_the_integral_of_its_density() {
         let (period, n) = (1e-3, 20_000);
         let mut state = 1_u64;
@@ -68,7 +89,7 @@ mod tests {
         let values: Vec<f64> = (0..n)
             .map(|k| 5.0 + (std::f64::consts::TAU * 50.0 * f64::from(k) * period).sin() + noise())
             .collect();
-        let (frequencies, density) = density(&values, period);
+        let (frequencies, density) = welch(&values, period);
         let width = frequencies[1] - frequencies[0];
         let power: f64 = density.iter().map(|a| a * a * width).sum();
         // A sine of amplitude 1 and noise of one part in twelve.
@@ -89,8 +110,8 @@ mod tests {
 
     #[test]
     fn short_signals_have_none() {
-        assert!(density(&[1.0; 7], 1.0).0.is_empty());
-        assert!(density(&[1.0; 100], 0.0).0.is_empty());
-        assert_eq!(density(&[1.0; 100], 1.0).0.len(), 50);
+        assert!(welch(&[1.0; 7], 1.0).0.is_empty());
+        assert!(welch(&[1.0; 100], 0.0).0.is_empty());
+        assert_eq!(welch(&[1.0; 100], 1.0).0.len(), 50);
     }
 }
