@@ -100,6 +100,30 @@ fn a_dead_zone_that_is_never_reached_changes_no_diagnosis() {
 }
 
 #[test]
+fn a_rate_is_found_where_the_internal_step_divides_the_sample() {
+    let fine = |text: String, behind: &str| {
+        let text = format!(
+            "piezoloop = 1\nkind = \"plant\"\nname = \"stage\"\nstep = 2e-4\n[[axis]]\nname = \"X\"\n\
+             command = {{ name = \"u\", unit = \"V\", min = 0, max = 100 }}\n\
+             position = {{ name = \"y\", unit = \"um\" }}\n[[axis.component]]\n{text}\n{behind}\n"
+        );
+        Blueprint::parse(&text, "fine.toml").unwrap().check(COMPONENTS).unwrap()
+    };
+    let machine = fine(
+        "type = \"rate-dependent-play\"\nr = [4, 10, 20, 35]\nw = [0.012, 0.01, 0.012, 0.015]\n\
+         gain = 0.05\nrate = 1e-3\n"
+            .to_owned(),
+        MODE,
+    );
+    let model = fine(format!("type = \"prandtl-ishlinskii\"\n{PLAYS}"), MODE);
+    let gap = gap(model, &logs(&machine));
+    assert_eq!(gap.effects[0].effect, "rate_dependence", "{}", gap.sentence);
+    let found = gap.effects[0].parameters.iter().find(|(_, p)| p.unit == "s");
+    let found = found.unwrap_or_else(|| panic!("{:?}", gap.effects[0]));
+    assert!((found.1.value / 1e-3 - 1.0).abs() < 0.02, "{found:?}");
+}
+
+#[test]
 fn plays_of_every_model_are_the_memory_that_rate_and_start_act_on() {
     let machine = plant(
         "type = \"rate-dependent-play\"\nr = [4, 10, 20, 35]\nw = [0.012, 0.01, 0.012, 0.015]\n\

@@ -9,8 +9,8 @@
 //! * r, w as in `prandtl-ishlinskii`; alpha in position·s per command², beta in position·s² per
 //!   command²: φ is a weight. (The paper prints its numbers without a unit, and no reading of them
 //!   in SI units gives its figures: they have to be identified again.)
-//! * u̇ and ü are backward differences over the steps, 0 at rest.
-//! * State: one number per play, the last command, the last rate.
+//! * u̇ and ü are backward differences as in `rate`, 0 at rest.
+//! * State: one number per play, the five of `rate`, φ.
 //!
 //! Limits: a kink in the command makes one sample of ü of the size of the kink in u̇ over the step,
 //! and noise makes more: for short steps beta needs smooth commands, and the command that an exact
@@ -33,6 +33,7 @@ use model::{
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
 use super::play::{Plays, play};
 use super::prandtl_ishlinskii::{OFFSET, PLAYS, R, W, check_invertible, check_plays};
+use super::rate;
 use super::rate_dependent_play::{COMMAND_MAX, COMMAND_MIN};
 use crate::effects;
 use crate::rules::WRONG_LENGTH;
@@ -143,7 +144,7 @@ impl Component for DynamicPrandtlIshlinskii {
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         let plays = DECLARATION.length(0, structure);
-        Sizes { coefficients: 2 * plays + 10, states: plays + 2 }
+        Sizes { coefficients: 2 * plays + 10, states: plays + rate::STATES + 1 }
     }
 
     fn prepare(
@@ -166,12 +167,15 @@ impl Component for DynamicPrandtlIshlinskii {
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (Some(parts), &[u], Some((plays, memory)), [y]) =
-            (split(coefficients), inputs, state.split_last_chunk_mut::<2>(), outputs)
-        else {
+        let (Some(parts), &[u], Some((plays, [memory @ .., phi])), [y]) = (
+            split(coefficients),
+            inputs,
+            state.split_last_chunk_mut::<{ rate::STATES + 1 }>(),
+            outputs,
+        ) else {
             return;
         };
-        *memory = [u, 0.0];
+        (*memory, *phi) = (rate::rest(u), 0.0);
         *y = parts.offset + parts.plays.rest(u, plays);
     }
 
@@ -183,17 +187,19 @@ impl Component for DynamicPrandtlIshlinskii {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (Some(parts), &[u], Some((plays, memory)), [y]) =
-            (split(coefficients), inputs, state.split_last_chunk_mut::<2>(), outputs)
-        else {
+        let (Some(parts), &[u], Some((plays, [memory @ .., phi])), [y]) = (
+            split(coefficients),
+            inputs,
+            state.split_last_chunk_mut::<{ rate::STATES + 1 }>(),
+            outputs,
+        ) else {
             return;
         };
-        let rate = (u - memory[0]) * parts.per_period;
-        let acceleration = (rate - memory[1]) * parts.per_period;
-        let phi = parts.weight(rate, acceleration);
-        *memory = [u, rate];
+        if let Some(acceleration) = rate::step(memory, u, parts.per_period) {
+            *phi = parts.weight(memory[1], acceleration);
+        }
         let sum = parts.plays.step(u, plays);
-        *y = parts.offset + sum + phi * plays.iter().sum::<f64>();
+        *y = parts.offset + sum + *phi * plays.iter().sum::<f64>();
     }
 }
 

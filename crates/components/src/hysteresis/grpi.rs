@@ -7,8 +7,8 @@
 //!
 //! * r, w as in `prandtl-ishlinskii`; a1, b1 without unit: slopes of the rising and the falling
 //!   envelope; a2, b2 in s: their shift with the command's rate (a2 < 0 and b2 > 0 widen the loop).
-//!   u̇ is the backward difference over the step, 0 at rest.
-//! * State: one number per play, the last command, the last rate.
+//!   u̇ is the backward difference as in `rate`, 0 at rest.
+//! * State: one number per play, the five of `rate`.
 //!
 //! Limits: where h_l − r_i > h_r + r_i the play follows h_l − r_i.
 //!
@@ -127,7 +127,7 @@ impl Component for Grpi {
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         let plays = DECLARATION.length(0, structure);
-        Sizes { coefficients: 2 * plays + 6, states: plays + 2 }
+        Sizes { coefficients: 2 * plays + 6, states: plays + rate::STATES }
     }
 
     fn prepare(
@@ -156,9 +156,12 @@ impl Component for Grpi {
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (Some(parts), &[u], Some((plays, memory)), [y]) =
-            (split(coefficients), inputs, state.split_last_chunk_mut::<2>(), outputs)
-        else {
+        let (Some(parts), &[u], Some((plays, memory)), [y]) = (
+            split(coefficients),
+            inputs,
+            state.split_last_chunk_mut::<{ rate::STATES }>(),
+            outputs,
+        ) else {
             return;
         };
         *memory = rate::rest(u);
@@ -174,12 +177,15 @@ impl Component for Grpi {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (Some(parts), &[u], Some((plays, memory)), [y]) =
-            (split(coefficients), inputs, state.split_last_chunk_mut::<2>(), outputs)
-        else {
+        let (Some(parts), &[u], Some((plays, memory)), [y]) = (
+            split(coefficients),
+            inputs,
+            state.split_last_chunk_mut::<{ rate::STATES }>(),
+            outputs,
+        ) else {
             return;
         };
-        *memory = [u, rate::rate(memory, u, parts.per_period)];
+        rate::update(memory, u, parts.per_period);
         *y = parts.step(u, memory[1], plays);
     }
 }

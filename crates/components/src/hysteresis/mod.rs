@@ -3,6 +3,7 @@
 pub mod dead_zone;
 pub mod numeric_inverse;
 pub mod play;
+pub mod rate;
 
 mod bouc_wen;
 mod bouc_wen_inverse;
@@ -19,7 +20,6 @@ mod mpi;
 mod prandtl_ishlinskii;
 mod preisach;
 mod preisach_inverse;
-mod rate;
 mod rate_dependent_play;
 mod skewed_play;
 

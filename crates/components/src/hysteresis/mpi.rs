@@ -7,7 +7,7 @@
 //!
 //! * linear, cubic, offset: the paper's a2, a1, a3; w its q; ten plays there. scale without unit
 //!   and rate in s are its two parameters of the play.
-//! * State: one number per play, the last command, the last rate.
+//! * State: one number per play, the five of `rate`.
 //!
 //! Limits: the paper only cites its rate-modified play; the threshold that grows with the rate
 //! (Al Janaideh) stands in for it. The cubic is symmetric about command 0.
@@ -107,7 +107,7 @@ impl Component for Mpi {
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         let plays = DECLARATION.length(0, structure);
-        Sizes { coefficients: 2 * plays + 5, states: plays + 2 }
+        Sizes { coefficients: 2 * plays + 5, states: plays + rate::STATES }
     }
 
     fn prepare(
@@ -135,9 +135,12 @@ impl Component for Mpi {
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (Some((plays, [offset, linear, cubic, ..])), &[u], Some((sum, memory)), [y]) =
-            (split(coefficients), inputs, state.split_last_chunk_mut::<2>(), outputs)
-        else {
+        let (Some((plays, [offset, linear, cubic, ..])), &[u], Some((sum, memory)), [y]) = (
+            split(coefficients),
+            inputs,
+            state.split_last_chunk_mut::<{ rate::STATES }>(),
+            outputs,
+        ) else {
             return;
         };
         *memory = rate::rest(u);
@@ -157,11 +160,16 @@ impl Component for Mpi {
             &[u],
             Some((sum, memory)),
             [y],
-        ) = (split(coefficients), inputs, state.split_last_chunk_mut::<2>(), outputs)
+        ) = (
+            split(coefficients),
+            inputs,
+            state.split_last_chunk_mut::<{ rate::STATES }>(),
+            outputs,
+        )
         else {
             return;
         };
-        *memory = [u, rate::rate(memory, u, per_period)];
+        rate::update(memory, u, per_period);
         *y =
             polynomial(offset, linear, cubic, u) + widened(plays, u, growth * fabs(memory[1]), sum);
     }

@@ -23,6 +23,7 @@ use libm::fmax;
 use model::{Component, Declaration, Sizes, Tick, Violation};
 
 use super::play::Plays;
+use super::rate;
 use crate::rules::{WRONG_LENGTH, require};
 use crate::solve::rising;
 
@@ -71,7 +72,7 @@ impl<M: Forward> Component for NumericInverse<M> {
 
     fn sizes(&self, structure: &[f64], period: f64) -> Sizes {
         let Sizes { coefficients, states } = self.forward.sizes(structure, period);
-        Sizes { coefficients: coefficients + 3, states: states + 2 }
+        Sizes { coefficients: coefficients + 3, states: states + rate::STATES + 1 }
     }
 
     fn prepare(
@@ -94,11 +95,11 @@ impl<M: Forward> Component for NumericInverse<M> {
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (Some((inner, &[low, high, _])), &[y], [u], Some((machine, [last, last_rate]))) = (
+        let (Some((inner, &[low, high, _])), &[y], [u], Some((machine, [memory @ .., change]))) = (
             coefficients.split_last_chunk::<3>(),
             inputs,
             outputs,
-            state.split_last_chunk_mut::<2>(),
+            state.split_last_chunk_mut::<{ rate::STATES + 1 }>(),
         ) else {
             return;
         };
@@ -108,7 +109,7 @@ impl<M: Forward> Component for NumericInverse<M> {
             position[0]
         });
         self.forward.rest(inner, &[*u], machine, &mut position);
-        (*last, *last_rate) = (y, 0.0);
+        (*memory, *change) = (rate::rest(y), 0.0);
     }
 
     fn step(
@@ -119,17 +120,18 @@ impl<M: Forward> Component for NumericInverse<M> {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (Some((inner, &[low, high, slope])), &[y], [u], Some((machine, [last, last_rate]))) = (
+        let (Some((inner, &[low, high, slope])), &[y], [u], Some((machine, [memory @ .., change]))) = (
             coefficients.split_last_chunk::<3>(),
             inputs,
             outputs,
-            state.split_last_chunk_mut::<2>(),
+            state.split_last_chunk_mut::<{ rate::STATES + 1 }>(),
         ) else {
             return;
         };
-        let rate = (y - *last) / tick.period;
-        let rates = [rate / slope, (rate - *last_rate) / tick.period / slope];
-        (*last, *last_rate) = (y, rate);
+        if let Some(new) = rate::step(memory, y, 1.0 / tick.period) {
+            *change = new;
+        }
+        let rates = [memory[1] / slope, *change / slope];
         *u = rising(y, [low, high], |u| self.forward.frozen(inner, machine, rates, u));
         self.forward.step(inner, machine, tick, &[*u], &mut [0.0]);
     }

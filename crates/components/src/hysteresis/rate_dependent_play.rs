@@ -6,9 +6,9 @@
 //! ```
 //!
 //! * r, w as in `prandtl-ishlinskii`; gain in position per command: a part without memory; rate in
-//!   s: growth of every threshold with the command's rate. u̇ is the backward difference over the
-//!   step, 0 at rest.
-//! * State: one number per play, the last command, the last rate.
+//!   s: growth of every threshold with the command's rate. u̇ is the backward difference as in
+//!   `rate`, 0 at rest.
+//! * State: one number per play, the five of `rate`.
 //!
 //! Limits: the loop widens with the rate at any amplitude; noise in the command counts as rate.
 //!
@@ -116,7 +116,7 @@ impl Component for RateDependentPlay {
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         let plays = DECLARATION.length(0, structure);
-        Sizes { coefficients: 2 * plays + 4, states: plays + 2 }
+        Sizes { coefficients: 2 * plays + 4, states: plays + rate::STATES }
     }
 
     fn prepare(
@@ -142,9 +142,12 @@ impl Component for RateDependentPlay {
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (Some((plays, [offset, gain, ..])), &[u], Some((sum, memory)), [y]) =
-            (split(coefficients), inputs, state.split_last_chunk_mut::<2>(), outputs)
-        else {
+        let (Some((plays, [offset, gain, ..])), &[u], Some((sum, memory)), [y]) = (
+            split(coefficients),
+            inputs,
+            state.split_last_chunk_mut::<{ rate::STATES }>(),
+            outputs,
+        ) else {
             return;
         };
         *memory = rate::rest(u);
@@ -159,12 +162,15 @@ impl Component for RateDependentPlay {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (Some((plays, [offset, gain, growth, per_period])), &[u], Some((sum, memory)), [y]) =
-            (split(coefficients), inputs, state.split_last_chunk_mut::<2>(), outputs)
-        else {
+        let (Some((plays, [offset, gain, growth, per_period])), &[u], Some((sum, memory)), [y]) = (
+            split(coefficients),
+            inputs,
+            state.split_last_chunk_mut::<{ rate::STATES }>(),
+            outputs,
+        ) else {
             return;
         };
-        *memory = [u, rate::rate(memory, u, per_period)];
+        rate::update(memory, u, per_period);
         *y = offset + gain * u + widened(plays, u, growth * fabs(memory[1]), sum);
     }
 }

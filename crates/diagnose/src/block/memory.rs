@@ -1,5 +1,6 @@
 //! Blocks of plays: hysteresis that is missing, skewed or depends on the rate.
 
+use components::hysteresis::rate;
 use components::linear::lag_fraction;
 
 use super::{Span, Wires};
@@ -113,11 +114,11 @@ pub(super) fn rate_plays(memory: &Memory, p: &[f64], w: Wires<'_>, out: &mut [f6
     out.copy_from_slice(w.x);
     for (r, weight) in memory.r.iter().zip(&memory.w) {
         let (mut wide, mut same) = (0.0, 0.0);
-        let mut before = w.drive.first().copied().unwrap_or(0.0);
+        // As the component takes it.
+        let mut memory = rate::rest(w.drive.first().copied().unwrap_or(0.0));
         for (y, u) in out.iter_mut().zip(w.drive) {
-            let rate = (u - before).abs() / w.step;
-            before = *u;
-            wide = play((r + time * rate).max(0.0), *u, wide);
+            rate::update(&mut memory, *u, 1.0 / w.step);
+            wide = play((r + time * memory[1].abs()).max(0.0), *u, wide);
             same = play(*r, *u, same);
             *y += weight * (wide - same);
         }

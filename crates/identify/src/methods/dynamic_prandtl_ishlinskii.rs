@@ -4,6 +4,7 @@
 //! particle swarm; as they enter linearly, least squares finds the same minimum at once.
 
 use components::hysteresis::play::play;
+use components::hysteresis::rate;
 use data::ComponentBlueprint;
 
 use super::{Chain, Method, Scene, Shape, Weights};
@@ -58,11 +59,16 @@ impl Method for DynamicPrandtlIshlinskii {
         let count = scene.thresholds.len();
         let mut columns = vec![Vec::with_capacity(signal.len()); 8 + count];
         let mut plays = vec![0.0; count];
-        let (mut last, mut last_rate) = (signal.first().copied().unwrap_or(0.0), 0.0);
-        for &u in signal {
-            let rate = (u - last) / step;
-            let acceleration = (rate - last_rate) / step;
-            (last, last_rate) = (u, rate);
+        let mut memory = rate::rest(signal.first().copied().unwrap_or(0.0));
+        let mut acceleration = 0.0;
+        for (k, &u) in signal.iter().enumerate() {
+            // The first value is the rest; then as the component does.
+            if k > 0
+                && let Some(new) = rate::step(&mut memory, u, 1.0 / step)
+            {
+                acceleration = new;
+            }
+            let rate = memory[1];
             for ((p, r), column) in plays.iter_mut().zip(&scene.thresholds).zip(&mut columns[8..]) {
                 *p = play(u, *r, *p);
                 column.push(*p);
