@@ -73,6 +73,45 @@ fn what_cannot_be_read_is_refused_with_a_way_out() {
     }
 }
 
+/// Channels of one TDMS group that were sampled at other times are told apart, never paired row by row.
+#[test]
+fn channels_with_other_times_are_not_paired() {
+    let Some(folder) = written() else { return };
+    let alike = read(folder.path(), "alike.tdms").unwrap();
+    assert_eq!((alike.columns().len(), alike.time()[0]), (2, 0.25));
+    for name in ["starts.tdms", "offsets.tdms", "increments.tdms", "lengths.tdms"] {
+        let error = read(folder.path(), name).expect_err(name);
+        assert!(error.contains("\"run/u\" (1000 rows)"), "{name}: {error}");
+        assert!(error.contains("groups with different times"), "{name}: {error}");
+        let options = ReadOptions { group: Some("run/y".into()), ..Default::default() };
+        let y = Log::read(&folder.path().join(name), &options).unwrap();
+        let (start, period) = (y.time()[0], y.time()[1] - y.time()[0]);
+        let expected = match name {
+            "starts.tdms" => (3.0, 5e-4),
+            "offsets.tdms" => (0.05, 5e-4),
+            _ => (0.0, 1e-3),
+        };
+        assert!((start - expected.0).abs() < 1e-9, "{name}: {start}");
+        assert!((period - expected.1).abs() < 1e-9, "{name}: {period}");
+    }
+}
+
+/// Dates and durations are times in s, and whole numbers without a sign keep their values.
+#[test]
+fn parquet_types_are_read_as_they_are_meant() {
+    let Some(folder) = written() else { return };
+    let reference = read(folder.path(), "reference.csv").unwrap();
+    for name in ["dated.parquet", "durations.parquet"] {
+        let log = read(folder.path(), name).unwrap_or_else(|error| panic!("{error}"));
+        assert!(log.time() == reference.time(), "{name}: {:?}", &log.time()[..4]);
+    }
+    let unsigned = read(folder.path(), "unsigned.parquet").unwrap();
+    let first = |name| unsigned.column(name).unwrap().values[0];
+    assert_eq!(first("big"), 4_294_967_291.0);
+    assert_eq!(first("small"), 250.0);
+    assert_eq!(first("huge"), 9_223_372_036_854_775_808.0);
+}
+
 #[test]
 fn a_group_is_chosen_by_name() {
     let Some(folder) = written() else { return };

@@ -83,6 +83,10 @@ pub(crate) struct Identify {
     page: PageOptions,
 }
 
+/// Part of what is fitted on that a run-in may take: where the first rows are off for longer, it is the model that is
+/// off.
+const MOST_RUN_IN: f64 = 0.25;
+
 /// What can be fitted, as the command line takes it.
 fn model_names() -> clap::builder::PossibleValuesParser {
     let values =
@@ -195,7 +199,11 @@ impl Identify {
             }
         }
         self.drop.unwrap_or_else(|| {
-            let run_in = found.iter().map(|beginning| beginning.run_in).fold(0.0, f64::max);
+            // One run-in for all records: it must leave the shortest one most of what is fitted on.
+            let fitted = (1.0 - self.hold_out)
+                * records.iter().map(Record::duration).fold(f64::INFINITY, f64::min);
+            let longest = found.iter().map(|beginning| beginning.run_in).fold(0.0, f64::max);
+            let run_in = if longest <= MOST_RUN_IN * fitted { longest } else { 0.0 };
             if run_in > 0.0 {
                 notes.push(format!(
                     "a run-in of {run_in:.4} s is neither fitted nor judged: the first rows differ from what \

@@ -44,6 +44,11 @@ for compression in ["snappy", "gzip", "zstd", "none"]:
 fields = pa.Table.from_pandas(frame, preserve_index=False)
 fields = fields.replace_schema_metadata({"unit:u": "V", "unit:y": "um"})
 pq.write_table(fields, folder / "units.parquet")
+dated = frame[["u", "y"]].set_index(pd.Timestamp("2026-03-01 12:00:00.25") + pd.to_timedelta(time, "s"))
+dated.to_parquet(folder / "dated.parquet")
+frame.assign(time=pd.to_timedelta(time, "s")).to_parquet(folder / "durations.parquet")
+frame.assign(big=np.full(rows, 2**32 - 5, np.uint32), small=np.full(rows, 250, np.uint8),
+             huge=np.full(rows, 2**63, np.uint64)).to_parquet(folder / "unsigned.parquet")
 frame.loc[5, "y"] = None
 frame.to_parquet(folder / "gap.parquet")
 
@@ -71,3 +76,21 @@ with TdmsWriter(folder / "plain.tdms") as writer:
         writer.write_segment([RootObject(), GroupObject("scope"),
                               channel("u", u[half], "V"), channel("y", y[half], "um"),
                               channel("counts", counts[half])])
+
+
+def waveforms(name, *channels):
+    """One group of channels: name, values and waveform properties each."""
+    start = np.datetime64("2026-03-01T12:00:00.000000", "us")
+    with TdmsWriter(folder / name) as writer:
+        writer.write_segment([RootObject(), GroupObject("run")] + [
+            ChannelObject("run", channel, values, properties={
+                "wf_increment": increment, "wf_start_offset": offset,
+                "wf_start_time": start + np.timedelta64(int(later * 1e6), "us")})
+            for channel, values, increment, offset, later in channels])
+
+
+waveforms("alike.tdms", ("u", u, 1 / rate, 0.25, 3.0), ("y", y, 1 / rate, 0.25, 3.0))
+waveforms("starts.tdms", ("u", u, 1 / rate, 0.0, 0.0), ("y", y, 1 / rate, 0.0, 3.0))
+waveforms("offsets.tdms", ("u", u, 1 / rate, 0.0, 0.0), ("y", y, 1 / rate, 0.05, 0.0))
+waveforms("increments.tdms", ("u", u, 1 / rate, 0.0, 0.0), ("y", y, 2 / rate, 0.0, 0.0))
+waveforms("lengths.tdms", ("u", u, 1 / rate, 0.0, 0.0), ("y", y[::2], 2 / rate, 0.0, 0.0))
