@@ -65,6 +65,8 @@ fn what_cannot_be_read_is_refused_with_a_way_out() {
         ("old.mdf", "older MDF", "asammdf"),
         ("gap.parquet", "row 6: y = NaN: is a gap", "leave the row out"),
         ("cut.npy", "bytes are there", "whole"),
+        ("transposed.npy", "2 rows and 2000 columns", "transposed"),
+        ("tests.tdms", "different times: \"first\" (1000 rows), \"second\"", "--group"),
         ("objects.npy", "no columns of real numbers", "arrays of numbers"),
     ] {
         let error = read(folder.path(), name).expect_err(name);
@@ -120,6 +122,17 @@ fn a_group_is_chosen_by_name() {
     assert_eq!(Log::read(&path, &options("1000")).unwrap().len(), 1000);
     let error = Log::read(&path, &options("1001")).unwrap_err().to_string();
     assert!(error.contains("its groups are 1000, 100"), "{error}");
+}
+
+#[test]
+fn tests_in_one_file_of_tdms_keep_their_times() {
+    let Some(folder) = written() else { return };
+    for (group, start, column) in [("first", 0.0, "y"), ("second", 60.25, "w")] {
+        let options = ReadOptions { group: Some(group.into()), ..Default::default() };
+        let log = Log::read(&folder.path().join("tests.tdms"), &options).unwrap();
+        assert!((log.time()[0] - start).abs() < 1e-9, "{group} begins at {}", log.time()[0]);
+        assert!(log.column(column).is_some(), "{group} has no {column}");
+    }
 }
 
 /// Every prefix and many damaged copies of each file end in a log or an error.

@@ -94,3 +94,16 @@ waveforms("starts.tdms", ("u", u, 1 / rate, 0.0, 0.0), ("y", y, 1 / rate, 0.0, 3
 waveforms("offsets.tdms", ("u", u, 1 / rate, 0.0, 0.0), ("y", y, 1 / rate, 0.05, 0.0))
 waveforms("increments.tdms", ("u", u, 1 / rate, 0.0, 0.0), ("y", y, 2 / rate, 0.0, 0.0))
 waveforms("lengths.tdms", ("u", u, 1 / rate, 0.0, 0.0), ("y", y[::2], 2 / rate, 0.0, 0.0))
+
+with TdmsWriter(folder / "tests.tdms") as writer:
+    # Two tests one after the other, with channels of other names.
+    noon = np.datetime64("2026-03-01T12:00:00.000000", "us")
+    writer.write_segment([RootObject()] + [
+        ChannelObject(group, channel, values, properties={
+            "wf_increment": 1 / rate, "wf_start_offset": 0.0,
+            "wf_start_time": noon + np.timedelta64(later, "us")})
+        for group, channel, values, later in (
+            ("first", "u", u, 0), ("first", "y", y, 0),
+            ("second", "v", u, 60_250_000), ("second", "w", y, 60_250_000))])
+
+np.save(folder / "transposed.npy", np.vstack([np.tile(time, 2), np.tile(u, 2)]))

@@ -41,6 +41,9 @@ pub(super) fn archive(path: &Path) -> Result<Vec<Group>, Refusal> {
     Ok(groups)
 }
 
+/// Most columns of an array that has fewer rows: more of them are rows, of a transposed array.
+const MOST_COLUMNS: usize = 1000;
+
 /// A scalar type: where it begins in an item, and how it is read.
 struct Scalar {
     name: String,
@@ -86,6 +89,13 @@ fn columns(name: &str, mut bytes: impl Read) -> Result<Vec<Raw>, Refusal> {
     let too_large = || broken(name, "its shape is larger than its data");
     let (rows, wide) =
         (to_usize(rows).ok_or_else(too_large)?, to_usize(wide).ok_or_else(too_large)?);
+    if rows == 0 || wide == 0 {
+        return Ok(Vec::new());
+    }
+    if wide > MOST_COLUMNS && wide > rows {
+        let rule = format!("{name} has {rows} rows and {wide} columns; a row is one time");
+        return Err((rule, "save it transposed (array.T), with a column per signal".into()));
+    }
     let count = rows.checked_mul(wide).and_then(|n| n.checked_mul(item)).ok_or_else(too_large)?;
     // Memory follows what the file holds, not what its header says.
     let mut data = Vec::new();
@@ -168,6 +178,32 @@ fn number(bytes: &[u8], scalar: &Scalar) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn of_shape(shape: &str, data: usize) -> Result<usize, Refusal> {
+        let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend(118_u16.to_le_bytes());
+        bytes.extend(format!("{header:<117}\n").bytes());
+        bytes.extend(vec![0; 8 * data]);
+        columns("column", bytes.as_slice()).map(|columns| columns.len())
+    }
+
+    #[test]
+    fn columns_without_rows_take_no_memory() {
+        assert_eq!(of_shape("(0, 1000000000000)", 0).unwrap(), 0);
+        assert_eq!(of_shape("(1000000000000, 0)", 0).unwrap(), 0);
+    }
+
+    #[test]
+    fn a_transposed_array_is_called_one() {
+        let (rule, way_out) = of_shape("(2, 100000)", 200_000).unwrap_err();
+        assert!(
+            rule.contains("2 rows and 100000 columns") && way_out.contains("array.T"),
+            "{rule}"
+        );
+        assert_eq!(of_shape("(2, 10)", 20).unwrap(), 10);
+        assert_eq!(of_shape("(100000, 2)", 200_000).unwrap(), 2);
+    }
 
     #[test]
     fn a_header_that_cannot_be_takes_no_memory() {

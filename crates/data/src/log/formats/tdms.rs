@@ -11,16 +11,15 @@ use super::{Refusal, broken};
 
 /// The channels of a group that were sampled at the same times are one group; times come from a channel `time`, else
 /// from the waveform properties: `wf_increment`, from `wf_start_offset` on, and `wf_start_time` against the
-/// group's first channel.
+/// file's first channel: groups of tests that were run one after the other have other times.
 pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
     let refuse = |error: TdmsError| broken("TDMS", error);
     lengths::check(path)?;
     let file = TdmsFile::open(path).map_err(refuse)?;
     let size = std::fs::metadata(path).map_err(|error| broken("TDMS", error))?.len();
-    let mut groups = Vec::new();
+    let (mut groups, mut first_start) = (Vec::new(), None);
     for group in file.groups() {
         let mut sampled: Vec<Sampled> = Vec::new();
-        let mut first_start = None;
         for channel in group.channels() {
             // Memory follows what the file holds, not what it says.
             let bytes = (channel.len() as u64).checked_mul(channel.dtype().itemsize() as u64);
@@ -90,7 +89,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// `first` is the start of the group's first channel that has one: whole seconds, and parts of 2^-64 s.
+    /// `first` is the start of the file's first channel that has one: whole seconds, and parts of 2^-64 s.
     fn of(channel: &TdmsChannel<'_>, first: &mut Option<(i64, u64)>) -> Option<Self> {
         let number = |name| match channel.property(name) {
             Some(PropertyValue::Double(value)) => Some(*value),
