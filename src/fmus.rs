@@ -18,7 +18,7 @@ pub(crate) struct Opened {
     pub(crate) name: String,
     pub(crate) fmu: Fmu,
     /// Holds a packed blueprint as long as it is used.
-    _folder: Option<tempfile::TempDir>,
+    pub(crate) folder: Option<tempfile::TempDir>,
 }
 
 /// What the process of an FMU takes itself, with room, in MB.
@@ -87,7 +87,7 @@ pub(crate) fn open_in(what: &Path, worker: Option<&Worker>) -> anyhow::Result<Op
         what.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) || !what.exists();
     if !is_blueprint {
         let fmu = load(what, worker)?;
-        return Ok(Opened { name: fmu.description().model_name.clone(), fmu, _folder: None });
+        return Ok(Opened { name: fmu.description().model_name.clone(), fmu, folder: None });
     }
     if what.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {
         bail!("{}: there is no such file", what.display());
@@ -97,7 +97,7 @@ pub(crate) fn open_in(what: &Path, worker: Option<&Worker>) -> anyhow::Result<Op
     let file = folder.path().join("packed.fmu");
     pack::pack_to_run(&source, &file)?;
     let fmu = load(&file, worker)?;
-    Ok(Opened { name: source.blueprint.name, fmu, _folder: Some(folder) })
+    Ok(Opened { name: source.blueprint.name, fmu, folder: Some(folder) })
 }
 
 /// The names under which the variables of an FMU may be addressed: their own, and, for an FMU that

@@ -3,6 +3,7 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 mod answer;
+mod bed;
 mod commands;
 mod documentation;
 mod effects;
@@ -11,12 +12,10 @@ mod fmus;
 mod inputs;
 mod interrupt;
 mod libraries;
-mod matching;
 mod messages;
 mod pages;
 mod progress;
 mod reference;
-mod reproduce;
 mod window;
 
 use std::path::{Path, PathBuf};

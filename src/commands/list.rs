@@ -4,11 +4,11 @@ use std::io::{self, Write};
 
 use anyhow::Context;
 use clap::Args;
+use papers::matching::{self, Figure};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::commands::signal;
-use crate::matching::{self, Figure};
 use crate::progress;
 
 /// Lists the rigs, records, effects, models or signals that the tool knows

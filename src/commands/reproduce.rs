@@ -2,12 +2,15 @@
 
 use std::io::{self, Write};
 
-use clap::Args;
+use clap::{Args, Parser};
+use papers::Tool;
+use papers::reproduce::{self, Reproduction, Verdict};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
+use crate::bed;
+use crate::commands::Command;
 use crate::pages::{self, PageOptions};
-use crate::reproduce::{self, Reproduction, Verdict};
 
 /// Reproduces the tables of a paper: paper | ours | verdict
 ///
@@ -41,6 +44,18 @@ enum Part {
     All,
 }
 
+/// What the experiments take from this tool.
+const TOOL: Tool = Tool { open: bed::open, identify };
+
+fn identify(arguments: &[&str]) -> anyhow::Result<()> {
+    let words = ["piezoloop", "identify"].iter().chain(arguments);
+    let quiet = Screen { json: false, quiet: true };
+    match crate::Cli::try_parse_from(words)?.command {
+        Command::Identify(command) => command.execute(&quiet).map(drop),
+        _ => anyhow::bail!("not an identify command"),
+    }
+}
+
 /// All that was asked for.
 #[derive(Serialize)]
 struct Reproductions(Vec<Reproduction>);
@@ -61,11 +76,11 @@ impl Reproduce {
                 all.push(reproduce::run(paper, self.searches, &say)?);
             }
             if self.part != Part::Modelling && (loops || self.part == Part::Control && !whole) {
-                all.push(reproduce::control::run(paper, &say)?);
+                all.push(reproduce::control::run(paper, &TOOL, &say)?);
             }
         }
         let all = Reproductions(all);
-        let page = || pages::reproduction(&all.0, pages::provenance(&[])?);
+        let page = || papers::page::reproduction(&all.0, pages::provenance(&[])?);
         self.page.finish(screen, &all, page)
     }
 }

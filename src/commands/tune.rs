@@ -9,9 +9,9 @@ use control::{Gains, LoopVerdict, Ultimate};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
+use crate::bed;
 use crate::fmus::Isolation;
 use crate::pages::{self, PageOptions};
-use crate::reproduce::control::Bed;
 
 /// Finds PID gains by experiments on a plant FMU: Ziegler-Nichols, and a robust default
 ///
@@ -90,7 +90,7 @@ impl Tune {
         let files = [("plant", self.plant.as_path())];
         let read = if self.plant.exists() { &files[..] } else { &[] };
         self.page.not_over(&[&self.plant])?;
-        let mut bed = Bed::open_in(&self.plant, self.isolation.worker()?.as_ref())?;
+        let mut bed = bed::open_in(&self.plant, self.isolation.worker()?.as_ref())?;
         let axes = bed.axes();
         if !(1..=axes).contains(&self.axis) {
             bail!("--axis {}: the plant has axes 1 to {axes}", self.axis);

@@ -6,7 +6,6 @@ mod estimate;
 mod frequency_response;
 mod identify;
 mod open;
-mod reproduce;
 mod simulate;
 mod tune;
 
@@ -21,7 +20,6 @@ pub(crate) use calibrate::calibration;
 pub(crate) use estimate::estimation;
 pub(crate) use frequency_response::frequency_response;
 pub(crate) use identify::{identification, picture, sections};
-pub(crate) use reproduce::reproduction;
 pub(crate) use simulate::simulation;
 pub(crate) use tune::tuning;
 

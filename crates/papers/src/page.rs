@@ -6,7 +6,10 @@ use report::{KeyFigure, Outcome, Provenance, Report, Section, Table, Value, Verd
 use crate::reproduce::{Reproduction, Verdict, stand_ins};
 
 /// The page of some reproductions.
-pub(crate) fn reproduction(all: &[Reproduction], provenance: Provenance) -> anyhow::Result<Report> {
+///
+/// # Errors
+/// Where the blueprint of a rig cannot be read.
+pub fn reproduction(all: &[Reproduction], provenance: Provenance) -> anyhow::Result<Report> {
     let rows = || all.iter().flat_map(|one| &one.rows);
     let orders = || all.iter().flat_map(|one| &one.orders);
     let count = |verdict: Verdict| rows().filter(|row| row.verdict == verdict).count();

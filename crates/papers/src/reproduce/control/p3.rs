@@ -11,11 +11,12 @@ use identify::learned::{
 use learned::features::{Derivatives, Features, Stops};
 use model::Kind;
 
-use super::bed::{Bed, Tracked};
+use super::bed::Tracked;
 use super::inverse::{Wanted, arx_component, hysteresis_inverse, learned_inverse, linear};
 use super::learning::{Learning, learn};
 use super::single::{Design, is_unstable};
 use super::{Aim, Order, Reproduction, Row};
+use crate::Tool;
 use crate::matching;
 use crate::reproduce::Response;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
@@ -122,8 +123,8 @@ fn control(tables: &Blueprint, start: f64, inverse: Option<&Inverse>, gains: &Ga
     design.controller(tables, inverse.map_or(&[][..], |(_, parts)| parts), gains)
 }
 
-pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = Bed::open(Path::new(RIG))?;
+pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+    let mut bed = (tool.open)(Path::new(RIG))?;
     let mut answer = Reproduction::default();
     let (u, _) = matching::signal("p3-chirp", &[])?;
     let u: Vec<f64> = u.iter().map(|u| u / AMPLIFIER).collect();

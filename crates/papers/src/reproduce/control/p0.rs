@@ -11,6 +11,7 @@ use super::bed::{Bed, Tracked};
 use super::inverse::{Linear, arx_component, learned_inverse, linear};
 use super::learning::{Learning, learn as learn_passes};
 use super::{Aim, Order, Reproduction, Row, rms_of};
+use crate::Tool;
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
 use crate::reproduce::p0::stops;
@@ -219,8 +220,8 @@ fn errors(run: &Tracked, from: usize) -> [f64; 2] {
     [rms_of(&run.error, &[0, 1], from), rms_of(&run.error, &[2, 3], from)]
 }
 
-pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = Bed::open(Path::new(RIG))?;
+pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+    let mut bed = (tool.open)(Path::new(RIG))?;
     let mut answer = Reproduction::default();
     let mut inverses = Vec::new();
     for (axis, name) in NAMES.iter().enumerate() {

@@ -3,16 +3,14 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use anyhow::{Context, bail};
-use clap::Parser;
+use anyhow::Context;
 use control::{ControlSettings, Gains};
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Log, UnitPlace, Value};
 
 use super::bed::{Bed, Tracked};
 use super::learning::{Learned, Learning, learn};
 use super::{Aim, Order, Reproduction, Row};
-use crate::answer::Screen;
-use crate::commands::Command;
+use crate::Tool;
 use crate::reproduce::figures::{Chapter, Runs};
 
 const ID: &str = "P4";
@@ -143,17 +141,13 @@ fn measured(bed: &mut Bed, commands: &[f64], file: &Path) -> anyhow::Result<()> 
 
 /// Identifies a plant of the machine with one hysteresis model; 10 plays have the paper's thresholds, 0, 6, … 54 V.
 /// All that lags at up to 100 Hz, far below the stiff modes, is a delay.
-fn identified(log: &Path, model: &str, plays: &str) -> anyhow::Result<Blueprint> {
+fn identified(tool: &Tool, log: &Path, model: &str, plays: &str) -> anyhow::Result<Blueprint> {
     let plant = log.with_file_name(format!("{model}.toml"));
     let (log, file) = (log.to_string_lossy(), plant.to_string_lossy());
-    let mut words = vec!["piezoloop", "identify", "--log", &*log, "--model", model, "-o", &*file];
+    let mut words = vec!["--log", &*log, "--model", model, "-o", &*file];
     words.extend(["--plays", plays, "--static", "--name", "evc_identified"]);
     words.extend(["--input", "u_y", "--output", "y", "--input", "u_z", "--output", "z"]);
-    let quiet = Screen { json: false, quiet: true };
-    match crate::Cli::try_parse_from(words)?.command {
-        Command::Identify(command) => command.execute(&quiet)?,
-        _ => bail!("not an identify command"),
-    };
+    (tool.identify)(&words)?;
     Ok(Blueprint::read(&plant)?)
 }
 
@@ -297,17 +291,17 @@ fn ellipses(case: &Case, runs: &[(&str, Tracked)], learned: &Learned) -> Chapter
     .figure(seen.loops("Position over command, Z", 1))
 }
 
-pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let folder = tempfile::tempdir()?;
-    let mut bed = Bed::open(Path::new(RIG))?;
+    let mut bed = (tool.open)(Path::new(RIG))?;
     let mut answer = Reproduction::default();
     let spans = spans(&mut bed)?;
     say("identifying the static and the dynamic Prandtl-Ishlinskii model, and generalised plays");
     let log = folder.path().join("measured.csv");
     measured(&mut bed, &excitation(), &log)?;
-    let plain = identified(&log, "prandtl-ishlinskii", "10")?;
-    let dynamic = identified(&log, "dynamic-prandtl-ishlinskii", "10")?;
-    let generalised = identified(&log, "generalised-play", "20")?;
+    let plain = identified(tool, &log, "prandtl-ishlinskii", "10")?;
+    let dynamic = identified(tool, &log, "dynamic-prandtl-ishlinskii", "10")?;
+    let generalised = identified(tool, &log, "generalised-play", "20")?;
     let settings = ControlSettings { period: Some(PERIOD), ..ControlSettings::default() };
     let inversion =
         control::invert(&plain.check(learned::COMPONENTS)?, &settings, &mut identify::Silent)?;

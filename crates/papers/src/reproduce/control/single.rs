@@ -21,10 +21,11 @@ pub(super) struct Design {
 
 /// The component `notch` of full depth, as a filter of a sampled signal too.
 #[derive(Clone, Copy)]
-pub(super) struct Notch {
+pub struct Notch {
     /// In Hz.
-    pub(super) frequency: f64,
-    pub(super) damping: f64,
+    pub frequency: f64,
+    /// Damping of what it takes out.
+    pub damping: f64,
 }
 
 impl Notch {
@@ -118,7 +119,7 @@ fn behind<'a>(
 }
 
 /// The impulse response of a bed's only axis about a command.
-pub(super) fn impulse(
+pub fn impulse(
     bed: &mut Bed,
     [middle, amplitude]: [f64; 2],
     period: f64,
@@ -143,11 +144,7 @@ pub(super) fn ultimate(
 }
 
 /// The frequency at which a bed's only axis rings after a step, as its samples see it, in Hz.
-pub(super) fn ringing(
-    bed: &mut Bed,
-    [middle, amplitude]: [f64; 2],
-    period: f64,
-) -> anyhow::Result<f64> {
+pub fn ringing(bed: &mut Bed, [middle, amplitude]: [f64; 2], period: f64) -> anyhow::Result<f64> {
     bed.rest(&[middle], period)?;
     let count = 1500;
     let y: Vec<f64> = (0..count)
@@ -183,25 +180,4 @@ pub(super) fn ringing(
 pub(super) fn with_rest(reference: &[f64], rows: usize) -> Vec<f64> {
     let first = reference.first().copied().unwrap_or(0.0);
     std::iter::repeat_n(first, rows).chain(reference.iter().copied()).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_ringing_of_the_bimorph_is_found_and_taken_out() -> anyhow::Result<()> {
-        let mut bed = Bed::open(std::path::Path::new("p2-truth"))?;
-        let (point, period) = ([5.0, 0.3], 4e-3);
-        let found = ringing(&mut bed, point, period)?;
-        // 404 Hz at 250 Hz: 2·250 − 404.
-        assert!((found - 96.0).abs() < 1.5, "{found}");
-        let notch = Some(Notch { frequency: found, damping: 0.1 });
-        let with = impulse(&mut bed, point, period, 300, notch)?;
-        let without = impulse(&mut bed, point, period, 300, None)?;
-        // At least ten times less of it is left behind the notch.
-        let late = |h: &[f64]| h[150..].iter().map(|h| h * h).sum::<f64>().sqrt();
-        assert!(late(&with) < 0.1 * late(&without), "{} {}", late(&with), late(&without));
-        Ok(())
-    }
 }

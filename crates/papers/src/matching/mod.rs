@@ -18,14 +18,21 @@ const TOLERANCE: f64 = 0.25;
 
 /// One figure of a paper beside ours.
 #[derive(Serialize)]
-pub(crate) struct Figure {
-    pub(crate) rig: &'static str,
-    pub(crate) what: String,
-    pub(crate) unit: &'static str,
-    pub(crate) paper: f64,
-    pub(crate) ours: f64,
-    pub(crate) within: bool,
-    pub(crate) note: String,
+pub struct Figure {
+    /// The rig that stands in for the paper's machine.
+    pub rig: &'static str,
+    /// What the paper prints.
+    pub what: String,
+    /// Unit of both values.
+    pub unit: &'static str,
+    /// The paper's value.
+    pub paper: f64,
+    /// The value of the rig.
+    pub ours: f64,
+    /// Whether they differ by 25 % of the paper's at most.
+    pub within: bool,
+    /// What is to be known of the comparison.
+    pub note: String,
 }
 
 impl Figure {
@@ -47,11 +54,10 @@ impl Figure {
 }
 
 /// The figures of one paper's machine.
-pub(crate) type Table = fn() -> anyhow::Result<Vec<Figure>>;
+pub type Table = fn() -> anyhow::Result<Vec<Figure>>;
 
 /// All papers' machines, rig by rig.
-pub(crate) const TABLES: [Table; 5] =
-    [p0::figures, p1::figures, p2::figures, p3::figures, p4::figures];
+pub const TABLES: [Table; 5] = [p0::figures, p1::figures, p2::figures, p3::figures, p4::figures];
 
 /// A built rig.
 pub(crate) fn rig(name: &str) -> anyhow::Result<System> {

@@ -9,10 +9,10 @@ use learned::features::{Features, Narx};
 use learned::lssvm::Settings;
 use model::Kind;
 
-use super::bed::Bed;
 use super::learning::{Learning, learn};
 use super::single::{Design, Notch, impulse, ringing, rmse, ultimate, with_rest};
 use super::{Aim, Order, Reproduction, Row};
+use crate::Tool;
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
 
@@ -53,8 +53,8 @@ fn trained(u: &[f64], y: &[f64], zero: f64) -> anyhow::Result<Machine> {
     best.map(|(_, machine)| machine).ok_or_else(|| anyhow::anyhow!("nothing was trained"))
 }
 
-pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = Bed::open(Path::new(RIG))?;
+pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+    let mut bed = (tool.open)(Path::new(RIG))?;
     let mut answer = Reproduction::default();
     say("hysteresis term by an LS-SVM");
     let (u, _) = matching::signal("p2-train", &[("sample_time", PERIOD)])?;

@@ -1,6 +1,6 @@
 //! The papers' tables again, on our matched machines: modelling.
 
-pub(crate) mod control;
+pub mod control;
 pub(crate) mod figures;
 mod p0;
 mod p1;
@@ -17,20 +17,27 @@ use crate::matching;
 
 /// One number of a paper beside ours.
 #[derive(Serialize)]
-pub(crate) struct Row {
-    pub(crate) paper_id: &'static str,
-    pub(crate) what: String,
-    pub(crate) unit: &'static str,
-    pub(crate) paper: f64,
-    pub(crate) ours: f64,
-    pub(crate) aim: Aim,
-    pub(crate) verdict: Verdict,
+pub struct Row {
+    /// The paper's table or figure.
+    pub paper_id: &'static str,
+    /// What the number is.
+    pub what: String,
+    /// Unit of both numbers.
+    pub unit: &'static str,
+    /// The paper's number; not a number where it prints none.
+    pub paper: f64,
+    /// Ours.
+    pub ours: f64,
+    /// What it is for.
+    pub aim: Aim,
+    /// How they compare.
+    pub verdict: Verdict,
 }
 
 /// What a number is for.
 #[derive(Serialize, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Aim {
+pub enum Aim {
     /// To be reached or beaten.
     Reach,
     /// A method that the paper compares with; within 25 % the machine is as the paper's.
@@ -39,37 +46,48 @@ pub(crate) enum Aim {
     Told,
 }
 
+/// How a number compares with the paper's.
 #[derive(Serialize, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Verdict {
+pub enum Verdict {
+    /// Reached or beaten.
     Reached,
+    /// Not reached.
     NotReached,
+    /// A baseline within 25 % of the paper's.
     Matched,
+    /// A baseline farther from the paper's.
     NotMatched,
+    /// For comparison only, or on a machine that is not matched.
     NotJudged,
 }
 
 /// An order of methods that a paper reports.
 #[derive(Serialize)]
-pub(crate) struct Order {
-    pub(crate) paper_id: &'static str,
-    pub(crate) what: String,
-    pub(crate) holds: bool,
+pub struct Order {
+    /// The paper's table or figure.
+    pub paper_id: &'static str,
+    /// The order.
+    pub what: String,
+    /// Whether it holds on our machine.
+    pub holds: bool,
 }
 
 /// What a paper's reproduction gives.
 #[derive(Serialize, Default)]
-pub(crate) struct Reproduction {
-    pub(crate) rows: Vec<Row>,
-    pub(crate) orders: Vec<Order>,
+pub struct Reproduction {
+    /// The figures.
+    pub rows: Vec<Row>,
+    /// The orders of methods.
+    pub orders: Vec<Order>,
     /// What stands in, and what the figures mean.
-    pub(crate) remarks: Vec<String>,
+    pub remarks: Vec<String>,
     /// `p0`, `p1`, …
-    pub(crate) paper: &'static str,
+    pub paper: &'static str,
     /// `modelling` or `control`.
-    pub(crate) part: &'static str,
+    pub part: &'static str,
     /// The rig that stands in for the paper's machine.
-    pub(crate) rig: &'static str,
+    pub rig: &'static str,
     /// The machine beside the paper's, without the paper's method.
     #[serde(skip)]
     pub(crate) matched: Vec<matching::Figure>,
@@ -79,10 +97,14 @@ pub(crate) struct Reproduction {
 }
 
 /// The papers with a reproduction of their modelling.
-pub(crate) const PAPERS: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
+pub const PAPERS: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
 
-/// Runs the reproduction of a paper's modelling; `searches`: also by the paper's own long searches.
-pub(crate) fn run(paper: &str, searches: bool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+/// Runs the reproduction of a paper's modelling; `searches`: also by the paper's own long searches; what
+/// it is at goes to `say`.
+///
+/// # Errors
+/// For an unknown paper, and where a model cannot be found.
+pub fn run(paper: &str, searches: bool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let answer = match paper {
         "p0" => p0::run(say),
         "p1" => p1::run(searches, say),

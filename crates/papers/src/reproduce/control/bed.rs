@@ -4,19 +4,20 @@ use std::path::Path;
 
 use anyhow::Context;
 use cosim::{
-    Experiment, InstanceOptions, Loop, LoopSettings, Memory, Points, Run, Selection, Signal,
+    Experiment, Fmu, InstanceOptions, Loop, LoopSettings, Memory, Points, Run, Selection, Signal,
     Signals, Slave, Value, Wiring,
 };
 use data::Blueprint;
 use modeldescription::variable::Causality;
 
-use crate::commands::pack;
-use crate::fmus::{self, Opened};
-use crate::inputs::BlueprintText;
+use crate::Pack;
 
 /// A machine on the bench.
-pub(crate) struct Bed {
-    machine: Opened,
+pub struct Bed {
+    machine: Fmu,
+    /// Holds the machine's FMU as long as it is used, where it was packed for this.
+    _folder: Option<tempfile::TempDir>,
+    pack: Pack,
     slave: Box<dyn Slave>,
     commands: Selection,
     positions: Selection,
@@ -26,56 +27,66 @@ pub(crate) struct Bed {
 }
 
 /// What a closed loop did: per axis, per sample.
-pub(crate) struct Tracked {
-    pub(crate) command: Vec<Vec<f64>>,
-    pub(crate) reference: Vec<Vec<f64>>,
-    pub(crate) position: Vec<Vec<f64>>,
+pub struct Tracked {
+    /// The controller's command.
+    pub command: Vec<Vec<f64>>,
+    /// The wanted position.
+    pub reference: Vec<Vec<f64>>,
+    /// The measured position.
+    pub position: Vec<Vec<f64>>,
     /// Wanted minus measured position.
-    pub(crate) error: Vec<Vec<f64>>,
+    pub error: Vec<Vec<f64>>,
 }
 
 impl Tracked {
     /// Number of rows.
-    pub(crate) fn rows(&self) -> usize {
+    pub fn rows(&self) -> usize {
         self.error.iter().map(Vec::len).min().unwrap_or(0)
     }
 }
 
 impl Bed {
-    /// A rig, a blueprint or an FMU.
-    pub(crate) fn open(what: &Path) -> anyhow::Result<Self> {
-        Self::open_in(what, None)
-    }
-
-    /// As [`open`](Self::open), to run in processes of its own where there is a worker.
-    pub(crate) fn open_in(what: &Path, worker: Option<&cosim::Worker>) -> anyhow::Result<Self> {
-        let machine = fmus::open_in(what, worker)?;
+    /// Puts an FMU on the bench: of the plant that messages call `what`; `folder` is kept as long. `pack`
+    /// writes the controllers' FMUs.
+    ///
+    /// # Errors
+    /// Where it has no inputs `command[i]` with as many outputs `position[i]`, or cannot be instantiated.
+    pub fn new(
+        machine: Fmu,
+        folder: Option<tempfile::TempDir>,
+        what: &Path,
+        pack: Pack,
+    ) -> anyhow::Result<Self> {
         let axes = numbered(&machine, Causality::Input, "command");
         anyhow::ensure!(
             axes > 0 && numbered(&machine, Causality::Output, "position") == axes,
             "{}: is no plant with command[i] and position[i]",
             what.display()
         );
-        let slave = machine.fmu.instantiate("machine", &InstanceOptions::default())?;
+        let slave = machine.instantiate("machine", &InstanceOptions::default())?;
         let select = |name: &str| -> anyhow::Result<Selection> {
             let mut selection = Selection::default();
             for axis in 1..=axes {
-                let variable = machine.fmu.description().variable(&format!("{name}[{axis}]"));
+                let variable = machine.description().variable(&format!("{name}[{axis}]"));
                 selection.add("machine", variable.context("the axes are numbered from 1")?)?;
             }
             Ok(selection)
         };
         let (commands, positions) = (select("command")?, select("position")?);
-        Ok(Self { slave, commands, positions, axes, count: 0, period: 1.0, machine })
+        let (count, period) = (0, 1.0);
+        Ok(Self { slave, commands, positions, axes, count, period, machine, _folder: folder, pack })
     }
 
     /// Number of axes.
-    pub(crate) fn axes(&self) -> usize {
+    pub fn axes(&self) -> usize {
         self.axes
     }
 
     /// At rest under these commands; the positions. Steps have this period from then on.
-    pub(crate) fn rest(&mut self, commands: &[f64], period: f64) -> anyhow::Result<Vec<f64>> {
+    ///
+    /// # Errors
+    /// What the FMU reports.
+    pub fn rest(&mut self, commands: &[f64], period: f64) -> anyhow::Result<Vec<f64>> {
         self.slave.reset()?;
         self.slave.setup(&Experiment { start: 0.0, stop: None, tolerance: None })?;
         for (axis, value) in (1..).zip(commands) {
@@ -94,7 +105,10 @@ impl Bed {
     }
 
     /// The positions at the end of one period with these commands.
-    pub(crate) fn step(&mut self, commands: &[f64]) -> anyhow::Result<Vec<f64>> {
+    ///
+    /// # Errors
+    /// What the FMU reports.
+    pub fn step(&mut self, commands: &[f64]) -> anyhow::Result<Vec<f64>> {
         self.slave.set(&self.commands, commands)?;
         let t = self.count as f64 * self.period;
         self.count += 1;
@@ -104,7 +118,10 @@ impl Bed {
 
     /// The positions of one axis at the end of each period with its commands `u`, from rest under the
     /// first one; the other axes rest at `others`. The position at rest comes first.
-    pub(crate) fn response(
+    ///
+    /// # Errors
+    /// What the FMU reports.
+    pub fn response(
         &mut self,
         axis: usize,
         u: &[f64],
@@ -123,7 +140,10 @@ impl Bed {
 
     /// Closes the loop with a controller over these references, one row per period. The controller's
     /// input runs `preview` rows ahead of them.
-    pub(crate) fn track(
+    ///
+    /// # Errors
+    /// Where the controller cannot be packed or connected, and what the FMUs report.
+    pub fn track(
         &self,
         controller: &Blueprint,
         references: &[Vec<f64>],
@@ -132,13 +152,12 @@ impl Bed {
     ) -> anyhow::Result<Tracked> {
         let folder = tempfile::tempdir().context("no temporary folder can be made")?;
         let file = folder.path().join("controller.fmu");
-        let source = BlueprintText { text: controller.to_toml(), blueprint: controller.clone() };
-        pack::pack_to_run(&source, &file)?;
+        (self.pack)(controller, &file)?;
         let packed = cosim::Fmu::open(&file)?;
         let options = InstanceOptions::default();
         let (c, p) = (
             packed.instantiate("controller", &options)?,
-            self.machine.fmu.instantiate("plant", &options)?,
+            self.machine.instantiate("plant", &options)?,
         );
         let rows = references.iter().map(Vec::len).min().unwrap_or(0);
         let time: Vec<f64> = (0..rows).map(|k| k as f64 * period).collect();
@@ -178,7 +197,7 @@ impl Bed {
 }
 
 /// How many variables `name[1]`, `name[2]`, … there are.
-fn numbered(machine: &Opened, causality: Causality, name: &str) -> usize {
-    let names = machine.fmu.names(causality);
+fn numbered(machine: &Fmu, causality: Causality, name: &str) -> usize {
+    let names = machine.names(causality);
     (1..).take_while(|axis| names.contains(&format!("{name}[{axis}]"))).count()
 }

@@ -8,11 +8,11 @@ use identify::learned::{Arx, Machine, Run, SEED, Series, Span, Teaches, Waves, r
 use learned::features::Stops;
 use model::Kind;
 
-use super::bed::Bed;
 use super::inverse::{Wanted, arx_component, hysteresis_inverse, learned_inverse};
 use super::learning::{Learning, learn};
 use super::single::{Design, impulse, is_unstable, rmse, ultimate, with_rest};
 use super::{Aim, Order, Reproduction, Row};
+use crate::Tool;
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
 use crate::reproduce::p1::{STOPS, is_command, series};
@@ -42,8 +42,8 @@ const OBSERVED: f64 = 30.0;
 /// Passes of the references that learn.
 const PASSES: usize = 8;
 
-pub(super) fn run(say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = Bed::open(Path::new(RIG))?;
+pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+    let mut bed = (tool.open)(Path::new(RIG))?;
     let mut answer = Reproduction::default();
     let mut record = |letter: char| -> anyhow::Result<(Vec<f64>, Vec<f64>)> {
         let (u, _) = matching::signal(&format!("p1-{letter}"), &[])?;

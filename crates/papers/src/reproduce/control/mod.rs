@@ -2,33 +2,36 @@
 
 mod bed;
 mod inverse;
-mod learning;
+pub mod learning;
 mod p0;
 mod p1;
 mod p2;
 mod p3;
 mod p4;
-mod single;
+pub mod single;
 
-pub(crate) use bed::{Bed, Tracked};
+pub use bed::{Bed, Tracked};
 pub(crate) use inverse::{Linear, linear};
 
 use anyhow::Context;
 
 use super::{Aim, Order, Reproduction, Row};
-use crate::matching;
+use crate::{Tool, matching};
 
 /// The papers with control experiments here.
-pub(crate) const PAPERS: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
+pub const PAPERS: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
 
-/// Runs the control experiments of a paper; its match table comes first.
-pub(crate) fn run(paper: &str, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+/// Runs the control experiments of a paper; its match table comes first. What it is at goes to `say`.
+///
+/// # Errors
+/// For an unknown paper, and where an experiment fails.
+pub fn run(paper: &str, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let mut answer = match paper {
-        "p0" => p0::run(say)?,
-        "p1" => p1::run(say)?,
-        "p2" => p2::run(say)?,
-        "p3" => p3::run(say)?,
-        "p4" => p4::run(say)?,
+        "p0" => p0::run(tool, say)?,
+        "p1" => p1::run(tool, say)?,
+        "p2" => p2::run(tool, say)?,
+        "p3" => p3::run(tool, say)?,
+        "p4" => p4::run(tool, say)?,
         other => {
             anyhow::bail!("no control experiments of \"{other}\"; there are {}", PAPERS.join(", "))
         }
