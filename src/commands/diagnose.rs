@@ -43,6 +43,10 @@ pub(crate) struct Diagnose {
     /// machine was moving already
     #[arg(long, allow_negative_numbers = true, value_name = "S", default_value_t = 0.0)]
     drop: f64,
+    /// What the command does between two rows of the logs: zoh (held), line, band-limited [default: held, or what
+    /// clearly leaves less of a blueprint's error, which is said]
+    #[arg(long, value_name = "BETWEEN", value_parser = ["zoh", "line", "band-limited"])]
+    between: Option<String>,
     #[command(flatten)]
     options: LogOptions,
     /// Outputs to look at [default: all that the logs have]
@@ -225,6 +229,7 @@ impl Diagnose {
             bail!("--drop {}: give a time in s, 0 or more", self.drop);
         }
         request.drop = self.drop;
+        request.between = self.between.as_deref().and_then(diagnose::Between::find);
         request.names = self.options.names()?;
         request.outputs.clone_from(&self.outputs);
         request.tolerances =

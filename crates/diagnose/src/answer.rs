@@ -8,15 +8,15 @@ use crate::belief::{self, Sight};
 use crate::chain::{Chain, Parameter};
 use crate::experiment;
 use crate::gap::{
-    Estimate, Gap, Leftover, NamedEffect, OutputGap, Provenance, Retuned, SCHEMA, Shrink, Tried,
-    Verdict,
+    Estimate, Gap, Leftover, NamedEffect, OutputGap, Partial, Provenance, Retuned, SCHEMA, Shrink,
+    Tried, Verdict,
 };
 use crate::outcome::Outcome;
 use crate::place::Maps;
 use crate::problem::HELD_OUT;
 use crate::request::{Model, Request};
-use crate::score::Judged;
-use crate::select::Candidate;
+use crate::score::{Judged, explained};
+use crate::select::{Candidate, Looked};
 use crate::shrink::Evidence;
 
 /// Mean square over the noise's above which something is left.
@@ -46,6 +46,7 @@ pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> 
         sentence: String::new(),
         verdict: worst(outcomes),
         effects,
+        partial: outcomes.iter().filter_map(partial).collect(),
         place,
         shrink: outputs[main].shrink.clone(),
         retuned: outcomes.iter().flat_map(|o| retuned(o, outcomes.len() > 1)).collect(),
@@ -112,6 +113,7 @@ fn output(o: &Outcome, seed: u64) -> OutputGap {
         effects: named(o).into_iter().map(|e| e.effect).collect(),
         shrink,
         noise: o.problem.noise.clone(),
+        between: o.problem.between,
     }
 }
 
@@ -221,40 +223,63 @@ fn noisier(o: &Outcome) -> Option<NamedEffect> {
 fn named(o: &Outcome) -> Vec<NamedEffect> {
     let last = &o.found.last;
     let picked = (0..last.picks.len()).map(|slot| {
-        let family = last.picks[slot].0;
-        let effect = o.library[family].effect;
-        let beliefs = o
-            .found
-            .rivals
-            .get(slot)
-            .map(|looked| belief::beliefs(&Sight::of(o), looked, last))
-            .unwrap_or_default();
+        let rivals = o.found.rivals.get(slot).map_or(&[][..], |looked| &looked[..]);
         let explained = o.found.alone.get(slot).copied().unwrap_or(0.0);
-        let is_effect = match last.picks.len() {
-            1 => 1.0,
-            _ => belief::is_effect(&Sight::of(o), last, explained),
-        };
-        let probability =
-            is_effect * beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.probability);
-        let mut set: Vec<String> = belief::set(&beliefs)
-            .into_iter()
-            .map(|f| o.library[f].effect.name.to_owned())
-            .collect();
-        if !set.iter().any(|name| name == effect.name) {
-            set.insert(0, effect.name.to_owned());
-        }
-        NamedEffect {
-            effect: effect.name.to_owned(),
-            output: o.problem.output.clone(),
-            stage: effect.stage.name().to_owned(),
-            probability,
-            set,
-            group: effect.group.map(|g| group(g).to_owned()),
-            parameters: parameters(o, last, slot),
-            explained,
-        }
+        effect_of(o, (last, slot), rivals, explained)
     });
     noisier(o).into_iter().chain(picked).collect()
+}
+
+/// Effect number `slot` of a candidate beside its rivals.
+fn effect_of(
+    o: &Outcome,
+    (candidate, slot): (&Candidate, usize),
+    rivals: &[Looked],
+    explained: f64,
+) -> NamedEffect {
+    let family = candidate.picks[slot].0;
+    let effect = o.library[family].effect;
+    let sight = Sight::of(o);
+    let beliefs = belief::beliefs(&sight, rivals, candidate);
+    let is_effect = match candidate.picks.len() {
+        1 => 1.0,
+        _ => belief::is_effect(&sight, candidate, explained),
+    };
+    let probability =
+        is_effect * beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.probability);
+    let mut set: Vec<String> =
+        belief::set(&beliefs).into_iter().map(|f| o.library[f].effect.name.to_owned()).collect();
+    if !set.iter().any(|name| name == effect.name) {
+        set.insert(0, effect.name.to_owned());
+    }
+    NamedEffect {
+        effect: effect.name.to_owned(),
+        output: o.problem.output.clone(),
+        stage: effect.stage.name().to_owned(),
+        probability,
+        set,
+        group: effect.group.map(|g| group(g).to_owned()),
+        parameters: parameters(o, candidate, slot),
+        explained,
+    }
+}
+
+/// What the best single effect would do where none is named: of those that help on held-out rows.
+fn partial(o: &Outcome) -> Option<Partial> {
+    if o.verdict != Verdict::Unknown {
+        return None;
+    }
+    let before = &o.found.base.judged;
+    let part = |c: &Candidate| explained(before, &c.judged);
+    let fitted = o.found.first.iter().filter_map(|l| l.best.as_ref());
+    let best = fitted.filter(|c| part(c) > 0.0).min_by(|a, b| a.rank.total_cmp(&b.rank))?;
+    let rms = |judged: &Judged| o.sigma / o.problem.factor * judged.held_out.max(0.0).sqrt();
+    Some(Partial {
+        effect: effect_of(o, (best, 0), &o.found.first, part(best)),
+        rms_before: rms(before),
+        rms_after: rms(&best.judged),
+        unit: o.problem.unit.clone(),
+    })
 }
 
 /// The name of a group in files.
@@ -340,6 +365,7 @@ fn tried(o: &Outcome) -> Vec<Tried> {
                 screening: if l.screening.is_finite() { l.screening } else { 0.0 },
                 probability: beliefs.iter().find(of_family).map_or(0.0, |b| b.probability),
                 accepted: o.found.last.picks.iter().any(|(f, _)| *f == l.family),
+                left_out: l.why.map(|why| why.text().to_owned()),
                 parameters: best.map(|c| parameters(o, c, 0)).unwrap_or_default(),
             }
         })

@@ -77,15 +77,21 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
     // The noise is the same in all of them: by how much one leaves more than the best is known far better
     // than how far either is above the noise.
     let times = |c: &Candidate| 1.0 + (left(c) - left(best)).max(0.0) / (excess(best) + SEEN);
+    // Rows that no fit has seen must not tell them apart either.
+    let held_out = |c: &Candidate| (c.judged.held_out - 1.0).max(0.0) + SEEN;
+    let least = fitted.iter().map(|(_, c)| held_out(c)).fold(f64::INFINITY, f64::min);
+    let is_alike = |c: &Candidate| {
+        times(c) < ALIKE && (held_out(c) < ALIKE * least || held_out(c) < sight.adequate - 1.0)
+    };
     let simplest =
-        fitted.iter().filter(|(_, c)| times(c) < ALIKE).map(|(_, c)| c.freedom).min().unwrap_or(0);
+        fitted.iter().filter(|(_, c)| is_alike(c)).map(|(_, c)| c.freedom).min().unwrap_or(0);
     let weights: Vec<f64> = fitted
         .iter()
         .map(|(_, c)| {
             // The right name leaves a small part of the gap where its formula is not the machine's: what
             // counts is how many times more a rival leaves, as far as the noise lets one see it.
             let nominal = 0.5 * (c.rank - best.rank).max(0.0);
-            let order = if times(c) < ALIKE { ORDER * (c.freedom - simplest) as f64 } else { 0.0 };
+            let order = if is_alike(c) { ORDER * (c.freedom - simplest) as f64 } else { 0.0 };
             (-(SHARPNESS * times(c).ln()).min(nominal) - order).exp()
         })
         .collect();

@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::between::Between;
+
 /// Name and version of the schema.
 pub const SCHEMA: &str = "piezoloop.gap/1";
 
@@ -20,6 +22,9 @@ pub struct Gap {
     pub verdict: Verdict,
     /// The effects that are named, of all outputs, the one that explains most first.
     pub effects: Vec<NamedEffect>,
+    /// The best partial answer of each output that is `unknown`: no name, but what one effect alone would do.
+    #[serde(default)]
+    pub partial: Vec<Partial>,
     /// Where the gap lies.
     #[serde(rename = "where")]
     pub place: Place,
@@ -76,6 +81,19 @@ pub struct NamedEffect {
     pub parameters: BTreeMap<String, Estimate>,
     /// Part of the held-out gap's power that goes with this effect alone (given the others).
     pub explained: f64,
+}
+
+/// What the best single effect would do for an output of which none is named.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Partial {
+    /// The effect, its probability far from certain, and the part of the held-out gap's power that would go.
+    pub effect: NamedEffect,
+    /// Held-out root mean square of the re-tuned model.
+    pub rms_before: f64,
+    /// The same with the effect.
+    pub rms_after: f64,
+    /// Unit of both.
+    pub unit: String,
 }
 
 /// An estimate.
@@ -260,6 +278,9 @@ pub struct Tried {
     pub probability: f64,
     /// Whether it is named.
     pub accepted: bool,
+    /// Why it has no score; null where it has one.
+    #[serde(default)]
+    pub left_out: Option<String>,
     /// Fitted parameters.
     pub parameters: BTreeMap<String, Estimate>,
 }
@@ -277,6 +298,9 @@ pub struct OutputGap {
     pub shrink: Shrink,
     /// How the noise was found, and the other estimates of it.
     pub noise: NoiseFloor,
+    /// What the command was taken to do between the rows.
+    #[serde(default)]
+    pub between: Between,
 }
 
 /// The noise of an output.

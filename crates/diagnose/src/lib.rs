@@ -11,6 +11,7 @@ mod answer;
 mod around;
 mod base;
 mod belief;
+mod between;
 mod black_box;
 mod block;
 mod chain;
@@ -48,10 +49,11 @@ mod tap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use around::Repaired;
+pub use between::Between;
 pub use error::Error;
 pub use gap::{
     BandShare, Estimate, Gap, HeldOut, Leftover, NamedEffect, NextExperiment, NoiseFloor,
-    OutputGap, Place, Provenance, RecordShare, Retuned, SCHEMA, Shrink, Tried, Verdict,
+    OutputGap, Partial, Place, Provenance, RecordShare, Retuned, SCHEMA, Shrink, Tried, Verdict,
 };
 pub use identify::{Observer, Silent};
 pub use request::{Deviation, Model, Noise, Request, Tolerance};
@@ -168,9 +170,9 @@ pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnos
         .num_threads(request.threads)
         .build()
         .map_err(|_| Error::Threads(request.threads))?;
-    let problems = problem::problems(request)?;
-    let total = problems.len();
     let count = AtomicU64::new(0);
+    let problems = pool.install(|| problem::settled(request, &count))?;
+    let total = problems.len();
     let mut outcomes = Vec::with_capacity(total);
     for (number, problem) in problems.into_iter().enumerate() {
         observer.progress("diagnose", number, total);

@@ -151,6 +151,10 @@ pub(crate) struct Projector {
     records: Vec<Terms>,
 }
 
+fn subtract(residual: &mut [f64], rows: std::ops::Range<usize>, course: &DVector<f64>) {
+    residual[rows].iter_mut().zip(course.iter()).for_each(|(r, f)| *r -= f);
+}
+
 /// The terms of one record.
 struct Terms {
     /// Rows of the fit, in the fit's vectors.
@@ -233,28 +237,87 @@ impl Projector {
         }
     }
 
-    /// Takes the terms that the fitted rows give out of all rows. A record without fitted rows gives
-    /// its own coefficients.
+    /// Takes the terms that the fitted rows give out of all rows. A record without fitted rows judges: there
+    /// each half is foretold by the terms of the other one, and nothing but one offset is fitted to all of it.
     pub(crate) fn extend(&self, data: &DataSet, residual: &mut [f64]) {
         for (record, terms) in data.records.iter().zip(&self.records) {
-            let own: Vec<usize>;
-            let (rows, basis, normal) = if record.fit.is_empty() {
-                own = record.rows.clone().collect();
-                let basis = self.basis(record, data, own.iter().copied());
-                let normal = self.factor(&basis);
-                (own, basis, normal)
-            } else {
-                own = data.fit_rows[record.fit.clone()].iter().map(|r| *r as usize).collect();
-                (own, terms.basis.clone(), terms.normal.clone())
-            };
-            let Some(normal) = normal else { continue };
-            let values = DVector::from_iterator(rows.len(), rows.iter().map(|row| residual[*row]));
-            let coefficients = normal.solve(&basis.tr_mul(&values));
+            if record.fit.is_empty() {
+                self.foretell(record, data, residual);
+                continue;
+            }
+            let Some(normal) = &terms.normal else { continue };
+            let fitted =
+                data.fit_rows[record.fit.clone()].iter().map(|row| residual[*row as usize]);
+            let values = DVector::from_iterator(record.fit.len(), fitted);
+            let coefficients = normal.solve(&terms.basis.tr_mul(&values));
             let all = self.basis(record, data, record.rows.clone());
-            let fitted = all * coefficients;
-            for (row, f) in record.rows.clone().zip(fitted.iter()) {
-                residual[row] -= f;
+            subtract(residual, record.rows.clone(), &(all * coefficients));
+        }
+    }
+
+    /// Takes out of each half of a record what the terms fitted to the other half foretell, then the mean.
+    fn foretell(&self, record: &RecordData, data: &DataSet, residual: &mut [f64]) {
+        let rows = record.rows.clone();
+        if !self.nuisances.is_empty() {
+            let middle = rows.start + rows.len() / 2;
+            let halves = [rows.start..middle, middle..rows.end];
+            let courses = [(0, 1), (1, 0)].map(|(from, to): (usize, usize)| {
+                let basis = self.basis(record, data, halves[from].clone());
+                let normal = self.factor(&basis)?;
+                let values = DVector::from_column_slice(&residual[halves[from].clone()]);
+                let mut coefficients = normal.solve(&basis.tr_mul(&values));
+                // The offset is that of all rows.
+                coefficients[0] = 0.0;
+                Some((to, self.basis(record, data, halves[to].clone()) * coefficients))
+            });
+            for (to, course) in courses.into_iter().flatten() {
+                subtract(residual, halves[to].clone(), &course);
             }
         }
+        let part = &mut residual[rows];
+        let mean = part.iter().sum::<f64>() / part.len().max(1) as f64;
+        part.iter_mut().for_each(|r| *r -= mean);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data_set::RecordRows;
+
+    const ROWS: usize = 1000;
+
+    /// What is left of a residual in a record that only judges.
+    fn left(nuisance: Nuisance, mut residual: Vec<f64>) -> Vec<f64> {
+        let record = RecordRows {
+            name: "a".to_owned(),
+            time: (0..ROWS).map(|k| 1e-3 * k as f64).collect(),
+            command: vec![0.0; ROWS],
+            y: vec![0.0; ROWS],
+            aux: Vec::new(),
+            others: Vec::new(),
+            run_in: 0,
+            training: 0.0,
+        };
+        let data = DataSet::new(vec![record], &[], None);
+        let simulated = vec![0.0; data.command.len()];
+        Projector::new(&[nuisance], Vec::new(), &data, &simulated).extend(&data, &mut residual);
+        residual
+    }
+
+    #[test]
+    fn rows_that_judge_are_not_fitted_by_a_free_course() {
+        let bump = (0..ROWS).map(|k| f64::from((600..700).contains(&k))).collect();
+        let left = left(Nuisance::Knots { count: 8 }, bump);
+        // Its own half must not take it; only the mean of all rows goes.
+        assert!((left[650] - left[950] - 1.0).abs() < 1e-9, "{}", left[650] - left[950]);
+        assert!(left.iter().sum::<f64>().abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_drift_that_one_half_foretells_is_no_part_of_what_is_left() {
+        let drift = (0..ROWS).map(|k| 5.0 + 2e-3 * k as f64).collect();
+        let left = left(Nuisance::Drift { order: 1 }, drift);
+        assert!(left.iter().all(|r| r.abs() < 1e-6), "{left:?}");
     }
 }

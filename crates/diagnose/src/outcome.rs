@@ -40,6 +40,28 @@ pub(crate) struct Outcome {
     pub(crate) second: Option<SecondOpinion>,
 }
 
+/// Mean square over the noise's up to which nothing is left where the noise is estimated: logs of a driven machine
+/// show a part of it only.
+pub(crate) const ADEQUATE: f64 = 1.6;
+
+/// What the re-tuned model leaves, in powers of the noise, on fitted and held-out rows alike; none where it cannot
+/// be simulated.
+pub(crate) fn left_by_retuned(problem: &Problem, count: &AtomicU64) -> Option<f64> {
+    let judge = Judge::new(&problem.data, Shape::WHITE);
+    let search = Search {
+        base: &problem.base,
+        data: &problem.data,
+        judge: &judge,
+        library: &[],
+        sigma: problem.noise.sigma * problem.factor,
+        adequate: f64::INFINITY,
+        count,
+        max_effects: 0,
+    };
+    let judged = search.retune().ok()?.judged;
+    Some(0.5 * (judged.training + judged.held_out))
+}
+
 /// Diagnoses one output.
 pub(crate) fn of(
     mut problem: Problem,
@@ -107,7 +129,11 @@ pub(crate) fn of(
             // Under the smaller noise there may be more to see.
             if has_gap(&found.last, adequate) {
                 let base = found.base.clone();
-                found = search.run(base).map_err(|_| model_error(&problem.output))?;
+                // What was found stands where it cannot be looked for again.
+                match search.run(base) {
+                    Ok(again) => found = again,
+                    Err(_) => search.name_again(&mut found),
+                }
             } else {
                 search.name_again(&mut found);
             }
@@ -205,8 +231,6 @@ fn settle_noise(problem: &mut Problem, residual: &[f64]) -> (Shape, f64) {
     const GIVEN: f64 = 1.3;
     /// A record at rest is one draw of the noise.
     const RESTED: f64 = 1.35;
-    /// Logs of a driven machine show a part of it only.
-    const ESTIMATED: f64 = 1.6;
     let data = &problem.data;
     let sample = data.sample_time();
     let (low, high) = (1.0 / data.longest(), 0.5 / sample);
@@ -223,7 +247,7 @@ fn settle_noise(problem: &mut Problem, residual: &[f64]) -> (Shape, f64) {
         _ => {
             let (ratio, shape) = estimated(data, residual);
             noise.sigma *= ratio;
-            (shape, ESTIMATED)
+            (shape, ADEQUATE)
         }
     };
     noise.corner = Some(shape.corner).filter(|c| *c > 0.0);

@@ -1,13 +1,17 @@
 //! From a request to one problem per output: data in SI, model as a chain, noise.
 
+use std::sync::atomic::AtomicU64;
+
 use data::{CheckedBlueprint, Log, NameMap};
 use model::{Causality, Unit};
 
 use crate::base::Base;
+use crate::between::Between;
 use crate::data_set::{DataSet, RecordRows};
 use crate::error::Error;
 use crate::gap::NoiseFloor;
 use crate::noise;
+use crate::outcome;
 use crate::request::{Model, Noise, Request};
 use crate::tap;
 
@@ -36,6 +40,8 @@ pub(crate) struct Problem {
     /// Least and greatest command that may be played, in its unit.
     pub(crate) command_range: (f64, f64),
     pub(crate) warnings: Vec<String>,
+    /// What the command does between the rows.
+    pub(crate) between: Between,
 }
 
 /// An input or output of the model.
@@ -66,6 +72,43 @@ impl Port {
             .flatten()
             .find(|name| log.column(name).is_some())
     }
+}
+
+/// All problems of a request. Where it does not say what commands do between the rows, and the model is a white
+/// box, each problem takes what clearly leaves less than a held command.
+pub(crate) fn settled(request: &Request, count: &AtomicU64) -> Result<Vec<Problem>, Error> {
+    /// Part of the power that another behaviour may leave.
+    const CLEARLY_LESS: f64 = 0.5;
+    let mut chosen = problems(request)?;
+    if request.between.is_some() || matches!(request.model, Model::Fmu(_)) {
+        return Ok(chosen);
+    }
+    let left = |problem: &Problem| outcome::left_by_retuned(problem, count);
+    let mut least: Vec<f64> = chosen.iter().map(|p| left(p).unwrap_or(0.0)).collect();
+    let held = least.clone();
+    // Nothing is left of a model that is right.
+    if held.iter().all(|left| *left <= outcome::ADEQUATE) {
+        return Ok(chosen);
+    }
+    for between in [Between::BandLimited, Between::Line] {
+        let others = problems(&Request { between: Some(between), ..request.clone() })?;
+        for (k, other) in others.into_iter().enumerate().take(chosen.len()) {
+            let is_gap = held[k] > outcome::ADEQUATE;
+            let Some(left) = left(&other).filter(|_| is_gap) else { continue };
+            if left < CLEARLY_LESS * held[k] && left < least[k] {
+                (chosen[k], least[k]) = (other, left);
+            }
+        }
+    }
+    for problem in chosen.iter_mut().filter(|p| p.between != Between::Zoh) {
+        problem.warnings.push(format!(
+            "{}: the command is taken as {}: a held one leaves the model more than twice the error's power \
+             (--between zoh says otherwise)",
+            problem.output,
+            problem.between.words()
+        ));
+    }
+    Ok(chosen)
 }
 
 /// All problems of a request.
@@ -199,6 +242,7 @@ pub(crate) fn assemble(
     let (u, y) = (&inputs[input], &outputs[output]);
     let aux = auxiliaries(request, inputs, outputs, input);
     let names: Vec<(String, bool)> = aux.iter().map(|a| (a.column.clone(), a.is_command)).collect();
+    let between = request.between.unwrap_or_default();
     let mut records = Vec::new();
     let mut warnings = Vec::new();
     let logs = request.logs.iter().map(|log| (log, false));
@@ -242,7 +286,7 @@ pub(crate) fn assemble(
             records.push(RecordRows {
                 name,
                 time: log.time()[rows.clone()].to_vec(),
-                command: si(&u.si, &command),
+                command: between.held(&log.time()[rows.clone()], si(&u.si, &command)),
                 y: si(&y.si, &measured),
                 aux: aux.iter().map(|a| part(a)).collect(),
                 others: others.iter().map(|o| part(o)).collect(),
@@ -271,6 +315,7 @@ pub(crate) fn assemble(
         rest_corner,
         command_range: u.range,
         warnings,
+        between,
     })
 }
 

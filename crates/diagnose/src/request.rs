@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use data::{CheckedBlueprint, Log, NameMap};
 
+use crate::between::Between;
 use crate::error::Error;
 
 /// The model that does not match.
@@ -57,6 +58,8 @@ pub struct Request {
     pub holdout: Vec<Log>,
     /// Run-in in s from the start of each record: simulated, neither fitted nor judged.
     pub drop: f64,
+    /// What the commands do between the rows; none: held, or what clearly leaves less (white boxes).
+    pub between: Option<Between>,
     /// Which variable of the model reads which column.
     pub names: NameMap,
     /// Outputs that are looked at; empty: all that the logs have a column for.
@@ -89,6 +92,7 @@ impl Request {
             logs,
             holdout: Vec::new(),
             drop: 0.0,
+            between: None,
             names: NameMap::default(),
             outputs: Vec::new(),
             tolerances: Vec::new(),

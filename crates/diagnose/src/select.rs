@@ -48,6 +48,30 @@ pub(crate) struct Looked {
     pub(crate) screening: f64,
     /// The best formula, where it was fitted.
     pub(crate) best: Option<Candidate>,
+    /// Why there is none.
+    pub(crate) why: Option<Why>,
+}
+
+/// Why a family that was screened has no formula in the comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Why {
+    /// Others promised more.
+    Screened,
+    /// None of its formulas could be simulated.
+    Failed,
+    /// What it becomes without the effect, or another gain of the output, explains as much.
+    AsNull,
+}
+
+impl Why {
+    /// In words.
+    pub(crate) fn text(self) -> &'static str {
+        match self {
+            Self::Screened => "not fitted: others promised more",
+            Self::Failed => "its formulas could not be simulated beside the model",
+            Self::AsNull => "explains no more than without the effect or than another gain",
+        }
+    }
 }
 
 /// What the search found.
@@ -178,13 +202,17 @@ impl<'a> Search<'a> {
                 family: *family,
                 screening: *screening,
                 best: None,
+                why: Some(Why::Screened),
             })
             .collect();
         for (k, candidate) in to_fit.iter().zip(fitted) {
-            let Some(candidate) = candidate else { continue };
             let Some(entry) = looked.iter_mut().find(|l| l.family == jobs[*k].0) else { continue };
+            let Some(candidate) = candidate else {
+                entry.why = entry.why.map(|_| Why::Failed);
+                continue;
+            };
             if entry.best.as_ref().is_none_or(|b| candidate.rank < b.rank) {
-                entry.best = Some(candidate);
+                (entry.best, entry.why) = (Some(candidate), None);
             }
         }
         // A model that is cut at a tap has no place for a gain of the reading.
@@ -233,7 +261,7 @@ impl<'a> Search<'a> {
         if (!is_gain && explains(as_gain))
             || family.nulls.iter().any(|null| explains(self.left_by(from, fixed, null, linear)))
         {
-            entry.best = None;
+            (entry.best, entry.why) = (None, Some(Why::AsNull));
         }
     }
 

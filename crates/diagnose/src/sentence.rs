@@ -1,6 +1,6 @@
 //! The answer in one sentence.
 
-use crate::gap::{Gap, NamedEffect, Verdict};
+use crate::gap::{Gap, NamedEffect, Partial, Verdict};
 
 /// The one effect that no model foretells.
 const NOISE: &str = components::effects::SENSOR_NOISE.name;
@@ -33,18 +33,34 @@ pub(crate) fn of(gap: &Gap) -> String {
             "These logs cannot tell: the command hardly moves {output} above its noise of {floor} {unit}."
         ),
         Verdict::Unknown => format!(
-            "Something is missing that none of the candidates explains: {output} is off by {before} {unit} rms where the noise is {floor} {unit}{}.",
+            "Something is missing that none of the candidates explains: {output} is off by {before} {unit} rms where the noise is {floor} {unit}{}{}.",
             match gap.place.input_driven {
                 Some(true) => ", and it follows the command",
                 Some(false) => ", and it does not follow the command",
                 None => "",
-            }
+            },
+            partial(gap)
         ),
         Verdict::Effects if gap.effects.iter().all(|e| e.effect == NOISE) => format!(
             "The readings are noisier than stated, and nothing else is missing (sensor noise): {output} is off by {before} {unit} rms that no model foretells, the noise was said to be {floor} {unit}."
         ),
         Verdict::Effects => effects(gap),
     }
+}
+
+/// The best partial answer, which is no name.
+fn partial(gap: &Gap) -> String {
+    let of_main = |p: &&Partial| p.effect.output == gap.place.output;
+    let Some(p) = gap.partial.iter().find(of_main) else {
+        return "; no candidate alone takes any of it on rows that were not used".to_owned();
+    };
+    format!(
+        "; of the candidates alone {} would do most: {:.0} % of the gap's power would go on rows that were not used, and {} {} rms stay, so that it may be something else",
+        name(&p.effect),
+        percent(p.effect.explained),
+        number(p.rms_after),
+        p.unit
+    )
 }
 
 fn effects(gap: &Gap) -> String {

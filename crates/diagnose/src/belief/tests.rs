@@ -25,7 +25,7 @@ fn candidate((training, held_out): (f64, f64), rank: f64, freedom: usize) -> Can
 }
 
 fn looked(family: usize, best: Option<Candidate>) -> Looked {
-    Looked { family, screening: 0.0, best }
+    Looked { family, screening: 0.0, best, why: None }
 }
 
 /// A large gap of the re-tuned model, of which nothing need be left.

@@ -93,7 +93,20 @@ fn place(gap: &Gap, o: &Outcome) -> Section {
 fn which(gap: &Gap) -> Section {
     let mut section = Section::new("Which effect");
     if gap.effects.is_empty() {
-        return section.paragraph("No effect is named.");
+        section = section.paragraph("No effect is named.");
+        for p in &gap.partial {
+            section = section.paragraph(format!(
+                "The best partial answer for {}: {} would take {:.0} % of the gap's power on rows that were not used, and leave {} {} rms of {} {}.",
+                p.effect.output,
+                p.effect.effect,
+                100.0 * p.effect.explained,
+                report::format_number(p.rms_after, 4),
+                p.unit,
+                report::format_number(p.rms_before, 4),
+                p.unit
+            ));
+        }
+        return section;
     }
     for e in &gap.effects {
         let known = components::effects::find(&e.effect);
@@ -197,6 +210,7 @@ fn tried(gap: &Gap) -> Section {
             "held out / noise",
             "probability",
             "named",
+            "left out because",
             "parameters",
         ],
     );
@@ -210,6 +224,7 @@ fn tried(gap: &Gap) -> Section {
             Value::from(c.holdout),
             c.probability.into(),
             c.accepted.into(),
+            c.left_out.as_deref().unwrap_or_default().into(),
             list(&c.parameters).into(),
         ]);
     }

@@ -25,6 +25,8 @@ const POWER: f64 = 0.5;
 /// Part of the power with which a lower score is enough, and that score.
 const MOST: f64 = 0.9;
 const SOME: f64 = 0.35;
+/// Standard errors by which the blocks must be better there: few large strokes are few blocks.
+const FEW_BLOCKS: f64 = 2.0;
 /// Below both limits by this much, a set of effects is not looked at again.
 const HOPELESS: f64 = 0.2;
 /// The same where the effect is a line in the spectrum.
@@ -66,12 +68,17 @@ impl Search<'_> {
         let mut first = Vec::new();
         let mut rivals: Vec<Vec<Looked>> = Vec::new();
         while best.picks.len() < self.max_effects && has_gap(&best, self.adequate) {
-            let looked = self.expand(&best)?;
+            // Without a first one nothing can be said; a further one that cannot be simulated ends no diagnosis.
+            let looked = match self.expand(&best) {
+                Ok(looked) => looked,
+                Err(failed) if best.picks.is_empty() => return Err(failed),
+                Err(_) => break,
+            };
             if first.is_empty() {
                 first.clone_from(&looked);
             }
             let Some(next) = looked.iter().find_map(|l| l.best.clone()) else { break };
-            let next = self.with_best_formulas(next)?;
+            let next = self.with_best_formulas(next);
             if !self.is_worth_it(&base, &best, &next) {
                 break;
             }
@@ -79,12 +86,12 @@ impl Search<'_> {
             best = next;
         }
         if best.picks.len() == 1 && self.max_effects > 1 && has_gap(&best, self.adequate) {
-            best = self.pair_beside_rivals(&base, best, &first, &mut rivals)?;
+            best = self.pair_beside_rivals(&base, best, &first, &mut rivals);
         }
         let mut is_last_resort = false;
         if self.max_effects > 1
             && !self.explains_enough(&base, &best)
-            && let Some(pair) = self.pair_of_the_whole(&base, &best, &first, &mut rivals)?
+            && let Some(pair) = self.pair_of_the_whole(&base, &best, &first, &mut rivals)
         {
             (best, is_last_resort) = (pair, true);
         }
@@ -93,16 +100,38 @@ impl Search<'_> {
             return Ok(Found { base, last, rivals, first, alone: Vec::new() });
         }
         if best.picks.len() > 1 {
-            best = self.reconsider(best, &mut rivals)?;
+            best = self.reconsider(best, &mut rivals);
         }
-        best = self.eliminate(&base, best, &mut rivals)?;
+        let has_several = best.picks.len() > 1;
+        best = self.eliminate(&base, best, &mut rivals);
         // What was no answer alone is none because a pair was tried.
         if is_last_resort && best.picks.len() == 1 {
             best = base.clone();
         }
-        let last = self.believed(&base, best, &mut rivals)?;
-        let (last, alone) = self.likely(&base, last, &mut rivals)?;
+        let last = self.believed(&base, best, &mut rivals);
+        let (mut last, mut alone) = self.likely(&base, last, &mut rivals);
+        if last.picks.is_empty() && has_several && !is_last_resort {
+            (last, alone) = self.first_alone(&base, &first, &mut rivals);
+        }
         Ok(Found { base, last, rivals, first, alone })
+    }
+
+    /// The best single effect as if no other had been looked for beside it: several that cannot be named
+    /// together take no name from the one that can be named alone.
+    fn first_alone(
+        &self,
+        base: &Candidate,
+        first: &[Looked],
+        rivals: &mut Vec<Vec<Looked>>,
+    ) -> (Candidate, Vec<f64>) {
+        let nothing = (base.clone(), Vec::new());
+        let Some(single) = first.iter().find_map(|l| l.best.clone()) else { return nothing };
+        if !self.is_worth_it(base, base, &single) || self.is_hopeless(base, &single) {
+            return nothing;
+        }
+        *rivals = vec![first.to_vec()];
+        let last = self.believed(base, single, rivals);
+        self.likely(base, last, rivals)
     }
 
     /// The effects without those that are less likely effects than repairs of the others' formulas, and
@@ -112,38 +141,40 @@ impl Search<'_> {
         base: &Candidate,
         mut best: Candidate,
         rivals: &mut Vec<Vec<Looked>>,
-    ) -> Result<(Candidate, Vec<f64>), Failed> {
+    ) -> (Candidate, Vec<f64>) {
         loop {
-            let alone = self.alone(base, &best)?;
+            let alone = self.alone(base, &best);
             if best.picks.len() < 2 {
-                return Ok((best, alone));
+                return (best, alone);
             }
             let sight = self.sight(base);
             let is_effect = |slot: usize| belief::is_effect(&sight, &best, alone[slot]);
             let all = (0..best.picks.len()).map(|slot| (slot, is_effect(slot)));
             match all.min_by(|a, b| a.1.total_cmp(&b.1)) {
                 Some((slot, is_effect)) if is_effect < LIKELY => {
-                    best = self.refit_without(&best, slot)?;
+                    let Ok(less) = self.refit_without(&best, slot) else {
+                        return (base.clone(), Vec::new());
+                    };
                     rivals.remove(slot);
-                    best = self.believed(base, best, rivals)?;
+                    best = self.believed(base, less, rivals);
                 }
-                _ => return Ok((best, alone)),
+                _ => return (best, alone),
             }
         }
     }
 
     /// The last effect beside the others in the formulas that suit it best: a formula that was the best
     /// alone imitated a part of what is now explained.
-    fn with_best_formulas(&self, mut best: Candidate) -> Result<Candidate, Failed> {
+    fn with_best_formulas(&self, mut best: Candidate) -> Candidate {
         for slot in 0..best.picks.len().saturating_sub(1) {
             if !has_gap(&best, self.adequate) {
                 break;
             }
-            if let Some(other) = self.with_another_formula(&best, slot)? {
+            if let Ok(Some(other)) = self.with_another_formula(&best, slot) {
                 best = other;
             }
         }
-        Ok(best)
+        best
     }
 
     /// A pair whose first member is not the best single effect: a formula that imitates both, as a lag
@@ -154,24 +185,24 @@ impl Search<'_> {
         single: Candidate,
         first: &[Looked],
         rivals: &mut Vec<Vec<Looked>>,
-    ) -> Result<Candidate, Failed> {
+    ) -> Candidate {
         let mut best = single.clone();
         // A formula that leaves much imitates nothing: what is missing may be in no library.
         if explained(&base.judged, &single.judged) < CLEAR {
-            return Ok(best);
+            return best;
         }
         let others = first.iter().filter_map(|l| l.best.as_ref());
         let most = NEAR * left(&single);
         let others = others.filter(|c| c.picks[0].0 != single.picks[0].0 && left(c) < most);
         for other in others.take(RIVALS) {
-            let looked = self.expand(other)?;
+            let Ok(looked) = self.expand(other) else { continue };
             let Some(pair) = looked.iter().find_map(|l| l.best.clone()) else { continue };
             if pair.rank < best.rank && self.is_worth_it(base, &single, &pair) {
                 best = pair;
                 *rivals = vec![first.to_vec(), looked];
             }
         }
-        Ok(best)
+        best
     }
 
     /// The last resort where what was found explains too little: a pair that leaves next to nothing, of which
@@ -182,21 +213,21 @@ impl Search<'_> {
         found: &Candidate,
         first: &[Looked],
         rivals: &mut Vec<Vec<Looked>>,
-    ) -> Result<Option<Candidate>, Failed> {
+    ) -> Option<Candidate> {
         let fitted = first.iter().filter_map(|l| l.best.as_ref());
         // The search went on from the best one.
         let others = fitted.filter(|c| found.picks.first() != c.picks.first());
         for other in others.take(RIVALS) {
-            let looked = self.expand(other)?;
+            let Ok(looked) = self.expand(other) else { continue };
             let Some(pair) = looked.iter().find_map(|l| l.best.clone()) else { continue };
-            let pair = self.with_best_formulas(pair)?;
+            let pair = self.with_best_formulas(pair);
             let little = NEARLY_NOISE.max(NEARLY_NOTHING * left(base));
             if pair.rank < found.rank && left(&pair) < little {
                 *rivals = vec![first.to_vec(), looked];
-                return Ok(Some(pair));
+                return Some(pair);
             }
         }
-        Ok(None)
+        None
     }
 
     /// The effects that can be named: those that explain enough together, without those whose name is
@@ -206,11 +237,11 @@ impl Search<'_> {
         base: &Candidate,
         mut best: Candidate,
         rivals: &mut Vec<Vec<Looked>>,
-    ) -> Result<Candidate, Failed> {
+    ) -> Candidate {
         loop {
             let sight = self.sight(base);
             if best.picks.is_empty() || !self.explains_enough(base, &best) {
-                return Ok(base.clone());
+                return base.clone();
             }
             best = self.most_probable(&sight, rivals, best);
             let trust = |slot: usize| {
@@ -225,17 +256,18 @@ impl Search<'_> {
                 && explained(&base.judged, &best.judged) >= MOST;
             let is_known = is_clear || belief::formula_is_known(&sight, &best) >= OF_SEVERAL;
             if best.picks.len() > 1 && !is_known {
-                return Ok(base.clone());
+                return base.clone();
             }
             match worst {
                 Some((slot, trust)) if trust < belief::TRUSTED => {
                     if best.picks.len() == 1 {
-                        return Ok(base.clone());
+                        return base.clone();
                     }
-                    best = self.refit_without(&best, slot)?;
+                    let Ok(less) = self.refit_without(&best, slot) else { return base.clone() };
+                    best = less;
                     rivals.remove(slot);
                 }
-                _ => return Ok(best),
+                _ => return best,
             }
         }
     }
@@ -315,7 +347,9 @@ impl Search<'_> {
         if before.picks.is_empty() {
             // Most of the power on rows that no fit has seen needs no count of blocks: few steps may
             // be all that shows the effect.
-            let is_clear = s1 >= EXPLAINED && explained(&base.judged, &after.judged) >= CLEAR;
+            let power = explained(&base.judged, &after.judged);
+            let is_clear = (s1 >= EXPLAINED && power >= CLEAR)
+                || (s1 >= SOME && power >= MOST && paired > FEW_BLOCKS);
             return (s1 > 0.2 && paired > 3.0) || is_clear || self.is_fitted_well(base, after);
         }
         let e0 = explained(&base.judged, &before.judged);
@@ -335,16 +369,15 @@ impl Search<'_> {
     }
 
     /// Looks at each slot again with the others in place, and takes what is better there.
-    fn reconsider(
-        &self,
-        mut best: Candidate,
-        rivals: &mut Vec<Vec<Looked>>,
-    ) -> Result<Candidate, Failed> {
+    fn reconsider(&self, mut best: Candidate, rivals: &mut Vec<Vec<Looked>>) -> Candidate {
         let mut slot = 0;
         let mut swaps = 0;
         while slot < best.picks.len() {
-            let rest = self.refit_without(&best, slot)?;
-            let looked = self.expand(&rest)?;
+            let rest = self.refit_without(&best, slot);
+            let Ok(looked) = rest.and_then(|rest| self.expand(&rest)) else {
+                slot += 1;
+                continue;
+            };
             let top = looked.iter().find_map(|l| l.best.clone());
             match top {
                 Some(top) if top.rank < best.rank - 1.0 && swaps < MOST_SWAPS => {
@@ -366,21 +399,22 @@ impl Search<'_> {
                 }
             }
         }
-        Ok(best)
+        best
     }
 
     /// What goes with each effect, given the others.
-    fn alone(&self, base: &Candidate, last: &Candidate) -> Result<Vec<f64>, Failed> {
+    fn alone(&self, base: &Candidate, last: &Candidate) -> Vec<f64> {
         let whole = explained(&base.judged, &last.judged);
-        (0..last.picks.len())
-            .map(|slot| {
-                if last.picks.len() == 1 {
-                    return Ok(whole.max(0.0));
-                }
-                let less = self.refit_without(last, slot)?;
-                Ok((whole - explained(&base.judged, &less.judged)).max(0.0))
-            })
-            .collect()
+        let part = |slot: usize| {
+            if last.picks.len() == 1 {
+                return whole.max(0.0);
+            }
+            // What cannot be simulated without it explains nothing without it.
+            let less = self.refit_without(last, slot);
+            let rest = less.map_or(0.0, |less| explained(&base.judged, &less.judged));
+            (whole - rest).max(0.0)
+        };
+        (0..last.picks.len()).map(part).collect()
     }
 
     /// Drops effects that the others can do without.
@@ -389,10 +423,13 @@ impl Search<'_> {
         base: &Candidate,
         mut best: Candidate,
         rivals: &mut Vec<Vec<Looked>>,
-    ) -> Result<Candidate, Failed> {
+    ) -> Candidate {
         let mut slot = 0;
         while best.picks.len() > 1 && slot < best.picks.len() {
-            let less = self.refit_without(&best, slot)?;
+            let Ok(less) = self.refit_without(&best, slot) else {
+                slot += 1;
+                continue;
+            };
             let loss = self.judge.score(&base.judged, &best.judged)
                 - self.judge.score(&base.judged, &less.judged);
             let linear =
@@ -405,7 +442,7 @@ impl Search<'_> {
                 slot += 1;
             }
         }
-        Ok(best)
+        best
     }
 }
 

@@ -197,7 +197,7 @@ fn refining_never_makes_worse() {
     let made = Made::new(&[(3, 8.0)], &[&[(3, 1.0)]]);
     let fitted = made.families(&[0]);
     let search = made.search();
-    let entry = |best: Option<Candidate>| Looked { family: 0, screening: 0.5, best };
+    let entry = |best: Option<Candidate>| Looked { family: 0, screening: 0.5, best, why: None };
     // A weight that is off is put right.
     let mut off = fitted.clone();
     off.fit.theta[1] = 3.0;
@@ -234,8 +234,10 @@ fn a_family_must_leave_a_tenth_less_than_what_it_becomes_without_its_effect() {
         // Of what it leaves more is on the rows that are held out.
         best.fit.mean_square = 0.6 * own;
         best.judged.held_out = 1.4 * own;
-        let mut entry = Looked { family: 0, screening: 0.5, best: Some(best) };
+        let mut entry = Looked { family: 0, screening: 0.5, best: Some(best), why: None };
         search.hold_against_nulls(&base, &[], &mut entry, &linear, as_gain);
+        // Nothing goes unseen.
+        assert_eq!(entry.why, entry.best.is_none().then_some(Why::AsNull));
         entry.best.is_some()
     };
     let survives = |own: f64| survives_beside(own, f64::INFINITY);
@@ -327,6 +329,7 @@ fn families_stand_by_rank_and_those_that_were_not_fitted_by_promise() {
         family,
         screening,
         best: rank.map(|rank| Candidate { rank, ..fitted.clone() }),
+        why: None,
     };
     let mut looked = vec![
         entry(6, 0.1, None),
@@ -349,8 +352,9 @@ fn a_change_reaches_every_candidate_that_was_fitted() {
         family: 0,
         screening: 0.0,
         best: Some(Candidate { rank, ..fitted.clone() }),
+        why: None,
     };
-    let none = || Looked { family: 0, screening: 0.0, best: None };
+    let none = || Looked { family: 0, screening: 0.0, best: None, why: None };
     let mut found = Found {
         base: Candidate { rank: 0.0, ..fitted.clone() },
         last: Candidate { rank: 1.0, ..fitted.clone() },

@@ -30,12 +30,12 @@ fn three() -> Made {
 }
 
 fn entry(best: Candidate) -> Looked {
-    Looked { family: best.picks[0].0, screening: 0.0, best: Some(best) }
+    Looked { family: best.picks[0].0, screening: 0.0, best: Some(best), why: None }
 }
 
 /// Lists of rivals that say which slot they are of by their lengths.
 fn marked(slots: usize) -> Vec<Vec<Looked>> {
-    let list = |slot| vec![Looked { family: 0, screening: 0.0, best: None }; slot + 1];
+    let list = |slot| vec![Looked { family: 0, screening: 0.0, best: None, why: None }; slot + 1];
     (0..slots).map(list).collect()
 }
 
@@ -115,6 +115,41 @@ fn a_small_effect_beside_much_that_is_in_no_library_is_not_named() {
     assert!(found.last.picks.is_empty() && found.alone.is_empty());
 }
 
+#[test]
+fn a_second_effect_takes_no_name_from_the_first() {
+    // Two families have the second tone alike, and one tone is in none.
+    for (second, unknown) in
+        [(3.0, 1.0), (3.0, 2.0), (3.0, 2.15), (2.4, 2.4), (4.0, 3.0), (5.0, 4.0)]
+    {
+        let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0)], &[(5, 1.0)]];
+        let mut made = Made::new(&[(3, 10.0), (5, second), (9, unknown)], &columns);
+        let found = made.search().run(made.retuned()).unwrap();
+        made.max_effects = 1;
+        let alone = made.search().run(made.retuned()).unwrap();
+        let (both, alone) = (names(&found.last), names(&alone.last));
+        assert!(
+            alone.iter().all(|name| both.contains(name)),
+            "{second} {unknown}: {both:?} {alone:?}"
+        );
+        assert_eq!(found.last.picks.len(), found.alone.len());
+    }
+}
+
+#[test]
+fn the_first_effect_is_named_alone_where_it_explains_enough() {
+    let named = |unknown: f64| {
+        let made = Made::new(&[(3, 10.0), (9, unknown)], &[&[(3, 1.0)], &[(5, 1.0)]]);
+        let search = made.search();
+        let base = made.retuned();
+        let first = search.expand(&base).unwrap();
+        let (last, alone) = search.first_alone(&base, &first, &mut marked(2));
+        assert_eq!(last.picks.len(), alone.len());
+        names(&last)
+    };
+    assert_eq!(named(2.0), [0]);
+    assert!(named(12.0).is_empty());
+}
+
 /// Two tones of 100 powers of the noise each and perhaps a third one, and families that add: a half of both
 /// with another tone; the first; the second.
 fn halved(more: f64) -> Made {
@@ -130,8 +165,7 @@ fn a_pair_is_found_behind_what_takes_a_half_of_both() {
     assert_eq!(listed(&first)[0], 0, "the imitation is the best single effect");
     let mut rivals = marked(1);
     let found = made.families(&[0]);
-    let pair =
-        search.pair_of_the_whole(&made.retuned(), &found, &first, &mut rivals).unwrap().unwrap();
+    let pair = search.pair_of_the_whole(&made.retuned(), &found, &first, &mut rivals).unwrap();
     let mut both = names(&pair);
     both.sort_unstable();
     assert_eq!(both, [1, 2]);
@@ -141,9 +175,7 @@ fn a_pair_is_found_behind_what_takes_a_half_of_both() {
     let made = halved(3.0);
     let (search, found) = (made.search(), made.families(&[0]));
     let first = search.expand(&made.retuned()).unwrap();
-    assert!(
-        search.pair_of_the_whole(&made.retuned(), &found, &first, &mut rivals).unwrap().is_none()
-    );
+    assert!(search.pair_of_the_whole(&made.retuned(), &found, &first, &mut rivals).is_none());
 }
 
 #[test]
@@ -201,7 +233,7 @@ fn of_a_large_gap_a_pair_of_the_last_resort_may_leave_more_than_the_noise() {
         let (search, found) = (made.search(), made.families(&[0]));
         let base = made.retuned();
         let first = search.expand(&base).unwrap();
-        let pair = search.pair_of_the_whole(&base, &found, &first, &mut marked(1)).unwrap();
+        let pair = search.pair_of_the_whole(&base, &found, &first, &mut marked(1));
         assert_eq!(pair.is_some(), is_taken, "{more}");
     }
 }
@@ -247,7 +279,7 @@ fn beside(made: &Made, power: f64, leaves: f64, others: &[Candidate]) -> (Vec<us
     let first: Vec<Looked> =
         [vec![entry(single.clone())], others.iter().cloned().map(entry).collect()].concat();
     let mut rivals = vec![first.clone()];
-    let best = made.search().pair_beside_rivals(&base, single, &first, &mut rivals).unwrap();
+    let best = made.search().pair_beside_rivals(&base, single, &first, &mut rivals);
     if rivals.len() == 2 {
         assert_eq!(listed(&rivals[0]), listed(&first));
         assert_eq!(listed(&rivals[1])[0], best.picks[1].0);
@@ -295,7 +327,7 @@ fn a_pair_that_is_not_worth_a_second_effect_leaves_the_single_one() {
     single.judged.blocks.fill(1.0);
     let search = made.search();
     let mut rivals = vec![first.clone()];
-    let best = search.pair_beside_rivals(&base, single, &first, &mut rivals).unwrap();
+    let best = search.pair_beside_rivals(&base, single, &first, &mut rivals);
     assert_eq!((names(&best), rivals.len()), (vec![0], 1));
 }
 
@@ -303,7 +335,7 @@ fn a_pair_that_is_not_worth_a_second_effect_leaves_the_single_one() {
 fn a_member_that_is_better_replaced_is() {
     let made = imitated();
     let mut rivals = marked(2);
-    let best = made.search().reconsider(made.families(&[0, 1]), &mut rivals).unwrap();
+    let best = made.search().reconsider(made.families(&[0, 1]), &mut rivals);
     assert_eq!(names(&best), [1, 2]);
     // Each list is of its slot and given the member that stands.
     assert_eq!((listed(&rivals[0])[0], listed(&rivals[1])[0]), (1, 2));
@@ -315,7 +347,7 @@ fn a_member_that_is_better_replaced_is() {
 fn a_last_member_that_is_replaced_has_the_others_looked_at_again() {
     let made = three();
     let mut rivals = marked(3);
-    let best = made.search().reconsider(made.families(&[0, 1, 5]), &mut rivals).unwrap();
+    let best = made.search().reconsider(made.families(&[0, 1, 5]), &mut rivals);
     assert_eq!(names(&best), [0, 1, 2]);
     for slot in [0, 1] {
         let given = rivals[slot].iter().filter_map(|l| l.best.as_ref());
@@ -330,7 +362,7 @@ fn another_formula_of_the_last_member_is_taken() {
     let better = made.library.pop().unwrap().formulas;
     made.library[1].formulas.extend(better);
     let mut rivals = marked(2);
-    let best = made.search().reconsider(made.families(&[0, 1]), &mut rivals).unwrap();
+    let best = made.search().reconsider(made.families(&[0, 1]), &mut rivals);
     assert_eq!(best.picks, [(0, 0), (1, 1)]);
     // It is the same effect: the others are not looked at again.
     assert!(rivals[0].iter().filter_map(|l| l.best.as_ref()).all(|c| c.picks[0] == (1, 0)));
@@ -344,7 +376,7 @@ fn a_set_stands_where_nothing_is_better_by_more_than_one_in_rank() {
     let reconsidered = |by: f64| {
         let set = Candidate { rank: set.rank + by, ..set.clone() };
         let mut rivals = marked(3);
-        let best = made.search().reconsider(set, &mut rivals).unwrap();
+        let best = made.search().reconsider(set, &mut rivals);
         assert_eq!(rivals.iter().map(|list| listed(list)[0]).collect::<Vec<_>>(), names(&best));
         names(&best)
     };
@@ -357,7 +389,7 @@ fn a_set_stands_where_nothing_is_better_by_more_than_one_in_rank() {
 #[test]
 fn two_members_are_exchanged_at_most() {
     let made = three();
-    let best = made.search().reconsider(made.families(&[3, 4, 5]), &mut marked(3)).unwrap();
+    let best = made.search().reconsider(made.families(&[3, 4, 5]), &mut marked(3));
     assert_eq!(names(&best), [5, 0, 1]);
 }
 
@@ -365,7 +397,7 @@ fn two_members_are_exchanged_at_most() {
 fn what_goes_with_an_effect_is_what_comes_back_without_it() {
     let made = Made::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
     let (search, base) = (made.search(), made.retuned());
-    let alone = |families: &[usize]| search.alone(&base, &made.families(families)).unwrap();
+    let alone = |families: &[usize]| search.alone(&base, &made.families(families));
     assert!(alone(&[]).is_empty());
     let [first] = alone(&[0])[..] else { panic!("one") };
     close(first, 100.0 / 164.0, 0.03);
@@ -383,7 +415,7 @@ fn what_the_others_can_do_without_is_dropped() {
     let (search, base) = (made.search(), made.retuned());
     let eliminated = |families: &[usize]| {
         let mut rivals = marked(families.len());
-        let best = search.eliminate(&base, made.families(families), &mut rivals).unwrap();
+        let best = search.eliminate(&base, made.families(families), &mut rivals);
         (names(&best), marks(&rivals))
     };
     assert_eq!(eliminated(&[0, 1]), (vec![0, 1], vec![0, 1]));
@@ -400,9 +432,9 @@ fn what_is_small_and_alone_in_its_bands_is_not_dropped() {
     let made = Made::new(&[(3, 30.0), (15, 3.0)], &[&[(3, 1.0)], &[(15, 1.0)]]);
     let (search, base) = (made.search(), made.retuned());
     let pair = made.families(&[0, 1]);
-    let alone = search.alone(&base, &pair).unwrap();
+    let alone = search.alone(&base, &pair);
     assert!(alone[1] < DROPPED, "{alone:?}");
-    let best = search.eliminate(&base, pair, &mut marked(2)).unwrap();
+    let best = search.eliminate(&base, pair, &mut marked(2));
     assert_eq!(names(&best), [0, 1]);
 }
 
