@@ -15,7 +15,10 @@ const LIBRARIES: [(&str, &str, &str); 3] = [
 ];
 
 /// Set by the outer Cargo; inherited they would make the nested one use its folders or wrappers.
-const REMOVED: [&str; 8] = [
+const REMOVED: [&str; 10] = [
+    // What suits the tool on this machine does not go into libraries that go to others.
+    "RUSTFLAGS",
+    "CARGO_BUILD_RUSTFLAGS",
     "RUSTC_WRAPPER",
     "RUSTC_WORKSPACE_WRAPPER",
     "CARGO_ENCODED_RUSTFLAGS",
@@ -66,9 +69,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Builds with what the outer Cargo has fetched and locked. Cargo does not tell a build script whether it
+/// may use the network, so that is asked for only where something is missing.
 fn nested_build(root: &Path, out: &Path, target: &str) -> Result<(), Box<dyn Error>> {
+    match cargo(root, out, target, true) {
+        Err(_) if env::var_os("CARGO_NET_OFFLINE").is_none() => cargo(root, out, target, false),
+        outcome => outcome,
+    }
+}
+
+fn cargo(root: &Path, out: &Path, target: &str, offline: bool) -> Result<(), Box<dyn Error>> {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root).args(["build", "--profile", "fmu", "--target", target]);
+    // The outer Cargo has written the lock file, or has found it in order.
+    command.arg("--locked");
+    if offline {
+        command.arg("--offline");
+    }
     command.arg("--target-dir").arg(out);
     for (package, _, _) in LIBRARIES {
         command.args(["-p", package]);
@@ -79,7 +96,10 @@ fn nested_build(root: &Path, out: &Path, target: &str) -> Result<(), Box<dyn Err
     // Nothing of the outer package's configuration concerns the libraries.
     for (name, _) in env::vars_os() {
         let text = name.to_string_lossy();
-        if text.starts_with("CARGO_FEATURE_") || text.starts_with("CARGO_CFG_") {
+        if text.starts_with("CARGO_FEATURE_")
+            || text.starts_with("CARGO_CFG_")
+            || text.starts_with("CARGO_TARGET_") && text.ends_with("_RUSTFLAGS")
+        {
             command.env_remove(&name);
         }
     }
@@ -127,13 +147,18 @@ fn pass_on(variable: &str, path: &Path) {
 
 /// The commit that the tool is built from, for `--version`; empty outside a checkout.
 fn commit() {
-    let output = Command::new("git").args(["rev-parse", "--short=12", "HEAD"]).output();
-    let text = match output {
-        Ok(output) if output.status.success() => {
-            String::from_utf8_lossy(&output.stdout).trim().to_owned()
-        }
-        _ => String::new(),
+    let root = env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from).unwrap_or_default();
+    let ask = |arguments: &[&str]| {
+        let output = Command::new("git").arg("-C").arg(&root).args(arguments).output().ok()?;
+        let text = String::from_utf8(output.stdout).ok()?.trim().to_owned();
+        output.status.success().then_some(text)
     };
+    // Sources that lie unpacked in somebody else's repository are not of its commit.
+    let top =
+        ask(&["rev-parse", "--show-toplevel"]).and_then(|top| Path::new(&top).canonicalize().ok());
+    let is_ours = top.is_some() && top == root.canonicalize().ok();
+    let text = if is_ours { ask(&["rev-parse", "--short=12", "HEAD"]) } else { None };
+    let text = text.unwrap_or_default();
     println!("cargo:rustc-env=PIEZOLOOP_COMMIT={text}");
     println!("cargo:rerun-if-changed=.git/HEAD");
     println!("cargo:rerun-if-changed=.git/logs/HEAD");

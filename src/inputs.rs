@@ -71,6 +71,7 @@ pub(crate) fn blueprint(what: &Path) -> anyhow::Result<BlueprintText> {
             bail!("{name}: no such file, and no rig of this name; rigs are {}", known.join(", "))
         }
         _ => {
+            files::note_read(what);
             let text = std::fs::read_to_string(what).with_context(|| {
                 format!(
                     "{name} cannot be read as a blueprint; give a .toml file or the name of a rig"
@@ -84,6 +85,14 @@ pub(crate) fn blueprint(what: &Path) -> anyhow::Result<BlueprintText> {
     let text = if blueprint.records().is_empty() { text } else { blueprint.to_toml() };
     Ok(BlueprintText { text, blueprint })
 }
+
+/// The parser of a whole number within a range, which its help text names.
+pub(crate) fn count(least: u64, most: u64) -> clap::builder::RangedU64ValueParser<usize> {
+    clap::builder::RangedU64ValueParser::new().range(least..=most)
+}
+
+/// Most threads of any command.
+pub(crate) const MOST_THREADS: u64 = 1024;
 
 /// The file to write: as asked, else `name` with this ending beside the caller.
 pub(crate) fn output(given: Option<PathBuf>, name: &str, ending: &str) -> PathBuf {

@@ -21,7 +21,7 @@ mod window;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser};
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser};
 
 /// Closes the loop between a piezo-actuated machine and its model.
 #[derive(Parser, Debug)]
@@ -47,8 +47,20 @@ const VERSION: &str = match env!("PIEZOLOOP_COMMIT").as_bytes() {
     _ => concat!(env!("CARGO_PKG_VERSION"), " (", env!("PIEZOLOOP_COMMIT"), ")"),
 };
 
+/// The files and folders that the command line names.
+fn named(matches: &ArgMatches) -> impl Iterator<Item = &PathBuf> {
+    let mut deepest = matches;
+    while let Some((_, inner)) = deepest.subcommand() {
+        deepest = inner;
+    }
+    let of = |id: &clap::Id| deepest.try_get_many::<PathBuf>(id.as_str()).ok().flatten();
+    deepest.ids().filter_map(of).flatten()
+}
+
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let matches = Cli::command().get_matches();
+    files::guard(named(&matches).map(PathBuf::as_path));
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let json = cli.json.as_deref() == Some(Path::new(answer::STANDARD_OUTPUT));
     if json && cli.quiet {
         let message = "the argument '--json' cannot be used with '--quiet': it prints the result";

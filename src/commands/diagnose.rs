@@ -91,8 +91,8 @@ pub(crate) struct Diagnose {
     next_experiment: Option<PathBuf>,
     #[command(flatten)]
     isolation: Isolation,
-    /// Number of threads; 0: one per processor
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    /// Number of threads, at most 1024; 0: one per processor
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::inputs::count(0, crate::inputs::MOST_THREADS))]
     threads: usize,
     /// Seed of the resampling
     #[arg(long, value_name = "S", default_value_t = 1)]

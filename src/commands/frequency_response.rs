@@ -44,20 +44,20 @@ pub(crate) struct FrequencyResponse {
     /// Column of an output (once per output)
     #[arg(long = "output", required = true, value_name = "COLUMN")]
     outputs: Vec<String>,
-    /// Samples of one period [default: looked for; a record that does not repeat has none]
-    #[arg(long, value_name = "SAMPLES")]
+    /// Samples of one period, 2 to 10^9 [default: looked for; a record that does not repeat has none]
+    #[arg(long, value_name = "SAMPLES", value_parser = crate::inputs::count(2, 1_000_000_000))]
     period: Option<usize>,
     /// Leave out the beginning of each record, in s: the transient before a steady state
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     skip: f64,
-    /// Most lines at which the response is computed
-    #[arg(long, value_name = "N", default_value_t = 1000)]
+    /// Most lines at which the response is computed (1 to 10^6)
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = crate::inputs::count(1, 1_000_000))]
     lines: usize,
-    /// Most modes that are fitted; as many are taken as the response supports; 0: no fit
-    #[arg(long, value_name = "N", default_value_t = 3)]
+    /// Most modes that are fitted; as many are taken as the response supports; 0: no fit (at most 100)
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = crate::inputs::count(0, 100))]
     modes: usize,
-    /// Real poles that are fitted beside the modes, such as an amplifier's
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    /// Real poles that are fitted beside the modes, such as an amplifier's (0 to 100)
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::inputs::count(0, 100))]
     lags: usize,
     /// Longest delay that is tried in the fit, in s
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]

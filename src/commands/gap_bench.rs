@@ -33,8 +33,8 @@ pub(crate) struct GapBench {
     /// Seed of the machines
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Cases at the same time; 0: one per processor
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    /// Cases at the same time, at most 1024; 0: one per processor
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::inputs::count(0, crate::inputs::MOST_THREADS))]
     threads: usize,
     /// Also repair by a diagnosis that is told the effect, to compare with
     #[arg(long)]

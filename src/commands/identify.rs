@@ -52,8 +52,8 @@ pub(crate) struct Identify {
     /// Seed of the particle swarm
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Threads of the particle swarm; the result does not depend on it
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    /// Threads of the particle swarm, at most 1024; the result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = crate::inputs::count(0, crate::inputs::MOST_THREADS))]
     threads: usize,
     /// Number of plays
     #[arg(long, value_name = "N", default_value_t = 30)]

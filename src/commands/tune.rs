@@ -46,8 +46,8 @@ pub(crate) struct Tune {
     /// Most that sensor noise may be amplified on its way to the command, seen as position
     #[arg(long, value_name = "RATIO", default_value_t = 10.0)]
     noise: f64,
-    /// Samples of the step response
-    #[arg(long, value_name = "N", default_value_t = 200)]
+    /// Samples of the step response (1 to 10^6)
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = crate::inputs::count(1, 1_000_000))]
     samples: usize,
     #[command(flatten)]
     isolation: Isolation,

@@ -18,12 +18,12 @@ mod number_text;
 mod problem;
 mod resample;
 mod toml_text;
-mod whole_file;
 
 pub use blueprint::{
     AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, ConnectionBlueprint,
     CouplingBlueprint, ParameterRecord, RecordValue, SignalBlueprint, Value, npy_of,
 };
+pub use files::WholeFile;
 pub use fit::{Fit, FitError};
 #[cfg(feature = "parquet")]
 pub use log::ParquetLogWriter;
@@ -36,4 +36,3 @@ pub use nearest::nearest;
 pub use number_text::push_number;
 pub use problem::{Problem, Problems};
 pub use resample::{Hold, ResampleError, Uniform};
-pub use whole_file::WholeFile;

@@ -37,10 +37,11 @@ pub fn work<W: Worker, E: Send>(
     // Rows wait here, and workers wait where too many do.
     let (sender, rows) = mpsc::sync_channel::<Result<Row, E>>(1024);
     std::thread::scope(|scope| {
+        let mut hired = 0;
         for _ in 0..threads {
             let sender = sender.clone();
             let (next, failed, hire, stopped) = (&next, &failed, &hire, &stopped);
-            scope.spawn(move || {
+            let spawned = std::thread::Builder::new().spawn_scoped(scope, move || {
                 let mut worker = match hire() {
                     Ok(worker) => worker,
                     Err(error) => {
@@ -59,8 +60,16 @@ pub fn work<W: Worker, E: Send>(
                     }
                 }
             });
+            // Where the system gives no more threads, those that there are do the work.
+            if spawned.is_err() {
+                break;
+            }
+            hired += 1;
         }
         drop(sender);
+        if hired == 0 {
+            return alone(runs, &hire, &stopped, &mut keep);
+        }
         let mut outcome = Ok(());
         for row in rows {
             if outcome.is_ok() {
@@ -72,6 +81,26 @@ pub fn work<W: Worker, E: Send>(
         }
         outcome
     })
+}
+
+/// The same on the calling thread.
+fn alone<W: Worker, E>(
+    runs: &[u64],
+    hire: impl Fn() -> Result<W, E>,
+    stopped: impl Fn() -> bool,
+    mut keep: impl FnMut(Row) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut worker = hire()?;
+    for run in runs {
+        if stopped() {
+            break;
+        }
+        let row = worker.run(*run);
+        if !stopped() {
+            keep(row)?;
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -102,6 +131,13 @@ mod tests {
     fn each_run_is_made_once_whatever_the_threads() {
         assert_eq!(all(1).len(), 500);
         assert_eq!(all(1), all(7));
+        let (mut rows, runs) = (Vec::new(), (10..510).collect::<Vec<u64>>());
+        let keep = |row| {
+            rows.push(row);
+            Ok::<(), String>(())
+        };
+        alone(&runs, || Ok(Square), || false, keep).unwrap();
+        assert_eq!(rows, all(1));
     }
 
     #[test]

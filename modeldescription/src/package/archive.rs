@@ -83,6 +83,7 @@ impl Archive {
     /// Opens an archive and looks at all its entries.
     pub(crate) fn open(path: &Path, limits: &Limits) -> Result<Self, PackageError> {
         let cannot_read = |source| PackageError::Read { path: path.to_owned(), source };
+        files::note_read(path);
         let file = File::open(path).map_err(cannot_read)?;
         let packed = file.metadata().map_err(cannot_read)?.len();
         let not_a_zip = |error: zip::result::ZipError| PackageError::NotAnArchive {

@@ -166,7 +166,7 @@ impl PackageBuilder {
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), PackageError> {
         let path = path.as_ref();
         let bytes = self.to_bytes()?;
-        write_whole(path, &bytes)
+        files::WholeFile::write_all_of(path, &bytes)
             .map_err(|source| PackageError::Write { path: path.to_owned(), source })
     }
 }
@@ -181,7 +181,7 @@ pub(crate) fn write_archive<'a>(
         add(&mut zip, name, content)?;
     }
     let bytes = zip.finish().map_err(|error| failed("end of archive", &error))?;
-    write_whole(path, &bytes.into_inner())
+    files::WholeFile::write_all_of(path, &bytes.into_inner())
         .map_err(|source| PackageError::Write { path: path.to_owned(), source })
 }
 
@@ -206,21 +206,4 @@ fn options(permissions: u32) -> SimpleFileOptions {
 
 fn failed(entry: &str, error: &dyn std::error::Error) -> PackageError {
     PackageError::Pack { entry: entry.to_owned(), message: error.to_string() }
-}
-
-/// Writes beside the target and renames, so that nobody sees half a file.
-fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    // As any new file, not readable by its owner alone as temporary files are.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.prefix(".fmu-").tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
 }

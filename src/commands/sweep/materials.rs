@@ -48,6 +48,7 @@ const MAGIC: &[u8] = b"piezoloop-bundle/1\n";
 impl Materials {
     /// Reads a plan and everything it names.
     pub(super) fn gather(file: &Path, seed: Option<u64>) -> anyhow::Result<Self> {
+        files::note_read(file);
         let text = std::fs::read_to_string(file).with_context(|| {
             format!("{} cannot be read; give the plan of a sweep", file.display())
         })?;
@@ -80,6 +81,14 @@ impl Materials {
                  machines",
                 materials.tool,
                 crate::VERSION
+            );
+        }
+        // They become files of a temporary folder, and are made by whoever made the bundle.
+        if let Some(file) = materials.files.iter().find(|file| !is_file_name(&file.name)) {
+            bail!(
+                "the bundle of the sweep is broken: {:?} is not the name of a file in its folder; bundle the \
+                 plan again",
+                file.name
             );
         }
         Ok(materials)
@@ -191,6 +200,7 @@ impl Gatherer {
 
     fn read(&self, what: &str) -> anyhow::Result<Vec<u8>> {
         let path = self.folder.join(what);
+        files::note_read(&path);
         std::fs::read(&path).with_context(|| format!("{} cannot be read", path.display()))
     }
 
@@ -275,6 +285,13 @@ fn hashed(value: &str) -> String {
     hex::encode(&Sha256::digest(value)[..8])
 }
 
+/// Whether a name is that of a file in a folder, and leads nowhere else.
+fn is_file_name(name: &str) -> bool {
+    !matches!(name, "" | "." | "..")
+        && !name.contains(['/', '\\', ':'])
+        && !name.chars().any(char::is_control)
+}
+
 fn is_fmu(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"))
 }
@@ -288,6 +305,7 @@ fn archive(path: &Path) -> anyhow::Result<Vec<u8>> {
             path.display()
         );
     }
+    files::note_read(path);
     std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))
 }
 

@@ -48,8 +48,8 @@ pub(crate) struct Sweep {
     /// Seed in the place of the plan's
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
-    /// Number of threads; 0: one per processor
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    /// Number of threads, at most 1024; 0: one per processor
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::inputs::count(0, crate::inputs::MOST_THREADS))]
     threads: usize,
     /// The table to write [default: the plan's name with .parquet, and the shard]
     #[arg(short = 'o', long = "out", value_name = "FILE")]

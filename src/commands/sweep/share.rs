@@ -125,6 +125,7 @@ impl Bundle {
 
 impl Serve {
     fn run(self) -> anyhow::Result<u8> {
+        files::note_read(&self.bundle);
         let bytes = std::fs::read(&self.bundle)
             .with_context(|| format!("{} cannot be read", self.bundle.display()))?;
         let job = Job::new(&Materials::from_bytes(&bytes)?, None)?;

@@ -150,6 +150,7 @@ impl Plan {
     /// # Errors
     /// The file cannot be read, or is no plan; with its line.
     pub fn read(path: &Path) -> Result<Self, PlanError> {
+        files::note_read(path);
         let text = std::fs::read_to_string(path).map_err(|error| {
             PlanError::one(format!("{}: cannot be read: {error}", path.display()))
         })?;

@@ -33,6 +33,7 @@ impl Blueprint {
             let rule = format!("cannot be read from {}: {error}", path.display());
             (rule, "put the table beside the blueprint")
         };
+        files::note_read(&path);
         if std::fs::metadata(&path).map_err(failed)?.len() > MOST {
             return Err((format!("is longer than {MOST} bytes"), "compress the model"));
         }

@@ -44,7 +44,10 @@ pub(super) fn beside(path: &Path) -> Result<Vec<Dataset>, Problems> {
         [(sidecar_of(path), true), (path.with_file_name("dataset.toml"), false)]
     {
         let text = match std::fs::read_to_string(&path) {
-            Ok(text) => text,
+            Ok(text) => {
+                files::note_read(&path);
+                text
+            }
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
             Err(error) => {
                 let rule = format!("cannot be read: {error}");

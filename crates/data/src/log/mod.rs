@@ -173,6 +173,7 @@ impl Log {
     /// # Errors
     /// Every [`Problem`] of the file, up to 20, and how many more there are.
     pub fn read(path: &Path, options: &ReadOptions) -> Result<Self, Problems> {
+        files::note_read(path);
         read::file(path, options).map(Self::undo_rounding)
     }
 

@@ -73,7 +73,8 @@ impl LogWriter {
         let is_pipe = std::fs::metadata(path).is_ok_and(|found| !found.is_file());
         let sidecar = if units == UnitPlace::Sidecar && !is_pipe {
             let path = dataset::sidecar_of(path);
-            let begun = WholeFile::create(&path).and_then(|mut sidecar| {
+            let begun = keep_foreign(&path).and_then(|()| WholeFile::create(&path));
+            let begun = begun.and_then(|mut sidecar| {
                 sidecar.write_all(sidecar_text(columns).as_bytes())?;
                 Ok(sidecar)
             });
@@ -183,8 +184,26 @@ fn header_line(columns: &[ColumnHeader], is_numbered: bool, units: UnitPlace) ->
     line
 }
 
+/// Refuses to replace a companion that was not written here: it says of another log what nobody can
+/// restore.
+fn keep_foreign(path: &Path) -> io::Result<()> {
+    let Ok(found) = std::fs::metadata(path) else { return Ok(()) };
+    let is_ours = |line: &str| line.ends_with(" }") && line.contains(" = { ");
+    let text = if found.is_file() { std::fs::read_to_string(path) } else { Ok(String::new()) };
+    match text.as_deref().map(|text| text.strip_prefix(SIDECAR_HEAD)) {
+        Ok(Some(columns)) if columns.lines().all(is_ours) => Ok(()),
+        _ => Err(io::Error::new(
+            io::ErrorKind::AlreadyExists,
+            "describes a log and was not written by this program; give the output another name",
+        )),
+    }
+}
+
+/// How every companion that is written begins.
+const SIDECAR_HEAD: &str = "time = { column = \"time\", unit = \"s\" }\n\n[columns]\n";
+
 fn sidecar_text(columns: &[ColumnHeader]) -> String {
-    let mut text = String::from("time = { column = \"time\", unit = \"s\" }\n\n[columns]\n");
+    let mut text = String::from(SIDECAR_HEAD);
     for ColumnHeader { name, unit, description } in columns {
         let mut items = Vec::new();
         if let Some(unit) = unit {

@@ -1,4 +1,9 @@
-//! A file that appears whole or not at all.
+//! How every file is written: whole or not at all, through links and devices, with the permissions
+//! that it had, and under [`guard`] never over an input.
+
+mod guard;
+
+pub use guard::{guard, note_read};
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
@@ -8,7 +13,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Writes to a temporary file in the same folder; [`commit`](Self::commit) gives it its name.
 /// Dropped before that, nothing remains and an older file stays as it was.
 ///
-/// A target that exists and is no regular file (a pipe, `/dev/stdout`) is written to directly.
+/// A target that exists and is no regular file (a pipe, `/dev/stdout`) is written to directly; a
+/// symbolic link stays one, its file is written. A file that is replaced keeps its permissions.
 #[derive(Debug)]
 pub struct WholeFile {
     target: PathBuf,
@@ -28,7 +34,7 @@ impl WholeFile {
     pub fn create(target: &Path) -> io::Result<Self> {
         // A symbolic link stays one: its file is replaced. The whole path, so that another working
         // folder, which a foreign FMU may bring about, does not move the file.
-        let target = fs::canonicalize(target).or_else(|_| std::path::absolute(target))?;
+        let target = fs::canonicalize(target).or_else(|_| std::path::absolute(follow(target)?))?;
         match fs::metadata(&target) {
             Ok(found) if found.is_dir() => {
                 return Err(io::Error::new(
@@ -42,12 +48,14 @@ impl WholeFile {
                     "is write-protected; take the protection off or give another file",
                 ));
             }
+            // Opened to write only: a socket or the like is refused by the system.
             Ok(found) if !found.is_file() => {
                 let file = OpenOptions::new().write(true).open(&target)?;
                 return Ok(Self { target, temporary: None, writer: Some(BufWriter::new(file)) });
             }
             _ => {}
         }
+        guard::may_write(&target)?;
         let name = target.file_name().ok_or_else(|| {
             io::Error::new(io::ErrorKind::InvalidInput, "has no file name; give one")
         })?;
@@ -55,8 +63,14 @@ impl WholeFile {
         let name = format!(".{}.{}-{number}.tmp", name.to_string_lossy(), std::process::id());
         let temporary = target.with_file_name(name);
         let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
-        let writer = Some(BufWriter::with_capacity(1 << 16, file));
-        Ok(Self { target, temporary: Some(temporary), writer })
+        // Before anything is in it: a private file stays private. A failure removes the temporary one.
+        let permissions = fs::metadata(&target).map(|found| found.permissions());
+        let mut begun = Self { target, temporary: Some(temporary), writer: None };
+        if let Ok(permissions) = permissions {
+            file.set_permissions(permissions)?;
+        }
+        begun.writer = Some(BufWriter::with_capacity(1 << 16, file));
+        Ok(begun)
     }
 
     /// Gives the file its name.
@@ -70,6 +84,7 @@ impl WholeFile {
         if let Some(temporary) = &self.temporary {
             fs::rename(temporary, &self.target)?;
             self.temporary = None;
+            guard::note_written(&self.target);
         }
         Ok(())
     }
@@ -83,6 +98,25 @@ impl WholeFile {
         file.write_all(bytes)?;
         file.commit()
     }
+}
+
+/// The file that a chain of links names where that file is not there.
+fn follow(link: &Path) -> io::Result<PathBuf> {
+    let mut path = link.to_owned();
+    for _ in 0..40 {
+        match fs::metadata(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            // A circle of links, for one.
+            Err(error) => return Err(error),
+            Ok(_) => return Ok(path),
+        }
+        let Ok(next) = fs::read_link(&path) else { return Ok(path) };
+        path = path.parent().map_or(next.clone(), |folder| folder.join(&next));
+    }
+    Err(io::Error::new(
+        io::ErrorKind::InvalidInput,
+        "is a symbolic link that leads round in a circle",
+    ))
 }
 
 impl Write for WholeFile {
@@ -170,5 +204,29 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         assert!(WholeFile::create(folder.path()).is_err());
         assert!(WholeFile::create(&folder.path().join("no/run.csv")).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_devices_stay_and_permissions_are_kept() {
+        use std::os::unix::fs::{PermissionsExt as _, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("private"), "old").unwrap();
+        fs::set_permissions(at("private"), fs::Permissions::from_mode(0o600)).unwrap();
+        symlink("private", at("link")).unwrap();
+        symlink("absent", at("dangling")).unwrap();
+        symlink("/dev/null", at("device")).unwrap();
+        symlink("b", at("a")).unwrap();
+        symlink("a", at("b")).unwrap();
+        for name in ["link", "dangling", "device"] {
+            WholeFile::write_all_of(&at(name), b"new").unwrap();
+            assert!(fs::symlink_metadata(at(name)).unwrap().is_symlink(), "{name}");
+        }
+        assert!(WholeFile::write_all_of(&at("a"), b"new").is_err());
+        assert_eq!(fs::read(at("private")).unwrap(), b"new");
+        assert_eq!(fs::read(at("absent")).unwrap(), b"new");
+        assert_eq!(fs::metadata(at("private")).unwrap().permissions().mode() & 0o777, 0o600);
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
     }
 }
