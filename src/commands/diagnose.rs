@@ -43,8 +43,8 @@ pub(crate) struct Diagnose {
     /// machine was moving already
     #[arg(long, allow_negative_numbers = true, value_name = "S", default_value_t = 0.0)]
     drop: f64,
-    /// What the command does between two rows of the logs: zoh (held), line, band-limited [default: held, or what
-    /// clearly leaves less of a blueprint's error, which is said]
+    /// What the command does between two rows of the logs: zoh (held), line, band-limited [default: held; the
+    /// others are tried before a mode of a blueprint is named near half the sample rate]
     #[arg(long, value_name = "BETWEEN", value_parser = ["zoh", "line", "band-limited"])]
     between: Option<String>,
     #[command(flatten)]

@@ -171,13 +171,13 @@ pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnos
         .build()
         .map_err(|_| Error::Threads(request.threads))?;
     let count = AtomicU64::new(0);
-    let problems = pool.install(|| problem::settled(request, &count))?;
+    let problems = problem::problems(request)?;
     let total = problems.len();
     let mut outcomes = Vec::with_capacity(total);
     for (number, problem) in problems.into_iter().enumerate() {
         observer.progress("diagnose", number, total);
         let boxes = problem.base.black_boxes();
-        let outcome = pool.install(|| outcome::of(problem, request, &count));
+        let outcome = pool.install(|| outcome::settled(problem, request, number, &count));
         // Without its FMU a search finds nothing; what it says of that is no answer.
         boxes.iter().try_for_each(black_box::BlackBox::is_alive)?;
         outcomes.push(

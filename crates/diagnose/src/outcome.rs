@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicU64;
 use components::effects;
 use components::linear::Transition;
 
+use crate::between::Between;
 use crate::block::Span;
 use crate::chain::{Bench, Horizon};
 use crate::converter::Converted;
@@ -13,7 +14,7 @@ use crate::error::Error;
 use crate::gap::{SecondOpinion, Verdict};
 use crate::library::{self, Family, Setting};
 use crate::noise::{self, Shape};
-use crate::problem::Problem;
+use crate::problem::{self, Problem};
 use crate::request::Request;
 use crate::score::{Judge, Judged};
 use crate::select::{Candidate, Found, Search, has_gap};
@@ -44,22 +45,71 @@ pub(crate) struct Outcome {
 /// show a part of it only.
 pub(crate) const ADEQUATE: f64 = 1.6;
 
-/// What the re-tuned model leaves, in powers of the noise, on fitted and held-out rows alike; none where it cannot
-/// be simulated.
-pub(crate) fn left_by_retuned(problem: &Problem, count: &AtomicU64) -> Option<f64> {
-    let judge = Judge::new(&problem.data, Shape::WHITE);
-    let search = Search {
-        base: &problem.base,
-        data: &problem.data,
-        judge: &judge,
-        library: &[],
-        sigma: problem.noise.sigma * problem.factor,
-        adequate: f64::INFINITY,
-        count,
-        max_effects: 0,
+impl Outcome {
+    /// What is left at last, in powers of the noise, on fitted and held-out rows alike.
+    fn left(&self) -> f64 {
+        0.5 * (self.found.last.judged.training + self.found.last.judged.held_out)
+            * self.sigma.powi(2)
+    }
+
+    /// Frequency of a mode that was found within 10 % of half the sample rate, in Hz.
+    fn mode_near_nyquist(&self) -> Option<f64> {
+        /// In parts of the sample rate.
+        const NEAR: f64 = 0.45;
+        let last = &self.found.last;
+        let is_mode = |(family, _): &(usize, usize)| {
+            self.library[*family].effect.name == effects::EXTRA_MODE.name
+        };
+        if !last.picks.iter().any(is_mode) {
+            return None;
+        }
+        let own = last.chain.parameters.iter().zip(&last.fit.theta).filter(|(p, _)| !p.is_base);
+        let frequencies = own.filter(|(p, _)| p.unit == "Hz").map(|(p, q)| p.value(*q));
+        let sample = self.problem.data.sample_time();
+        frequencies.filter(|f| f * sample >= NEAR).reduce(f64::max)
+    }
+}
+
+/// Diagnoses output number `number` of a request. A mode near half the sample rate is what a command looks like
+/// that moves between the rows: before it is named, the other courses between the rows are tried, and the one is
+/// taken that leaves less with fewer effects.
+pub(crate) fn settled(
+    problem: Problem,
+    request: &Request,
+    number: usize,
+    count: &AtomicU64,
+) -> Result<Outcome, Error> {
+    let mut outcome = of(problem, request, count)?;
+    let is_open = request.between.is_none() && outcome.problem.base.is_white;
+    let Some(frequency) = outcome.mode_near_nyquist().filter(|_| is_open) else {
+        return Ok(outcome);
     };
-    let judged = search.retune().ok()?.judged;
-    Some(0.5 * (judged.training + judged.held_out))
+    for between in [Between::BandLimited, Between::Line] {
+        let asked = Request { between: Some(between), ..request.clone() };
+        let Some(other) = problem::problems(&asked)?.into_iter().nth(number) else { continue };
+        let other = of(other, &asked, count)?;
+        let is_plainer = other.found.last.picks.len() <= outcome.found.last.picks.len();
+        if other.verdict == Verdict::Effects
+            && is_plainer
+            && other.mode_near_nyquist().is_none()
+            && other.left() < outcome.left()
+        {
+            outcome = other;
+        }
+    }
+    let output = outcome.problem.output.clone();
+    outcome.problem.warnings.push(match outcome.problem.between {
+        Between::Zoh => format!(
+            "{output}: the mode at {frequency:.4} Hz lies within 10 % of half the sample rate; it stays whatever the \
+             command does between the rows"
+        ),
+        between => format!(
+            "{output}: the command is taken as {}: with a held one a mode would be missing at {frequency:.4} Hz, within \
+             10 % of half the sample rate (--between zoh says otherwise)",
+            between.words()
+        ),
+    });
+    Ok(outcome)
 }
 
 /// Diagnoses one output.

@@ -1,7 +1,5 @@
 //! From a request to one problem per output: data in SI, model as a chain, noise.
 
-use std::sync::atomic::AtomicU64;
-
 use data::{CheckedBlueprint, Log, NameMap};
 use model::{Causality, Unit};
 
@@ -11,7 +9,6 @@ use crate::data_set::{DataSet, RecordRows};
 use crate::error::Error;
 use crate::gap::NoiseFloor;
 use crate::noise;
-use crate::outcome;
 use crate::request::{Model, Noise, Request};
 use crate::tap;
 
@@ -72,43 +69,6 @@ impl Port {
             .flatten()
             .find(|name| log.column(name).is_some())
     }
-}
-
-/// All problems of a request. Where it does not say what commands do between the rows, and the model is a white
-/// box, each problem takes what clearly leaves less than a held command.
-pub(crate) fn settled(request: &Request, count: &AtomicU64) -> Result<Vec<Problem>, Error> {
-    /// Part of the power that another behaviour may leave.
-    const CLEARLY_LESS: f64 = 0.5;
-    let mut chosen = problems(request)?;
-    if request.between.is_some() || matches!(request.model, Model::Fmu(_)) {
-        return Ok(chosen);
-    }
-    let left = |problem: &Problem| outcome::left_by_retuned(problem, count);
-    let mut least: Vec<f64> = chosen.iter().map(|p| left(p).unwrap_or(0.0)).collect();
-    let held = least.clone();
-    // Nothing is left of a model that is right.
-    if held.iter().all(|left| *left <= outcome::ADEQUATE) {
-        return Ok(chosen);
-    }
-    for between in [Between::BandLimited, Between::Line] {
-        let others = problems(&Request { between: Some(between), ..request.clone() })?;
-        for (k, other) in others.into_iter().enumerate().take(chosen.len()) {
-            let is_gap = held[k] > outcome::ADEQUATE;
-            let Some(left) = left(&other).filter(|_| is_gap) else { continue };
-            if left < CLEARLY_LESS * held[k] && left < least[k] {
-                (chosen[k], least[k]) = (other, left);
-            }
-        }
-    }
-    for problem in chosen.iter_mut().filter(|p| p.between != Between::Zoh) {
-        problem.warnings.push(format!(
-            "{}: the command is taken as {}: a held one leaves the model more than twice the error's power \
-             (--between zoh says otherwise)",
-            problem.output,
-            problem.between.words()
-        ));
-    }
-    Ok(chosen)
 }
 
 /// All problems of a request.

@@ -58,7 +58,8 @@ pub struct Request {
     pub holdout: Vec<Log>,
     /// Run-in in s from the start of each record: simulated, neither fitted nor judged.
     pub drop: f64,
-    /// What the commands do between the rows; none: held, or what clearly leaves less (white boxes).
+    /// What the commands do between the rows; none: held, and the others
+    /// are tried before a mode of a white box is named near half the sample rate.
     pub between: Option<Between>,
     /// Which variable of the model reads which column.
     pub names: NameMap,
