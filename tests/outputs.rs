@@ -33,12 +33,13 @@ fn an_input_is_never_written() {
         assert!(said.contains("give"), "{said}");
         is_unchanged(at);
     }
-    let identify = ["identify", "in.csv", "--input", "u", "--output", "y", "-o", "plant.toml"];
+    let identify =
+        ["identify", "--log", "in.csv", "--input", "u", "--output", "y", "-o", "plant.toml"];
     for option in ["--picture", "--report"] {
         refuse(&[&identify[..], &[option, "in.csv"]].concat(), at);
         is_unchanged(at);
     }
-    let twice = [&identify[..6], &["-o", "same.html", "--report", "same.html"]].concat();
+    let twice = [&identify[..7], &["-o", "same.html", "--report", "same.html"]].concat();
     let said = refuse(&twice, at);
     assert!(said.contains("twice"), "{said}");
     assert!(!at.join("same.html").exists());
@@ -102,8 +103,8 @@ fn counts_out_of_range_are_refused_before_the_work() {
     let folder = folder();
     let response = ["frequency-response", "in.csv", "--input", "u", "--output", "y"];
     let tune = ["tune", "p1-truth", "--period", "2e-3", "--middle", "5", "--amplitude", "0.5"];
-    let diagnose = ["diagnose", "p1-truth", "in.csv"];
-    let identify = ["identify", "in.csv", "--input", "u", "--output", "y"];
+    let diagnose = ["diagnose", "--model", "p1-truth", "--log", "in.csv"];
+    let identify = ["identify", "--log", "in.csv", "--input", "u", "--output", "y"];
     let sweep = ["sweep", "plan.toml"];
     let cases: [(&[&str], &str, &[&str]); 8] = [
         (&response, "--period", &["0", "1"]),
