@@ -304,7 +304,7 @@ fn logs_made_in_code_keep_the_same_rules() {
     for (name, unit, values) in [
         ("y", None, vec![0.0, 0.0]),
         ("time", None, vec![0.0, 0.0]),
-        ("a,b", None, vec![0.0, 0.0]),
+        ("a\nb", None, vec![0.0, 0.0]),
         ("z", None, vec![0.0]),
         ("z", None, vec![0.0, f64::INFINITY]),
         ("z", Some("furlong"), vec![0.0, 0.0]),

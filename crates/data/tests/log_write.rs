@@ -88,7 +88,7 @@ fn a_pipe_gets_the_log_and_nothing_beside_it() {
 fn names_that_no_reader_takes_are_refused_before_anything_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.csv");
-    for names in [&["a,b"][..], &["time"], &["record"], &["y", "y"], &[""], &["y [um]"]] {
+    for names in [&["a\nb"][..], &["time"], &["record"], &["y", "y"], &[""], &["y [um]"]] {
         let named = |name: &&str| ColumnHeader { name: (*name).into(), ..ColumnHeader::default() };
         let columns: Vec<ColumnHeader> = names.iter().map(named).collect();
         assert!(LogWriter::create(&path, &columns, false, UnitPlace::Sidecar).is_err());
