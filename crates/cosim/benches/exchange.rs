@@ -113,7 +113,7 @@ fn master(
 
 fn main() {
     let Some(fmus) = common::Fmus::new() else {
-        println!("skipped: no C compiler `cc`");
+        println!("SKIPPED: no C compiler `cc`");
         return;
     };
     let own = bare(&fmus);

@@ -27,7 +27,7 @@ macro_rules! python_or_skip {
         match python() {
             Some(python) => python,
             None => {
-                println!("skipped: no Python with fmpy (PIEZOLOOP_PYTHON not set)");
+                println!("SKIPPED: no Python with fmpy (PIEZOLOOP_PYTHON not set)");
                 return;
             }
         }

@@ -140,7 +140,7 @@ fn python() -> Option<PathBuf> {
 fn the_runner_of_fmpy_gives_our_trajectory() {
     let fmus = fmus_or_skip!();
     let Some(python) = python() else {
-        println!("skipped: no Python with fmpy (PIEZOLOOP_PYTHON not set)");
+        println!("SKIPPED: no Python with fmpy (PIEZOLOOP_PYTHON not set)");
         return;
     };
     let path = write_loop(&fmus, "jacobi");

@@ -54,7 +54,7 @@ fn records_are_read_by_others_and_memory_does_not_grow() {
 
 fn numpy_reads_both_kinds() {
     let Some(python) = python() else {
-        println!("skipped: no Python with numpy (PIEZOLOOP_PYTHON not set)");
+        println!("SKIPPED: no Python with numpy (PIEZOLOOP_PYTHON not set)");
         return;
     };
     let folder = tempfile::tempdir().unwrap();
@@ -104,7 +104,7 @@ fn parquet_reads_back() {
 
 #[cfg(not(feature = "parquet"))]
 fn parquet_reads_back() {
-    println!("skipped: built without the feature parquet");
+    println!("SKIPPED: built without the feature parquet");
 }
 
 fn endings_are_checked_and_files_appear_whole() {
@@ -142,7 +142,7 @@ fn most_of_a_run(fmus: &common::Fmus, ending: &str, steps: usize) -> usize {
 
 fn memory_does_not_grow_with_the_run() {
     let Some(fmus) = common::Fmus::new() else {
-        println!("skipped: no C compiler `cc`");
+        println!("SKIPPED: no C compiler `cc`");
         return;
     };
     for ending in ["csv", "npy", "npz", "parquet"] {

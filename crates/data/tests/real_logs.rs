@@ -9,7 +9,7 @@ fn measured(name: &str) -> Option<PathBuf> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
     if !path.exists() {
         use std::io::Write;
-        let _ = writeln!(std::io::stderr(), "skipped: {} is absent", path.display());
+        let _ = writeln!(std::io::stderr(), "SKIPPED: {} is absent", path.display());
         return None;
     }
     Some(path)

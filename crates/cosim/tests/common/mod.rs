@@ -25,7 +25,7 @@ macro_rules! fmus_or_skip {
         match $crate::common::Fmus::new() {
             Some(fmus) => fmus,
             None => {
-                println!("skipped: no C compiler `cc`");
+                println!("SKIPPED: no C compiler `cc`");
                 return;
             }
         }

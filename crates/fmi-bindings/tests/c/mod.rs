@@ -185,7 +185,7 @@ pub fn compile(headers: &Path, source: &str, folder: &Path) -> Result<(), String
 /// Compiles the assertions; then again with one type wrong, to see that the comparison is sharp.
 pub fn check(assertions: &str, wrong: (&str, &str), complaint: &str) {
     let Some(headers) = headers() else {
-        println!("skipped: no fmpy with the standard's headers (PIEZOLOOP_PYTHON not set)");
+        println!("SKIPPED: no fmpy with the standard's headers (PIEZOLOOP_PYTHON not set)");
         return;
     };
     let folder = tempfile::tempdir().expect("temporary folder");

@@ -14,7 +14,7 @@ pub(crate) fn data_folder(name: &str) -> Option<PathBuf> {
     }
     #[allow(clippy::print_stdout, reason = "a test that is skipped says so")]
     {
-        println!("skipped: {} is absent", folder.display());
+        println!("SKIPPED: {} is absent", folder.display());
     }
     None
 }
