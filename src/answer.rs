@@ -3,7 +3,7 @@
 
 use std::fs::File;
 use std::io::{self, Write};
-use std::sync::OnceLock;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 #[cfg(unix)]
 use anyhow::Context;
@@ -50,6 +50,42 @@ pub(crate) fn standard_output() -> Box<dyn Write> {
     }
 }
 
+/// What is said about the logs that were read.
+#[derive(Debug)]
+struct Notes {
+    is_quiet: bool,
+    all: Vec<String>,
+}
+
+static NOTES: Mutex<Notes> = Mutex::new(Notes { is_quiet: false, all: Vec::new() });
+
+fn notes() -> MutexGuard<'static, Notes> {
+    NOTES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Says what was assumed about a log, skipped or left out: at once on standard error, each sentence once,
+/// and as `log_notes` in the answer's JSON.
+pub(crate) fn note_on_log(said: &[String]) {
+    let mut notes = notes();
+    for note in said {
+        if notes.all.contains(note) {
+            continue;
+        }
+        if !notes.is_quiet {
+            let _ = writeln!(io::stderr(), "note: {note}");
+        }
+        notes.all.push(note.clone());
+    }
+}
+
+/// An answer with the notes on its logs.
+#[derive(Serialize)]
+struct Noted<'a, T> {
+    #[serde(flatten)]
+    answer: &'a T,
+    log_notes: &'a [String],
+}
+
 /// The way out where a file cannot be written, for errors that only say why.
 fn way_out(error: &anyhow::Error) -> Option<&'static str> {
     use io::ErrorKind::{PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
@@ -72,6 +108,12 @@ pub(crate) struct Screen {
 }
 
 impl Screen {
+    /// How results are shown from now on.
+    pub(crate) fn new(json: bool, quiet: bool) -> Self {
+        notes().is_quiet = quiet;
+        Self { json, quiet }
+    }
+
     /// Shows an answer and returns its exit code. A closed pipe is no error: the reader has enough.
     pub(crate) fn show(&self, answer: &dyn ErasedAnswer) -> anyhow::Result<u8> {
         let mut out = standard_output();
@@ -119,7 +161,13 @@ pub(crate) trait ErasedAnswer {
 
 impl<T: Answer> ErasedAnswer for T {
     fn json(&self) -> serde_json::Result<String> {
-        serde_json::to_string_pretty(self)
+        let notes = notes();
+        if notes.all.is_empty() {
+            return serde_json::to_string_pretty(self);
+        }
+        let noted = Noted { answer: self, log_notes: &notes.all };
+        // What is no table has no room for notes.
+        serde_json::to_string_pretty(&noted).or_else(|_| serde_json::to_string_pretty(self))
     }
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         Answer::write(self, out)

@@ -6,6 +6,8 @@ use anyhow::{Context, bail};
 use clap::Args;
 use data::{Blueprint, CheckedBlueprint, Log, NameMap, ReadOptions};
 
+use crate::answer;
+
 /// How the columns of a log are read.
 #[derive(Args, Debug, Clone, Default)]
 pub(crate) struct LogOptions {
@@ -24,8 +26,15 @@ pub(crate) struct LogOptions {
 }
 
 impl LogOptions {
-    /// Reads a log.
+    /// Reads a log; what was assumed, skipped or left out is said and goes into the answer.
     pub(crate) fn read(&self, path: &Path) -> anyhow::Result<Log> {
+        let log = self.read_in_silence(path)?;
+        answer::note_on_log(&log.notes());
+        Ok(log)
+    }
+
+    /// Reads a log for a command that says its notes itself.
+    pub(crate) fn read_in_silence(&self, path: &Path) -> anyhow::Result<Log> {
         let mut options =
             ReadOptions { rate: self.rate, group: self.group.clone(), ..ReadOptions::default() };
         for unit in &self.unit {

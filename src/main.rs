@@ -66,7 +66,7 @@ fn main() -> ExitCode {
         let message = "the argument '--json' cannot be used with '--quiet': it prints the result";
         Cli::command().error(clap::error::ErrorKind::ArgumentConflict, message).exit();
     }
-    let screen = answer::Screen { json, quiet: cli.quiet };
+    let screen = answer::Screen::new(json, cli.quiet);
     cosim::guard_exit();
     let kept = if json { answer::keep_standard_output() } else { Ok(()) };
     let outcome = kept.and_then(|()| cli.command.run(&screen));

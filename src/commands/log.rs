@@ -47,8 +47,9 @@ struct One {
     records: Vec<Record>,
     columns: Vec<Column>,
     findings: Vec<Doubt>,
-    /// That times were rounded.
-    note: Option<String>,
+    /// What was recognised, assumed, skipped and left out.
+    notes: Vec<String>,
+    left_out: Vec<LeftOut>,
 }
 
 #[derive(Serialize)]
@@ -69,6 +70,13 @@ struct Column {
     max: f64,
 }
 
+/// A column that the file has and nobody can use.
+#[derive(Serialize)]
+struct LeftOut {
+    name: String,
+    why: String,
+}
+
 #[derive(Serialize)]
 struct Doubt {
     column: String,
@@ -85,7 +93,7 @@ impl Log {
         }
         let mut logs = Vec::new();
         for path in &self.logs {
-            let log = self.options.read(path)?;
+            let log = self.options.read_in_silence(path)?;
             if let Some(out) = &self.out {
                 log.write(out, UnitPlace::Sidecar)?;
             }
@@ -113,6 +121,10 @@ fn describe(path: PathBuf, log: &Measured) -> One {
         min: column.values.iter().copied().fold(f64::INFINITY, f64::min),
         max: column.values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
     });
+    let left_out = log
+        .left_out()
+        .iter()
+        .map(|column| LeftOut { name: column.name.clone(), why: column.why.clone() });
     let findings = log.quality().into_iter().map(|finding| Doubt {
         message: finding.to_string(),
         column: finding.column,
@@ -126,7 +138,8 @@ fn describe(path: PathBuf, log: &Measured) -> One {
         records: records.collect(),
         columns: columns.collect(),
         findings: findings.collect(),
-        note: log.note_on_times(),
+        notes: log.notes(),
+        left_out: left_out.collect(),
     }
 }
 
@@ -146,7 +159,7 @@ impl Answer for Described {
                 let unit = unit.as_deref().unwrap_or("(no unit)");
                 writeln!(out, "  {name}: {min} to {max} {unit}")?;
             }
-            if let Some(note) = &log.note {
+            for note in &log.notes {
                 writeln!(out, "  note: {note}")?;
             }
             for doubt in log.findings.iter().take(MOST_SHOWN) {

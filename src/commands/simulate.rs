@@ -205,7 +205,6 @@ impl Simulate {
         let mut notes: Vec<String> = endings.iter().map(EarlyEnd::note).collect();
         notes.extend(matched.notes());
         notes.extend(ear.notes());
-        notes.extend(log.note_on_times());
         let (fits, measured) = self.fits(&memory, &log, &names, &addresses, &mut notes)?;
         let about = About { endings, matched, messages: ear.said(), notes };
         self.result(opened.name, memory, fits, measured, about)

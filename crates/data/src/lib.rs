@@ -28,8 +28,8 @@ pub use fit::{Fit, FitError};
 #[cfg(feature = "parquet")]
 pub use log::ParquetLogWriter;
 pub use log::{
-    Column, ColumnHeader, ColumnUnit, Finding, Log, LogWriter, Mf4About, Mf4Writer, Quality,
-    ReadOptions, Record, Rounded, SampleTime, UnitPlace, sidecar_of,
+    Column, ColumnHeader, ColumnUnit, Finding, LeftOut, Log, LogWriter, Mf4About, Mf4Writer,
+    Quality, ReadOptions, Record, Rounded, SampleTime, UnitPlace, sidecar_of,
 };
 pub use name_map::NameMap;
 pub use nearest::nearest;

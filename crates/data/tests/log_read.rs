@@ -122,8 +122,29 @@ fn the_caller_s_units_go_first_and_must_fit() {
     }
     let error = read("time [um],y\n0,1\n").unwrap_err();
     assert!(error.contains("time: has a unit that is none of time"), "{error}");
-    let error = read("time,y [furlong]\n0,1\n").unwrap_err();
-    assert!(error.starts_with("log.csv:1: y: unit \"furlong\": no unit symbol"), "{error}");
+}
+
+#[test]
+fn a_column_of_an_unknown_unit_is_an_error_only_where_it_is_used() {
+    let log = read("time,y [furlong],u [Volts],n [-]\n0,1,2,3\n").unwrap();
+    let note = "log.csv: column \"y\" is left out: it has a unit that is not known, \"furlong\"; say it: \
+                --unit y=um";
+    assert_eq!(log.notes(), [note]);
+    assert_eq!(log.left_out()[0].name, "y");
+    let error = log.require("y").unwrap_err().to_string();
+    assert!(
+        error.starts_with("log.csv: y: cannot be used: it has a unit that is not known"),
+        "{error}"
+    );
+    assert_eq!(log.convert("u", "mV").unwrap(), [2000.0]);
+    assert_eq!(log.columns().len(), 2);
+    let mut options = ReadOptions::default();
+    options.add_unit("y=um").unwrap();
+    let log = read_with("time,y [furlong]\n0,1\n", &options).unwrap();
+    assert_eq!((log.convert("y", "um").unwrap()[0], log.notes().len()), (1.0, 0));
+    // The time is always used.
+    let error = read("time [furlong],y\n0,1\n").unwrap_err();
+    assert!(error.starts_with("log.csv:1: time: has a unit that is not known"), "{error}");
 }
 
 #[test]

@@ -209,7 +209,7 @@ pub(crate) fn assemble(
     let judged = request.holdout.iter().map(|log| (log, true));
     let training = if request.holdout.is_empty() { 1.0 - HELD_OUT } else { 1.0 };
     for (log, is_judged) in logs.chain(judged) {
-        warnings.extend(log.note_on_times());
+        warnings.extend(log.notes());
         let training = if is_judged { 0.0 } else { training };
         let command = column(request, u, log, "input")?;
         let measured = column(request, y, log, "output")?;

@@ -40,7 +40,7 @@ impl fmt::Display for UnitError {
             Self::Unknown { start, end } => write!(
                 f,
                 "no unit symbol at characters {}..{end}; known are m, g, s, A, K, mol, cd, rad, deg, \
-                 V, N, Hz, C, F, H, W, J, Pa, Ohm, bar, min, h, degC, % and 1, with the prefixes \
+                 V, N, Hz, C, F, H, W, J, Pa, Ohm, bar, min, h, rpm, degC, % and 1, with the prefixes \
                  p n u m c k M G, combined as in um/V, N.s/m, V/s2",
                 start + 1
             ),
@@ -165,6 +165,7 @@ impl Unit {
             "cd" => unit(1.0, [0, 0, 0, 0, 0, 0, 1, 0]),
             "rad" => unit(1.0, [0, 0, 0, 0, 0, 0, 0, 1]),
             "deg" => unit(core::f64::consts::PI / 180.0, [0, 0, 0, 0, 0, 0, 0, 1]),
+            "rpm" => unit(core::f64::consts::PI / 30.0, [0, 0, -1, 0, 0, 0, 0, 1]),
             "Hz" => unit(1.0, [0, 0, -1, 0, 0, 0, 0, 0]),
             "N" => unit(1.0, [1, 1, -2, 0, 0, 0, 0, 0]),
             "Pa" => unit(1.0, [1, -1, -2, 0, 0, 0, 0, 0]),
@@ -251,6 +252,7 @@ mod tests {
         assert_eq!(unit("kg").factor, 1.0);
         assert_eq!(unit("min").factor, 60.0);
         assert_eq!(unit("mm").factor, 1e-3);
+        assert_eq!(unit("rpm").convert(60.0, &unit("rad/s")), Some(core::f64::consts::TAU));
     }
 
     #[test]

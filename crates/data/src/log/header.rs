@@ -13,7 +13,7 @@ const RECORD: [&str; 2] = ["record", "realization"];
 const INDEX: [&str; 9] = ["", "n", "k", "i", "index", "sample", "samples", "frame", "step"];
 
 /// The part of a column.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Role {
     /// Time, in this unit.
     Time(Unit),
@@ -23,6 +23,8 @@ pub(super) enum Role {
     Record,
     /// A signal.
     Signal,
+    /// None of these: why it cannot be used.
+    LeftOut(String),
 }
 
 /// A column before its values are known.
@@ -128,9 +130,16 @@ impl Context<'_> {
                 problems.push(self.problem(name, "is the name of two columns", way_out));
             }
             let unit = self.unit(name, unit, &mut problems);
-            let role = match (role, &unit) {
-                (Role::Time(_), Some(unit)) => Role::Time(unit.unit),
-                (role, _) => role,
+            let (role, unit) = match (role, unit) {
+                (Role::Time(_), Ok(Some(unit))) => (Role::Time(unit.unit), Some(unit)),
+                // Nobody need know the unit of what is not used.
+                (Role::Signal, Err(why)) => (Role::LeftOut(why), None),
+                (role, Ok(unit)) => (role, unit),
+                (role, Err(why)) => {
+                    let (rule, way_out) = why.split_once("; ").unwrap_or((&why, ""));
+                    problems.push(self.problem(name, rule, way_out));
+                    (role, None)
+                }
             };
             let description = self
                 .datasets
@@ -156,36 +165,33 @@ impl Context<'_> {
         }
     }
 
-    /// The unit of a column: the caller's, the header's, a dataset's.
+    /// The unit of a column: the caller's, the header's, a dataset's; why it is none where nobody knows it.
     fn unit(
         &self,
         name: &str,
         in_header: Option<&str>,
         problems: &mut Vec<Problem>,
-    ) -> Option<ColumnUnit> {
+    ) -> Result<Option<ColumnUnit>, String> {
         let in_dataset = self.datasets.iter().find_map(|dataset| {
             let text = if name == self.time_name() { dataset.time_unit.as_deref() } else { None };
             let text = text.or_else(|| dataset.columns.get(name)?.unit.as_deref());
             text.map(|text| (text, dataset))
         });
         let by_caller = self.options.units.get(name).map(String::as_str);
-        let text = by_caller.or(in_header).or(in_dataset.map(|(text, _)| text))?;
-        let unit = match ColumnUnit::parse(text) {
-            Ok(unit) => unit,
-            Err(error) => {
-                let way_out = format!("write it as in um, or say it: --unit {name}=um");
-                problems.push(self.problem(name, format!("unit \"{text}\": {error}"), way_out));
-                return None;
-            }
+        let Some(text) = by_caller.or(in_header).or(in_dataset.map(|(text, _)| text)) else {
+            return Ok(None);
         };
+        let unit = ColumnUnit::parse(text).map_err(|_| {
+            format!("has a unit that is not known, \"{text}\"; say it: --unit {name}=um")
+        })?;
         if let (None, Some(header), Some((other, dataset))) = (by_caller, in_header, in_dataset)
-            && Unit::parse(other).ok() != Some(unit.unit)
+            && ColumnUnit::parse(other).ok().map(|other| other.unit) != Some(unit.unit)
         {
             let rule = format!("the header says {header}, but {} says {other}", dataset.file);
             let way_out = format!("correct one of them, or decide: --unit {name}={header}");
             problems.push(self.problem(name, rule, way_out));
         }
-        Some(unit)
+        Ok(Some(unit))
     }
 
     fn check_roles(&self, heads: &[Head], problems: &mut Vec<Problem>) {

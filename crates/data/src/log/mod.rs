@@ -25,9 +25,12 @@
 mod cell;
 mod dataset;
 mod formats;
+#[cfg_attr(not(feature = "formats"), expect(dead_code, reason = "texts are one group"))]
+mod group;
 mod header;
 mod lines;
 mod mf4;
+mod notes;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod quality;
@@ -35,18 +38,20 @@ mod read;
 mod rounded;
 mod rows;
 mod table;
+mod units;
 mod write;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
-use model::{Unit, UnitError};
+use model::Unit;
 
 use lines::Lines;
 
 pub use dataset::sidecar_of;
 pub use mf4::{Mf4About, Mf4Writer};
+pub use notes::LeftOut;
 #[cfg(feature = "parquet")]
 pub use parquet::ParquetLogWriter;
 pub use quality::{Finding, Quality};
@@ -68,6 +73,7 @@ pub struct Log {
     /// Whether the records are numbered in the file.
     is_numbered: bool,
     rounded: Vec<Rounded>,
+    remarks: notes::Remarks,
 }
 
 /// Logs are equal where they hold the same; the lines on which it stands do not count.
@@ -150,19 +156,9 @@ impl ReadOptions {
             .map(|(column, unit)| (column.trim(), unit.trim()))
             .filter(|(column, unit)| !column.is_empty() && !unit.is_empty())
             .ok_or_else(|| problem("is no assignment of a unit to a column".into()))?;
-        Unit::parse(unit).map_err(|error| problem(error.to_string()))?;
+        ColumnUnit::parse(unit).map_err(|error| problem(error.to_string()))?;
         self.units.insert(column.into(), unit.into());
         Ok(())
-    }
-}
-
-impl ColumnUnit {
-    /// Reads a unit.
-    ///
-    /// # Errors
-    /// The text is no unit.
-    pub fn parse(text: &str) -> Result<Self, UnitError> {
-        Ok(Self { text: text.into(), unit: Unit::parse(text)? })
     }
 }
 
@@ -243,8 +239,9 @@ impl Log {
             }
         }
         let (lines, columns) = (Lines::default(), Vec::new());
-        let rounded = Vec::new();
-        Ok(Self { origin: origin.into(), time, lines, columns, records, is_numbered, rounded })
+        let (rounded, remarks) = (Vec::new(), notes::Remarks::default());
+        let origin = origin.into();
+        Ok(Self { origin, time, lines, columns, records, is_numbered, rounded, remarks })
     }
 
     /// The name, or one like it that this log can still take: names of others' variables may hold line
@@ -344,9 +341,12 @@ impl Log {
     /// The signal of this name, or what is there instead.
     ///
     /// # Errors
-    /// There is none; the message lists those that there are.
+    /// There is none, or it cannot be used; the message says why, or lists those that there are.
     pub fn require(&self, name: &str) -> Result<&Column, Problems> {
         self.column(name).ok_or_else(|| {
+            if let Some(problem) = self.reason_left_out(name) {
+                return problem.into();
+            }
             let names: Vec<&str> = self.columns.iter().map(|c| c.name.as_str()).collect();
             let near = nearest(name, names.iter().copied())
                 .map_or_else(String::new, |near| format!("did you mean \"{near}\"? "));
@@ -366,7 +366,8 @@ impl Log {
         let problem = |rule: String, way_out: String| {
             Problems::from(Problem::new(&self.origin, rule, way_out).at(name))
         };
-        let unit = Unit::parse(target)
+        let unit = ColumnUnit::parse(target)
+            .map(|target| target.unit)
             .map_err(|error| problem(format!("\"{target}\": {error}"), String::new()))?;
         let values = column.values.iter().map(|value| own.unit.convert(*value, &unit));
         values.collect::<Option<Vec<f64>>>().ok_or_else(|| {

@@ -113,6 +113,7 @@ impl Log {
             records: records.collect(),
             is_numbered: self.is_numbered,
             rounded: self.rounded.clone(),
+            remarks: self.remarks.clone(),
         }
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::header::{Head, Role, SECOND};
 use super::lines::Lines;
+use super::notes::{LeftOut, Remarks};
 use super::{Column, Log, Record, cell};
 use crate::{Problem, Problems};
 
@@ -16,7 +17,6 @@ pub(super) enum Place {
     /// Line of a text, from 1.
     Line(usize),
     /// Row of a table without lines, from 1.
-    #[cfg_attr(not(feature = "formats"), expect(dead_code, reason = "texts have lines"))]
     Row(usize),
 }
 
@@ -34,6 +34,8 @@ pub(super) struct Table<'a> {
     origin: &'a str,
     heads: Vec<Head>,
     rate: f64,
+    /// Columns that are not read, by position; empty where all are.
+    skipped: Vec<bool>,
     /// Values of all columns, those that are no signals too.
     values: Vec<Vec<f64>>,
     time: Vec<f64>,
@@ -53,9 +55,12 @@ pub(super) struct Table<'a> {
 impl<'a> Table<'a> {
     pub(super) fn new(origin: &'a str, heads: Vec<Head>, rate: Option<f64>) -> Self {
         let at = |wanted: fn(&Role) -> bool| heads.iter().position(|head| wanted(&head.role));
+        let skipped: Vec<bool> =
+            heads.iter().map(|head| matches!(head.role, Role::LeftOut(_))).collect();
         Self {
             origin,
             rate: rate.unwrap_or(1.0),
+            skipped: if skipped.contains(&true) { skipped } else { Vec::new() },
             values: vec![Vec::new(); heads.len()],
             time: Vec::new(),
             lines: Lines::default(),
@@ -81,6 +86,10 @@ impl<'a> Table<'a> {
         }
     }
 
+    fn is_skipped(&self, column: usize) -> bool {
+        self.skipped.get(column) == Some(&true)
+    }
+
     fn name(&self, column: usize) -> &str {
         self.heads.get(column).map_or("", |head| head.name.as_str())
     }
@@ -95,6 +104,10 @@ impl<'a> Table<'a> {
         self.cells.clear();
         let mut is_good = true;
         for (column, bytes) in row.enumerate() {
+            if self.is_skipped(column) {
+                self.cells.push(0.0);
+                continue;
+            }
             let number = cell::parse(bytes).unwrap_or_else(|(rule, way_out)| {
                 is_good = false;
                 self.note(|table| {
@@ -110,12 +123,14 @@ impl<'a> Table<'a> {
     }
 
     /// Takes a row of numbers, as many as there are columns.
-    #[cfg(feature = "formats")]
     pub(super) fn numbers(&mut self, row: impl Iterator<Item = f64>, place: Place) {
         self.cells.clear();
         self.cells.extend(row);
         let mut is_good = true;
         for column in 0..self.cells.len() {
+            if self.is_skipped(column) {
+                continue;
+            }
             if let Err((rule, way_out)) = cell::check(self.cells[column]) {
                 is_good = false;
                 self.note(|table| {
@@ -143,8 +158,10 @@ impl<'a> Table<'a> {
         }
         self.time.push(time);
         self.lines.push(self.time.len() - 1, place);
-        for (column, cell) in self.values.iter_mut().zip(&self.cells) {
-            column.push(*cell);
+        for (at, (column, cell)) in self.values.iter_mut().zip(&self.cells).enumerate() {
+            if self.skipped.get(at) != Some(&true) {
+                column.push(*cell);
+            }
         }
     }
 
@@ -190,7 +207,7 @@ impl<'a> Table<'a> {
             return Some((self.time.len() - start) as f64 / self.rate);
         };
         let cell = self.cells.get(at).copied().filter(|cell| !cell.is_nan())?;
-        match self.heads.get(at)?.role {
+        match &self.heads.get(at)?.role {
             Role::Time(unit) => unit.convert(cell, &SECOND),
             _ => Some(self.whole(cell, at, place)? as f64 / self.rate),
         }
@@ -244,6 +261,11 @@ impl<'a> Table<'a> {
             let way_out = "give at least one row below the header";
             return Err(Problem::new(self.origin, "has no rows of data", way_out).into());
         }
+        let left_out = self.heads.iter().filter_map(|head| match &head.role {
+            Role::LeftOut(why) => Some(LeftOut::new(&head.name, why)),
+            _ => None,
+        });
+        let remarks = Remarks { notes: Vec::new(), left_out: left_out.collect() };
         let columns = self.heads.into_iter().zip(self.values);
         let columns = columns.filter(|(head, _)| head.role == Role::Signal);
         let columns = columns.map(|(head, values)| {
@@ -258,6 +280,7 @@ impl<'a> Table<'a> {
             records: self.records,
             is_numbered: self.record_at.is_some(),
             rounded: Vec::new(),
+            remarks,
         })
     }
 }

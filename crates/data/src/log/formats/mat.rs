@@ -7,8 +7,8 @@ use std::path::Path;
 use flate2::read::ZlibDecoder;
 use matfile::{Array, MatFile, NumericData};
 
-use super::tables::{Group, Raw};
-use super::{Refusal, broken};
+use super::broken;
+use crate::log::group::{Group, Raw, Refusal};
 
 /// Arrays of the same length are one group, named by that length; columns of a matrix get indices
 /// from 1. Structures and `timeseries` objects are not read by the crate.
@@ -25,7 +25,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
         let name = rows.to_string();
         match groups.iter_mut().find(|group| group.name == name) {
             Some(group) => group.columns.extend(columns),
-            None => groups.push(Group { name, columns }),
+            None => groups.push(Group::new(name, columns)),
         }
     }
     if groups.is_empty() {

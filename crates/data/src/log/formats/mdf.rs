@@ -6,8 +6,8 @@ use mf4_rs::api::channel::Channel;
 use mf4_rs::api::mdf::MDF;
 use mf4_rs::error::MdfError;
 
-use super::tables::{Group, Raw};
-use super::{Refusal, broken};
+use super::broken;
+use crate::log::group::{Group, Raw, Refusal};
 
 /// Each channel group is one group; its master channel is its time.
 pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
@@ -27,24 +27,30 @@ pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
             });
         }
         let master = group.master_channel();
-        let mut columns = Vec::new();
+        let (mut columns, mut texts) = (Vec::new(), Vec::new());
         if let Some(master) = &master {
             let unit = master.unit().map_err(refuse)?;
             columns.push(Raw::new("time", unit, master.values_as_f64().map_err(refuse)?));
         }
         for channel in group.channels() {
             let is_master = |m: &Channel<'_>| std::ptr::eq(m.block(), channel.block());
-            if master.as_ref().is_some_and(is_master) || is_text(&channel) {
+            if master.as_ref().is_some_and(is_master) {
                 continue;
             }
             let Some(name) = channel.name().map_err(refuse)? else { continue };
+            if is_text(&channel) {
+                texts.push(name);
+                continue;
+            }
             let unit = channel.unit().map_err(refuse)?;
             columns.push(Raw::new(name, unit, channel.values_as_f64().map_err(refuse)?));
         }
         let rows = columns.first().map_or(0, |raw| raw.values.len());
         columns.retain(|raw| raw.values.len() == rows);
         let name = group.name().map_err(refuse)?.filter(|name| !name.is_empty());
-        Ok(Group { name: name.unwrap_or_else(|| (index + 1).to_string()), columns })
+        let mut found = Group::new(name.unwrap_or_else(|| (index + 1).to_string()), columns);
+        texts.into_iter().for_each(|name| found.leave_out(name, "holds texts, bytes or dates"));
+        Ok(found)
     });
     groups.collect()
 }

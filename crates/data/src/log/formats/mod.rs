@@ -9,13 +9,13 @@ mod numpy;
 #[cfg(feature = "formats")]
 mod parquet;
 #[cfg(feature = "formats")]
-mod tables;
-#[cfg(feature = "formats")]
 mod tdms;
 
 use std::path::Path;
 
 use super::dataset::Dataset;
+#[cfg(feature = "formats")]
+use super::group::{Found, Refusal};
 use super::{Log, ReadOptions};
 use crate::{Problem, Problems};
 
@@ -67,24 +67,23 @@ impl Format {
         datasets: &[Dataset],
     ) -> Result<Log, Problems> {
         options.check(origin)?;
-        let refuse = |(rule, way_out): Refusal| Problems::from(Problem::new(origin, rule, way_out));
         // The parsers are other people's; a damaged file must not end the program.
-        let groups = std::panic::catch_unwind(|| match self {
-            Self::Mat => mat::read(path),
-            Self::Mdf => mdf::read(path),
-            Self::Npy => numpy::array(path),
-            Self::Npz => numpy::archive(path),
-            Self::Parquet => parquet::read(path),
-            Self::Tdms => tdms::read(path),
+        let found = std::panic::catch_unwind(|| match self {
+            Self::Mat => mat::read(path).map(Found::from),
+            Self::Mdf => mdf::read(path).map(Found::from),
+            Self::Npy => numpy::array(path).map(Found::from),
+            Self::Npz => numpy::archive(path).map(Found::from),
+            Self::Parquet => parquet::read(path).map(Found::from),
+            Self::Tdms => tdms::read(path).map(Found::from),
             Self::Hdf5 => Err((
                 "is HDF5, as MATLAB 7.3 writes it, which is not read".into(),
                 "save it with -v7, or as Parquet or CSV".into(),
             )),
         });
         let damaged = || ("is damaged: its reader gave up".to_owned(), "write it again".to_owned());
-        let groups = groups.unwrap_or_else(|_| Err(damaged())).map_err(refuse)?;
-        let group = tables::choose(groups, options.group.as_deref()).map_err(refuse)?;
-        group.log(origin, options, datasets)
+        let refuse = |(rule, way_out): Refusal| Problems::from(Problem::new(origin, rule, way_out));
+        let found = found.unwrap_or_else(|_| Err(damaged())).map_err(refuse)?;
+        found.log(origin, options, datasets)
     }
 
     /// Refuses the file: this build reads texts only.
@@ -100,10 +99,6 @@ impl Format {
         Err(Problem::new(origin, rule, "save it as CSV, or build with the feature formats").into())
     }
 }
-
-/// The rule that a file breaks, and the way out.
-#[cfg(feature = "formats")]
-type Refusal = (String, String);
 
 /// A refusal with what another library says.
 #[cfg(feature = "formats")]

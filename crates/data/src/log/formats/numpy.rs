@@ -7,8 +7,8 @@ use std::path::Path;
 use npyz::{DType, Endianness, NpyHeader, Order, TypeChar, TypeStr};
 use zip::ZipArchive;
 
-use super::tables::{Group, Raw};
-use super::{Refusal, broken};
+use super::broken;
+use crate::log::group::{Group, Raw, Refusal};
 
 /// Longest header that is read, in bytes; NumPy writes a hundred for each field.
 const LONGEST_HEADER: u32 = 1 << 20;
@@ -17,7 +17,7 @@ const LONGEST_HEADER: u32 = 1 << 20;
 pub(super) fn array(path: &Path) -> Result<Vec<Group>, Refusal> {
     let file = File::open(path).map_err(|error| broken("npy", error))?;
     let columns = columns("column", BufReader::new(file))?;
-    Ok(vec![Group { name: "array".into(), columns }])
+    Ok(vec![Group::new("array", columns)])
 }
 
 /// Arrays by name; those of one length are one group, named by that length.
@@ -35,7 +35,7 @@ pub(super) fn archive(path: &Path) -> Result<Vec<Group>, Refusal> {
         let length = rows.to_string();
         match groups.iter_mut().find(|group| group.name == length) {
             Some(group) => group.columns.extend(columns),
-            None => groups.push(Group { name: length, columns }),
+            None => groups.push(Group::new(length, columns)),
         }
     }
     Ok(groups)

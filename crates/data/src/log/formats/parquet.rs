@@ -10,8 +10,8 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
-use super::tables::{Group, Raw};
-use super::{Refusal, broken};
+use super::broken;
+use crate::log::group::{Group, Raw, Refusal};
 
 /// The columns of numbers and truth values, of durations (in s) and of timestamps (in s after the first one; the
 /// first such column is the time where none is called `time`). Units are key-value metadata,
@@ -66,7 +66,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
     if let (Some(at), false) = (dated, columns.iter().any(|raw| raw.name == "time")) {
         columns[at].name = "time".into();
     }
-    Ok(vec![Group { name: about.schema().name().to_owned(), columns }])
+    Ok(vec![Group::new(about.schema().name(), columns)])
 }
 
 /// What the whole numbers of a column mean.

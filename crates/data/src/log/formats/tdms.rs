@@ -6,8 +6,8 @@ use std::path::Path;
 
 use tdms_rs::{DataType, PropertyValue, TdmsChannel, TdmsError, TdmsFile};
 
-use super::tables::{Group, Raw};
-use super::{Refusal, broken};
+use super::broken;
+use crate::log::group::{Group, Raw, Refusal};
 
 /// The channels of a group that were sampled at the same times are one group; times come from a channel `time`, else
 /// from the waveform properties: `wf_increment`, from `wf_start_offset` on, and `wf_start_time` against the
@@ -51,7 +51,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
                 (false, Some(first)) => format!("{}/{}", group.name(), first.name),
                 _ => group.name().to_owned(),
             };
-            groups.push(Group { name, columns: part.with_times() });
+            groups.push(Group::new(name, part.with_times()));
         }
     }
     Ok(groups)

@@ -13,7 +13,8 @@ use std::path::Path;
 
 use tdms_rs::DataType;
 
-use crate::log::formats::{Refusal, broken};
+use crate::log::formats::broken;
+use crate::log::group::Refusal;
 
 /// Bits of a lead-in.
 const OBJECTS: u32 = 1 << 1;

@@ -1,11 +1,44 @@
 //! From the columns of a file to a log.
 
-use super::Refusal;
-use crate::log::dataset::Dataset;
-use crate::log::header::Context;
-use crate::log::table::{Place, Table};
-use crate::log::{Log, ReadOptions};
-use crate::{Problems, nearest};
+use super::dataset::Dataset;
+use super::header::Context;
+use super::notes::LeftOut;
+use super::table::{Place, Table};
+use super::{Log, ReadOptions};
+use crate::{Problem, Problems, nearest};
+
+/// The rule that a file breaks, and the way out.
+pub(super) type Refusal = (String, String);
+
+/// What a reader found in a file.
+#[derive(Debug, Default)]
+pub(super) struct Found {
+    pub(super) groups: Vec<Group>,
+    /// Sentences about the file: what was recognised, assumed, skipped, without the file's name.
+    pub(super) notes: Vec<String>,
+}
+
+impl From<Vec<Group>> for Found {
+    fn from(groups: Vec<Group>) -> Self {
+        Self { groups, notes: Vec::new() }
+    }
+}
+
+impl Found {
+    /// The log that is meant.
+    pub(super) fn log(
+        self,
+        origin: &str,
+        options: &ReadOptions,
+        datasets: &[Dataset],
+    ) -> Result<Log, Problems> {
+        let refuse = |(rule, way_out): Refusal| Problems::from(Problem::new(origin, rule, way_out));
+        let group = choose(self.groups, options.group.as_deref()).map_err(refuse)?;
+        let mut log = group.log(origin, options, datasets)?;
+        log.remarks.notes.splice(..0, self.notes);
+        Ok(log)
+    }
+}
 
 /// Columns of one length.
 #[derive(Debug, Default)]
@@ -14,6 +47,8 @@ pub(super) struct Group {
     pub(super) name: String,
     /// The columns; that of time, if there is one, has the name `time` or what the file calls it.
     pub(super) columns: Vec<Raw>,
+    /// Columns of it that are no numbers, or that nobody can use for another reason.
+    pub(super) left_out: Vec<LeftOut>,
 }
 
 /// A column as the file has it.
@@ -40,6 +75,16 @@ impl Raw {
 }
 
 impl Group {
+    /// A group whose columns can all be used.
+    pub(super) fn new(name: impl Into<String>, columns: Vec<Raw>) -> Self {
+        Self { name: name.into(), columns, left_out: Vec::new() }
+    }
+
+    /// Leaves a column out and keeps why, as in `holds texts`; behind `; ` what to do about it.
+    pub(super) fn leave_out(&mut self, name: impl Into<String>, why: impl Into<String>) {
+        self.left_out.push(LeftOut::new(name, why));
+    }
+
     fn rows(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())
     }
@@ -49,7 +94,7 @@ impl Group {
     }
 
     /// The log: names, units and rows under the same rules as those of a text.
-    pub(super) fn log(
+    fn log(
         self,
         origin: &str,
         options: &ReadOptions,
@@ -66,13 +111,15 @@ impl Group {
             let cells = self.columns.iter().map(|column| column.values[row]);
             table.numbers(cells, Place::Row(row + 1));
         }
-        table.finish()
+        let mut log = table.finish()?;
+        log.remarks.left_out.extend(self.left_out);
+        Ok(log)
     }
 }
 
 /// The group that is meant: that of the name; without one, all groups with the same times, or the
 /// only one.
-pub(super) fn choose(groups: Vec<Group>, name: Option<&str>) -> Result<Group, Refusal> {
+fn choose(groups: Vec<Group>, name: Option<&str>) -> Result<Group, Refusal> {
     let mut groups: Vec<Group> = groups.into_iter().filter(|group| group.rows() > 0).collect();
     if let Some(name) = name {
         let names: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
@@ -89,6 +136,7 @@ pub(super) fn choose(groups: Vec<Group>, name: Option<&str>) -> Result<Group, Re
         match merged.iter_mut().find(|other| same_times(other, &group)) {
             Some(other) => {
                 other.columns.extend(group.columns.into_iter().filter(|raw| raw.name != "time"));
+                other.left_out.extend(group.left_out);
             }
             None => merged.push(group),
         }
