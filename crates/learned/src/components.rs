@@ -76,7 +76,7 @@ fn stops(period: f64, structure: &[f64]) -> Option<Features> {
 }
 
 fn derivatives(_period: f64, structure: &[f64]) -> Option<Features> {
-    let &[dimension, half, cutoff] = structure else { return None };
+    let &[dimension, half, cutoff, ..] = structure else { return None };
     Derivatives::new(dimension as usize, half as usize, cutoff, [1.0; 4]).map(Features::Derivatives)
 }
 
@@ -89,6 +89,7 @@ impl Family {
         let (d, columns) = (features.dimension(), table.columns());
         let (slope, is_projected) = match (&features, structure) {
             (Features::Stops(_), &[.., slope, projected]) => (slope, projected > 0.5),
+            (Features::Derivatives(_), &[.., slope]) => (slope, false),
             _ => (0.0, false),
         };
         let least = 2 + usize::from(is_projected);

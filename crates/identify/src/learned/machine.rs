@@ -292,7 +292,8 @@ impl Machine {
             Features::Derivatives(derivatives) => named("gaussian-process", "gp-inverse")
                 .value("inputs", self.frame.widths.len() as f64)
                 .value("half", derivatives.half() as f64)
-                .value("cutoff", derivatives.cutoff()),
+                .value("cutoff", derivatives.cutoff())
+                .value("slope", self.frame.slope),
         };
         let (input, output) = (self.frame.command, self.frame.output);
         let (command, position) = if inverse { (output, input) } else { (input, output) };

@@ -21,6 +21,15 @@ const fn count(name: &'static str, description: &'static str, min: f64, max: f64
     Structural { name, unit: "1", description, start: None, min, max, integer: true }
 }
 
+const SLOPE: Structural = Structural::real(
+    "slope",
+    "1",
+    "Of a straight line over the scaled input, on which the kernels stand",
+    0.0,
+    -1e6,
+    1e6,
+);
+
 const NARX: &[Structural] = &[
     SAMPLE_TIME,
     count("past_inputs", "Number of past inputs, beside the present one", 0.0, 100.0),
@@ -31,14 +40,7 @@ const STOPS: &[Structural] = &[
     count("stops", "Number of stop operators", 0.0, 1000.0),
     Structural::real("range", "1", "Greatest scaled input of the stops", 1.0, 1e-9, 1e9),
     Structural::real("rate_scale", "1/s", "What the scaled rate is divided by", 1.0, 1e-12, 1e12),
-    Structural::real(
-        "slope",
-        "1",
-        "Of a straight line over the scaled input, on which the kernels stand",
-        0.0,
-        -1e6,
-        1e6,
-    ),
+    SLOPE,
     Structural {
         name: "projected",
         unit: "1",
@@ -61,6 +63,7 @@ const DERIVATIVES: &[Structural] = &[
         1e-6,
         0.5,
     ),
+    SLOPE,
 ];
 
 /// Of the feedforward without an inverse: its inputs are positions, its outputs hysteresis terms.
@@ -84,7 +87,7 @@ const NARX_EQUATION: &str = "y(t) = bias + sum(w[i]*exp(-|x[i] - z|^2)); z = [u(
                              y(t-1), ...], scaled";
 const STOPS_EQUATION: &str = "y(t) = slope*u + bias + sum(w[i]*exp(-|x[i] - z|^2)); z = [stops of \
                               u, u + sum(p[i]*stop[i]), u'], scaled";
-const GP_EQUATION: &str = "y(t) = mean + sum(w[i]*exp(-|x[i] - z|^2)); z = [u, u', u'', u'''] about \
+const GP_EQUATION: &str = "y(t) = slope*u + mean + sum(w[i]*exp(-|x[i] - z|^2)); z = [u, u', u'', u'''] about \
                            t minus the delay, scaled";
 
 const fn plant(
