@@ -13,7 +13,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
     when sample(0, step) then
       p = Functions.plays(u, r, 0, pre(p));
     end when;
-    y = offset + w*p;
+    y_um = offset + w*p;
     annotation(Documentation(info="<html><p>Component <code>prandtl-ishlinskii</code>:</p><p><code>y = offset + sum(w[i]*P[i]); P[i] = max(u - r[i], min(u + r[i], P[i]))</code></p></html>"));
   end PrandtlIshlinskii;
 
@@ -33,7 +33,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
     when sample(0, step) then
       p = Functions.plays(u, r, 0, pre(p));
     end when;
-    y = offset + Functions.deadZones(w*p, edge, slope);
+    y_um = offset + Functions.deadZones(w*p, edge, slope);
     annotation(Documentation(info="<html><p>Component <code>modified-prandtl-ishlinskii</code>:</p><p><code>y = offset + x + sum(slope[j]*z[j](x)); x = sum(w[i]*P[i]); z[j] = max(x - edge[j], 0) for edge[j] &gt; 0, else min(x - edge[j], 0)</code></p></html>"));
   end ModifiedPrandtlIshlinskii;
 
@@ -63,7 +63,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
       p = Functions.plays(u, r, 0, pre(p));
       q = Functions.plays(u, {half_range*max(0, width + x*(width_growth + x*width_curvature))}, 0, pre(q));
     end when;
-    y = offset + w*p + x*(skew*p - last*sum(skew)) + play_weight*(q[1] - last);
+    y_um = offset + w*p + x*(skew*p - last*sum(skew)) + play_weight*(q[1] - last);
     annotation(Documentation(info="<html><p>Component <code>skewed-play</code>:</p><p><code>y = offset + sum(w[i]*P[i]) + x*sum(skew[i]*(P[i] - u)) + play_weight*(Q - u); P[i] = max(u - r[i], min(u + r[i], P[i])); Q the same with half_range*max(0, width + width_growth*x + width_curvature*x^2); x = (u - centre)/half_range</code></p></html>"));
   end SkewedPlay;
 
@@ -95,7 +95,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
         min(right_a0*tanh(right_a1*u + right_a2) + right_a3, if pre(on) then pre(s) else virgin));
       p = Functions.plays(s, r, 0, pre(p));
     end when;
-    y = offset + w*p;
+    y_um = offset + w*p;
     annotation(Documentation(info="<html><p>Component <code>generalised-play</code>:</p><p><code>y = offset + sum(w[i]*F[i]); F[i] = max(left(u) - r[i], min(right(u) + r[i], F[i])); left(u) = a0*tanh(a1*u + a2) + a3</code></p></html>"));
   end GeneralisedPlay;
 
@@ -116,7 +116,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
       level = max(0, min(levels, floor((u - low)*levels/(high - low))));
       gamma = Functions.relays(level, pre(gamma));
     end when;
-    y = offset + mu*gamma;
+    y_um = offset + mu*gamma;
     annotation(Documentation(info="<html><p>Component <code>preisach</code>:</p><p><code>y = offset + sum(mu[i,j]*relay[i,j]), j &lt;= i; a relay is on once u &gt;= t[i] and off once u &lt; t[j]; t[k] = low + k*(high - low)/N</code></p></html>"));
   end Preisach;
 
@@ -138,7 +138,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
       last = u;
       h = Functions.boucWen(pre(h), u - pre(last), alpha*gain, beta, gamma, delta, exponent);
     end when;
-    y = offset + gain*last - h;
+    y_um = offset + gain*last - h;
     annotation(Documentation(info="<html><p>Component <code>bouc-wen</code>:</p><p><code>y = offset + gain*u - h; dh/du = alpha*gain - (gamma + beta*sgn(u'*h) + delta*sgn(u'))*|h|*|h/hs|^(exponent - 1); hs = alpha*gain/(beta + gamma)</code></p></html>"));
   end BoucWen;
 
@@ -157,7 +157,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
       last = u;
       e = Functions.duhem(pre(e), u - pre(last), (slope - initial_)/decay, decay);
     end when;
-    y = offset + slope*last + e;
+    y_um = offset + slope*last + e;
     annotation(Documentation(info="<html><p>Component <code>duhem</code>:</p><p><code>y' = decay*|u'|*(offset + slope*u - y) + initial*u'</code></p></html>"));
   end Duhem;
 
@@ -176,7 +176,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
       last = u;
       e = Functions.duhem(pre(e), u - pre(last), height, 1/length);
     end when;
-    y = offset + gain*last + e;
+    y_um = offset + gain*last + e;
     annotation(Documentation(info="<html><p>Component <code>dahl</code>:</p><p><code>y = offset + gain*u - h; dh/du = height/length*(1 - sgn(u')*h/height)</code></p></html>"));
   end Dahl;
 
@@ -201,7 +201,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
       speed = if pre(on) then (u - pre(last))/step else 0;
       p = Functions.plays(u, r, rate*abs(speed), pre(p));
     end when;
-    y = offset + gain*last + w*p;
+    y_um = offset + gain*last + w*p;
     annotation(Documentation(info="<html><p>Component <code>rate-dependent-play</code>:</p><p><code>y = offset + gain*u + sum(w[i]*F[i]); F[i] = max(u - t[i], min(u + t[i], F[i])); t[i] = r[i] + rate*|u'|</code></p></html>"));
   end RateDependentPlay;
 
@@ -226,7 +226,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
       v = if pre(on) then pre(v) + (1 - exp(-2*Constants.pi*bandwidth*step))*(u - pre(v)) else u;
       p = Functions.plays(v, r, 0, pre(p));
     end when;
-    y = offset + gain*last + w*p;
+    y_um = offset + gain*last + w*p;
     annotation(Documentation(info="<html><p>Component <code>lagging-play</code>:</p><p><code>y = offset + gain*u + sum(w[i]*P[i]); P[i] = max(v - r[i], min(v + r[i], P[i])); v' = 2*pi*bandwidth*(u - v)</code></p></html>"));
   end LaggingPlay;
 
@@ -253,7 +253,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
       speed = if pre(on) then (u - pre(last))/step else 0;
       p = Functions.envelopedPlays(a1*u + a2*abs(speed), b1*u + b2*abs(speed), r, pre(p));
     end when;
-    y = offset + w*p;
+    y_um = offset + w*p;
     annotation(Documentation(info="<html><p>Component <code>grpi</code>:</p><p><code>y = offset + sum(w[i]*P[i]); P[i] = max(hl - r[i], min(hr + r[i], P[i])); hl = a1*u + a2*|u'|; hr = b1*u + b2*|u'|</code></p></html>"));
   end Grpi;
 
@@ -280,7 +280,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
       speed = if pre(on) then (u - pre(last))/step else 0;
       p = Functions.plays(u, scale*r, rate*abs(speed), pre(p));
     end when;
-    y = offset + linear*last + cubic*last^3 + w*p;
+    y_um = offset + linear*last + cubic*last^3 + w*p;
     annotation(Documentation(info="<html><p>Component <code>mpi</code>:</p><p><code>y = offset + linear*u + cubic*u^3 + sum(w[i]*F[i]); F[i] = max(u - t[i], min(u + t[i], F[i])); t[i] = scale*r[i] + rate*|u'|</code></p></html>"));
   end Mpi;
 
@@ -310,7 +310,7 @@ package Hysteresis "Memory of the actuator, one step per sample"
       phi = Functions.segmentWeight(speed, acceleration, alpha, beta);
       p = Functions.plays(u, r, 0, pre(p));
     end when;
-    y = offset + w*p + phi*sum(p);
+    y_um = offset + w*p + phi*sum(p);
     annotation(Documentation(info="<html><p>Component <code>dynamic-prandtl-ishlinskii</code>:</p><p><code>y = offset + sum((w[i] + phi)*P[i]); phi = alpha[s]*u' + beta[s]*u''; segment s by the signs of u' and u''</code></p></html>"));
   end DynamicPrandtlIshlinskii;
 end Hysteresis;

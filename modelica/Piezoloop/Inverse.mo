@@ -13,7 +13,7 @@ package Inverse "Feedforward: inverses of the hysteresis models"
     discrete Real p[plays](each start = 0, each fixed = true, each unit="um") "Plays of the inverse";
   equation
     when sample(0, step) then
-      p = Functions.plays(u - offset, inverse_r, 0, pre(p));
+      p = Functions.plays(u_um - offset, inverse_r, 0, pre(p));
     end when;
     y = inverse_w*p;
     annotation(Documentation(info="<html><p>Component <code>inverse-prandtl-ishlinskii</code>:</p><p><code>u = sum(w'[i]*P[i]); P[i] = max(y - offset - r'[i], min(y - offset + r'[i], P[i])); w'[1] = 1/w[1]; w'[i] = -w[i]/(sum(w[1..i])*sum(w[1..i-1])); r'[i] = sum(w[j]*(r[i] - r[j]), j = 1..i)</code></p></html>"));
@@ -37,7 +37,7 @@ package Inverse "Feedforward: inverses of the hysteresis models"
     discrete Real p[plays](each start = 0, each fixed = true, each unit="um") "Plays of the inverse";
   equation
     when sample(0, step) then
-      p = Functions.plays(Functions.deadZones(u - offset, inverse_edge, inverse_slope), inverse_r, 0, pre(p));
+      p = Functions.plays(Functions.deadZones(u_um - offset, inverse_edge, inverse_slope), inverse_r, 0, pre(p));
     end when;
     y = inverse_w*p;
     annotation(Documentation(info="<html><p>Component <code>inverse-modified-prandtl-ishlinskii</code>:</p><p><code>u = inverse plays of S^-1(y - offset); S^-1 is piecewise linear with the edges S(edge[j]) and the reciprocal slopes</code></p></html>"));
@@ -70,7 +70,7 @@ package Inverse "Feedforward: inverses of the hysteresis models"
   equation
     when sample(0, step) then
       on = true;
-      p = Functions.plays(u - offset, inverse_r, 0, pre(p));
+      p = Functions.plays(u_um - offset, inverse_r, 0, pre(p));
       s = inverse_w*p;
       held = if s > (if pre(on) then pre(s) else virgin) then
           (Functions.atanh((s - left_a3)/left_a0) - left_a2)/left_a1
@@ -96,7 +96,7 @@ package Inverse "Feedforward: inverses of the hysteresis models"
     discrete Real level(start = 0, fixed = true) "Level of the command";
   equation
     when sample(0, step) then
-      level = Functions.nearestLevel(u - offset, pre(level), levels, mu, pre(gamma));
+      level = Functions.nearestLevel(u_um - offset, pre(level), levels, mu, pre(gamma));
       gamma = Functions.relays(level, pre(gamma));
     end when;
     y = low + (level + 0.5)*(high - low)/levels;
@@ -120,7 +120,7 @@ package Inverse "Feedforward: inverses of the hysteresis models"
     discrete Real h(start = 0, fixed = true, unit="um") "Hysteretic part of the copy";
   equation
     when sample(0, step) then
-      command = Solve.boucWen(u, pre(command), pre(h), command_min, command_max, offset, gain, alpha, beta, gamma, delta, exponent);
+      command = Solve.boucWen(u_um, pre(command), pre(h), command_min, command_max, offset, gain, alpha, beta, gamma, delta, exponent);
       h = Functions.boucWen(pre(h), command - pre(command), alpha*gain, beta, gamma, delta, exponent);
     end when;
     y = command;
@@ -141,7 +141,7 @@ package Inverse "Feedforward: inverses of the hysteresis models"
     discrete Real e(start = 0, fixed = true, unit="um") "Distance of the copy from its centre line";
   equation
     when sample(0, step) then
-      command = Solve.duhem(u, pre(command), pre(e), command_min, command_max, offset, slope, (slope - initial_)/decay, decay);
+      command = Solve.duhem(u_um, pre(command), pre(e), command_min, command_max, offset, slope, (slope - initial_)/decay, decay);
       e = Functions.duhem(pre(e), command - pre(command), (slope - initial_)/decay, decay);
     end when;
     y = command;
@@ -162,7 +162,7 @@ package Inverse "Feedforward: inverses of the hysteresis models"
     discrete Real e(start = 0, fixed = true, unit="um") "Distance of the copy from its centre line";
   equation
     when sample(0, step) then
-      command = Solve.duhem(u, pre(command), pre(e), command_min, command_max, offset, gain, height, 1/length);
+      command = Solve.duhem(u_um, pre(command), pre(e), command_min, command_max, offset, gain, height, 1/length);
       e = Functions.duhem(pre(e), command - pre(command), height, 1/length);
     end when;
     y = command;
@@ -191,9 +191,9 @@ package Inverse "Feedforward: inverses of the hysteresis models"
   equation
     when sample(0, step) then
       on = true;
-      wanted = u;
-      wanted_rate = if pre(on) then (u - pre(wanted))/step else 0;
-      command = Solve.cubicPlays(u, command_min, command_max, offset, gain, 0, r, w, rate*abs(wanted_rate/mean_slope), pre(p));
+      wanted = u_um;
+      wanted_rate = if pre(on) then (u_um - pre(wanted))/step else 0;
+      command = Solve.cubicPlays(u_um, command_min, command_max, offset, gain, 0, r, w, rate*abs(wanted_rate/mean_slope), pre(p));
       speed = if pre(on) then (command - pre(command))/step else 0;
       p = Functions.plays(command, r, rate*abs(speed), pre(p));
     end when;
@@ -225,9 +225,9 @@ package Inverse "Feedforward: inverses of the hysteresis models"
   equation
     when sample(0, step) then
       on = true;
-      wanted = u;
-      wanted_rate = if pre(on) then (u - pre(wanted))/step else 0;
-      command = Solve.envelopedPlays(u, command_min, command_max, offset, a1, a2*abs(wanted_rate/mean_slope), b1, b2*abs(wanted_rate/mean_slope), r, w, pre(p));
+      wanted = u_um;
+      wanted_rate = if pre(on) then (u_um - pre(wanted))/step else 0;
+      command = Solve.envelopedPlays(u_um, command_min, command_max, offset, a1, a2*abs(wanted_rate/mean_slope), b1, b2*abs(wanted_rate/mean_slope), r, w, pre(p));
       speed = if pre(on) then (command - pre(command))/step else 0;
       p = Functions.envelopedPlays(a1*command + a2*abs(speed), b1*command + b2*abs(speed), r, pre(p));
     end when;
@@ -259,9 +259,9 @@ package Inverse "Feedforward: inverses of the hysteresis models"
   equation
     when sample(0, step) then
       on = true;
-      wanted = u;
-      wanted_rate = if pre(on) then (u - pre(wanted))/step else 0;
-      command = Solve.cubicPlays(u, command_min, command_max, offset, linear, cubic, scale*r, w, rate*abs(wanted_rate/mean_slope), pre(p));
+      wanted = u_um;
+      wanted_rate = if pre(on) then (u_um - pre(wanted))/step else 0;
+      command = Solve.cubicPlays(u_um, command_min, command_max, offset, linear, cubic, scale*r, w, rate*abs(wanted_rate/mean_slope), pre(p));
       speed = if pre(on) then (command - pre(command))/step else 0;
       p = Functions.plays(command, scale*r, rate*abs(speed), pre(p));
     end when;
@@ -292,11 +292,11 @@ package Inverse "Feedforward: inverses of the hysteresis models"
   equation
     when sample(0, step) then
       on = true;
-      wanted = u;
-      wanted_rate = if pre(on) then (u - pre(wanted))/step else 0;
+      wanted = u_um;
+      wanted_rate = if pre(on) then (u_um - pre(wanted))/step else 0;
       phi = Functions.segmentWeight(wanted_rate/mean_slope,
         if pre(on) then (wanted_rate - pre(wanted_rate))/step/mean_slope else 0, alpha, beta);
-      command = Solve.prandtlIshlinskii(u, command_min, command_max, offset, phi, r, w, pre(p));
+      command = Solve.prandtlIshlinskii(u_um, command_min, command_max, offset, phi, r, w, pre(p));
       p = Functions.plays(command, r, 0, pre(p));
     end when;
     y = command;
@@ -320,10 +320,10 @@ package Inverse "Feedforward: inverses of the hysteresis models"
   equation
     when sample(0, step) then
       on = true;
-      v = if pre(on) then (u - left*pre(z))/(1 + share*fraction) else u/(1 + sum(share));
+      v = if pre(on) then (u_um - left*pre(z))/(1 + share*fraction) else u_um/(1 + sum(share));
       z = Functions.lags(v, if pre(on) then 1 else 0, fraction, pre(z));
     end when;
-    y = v;
+    y_um = v;
     annotation(Documentation(info="<html><p>Component <code>inverse-kelvin-voigt-creep</code>:</p><p><code>u + sum(share[i]*z[i]) = y; time_constant[i]*z[i]' = u - z[i]</code></p></html>"));
   end InverseKelvinVoigtCreep;
 end Inverse;

@@ -5,7 +5,7 @@ package Mechanics "Moving mass, flexures, guides and load"
     parameter Real stiffness(unit="N/um", min = 0) "Stiffness of the actuator with its flexure";
     Interfaces.ForceInput force "Load force";
   equation
-    y = u + force/stiffness;
+    y_um = u_um + force/stiffness;
     annotation(Documentation(info="<html><p>Component <code>load-force</code>:</p><p><code>y = u + force/stiffness</code></p></html>"));
   end LoadForce;
 
@@ -18,11 +18,11 @@ package Mechanics "Moving mass, flexures, guides and load"
     final parameter Real w(unit="rad/s") = 2*Constants.pi*frequency "Natural angular frequency";
     Real v(unit="um") "Rate of y over w";
   initial equation
-    der(y) = 0;
+    der(y_um) = 0;
     der(v) = 0;
   equation
-    der(y) = w*v;
-    der(v) = w*(gain*u - y - 2*damping*v);
+    der(y_um) = w*v;
+    der(v) = w*(gain*u_um - y_um - 2*damping*v);
     annotation(Documentation(info="<html><p>Component <code>mode</code>:</p><p><code>x'' + 2*damping*w*x' + w^2*x = w^2*gain*u; w = 2*pi*frequency</code></p></html>"));
   end Mode;
 
@@ -46,9 +46,9 @@ package Mechanics "Moving mass, flexures, guides and load"
   equation
     for i in 1:2 loop
       der(x[i]) = w[i]*v[i];
-      der(v[i]) = w[i]*(u - x[i] - 2*d[i]*v[i]);
+      der(v[i]) = w[i]*(u_um - x[i] - 2*d[i]*v[i]);
     end for;
-    y = (1 - share)*x[1] + share*x[2];
+    y_um = (1 - share)*x[1] + share*x[2];
     annotation(Documentation(info="<html><p>Component <code>mode-pair</code>:</p><p><code>y = (1 - share)*x1 + share*x2; x'' + 2*damping*w*x' + w^2*x = w^2*u for each</code></p></html>"));
   end ModePair;
 
@@ -73,11 +73,11 @@ package Mechanics "Moving mass, flexures, guides and load"
       on = true;
       count = if pre(count) + 1.5 > ratio then 0 else pre(count) + 1;
       way = if not pre(on) then -1 elseif count < 0.5 then 1 else 0;
-      past = Functions.enter(u, way, pre(past));
-      v = if way < -0.5 then sum(b)/(1 + sum(a))*u elseif way > 0.5 then b*past - a*pre(own) else pre(v);
+      past = Functions.enter(u_um, way, pre(past));
+      v = if way < -0.5 then sum(b)/(1 + sum(a))*u_um elseif way > 0.5 then b*past - a*pre(own) else pre(v);
       own = Functions.enter(v, way, pre(own));
     end when;
-    y = v;
+    y_um = v;
     annotation(Documentation(info="<html><p>Component <code>arx</code>:</p><p><code>y(k) = sum(b[i]*u(k-i+1)) - sum(a[j]*y(k-j))</code></p></html>"));
   end Arx;
 
@@ -97,8 +97,8 @@ package Mechanics "Moving mass, flexures, guides and load"
     der(v) = 0;
   equation
     der(x) = w*v;
-    der(v) = w*(u - x - 2*damping*v);
-    y = x + ratio^2*(u - x - 2*damping*v) + 2*zero_damping*ratio*v;
+    der(v) = w*(u_um - x - 2*damping*v);
+    y_um = x + ratio^2*(u_um - x - 2*damping*v) + 2*zero_damping*ratio*v;
     annotation(Documentation(info="<html><p>Component <code>collocated-mode</code>:</p><p><code>G(s) = (s^2/wz^2 + 2*zero_damping*s/wz + 1)/(s^2/wp^2 + 2*damping*s/wp + 1); wp = 2*pi*frequency; wz = 2*pi*zero_frequency</code></p></html>"));
   end CollocatedMode;
 
@@ -114,11 +114,11 @@ package Mechanics "Moving mass, flexures, guides and load"
     final parameter Real c(unit="N.s/m") = 2*damping*sqrt(k*mass) "Viscous damping";
     Real v(unit="um/s") "Rate of y";
   initial equation
-    der(y) = 0;
+    der(y_um) = 0;
     der(v) = 0;
   equation
-    der(y) = v;
-    (mass + payload)*der(v) + c*v + (k + external_stiffness)*y = k*u;
+    der(y_um) = v;
+    (mass + payload)*der(v) + c*v + (k + external_stiffness)*y_um = k*u_um;
     annotation(Documentation(info="<html><p>Component <code>loaded-mode</code>:</p><p><code>(m + payload)*x'' + c*x' + (k + external_stiffness)*x = k*u; k = m*(2*pi*frequency)^2; c = 2*damping*sqrt(k*m)</code></p></html>"));
   end LoadedMode;
 
@@ -138,9 +138,9 @@ package Mechanics "Moving mass, flexures, guides and load"
     der(v) = 0;
   equation
     der(x) = w*v;
-    der(v) = w*(u - x - hardening*reference*inside^2*(inside + 3*(x/reference - inside)) - 2*damping*v);
+    der(v) = w*(u_um - x - hardening*reference*inside^2*(inside + 3*(x/reference - inside)) - 2*damping*v);
     inside = max(-3, min(3, x/reference));
-    y = x;
+    y_um = x;
     annotation(Documentation(info="<html><p>Component <code>duffing</code>:</p><p><code>x'' + 2*damping*w*x' + w^2*x*(1 + hardening*(x/reference)^2) = w^2*u; w = 2*pi*frequency</code></p></html>"));
   end Duffing;
 
@@ -162,9 +162,9 @@ package Mechanics "Moving mass, flexures, guides and load"
     der(v) = 0;
   equation
     der(x) = w*v;
-    der(v) = w*(u - (1 + linear*xi + quadratic*xi^2)*x - 2*damping*v);
+    der(v) = w*(u_um - (1 + linear*xi + quadratic*xi^2)*x - 2*damping*v);
     xi = max(-1, min(1, (x - centre)/half_range));
-    y = x;
+    y_um = x;
     annotation(Documentation(info="<html><p>Component <code>position-stiffness</code>:</p><p><code>x'' + 2*damping*w*x' + w^2*s*x = w^2*u; s = 1 + linear*xi + quadratic*xi^2; xi = (x - centre)/half_range, from -1 to 1; w = 2*pi*frequency</code></p></html>"));
   end PositionStiffness;
 
@@ -182,13 +182,13 @@ package Mechanics "Moving mass, flexures, guides and load"
     Real z(unit="um") "Deflection of the bristles";
     Real g(unit="um") "Its steady value at this speed";
   initial equation
-    der(y) = 0;
+    der(y_um) = 0;
     der(v) = 0;
     z = 0;
   equation
     g = presliding*(1 + (stiction/coulomb - 1)*exp(-(v/stribeck)^2));
-    der(y) = v;
-    der(v) = w^2*(u - y - coulomb*z/presliding) - 2*damping*w*v;
+    der(y_um) = v;
+    der(v) = w^2*(u_um - y_um - coulomb*z/presliding) - 2*damping*w*v;
     der(z) = v - abs(v)*z/g;
     annotation(Documentation(info="<html><p>Component <code>friction</code>:</p><p><code>x'' + 2*damping*w*x' + w^2*(x + coulomb*z/presliding) = w^2*u; z' = x' - |x'|*z/g; g = presliding*(1 + (stiction/coulomb - 1)*exp(-(x'/stribeck)^2))</code></p></html>"));
   end Friction;
@@ -204,11 +204,11 @@ package Mechanics "Moving mass, flexures, guides and load"
     final parameter Real w(unit="rad/s") = 2*Constants.pi*frequency "Natural angular frequency";
     Real v(unit="um/s") "Rate of y";
   initial equation
-    der(y) = 0;
+    der(y_um) = 0;
     der(v) = 0;
   equation
-    der(y) = v;
-    der(v) = w^2*(u - y - coulomb*tanh(v/velocity)) - 2*(damping + growth*abs(v))*w*v;
+    der(y_um) = v;
+    der(v) = w^2*(u_um - y_um - coulomb*tanh(v/velocity)) - 2*(damping + growth*abs(v))*w*v;
     annotation(Documentation(info="<html><p>Component <code>nonlinear-damping</code>:</p><p><code>x'' + 2*(damping + growth*|x'|)*w*x' + w^2*(x + coulomb*tanh(x'/velocity)) = w^2*u; w = 2*pi*frequency</code></p></html>"));
   end NonlinearDamping;
 
@@ -222,10 +222,10 @@ package Mechanics "Moving mass, flexures, guides and load"
     discrete Real x(start = 0, fixed = true, unit="um") "Input of the sample";
   equation
     when sample(0, step) then
-      p = Functions.play(u, width/2, pre(p));
-      x = u;
+      p = Functions.play(u_um, width/2, pre(p));
+      x = u_um;
     end when;
-    y = p + bridge*(x - p);
+    y_um = p + bridge*(x - p);
     annotation(Documentation(info="<html><p>Component <code>backlash</code>:</p><p><code>y = bridge x + (1 - bridge) P, P = max(x - width/2, min(x + width/2, P))</code></p></html>"));
   end Backlash;
 
@@ -239,7 +239,7 @@ package Mechanics "Moving mass, flexures, guides and load"
     Real part(unit="1") "Part of the period that is past";
   equation
     part = frequency*time + phase/(2*Constants.pi) - floor(frequency*time + phase/(2*Constants.pi));
-    y = if part < duty then u + amplitude*sin(Constants.pi*part/duty) else u;
+    y_um = if part < duty then u_um + amplitude*sin(Constants.pi*part/duty) else u_um;
     annotation(Documentation(info="<html><p>Component <code>cutting-force</code>:</p><p><code>y = x + amplitude*sin(pi*p/duty) for p &lt; duty, else x; p = frac(frequency*t + phase/(2*pi))</code></p></html>"));
   end CuttingForce;
 
@@ -250,7 +250,7 @@ package Mechanics "Moving mass, flexures, guides and load"
     parameter Real amplitude[lines](each unit="um") "Amplitude of each line";
     parameter Real phase[lines](each unit="rad") "Phase of each line at time 0";
   equation
-    y = u + sum(amplitude[i]*sin(2*Constants.pi*frequency[i]*time + phase[i]) for i in 1:lines);
+    y_um = u_um + sum(amplitude[i]*sin(2*Constants.pi*frequency[i]*time + phase[i]) for i in 1:lines);
     annotation(Documentation(info="<html><p>Component <code>vibration</code>:</p><p><code>y = x + sum(amplitude[i]*sin(2*pi*frequency[i]*t + phase[i]))</code></p></html>"));
   end Vibration;
 end Mechanics;

@@ -16,15 +16,15 @@ package Rigs "Known machines"
     Interfaces.CommandInput u[2] "Commands of axes Y and Z";
     Interfaces.PositionOutput y[2] "Positions of axes Y and Z";
     parameter Real step(unit="s", min = 0) = 2e-05 "Time between samples of the hysteresis";
-    Amplifier.AmplifierLag y_amplifier(bandwidth = 3000);
+    Electrical.AmplifierLag y_amplifier(bandwidth = 3000);
     Hysteresis.PrandtlIshlinskii y_hysteresis(plays = 10, r = {0, 6, 12, 18, 24, 30, 36, 42, 48, 54}, w = {0.01354, 0.0279, 0, 0.004014, 0.007765, 0, 0, 0, 0, 0}, step = step);
     Mechanics.Mode y_mechanics(frequency = 482.6, damping = 0.02);
-    Sensor.SensorLag y_sensor(bandwidth = 10000);
+    Sensors.SensorLag y_sensor(bandwidth = 10000);
     Hold y_hold(step = step);
-    Amplifier.AmplifierLag z_amplifier(bandwidth = 3000);
+    Electrical.AmplifierLag z_amplifier(bandwidth = 3000);
     Hysteresis.PrandtlIshlinskii z_hysteresis(plays = 10, r = {0, 6, 12, 18, 24, 30, 36, 42, 48, 54}, w = {0.02523, 0.04579, 0, 0.004541, 0.001636, 0, 0, 0, 0, 0}, step = step);
     Mechanics.Mode z_mechanics(frequency = 290.7, damping = 0.02);
-    Sensor.SensorLag z_sensor(bandwidth = 10000);
+    Sensors.SensorLag z_sensor(bandwidth = 10000);
     Hold z_hold(step = step);
   equation
     connect(u[1], y_amplifier.u);

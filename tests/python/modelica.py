@@ -22,6 +22,8 @@ BLOCK = re.compile(r'^  block (\w+) "([^"]*)"\n(.*?)^  end \1;', re.S | re.M)
 PARAMETER = re.compile(
     r'^    parameter (Real|Integer) (\w+)(?:\[(\w+)\])?(?:\((.*?)\))?(?: = ([^ ]+))? "([^"]*)";', re.M
 )
+# Packages of what is no component.
+FRAME = {"package", "Interfaces", "Icons", "Sources", "Acausal", "Rigs", "Examples", "UsersGuide", "Records"}
 # What a block has beyond its component: the FMU takes them from the blueprint or works them out.
 OWN = {"step", "elements", "cells"}
 
@@ -37,13 +39,21 @@ def registry(tool):
 
 
 def blocks(package):
-    """Block name: (package, summary, text)."""
+    """Block name: (package, summary, text) of all blocks that are components of the registry."""
     found = {}
-    for file in sorted(package.glob("*.mo")):
-        for name, summary, text in BLOCK.findall(file.read_text()):
-            if file.stem != "Interfaces":
-                found[name] = (file.stem, summary, text)
+    for file in sorted(package.rglob("*.mo")):
+        home = ".".join(file.relative_to(package).with_suffix("").parts)
+        if home not in FRAME and not home.startswith(("Rigs.", "Examples.")):
+            found |= {name: (home, summary, text) for name, summary, text in BLOCK.findall(file.read_text())}
     return found
+
+
+def scales(text):
+    """What turns um into the connectors' metres: factors of the input u and of the output y."""
+    base = re.search(r"extends Interfaces\.(\w+);", text)
+    base = base[1] if base else "PositionFilter"
+    return (1e-6 if base in ("PositionFilter", "Inverse", "ReferenceFilter") else 1.0,
+            1e-6 if base in ("PositionFilter", "Actuator", "ReferenceFilter") else 1.0)
 
 
 def modelica_unit(unit):
@@ -102,7 +112,7 @@ def check_text(tool, package):
                 problems.append(f"{kind}.{name}: Modelica {own}, registry {wanted}")
         problems += [f"{kind}: the registry has no {name}" for name in has.keys() - OWN]
     problems += [f"{kind}: no case in modelica_cases.py" for kind in rows.keys() - PLANT.keys() - COUPLING.keys() - CONTROLLER.keys()]
-    problems += [f"{name}: no component of the registry" for name in written.keys() - {"Hold", "Evc"}]
+    problems += [f"{name}: no component of the registry" for name in written.keys()]
     if problems:
         sys.exit("\n".join(problems))
     print(f"{len(rows)} components, {compared} parameters: as the registry says")
@@ -229,8 +239,8 @@ def verdict(kind, apart, bound):
     return f"{kind}: {apart:.1e} (bound {bound:.0e})", apart <= bound
 
 
-SIGNALS = {"displacement": "0", "n": "0", "drive": "0", "temperature": "0.1*u2", "force": "0.5*u2",
-           "disturbance": "0.01*u2", "command": "u1", "reference": "u1", "measured": "0.5*u2", "enable": "on"}
+SIGNALS = {"displacement": "0", "n": "0", "drive": "0", "temperature": "273.15 + 0.1*u2", "force": "0.5*u2",
+           "disturbance": "1e-6*(0.01*u2)", "command": "u1", "reference": "1e-6*u1", "measured": "1e-6*(0.5*u2)", "enable": "on"}
 COLUMNS = {"temperature": ("temperature", lambda x: 0.1 * x), "force": ("force[1]", lambda x: 0.5 * x),
            "disturbance": ("disturbance[1]", lambda x: 0.01 * x)}
 INPUT = re.compile(r"^    (?:Interfaces\.\w+Input|input Boolean) (\w+)(?:\[axes\])?(?: |\()", re.M)
@@ -257,9 +267,11 @@ def plant(session, tool, rows, written, kind, parameters, bound):
     ours = fmu(tool, blueprint("plant", 1, before + [(kind, parameters)] + ones), inputs, ["position[1]"])
     declarations, equations = held(texts)
     declarations += f"\n  Piezoloop.{package}.{camel(kind)} c({modifiers(rows[kind], parameters, text)});"
-    equations += f"\n  c.u = {'0.1*u1' if before else 'u1'};"
+    into, out = scales(text)
+    equations += f"\n  c.u = {'1e-6*(0.1*u1)' if before else 'u1'};"
     equations += "".join(f"\n  c.{name} = {SIGNALS[name]};" for name in extra)
-    return verdict(kind, difference(ours, simulate(session, declarations, equations, ["c.y"])), bound)
+    theirs = simulate(session, declarations, equations, ["c.y"])
+    return verdict(kind, difference(ours, [[y / out for y in row] for row in theirs]), bound)
 
 
 def coupling(session, tool, rows, written, kind, parameters, bound):
@@ -272,10 +284,11 @@ def coupling(session, tool, rows, written, kind, parameters, bound):
                ["position[1]", "position[2]"])
     declarations, equations = held(texts)
     declarations += f"\n  Piezoloop.{package}.{camel(kind)} c({modifiers(rows[kind], parameters, text)});"
-    equations += "\n  c.u[1] = 0.1*u1;\n  c.u[2] = 0.1*u2;"
+    equations += "\n  c.u[1] = 1e-6*(0.1*u1);\n  c.u[2] = 1e-6*(0.1*u2);"
     if "command" in further(text):
         equations += "\n  c.command[1] = u1;\n  c.command[2] = u2;"
-    return verdict(kind, difference(ours, simulate(session, declarations, equations, ["c.y[1]", "c.y[2]"])), bound)
+    theirs = simulate(session, declarations, equations, ["c.y[1]", "c.y[2]"])
+    return verdict(kind, difference(ours, [[y * 1e6 for y in row] for row in theirs]), bound)
 
 
 # What stands around a control component: components in front of it and behind it.
@@ -315,14 +328,16 @@ def controller(session, tool, rows, written, case, parameters, bound):
         declared_on, when_on = enabled()
         declarations, equations = declarations + declared_on, equations + when_on
     ours = fmu(tool, blueprint("controller", 1, [*before, (kind, parameters), *behind]), inputs, ["command[1]"])
-    equations += f"\n  c.u = {'8*u1' if before else 'u1'};"
+    into, out = scales(text)
+    equations += f"\n  c.u = {into!r}*({'8*u1' if before else 'u1'});"
     equations += "".join(f"\n  c.{name} = {SIGNALS[name]};" for name in extra)
     wanted = "c.y"
     if CLOSED in behind:
         wanted = "command"
         declarations += "\n  Real command;"
         equations += f"\n  command = c.y + c.reference - {SIGNALS['measured']};"
-    return verdict(case, difference(ours, simulate(session, declarations, equations, [wanted])), bound)
+    theirs = simulate(session, declarations, equations, [wanted])
+    return verdict(case, difference(ours, [[y / out for y in row] for row in theirs]), bound)
 
 
 def coordinator(session, tool, case, inputs, declarations, equations):
@@ -332,8 +347,8 @@ def coordinator(session, tool, case, inputs, declarations, equations):
     tail = f'[[coupling]]\ntype = "{kind}"\naxes = ["A1", "A2"]\n{toml(parameters)}\n'
     ours = fmu(tool, blueprint("controller", 2, [LINEAR, CLOSED], tail), inputs, ["command[1]", "command[2]"])
     declarations += "\n  Real command[2];"
-    equations += "\n  c.u[1] = u1;\n  c.u[2] = 0.5*u2;\n  c.measured[1] = 0.5*u2;\n  c.measured[2] = 0.25*u1;"
-    equations += "".join(f"\n  command[{i}] = 2*c.y[{i}] - c.measured_motion[{i}];" for i in (1, 2))
+    equations += "\n  c.u[1] = 1e-6*u1;\n  c.u[2] = 1e-6*(0.5*u2);\n  c.measured[1] = 1e-6*(0.5*u2);\n  c.measured[2] = 1e-6*(0.25*u1);"
+    equations += "".join(f"\n  command[{i}] = (2*c.y[{i}] - c.measured_motion[{i}])*1e6;" for i in (1, 2))
     wanted = ["command[1]", "command[2]"]
     return verdict(kind, difference(ours, simulate(session, declarations, equations, wanted)), bound)
 

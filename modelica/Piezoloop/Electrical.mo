@@ -1,5 +1,5 @@
 within Piezoloop;
-package Amplifier "Amplifier and electrical port"
+package Electrical "Amplifier and electrical port"
   block AmplifierLag "First-order bandwidth of the amplifier into the actuator's capacitance"
     extends Interfaces.CommandFilter;
     parameter Real bandwidth(unit="Hz", min = 0) "Frequency at which the gain has fallen by 3 dB";
@@ -37,12 +37,13 @@ package Amplifier "Amplifier and electrical port"
     parameter Real transduction(unit="C/um") = 0 "Charge per displacement; 0 for none";
     Interfaces.PositionInput displacement "Displacement behind the mechanics";
   protected
+    Real displacement_um(unit="um") = displacement/Constants.um "displacement in um";
     Real i(unit="A") "Current into the actuator";
   initial equation
     y = gain*u;
   equation
     i = min(max((gain*u - y)/resistance, -current), current);
-    capacitance*der(y) + transduction*der(displacement) = i;
+    capacitance*der(y) + transduction*der(displacement_um) = i;
     annotation(Documentation(info="<html><p>Component <code>amplifier-rc</code>:</p><p><code>capacitance*v' + transduction*x' = i; i = min(max((gain*u - v)/resistance, -current), current)</code></p></html>"));
   end AmplifierRc;
 
@@ -127,13 +128,14 @@ package Amplifier "Amplifier and electrical port"
     output Real current(unit="A", quantity="ElectricCurrent") "Current into the actuator, mean of the step";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
+    Real displacement_um(unit="um") = displacement/Constants.um "displacement in um";
     discrete Real q(start = 0, fixed = true, unit="C") "Charge at the last sample";
     discrete Real i(start = 0, fixed = true, unit="A") "Mean current of the last step";
     discrete Boolean on(start = false, fixed = true) "The first sample is past";
   equation
     when sample(0, step) then
       on = true;
-      q = capacitance*u + transduction*displacement;
+      q = capacitance*u + transduction*displacement_um;
       i = if pre(on) then (q - pre(q))/step else 0;
     end when;
     y = u;
@@ -142,4 +144,4 @@ package Amplifier "Amplifier and electrical port"
     current = i;
     annotation(Documentation(info="<html><p>Component <code>piezo-charge</code>:</p><p><code>q = capacitance*v + transduction*x; i = dq/dt</code></p></html>"));
   end PiezoCharge;
-end Amplifier;
+end Electrical;

@@ -1,4 +1,4 @@
-within Piezoloop;
+within Piezoloop.Blocks;
 package Creep "Slow part of the elongation"
   block KelvinVoigtCreep "Creep as a sum of first-order elements with given time constants"
     extends Interfaces.PositionFilter;
@@ -13,9 +13,9 @@ package Creep "Slow part of the elongation"
     end for;
   equation
     for i in 1:elements loop
-      time_constant[i]*der(z[i]) = u - z[i];
+      time_constant[i]*der(z[i]) = u_um - z[i];
     end for;
-    y = u + share*z;
+    y_um = u_um + share*z;
     annotation(Documentation(info="<html><p>Component <code>kelvin-voigt-creep</code>:</p><p><code>y = u + sum(share[i]*z[i]); time_constant[i]*z[i]' = u - z[i]</code></p></html>"));
   end KelvinVoigtCreep;
 
@@ -36,9 +36,9 @@ package Creep "Slow part of the elongation"
     end for;
   equation
     for i in 1:elements loop
-      tau[i]*der(z[i]) = u - z[i];
+      tau[i]*der(z[i]) = u_um - z[i];
     end for;
-    y = u*(1 - gain*log10(reference/shortest)) + gain/2*sum(z);
+    y_um = u_um*(1 - gain*log10(reference/shortest)) + gain/2*sum(z);
     annotation(Documentation(info="<html><p>Component <code>logarithmic-creep</code>:</p><p><code>y(t) = y(reference)*(1 + gain*log10(t/reference)) after a step</code></p></html>"));
   end LogarithmicCreep;
 
@@ -62,9 +62,9 @@ package Creep "Slow part of the elongation"
     end for;
   equation
     for i in 1:elements loop
-      1/pole[i]*der(z[i]) = u - z[i];
+      1/pole[i]*der(z[i]) = u_um - z[i];
     end for;
-    y = u + share*z;
+    y_um = u_um + share*z;
     annotation(Documentation(info="<html><p>Component <code>fractional-creep</code>:</p><p><code>G(s) = product((s + z[k])/(s + p[k])), about (s/(2*pi*highest))^(-order) between lowest and highest</code></p></html>"));
   end FractionalCreep;
 end Creep;

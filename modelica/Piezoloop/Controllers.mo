@@ -1,5 +1,5 @@
 within Piezoloop;
-package Control "Control laws"
+package Controllers "Control laws"
   block ReferenceLead "Adds the first and second derivative of the reference, for lags and a mode"
     extends Interfaces.ReferenceFilter;
     parameter Real lag(unit="s", min = 0) "Sum of the path's time constants and delays";
@@ -14,12 +14,12 @@ package Control "Control laws"
   equation
     when sample(0, step) then
       on = true;
-      last = u;
-      before = if pre(on) then pre(last) else u;
-      lead = if pre(on) then max(-limit, min(limit, (1.5*lag/step + inertia/step^2)*(u - pre(last))
+      last = u_um;
+      before = if pre(on) then pre(last) else u_um;
+      lead = if pre(on) then max(-limit, min(limit, (1.5*lag/step + inertia/step^2)*(u_um - pre(last))
         - (0.5*lag/step + inertia/step^2)*(pre(last) - pre(before)))) else 0;
     end when;
-    y = last + lead;
+    y_um = last + lead;
     annotation(Documentation(info="<html><p>Component <code>reference-lead</code>:</p><p><code>y = r + clamp(lag*r' + inertia*r'', +-limit)</code></p></html>"));
   end ReferenceLead;
 
@@ -29,7 +29,7 @@ package Control "Control laws"
     parameter Real at[points](each unit="um") "Where the points are, increasing";
     parameter Real value[points](each unit="um") "What the curve is there";
   equation
-    y = Functions.curve(u, at, value);
+    y_um = Functions.curve(u_um, at, value);
     annotation(Documentation(info="<html><p>Component <code>reference-curve</code>:</p><p><code>y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] &lt;= u &lt; at[i+1], the first and the last interval without end</code></p></html>"));
   end ReferenceCurve;
 
@@ -48,7 +48,7 @@ package Control "Control laws"
     parameter Real gain(unit="V/um") "Command per position";
     parameter Real offset(unit="um") = 0 "Position at zero command";
   equation
-    y = gain*(u - offset);
+    y = gain*(u_um - offset);
     annotation(Documentation(info="<html><p>Component <code>feedforward-gain</code>:</p><p><code>u = gain*(y - offset)</code></p></html>"));
   end FeedforwardGain;
 
@@ -73,6 +73,8 @@ package Control "Control laws"
     output Boolean saturated "The command is at a limit";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
+    Real reference_um(unit="um") = reference/Constants.um "reference in um";
+    Real measured_um(unit="um") = measured/Constants.um "measured in um";
     discrete Boolean on(start = false, fixed = true) "The first sample is past";
     discrete Boolean was_enabled(start = true, fixed = true) "Enabled at the last sample";
     discrete Real e(start = 0, fixed = true, unit="um") "Error";
@@ -90,7 +92,7 @@ package Control "Control laws"
     when sample(0, step) then
       on = true;
       was_enabled = enable;
-      e = reference - measured;
+      e = reference_um - measured_um;
       last = if pre(on) and pre(was_enabled) then pre(e) else e;
       q = if not enable then pre(q) elseif pre(was_enabled) then f*pre(q) + (1 - f)*(e - last)/step else 0;
       ff = feedforward_gain*u;
@@ -128,6 +130,8 @@ package Control "Control laws"
     output Boolean saturated "The command is at a limit";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
+    Real reference_um(unit="um") = reference/Constants.um "reference in um";
+    Real measured_um(unit="um") = measured/Constants.um "measured in um";
     discrete Boolean on(start = false, fixed = true) "The first sample is past";
     discrete Boolean was_enabled(start = true, fixed = true) "Enabled at the last sample";
     discrete Real e(start = 0, fixed = true, unit="um") "Error";
@@ -143,7 +147,7 @@ package Control "Control laws"
     when sample(0, step) then
       on = true;
       was_enabled = enable;
-      e = reference - measured;
+      e = reference_um - measured_um;
       difference = if pre(on) and pre(was_enabled) then e - pre(e) else 0;
       second = if pre(on) and pre(was_enabled) then difference - pre(difference) else 0;
       ff = feedforward_gain*u;
@@ -183,10 +187,10 @@ package Control "Control laws"
   equation
     when sample(0, step) then
       on = true;
-      wanted = u;
-      difference = if pre(on) then u - pre(wanted) else 0;
-      before = if pre(on) then pre(command) else u/gain;
-      force = u + max(-limit, min(limit, lag/step*difference + inertia/step^2*(difference - pre(difference))))
+      wanted = u_um;
+      difference = if pre(on) then u_um - pre(wanted) else 0;
+      before = if pre(on) then pre(command) else u_um/gain;
+      force = u_um + max(-limit, min(limit, lag/step*difference + inertia/step^2*(difference - pre(difference))))
         + pre(h) - gain*before;
       slope = gain - (alpha*gain - beta*(if force*gain >= 0 then 1 else -1)*pre(h) - gamma*abs(pre(h)));
       command = before + (if slope*gain > 1e-3*gain^2 then force/slope else force/gain);
@@ -231,6 +235,7 @@ package Control "Control laws"
     Interfaces.PositionOutput reference "Reference for the control law behind it";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
+    Real reference_um(unit="um") "reference in um";
     final parameter Real angle(unit="1") = 2*Constants.pi*frequency*step "Angle in a step";
     final parameter Real even(unit="1") = Functions.transitionEven(angle, damping) "Transition in a step, even part";
     final parameter Real odd(unit="1") = Functions.transitionOdd(angle, damping) "Transition in a step, odd part";
@@ -239,14 +244,15 @@ package Control "Control laws"
     discrete Real x(start = 0, fixed = true, unit="um") "Filtered reference";
     discrete Real v(start = 0, fixed = true, unit="um") "Its rate over the angular frequency";
   equation
+    reference = Constants.um*reference_um;
     when sample(0, step) then
       on = true;
-      e0 = if pre(on) then pre(x) - u else 0;
-      x = u + (even + damping*odd)*e0 + odd*pre(v);
+      e0 = if pre(on) then pre(x) - u_um else 0;
+      x = u_um + (even + damping*odd)*e0 + odd*pre(v);
       v = (even - damping*odd)*pre(v) - odd*e0;
     end when;
-    y = x;
-    reference = x;
+    y_um = x;
+    reference_um = x;
     annotation(Documentation(info="<html><p>Component <code>reference-filter</code>:</p><p><code>r_f + 2*damping*r_f'/w + r_f''/w^2 = r; w = 2*pi*frequency</code></p></html>"));
   end ReferenceFilter;
 
@@ -258,19 +264,21 @@ package Control "Control laws"
     Interfaces.PositionOutput reference "Reference for the control law behind it";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
+    Real reference_um(unit="um") "reference in um";
     discrete Boolean on(start = false, fixed = true) "The first sample is past";
     discrete Real past[cells](each start = 0, each fixed = true, each unit="um") "The references so far, newest first";
     discrete Real ahead(start = 0, fixed = true, unit="um") "Reference at this sample";
     discrete Real later(start = 0, fixed = true, unit="um") "Reference of so long ago";
   equation
+    reference = Constants.um*reference_um;
     when sample(0, step) then
       on = true;
-      ahead = u;
-      past = Functions.shift(u, if pre(on) then 1 else 0, pre(past));
+      ahead = u_um;
+      past = Functions.shift(u_um, if pre(on) then 1 else 0, pre(past));
       later = Functions.interpolate(preview/step, past);
     end when;
-    y = ahead;
-    reference = later;
+    y_um = ahead;
+    reference_um = later;
     annotation(Documentation(info="<html><p>Component <code>reference-preview</code>:</p><p><code>path = r(t); reference = r(t - preview)</code></p></html>"));
   end ReferencePreview;
 
@@ -286,6 +294,7 @@ package Control "Control laws"
     input Boolean enable "False takes nothing off";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
+    Real measured_um(unit="um") = measured/Constants.um "measured in um";
     final parameter Real low_pass(unit="1") = 1 - exp(-2*Constants.pi*bandwidth*step) "What Q takes up in a step";
     final parameter Real follow(unit="1") = if lag > 0 then 1 - exp(-step/lag) else 1 "What the lag takes up in a step";
     discrete Boolean on(start = false, fixed = true) "The first sample is past";
@@ -297,13 +306,13 @@ package Control "Control laws"
   equation
     when sample(0, step) then
       on = true;
-      past = Functions.shift(if pre(on) then pre(v) else u, if pre(on) then 1 else 0, pre(past));
-      before = if pre(on) then pre(m) else u;
+      past = Functions.shift(if pre(on) then pre(v) else u_um, if pre(on) then 1 else 0, pre(past));
+      before = if pre(on) then pre(m) else u_um;
       m = before + follow*(Functions.interpolate(delay_/step, past) - before);
-      d = if enable then max(-limit, min(limit, pre(d) + low_pass*(measured - m - pre(d)))) else 0;
-      v = u - d;
+      d = if enable then max(-limit, min(limit, pre(d) + low_pass*(measured_um - m - pre(d)))) else 0;
+      v = u_um - d;
     end when;
-    y = v;
+    y_um = v;
     annotation(Documentation(info="<html><p>Component <code>disturbance-observer</code>:</p><p><code>v = r - d; d = Q*(measured - M*v); M = exp(-s*delay)/(1 + s*lag); Q = 1/(1 + s/(2*pi*bandwidth)); |d| &lt;= limit</code></p></html>"));
   end DisturbanceObserver;
 
@@ -321,6 +330,8 @@ package Control "Control laws"
     input Boolean enable "False adds and learns nothing";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
+    Real reference_um(unit="um") = reference/Constants.um "reference in um";
+    Real measured_um(unit="um") = measured/Constants.um "measured in um";
     final parameter Real ahead(unit="1") = Functions.round(lead/step) "Samples of the lead";
     discrete Real errors[cells](each start = 0, each fixed = true, each unit="um") "Errors so far, newest first";
     discrete Real learned[cells](each start = 0, each fixed = true, each unit="V") "Learned commands so far, newest first";
@@ -330,7 +341,7 @@ package Control "Control laws"
     when sample(0, step) then
       w = if enable then max(-limit, min(limit, keep*Functions.window(half, pre(learned))
         + gain*Functions.interpolate(cells - half - ahead - 1, pre(errors)))) else 0;
-      errors = Functions.shift(if enable then reference - measured else 0, 1, pre(errors));
+      errors = Functions.shift(if enable then reference_um - measured_um else 0, 1, pre(errors));
       learned = Functions.shift(w, 1, pre(learned));
       held = u + w;
     end when;
@@ -349,12 +360,18 @@ package Control "Control laws"
     Interfaces.PositionOutput y[axes] "Motions that are wanted, the reference behind it";
     Interfaces.PositionOutput measured_motion[axes] "Motions that are measured, the measured position behind it";
   protected
+    Real u_um[axes](each unit="um") = u/Constants.um "u in um";
+    Real measured_um[axes](each unit="um") = measured/Constants.um "measured in um";
+    Real y_um[axes](each unit="um") "y in um";
+    Real measured_motion_um[axes](each unit="um") "measured_motion in um";
     final parameter Real inverse[entries](each unit="V/um") = Functions.inverseMatrix(matrix, offset) "Inverse Jacobian";
   equation
+    y = Constants.um*y_um;
+    measured_motion = Constants.um*measured_motion_um;
     for i in 1:axes loop
-      y[i] = Functions.rowDifference(inverse, i, u, offset);
-      measured_motion[i] = Functions.rowDifference(inverse, i, measured, offset);
+      y_um[i] = Functions.rowDifference(inverse, i, u_um, offset);
+      measured_motion_um[i] = Functions.rowDifference(inverse, i, measured_um, offset);
     end for;
     annotation(Documentation(info="<html><p>Component <code>jacobian-coordinator</code>:</p><p><code>condition_max</code> is not checked here.</p><p><code>theta_r = J^-1*(p_r - p0); theta_m = J^-1*(p - p0); J[i,j] = matrix[i,j]; p0[i] = offset[i]</code></p></html>"));
   end JacobianCoordinator;
-end Control;
+end Controllers;

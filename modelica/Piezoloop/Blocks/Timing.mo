@@ -1,4 +1,4 @@
-within Piezoloop;
+within Piezoloop.Blocks;
 package Timing "Delay, clock and converter of the command"
   block Delay "Transport delay (computing, bus, converter), also by a fraction of a step"
     extends Interfaces.CommandFilter;

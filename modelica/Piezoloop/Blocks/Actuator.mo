@@ -1,4 +1,4 @@
-within Piezoloop;
+within Piezoloop.Blocks;
 package Actuator "The actuator apart from its memory"
   block PolarisationSaturation "Flattening of the strain towards the ends of the voltage range"
     extends Interfaces.CommandFilter;
@@ -20,7 +20,7 @@ package Actuator "The actuator apart from its memory"
     parameter Real gain(unit="um/V") "Position per command";
     parameter Real offset(unit="um") = 0 "Position at zero command";
   equation
-    y = gain*u + offset;
+    y_um = gain*u + offset;
     annotation(Documentation(info="<html><p>Component <code>actuator-gain</code>:</p><p><code>y = gain*u + offset</code></p></html>"));
   end ActuatorGain;
 
@@ -30,7 +30,7 @@ package Actuator "The actuator apart from its memory"
     parameter Real temperature(unit="degC", min = -273.15) = 20 "Temperature of the actuator";
     parameter Real reference(unit="degC", min = -273.15) = 20 "Temperature at which the gain is 1";
   equation
-    y = u*(1 + coefficient*(temperature - reference));
+    y_um = u_um*(1 + coefficient*(temperature - reference));
     annotation(Documentation(info="<html><p>Component <code>actuator-temperature</code>:</p><p><code>y = x*(1 + coefficient*(temperature - reference))</code></p></html>"));
   end ActuatorTemperature;
 
@@ -39,7 +39,7 @@ package Actuator "The actuator apart from its memory"
     parameter Real per_decade(unit="1") "Relative loss of the gain per decade of time";
     parameter Real age(unit="s", min = 0) = 86400 "Time since poling at the start of the run";
   equation
-    y = u*max(0, 1 - per_decade*log10(1 + time/age));
+    y_um = u_um*max(0, 1 - per_decade*log10(1 + time/age));
     annotation(Documentation(info="<html><p>Component <code>actuator-ageing</code>:</p><p><code>y = x*(1 - per_decade*lg(1 + t/age))</code></p></html>"));
   end ActuatorAgeing;
 
@@ -71,7 +71,7 @@ package Actuator "The actuator apart from its memory"
       T = pre(T) + (1 - exp(-step/time_constant))*(resistance*P - pre(T));
       mean = if pre(on) then pre(mean) + (1 - exp(-step/averaging))*(last - pre(mean)) else last;
     end when;
-    y = u*(1 + coefficient*T) + growth*T;
+    y_um = u_um*(1 + coefficient*T) + growth*T;
     annotation(Documentation(info="<html><p>Component <code>self-heating</code>:</p><p><code>time_constant*T' = resistance*P - T; P = pi/2*loss*capacitance*|(v - mean(v))*v'|; y = x*(1 + coefficient*T) + growth*T</code></p></html>"));
   end SelfHeating;
 
@@ -91,7 +91,7 @@ package Actuator "The actuator apart from its memory"
       first = if pre(on) then pre(first) else command;
       reached = max(pre(reached), abs(command - first));
     end when;
-    y = u + remanence*max(0, 1 - reached/reach);
+    y_um = u_um + remanence*max(0, 1 - reached/reach);
     annotation(Documentation(info="<html><p>Component <code>remanence</code>:</p><p><code>y = x + remanence*max(0, 1 - w/reach); w = max |u(s) - u(0)|, s &lt;= t</code></p></html>"));
   end Remanence;
 end Actuator;

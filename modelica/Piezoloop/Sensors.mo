@@ -1,12 +1,12 @@
 within Piezoloop;
-package Sensor "Position sensor and its conditioning"
+package Sensors "Position sensor and its conditioning"
   block SensorLag "First-order bandwidth of the sensor and its filter"
     extends Interfaces.PositionFilter;
     parameter Real bandwidth(unit="Hz", min = 0) "Frequency at which the reading has fallen by 3 dB";
   initial equation
-    der(y) = 0;
+    der(y_um) = 0;
   equation
-    der(y)/(2*Constants.pi*bandwidth) + y = u;
+    der(y_um)/(2*Constants.pi*bandwidth) + y_um = u_um;
     annotation(Documentation(info="<html><p>Component <code>sensor-lag</code>:</p><p><code>y'/(2*pi*bandwidth) + y = x</code></p></html>"));
   end SensorLag;
 
@@ -18,11 +18,11 @@ package Sensor "Position sensor and its conditioning"
     final parameter Real w(unit="rad/s") = 2*Constants.pi*frequency "Natural angular frequency";
     Real v(unit="um") "Rate of y over w";
   initial equation
-    der(y) = 0;
+    der(y_um) = 0;
     der(v) = 0;
   equation
-    der(y) = w*v;
-    der(v) = w*(u - y - 2*damping*v);
+    der(y_um) = w*v;
+    der(v) = w*(u_um - y_um - 2*damping*v);
     annotation(Documentation(info="<html><p>Component <code>sensor-second-order</code>:</p><p><code>y'' + 2*damping*w*y' + w^2*y = w^2*x; w = 2*pi*frequency</code></p></html>"));
   end SensorSecondOrder;
 
@@ -46,16 +46,16 @@ package Sensor "Position sensor and its conditioning"
     end for;
   equation
     if mod(order, 2) == 1 then
-      der(first) = w*(u - first);
+      der(first) = w*(u_um - first);
     else
-      first = u;
+      first = u_um;
     end if;
     s[1] = first;
     for i in 1:pairs loop
       der(s[i + 1]) = w*v[i];
       der(v[i]) = w*(s[i] - s[i + 1] - 2*sin(Constants.pi*(2*i - 1)/(2*order))*v[i]);
     end for;
-    y = s[pairs + 1];
+    y_um = s[pairs + 1];
     annotation(Documentation(info="<html><p>Component <code>sensor-butterworth</code>:</p><p><code>|G(j*2*pi*f)|^2 = 1/(1 + (f/bandwidth)^(2*order))</code></p></html>"));
   end SensorButterworth;
 
@@ -64,7 +64,7 @@ package Sensor "Position sensor and its conditioning"
     parameter Real gain(unit="1") = 1 "Reading per position";
     parameter Real offset(unit="um") = 0 "Reading at position 0";
   equation
-    y = gain*u + offset;
+    y_um = gain*u_um + offset;
     annotation(Documentation(info="<html><p>Component <code>sensor-scale</code>:</p><p><code>y = gain*x + offset</code></p></html>"));
   end SensorScale;
 
@@ -77,8 +77,8 @@ package Sensor "Position sensor and its conditioning"
   protected
     Real xi(unit="1") "Place in the range, -1 to 1";
   equation
-    xi = (u - centre)/half_range;
-    y = u + half_range*(quadratic*xi^2 + cubic*xi^3);
+    xi = (u_um - centre)/half_range;
+    y_um = u_um + half_range*(quadratic*xi^2 + cubic*xi^3);
     annotation(Documentation(info="<html><p>Component <code>sensor-polynomial</code>:</p><p><code>y = x + half_range*(quadratic*xi^2 + cubic*xi^3); xi = (x - centre)/half_range</code></p></html>"));
   end SensorPolynomial;
 
@@ -87,7 +87,7 @@ package Sensor "Position sensor and its conditioning"
     parameter Real radius(unit="um", min = 0) "1/e^2 radius of the spot";
     parameter Real centre(unit="um") = 0 "Middle of the detector";
   equation
-    y = centre + radius*sqrt(Constants.pi/8)*Functions.erf(sqrt(2)*(u - centre)/radius);
+    y_um = centre + radius*sqrt(Constants.pi/8)*Functions.erf(sqrt(2)*(u_um - centre)/radius);
     annotation(Documentation(info="<html><p>Component <code>sensor-quad-cell</code>:</p><p><code>y = centre + radius*sqrt(pi/8)*erf(sqrt(2)*(x - centre)/radius)</code></p></html>"));
   end SensorQuadCell;
 
@@ -113,7 +113,7 @@ package Sensor "Position sensor and its conditioning"
       z = Functions.flicker(pole, weight, beyond, step, drive, pre(z));
       m = rms*n + weight[elements]*beyond*drive + sum(z);
     end when;
-    y = u + m;
+    y_um = u_um + m;
     annotation(Documentation(info="<html><p>Component <code>sensor-noise</code>:</p><p><code>y = x + n; S(f) = A*(1 + corner/f); A = 2*rms^2*period</code></p></html>"));
   end SensorNoise;
 
@@ -128,7 +128,7 @@ package Sensor "Position sensor and its conditioning"
     when sample(0, step) then
       d = pre(d) + per_hour*sqrt(step/3600)*n;
     end when;
-    y = u + d;
+    y_um = u_um + d;
     annotation(Documentation(info="<html><p>Component <code>sensor-drift</code>:</p><p><code>y = x + d; d[n] = d[n-1] + per_hour*sqrt(T/3600 s)*normal</code></p></html>"));
   end SensorDrift;
 
@@ -139,7 +139,7 @@ package Sensor "Position sensor and its conditioning"
     parameter Real phase[harmonics](each unit="rad") "Phase of each harmonic at time 0";
     parameter Real frequency(unit="Hz", min = 0) = 50 "Frequency of the mains";
   equation
-    y = u + sum(amplitude[k]*sin(2*Constants.pi*k*frequency*time + phase[k]) for k in 1:harmonics);
+    y_um = u_um + sum(amplitude[k]*sin(2*Constants.pi*k*frequency*time + phase[k]) for k in 1:harmonics);
     annotation(Documentation(info="<html><p>Component <code>mains-hum</code>:</p><p><code>y = x + sum(amplitude[k]*sin(2*pi*k*frequency*t + phase[k]))</code></p></html>"));
   end MainsHum;
 
@@ -159,7 +159,7 @@ package Sensor "Position sensor and its conditioning"
       last = command;
       change = if pre(on) then (command - pre(last))/step else 0;
     end when;
-    y = u + gain*command + rate_gain*change;
+    y_um = u_um + gain*command + rate_gain*change;
     annotation(Documentation(info="<html><p>Component <code>crosstalk</code>:</p><p><code>y = x + gain*u + rate_gain*u'</code></p></html>"));
   end Crosstalk;
 
@@ -167,7 +167,7 @@ package Sensor "Position sensor and its conditioning"
     extends Interfaces.PositionFilter;
     parameter Real resolution(unit="um", min = 0) "Step of the converter: range over 2^bits";
   equation
-    y = resolution*Functions.round(u/resolution);
+    y_um = resolution*Functions.round(u_um/resolution);
     annotation(Documentation(info="<html><p>Component <code>sensor-quantisation</code>:</p><p><code>y = resolution*round(x/resolution)</code></p></html>"));
   end SensorQuantisation;
-end Sensor;
+end Sensors;

@@ -1,4 +1,4 @@
-within Piezoloop;
+within Piezoloop.Blocks;
 package Environment "Surroundings"
   block ThermalDrift "Thermal growth of the structure: steady, settling, and by a given temperature"
     extends Interfaces.PositionFilter;
@@ -13,7 +13,7 @@ package Environment "Surroundings"
     der(g) = 0;
   equation
     time_constant*der(g) = expansion*temperature_change - g;
-    y = u + rate*time + settling*(1 - exp(-time/time_constant)) + g;
+    y_um = u_um + rate*time + settling*(1 - exp(-time/time_constant)) + g;
     annotation(Documentation(info="<html><p>Component <code>thermal-drift</code>:</p><p><code>y = x + rate*t + settling*(1 - exp(-t/time_constant)) + g; time_constant*g' = expansion*temperature_change - g</code></p></html>"));
   end ThermalDrift;
 
@@ -24,14 +24,15 @@ package Environment "Surroundings"
     parameter Real reference(unit="degC", min = -273.15) = 20 "Temperature without growth";
     Interfaces.TemperatureInput temperature "Temperature of the surroundings";
   protected
+    Real temperature_C(unit="degC") = temperature - 273.15 "temperature in degC";
     Real T(unit="degC") "Temperature of the structure";
   initial equation
     if time_constant > 0 then
       der(T) = 0;
     end if;
   equation
-    time_constant*der(T) = temperature - T;
-    y = u + expansion*(T - reference);
+    time_constant*der(T) = temperature_C - T;
+    y_um = u_um + expansion*(T - reference);
     annotation(Documentation(info="<html><p>Component <code>thermal-expansion</code>:</p><p><code>y = x + expansion*(Ts - reference); time_constant*Ts' = temperature - Ts</code></p></html>"));
   end ThermalExpansion;
 
@@ -39,8 +40,10 @@ package Environment "Surroundings"
     extends Interfaces.PositionFilter;
     parameter Real gain(unit="1") = 1 "Factor of the disturbance";
     Interfaces.PositionInput disturbance "Disturbance from outside";
+  protected
+    Real disturbance_um(unit="um") = disturbance/Constants.um "disturbance in um";
   equation
-    y = u + gain*disturbance;
+    y_um = u_um + gain*disturbance_um;
     annotation(Documentation(info="<html><p>Component <code>disturbance</code>:</p><p><code>y = x + gain*disturbance</code></p></html>"));
   end Disturbance;
 
@@ -59,7 +62,7 @@ package Environment "Surroundings"
   equation
     der(x) = w*v;
     der(v) = w*(strength*n - x - 2*damping*v);
-    y = u + x;
+    y_um = u_um + x;
     annotation(Documentation(info="<html><p>Component <code>floor-vibration</code>:</p><p><code>y = x + n; n'' + 2*damping*w*n' + w^2*n = w^2*white noise; w = 2*pi*frequency</code></p></html>"));
   end FloorVibration;
 end Environment;
