@@ -22,6 +22,18 @@ package Functions "What several blocks share; states go in and come out"
     end for;
   end interpolate;
 
+  function raisedCosines "Sum of waves that begin at zero with slope zero"
+    input Real amplitude[:];
+    input Real frequency[size(amplitude, 1)];
+    input Real t;
+    output Real y;
+  algorithm
+    y := 0;
+    for i in 1:size(amplitude, 1) loop
+      y := y + amplitude[i]*(1 - cos(2*Constants.pi*frequency[i]*t));
+    end for;
+  end raisedCosines;
+
   function curve "Straight lines between points, and on beyond the first and the last"
     input Real u;
     input Real at[:];

@@ -15,9 +15,8 @@ from pathlib import Path
 
 import rumoca
 from modelica_cases import CONTROLLER, COUPLING, PLANT
+from modelica_examples import OFF, RESERVED, ROWS, STEP, camel, example, further, packages, scales
 
-RESERVED = {"initial", "delay", "sample", "pre", "der", "reinit", "time"}
-STEP, ROWS = 1e-4, 300
 BLOCK = re.compile(r'^  block (\w+) "([^"]*)"\n(.*?)^  end \1;', re.S | re.M)
 PARAMETER = re.compile(
     r'^    parameter (Real|Integer) (\w+)(?:\[(\w+)\])?(?:\((.*?)\))?(?: = ([^ ]+))? "([^"]*)";', re.M
@@ -26,10 +25,6 @@ PARAMETER = re.compile(
 FRAME = {"package", "Interfaces", "Icons", "Sources", "Acausal", "Rigs", "Examples", "UsersGuide", "Records"}
 # What a block has beyond its component: the FMU takes them from the blueprint or works them out.
 OWN = {"step", "elements", "cells"}
-
-
-def camel(kind):
-    return "".join(part.capitalize() for part in kind.split("-"))
 
 
 def registry(tool):
@@ -46,14 +41,6 @@ def blocks(package):
         if home not in FRAME and not home.startswith(("Rigs.", "Examples.")):
             found |= {name: (home, summary, text) for name, summary, text in BLOCK.findall(file.read_text())}
     return found
-
-
-def scales(text):
-    """What turns um into the connectors' metres: factors of the input u and of the output y."""
-    base = re.search(r"extends Interfaces\.(\w+);", text)
-    base = base[1] if base else "PositionFilter"
-    return (1e-6 if base in ("PositionFilter", "Inverse", "ReferenceFilter") else 1.0,
-            1e-6 if base in ("PositionFilter", "Actuator", "ReferenceFilter") else 1.0)
 
 
 def modelica_unit(unit):
@@ -113,42 +100,13 @@ def check_text(tool, package):
         problems += [f"{kind}: the registry has no {name}" for name in has.keys() - OWN]
     problems += [f"{kind}: no case in modelica_cases.py" for kind in rows.keys() - PLANT.keys() - COUPLING.keys() - CONTROLLER.keys()]
     problems += [f"{name}: no component of the registry" for name in written.keys()]
+    wanted = {package / "Examples" / f"{name}.mo": text for name, text in packages(rows, blocks(package)).items()}
+    for file, text in wanted.items():
+        if not file.exists() or file.read_text() != text:
+            problems.append(f"{file}: differs from what the cases say; modelica.py write TOOL PACKAGE makes it anew")
     if problems:
         sys.exit("\n".join(problems))
     print(f"{len(rows)} components, {compared} parameters: as the registry says")
-
-
-def flat(rows):
-    return [cell for row in rows for cell in row] if isinstance(rows[0], list) else rows
-
-
-def value(x):
-    if isinstance(x, bool):
-        return str(x).lower()
-    if isinstance(x, list):
-        return "{" + ", ".join(value(cell) for cell in flat(x)) + "}"
-    return repr(x)
-
-
-def modifiers(row, parameters, text):
-    """The arguments of a block: lengths of arrays are told."""
-    written = dict(parameters)
-    for quantity in row["parameters"]:
-        length, given = quantity["length"], parameters.get(quantity["name"])
-        if length and given is not None and length not in ("axes", "entries"):
-            written[length] = len(flat(given))
-    if re.search(r"parameter Integer entries", text):
-        written["entries"] = 4
-    if re.search(r"parameter Integer axes", text):
-        written["axes"] = 2
-    if "longest" in parameters and "cells" in text:
-        written["cells"] = round(parameters["longest"] / STEP) + 2
-    if "cycle" in parameters:
-        written["cells"] = round(parameters["cycle"] / STEP) + parameters["half"]
-    if re.search(r"parameter Real step", text):
-        written["step"] = STEP
-    names = ((name + "_" if name in RESERVED else name, x) for name, x in written.items())
-    return ", ".join(f"{name} = {value(x)}" for name, x in names)
 
 
 def waves(lead):
@@ -163,24 +121,16 @@ def tabulate(texts):
     return [[eval(text, names | {"t": k * STEP}) for text in texts] for k in range(ROWS)]
 
 
-def held(texts):
-    """Modelica: the inputs as the FMU sees them, held over each step."""
-    lines = [f"  discrete Real u{i}(start = 0, fixed = true);" for i in range(1, len(texts) + 1)]
-    when = [f"    u{i} = {text.replace(' t)', ' time)')};" for i, text in enumerate(texts, 1)]
-    return "\n".join(lines), "  when sample(0, {!r}) then\n{}\n  end when;".format(STEP, "\n".join(when))
-
-
-def simulate(session, declarations, equations, wanted):
-    """Values of the variables just before each sample but the first."""
-    source = f"model Run\n{declarations}\nequation\n{equations}\nend Run;\n"
-    model = session.loads(source, model="Run")
-    config = rumoca.SimConfig(solver="rk-like", rtol=1e-9, atol=1e-11)
-    run = model.simulate(t=(0, (ROWS - 1) * STEP), dt=STEP, config=config)
+def simulate(session, name, wanted, factor=1):
+    """Values of the variables of an example, in V and um, just before each sample but the first."""
+    model = session.loads(f"model Run\n  extends Piezoloop.{name};\nend Run;\n", model="Run")
+    config = rumoca.SimConfig(solver="rk-like", rtol=1e-9, atol=1e-14)
+    run = model.simulate(t=(0, (ROWS - 1) * STEP), dt=STEP / factor, config=config)
     rows, at = [], 0
     for k in range(1, ROWS):
         while run.time[at] < k * STEP - 1e-4 * STEP:
             at += 1
-        rows.append([run[name][at] for name in wanted])
+        rows.append([run[name][at] * scale for name, scale in wanted])
     return rows
 
 
@@ -239,20 +189,19 @@ def verdict(kind, apart, bound):
     return f"{kind}: {apart:.1e} (bound {bound:.0e})", apart <= bound
 
 
-SIGNALS = {"displacement": "0", "n": "0", "drive": "0", "temperature": "273.15 + 0.1*u2", "force": "0.5*u2",
-           "disturbance": "1e-6*(0.01*u2)", "command": "u1", "reference": "1e-6*u1", "measured": "1e-6*(0.5*u2)", "enable": "on"}
 COLUMNS = {"temperature": ("temperature", lambda x: 0.1 * x), "force": ("force[1]", lambda x: 0.5 * x),
            "disturbance": ("disturbance[1]", lambda x: 0.01 * x)}
-INPUT = re.compile(r"^    (?:Interfaces\.\w+Input|input Boolean) (\w+)(?:\[axes\])?(?: |\()", re.M)
 
 
-def further(text):
-    return [name for name in INPUT.findall(text) if name != "u"]
+def compared(session, rows, written, case, parameters, ours, bound):
+    package, model, wanted = example(rows, written, case, parameters)
+    theirs = simulate(session, f"Examples.{package}.{model.name}", wanted)
+    return verdict(case, difference(ours, theirs), bound)
 
 
 def plant(session, tool, rows, written, kind, parameters, bound):
     """The component in front of a gain of 1, or behind one of 0.1."""
-    package, _, text = written[camel(kind)]
+    _, _, text = written[camel(kind)]
     filter_of = re.search(r"extends Interfaces\.(\w+);", text)[1]
     ones = [("actuator-gain", {"gain": 1.0})] if filter_of == "CommandFilter" else []
     before = [("actuator-gain", {"gain": 0.1})] if filter_of == "PositionFilter" else []
@@ -265,30 +214,17 @@ def plant(session, tool, rows, written, kind, parameters, bound):
             column, of = COLUMNS[name]
             inputs[column] = [of(row[1]) for row in table]
     ours = fmu(tool, blueprint("plant", 1, before + [(kind, parameters)] + ones), inputs, ["position[1]"])
-    declarations, equations = held(texts)
-    declarations += f"\n  Piezoloop.{package}.{camel(kind)} c({modifiers(rows[kind], parameters, text)});"
-    into, out = scales(text)
-    equations += f"\n  c.u = {'1e-6*(0.1*u1)' if before else 'u1'};"
-    equations += "".join(f"\n  c.{name} = {SIGNALS[name]};" for name in extra)
-    theirs = simulate(session, declarations, equations, ["c.y"])
-    return verdict(kind, difference(ours, [[y / out for y in row] for row in theirs]), bound)
+    return compared(session, rows, written, kind, parameters, ours, bound)
 
 
 def coupling(session, tool, rows, written, kind, parameters, bound):
-    package, _, text = written[camel(kind)]
     texts = waves("1.0")
     table = tabulate(texts)
     inputs = {f"command[{i + 1}]": [row[i] for row in table] for i in (0, 1)}
     tail = f'[[coupling]]\ntype = "{kind}"\naxes = ["A1", "A2"]\n{toml(parameters)}\n'
     ours = fmu(tool, blueprint("plant", 2, [("actuator-gain", {"gain": 0.1})], tail), inputs,
                ["position[1]", "position[2]"])
-    declarations, equations = held(texts)
-    declarations += f"\n  Piezoloop.{package}.{camel(kind)} c({modifiers(rows[kind], parameters, text)});"
-    equations += "\n  c.u[1] = 1e-6*(0.1*u1);\n  c.u[2] = 1e-6*(0.1*u2);"
-    if "command" in further(text):
-        equations += "\n  c.command[1] = u1;\n  c.command[2] = u2;"
-    theirs = simulate(session, declarations, equations, ["c.y[1]", "c.y[2]"])
-    return verdict(kind, difference(ours, [[y * 1e6 for y in row] for row in theirs]), bound)
+    return compared(session, rows, written, kind, parameters, ours, bound)
 
 
 # What stands around a control component: components in front of it and behind it.
@@ -299,58 +235,26 @@ AROUND = {"pid": ([FEEDFORWARD], []), "incremental-pid": ([FEEDFORWARD], []), "r
           "reference-curve": ([], [LINEAR, OPEN]), "command-curve": ([FEEDFORWARD], [OPEN]),
           "notch": ([], [LINEAR, OPEN]), "disturbance-observer": ([], [LINEAR]),
           "reference-filter": ([], [LINEAR, CLOSED]), "reference-preview": ([], [LINEAR, CLOSED])}
-# Steps in which what can be switched off is off: from the first to the one before the second.
-OFF = (80, 121)
-
-
-def enabled():
-    """Modelica: `on` as the FMU sees it."""
-    low, high = ((step - 0.5) * STEP for step in OFF)
-    when = f"\n  when sample(0, {STEP!r}) then\n    on = time < {low!r} or time > {high!r};\n  end when;"
-    return "\n  discrete Boolean on(start = true, fixed = true);", when
 
 
 def controller(session, tool, rows, written, case, parameters, bound):
     """The component on a reference and a measured position, and off for a while where it can be."""
     kind = case.split()[0]
-    package, _, text = written[camel(kind)]
-    texts = waves("0.08")
-    table = tabulate(texts)
+    _, _, text = written[camel(kind)]
+    table = tabulate(waves("0.08"))
     inputs = {"reference[1]": [row[0] for row in table], "measured[1]": [0.5 * row[1] for row in table]}
-    declarations, equations = held(texts)
-    declarations += f"\n  Piezoloop.{package}.{camel(kind)} c({modifiers(rows[kind], parameters, text)});"
-    if kind == "jacobian-coordinator":
-        return coordinator(session, tool, (kind, parameters, bound), inputs, declarations, equations)
+    output, tail, axes = ["command[1]"], "", 1
     before, behind = AROUND.get(kind, ([], [OPEN]))
-    extra = further(text)
-    if "enable" in extra:
+    component = [*before, (kind, parameters), *behind]
+    if "enable" in further(text):
         inputs["enable"] = [0.0 if OFF[0] <= k < OFF[1] else 1.0 for k in range(ROWS)]
-        declared_on, when_on = enabled()
-        declarations, equations = declarations + declared_on, equations + when_on
-    ours = fmu(tool, blueprint("controller", 1, [*before, (kind, parameters), *behind]), inputs, ["command[1]"])
-    into, out = scales(text)
-    equations += f"\n  c.u = {into!r}*({'8*u1' if before else 'u1'});"
-    equations += "".join(f"\n  c.{name} = {SIGNALS[name]};" for name in extra)
-    wanted = "c.y"
-    if CLOSED in behind:
-        wanted = "command"
-        declarations += "\n  Real command;"
-        equations += f"\n  command = c.y + c.reference - {SIGNALS['measured']};"
-    theirs = simulate(session, declarations, equations, [wanted])
-    return verdict(case, difference(ours, [[y / out for y in row] for row in theirs]), bound)
-
-
-def coordinator(session, tool, case, inputs, declarations, equations):
-    """Two axes behind their coordinator, each under feedback of gain 1."""
-    kind, parameters, bound = case
-    inputs |= {"reference[2]": inputs["measured[1]"], "measured[2]": [0.25 * x for x in inputs["reference[1]"]]}
-    tail = f'[[coupling]]\ntype = "{kind}"\naxes = ["A1", "A2"]\n{toml(parameters)}\n'
-    ours = fmu(tool, blueprint("controller", 2, [LINEAR, CLOSED], tail), inputs, ["command[1]", "command[2]"])
-    declarations += "\n  Real command[2];"
-    equations += "\n  c.u[1] = 1e-6*u1;\n  c.u[2] = 1e-6*(0.5*u2);\n  c.measured[1] = 1e-6*(0.5*u2);\n  c.measured[2] = 1e-6*(0.25*u1);"
-    equations += "".join(f"\n  command[{i}] = (2*c.y[{i}] - c.measured_motion[{i}])*1e6;" for i in (1, 2))
-    wanted = ["command[1]", "command[2]"]
-    return verdict(kind, difference(ours, simulate(session, declarations, equations, wanted)), bound)
+    if kind == "jacobian-coordinator":
+        # Two axes behind their coordinator, each under feedback of gain 1.
+        inputs |= {"reference[2]": inputs["measured[1]"], "measured[2]": [0.25 * x for x in inputs["reference[1]"]]}
+        tail = f'[[coupling]]\ntype = "{kind}"\naxes = ["A1", "A2"]\n{toml(parameters)}\n'
+        output, axes, component = ["command[1]", "command[2]"], 2, [LINEAR, CLOSED]
+    ours = fmu(tool, blueprint("controller", axes, component, tail), inputs, output)
+    return compared(session, rows, written, case, parameters, ours, bound)
 
 
 def rig(session, tool, package):
@@ -391,6 +295,10 @@ def main():
     package = Path(package)
     if task == "text":
         return check_text(tool, package)
+    if task == "write":
+        for name, text in packages(registry(tool), blocks(package)).items():
+            (package / "Examples" / f"{name}.mo").write_text(text)
+        return None
     session = rumoca.Session(roots=[str(package)])
     if task == "rig":
         return rig(session, tool, package)
