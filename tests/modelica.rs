@@ -36,7 +36,20 @@ fn components_move_as_in_the_fmu() {
 }
 
 #[test]
-fn the_rig_has_its_values_and_moves_as_its_fmu() {
+fn each_class_has_icon_documentation_and_example_and_two_compilers_take_it() {
+    let Some(said) = run("library") else { return };
+    assert!(said.contains("each with icon and documentation"), "{said}");
+}
+
+#[test]
+fn chains_with_pins_and_flanges_keep_their_energy() {
+    let Some(said) = run("energy") else { return };
+    assert!(said.contains("StageWithFriction, balance"), "{said}");
+}
+
+/// The values are those of the rigs' FMUs: the models are made from them (`text`).
+#[test]
+fn the_rigs_move_as_their_fmus() {
     let Some(said) = run("rig") else { return };
-    assert!(said.contains("rig evc: "), "{said}");
+    assert_eq!(said.lines().filter(|line| line.starts_with("rig ")).count(), 12, "{said}");
 }

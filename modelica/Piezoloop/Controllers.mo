@@ -1,5 +1,6 @@
 within Piezoloop;
 package Controllers "Control laws"
+  extends Icons.Package;
   block ReferenceLead "Adds the first and second derivative of the reference, for lags and a mode"
     extends Interfaces.ReferenceFilter;
     parameter Real lag(unit="s", min = 0) "Sum of the path's time constants and delays";
@@ -20,7 +21,8 @@ package Controllers "Control laws"
         - (0.5*lag/step + inertia/step^2)*(pre(last) - pre(before)))) else 0;
     end when;
     y_um = last + lead;
-    annotation(Documentation(info="<html><p>Component <code>reference-lead</code>:</p><p><code>y = r + clamp(lag*r' + inertia*r'', +-limit)</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-37,-37},{8,-6},{80,70},{80,22},{80,45},{0,-17},{-57,-56},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>reference-lead</code>. Adds the first and second derivative of the reference, for lags and a mode.</p><p><code>y = r + clamp(lag*r' + inertia*r'', +-limit)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>lag</td><td>s</td><td>must be given</td><td>0</td><td></td><td>Sum of the path's time constants and delays</td></tr><tr><td>inertia</td><td>s2</td><td>must be given</td><td>0</td><td></td><td>Second-order coefficient, 1/omega^2 for one mode</td></tr><tr><td>limit</td><td>{position}</td><td>must be given</td><td>0</td><td></td><td>Greatest amount that is added or taken away</td></tr></table><p>Source: S. Devasia, E. Eleftheriou, S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15 (2007) 802-823.</p></html>"));
   end ReferenceLead;
 
   block ReferenceCurve "Curve through points in front of the feedforward, for a static nonlinearity of the sensor"
@@ -30,7 +32,8 @@ package Controllers "Control laws"
     parameter Real value[points](each unit="um") "What the curve is there";
   equation
     y_um = Functions.curve(u_um, at, value);
-    annotation(Documentation(info="<html><p>Component <code>reference-curve</code>:</p><p><code>y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] &lt;= u &lt; at[i+1], the first and the last interval without end</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-35,-36},{8,8},{80,70},{31,31},{-35,-36},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>reference-curve</code>. Curve through points in front of the feedforward, for a static nonlinearity of the sensor.</p><p><code>y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] &lt;= u &lt; at[i+1], the first and the last interval without end</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>points` (structure)</td><td>1</td><td>by its lists</td><td>2</td><td>4096</td><td>Number of points</td></tr><tr><td>at</td><td>{position}</td><td>must be given</td><td></td><td></td><td>Where the points are, increasing</td></tr><tr><td>value</td><td>{position}</td><td>must be given</td><td></td><td></td><td>What the curve is there</td></tr></table><p>Source: G. Tao, P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, Wiley 1996, ch. 2.</p></html>"));
   end ReferenceCurve;
 
   block CommandCurve "Curve through points behind the feedforward, for a static nonlinearity of the amplifier"
@@ -40,7 +43,8 @@ package Controllers "Control laws"
     parameter Real value[points](each unit="V") "What the curve is there";
   equation
     y = Functions.curve(u, at, value);
-    annotation(Documentation(info="<html><p>Component <code>command-curve</code>:</p><p><code>y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] &lt;= u &lt; at[i+1], the first and the last interval without end</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-24,-29},{80,70},{58,53},{-25,-29},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>command-curve</code>. Curve through points behind the feedforward, for a static nonlinearity of the amplifier.</p><p><code>y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] &lt;= u &lt; at[i+1], the first and the last interval without end</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>points` (structure)</td><td>1</td><td>by its lists</td><td>2</td><td>4096</td><td>Number of points</td></tr><tr><td>at</td><td>{command}</td><td>must be given</td><td></td><td></td><td>Where the points are, increasing</td></tr><tr><td>value</td><td>{command}</td><td>must be given</td><td></td><td></td><td>What the curve is there</td></tr></table><p>Source: G. Tao, P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, Wiley 1996, ch. 2.</p></html>"));
   end CommandCurve;
 
   block FeedforwardGain "Linear feedforward: command proportional to the position that is wanted"
@@ -49,7 +53,8 @@ package Controllers "Control laws"
     parameter Real offset(unit="um") = 0 "Position at zero command";
   equation
     y = gain*(u_um - offset);
-    annotation(Documentation(info="<html><p>Component <code>feedforward-gain</code>:</p><p><code>u = gain*(y - offset)</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{80,70},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>feedforward-gain</code>. Linear feedforward: command proportional to the position that is wanted.</p><p><code>u = gain*(y - offset)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>must be given</td><td></td><td></td><td>Command per position</td></tr><tr><td>offset</td><td>{position}</td><td>0</td><td></td><td></td><td>Position at zero command</td></tr></table><p>Source: inverse of a linear actuator.</p></html>"));
   end FeedforwardGain;
 
   block Pid "PID with feedforward, output and rate limits, anti-windup and bumpless enabling"
@@ -65,12 +70,12 @@ package Controllers "Control laws"
     parameter Real tracking_time(unit="s", min = 0) = 0 "Time constant of anti-windup by back-calculation, 0 for conditional integration";
     parameter Real hold(unit="1", min = 0, max = 1) = 1 "While disabled: 1 holds the last command, 0 goes to the safe one at the rate limit";
     parameter Real safe(unit="V") = 0 "Command while disabled, where it is not held";
-    Interfaces.PositionInput reference "Position that is wanted";
-    Interfaces.PositionInput measured "Position that is measured";
-    input Boolean enable "False holds the command or goes to the safe one";
-    Interfaces.CommandOutput feedforward "Feedforward before the limits";
-    Interfaces.CommandOutput feedback "Feedback before the limits";
-    output Boolean saturated "The command is at a limit";
+    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
+    input Boolean enable "False holds the command or goes to the safe one" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
+    Interfaces.CommandOutput feedforward "Feedforward before the limits" annotation(Placement(transformation(extent={{100,70},{120,90}})));
+    Interfaces.CommandOutput feedback "Feedback before the limits" annotation(Placement(transformation(extent={{100,-50},{120,-30}})));
+    output Boolean saturated "The command is at a limit" annotation(Placement(transformation(extent={{100,-90},{120,-70}})));
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
     Real reference_um(unit="um") = reference/Constants.um "reference in um";
@@ -108,7 +113,8 @@ package Controllers "Control laws"
     feedforward = ff;
     feedback = if enable then free - ff else 0;
     saturated = enable and (free > held or free < held);
-    annotation(Documentation(info="<html><p>Component <code>pid</code>:</p><p><code>u = feedforward_gain*u_ff + kp*e + I + kd*q; I = I + ki*T*e; q = f*q + (1 - f)*(e - e_last)/T; f = exp(-T/derivative_filter); e = reference - measured; command = min(max(u, output_min), output_max), at most rate_max*T from the last</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,20},{-71,11},{-66,10},{80,70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>pid</code>. PID with feedforward, output and rate limits, anti-windup and bumpless enabling.</p><p><code>u = feedforward_gain*u_ff + kp*e + I + kd*q; I = I + ki*T*e; q = f*q + (1 - f)*(e - e_last)/T; f = exp(-T/derivative_filter); e = reference - measured; command = min(max(u, output_min), output_max), at most rate_max*T from the last</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>kp</td><td>{command}/{position}</td><td>must be given</td><td></td><td></td><td>Proportional gain</td></tr><tr><td>ki</td><td>{command}/{position}/s</td><td>0</td><td></td><td></td><td>Integral gain</td></tr><tr><td>kd</td><td>{command}.s/{position}</td><td>0</td><td></td><td></td><td>Derivative gain</td></tr><tr><td>derivative_filter</td><td>s</td><td>0</td><td>0</td><td></td><td>Time constant of the derivative's filter, 0 for none</td></tr><tr><td>output_min</td><td>{command}</td><td>must be given</td><td>of the commands</td><td>of the commands</td><td>Least command</td></tr><tr><td>output_max</td><td>{command}</td><td>must be given</td><td>of the commands</td><td>of the commands</td><td>Greatest command</td></tr><tr><td>feedforward_gain</td><td>1</td><td>1</td><td></td><td></td><td>Share of the feedforward that is added</td></tr><tr><td>rate_max</td><td>{command}/s</td><td>0</td><td>0</td><td></td><td>Greatest rate of the command, 0 for no limit</td></tr><tr><td>tracking_time</td><td>s</td><td>0</td><td>0</td><td></td><td>Time constant of anti-windup by back-calculation, 0 for conditional integration</td></tr><tr><td>hold</td><td>1</td><td>1</td><td>0</td><td>1</td><td>While disabled: 1 holds the last command, 0 goes to the safe one at the rate limit</td></tr><tr><td>safe</td><td>{command}</td><td>0</td><td></td><td></td><td>Command while disabled, where it is not held</td></tr></table><p>Source: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 3 and 13.</p></html>"));
   end Pid;
 
   block IncrementalPid "PID in incremental form with feedforward, output and rate limits, bumpless enabling"
@@ -122,12 +128,12 @@ package Controllers "Control laws"
     parameter Real rate_max(unit="V/s", min = 0) = 0 "Greatest rate of the command, 0 for no limit";
     parameter Real hold(unit="1", min = 0, max = 1) = 1 "While disabled: 1 holds the last command, 0 goes to the safe one at the rate limit";
     parameter Real safe(unit="V") = 0 "Command while disabled, where it is not held";
-    Interfaces.PositionInput reference "Position that is wanted";
-    Interfaces.PositionInput measured "Position that is measured";
-    input Boolean enable "False holds the command or goes to the safe one";
-    Interfaces.CommandOutput feedforward "Feedforward before the limits";
-    Interfaces.CommandOutput feedback "Feedback before the limits";
-    output Boolean saturated "The command is at a limit";
+    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
+    input Boolean enable "False holds the command or goes to the safe one" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
+    Interfaces.CommandOutput feedforward "Feedforward before the limits" annotation(Placement(transformation(extent={{100,70},{120,90}})));
+    Interfaces.CommandOutput feedback "Feedback before the limits" annotation(Placement(transformation(extent={{100,-50},{120,-30}})));
+    output Boolean saturated "The command is at a limit" annotation(Placement(transformation(extent={{100,-90},{120,-70}})));
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
     Real reference_um(unit="um") = reference/Constants.um "reference in um";
@@ -162,7 +168,8 @@ package Controllers "Control laws"
     feedforward = ff;
     feedback = if enable then free - ff else 0;
     saturated = enable and (free > held or free < held);
-    annotation(Documentation(info="<html><p>Component <code>incremental-pid</code>:</p><p><code>u = feedforward_gain*u_ff + v; v = v_last + kp*(e - e1) + ki*T*e + kd/T*(e - 2*e1 + e2); e = reference - measured; command = min(max(u, output_min), output_max), at most rate_max*T from the last</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,41},{-72,9},{80,70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>incremental-pid</code>. PID in incremental form with feedforward, output and rate limits, bumpless enabling.</p><p><code>u = feedforward_gain*u_ff + v; v = v_last + kp*(e - e1) + ki*T*e + kd/T*(e - 2*e1 + e2); e = reference - measured; command = min(max(u, output_min), output_max), at most rate_max*T from the last</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>kp</td><td>{command}/{position}</td><td>must be given</td><td></td><td></td><td>Proportional gain</td></tr><tr><td>ki</td><td>{command}/{position}/s</td><td>0</td><td></td><td></td><td>Integral gain</td></tr><tr><td>kd</td><td>{command}.s/{position}</td><td>0</td><td></td><td></td><td>Derivative gain</td></tr><tr><td>output_min</td><td>{command}</td><td>must be given</td><td>of the commands</td><td>of the commands</td><td>Least command</td></tr><tr><td>output_max</td><td>{command}</td><td>must be given</td><td>of the commands</td><td>of the commands</td><td>Greatest command</td></tr><tr><td>feedforward_gain</td><td>1</td><td>1</td><td></td><td></td><td>Share of the feedforward that is added</td></tr><tr><td>rate_max</td><td>{command}/s</td><td>0</td><td>0</td><td></td><td>Greatest rate of the command, 0 for no limit</td></tr><tr><td>hold</td><td>1</td><td>1</td><td>0</td><td>1</td><td>While disabled: 1 holds the last command, 0 goes to the safe one at the rate limit</td></tr><tr><td>safe</td><td>{command}</td><td>0</td><td></td><td></td><td>Command while disabled, where it is not held</td></tr></table><p>Source: LS-SVM with stop operators tuned by particle swarm, eqs. (22), (23).</p></html>"));
   end IncrementalPid;
 
   block BoucWenFeedforward "Feedforward that uses a Bouc-Wen model itself, without an inverse"
@@ -197,7 +204,8 @@ package Controllers "Control laws"
       h = pre(h) + (gain - slope)*(command - before);
     end when;
     y = command;
-    annotation(Documentation(info="<html><p>Component <code>bouc-wen-feedforward</code>:</p><p><code>D*u = inertia*y'' + lag*y' + y + H; H' = alpha*D*u' - beta*|u'|*H - gamma*u'*|H|</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,65},{-73,65},{-73,70},{-72,-70},{-71,-52},{-65,-51},{-63,-19},{80,-19}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>bouc-wen-feedforward</code>. Feedforward that uses a Bouc-Wen model itself, without an inverse.</p><p><code>D*u = inertia*y'' + lag*y' + y + H; H' = alpha*D*u' - beta*|u'|*H - gamma*u'*|H|</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{position}/{command}</td><td>must be given</td><td></td><td></td><td>D, position per command without hysteresis</td></tr><tr><td>alpha</td><td>1</td><td>must be given</td><td></td><td></td><td>Share of the hysteresis</td></tr><tr><td>beta</td><td>1/{command}</td><td>must be given</td><td></td><td></td><td>Shape of the loop</td></tr><tr><td>gamma</td><td>1/{command}</td><td>must be given</td><td></td><td></td><td>Shape of the loop</td></tr><tr><td>lag</td><td>s</td><td>0</td><td>0</td><td></td><td>B/K</td></tr><tr><td>inertia</td><td>s2</td><td>0</td><td>0</td><td></td><td>M/K</td></tr><tr><td>limit</td><td>{position}</td><td>1000000000</td><td>0</td><td></td><td>Greatest amount that the derivatives add</td></tr></table><p>Source: Q. Xu, IEEE Trans. Ind. Electron. 60 (2013) 3927-3937, eqs. (1), (2), (4).</p></html>"));
   end BoucWenFeedforward;
 
   block Notch "Notch filter against a resonance"
@@ -225,14 +233,15 @@ package Controllers "Control laws"
       second = b2*u - a2*v;
     end when;
     y = v;
-    annotation(Documentation(info="<html><p>Component <code>notch</code>:</p><p><code>y = (s^2 + 2*damping*depth*w*s + w^2)/(s^2 + 2*damping*w*s + w^2)*u; w = 2*pi*frequency</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,44},{-70,2},{-62,70},{-54,52},{-46,57},{80,56}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>notch</code>. Notch filter against a resonance.</p><p><code>y = (s^2 + 2*damping*depth*w*s + w^2)/(s^2 + 2*damping*w*s + w^2)*u; w = 2*pi*frequency</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>frequency</td><td>Hz</td><td>must be given</td><td>0</td><td></td><td>Frequency that is taken out</td></tr><tr><td>damping</td><td>1</td><td>0.5</td><td>0</td><td></td><td>Damping ratio of the poles</td></tr><tr><td>depth</td><td>1</td><td>0</td><td>0</td><td>1</td><td>What is left at the frequency</td></tr></table><p>Source: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 8.</p></html>"));
   end Notch;
 
   block ReferenceFilter "Low-pass of second order for the reference, for feedforward and feedback alike"
     extends Interfaces.ReferenceFilter;
     parameter Real frequency(unit="Hz", min = 0) "Natural frequency";
     parameter Real damping(unit="1", min = 0.1) = 1 "Damping ratio";
-    Interfaces.PositionOutput reference "Reference for the control law behind it";
+    Interfaces.PositionOutput reference "Reference for the control law behind it" annotation(Placement(transformation(extent={{100,50},{120,70}})));
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
     Real reference_um(unit="um") "reference in um";
@@ -253,7 +262,8 @@ package Controllers "Control laws"
     end when;
     y_um = x;
     reference_um = x;
-    annotation(Documentation(info="<html><p>Component <code>reference-filter</code>:</p><p><code>r_f + 2*damping*r_f'/w + r_f''/w^2 = r; w = 2*pi*frequency</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-72,-66},{-60,38},{-55,57},{-49,68},{-43,70},{-20,68},{80,68}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>reference-filter</code>. Low-pass of second order for the reference, for feedforward and feedback alike.</p><p><code>r_f + 2*damping*r_f'/w + r_f''/w^2 = r; w = 2*pi*frequency</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>frequency</td><td>Hz</td><td>must be given</td><td>0</td><td></td><td>Natural frequency</td></tr><tr><td>damping</td><td>1</td><td>1</td><td>0.1</td><td></td><td>Damping ratio</td></tr></table><p>Source: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 5.</p></html>"));
   end ReferenceFilter;
 
   block ReferencePreview "The reference input runs ahead: feedforward gets it at once, feedback later"
@@ -261,7 +271,7 @@ package Controllers "Control laws"
     parameter Real longest(unit="s", min = 0, max = 10) = 0.01 "Longest preview that can be set";
     parameter Real preview(unit="s", min = 0) "How far the reference input is ahead";
     parameter Integer cells(min = 2) = 502 "Samples that are kept: longest/step + 2";
-    Interfaces.PositionOutput reference "Reference for the control law behind it";
+    Interfaces.PositionOutput reference "Reference for the control law behind it" annotation(Placement(transformation(extent={{100,50},{120,70}})));
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
     Real reference_um(unit="um") "reference in um";
@@ -279,7 +289,8 @@ package Controllers "Control laws"
     end when;
     y_um = ahead;
     reference_um = later;
-    annotation(Documentation(info="<html><p>Component <code>reference-preview</code>:</p><p><code>path = r(t); reference = r(t - preview)</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,70},{80,70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>reference-preview</code>. The reference input runs ahead: feedforward gets it at once, feedback later.</p><p><code>path = r(t); reference = r(t - preview)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>longest` (structure)</td><td>s</td><td>0.01</td><td>0</td><td>10</td><td>Longest preview that can be set</td></tr><tr><td>preview</td><td>s</td><td>must be given</td><td>0</td><td>longest</td><td>How far the reference input is ahead</td></tr></table><p>Source: M. Tomizuka, ASME J. Dyn. Syst. Meas. Control 115 (1993) 412-418.</p></html>"));
   end ReferencePreview;
 
   block DisturbanceObserver "Takes what the machine does beyond its model off the reference, in front of the inverse"
@@ -290,8 +301,8 @@ package Controllers "Control laws"
     parameter Real delay_(unit="s", min = 0) = 0 "Dead time from the inverse to the measured position";
     parameter Real limit(unit="um", min = 0) "Greatest disturbance that is taken off";
     parameter Integer cells(min = 2) = 5002 "Samples that are kept: longest/step + 2";
-    Interfaces.PositionInput measured "Position that is measured";
-    input Boolean enable "False takes nothing off";
+    Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    input Boolean enable "False takes nothing off" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
     Real measured_um(unit="um") = measured/Constants.um "measured in um";
@@ -313,7 +324,8 @@ package Controllers "Control laws"
       v = u_um - d;
     end when;
     y_um = v;
-    annotation(Documentation(info="<html><p>Component <code>disturbance-observer</code>:</p><p><code>v = r - d; d = Q*(measured - M*v); M = exp(-s*delay)/(1 + s*lag); Q = 1/(1 + s/(2*pi*bandwidth)); |d| &lt;= limit</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,36},{-68,22},{-63,22},{-35,70},{80,70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>disturbance-observer</code>. Takes what the machine does beyond its model off the reference, in front of the inverse.</p><p><code>v = r - d; d = Q*(measured - M*v); M = exp(-s*delay)/(1 + s*lag); Q = 1/(1 + s/(2*pi*bandwidth)); |d| &lt;= limit</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>longest` (structure)</td><td>s</td><td>0.1</td><td>0</td><td>10</td><td>Longest delay that can be set</td></tr><tr><td>bandwidth</td><td>Hz</td><td>must be given</td><td>0</td><td></td><td>Up to where disturbances are taken off</td></tr><tr><td>lag</td><td>s</td><td>0</td><td>0</td><td></td><td>Time constant from the inverse to the measured position</td></tr><tr><td>delay</td><td>s</td><td>0</td><td>0</td><td>longest</td><td>Dead time from the inverse to the measured position</td></tr><tr><td>limit</td><td>{position}</td><td>must be given</td><td>0</td><td></td><td>Greatest disturbance that is taken off</td></tr></table><p>Source: K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatronics 1 (1996) 56-67.</p></html>"));
   end DisturbanceObserver;
 
   block Repetitive "Repetitive (iterative learning) control of a periodic reference"
@@ -325,9 +337,9 @@ package Controllers "Control laws"
     parameter Real keep(unit="1", min = 0, max = 1) = 1 "Part of what was learned that stays for the next cycle";
     parameter Real limit(unit="V", min = 0) "Greatest command that is learned";
     parameter Integer cells(min = 2) = 1010 "Samples that are kept: cycle/step + half; the default is for a cycle of 0.02 s";
-    Interfaces.PositionInput reference "Position that is wanted";
-    Interfaces.PositionInput measured "Position that is measured";
-    input Boolean enable "False adds and learns nothing";
+    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
+    input Boolean enable "False adds and learns nothing" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
     Real reference_um(unit="um") = reference/Constants.um "reference in um";
@@ -346,19 +358,21 @@ package Controllers "Control laws"
       held = u + w;
     end when;
     y = held;
-    annotation(Documentation(info="<html><p>Component <code>repetitive</code>:</p><p><code>w(k) = keep*sum(h[j]*w(k-N+j)) + gain*e(k-N+lead); e = reference - measured; command = path + w</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,43},{-39,43},{-38,59},{-5,59},{-1,70},{80,70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>repetitive</code>. Repetitive (iterative learning) control of a periodic reference.</p><p><code>w(k) = keep*sum(h[j]*w(k-N+j)) + gain*e(k-N+lead); e = reference - measured; command = path + w</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>cycle` (structure)</td><td>s</td><td>by its lists</td><td>0.000000001</td><td>1000000</td><td>Period of the reference, a whole number of sample times</td></tr><tr><td>half` (structure)</td><td>1</td><td>10</td><td>0</td><td>1000</td><td>Half length of the window, in samples</td></tr><tr><td>gain</td><td>{command}/{position}</td><td>must be given</td><td></td><td></td><td>Gain of learning</td></tr><tr><td>lead</td><td>s</td><td>0</td><td>0</td><td></td><td>Delay from the command to the measured position</td></tr><tr><td>keep</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Part of what was learned that stays for the next cycle</td></tr><tr><td>limit</td><td>{command}</td><td>must be given</td><td>0</td><td></td><td>Greatest command that is learned</td></tr></table><p>Source: D. A. Bristow, M. Tharayil, A. G. Alleyne, IEEE Control Systems 26 (2006) 96-114.</p></html>"));
   end Repetitive;
 
   block JacobianCoordinator "From the coordinates of all sensors to the motions of all axes, through the inverse Jacobian"
+    extends Icons.Block;
     parameter Integer axes(min = 2, max = 32) "Number of coupled axes";
     parameter Integer entries(min = 4, max = 1024) "Number of entries of the matrix";
     parameter Real matrix[entries](each unit="um/V") "Jacobian, row by row";
     parameter Real offset[axes](each unit="um") "Coordinates at zero motion";
     parameter Real condition_max(unit="1", min = 1) = 1000 "Greatest condition number of the Jacobian that is taken";
-    Interfaces.PositionInput u[axes] "Coordinates that are wanted";
-    Interfaces.PositionInput measured[axes] "Coordinates that are measured";
-    Interfaces.PositionOutput y[axes] "Motions that are wanted, the reference behind it";
-    Interfaces.PositionOutput measured_motion[axes] "Motions that are measured, the measured position behind it";
+    Interfaces.PositionInput u[axes] "Coordinates that are wanted" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
+    Interfaces.PositionInput measured[axes] "Coordinates that are measured" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    Interfaces.PositionOutput y[axes] "Motions that are wanted, the reference behind it" annotation(Placement(transformation(extent={{100,-10},{120,10}})));
+    Interfaces.PositionOutput measured_motion[axes] "Motions that are measured, the measured position behind it" annotation(Placement(transformation(extent={{100,-70},{120,-50}})));
   protected
     Real u_um[axes](each unit="um") = u/Constants.um "u in um";
     Real measured_um[axes](each unit="um") = measured/Constants.um "measured in um";
@@ -372,6 +386,8 @@ package Controllers "Control laws"
       y_um[i] = Functions.rowDifference(inverse, i, u_um, offset);
       measured_motion_um[i] = Functions.rowDifference(inverse, i, measured_um, offset);
     end for;
-    annotation(Documentation(info="<html><p>Component <code>jacobian-coordinator</code>:</p><p><code>condition_max</code> is not checked here.</p><p><code>theta_r = J^-1*(p_r - p0); theta_m = J^-1*(p - p0); J[i,j] = matrix[i,j]; p0[i] = offset[i]</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{80,70},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>jacobian-coordinator</code>. From the coordinates of all sensors to the motions of all axes, through the inverse Jacobian.</p><p><code>theta_r = J^-1*(p_r - p0); theta_m = J^-1*(p - p0); J[i,j] = matrix[i,j]; p0[i] = offset[i]</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>axes` (structure)</td><td>1</td><td>by its lists</td><td>2</td><td>32</td><td>Number of coupled axes</td></tr><tr><td>entries` (structure)</td><td>1</td><td>by its lists</td><td>4</td><td>1024</td><td>Number of entries of the matrix</td></tr><tr><td>matrix</td><td>{position}/{command}</td><td>must be given</td><td></td><td></td><td>Jacobian, row by row</td></tr><tr><td>offset</td><td>{position}</td><td>must be given</td><td></td><td></td><td>Coordinates at zero motion</td></tr><tr><td>condition_max</td><td>1</td><td>1000</td><td>1</td><td></td><td>Greatest condition number of the Jacobian that is taken</td></tr></table><p>Source: laser beam pointing with four piezo axes, eqs. (14), (18), (19).</p></html>"));
   end JacobianCoordinator;
+  annotation(Documentation(info="<html><p>Control laws.</p></html>"));
 end Controllers;

@@ -1,5 +1,6 @@
 within Piezoloop;
 package Icons "Shapes that classes of the library share"
+  extends Icons.Package;
   extends Package;
 
   partial class Package "Package"
@@ -77,4 +78,5 @@ package Icons "Shapes that classes of the library share"
       Text(extent={{-150,110},{150,150}}, textString="%name", textColor={0,0,255})}),
       Documentation(info="<html><p>Frame of a machine: support, stack, stage, motion.</p></html>"));
   end Rig;
+  annotation(Documentation(info="<html><p>Shapes that classes of the library share.</p></html>"));
 end Icons;

@@ -138,7 +138,7 @@ package Interfaces "Connectors and what the blocks of a signal path share"
   partial model TwoFlanges "Component with two flanges along one axis"
     Flange_a flange_a "Left flange" annotation(Placement(transformation(extent={{-110,-10},{-90,10}})));
     Flange_b flange_b "Right flange" annotation(Placement(transformation(extent={{90,-10},{110,10}})));
-    annotation(Documentation(info="<html><p>Two flanges. The force of a flange counts into the component.</p></html>"));
+    annotation(Icon(graphics={Line(points={{-90,0},{90,0}}, color={0,127,0})}), Documentation(info="<html><p>Two flanges. The force of a flange counts into the component.</p></html>"));
   end TwoFlanges;
 
   partial model TwoPins "Component with two pins and one current"
@@ -150,6 +150,7 @@ package Interfaces "Connectors and what the blocks of a signal path share"
     v = p.v - n.v;
     i = p.i;
     p.i + n.i = 0;
-    annotation(Documentation(info="<html><p>Two pins that carry the same current.</p></html>"));
+    annotation(Icon(graphics={Line(points={{-90,0},{90,0}}, color={0,0,255})}), Documentation(info="<html><p>Two pins that carry the same current.</p></html>"));
   end TwoPins;
+  annotation(Documentation(info="<html><p>Connectors and what the blocks of a signal path share.</p></html>"));
 end Interfaces;

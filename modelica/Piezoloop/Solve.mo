@@ -1,6 +1,8 @@
 within Piezoloop;
 package Solve "The command at which a model's position is the wanted one, by bisection between two limits"
+  extends Icons.Package;
   function prandtlIshlinskii "Command at which the model's position is the wanted one: Prandtl-Ishlinskii"
+    extends Icons.Function;
     input Real wanted;
     input Real low;
     input Real high;
@@ -26,9 +28,11 @@ package Solve "The command at which a model's position is the wanted one, by bis
       end if;
     end for;
     command := 0.5*(a + b);
+    annotation(Documentation(info="<html><p>Command at which the model's position is the wanted one: Prandtl-Ishlinskii.</p></html>"));
   end prandtlIshlinskii;
 
   function envelopedPlays "The same for envelopes slope*u + shift"
+    extends Icons.Function;
     input Real wanted;
     input Real low;
     input Real high;
@@ -57,9 +61,11 @@ package Solve "The command at which a model's position is the wanted one, by bis
       end if;
     end for;
     command := 0.5*(a + b);
+    annotation(Documentation(info="<html><p>The same for envelopes slope*u + shift.</p></html>"));
   end envelopedPlays;
 
   function cubicPlays "The same for a cubic and plays with wider thresholds"
+    extends Icons.Function;
     input Real wanted;
     input Real low;
     input Real high;
@@ -87,9 +93,11 @@ package Solve "The command at which a model's position is the wanted one, by bis
       end if;
     end for;
     command := 0.5*(a + b);
+    annotation(Documentation(info="<html><p>The same for a cubic and plays with wider thresholds.</p></html>"));
   end cubicPlays;
 
   function boucWen "The same for a Bouc-Wen model"
+    extends Icons.Function;
     input Real wanted;
     input Real last;
     input Real h;
@@ -119,9 +127,11 @@ package Solve "The command at which a model's position is the wanted one, by bis
       end if;
     end for;
     command := 0.5*(a + b);
+    annotation(Documentation(info="<html><p>The same for a Bouc-Wen model.</p></html>"));
   end boucWen;
 
   function duhem "The same for a Duhem model"
+    extends Icons.Function;
     input Real wanted;
     input Real last;
     input Real e;
@@ -148,5 +158,7 @@ package Solve "The command at which a model's position is the wanted one, by bis
       end if;
     end for;
     command := 0.5*(a + b);
+    annotation(Documentation(info="<html><p>The same for a Duhem model.</p></html>"));
   end duhem;
+  annotation(Documentation(info="<html><p>The command at which a model's position is the wanted one, by bisection between two limits.</p></html>"));
 end Solve;

@@ -9,4 +9,5 @@ package Types "Quantities at the connectors: SI, with the units that people read
   type Charge = Real(final unit="C", final quantity="ElectricCharge", displayUnit="uC") "Charge" annotation(Documentation(info="<html><p>Electric charge, in C.</p></html>"));
   type Energy = Real(final unit="J", final quantity="Energy") "Energy" annotation(Documentation(info="<html><p>Energy, in J.</p></html>"));
   type Temperature = Real(final unit="K", final quantity="ThermodynamicTemperature", displayUnit="degC") "Temperature" annotation(Documentation(info="<html><p>Absolute temperature, in K; tools show degC.</p></html>"));
+  annotation(Documentation(info="<html><p>Quantities at the connectors: SI, with the units that people read as displayUnit.</p></html>"));
 end Types;

@@ -1,6 +1,6 @@
 """The Modelica package against the registry and, compiled by rumoca, against the tool's FMUs.
 
-usage: modelica.py text|plant|coupling|controller|rig PIEZOLOOP PACKAGE [TYPE ...]
+usage: modelica.py text|write|library|energy|plant|coupling|controller|rig PIEZOLOOP PACKAGE [TYPE ...]
 """
 
 import csv
@@ -11,11 +11,14 @@ import re
 import subprocess
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import rumoca
 from modelica_cases import CONTROLLER, COUPLING, PLANT
-from modelica_examples import OFF, RESERVED, ROWS, STEP, camel, example, further, packages, scales
+from modelica_examples import (
+    OFF, RANDOM, RESERVED, ROWS, STEP, camel, documentation, example, further, packages, records, rigs,
+)
 
 BLOCK = re.compile(r'^  block (\w+) "([^"]*)"\n(.*?)^  end \1;', re.S | re.M)
 PARAMETER = re.compile(
@@ -24,7 +27,7 @@ PARAMETER = re.compile(
 # Packages of what is no component.
 FRAME = {"package", "Interfaces", "Icons", "Sources", "Acausal", "Rigs", "Examples", "UsersGuide", "Records"}
 # What a block has beyond its component: the FMU takes them from the blueprint or works them out.
-OWN = {"step", "elements", "cells"}
+OWN = {"step", "elements", "cells", "u_start"}
 
 
 def registry(tool):
@@ -78,13 +81,24 @@ def declared(text):
     return found
 
 
+def made(tool, package):
+    """Files of the package that are made from the cases and the rigs."""
+    rows, written = registry(tool), blocks(package)
+    found = {package / "Examples" / f"{name}.mo": text for name, text in packages(rows, written).items()}
+    found[package / "Rigs.mo"], found[package / "Examples" / "Rigs.mo"], _ = rigs(rows, written, read_rig(tool))
+    texts = [tomllib.loads(file.read_text()) for file in sorted((package / "../../rigs/records").glob("*.toml"))]
+    found[package / "Records.mo"] = records(rows, texts)
+    return found
+
+
 def check_text(tool, package):
     rows, written = registry(tool), blocks(package)
+    pages = (package / "../../docs/effects.md").read_text()
     problems, compared = [], 0
     for kind, row in rows.items():
         _, summary, text = written.pop(camel(kind), (None, None, ""))
-        if summary != row["summary"] or html.escape(row["equation"], quote=False) not in text:
-            problems.append(f"{kind}: summary or equation differ from the registry's")
+        if summary != row["summary"] or documentation(kind, summary, pages) not in text:
+            problems.append(f"{kind}: summary or documentation differ from the registry's and docs/effects.md's")
         has = declared(text)
         for quantity in row["structure"] + row["parameters"]:
             name = quantity["name"]
@@ -100,8 +114,7 @@ def check_text(tool, package):
         problems += [f"{kind}: the registry has no {name}" for name in has.keys() - OWN]
     problems += [f"{kind}: no case in modelica_cases.py" for kind in rows.keys() - PLANT.keys() - COUPLING.keys() - CONTROLLER.keys()]
     problems += [f"{name}: no component of the registry" for name in written.keys()]
-    wanted = {package / "Examples" / f"{name}.mo": text for name, text in packages(rows, blocks(package)).items()}
-    for file, text in wanted.items():
+    for file, text in made(tool, package).items():
         if not file.exists() or file.read_text() != text:
             problems.append(f"{file}: differs from what the cases say; modelica.py write TOOL PACKAGE makes it anew")
     if problems:
@@ -202,7 +215,7 @@ def compared(session, rows, written, case, parameters, ours, bound):
 def plant(session, tool, rows, written, kind, parameters, bound):
     """The component in front of a gain of 1, or behind one of 0.1."""
     _, _, text = written[camel(kind)]
-    filter_of = re.search(r"extends Interfaces\.(\w+);", text)[1]
+    filter_of = re.search(r"extends Interfaces\.(\w+)[;(]", text)[1]
     ones = [("actuator-gain", {"gain": 1.0})] if filter_of == "CommandFilter" else []
     before = [("actuator-gain", {"gain": 0.1})] if filter_of == "PositionFilter" else []
     texts = waves("1.0")
@@ -257,34 +270,145 @@ def controller(session, tool, rows, written, case, parameters, bound):
     return compared(session, rows, written, case, parameters, ours, bound)
 
 
-def rig(session, tool, package):
-    """Rigs.Evc has the blueprint's values and, two steps later, its trajectory."""
-    said = subprocess.run([tool, "list", "rigs", "--show", "evc"], check=True, capture_output=True, text=True)
-    wanted = tomllib.loads(said.stdout)
-    text = blocks(package)["Evc"][2]
-    problems, axes = [], {"Y": "y", "Z": "z"}
-    for axis in wanted["axis"]:
+def read_rig(tool):
+    """Blueprint of a rig, and the model description of its FMU."""
+    def read(name):
+        shown = subprocess.run([tool, "list", "rigs", "--show", name], check=True, capture_output=True, text=True)
+        subprocess.run([tool, "pack", name, "-o", "rig.fmu"], check=True, capture_output=True)
+        with zipfile.ZipFile("rig.fmu") as fmu:
+            return tomllib.loads(shown.stdout), fmu.read("modelDescription.xml").decode()
+    return read
+
+
+def rig_case(session, tool, name, fact, bound):
+    """A rig's trajectory beside that of its FMU with the noises off, later by the holds."""
+    model, blueprint, inputs, delays = fact
+    step = float(blueprint["step"])
+    wave = lambda amplitudes, frequencies, t: sum(a * (1 - math.cos(2 * math.pi * f * t)) for a, f in zip(amplitudes, frequencies))
+    with open("input.csv", "w", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(["time", *(f"command[{i + 1}]" for i in range(len(inputs)))])
+        for k in range(ROWS):
+            rows.writerow([repr(k * step), *(repr(wave(*one, k * step)) for one in inputs)])
+    off = []
+    for i, axis in enumerate(blueprint["axis"], 1):
         for component in axis["component"]:
-            name = f"{axes[axis['name']]}_{component['name']}"
-            own = re.search(rf"\.{camel(component['type'])} {name}\((.*)\);", text)
-            given = {k: v for k, v in component.items() if k not in ("type", "name", "note")}
-            for key, x in given.items():
-                numbers = re.search(rf"\b{key} = (\{{[^}}]*\}}|[^,]+)", own[1] if own else "")
-                numbers = [float(n) for n in numbers[1].strip("{}").split(",")] if numbers else None
-                if numbers != (x if isinstance(x, list) else [x]):
-                    problems.append(f"{name}.{key}: Modelica {numbers}, rig {x}")
+            if component["type"] in RANDOM:
+                off += ["--start", f"axis[{i}].{component.get('name', component['type'].replace('-', '_'))}.enabled=false"]
+    for arguments in (["pack", name, "-o", "rig.fmu"], ["simulate", "rig.fmu", "--log", "input.csv", *off, "-o", "run.csv"]):
+        said = subprocess.run([tool, *arguments], capture_output=True, text=True)
+        if said.returncode:
+            sys.exit(f"{arguments}: {said.stderr}")
+    with open("run.csv", newline="") as file:
+        table = list(csv.DictReader(file))
+    run = session.loads(f"model Run\n  extends Piezoloop.Examples.Rigs.{model};\nend Run;\n", model="Run").simulate(
+        t=(0, (ROWS - 1) * step), dt=step, config=rumoca.SimConfig(solver="rk-like", rtol=1e-9, atol=1e-14))
+    worst = 0.0
+    for i, late in enumerate(delays, 1):
+        ours = [float(row[f"position[{i}]"]) for row in table]
+        size = max(ours) - min(ours)
+        # Just before each step.
+        at, theirs = 0, []
+        for k in range(1, ROWS):
+            while run.time[at] < (k - 1e-4) * step:
+                at += 1
+            theirs.append(run[f"device.y[{i}]"][at] * 1e6)
+        worst = max(worst, max(abs(a - b) for a, b in zip(ours[1:], theirs[late:])) / size)
+    return verdict(f"rig {name}", worst, bound)
+
+
+CLASS = re.compile(
+    r'^(?P<indent> *)(?:partial )?(?P<kind>package|block|model|connector|function|record|class|type) (?P<name>\w+)(?P<short> = [^\n]*)? "', re.M)
+
+
+def classes(package):
+    """Full name of each class: its kind, whether it is partial, its text."""
+    found = {}
+    for file in sorted(package.rglob("*.mo")):
+        text = file.read_text()
+        within = re.match(r"within ([\w.]+);", text)
+        path = [(-1, within[1] if within else "")]
+        for match in CLASS.finditer(text):
+            indent, name = len(match["indent"]), match["name"]
+            while path[-1][0] >= indent:
+                path.pop()
+            full = f"{path[-1][1]}.{name}".strip(".")
+            if match["short"]:
+                body = text[match.start():text.index(";\n", match.start())]
+            else:
+                body = text[match.start():text.index(f"\n{match['indent']}end {name};", match.start())]
+                path.append((indent, full))
+            found[full] = (match["kind"], match[0].lstrip().startswith("partial"), body)
+    return found
+
+
+def library(package):
+    """Icon, documentation and example of every class; every class in both compilers."""
+    import pymoca.ast
+    import pymoca.parser
+    import pymoca.tree
+
+    found, problems = classes(package), []
+    inherits = {name: re.findall(r"extends ([\w.]+)", body) for name, (_, _, body) in found.items()}
+
+    def has_icon(name, body):
+        if re.search(r"(?<!\w)Icon\(", body.split("\n\n", 1)[0] if found[name][0] == "package" else body):
+            return True
+        bases = [next((other for other in found if other.endswith(f".{base}")), None) for base in inherits[name][:1]]
+        return any(base and base != name and has_icon(base, found[base][2]) for base in bases)
+
+    shown = "\n".join(body for name, (_, _, body) in found.items() if ".Examples." in name or ".Rigs." in name)
+    for name, (kind, partial, body) in found.items():
+        last = name.split(".")[-1]
+        if "Documentation(" not in body:
+            problems.append(f"{name}: no documentation")
+        if kind not in ("type",) and not has_icon(name, body):
+            problems.append(f"{name}: no icon")
+        is_used = re.search(rf"\b{last} \w+[ (;]", shown) or ".Examples." in name
+        if kind in ("block", "model") and not partial and not is_used and not (".Rigs." in name and last.startswith("Hold")):
+            problems.append(f"{name}: no example")
+    tree = None
+    for file in sorted(package.rglob("*.mo"), key=lambda file: (len(file.parts), file.name != "package.mo")):
+        part = pymoca.parser.parse(file.read_text())
+        if part is None:
+            sys.exit(f"pymoca cannot read {file}")
+        if tree is None:
+            tree = part
+        else:
+            tree.extend(part)
+    session = rumoca.Session(roots=[str(package)])
+    whole = [name for name, (kind, partial, _) in found.items() if kind in ("block", "model") and not partial]
+    counts = {"pymoca": 0, "rumoca": 0}
+    for name in whole:
+        try:
+            pymoca.tree.flatten(tree, pymoca.ast.ComponentRef.from_string(name))
+            counts["pymoca"] += 1
+        except Exception as error:  # the compiler's own kinds
+            problems.append(f"{name}: pymoca: {error!r:.200}")
+        if ".Examples." in name:
+            try:
+                session.loads(f"model Run\n  extends {name};\nend Run;\n", model="Run")
+                counts["rumoca"] += 1
+            except rumoca.CompileError as error:
+                problems.append(f"{name}: rumoca: {error!s:.200}")
     if problems:
         sys.exit("\n".join(problems))
-    texts = waves("1.0")
-    table = tabulate(texts)
-    inputs = {f"command[{i + 1}]": [row[i] for row in table] for i in (0, 1)}
-    step = f"step = {STEP!r}\n"
-    ours = fmu(tool, re.sub(r"^step = .*\n", step, said.stdout, flags=re.M), inputs, ["position[1]", "position[2]"])
-    declarations, equations = held(texts)
-    declarations += f"\n  Piezoloop.Rigs.Evc evc(step = {STEP!r});"
-    equations += "\n  evc.u[1] = u1;\n  evc.u[2] = u2;"
-    theirs = simulate(session, declarations, equations, ["evc.y[1]", "evc.y[2]"])
-    judge([verdict("rig evc", difference(ours[:-2], theirs[2:]), 1e-8)])
+    examples = sum(".Examples." in name for name in whole)
+    print(f"{len(found)} classes, each with icon and documentation; pymoca flattens {counts['pymoca']} of {len(whole)} blocks and models, "
+          f"rumoca compiles {counts['rumoca']} of {examples} examples, in which all stand")
+
+
+def energy(session):
+    """Chains with pins and flanges keep their energy, and move as the chain of blocks does."""
+    results = []
+    for name, stop, wanted in (("StackWithPayload", 0.03, {"difference": "sensor.y", "balance": "amplifier.delivered"}),
+                               ("StageWithFriction", 0.05, {"balance": "amplifier.delivered"})):
+        model = session.loads(f"model Run\n  extends Piezoloop.Examples.Electromechanics.{name};\nend Run;\n", model="Run")
+        run = model.simulate(t=(0, stop), dt=1e-4, config=rumoca.SimConfig(solver="rk-like", rtol=1e-9, atol=1e-14))
+        for small, size in wanted.items():
+            apart = max(map(abs, run[small])) / max(map(abs, run[size]))
+            results.append(verdict(f"{name}, {small} over {size}", apart, 1e-6))
+    judge(results)
 
 
 TASKS = {"plant": (PLANT, plant), "coupling": (COUPLING, coupling), "controller": (CONTROLLER, controller)}
@@ -296,13 +420,18 @@ def main():
     if task == "text":
         return check_text(tool, package)
     if task == "write":
-        for name, text in packages(registry(tool), blocks(package)).items():
-            (package / "Examples" / f"{name}.mo").write_text(text)
+        for file, text in made(tool, package).items():
+            file.write_text(text)
         return None
+    if task == "library":
+        return library(package)
     session = rumoca.Session(roots=[str(package)])
-    if task == "rig":
-        return rig(session, tool, package)
+    if task == "energy":
+        return energy(session)
     rows, written = registry(tool), blocks(package)
+    if task == "rig":
+        facts = rigs(rows, written, read_rig(tool))[2]
+        return judge([rig_case(session, tool, name, fact, 1e-6) for name, fact in facts.items() if not only or name in only])
     cases, run = TASKS[task]
     kinds = [kind for kind in cases if not only or kind.split()[0] in only]
     judge([run(session, tool, rows, written, kind, *cases[kind]) for kind in kinds])

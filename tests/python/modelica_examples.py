@@ -1,6 +1,7 @@
 """The text of modelica/Piezoloop/Examples and Rigs: made from the cases and the tool's rigs, so that what is shown is what is tried."""
 
 import html
+import math
 import re
 
 from modelica_cases import CONTROLLER, COUPLING, PLANT
@@ -31,7 +32,7 @@ def further(text):
 
 def scales(text):
     """What turns um into the connectors' metres: factors of the input u and of the output y."""
-    base = re.search(r"extends Interfaces\.(\w+);", text)
+    base = re.search(r"extends Interfaces\.(\w+)[;(]", text)
     base = base[1] if base else "PositionFilter"
     return (1e-6 if base in ("PositionFilter", "Inverse", "ReferenceFilter") else 1.0,
             1e-6 if base in ("PositionFilter", "Actuator", "ReferenceFilter") else 1.0)
@@ -173,3 +174,261 @@ def packages(rows, written):
         + f'\n  annotation(Documentation(info="<html><p>One model per block; the numbers are those of the comparison with the FMU.</p></html>"));\nend {name};\n'
         for name, models in found.items()
     }
+
+
+def documentation(kind, summary, pages):
+    """What docs/effects.md, which is made from the registry, says of a component, as Modelica's HTML."""
+    section = re.search(rf"^## {kind}\n(.*?)(?=^## |\Z)", pages, re.S | re.M)[1]
+    lines = [line for line in section.strip().splitlines() if line and not line.startswith(("![", "Default strength", "* In `"))]
+    out, table = [f"<p>Component <code>{kind}</code>. {html.escape(summary, quote=False)}.</p>"], []
+    for line in lines[1:]:
+        line = line if line.startswith("    ") else re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", line)
+        text = html.escape(line, quote=False).replace('"', "'")
+        if line.startswith("    "):
+            out.append(f"<p><code>{text.strip()}</code></p>")
+        elif line.startswith("|"):
+            if not line.startswith("|---"):
+                cells = [cell.strip().strip("`") for cell in text.strip("|").split(" | ")]
+                cells = [cells[0].strip(), *cells[1:]]
+                tag = "th" if not table else "td"
+                table.append("<tr>" + "".join(f"<{tag}>{cell.strip(' |`')}</{tag}>" for cell in cells) + "</tr>")
+        else:
+            text = re.sub("`([^`]*)`", r"<code>\1</code>", text.removeprefix("* "))
+            out.append(f"<p>{text}</p>")
+    if table:
+        out.insert(2, "<table border='1'>" + "".join(table) + "</table>")
+    return "<html>" + "".join(out).replace("\\", "/") + "</html>"
+
+
+# Rigs: the stages of a signal path, and the disturbances that they leave out.
+ORDER = ["timing", "amplifier", "actuator", "mechanics", "coupling", "environment", "sensor"]
+RANDOM = {"sensor-noise", "sensor-drift", "floor-vibration", "mains-hum"}
+
+
+def parameters(xml, place):
+    """Values of a component's parameters in an FMU's model description, arrays as lists."""
+    found = {}
+    pattern = rf'<ScalarVariable name="{re.escape(place)}\.(\w+)(?:\[(\d+)(?:,\d+)?\])?"[^>]*>\s*<(?:Real|Integer)[^>]*start="([^"]*)"'
+    for name, index, start in re.findall(pattern, xml):
+        if index:
+            found.setdefault(name, []).append(float(start))
+        else:
+            found[name] = float(start)
+    return found
+
+
+def places(xml, start):
+    """Names of the components of an axis or of all couplings, in the blueprint's order."""
+    return list(dict.fromkeys(re.findall(rf'<ScalarVariable name="{re.escape(start)}\.(\w+)\.', xml)))
+
+
+def at_rest(kind, values, u):
+    """What a block of a rig gives at rest under u, in V and um."""
+    plays = lambda x: sum(w * max(x - r, min(x + r, 0.0)) for r, w in zip(values["r"], values["w"]))
+    if kind == "amplifier-nonlinearity":
+        xi = (u - values["centre"]) / values["half_range"]
+        return u + values["offset"] + values["half_range"] * (values["quadratic"] * xi**2 + values["cubic"] * xi**3)
+    if kind == "generalised-play":
+        side = lambda a: values[f"{a}_a0"] * math.tanh(values[f"{a}_a1"] * u + values[f"{a}_a2"]) + values[f"{a}_a3"]
+        virgin = lambda a: values[f"{a}_a0"] * math.tanh(values[f"{a}_a2"]) + values[f"{a}_a3"]
+        return values["offset"] + plays(max(side("left"), min(side("right"), max(virgin("left"), min(virgin("right"), 0.0)))))
+    if kind == "prandtl-ishlinskii":
+        return values["offset"] + plays(u)
+    if kind == "kelvin-voigt-creep":
+        return u * (1 + sum(values["share"]))
+    return u * values.get("gain", 1.0) + (values.get("offset", 0.0) if "r" in values else 0.0)
+
+
+def rig(rows, written, blueprint, xml):
+    """A rig as a model: the blocks of its axes and couplings, with a hold where the FMU hands a value on once per step."""
+    step, axes = float(blueprint["step"]), blueprint["axis"]
+    declared, equations, delays = [], [], [0] * len(axes)
+    last, dropped = [f"u[{i + 1}]" for i in range(len(axes))], []
+    units, rest = ["V"] * len(axes), [0.0] * len(axes)
+
+    def add(name, kind, values, i, x):
+        home, _, text = written[camel(kind)]
+        sampled = "sample(" in text
+        # The state of a drift does not depend on what goes through it.
+        moves = "der(" in text and not kind.startswith("thermal")
+        y = 40 - 60 * i
+        if moves and last_moves[i]:
+            hold = f"{name}_hold"
+            start = rest[i] * (1e-6 if units[i] == "m" else 1.0)
+            declared.append(f"    {'Hold' if units[i] == 'm' else 'HoldCommand'} {hold}(u_start = {start!r}, step = step) {place(x - 12, y, 6)};")
+            equations.append(connect(last[i], f"{hold}.u", (x - 24, y), (x - 18, y)))
+            last[i], delays[i], last_moves[i] = f"{hold}.y", delays[i] + 1, False
+        arguments = modifiers(rows[kind], values, text, step, 1).replace(f"step = {step!r}", "step = step")
+        declared.append(f"    Piezoloop.{home}.{camel(kind)} {name}({arguments}) {place(x, y, 8)};")
+        equations.append(connect(last[i], f"{name}.u", (x - 24, y), (x - 10, y)))
+        last[i] = f"{name}.y"
+        rest[i] = at_rest(kind, values, rest[i])
+        if sampled and last_moves[i]:
+            delays[i] += 1
+        last_moves[i] = moves or (last_moves[i] and not sampled)
+        base = re.search(r"extends Interfaces\.(\w+)[;(]", text)[1]
+        units[i] = "m" if base in ("Actuator", "PositionFilter") else "V"
+
+    last_moves = [False] * len(axes)
+    stages = {name: row["stage"] for name, row in rows.items()}
+    x = [-80] * len(axes)
+    for part in ("before", "coupling", "behind"):
+        if part == "coupling":
+            couplings = blueprint.get("coupling", [])
+            for name, coupling in zip(places(xml, "coupling"), couplings, strict=True):
+                kind = coupling["type"]
+                home, _, text = written[camel(kind)]
+                members = [[axis["name"] for axis in axes].index(member) for member in coupling["axes"]]
+                values = parameters(xml, f"coupling.{name}")
+                arguments = modifiers(rows[kind], values, text, step, len(members))
+                declared.append(f"    Piezoloop.{home}.{camel(kind)} {name}({arguments}) {place(max(x), 0, 10)};")
+                n, before = len(members), [rest[i] for i in members]
+                for k, i in enumerate(members):
+                    if "matrix" in values:
+                        row = values["matrix"][k * n : (k + 1) * n]
+                        own = values["offset"][k] if "offset" in values else before[k]
+                        rest[i] = own + sum(a * b for a, b in zip(row, before))
+                    elif kind == "psd-pincushion":
+                        rest[i] = before[k] * (1 + values["distortion"] * (before[0]**2 + before[1]**2) / values["half_size"]**2)
+                    equations.append(connect(last[i], f"{name}.u[{k + 1}]", (max(x) - 20, 40 - 60 * i), (max(x) - 12, 0)))
+                    last[i], units[i] = f"{name}.y[{k + 1}]", "m"
+                x = [max(x) + 30] * len(axes)
+            continue
+        for i, axis in enumerate(axes):
+            for name, component in zip(places(xml, f"axis[{i + 1}]"), axis["component"], strict=True):
+                kind = component["type"]
+                early = ORDER.index(stages[kind]) < ORDER.index("coupling")
+                if early != (part == "before"):
+                    continue
+                if kind in RANDOM:
+                    dropped.append(f"{axis['name']}.{name}")
+                    continue
+                values = parameters(xml, f"axis[{i + 1}].{name}")
+                values |= {q["name"]: int(component[q["name"]]) for q in rows[kind]["structure"] if q["name"] in component}
+                values |= {k: component[k] for k in ("longest",) if k in component}
+                if rest[i] and "u_start" in written[camel(kind)][2]:
+                    values["u_start"] = rest[i]
+                add(f"{name}{i + 1}", kind, values, i, x[i])
+                x[i] += 30
+    for i in range(len(axes)):
+        equations.append(connect(last[i], f"y[{i + 1}]", (100, 40 - 60 * i), (110, 40 - 60 * i)))
+    name = camel(re.sub("_", "-", blueprint["name"]))
+    note = f"Without disturbances: {', '.join(dropped)} left out. " if dropped else ""
+    n = len(axes)
+    source = html.escape(blueprint.get("source", ""), quote=False).replace('"', "'")
+    text = "\n".join([
+        f'  block {name} "{blueprint["description"]}"', "    extends Icons.Rig;",
+        f'    Interfaces.CommandInput u[{n}] "Commands" annotation(Placement(transformation(extent={{{{-120,-20}},{{-80,20}}}})));',
+        f'    Interfaces.PositionOutput y[{n}] "Positions" annotation(Placement(transformation(extent={{{{100,-10}},{{120,10}}}})));',
+        f'    parameter Real step(unit="s", min = 0) = {step!r} "Time between samples: the step of the blueprint";',
+        *declared, "  equation", *equations,
+        f'    annotation(Documentation(info="<html><p>Rig <code>{blueprint["name"].replace("_", "-")}</code>. {note}Blocks that run once per step answer a step '
+        f'later than in the FMU: y[i] is the FMU\'s position {delays} steps later.</p><p>Source: {source}.</p></html>"));',
+        f"  end {name};"])
+    return name, text, delays
+
+
+RIGS = """within Piezoloop;
+package Rigs "Known machines, as the tool's blueprints have them"
+  extends Icons.Package;
+
+  block Hold "Hands a position on once per step"
+    extends Icons.Block;
+    Interfaces.PositionInput u "Position in front" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
+    Interfaces.PositionOutput y "Position at the last sample" annotation(Placement(transformation(extent={{100,-10},{120,10}})));
+    parameter Real u_start(unit="m") = 0 "Position before the first sample";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    discrete Real held(start = u_start, fixed = true, unit="m") "Position at the last sample";
+  equation
+    when sample((1 - 1e-7)*step, step) then
+      held = u;
+    end when;
+    y = held;
+    annotation(Icon(graphics={Line(points={{-80,-60},{-40,-60},{-40,-20},{0,-20},{0,20},{40,20},{40,60},{80,60}}, color={0,0,127})}),
+      Documentation(info="<html><p>Sampled just before the end of each step, so that a block with direct feed-through is read with the input that it had.</p></html>"));
+  end Hold;
+
+  block HoldCommand "Hands a command on once per step"
+    extends Icons.Block;
+    Interfaces.CommandInput u "Command in front" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
+    Interfaces.CommandOutput y "Command at the last sample" annotation(Placement(transformation(extent={{100,-10},{120,10}})));
+    parameter Real u_start(unit="V") = 0 "Command before the first sample";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    discrete Real held(start = u_start, fixed = true, unit="V") "Command at the last sample";
+  equation
+    when sample((1 - 1e-7)*step, step) then
+      held = u;
+    end when;
+    y = held;
+    annotation(Icon(graphics={Line(points={{-80,-60},{-40,-60},{-40,-20},{0,-20},{0,20},{40,20},{40,60},{80,60}}, color={0,0,127})}),
+      Documentation(info="<html><p>Sampled just before the end of each step.</p></html>"));
+  end HoldCommand;
+
+"""
+
+
+def rig_example(name, description, blueprint):
+    """A rig under waves of some 40 % of its range: the model, and its inputs as (amplitudes, frequencies) of each axis."""
+    step, axes = float(blueprint["step"]), blueprint["axis"]
+    model, inputs = Model(name, description, f"Rig Piezoloop.Rigs.{name} as it is compared with its FMU."), []
+    model.declared.append(f"    Piezoloop.Rigs.{name} device {place(0, 0, 20)};")
+    for i, axis in enumerate(axes, 1):
+        top = float(axis["command"]["max"])
+        amplitudes = [round(0.15 * top, 6), round(0.05 * top, 6)]
+        frequencies = [float(f"{1 / (240 * step) / i:.6g}"), float(f"{1 / (87 * step) / i:.6g}")]
+        inputs.append((amplitudes, frequencies))
+        y = 60 - 30 * i
+        model.declared.append(f"    Sources.Wave wave{i}(amplitude = {value(amplitudes)}, frequency = {value(frequencies)}, step = {step!r}) {place(-70, y)};")
+        model.equations.append(connect(f"wave{i}.y", f"device.u[{i}]", (-59, y), (-24, 0)))
+    return model, inputs, model.text((ROWS - 1) * step, step)
+
+
+def rigs(rows, written, read):
+    """Texts of Rigs.mo and Examples/Rigs.mo; per rig its name in Modelica, inputs, and delays. `read(rig)`: blueprint and XML."""
+    blocks, models, facts = [], [], {}
+    for kind in KNOWN:
+        blueprint, xml = read(kind)
+        name, text, delays = rig(rows, written, blueprint, xml)
+        _, inputs, example_ = rig_example(name, blueprint["description"], blueprint)
+        blocks.append(text)
+        models.append(example_)
+        facts[kind] = (name, blueprint, inputs, delays)
+    end = '  annotation(Documentation(info="<html><p>{}</p></html>"));\nend Rigs;\n'
+    plants = RIGS + "\n\n".join(blocks) + "\n" + end.format("Nominal and truth rigs of the tool.")
+    tried = 'within Piezoloop.Examples;\npackage Rigs "Each rig under waves"\n  extends Icons.ExamplesPackage;\n\n'
+    return plants, tried + "\n\n".join(models) + "\n" + end.format("One model per rig."), facts
+
+
+KNOWN = ["p0", "p0-truth", "p1", "p1-truth", "p2", "p2-truth", "p3", "p3-truth", "evc", "p4-truth", "evc-truth", "p885"]
+
+
+UNITS = {"kHz": (1e3, "Hz"), "nm": (1e-3, "um"), "mV": (1e-3, "V")}
+
+
+def records(rows, texts):
+    """Text of Records.mo: a Modelica record per specimen, values in the registry's units with their sources."""
+    made = []
+    for text in texts:
+        lines = []
+        for kind, values in text.items():
+            if not isinstance(values, dict):
+                continue
+            known = {q["name"]: q for q in rows[kind]["parameters"]}
+            for name, entry in values.items():
+                given, unit = entry["value"], known[name]["unit"].replace("{position}", "um").replace("{command}", "V")
+                if isinstance(given, str):
+                    number, unit = given.split(" ", 1)
+                    scale, unit = UNITS.get(unit, (1.0, unit))
+                    given = float(f"{float(number) * scale:.12g}")
+                size = f"[{len(given)}]" if isinstance(given, list) else ""
+                each = "each " if size else ""
+                source = html.escape(entry["source"], quote=False).replace('"', "'")
+                lines.append(f'    parameter Real {kind.replace("-", "_")}_{name}{size}({each}unit="{unit}") = {value(given)} "{known[name]["description"]} ({source})";')
+        title = camel(text["name"])
+        title = title if title[0].isalpha() else f"R{title}"
+        made.append(f'  record {title} "{text["description"]}"\n    extends Icons.Record;\n' + "\n".join(lines)
+                    + f'\n    annotation(Documentation(info="<html><p>Record <code>{text["name"]}</code> of the tool; the source stands at each value.</p></html>"));\n  end {title};')
+    return ('within Piezoloop;\npackage Records "Measured and printed values of specimens"\n  extends Icons.Package;\n\n' + "\n\n".join(made)
+            + '\n  annotation(Documentation(info="<html><p>Records of parameters. Pass their fields to the blocks: <code>Mechanics.Mode(frequency = specimen.mode_frequency)</code>.</p></html>"));\nend Records;\n')

@@ -1,22 +1,23 @@
 within Piezoloop.Blocks;
 package Creep "Slow part of the elongation"
+  extends Icons.Package;
   block KelvinVoigtCreep "Creep as a sum of first-order elements with given time constants"
     extends Interfaces.PositionFilter;
     parameter Integer elements(min = 1, max = 64) "Number of elements";
     parameter Real share[elements](each unit="1") "Part of a step that each element adds in the end";
     parameter Real time_constant[elements](each unit="s", each min = 0) "Time constant of each element, increasing";
   protected
-    Real z[elements](each unit="um") "Elements";
-  initial equation
-    for i in 1:elements loop
-      der(z[i]) = 0;
-    end for;
+    Real z[elements](each start = 0, each fixed = true, each unit="um") "Elements";
   equation
+    when initial() then
+      reinit(z, fill(u_um, elements));
+    end when;
     for i in 1:elements loop
       time_constant[i]*der(z[i]) = u_um - z[i];
     end for;
     y_um = u_um + share*z;
-    annotation(Documentation(info="<html><p>Component <code>kelvin-voigt-creep</code>:</p><p><code>y = u + sum(share[i]*z[i]); time_constant[i]*z[i]' = u - z[i]</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,62},{-29,68},{80,70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>kelvin-voigt-creep</code>. Creep as a sum of first-order elements with given time constants.</p><p><code>y = u + sum(share[i]*z[i]); time_constant[i]*z[i]' = u - z[i]</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>elements` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>64</td><td>Number of elements</td></tr><tr><td>share</td><td>1</td><td>must be given</td><td></td><td></td><td>Part of a step that each element adds in the end</td></tr><tr><td>time_constant</td><td>s</td><td>must be given</td><td>0</td><td></td><td>Time constant of each element, increasing</td></tr></table><p>Source: H. Janocha, K. Kuhnen, Sensors and Actuators A 79 (2000) 83-89.</p><p>Undone in front of the machine by inverse-kelvin-voigt-creep (closed form).</p><p>Effect: <code>creep</code>.</p><p>In the residual: below 1 Hz, follows the sign of the last step and is proportional to it, straight over the logarithm of time.</p><p>Looks like: <code>thermal_drift</code>, <code>self_heating</code>, <code>hysteresis</code>.</p><p>Told apart by: repeat a staircase up and down with holds of 0.1 to 100 s: creep restarts at each step, drift does not.</p><p>In <code>p0-truth</code>: 0.570 % at most, 0.378 % rms.</p><p>In <code>p1-truth</code>: 0.404 % at most, 0.272 % rms.</p><p>In <code>p2-truth</code>: 0.113 % at most, 0.079 % rms.</p><p>In <code>p3-truth</code>: 0.066 % at most, 0.045 % rms.</p><p>In <code>p4-truth</code>: 0.372 % at most, 0.264 % rms.</p><p>In <code>evc-truth</code>: 0.394 % at most, 0.281 % rms.</p></html>"));
   end KelvinVoigtCreep;
 
   block LogarithmicCreep "Creep that is straight over the logarithm of time"
@@ -29,17 +30,17 @@ package Creep "Slow part of the elongation"
   protected
     final parameter Real tau[elements](each unit="s") = {shortest*exp(Constants.euler)*10^((i - 0.5)/2) for i in 1:elements}
       "Time constants, two per decade";
-    Real z[elements](each unit="um") "Elements";
-  initial equation
-    for i in 1:elements loop
-      der(z[i]) = 0;
-    end for;
+    Real z[elements](each start = 0, each fixed = true, each unit="um") "Elements";
   equation
+    when initial() then
+      reinit(z, fill(u_um, elements));
+    end when;
     for i in 1:elements loop
       tau[i]*der(z[i]) = u_um - z[i];
     end for;
     y_um = u_um*(1 - gain*log10(reference/shortest)) + gain/2*sum(z);
-    annotation(Documentation(info="<html><p>Component <code>logarithmic-creep</code>:</p><p><code>y(t) = y(reference)*(1 + gain*log10(t/reference)) after a step</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,69},{80,70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>logarithmic-creep</code>. Creep that is straight over the logarithm of time.</p><p><code>y(t) = y(reference)*(1 + gain*log10(t/reference)) after a step</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>shortest` (structure)</td><td>s</td><td>0.01</td><td>0.000001</td><td>1000</td><td>Time after a step at which creep begins</td></tr><tr><td>longest` (structure)</td><td>s</td><td>10000</td><td>0.001</td><td>1000000000</td><td>Time after a step at which creep ends</td></tr><tr><td>gain</td><td>1</td><td>must be given</td><td></td><td></td><td>Growth of the position in a decade of time</td></tr><tr><td>reference</td><td>s</td><td>0.1</td><td>shortest</td><td>longest</td><td>Time after a step at which the growth counts as zero</td></tr></table><p>Source: H. Jung, D.-G. Gweon, Rev. Sci. Instrum. 71 (2000) 1896-1900.</p><p>Effect: <code>creep</code>.</p><p>In the residual: below 1 Hz, follows the sign of the last step and is proportional to it, straight over the logarithm of time.</p><p>Looks like: <code>thermal_drift</code>, <code>self_heating</code>, <code>hysteresis</code>.</p><p>Told apart by: repeat a staircase up and down with holds of 0.1 to 100 s: creep restarts at each step, drift does not.</p></html>"));
   end LogarithmicCreep;
 
   block FractionalCreep "Creep as a power law of frequency between two frequencies"
@@ -55,16 +56,17 @@ package Creep "Slow part of the elongation"
       {2*Constants.pi*lowest*(highest/lowest)^((i - 0.5 + order/2)/elements) for i in 1:elements} "Zeros";
     final parameter Real share[elements](each unit="1") =
       Functions.residues(pole, zero) "Static gain of each element";
-    Real z[elements](each unit="um") "Elements";
-  initial equation
-    for i in 1:elements loop
-      der(z[i]) = 0;
-    end for;
+    Real z[elements](each start = 0, each fixed = true, each unit="um") "Elements";
   equation
+    when initial() then
+      reinit(z, fill(u_um, elements));
+    end when;
     for i in 1:elements loop
       1/pole[i]*der(z[i]) = u_um - z[i];
     end for;
     y_um = u_um + share*z;
-    annotation(Documentation(info="<html><p>Component <code>fractional-creep</code>:</p><p><code>G(s) = product((s + z[k])/(s + p[k])), about (s/(2*pi*highest))^(-order) between lowest and highest</code></p></html>"));
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,33},{-52,46},{-23,55},{20,63},{80,70}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>fractional-creep</code>. Creep as a power law of frequency between two frequencies.</p><p><code>G(s) = product((s + z[k])/(s + p[k])), about (s/(2*pi*highest))^(-order) between lowest and highest</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>lowest` (structure)</td><td>Hz</td><td>0.0001</td><td>0.000000001</td><td>1000000</td><td>Lower end of the band</td></tr><tr><td>highest` (structure)</td><td>Hz</td><td>100</td><td>0.000001</td><td>1000000000</td><td>Upper end of the band</td></tr><tr><td>order</td><td>1</td><td>must be given</td><td>0</td><td>0.9</td><td>Order of the integral</td></tr></table><p>Source: A. Oustaloup et al., IEEE Trans. Circuits and Systems I 47 (2000) 25-39.</p><p>Effect: <code>creep</code>.</p><p>In the residual: below 1 Hz, follows the sign of the last step and is proportional to it, straight over the logarithm of time.</p><p>Looks like: <code>thermal_drift</code>, <code>self_heating</code>, <code>hysteresis</code>.</p><p>Told apart by: repeat a staircase up and down with holds of 0.1 to 100 s: creep restarts at each step, drift does not.</p></html>"));
   end FractionalCreep;
+  annotation(Documentation(info="<html><p>Slow part of the elongation.</p></html>"));
 end Creep;
