@@ -47,6 +47,12 @@ fn chains_with_pins_and_flanges_keep_their_energy() {
     assert!(said.contains("StageWithFriction, balance"), "{said}");
 }
 
+#[test]
+fn a_voltage_at_an_input_for_a_position_is_refused() {
+    let Some(said) = run("units") else { return };
+    assert!(said.contains("incompatible connector types"), "{said}");
+}
+
 /// The values are those of the rigs' FMUs: the models are made from them (`text`).
 #[test]
 fn the_rigs_move_as_their_fmus() {

@@ -1,6 +1,6 @@
 """The Modelica package against the registry and, compiled by rumoca, against the tool's FMUs.
 
-usage: modelica.py text|write|library|energy|plant|coupling|controller|rig PIEZOLOOP PACKAGE [TYPE ...]
+usage: modelica.py text|write|library|energy|units|plant|coupling|controller|rig PIEZOLOOP PACKAGE [TYPE ...]
 """
 
 import csv
@@ -398,6 +398,18 @@ def library(package):
           f"rumoca compiles {counts['rumoca']} of {examples} examples, in which all stand")
 
 
+def wrong_unit(session):
+    """A voltage at an input for a position is refused."""
+    source = ("model Run\n  Piezoloop.Electrical.AmplifierLag amplifier(bandwidth = 50);\n"
+              "  Piezoloop.Mechanics.Mode stage(frequency = 10, damping = 0.1);\nequation\n  amplifier.u = 1;\n"
+              "  connect(amplifier.y, stage.u);\nend Run;\n")
+    try:
+        session.loads(source, model="Run").simulate(t=(0, 1e-3), dt=1e-4)
+    except rumoca.CompileError as error:
+        return print(f"refused: {error}")
+    return sys.exit("a voltage was connected to a position")
+
+
 def energy(session):
     """Chains with pins and flanges keep their energy, and move as the chain of blocks does."""
     results = []
@@ -426,8 +438,8 @@ def main():
     if task == "library":
         return library(package)
     session = rumoca.Session(roots=[str(package)])
-    if task == "energy":
-        return energy(session)
+    if task in ("energy", "units"):
+        return {"energy": energy, "units": wrong_unit}[task](session)
     rows, written = registry(tool), blocks(package)
     if task == "rig":
         facts = rigs(rows, written, read_rig(tool))[2]
