@@ -1,4 +1,4 @@
-//! Example 03 in other tools: its parameter sets in fmpy.ssp and ecos, its notebook.
+//! Example 03 in other tools: its parameter sets in fmpy.ssp and ecos; the examples' notebooks.
 #![cfg(unix)]
 #![allow(clippy::print_stdout)]
 
@@ -119,6 +119,7 @@ fn notebook(example: &str, files: &[&str]) -> Option<String> {
     let mut run = Command::new(python);
     run.arg(root().join("tests/python/run_notebook.py")).arg(files.last()?);
     run.env("PATH", std::env::join_paths(paths).expect("a PATH"));
+    run.env("PYTHONPATH", root().join("python"));
     let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     Some(foreign::said(&mut run, folder.path()))
 }
@@ -128,6 +129,16 @@ fn the_notebook_of_the_hysteresis_runs() {
     let Some(said) = notebook("02_fmu_in_fmpy", &["hysteresis.ipynb"]) else { return };
     println!("{said}");
     assert!(said.contains("nominal: 5.96") && said.contains("with creep: 6.0"), "{said}");
+    assert!(said.contains("1 pictures"), "{said}");
+}
+
+/// Arrays go into the diagnosis; the repaired FMU leaves the noise, 1 nm, in fmpy.
+#[test]
+fn the_notebook_goes_from_a_log_to_a_repaired_fmu() {
+    let Some(said) = notebook("04_gap", &["gap.ipynb"]) else { return };
+    println!("{said}");
+    assert!(said.contains("effects [('delay'"), "{said}");
+    assert!(said.contains("repaired in fmpy: 0.0010 um"), "{said}");
     assert!(said.contains("1 pictures"), "{said}");
 }
 

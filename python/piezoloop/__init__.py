@@ -7,7 +7,10 @@ Everything is done by the tool ``piezoloop``, which this package brings along::
     plant = piezoloop.path_to_fmu("evc")
     result = fmpy.simulate_fmu(plant, stop_time=0.01, start_values={"command[1]": 60.0})
 
-    gap = piezoloop.diagnose(plant, ["measured.csv"])
+    stage = piezoloop.identify(log, input="u", output="y", unit={"u": "V", "y": "um"})      # arrays, data frames or files
+    controller = piezoloop.invert(stage, period=1e-3)
+    result = piezoloop.loop(stage, controller, {"time": t, "reference[1]": wanted})
+    gap = piezoloop.diagnose(stage, ["measured.csv"])
     print(gap.verdict, [effect.effect for effect in gap.effects])
 
     log = piezoloop.load("measured.mf4")
@@ -20,17 +23,28 @@ from ._dask import sweep
 from ._diagnose import diagnose
 from ._log import Log, load
 from ._rigs import path_to_fmu, rigs
+from ._tables import Blueprint
 from ._tool import PiezoloopError, Record, executable, run
+from ._workflow import Controller, Identified, estimate, identify, invert, loop, pack, simulate
 
 __all__ = [
+    "Blueprint",
+    "Controller",
+    "Identified",
     "Log",
     "PiezoloopError",
     "Record",
     "diagnose",
+    "estimate",
     "executable",
+    "identify",
+    "invert",
     "load",
+    "loop",
+    "pack",
     "path_to_fmu",
     "rigs",
     "run",
+    "simulate",
     "sweep",
 ]

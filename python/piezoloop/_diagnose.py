@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
-from typing import Union
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
 
+from ._tables import Files, PathLike as Path, Table
 from ._tool import Record, run
-
-Path = Union[str, "os.PathLike[str]"]
+from ._workflow import Identified, _model
 
 
 def diagnose(
-    model: Path,
-    logs: Path | Iterable[Path],
+    model: Path | Identified,
+    logs: Table | Sequence[Table],
     *,
-    holdout: Path | Iterable[Path] = (),
+    holdout: Table | Sequence[Table] = (),
     map: Mapping[str, str] | None = None,
     unit: Mapping[str, str] | None = None,
     outputs: Iterable[str] = (),
     tune: Mapping[str, str | float] | None = None,
     noise: float | Mapping[str, float] | None = None,
-    rest: Path | None = None,
+    rest: Table | None = None,
     max_effects: int | None = None,
     without: Iterable[str] = (),
     report: Path | None = None,
@@ -36,6 +36,9 @@ def diagnose(
     ``--map position[1]=y``, ``tune={"axis[1].*": 0.05}`` a relative tolerance (1 σ) and
     ``tune={"axis[1].delay.time": "+-1e-4"}`` an absolute one.
 
+    ``model`` is an FMU, a blueprint's path or text, a rig's name, or what :func:`identify` returned; logs are files or
+    tables in memory, as for :func:`identify`.
+
     Returns:
         the fields of ``gap.json`` (schema ``piezoloop.gap/1``): ``gap.verdict``,
         ``gap.effects[0].probability``, ``gap.shrink.fraction``, …
@@ -43,35 +46,33 @@ def diagnose(
     Raises:
         PiezoloopError: bad input, with the tool's own message.
     """
-    arguments: list[Path] = ["diagnose", "--model", model]
+    with tempfile.TemporaryDirectory() as folder:
+        files = Files(folder)
+        arguments: list[Path] = ["diagnose", "--model", files.model(_model(model))]
 
-    def add(option: str, *values: object) -> None:
-        for value in values:
-            if value is not None:
-                text = os.fspath(value) if isinstance(value, os.PathLike) else str(value)
-                arguments.extend([option, text])
+        def add(option: str, *values: object) -> None:
+            for value in values:
+                if value is not None:
+                    text = os.fspath(value) if isinstance(value, os.PathLike) else str(value)
+                    arguments.extend([option, text])
 
-    add("--log", *_several(logs))
-    add("--holdout", *_several(holdout))
-    add("--map", *_pairs(map))
-    add("--unit", *_pairs(unit))
-    names = ",".join(outputs)
-    add("--outputs", names or None)
-    add("--tune", *_pairs(tune))
-    add("--noise", *(_pairs(noise) if isinstance(noise, Mapping) else [noise]))
-    add("--rest", rest)
-    add("--max-effects", max_effects)
-    add("--without", *without)
-    add("--report", report)
-    add("--repair", repair)
-    add("--next-experiment", next_experiment)
-    add("--threads", threads)
-    add("--seed", seed)
-    return run(*arguments)
-
-
-def _several(paths: Path | Iterable[Path]) -> list[Path]:
-    return [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
+        for option, tables in (("--log", logs), ("--holdout", holdout), ("--rest", rest)):
+            if tables is not None:
+                arguments += files.tables(option, tables)
+        add("--map", *_pairs(map))
+        add("--unit", *_pairs(unit))
+        names = ",".join(outputs)
+        add("--outputs", names or None)
+        add("--tune", *_pairs(tune))
+        add("--noise", *(_pairs(noise) if isinstance(noise, Mapping) else [noise]))
+        add("--max-effects", max_effects)
+        add("--without", *without)
+        add("--report", report)
+        add("--repair", repair)
+        add("--next-experiment", next_experiment)
+        add("--threads", threads)
+        add("--seed", seed)
+        return run(*arguments)
 
 
 def _pairs(values: Mapping[str, object] | None) -> list[str]:

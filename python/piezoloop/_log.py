@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import tempfile
 from dataclasses import dataclass, field
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ._tables import read_csv
 from ._tool import run
 
 
@@ -32,6 +32,12 @@ class Log:
     def __len__(self) -> int:
         return len(self.time)
 
+    def to_pandas(self):
+        """A pandas data frame with ``time`` in s and ``record`` in front. Needs pandas."""
+        import pandas
+
+        return pandas.DataFrame({"time": self.time, "record": self.record, **self.columns})
+
 
 def load(
     path: str | os.PathLike[str], *, rate: float | None = None, group: str | None = None
@@ -51,10 +57,7 @@ def load(
     with tempfile.TemporaryDirectory() as folder:
         text = Path(folder) / "log.csv"
         about = run("log", path, *options, "--out", text)
-        with text.open(encoding="utf-8", newline="") as rows:
-            names = next(csv.reader(rows))
-            values = np.loadtxt(rows, delimiter=",", ndmin=2).reshape(-1, len(names))
-    columns = {name: np.ascontiguousarray(values[:, at]) for at, name in enumerate(names)}
+        columns = read_csv(text)
     time = columns.pop("time")
     record = columns.pop("record", np.zeros(len(time))).astype(int)
     units = {column.name: column.unit for column in about.logs[0].columns}

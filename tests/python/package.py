@@ -60,4 +60,32 @@ try:
     raise AssertionError("an absent log must be refused")
 except piezoloop.PiezoloopError as error:
     assert "absent.csv" in str(error), error
+# Arrays in, typed results and arrays out: from a log to a closed loop and a diagnosis.
+time = np.arange(3000) * 1e-3
+command = 5 - 4.5 * np.cos(2 * np.pi * 2 * time) * np.exp(-time / 3)
+machine = piezoloop.simulate("p1", {"time": time, "command[1]": command})
+assert np.array_equal(machine.time, time) and machine["position[1]"].shape == (3000,)
+measured = {"time": time, "u": command, "y": machine["position[1]"] + generator.normal(0, 1e-3, 3000)}
+stage = piezoloop.identify(measured, "u", "y", model="prandtl-ishlinskii", unit={"u": "V", "y": "um"})
+assert stage.held_out < 1e-3, stage.held_out
+assert stage.axes[0].method == "prandtl-ishlinskii" and "kind = \"plant\"" in stage.blueprint
+controller = piezoloop.invert(stage, period=1e-3)
+low, high = controller.axes[0].reach
+wanted = (low + high) / 2 - 0.3 * (high - low) * np.cos(2 * np.pi * 2 * time[:1000])
+result = piezoloop.loop(stage, controller, {"time": time[:1000], "reference[1]": wanted})
+error = (result["position[1]"] - wanted)[100:]
+assert np.sqrt(np.mean(error**2)) < 1e-3 * (high - low), np.sqrt(np.mean(error**2))
+assert piezoloop.pack(controller, "controller.fmu", fmi=3).stat().st_size > 1000
+found = piezoloop.estimate("p1", {"time": time, "command[1]": command, "position[1]": measured["y"]},
+                           {"axis[1].actuator.gain": 3.0}, unit={"position[1]": "um"})
+assert found.parameters[0].name == "axis[1].actuator.gain", found.parameters
+gap = piezoloop.diagnose("p1", {"time": time, "command[1]": command, "position[1]": measured["y"]}, noise=1e-3,
+                         unit={"position[1]": "um"}, seed=1, threads=1)
+assert gap.verdict == "adequate", gap.verdict
+for wrong, why in (({"u": command, "y": command}, "'time'"), ({"time": time, "u": command[:5]}, "one length")):
+    try:
+        piezoloop.identify(wrong, "u", "y")
+        raise AssertionError("a log without time, or with columns of several lengths, must be refused")
+    except ValueError as error:
+        assert why in str(error), error
 print("the package works")
