@@ -23,6 +23,10 @@ pub(crate) struct LogOptions {
     /// The group of a measurement file (MDF, TDMS), or the length of arrays (MAT, npz), to read
     #[arg(long, value_name = "NAME")]
     pub(crate) group: Option<String>,
+    /// Most memory in MB that the numbers of a binary log may take; without it 268, or 100 times the file
+    /// where that is more
+    #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub(crate) log_memory: Option<u64>,
 }
 
 impl LogOptions {
@@ -35,8 +39,12 @@ impl LogOptions {
 
     /// Reads a log for a command that says its notes itself.
     pub(crate) fn read_in_silence(&self, path: &Path) -> anyhow::Result<Log> {
-        let mut options =
-            ReadOptions { rate: self.rate, group: self.group.clone(), ..ReadOptions::default() };
+        let mut options = ReadOptions {
+            rate: self.rate,
+            group: self.group.clone(),
+            memory: self.log_memory.map(|megabytes| megabytes * 1_000_000),
+            ..ReadOptions::default()
+        };
         for unit in &self.unit {
             options.add_unit(unit)?;
         }

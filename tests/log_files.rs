@@ -30,6 +30,11 @@ fn every_format_gives_the_same_numbers() {
     for name in [
         "plain.mat",
         "packed.mat",
+        "structure.mat",
+        "version4.mat",
+        "rows.mat",
+        "plain.h5",
+        "fields.h5",
         "plain.npz",
         "packed.npz",
         "fields.npy",
@@ -39,6 +44,8 @@ fn every_format_gives_the_same_numbers() {
         "none.parquet",
         "units.parquet",
         "plain.mf4",
+        "packed.mf4",
+        "transposed.mf4",
         "plain.tdms",
     ] {
         let log = read(folder.path(), name).unwrap_or_else(|error| panic!("{error}"));
@@ -47,7 +54,8 @@ fn every_format_gives_the_same_numbers() {
             let same = log.column(&column.name).unwrap().values == column.values;
             assert!(same, "{name}: {} has other values", column.name);
         }
-        let units = matches!(name, "units.parquet" | "plain.mf4" | "plain.tdms");
+        let units =
+            ["units.parquet", "plain.tdms", "plain.h5"].contains(&name) || name.ends_with(".mf4");
         let unit = |name| log.column(name).unwrap().unit.as_ref().map(|unit| unit.text.as_str());
         assert_eq!(unit("u"), units.then_some("V"), "{name}");
         assert_eq!(unit("y"), units.then_some("um"), "{name}");
@@ -58,10 +66,9 @@ fn every_format_gives_the_same_numbers() {
 fn what_cannot_be_read_is_refused_with_a_way_out() {
     let Some(folder) = written() else { return };
     for (name, rule, way_out) in [
-        ("structure.mat", "structures and timeseries are not read", "save plain arrays"),
+        ("cells.mat", "log is a cell array", "save plain arrays"),
         ("lengths.mat", "groups with different times: \"1000\" (1000 rows), \"100\"", "--group"),
         ("rates.mf4", "groups with different times", "--group"),
-        ("packed.mf4", "compressed MDF 4", "asammdf"),
         ("old.mdf", "older MDF", "asammdf"),
         ("gap.parquet", "row 6: y = NaN: is a gap", "leave the row out"),
         ("cut.npy", "bytes are there", "whole"),
@@ -114,6 +121,50 @@ fn parquet_types_are_read_as_they_are_meant() {
     assert_eq!(first("huge"), 9_223_372_036_854_775_808.0);
 }
 
+/// The shapes in which Simulink logs, and MATLAB 7.3 with them.
+#[test]
+fn what_simulink_logs_is_read_by_its_names() {
+    let Some(folder) = written() else { return };
+    let reference = read(folder.path(), "reference.csv").unwrap();
+    let compare = |log: &Log, name: &str, columns: &[(&str, &str)]| {
+        assert!(log.time() == reference.time(), "{name}: other times");
+        for (own, wanted) in columns {
+            let column = log.column(own).unwrap_or_else(|| panic!("{name} has no {own}"));
+            assert!(column.values == reference.column(wanted).unwrap().values, "{name}: {own}");
+        }
+        assert_eq!(log.columns().len(), columns.len(), "{name}");
+    };
+    let yout = [("yout_1", "u"), ("yout_2", "y"), ("yout_3", "counts")];
+    let to_file = yout.map(|(own, wanted)| (own.replace("yout", "ans"), wanted));
+    let to_file: Vec<(&str, &str)> =
+        to_file.iter().map(|(own, wanted)| (own.as_str(), *wanted)).collect();
+    let log = |name| read(folder.path(), name).unwrap_or_else(|error| panic!("{error}"));
+    compare(&log("simulink.mat"), "simulink.mat", &yout);
+    compare(&log("to_file.mat"), "to_file.mat", &to_file);
+    let with_time = [("pos_1", "u"), ("pos_2", "y"), ("counts", "counts")];
+    compare(&log("with_time.mat"), "with_time.mat", &with_time);
+    let all = [&yout[..], &[("position", "u"), ("force", "y")]].concat();
+    for name in ["plain73.mat", "packed73.mat"] {
+        compare(&log(name), name, &all);
+        assert_eq!(log(name).left_out()[0].name, "note");
+    }
+}
+
+/// Channels that are no numbers leave the others alone.
+#[test]
+fn words_and_units_that_nobody_knows_spoil_no_log() {
+    let Some(folder) = written() else { return };
+    let log = read(folder.path(), "words.mf4").unwrap_or_else(|error| panic!("{error}"));
+    let names: Vec<&str> = log.columns().iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(names, ["u", "y", "counts", "squared"]);
+    assert_eq!(log.column("counts").unwrap().values[0], -1399.0);
+    assert_eq!(log.column("squared").unwrap().values[0], 489_999.0);
+    let mut left_out: Vec<&str> =
+        log.left_out().iter().map(|column| column.name.as_str()).collect();
+    left_out.sort_unstable();
+    assert_eq!(left_out, ["odd", "state", "text"]);
+}
+
 #[test]
 fn a_group_is_chosen_by_name() {
     let Some(folder) = written() else { return };
@@ -142,8 +193,18 @@ fn damaged_files_end_in_an_error() {
     // Readers of other makes announce their panics; here they are expected.
     let announce = std::panic::take_hook();
     std::panic::set_hook(Box::new(|_| {}));
-    let names =
-        ["packed.mat", "packed.npz", "fields.npy", "zstd.parquet", "plain.mf4", "plain.tdms"];
+    let names = [
+        "packed.mat",
+        "packed.npz",
+        "fields.npy",
+        "zstd.parquet",
+        "plain.mf4",
+        "plain.tdms",
+        "packed.mf4",
+        "version4.mat",
+        "packed73.mat",
+        "plain.h5",
+    ];
     let (mut read_anyway, mut refused) = (0, 0);
     for name in names {
         let whole = std::fs::read(folder.path().join(name)).unwrap();

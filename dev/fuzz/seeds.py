@@ -1,15 +1,17 @@
 """Writes the inputs that mutations start from, `corpus/<target>/`, by the tools that users have.
 
-Needs numpy, scipy, pandas, pyarrow, asammdf and npTDMS, and the FMUs and the gap.json that the tool makes:
+Needs numpy, scipy, pandas, pyarrow, asammdf, h5py and npTDMS, and the FMUs and the gap.json that the tool makes:
 seeds.py PIEZOLOOP FOLDER_WITH_GAP_JSON
 """
 
+import struct
 import subprocess
 import sys
 import tempfile
 import zipfile
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pandas as pd
 from asammdf import MDF, Signal
@@ -173,6 +175,41 @@ def systems(work: Path) -> None:
     into("ssp-archive", "packed.ssp", stored(entries, work / "b.zip", zipfile.ZIP_DEFLATED))
 
 
+def dymola(time: np.ndarray, u: np.ndarray) -> bytes:
+    """A result in four matrices of MATLAB 4."""
+    def matrix(name: str, kind: int, rows: int, data: np.ndarray) -> bytes:
+        head = struct.pack("<5i", kind, rows, data.size // rows, 0, len(name) + 1)
+        return head + name.encode() + b"\0" + data.tobytes()
+
+    def letters(texts: list[str]) -> np.ndarray:
+        return np.frombuffer("".join(text.ljust(11) for text in texts).encode(), np.uint8)
+
+    kind = letters(["Atrajectory", "1.1", "", "binTrans"]).reshape(4, 11).T.copy()
+    info = np.array([[0, 1, 0, -1], [2, -2, 0, -1], [1, 1, 0, -1]], np.int32)
+    return (matrix("Aclass", 51, 4, kind) + matrix("name", 51, 11, letters(["time", "m.x", "m.k"])) +
+            matrix("description", 51, 11, letters(["[s]", "place [m]", ""])) + matrix("dataInfo", 20, 4, info) +
+            matrix("data_1", 0, 1, np.ones(2)) + matrix("data_2", 0, 2, np.stack([time, u], 1)))
+
+
+def tdms(bits: int, index: bytes, values: bytes) -> bytes:
+    """A segment of two channels with a scale each."""
+    def text(value: str) -> bytes:
+        return struct.pack("<I", len(value)) + value.encode()
+
+    def number(name: str, value: float) -> bytes:
+        return text(name) + struct.pack("<Id", 10, value)
+
+    listed = struct.pack("<I", 2)
+    for channel in "uy":
+        listed += text(f"/'g'/'{channel}'") + index + struct.pack("<I", 6)
+        listed += number("wf_increment", 0.5) + text("NI_Number_Of_Scales") + struct.pack("<II", 7, 2)
+        listed += text("NI_Scale[1]_Scale_Type") + struct.pack("<I", 0x20) + text("Linear")
+        listed += number("NI_Scale[1]_Linear_Slope", 2.0) + number("NI_Scale[1]_Linear_Y_Intercept", 1.0)
+        listed += text("NI_Scale[1]_Linear_Input_Source") + struct.pack("<II", 7, 0)
+    lead = struct.pack("<IIQQ", 0xe | bits, 4713, len(listed) + len(values), len(listed))
+    return b"TDSm" + lead + listed + values
+
+
 def logs(work: Path) -> None:
     rows = 12
     time = np.arange(rows) / 2000.0
@@ -187,6 +224,27 @@ def logs(work: Path) -> None:
     into("log-mat", "packed.mat", (work / "a.mat").read_bytes())
     savemat(work / "a.mat", {"log": {"time": time}, "m": np.ones((4, 3))})
     into("log-mat", "structure.mat", (work / "a.mat").read_bytes())
+    signals = np.zeros((1, 2), dtype=[("values", object), ("label", object)])
+    signals[0, 0], signals[0, 1] = (np.ones((rows, 2)), "pos"), (u[:, None], "u")
+    savemat(work / "a.mat", {"out": {"time": time[:, None], "signals": signals}, "tout": time})
+    into("log-mat", "with_time.mat", (work / "a.mat").read_bytes())
+    savemat(work / "a.mat", {"t": time, "u": u, "note": "text"}, format="4")
+    into("log-mat4", "plain.mat", (work / "a.mat").read_bytes())
+    into("log-mat4", "result.mat", dymola(time, u))
+    for name, layout in ("plain", {}), ("packed", {"chunks": (1, 5), "compression": "gzip", "shuffle": True}):
+        with h5py.File(work / "a.h5", "w", userblock_size=512) as file:
+            file.create_dataset("t", data=time[None], **layout).attrs["MATLAB_class"] = np.bytes_("double")
+            group = file.create_group("log")
+            group.create_dataset("u", data=u[None], **layout)
+            group.create_dataset("cell", (1, 1), dtype=h5py.ref_dtype)[0, 0] = file["t"].ref
+        content = bytearray((work / "a.h5").read_bytes())
+        content[:128] = b"MATLAB 7.3 MAT-file".ljust(124) + b"\0\2IM"
+        into("log-hdf5", f"{name}.mat", bytes(content))
+    with h5py.File(work / "a.h5", "w", libver="latest") as file:
+        fields = np.zeros(rows, dtype=[("time", "<f8"), ("n", ">i2")])
+        fields["time"] = time
+        file.create_dataset("log", data=fields, chunks=(5,), maxshape=(None,), compression="gzip")
+    into("log-hdf5", "latest.mat", (work / "a.h5").read_bytes())
     np.savez(work / "a.npz", time=time, u=u, counts=counts)
     with zipfile.ZipFile(work / "a.npz") as archive:
         arrays = {name: archive.read(name) for name in archive.namelist()}
@@ -207,6 +265,9 @@ def logs(work: Path) -> None:
         mdf.append([Signal(u, time, unit="V", name="u"), Signal(counts, time, name="counts")], comment="fast")
         mdf.save(work / "a.mf4", compression=0, overwrite=True)
         into("log-mf4", "plain.mf4", (work / "a.mf4").read_bytes())
+        words = {"val_0": 0, "text_0": b"off", "default": b"on"}
+        mdf.append([Signal(counts, time, name="state", conversion=words),
+                    Signal(counts, time, name="squared", conversion={"formula": "X1*X1-1"})])
         mdf.save(work / "b.mf4", compression=2, overwrite=True)
         into("log-mf4", "packed.mf4", (work / "b.mf4").read_bytes())
     with TdmsWriter(work / "a.tdms") as writer:
@@ -216,6 +277,10 @@ def logs(work: Path) -> None:
         writer.write_segment([RootObject(), group, *channels])
         writer.write_segment(channels)
     into("log-tdms", "plain.tdms", (work / "a.tdms").read_bytes())
+    raw = counts.tobytes()
+    into("log-tdms", "interleaved.tdms", tdms(0x20, struct.pack("<IIIQ", 20, 2, 1, 1), raw))
+    scaler = struct.pack("<IIIQI5I2I", 0x1269, 0xffffffff, 1, rows // 2, 1, 3, 0, 2, 0, 0, 1, 4)
+    into("log-tdms", "daqmx.tdms", tdms(0x80, scaler, raw))
 
 
 with tempfile.TemporaryDirectory() as folder:

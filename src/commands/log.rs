@@ -15,7 +15,7 @@ const MOST_SHOWN: usize = 20;
 
 /// Says what logs hold and which samples are doubtful, and converts them to CSV
 ///
-/// Reads CSV, Parquet, NumPy (.npy, .npz), MATLAB 5 (.mat), MDF 4 (.mf4) and TDMS. Looks for missing
+/// Reads CSV, Parquet, NumPy (.npy, .npz), MATLAB (.mat), HDF5, MDF 4 (.mf4) and TDMS. Looks for missing
 /// rows, outliers, saturation and stuck readings, and names their lines. Nothing is repaired. The
 /// exit code is 1 where samples are doubtful.
 #[derive(Args, Debug)]

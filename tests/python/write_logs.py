@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pandas as pd
 import pyarrow as pa
@@ -26,7 +27,64 @@ with open(folder / "reference.csv", "w") as out:
 savemat(folder / "plain.mat", {"time": time, "u": u, "y": y, "counts": counts, "rate": rate})
 savemat(folder / "packed.mat", {"time": time, "u": u, "y": y, "counts": counts},
         do_compression=True)
-savemat(folder / "structure.mat", {"log": {"time": time, "u": u}})
+savemat(folder / "structure.mat", {"log": {"time": time, "u": u, "y": y, "counts": counts}})
+savemat(folder / "version4.mat", {"time": time, "u": u, "y": y, "counts": counts}, format="4")
+savemat(folder / "rows.mat", {"t": time[None], "u": u[None], "y": y[None], "counts": counts[None]})
+savemat(folder / "cells.mat", {"log": np.array([{"u": u}, {"u": y}], dtype=object)})
+matrix = np.stack([u, y, counts], axis=1)
+savemat(folder / "simulink.mat", {"tout": time[:, None], "yout": matrix})
+savemat(folder / "to_file.mat", {"ans": np.vstack([time, matrix.T])})
+signals = np.zeros((1, 2), dtype=[("values", object), ("label", object), ("dimensions", object)])
+signals[0, 0] = (np.stack([u, y], axis=1), "pos", 2.0)
+signals[0, 1] = (counts[:, None].astype(float), "counts", 1.0)
+logged = {"time": time[:, None], "signals": signals, "blockName": "m/Scope"}
+savemat(folder / "with_time.mat", {"out": logged}, do_compression=True)
+
+
+def version_7_3(name, chunked):
+    """As MATLAB does: sizes reversed, the class an attribute, elements of arrays in #refs#."""
+    layout = {"chunks": (1, 300), "compression": "gzip", "shuffle": True} if chunked else {}
+    with h5py.File(folder / name, "w", userblock_size=512) as file:
+        def put(where, key, values, **options):
+            values = np.atleast_2d(values)
+            dataset = where.create_dataset(key, data=values, **options)
+            kind = {"float64": "double"}.get(values.dtype.name, values.dtype.name)
+            dataset.attrs["MATLAB_class"] = np.bytes_(kind)
+            return dataset
+
+        put(file, "tout", time, **layout)
+        put(file, "yout", matrix.T, **layout)
+        text = file.create_dataset("note", data=np.array([[ord(c)] for c in "a note"], np.uint16))
+        text.attrs["MATLAB_class"] = np.bytes_("char")
+        out = file.create_group("out")
+        out.attrs["MATLAB_class"] = np.bytes_("struct")
+        put(out, "time", time, **layout)
+        inner = out.create_group("signals")
+        inner.attrs["MATLAB_class"] = np.bytes_("struct")
+        refs = file.create_group("#refs#")
+        for field, values in (("values", (u, y)), ("label", ("position", "force"))):
+            places = inner.create_dataset(field, (2, 1), dtype=h5py.ref_dtype)
+            for at, value in enumerate(values):
+                if field == "label":
+                    value = np.array([[ord(c)] for c in value], np.uint16)
+                element = put(refs, f"{field}{at}", value)
+                if field == "label":
+                    element.attrs["MATLAB_class"] = np.bytes_("char")
+                places[at, 0] = element.ref
+    with open(folder / name, "r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116) + bytes(8) + b"\0\2IM")
+
+
+version_7_3("plain73.mat", False)
+version_7_3("packed73.mat", True)
+with h5py.File(folder / "plain.h5", "w", libver="latest") as file:
+    for name, values, unit in (("time", time, "s"), ("u", u, "V"), ("y", y, "um"), ("counts", counts, "")):
+        dataset = file.create_dataset(name, data=values, chunks=(128,), maxshape=(None,), compression="gzip")
+        dataset.attrs["units"] = unit
+with h5py.File(folder / "fields.h5", "w") as file:
+    fields = np.empty(rows, dtype=[("time", "<f8"), ("u", ">f8"), ("y", "<f8"), ("counts", "<i2")])
+    fields["time"], fields["u"], fields["y"], fields["counts"] = time, u, y, counts
+    file.create_group("run").create_dataset("log", data=fields)
 savemat(folder / "lengths.mat", {"time": time, "u": u, "slow": u[::10]})
 np.savez(folder / "plain.npz", time=time, u=u, y=y, counts=counts)
 np.savez_compressed(folder / "packed.npz", time=time, u=u, y=y, counts=counts)
@@ -57,9 +115,19 @@ with MDF(version="4.10") as mdf:
                Signal(counts, time, name="counts")]
     mdf.append(signals, comment="fast")
     mdf.save(folder / "plain.mf4", compression=0, overwrite=True)
-    mdf.save(folder / "packed.mf4", compression=2, overwrite=True)
+    mdf.save(folder / "packed.mf4", compression=1, overwrite=True)
+    mdf.save(folder / "transposed.mf4", compression=2, overwrite=True)
     mdf.append([Signal(u[::10], time[::10], unit="V", name="slow")])
     mdf.save(folder / "rates.mf4", compression=0, overwrite=True)
+with MDF(version="4.10") as mdf:
+    words = {"val_0": 0, "val_1": 1, "text_0": b"off", "text_1": b"on", "default": b"fault"}
+    mdf.append([Signal(u, time, unit="V", name="u"), Signal(y, time, unit="um", name="y"),
+                Signal((np.arange(rows) % 3).astype(np.uint8), time, name="state", conversion=words),
+                Signal(np.arange(rows), time, unit="furlong", name="odd"),
+                Signal(np.array([b"a", b"bc"] * (rows // 2)), time, name="text", encoding="utf-8"),
+                Signal(counts, time, name="counts", conversion={"a": 2.0, "b": 1.0}),
+                Signal(counts, time, name="squared", conversion={"formula": "X1*X1 - 1"})])
+    mdf.save(folder / "words.mf4", compression=0, overwrite=True)
 with MDF(version="3.30") as mdf:
     mdf.append([Signal(u, time, unit="V", name="u")])
     mdf.save(folder / "old.mdf", compression=0, overwrite=True)

@@ -48,6 +48,8 @@ pub const TARGETS: &[Target] = &[
     target("log-csv", Kind::Text, "csv", log),
     target("log-parquet", Kind::Binary, "parquet", log),
     target("log-mat", Kind::Binary, "mat", log),
+    target("log-mat4", Kind::Binary, "mat", log),
+    target("log-hdf5", Kind::Binary, "mat", log),
     target("log-mf4", Kind::Binary, "mf4", log),
     target("log-tdms", Kind::Binary, "tdms", log),
     target("log-npy", Kind::Binary, "npy", log),
@@ -237,7 +239,9 @@ fn system_plan(input: &[u8], file: &Path) -> String {
 
 /// A log that is accepted holds finite numbers in times that grow.
 fn log(_: &[u8], file: &Path) -> String {
-    match Log::read(file, &ReadOptions::default()) {
+    // A bound for inputs of some kilobytes, as in `limits`.
+    let options = ReadOptions { memory: Some(16 << 20), ..ReadOptions::default() };
+    match Log::read(file, &options) {
         Ok(log) => {
             assert!(log.time().iter().all(|time| time.is_finite()));
             for column in log.columns() {

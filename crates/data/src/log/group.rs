@@ -1,5 +1,7 @@
 //! From the columns of a file to a log.
 
+use std::collections::HashSet;
+
 use super::dataset::Dataset;
 use super::header::Context;
 use super::notes::LeftOut;
@@ -33,9 +35,10 @@ impl Found {
         datasets: &[Dataset],
     ) -> Result<Log, Problems> {
         let refuse = |(rule, way_out): Refusal| Problems::from(Problem::new(origin, rule, way_out));
-        let group = choose(self.groups, options.group.as_deref()).map_err(refuse)?;
+        let mut notes = self.notes;
+        let group = choose(self.groups, options.group.as_deref(), &mut notes).map_err(refuse)?;
         let mut log = group.log(origin, options, datasets)?;
-        log.remarks.notes.splice(..0, self.notes);
+        log.remarks.notes.splice(..0, notes);
         Ok(log)
     }
 }
@@ -85,7 +88,7 @@ impl Group {
         self.left_out.push(LeftOut::new(name, why));
     }
 
-    fn rows(&self) -> usize {
+    pub(super) fn rows(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
@@ -119,7 +122,11 @@ impl Group {
 
 /// The group that is meant: that of the name; without one, all groups with the same times, or the
 /// only one.
-fn choose(groups: Vec<Group>, name: Option<&str>) -> Result<Group, Refusal> {
+fn choose(
+    groups: Vec<Group>,
+    name: Option<&str>,
+    notes: &mut Vec<String>,
+) -> Result<Group, Refusal> {
     let mut groups: Vec<Group> = groups.into_iter().filter(|group| group.rows() > 0).collect();
     if let Some(name) = name {
         let names: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
@@ -132,14 +139,22 @@ fn choose(groups: Vec<Group>, name: Option<&str>) -> Result<Group, Refusal> {
         return Ok(groups.swap_remove(at));
     }
     let mut merged: Vec<Group> = Vec::new();
+    let mut names: Vec<HashSet<String>> = Vec::new();
     for group in groups {
-        match merged.iter_mut().find(|other| same_times(other, &group)) {
-            Some(other) => {
-                other.columns.extend(group.columns.into_iter().filter(|raw| raw.name != "time"));
-                other.left_out.extend(group.left_out);
+        let Some(at) = merged.iter().position(|other| same_times(other, &group)) else {
+            names.push(group.columns.iter().map(|raw| raw.name.clone()).collect());
+            merged.push(group);
+            continue;
+        };
+        for mut raw in group.columns.into_iter().filter(|raw| raw.name != "time") {
+            if !names[at].insert(raw.name.clone()) {
+                let full = format!("{}.{}", group.name, raw.name);
+                notes.push(format!("{} of group \"{}\" is called {full}", raw.name, group.name));
+                raw.name = full;
             }
-            None => merged.push(group),
+            merged[at].columns.push(raw);
         }
+        merged[at].left_out.extend(group.left_out);
     }
     match merged.len() {
         0 => Err((

@@ -118,6 +118,7 @@ impl Context<'_> {
     pub(super) fn heads(&self, cells: &[String]) -> (Vec<Head>, Vec<Problem>) {
         let mut problems = Vec::new();
         let mut heads: Vec<Head> = Vec::new();
+        let mut seen = std::collections::HashSet::new();
         for (cell, number) in cells.iter().zip(1..) {
             let (name, unit) = split(cell);
             let role = self.role(name, number == 1);
@@ -125,7 +126,7 @@ impl Context<'_> {
                 let place = format!("column {number}");
                 let way_out = "give it one, or remove a comma at the end of the line";
                 problems.push(self.problem(&place, "has no name", way_out));
-            } else if heads.iter().any(|other| other.name == name) {
+            } else if !seen.insert(name) {
                 let way_out = "give each column its own name";
                 problems.push(self.problem(name, "is the name of two columns", way_out));
             }

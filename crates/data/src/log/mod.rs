@@ -4,7 +4,7 @@
 //! read at t_k, before u_k acts.
 //!
 //! Files of other programs are read where the feature `formats` is on: Parquet, NumPy (`.npy`,
-//! `.npz`), MATLAB 5 (`.mat`), MDF 4 (`.mf4`) and TDMS; `docs/files.md` says which and through what.
+//! `.npz`), MATLAB 4, 5 and 7.3 (`.mat`), HDF5, MDF 4 (`.mf4`) and TDMS; `docs/files.md` says which and through what.
 //!
 //! A text is CSV: UTF-8, commas, decimal points, one header row. `time` in s grows strictly inside
 //! a record; a column `record` (or `realization`) of whole numbers separates records, and time may
@@ -128,6 +128,9 @@ pub struct ReadOptions {
     /// Which group of a measurement file (MDF, TDMS) or which length of arrays (MAT, npz) is the
     /// log, where there are several.
     pub group: Option<String>,
+    /// Most bytes of memory that the numbers of a binary file may take; `None`: 256 MiB, or 100 times
+    /// the file's size where that is more.
+    pub memory: Option<u64>,
 }
 
 impl ReadOptions {

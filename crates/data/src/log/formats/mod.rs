@@ -1,18 +1,26 @@
 //! Files of other programs: tables of named columns, some in groups.
 
 #[cfg(feature = "formats")]
-mod mat;
+mod budget;
+#[cfg(feature = "formats")]
+mod matlab;
 #[cfg(feature = "formats")]
 mod mdf;
+#[cfg(feature = "formats")]
+mod names;
 #[cfg(feature = "formats")]
 mod numpy;
 #[cfg(feature = "formats")]
 mod parquet;
 #[cfg(feature = "formats")]
+mod table;
+#[cfg(feature = "formats")]
 mod tdms;
 
 use std::path::Path;
 
+#[cfg(feature = "formats")]
+use self::budget::Budget;
 use super::dataset::Dataset;
 #[cfg(feature = "formats")]
 use super::group::{Found, Refusal};
@@ -24,6 +32,8 @@ use crate::{Problem, Problems};
 pub(super) enum Format {
     /// MATLAB 5, of `save -v7` or older.
     Mat,
+    /// MATLAB 4, and results of Dymola and OpenModelica.
+    Mat4,
     /// HDF5, which MATLAB 7.3 is too.
     Hdf5,
     /// ASAM MDF, version 3 or 4.
@@ -53,6 +63,8 @@ impl Format {
             [b'P', b'K', 3 | 5, 4 | 6, ..] if is_npz => Some(Self::Npz),
             [b'P', b'A', b'R', b'1', ..] => Some(Self::Parquet),
             [b'T', b'D', b'S', b'm', ..] => Some(Self::Tdms),
+            #[cfg(feature = "formats")]
+            _ if matlab::v4::is_begin(start) => Some(Self::Mat4),
             _ => None,
         }
     }
@@ -67,21 +79,26 @@ impl Format {
         datasets: &[Dataset],
     ) -> Result<Log, Problems> {
         options.check(origin)?;
-        // The parsers are other people's; a damaged file must not end the program.
-        let found = std::panic::catch_unwind(|| match self {
-            Self::Mat => mat::read(path).map(Found::from),
-            Self::Mdf => mdf::read(path).map(Found::from),
-            Self::Npy => numpy::array(path).map(Found::from),
-            Self::Npz => numpy::archive(path).map(Found::from),
-            Self::Parquet => parquet::read(path).map(Found::from),
-            Self::Tdms => tdms::read(path).map(Found::from),
-            Self::Hdf5 => Err((
-                "is HDF5, as MATLAB 7.3 writes it, which is not read".into(),
-                "save it with -v7, or as Parquet or CSV".into(),
-            )),
+        let refuse = |(rule, way_out): Refusal| Problems::from(Problem::new(origin, rule, way_out));
+        let size = std::fs::metadata(path).map_err(|error| refuse(broken("a file", error)))?.len();
+        // Where the user says what the times are, no reader looks for them.
+        let is_said = |dataset: &Dataset| dataset.rate.is_some() || dataset.time_column.is_some();
+        let is_timed = options.rate.is_some() || datasets.iter().any(is_said);
+        // Parsers are other people's; a damaged file must not end the program.
+        let found = std::panic::catch_unwind(|| {
+            let budget = &mut Budget::new(size, options.memory);
+            match self {
+                Self::Mat => matlab::version_5(path, budget, is_timed),
+                Self::Mat4 => matlab::version_4(path, budget, is_timed),
+                Self::Hdf5 => matlab::version_7_3(path, budget, is_timed),
+                Self::Mdf => mdf::read(path, budget),
+                Self::Npy => numpy::array(path, budget).map(Found::from),
+                Self::Npz => numpy::archive(path, budget).map(Found::from),
+                Self::Parquet => parquet::read(path, budget).map(Found::from),
+                Self::Tdms => tdms::read(path, budget, is_timed),
+            }
         });
         let damaged = || ("is damaged: its reader gave up".to_owned(), "write it again".to_owned());
-        let refuse = |(rule, way_out): Refusal| Problems::from(Problem::new(origin, rule, way_out));
         let found = found.unwrap_or_else(|_| Err(damaged())).map_err(refuse)?;
         found.log(origin, options, datasets)
     }

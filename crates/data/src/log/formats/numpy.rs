@@ -8,20 +8,21 @@ use npyz::{DType, Endianness, NpyHeader, Order, TypeChar, TypeStr};
 use zip::ZipArchive;
 
 use super::broken;
+use super::budget::Budget;
 use crate::log::group::{Group, Raw, Refusal};
 
 /// Longest header that is read, in bytes; NumPy writes a hundred for each field.
 const LONGEST_HEADER: u32 = 1 << 20;
 
 /// One array: its fields by name, or its columns as `column[1]`, ….
-pub(super) fn array(path: &Path) -> Result<Vec<Group>, Refusal> {
+pub(super) fn array(path: &Path, budget: &mut Budget) -> Result<Vec<Group>, Refusal> {
     let file = File::open(path).map_err(|error| broken("npy", error))?;
-    let columns = columns("column", BufReader::new(file))?;
+    let columns = columns("column", BufReader::new(file), budget)?;
     Ok(vec![Group::new("array", columns)])
 }
 
 /// Arrays by name; those of one length are one group, named by that length.
-pub(super) fn archive(path: &Path) -> Result<Vec<Group>, Refusal> {
+pub(super) fn archive(path: &Path, budget: &mut Budget) -> Result<Vec<Group>, Refusal> {
     let file = File::open(path).map_err(|error| broken("npz", error))?;
     let mut archive =
         ZipArchive::new(BufReader::new(file)).map_err(|error| broken("npz", error))?;
@@ -30,7 +31,7 @@ pub(super) fn archive(path: &Path) -> Result<Vec<Group>, Refusal> {
         let entry = archive.by_index(at).map_err(|error| broken("npz", error))?;
         let name = entry.name().map_err(|error| broken("npz", error))?.into_owned();
         let Some(name) = name.strip_suffix(".npy") else { continue };
-        let columns = columns(name, entry)?;
+        let columns = columns(name, entry, budget)?;
         let Some(rows) = columns.first().map(|raw| raw.values.len()) else { continue };
         let length = rows.to_string();
         match groups.iter_mut().find(|group| group.name == length) {
@@ -54,7 +55,7 @@ struct Scalar {
 }
 
 /// The columns of an array; none where it is a scalar or holds no numbers.
-fn columns(name: &str, mut bytes: impl Read) -> Result<Vec<Raw>, Refusal> {
+fn columns(name: &str, mut bytes: impl Read, budget: &mut Budget) -> Result<Vec<Raw>, Refusal> {
     // `npyz` takes memory for the header that a file speaks of, from version 2 on up to 4 GB.
     let mut start = Vec::with_capacity(12);
     bytes.by_ref().take(12).read_to_end(&mut start).map_err(|error| broken(name, error))?;
@@ -100,10 +101,12 @@ fn columns(name: &str, mut bytes: impl Read) -> Result<Vec<Raw>, Refusal> {
     // Memory follows what the file holds, not what its header says.
     let mut data = Vec::new();
     let limit = u64::try_from(count).map_err(|_| too_large())?;
+    budget.unpack(limit)?;
     bytes.take(limit).read_to_end(&mut data).map_err(|error| broken(name, error))?;
     if data.len() != count {
         return Err(broken(name, format!("{} of its {count} bytes are there", data.len())));
     }
+    budget.take((rows * wide) as u64, 8 * scalars.len() as u64)?;
     let by_column = header.order() == Order::Fortran;
     let mut columns = Vec::new();
     for scalar in &scalars {
@@ -185,7 +188,8 @@ mod tests {
         bytes.extend(118_u16.to_le_bytes());
         bytes.extend(format!("{header:<117}\n").bytes());
         bytes.extend(vec![0; 8 * data]);
-        columns("column", bytes.as_slice()).map(|columns| columns.len())
+        columns("column", bytes.as_slice(), &mut Budget::new(1000, None))
+            .map(|columns| columns.len())
     }
 
     #[test]
@@ -210,7 +214,8 @@ mod tests {
         let mut bytes = b"\x93NUMPY\x02\x00".to_vec();
         bytes.extend(0xffff_fff0_u32.to_le_bytes());
         bytes.extend(b"{'descr': '<f8'}");
-        let said = columns("column", bytes.as_slice()).err().unwrap().0;
+        let said =
+            columns("column", bytes.as_slice(), &mut Budget::new(1000, None)).err().unwrap().0;
         assert!(said.contains("4294967280 bytes is longer than 1048576"), "{said}");
     }
 }

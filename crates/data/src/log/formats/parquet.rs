@@ -1,5 +1,6 @@
 //! Apache Parquet, by crate `parquet`.
 
+use std::collections::HashMap;
 use std::fs::File;
 use std::path::Path;
 
@@ -11,62 +12,84 @@ use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
 use super::broken;
+use super::budget::Budget;
 use crate::log::group::{Group, Raw, Refusal};
 
 /// The columns of numbers and truth values, of durations (in s) and of timestamps (in s after the first one; the
 /// first such column is the time where none is called `time`). Units are key-value metadata,
 /// `unit:position[1]` = `um`; a missing value is a gap.
-pub(super) fn read(path: &Path) -> Result<Vec<Group>, Refusal> {
+pub(super) fn read(path: &Path, budget: &mut Budget) -> Result<Vec<Group>, Refusal> {
     let refuse = |error: ParquetError| broken("Parquet", error);
     let file = File::open(path).map_err(|error| broken("Parquet", error))?;
     let reader = SerializedFileReader::new(file).map_err(refuse)?;
     let about = reader.metadata().file_metadata();
     let schema = about.schema_descr();
-    let unit_of = |name: &str| {
-        let pairs = about.key_value_metadata()?;
-        pairs.iter().find(|pair| pair.key.strip_prefix("unit:") == Some(name))?.value.clone()
-    };
-    let pandas = about.key_value_metadata().and_then(|pairs| {
-        pairs.iter().find(|pair| pair.key == "pandas").and_then(|pair| pair.value.clone())
-    });
-    let (mut columns, mut dated, mut first) = (Vec::new(), None, None);
+    let pairs = about.key_value_metadata().map_or(&[][..], Vec::as_slice);
+    let named = pairs.iter().filter_map(|pair| Some((pair.key.as_str(), pair.value.as_deref()?)));
+    let named: HashMap<&str, &str> = named.collect();
+    let durations = named.get("pandas").map(|text| durations_of(text)).unwrap_or_default();
+    let mut group = Group::new(about.schema().name(), Vec::new());
+    let mut columns = Vec::new();
     for at in 0..schema.num_columns() {
         let column = schema.column(at);
-        let is_flat = column.max_rep_level() == 0 && column.path().parts().len() == 1;
-        let logical = column.logical_type_ref();
-        let is_date = matches!(logical, Some(LogicalType::Date | LogicalType::Time { .. }))
-            || matches!(logical, Some(LogicalType::Decimal { .. }))
-            || column.converted_type() == ConvertedType::DECIMAL;
-        let is_number = matches!(
-            column.physical_type(),
-            Physical::BOOLEAN
-                | Physical::INT32
-                | Physical::INT64
-                | Physical::FLOAT
-                | Physical::DOUBLE
-        );
-        if !is_flat || !is_number || is_date {
-            continue;
+        match why_not(&column) {
+            Some(why) => group.leave_out(column.path().string(), why),
+            None => {
+                let meaning = Meaning::of(&column, durations.get(column.name()).copied());
+                let present = column.max_def_level();
+                columns.push(Reading { at, present, meaning, first: None, values: Vec::new() });
+            }
         }
-        let meaning = Meaning::of(&column, pandas.as_deref());
-        let mut values = Vec::new();
-        for group in 0..reader.num_row_groups() {
-            let group = reader.get_row_group(group).map_err(refuse)?;
-            let mut cells = Cells { values: &mut values, meaning: &meaning, first: &mut first };
-            cells.append(&*group, at, column.max_def_level()).map_err(refuse)?;
-        }
-        let mut unit = unit_of(column.name());
-        if meaning.ticks().is_some() {
-            unit = Some("s".into());
-            dated.get_or_insert(columns.len());
-        }
-        columns.push(Raw::new(column.name(), unit, values));
-        first = None;
     }
-    if let (Some(at), false) = (dated, columns.iter().any(|raw| raw.name == "time")) {
-        columns[at].name = "time".into();
+    for rows in 0..reader.num_row_groups() {
+        let rows = reader.get_row_group(rows).map_err(refuse)?;
+        for column in &mut columns {
+            let packed = rows.metadata().column(column.at).uncompressed_size();
+            if u64::try_from(packed).is_ok_and(|size| size > budget.left()) {
+                return Err(budget.refusal());
+            }
+            let count = rows.metadata().num_rows();
+            budget.column(u64::try_from(count).unwrap_or(0))?;
+            column.append(&*rows).map_err(refuse)?;
+        }
     }
-    Ok(vec![Group::new(about.schema().name(), columns)])
+    let has_time = columns.iter().any(|column| schema.column(column.at).name() == "time");
+    let mut dated = columns.iter().position(|column| column.meaning.ticks().is_some());
+    dated = dated.filter(|_| !has_time);
+    for (at, column) in columns.into_iter().enumerate() {
+        let own = schema.column(column.at).name().to_owned();
+        let unit = match column.meaning.ticks() {
+            Some(_) => Some("s".to_owned()),
+            None => named.get(format!("unit:{own}").as_str()).map(|unit| (*unit).to_owned()),
+        };
+        let name = if dated == Some(at) { "time".into() } else { own };
+        group.columns.push(Raw::new(name, unit, column.values));
+    }
+    Ok(vec![group])
+}
+
+/// Why a column is no signal.
+fn why_not(column: &ColumnDescriptor) -> Option<&'static str> {
+    if column.max_rep_level() > 0 || column.path().parts().len() > 1 {
+        return Some("is nested");
+    }
+    let logical = column.logical_type_ref();
+    if matches!(logical, Some(LogicalType::Date | LogicalType::Time { .. })) {
+        return Some("holds dates");
+    }
+    if matches!(logical, Some(LogicalType::Decimal { .. }))
+        || column.converted_type() == ConvertedType::DECIMAL
+    {
+        return Some("holds decimal numbers");
+    }
+    match column.physical_type() {
+        Physical::BOOLEAN
+        | Physical::INT32
+        | Physical::INT64
+        | Physical::FLOAT
+        | Physical::DOUBLE => None,
+        _ => Some("holds texts"),
+    }
 }
 
 /// What the whole numbers of a column mean.
@@ -83,7 +106,7 @@ enum Meaning {
 
 impl Meaning {
     /// By the column's type, and by what pandas says of it where it wrote the file: Parquet itself has no durations.
-    fn of(column: &ColumnDescriptor, pandas: Option<&str>) -> Self {
+    fn of(column: &ColumnDescriptor, duration: Option<f64>) -> Self {
         let seconds = |unit: &TimeUnit| match unit {
             TimeUnit::MILLIS => 1e-3,
             TimeUnit::MICROS => 1e-6,
@@ -101,9 +124,7 @@ impl Meaning {
                 | ConvertedType::UINT_32
                 | ConvertedType::UINT_64,
             ) => Self::Unsigned,
-            _ => pandas
-                .and_then(|text| duration_of(text, column.name()))
-                .map_or(Self::Signed, Self::Duration),
+            _ => duration.map_or(Self::Signed, Self::Duration),
         }
     }
 
@@ -116,39 +137,43 @@ impl Meaning {
     }
 }
 
-/// Seconds per tick of a column that pandas calls `timedelta64[…]`.
-fn duration_of(pandas: &str, name: &str) -> Option<f64> {
-    let about: serde_json::Value = serde_json::from_str(pandas).ok()?;
-    let columns = about["columns"].as_array()?;
-    let own = columns.iter().find(|c| c["field_name"] == name || c["name"] == name)?;
-    match own["numpy_type"].as_str()?.strip_prefix("timedelta64[")?.strip_suffix(']')? {
-        "s" => Some(1.0),
-        "ms" => Some(1e-3),
-        "us" => Some(1e-6),
-        "ns" => Some(1e-9),
-        _ => None,
-    }
+/// Seconds per tick of the columns that pandas calls `timedelta64[…]`.
+fn durations_of(pandas: &str) -> HashMap<String, f64> {
+    let about: serde_json::Value = serde_json::from_str(pandas).unwrap_or_default();
+    let columns = about["columns"].as_array().map_or(&[][..], Vec::as_slice);
+    let durations = columns.iter().filter_map(|column| {
+        let kind = column["numpy_type"].as_str()?;
+        let tick = match kind.strip_prefix("timedelta64[")?.strip_suffix(']')? {
+            "s" => 1.0,
+            "ms" => 1e-3,
+            "us" => 1e-6,
+            "ns" => 1e-9,
+            _ => return None,
+        };
+        let name = column["field_name"].as_str().or(column["name"].as_str())?;
+        Some((name.to_owned(), tick))
+    });
+    durations.collect()
 }
 
-/// Where the cells of one column go.
-struct Cells<'a> {
-    values: &'a mut Vec<f64>,
-    meaning: &'a Meaning,
+/// A column that is read.
+struct Reading {
+    at: usize,
+    /// Level of a value that is not missing.
+    present: i16,
+    meaning: Meaning,
     /// The first tick of a column of instants.
-    first: &'a mut Option<i64>,
+    first: Option<i64>,
+    values: Vec<f64>,
 }
 
-impl Cells<'_> {
+impl Reading {
     /// Appends the column's values of a row group; a missing one is NaN.
-    fn append(
-        &mut self,
-        group: &dyn RowGroupReader,
-        column: usize,
-        present: i16,
-    ) -> Result<(), ParquetError> {
+    fn append(&mut self, group: &dyn RowGroupReader) -> Result<(), ParquetError> {
         let rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
-        let (meaning, first, values) = (self.meaning, &mut *self.first, &mut *self.values);
-        match group.get_column_reader(column)? {
+        let Self { at, present, meaning, first, values } = self;
+        let present = *present;
+        match group.get_column_reader(*at)? {
             ColumnReader::BoolColumnReader(reader) => {
                 read_all(reader, rows, present, values, |value| f64::from(u8::from(*value)))
             }
@@ -166,9 +191,9 @@ impl Cells<'_> {
                     // gives the decimals that a text would have.
                     Meaning::Instant(tick) => {
                         let from = *first.get_or_insert(*value);
-                        value.wrapping_sub(from) as f64 / (1.0 / tick).round()
+                        value.wrapping_sub(from) as f64 / (1.0 / *tick).round()
                     }
-                    Meaning::Duration(tick) => *value as f64 / (1.0 / tick).round(),
+                    Meaning::Duration(tick) => *value as f64 / (1.0 / *tick).round(),
                 })
             }
             ColumnReader::FloatColumnReader(reader) => {

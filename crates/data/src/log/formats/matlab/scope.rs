@@ -1,0 +1,230 @@
+//! Which variables of a scope (the file, a structure, a group of HDF5) are times and signals.
+
+use super::simulink;
+use super::{Array, Value, Variables, grow};
+use crate::log::group::{Found, Group, Raw};
+
+/// What a vector of times is called, in small letters; the first that there is.
+const TIMES: [&str; 10] =
+    ["time", "tout", "t", "timestamps", "timestamp", "time_s", "t_s", "times", "time_vec", "tvec"];
+
+/// Goes through the variables of scopes.
+#[derive(Default)]
+pub(super) struct Reader {
+    /// Whether the user gives the sample rate, so that no times are looked for.
+    pub(super) is_timed: bool,
+    pub(super) found: Found,
+    /// What can be no signal, and why.
+    pub(super) left_out: Vec<(String, String)>,
+}
+
+impl Reader {
+    /// Adds the groups of a scope. Arrays of one length are one group, named by it; a matrix with as many
+    /// columns as there are times is taken transposed; a matrix without times beside it has them in
+    /// its first row (Simulink's To File) or column. What is assumed is noted.
+    /// `outer` are the times of the scope around it, which signals of their length have too.
+    pub(super) fn read(&mut self, scope: &str, variables: Variables, outer: Option<&Array>) {
+        let full = |name: &str| match scope {
+            "" => name.to_owned(),
+            scope => format!("{scope}.{name}"),
+        };
+        let (mut arrays, mut structures) = (Vec::new(), Vec::new());
+        for (name, value) in variables {
+            match value {
+                Value::Numbers(array) if array.values.len() > 1 => arrays.push((name, array)),
+                Value::Structure(_) => structures.push((name, value)),
+                other => self.left_out.push((full(&name), other.why())),
+            }
+        }
+        let times = times_of(&arrays);
+        let mut groups = Lengths { scope, groups: Vec::new() };
+        let outer = outer.filter(|_| times.is_none());
+        let rows = times.as_ref().map(|(_, rows)| *rows).or(outer.map(|times| times.values.len()));
+        let own =
+            times.as_ref().and_then(|(times, _)| arrays.iter().find(|(name, _)| name == times));
+        let inherited =
+            own.map(|(_, array)| array).or(outer).cloned().filter(|_| !structures.is_empty());
+        let is_simulink = times.as_ref().is_some_and(|(name, _)| name.eq_ignore_ascii_case("tout"));
+        let style = if is_simulink { Style::Simulink } else { Style::Index };
+        let mut transposed = Vec::new();
+        for (name, array) in arrays {
+            if times.as_ref().is_some_and(|(times, _)| *times == name) {
+                let is_renamed = name != "time" && !self.is_timed;
+                if is_renamed {
+                    self.found.notes.push(format!("{} is taken as the time", full(&name)));
+                }
+                let name = if is_renamed { "time".into() } else { name };
+                groups.add(Raw::new(name, array.unit, array.values), true);
+            } else if rows.is_some()
+                || self.is_timed
+                || !self.with_times(&full(&name), &name, &array)
+            {
+                let Some(signals) = signals(&array, rows) else {
+                    self.left_out.push((full(&name), array.why()));
+                    continue;
+                };
+                if signals.is_transposed {
+                    transposed.push(full(&name));
+                }
+                for raw in named(&name, &array, &signals, style) {
+                    groups.add(raw, false);
+                }
+            }
+        }
+        if !transposed.is_empty() {
+            let list = super::shortened(&transposed);
+            self.found.notes.push(format!("{list}: a column per time, taken transposed"));
+        }
+        for (name, value) in structures {
+            match simulink::read(&full(&name), &value, rows, self) {
+                Some(columns) => columns.into_iter().for_each(|raw| groups.add(raw, false)),
+                None => self.structure(full(&name), value, inherited.as_ref()),
+            }
+        }
+        for group in groups.groups.iter_mut().filter(|group| Some(group.rows()) == rows) {
+            let times = outer.map(|o| Raw::new("time", o.unit.clone(), o.values.clone()));
+            group.columns.splice(..0, times);
+        }
+        if let ([only], false) = (groups.groups.as_mut_slice(), scope.is_empty()) {
+            only.name = scope.to_owned();
+        }
+        self.found.groups.extend(groups.groups);
+    }
+
+    /// A structure of one element is a scope of its own.
+    fn structure(&mut self, name: String, value: Value, times: Option<&Array>) {
+        match value {
+            Value::Structure(fields) if fields.iter().all(|(_, values)| values.len() == 1) => {
+                let inner = fields.into_iter().flat_map(|(field, values)| {
+                    values.into_iter().map(move |value| (field.clone(), value))
+                });
+                self.read(&name, inner.collect(), times);
+            }
+            other => self.left_out.push((name, other.why())),
+        }
+    }
+
+    /// A matrix that holds its own times, in its first row or column; false where it does not.
+    fn with_times(&mut self, full: &str, name: &str, array: &Array) -> bool {
+        let [rows, columns] = *array.size.as_slice() else { return false };
+        if rows.min(columns) < 2 {
+            return false;
+        }
+        let first_row = || array.values.iter().step_by(rows).copied().collect::<Vec<f64>>();
+        let (signals, place) = if columns > rows && grow(&first_row()) {
+            (Signals { rows: columns, count: rows, by_time: true, is_transposed: false }, "row")
+        } else if rows > columns && grow(&array.values[..rows]) {
+            (Signals { rows, count: columns, by_time: false, is_transposed: false }, "column")
+        } else {
+            return false;
+        };
+        let mut columns = named(name, array, &signals, Style::Simulink);
+        for (column, number) in columns.iter_mut().zip(0..) {
+            column.name = match (number, signals.count) {
+                (0, _) => "time".into(),
+                (_, 2) => name.to_owned(),
+                _ => format!("{name}_{number}"),
+            };
+        }
+        let names: Vec<String> = columns.iter().skip(1).map(|column| column.name.clone()).collect();
+        let names = super::shortened(&names);
+        let note =
+            format!("{full}: the first {place} is taken as the time, the others are {names}");
+        self.found.notes.push(note);
+        self.found.groups.push(Group::new(full, columns));
+        true
+    }
+}
+
+/// The vector of times of a scope: its name and its length.
+fn times_of(arrays: &[(String, Array)]) -> Option<(String, usize)> {
+    TIMES.iter().find_map(|wanted| {
+        let (name, array) =
+            arrays.iter().find(|(name, array)| name.to_lowercase() == *wanted && array.grows())?;
+        Some((name.clone(), array.values.len()))
+    })
+}
+
+/// Groups by length.
+struct Lengths<'a> {
+    scope: &'a str,
+    groups: Vec<Group>,
+}
+
+impl Lengths<'_> {
+    fn add(&mut self, raw: Raw, is_first: bool) {
+        let rows = raw.values.len();
+        let at = match self.groups.iter().position(|group| group.rows() == rows) {
+            Some(at) => at,
+            None => {
+                let name = match self.scope {
+                    "" => rows.to_string(),
+                    scope => format!("{scope}/{rows}"),
+                };
+                self.groups.push(Group::new(name, Vec::new()));
+                self.groups.len() - 1
+            }
+        };
+        let columns = &mut self.groups[at].columns;
+        columns.insert(if is_first { 0 } else { columns.len() }, raw);
+    }
+}
+
+/// How an array is cut into signals: `count` of them with `rows` values each.
+pub(super) struct Signals {
+    pub(super) rows: usize,
+    pub(super) count: usize,
+    /// Whether one time's values are next to each other.
+    pub(super) by_time: bool,
+    is_transposed: bool,
+}
+
+/// `rows` is the number of times where it is known. `None` for arrays with no index of times.
+pub(super) fn signals(array: &Array, rows: Option<usize>) -> Option<Signals> {
+    let of = |rows: usize, by_time, is_transposed| {
+        let count = array.values.len().checked_div(rows)?;
+        (rows > 1).then_some(Signals { rows, count, by_time, is_transposed })
+    };
+    if let Some(vector) = array.vector() {
+        return of(vector.len(), false, false);
+    }
+    let (first, last) = (*array.size.first()?, *array.size.last()?);
+    match (array.size.len(), rows) {
+        (2, Some(rows)) if rows != first && rows == last => of(rows, true, true),
+        (2, _) => of(first, false, false),
+        // Signals of several dimensions have their times last, as Simulink writes them.
+        (_, Some(rows)) if rows == last => of(rows, true, false),
+        (_, Some(rows)) if rows == first => of(rows, false, false),
+        _ => None,
+    }
+}
+
+/// How the columns of a matrix are called.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Style {
+    /// `y[1]`, as axes are in blueprints and in FMUs.
+    Index,
+    /// `yout_1`, as Simulink calls the elements of a logged signal.
+    Simulink,
+}
+
+/// The columns of an array.
+pub(super) fn named(name: &str, array: &Array, signals: &Signals, style: Style) -> Vec<Raw> {
+    let Signals { rows, count, by_time, .. } = *signals;
+    let column = |at: usize| -> Vec<f64> {
+        match by_time {
+            false => array.values[at * rows..(at + 1) * rows].to_vec(),
+            true => (0..rows).map(|row| array.values[row * count + at]).collect(),
+        }
+    };
+    (0..count)
+        .map(|at| {
+            let name = match (count, style) {
+                (1, _) => name.to_owned(),
+                (_, Style::Index) => format!("{name}[{}]", at + 1),
+                (_, Style::Simulink) => format!("{name}_{}", at + 1),
+            };
+            Raw::new(name, array.unit.clone(), column(at))
+        })
+        .collect()
+}
