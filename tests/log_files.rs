@@ -35,6 +35,7 @@ fn every_format_gives_the_same_numbers() {
         "rows.mat",
         "plain.h5",
         "fields.h5",
+        "octave.h5",
         "plain.npz",
         "packed.npz",
         "fields.npy",
@@ -147,6 +148,32 @@ fn what_simulink_logs_is_read_by_its_names() {
     for name in ["plain73.mat", "packed73.mat"] {
         compare(&log(name), name, &all);
         assert_eq!(log(name).left_out()[0].name, "note");
+    }
+}
+
+/// What a file may become in memory has a limit in every format, which is in the message.
+#[test]
+fn memory_has_a_limit() {
+    let Some(folder) = written() else { return };
+    let options = |memory| ReadOptions { memory: Some(memory), ..Default::default() };
+    for name in [
+        "plain.mat",
+        "packed.mat",
+        "version4.mat",
+        "packed73.mat",
+        "plain.h5",
+        "packed.npz",
+        "fields.npy",
+        "zstd.parquet",
+        "plain.mf4",
+        "packed.mf4",
+        "plain.tdms",
+    ] {
+        let path = folder.path().join(name);
+        let error = Log::read(&path, &options(10_000)).expect_err(name).to_string();
+        assert!(error.contains("more memory than 1 MB"), "{name}: {error}");
+        assert!(error.contains("--log-memory"), "{name}: {error}");
+        assert!(Log::read(&path, &options(1_000_000)).is_ok(), "{name}");
     }
 }
 

@@ -81,6 +81,12 @@ with h5py.File(folder / "plain.h5", "w", libver="latest") as file:
     for name, values, unit in (("time", time, "s"), ("u", u, "V"), ("y", y, "um"), ("counts", counts, "")):
         dataset = file.create_dataset(name, data=values, chunks=(128,), maxshape=(None,), compression="gzip")
         dataset.attrs["units"] = unit
+with h5py.File(folder / "octave.h5", "w") as file:
+    for name, values in (("time", time), ("u", u), ("y", y), ("counts", counts)):
+        variable = file.create_group(name)
+        variable.attrs["OCTAVE_NEW_FORMAT"] = np.uint8(1)
+        variable.create_dataset("type", data=np.bytes_("matrix"))
+        variable.create_dataset("value", data=values[None])
 with h5py.File(folder / "fields.h5", "w") as file:
     fields = np.empty(rows, dtype=[("time", "<f8"), ("u", ">f8"), ("y", "<f8"), ("counts", "<i2")])
     fields["time"], fields["u"], fields["y"], fields["counts"] = time, u, y, counts

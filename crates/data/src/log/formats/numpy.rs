@@ -1,5 +1,6 @@
 //! NumPy's `.npy` and `.npz`, by crates `npyz` and `zip`.
 
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -26,18 +27,18 @@ pub(super) fn archive(path: &Path, budget: &mut Budget) -> Result<Vec<Group>, Re
     let file = File::open(path).map_err(|error| broken("npz", error))?;
     let mut archive =
         ZipArchive::new(BufReader::new(file)).map_err(|error| broken("npz", error))?;
-    let mut groups: Vec<Group> = Vec::new();
+    let (mut groups, mut by_rows) = (Vec::new(), HashMap::new());
     for at in 0..archive.len() {
         let entry = archive.by_index(at).map_err(|error| broken("npz", error))?;
         let name = entry.name().map_err(|error| broken("npz", error))?.into_owned();
         let Some(name) = name.strip_suffix(".npy") else { continue };
         let columns = columns(name, entry, budget)?;
         let Some(rows) = columns.first().map(|raw| raw.values.len()) else { continue };
-        let length = rows.to_string();
-        match groups.iter_mut().find(|group| group.name == length) {
-            Some(group) => group.columns.extend(columns),
-            None => groups.push(Group::new(length, columns)),
+        let at = *by_rows.entry(rows).or_insert(groups.len());
+        if at == groups.len() {
+            groups.push(Group::new(rows.to_string(), Vec::new()));
         }
+        groups[at].columns.extend(columns);
     }
     Ok(groups)
 }
@@ -196,6 +197,17 @@ mod tests {
     fn columns_without_rows_take_no_memory() {
         assert_eq!(of_shape("(0, 1000000000000)", 0).unwrap(), 0);
         assert_eq!(of_shape("(1000000000000, 0)", 0).unwrap(), 0);
+    }
+
+    #[test]
+    fn an_array_that_is_packed_a_thousandfold_is_refused() {
+        let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000,), }";
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend(118_u16.to_le_bytes());
+        bytes.extend(format!("{header:<117}\n").bytes());
+        let endless = bytes.as_slice().chain(std::io::repeat(0));
+        let (rule, _) = columns("u", endless, &mut Budget::new(1000, None)).err().unwrap();
+        assert!(rule.contains("more memory than 269 MB"), "{rule}");
     }
 
     #[test]

@@ -41,6 +41,9 @@ pub(super) fn read(path: &Path, budget: &mut Budget) -> Result<Vec<Group>, Refus
             }
         }
     }
+    let rows = reader.metadata().row_groups().iter().map(|rows| rows.num_rows());
+    let rows = rows.filter_map(|rows| u64::try_from(rows).ok()).fold(0, u64::saturating_add);
+    budget.take(rows, 8 * columns.len() as u64)?;
     for rows in 0..reader.num_row_groups() {
         let rows = reader.get_row_group(rows).map_err(refuse)?;
         for column in &mut columns {
@@ -48,8 +51,6 @@ pub(super) fn read(path: &Path, budget: &mut Budget) -> Result<Vec<Group>, Refus
             if u64::try_from(packed).is_ok_and(|size| size > budget.left()) {
                 return Err(budget.refusal());
             }
-            let count = rows.metadata().num_rows();
-            budget.column(u64::try_from(count).unwrap_or(0))?;
             column.append(&*rows).map_err(refuse)?;
         }
     }

@@ -93,6 +93,15 @@ impl Reader<'_> {
         if group.attribute("MATLAB_sparse").is_ok() {
             return Ok(Value::Other("is a sparse array".into()));
         }
+        // Octave: a variable is a group of its type and its value, which stands as in MATLAB's files.
+        if group.attribute("OCTAVE_NEW_FORMAT").is_ok()
+            && let Ok(value) = group.dataset("value")
+        {
+            let before = std::mem::replace(&mut self.is_matlab, true);
+            let value = self.dataset(&value, depth);
+            self.is_matlab = before;
+            return Ok(single(("", value?)).1);
+        }
         if depth == DEEPEST {
             return Ok(Value::Other("is nested too deep".into()));
         }

@@ -1,5 +1,7 @@
 //! Which variables of a scope (the file, a structure, a group of HDF5) are times and signals.
 
+use std::collections::HashMap;
+
 use super::simulink;
 use super::{Array, Value, Variables, grow};
 use crate::log::group::{Found, Group, Raw};
@@ -37,7 +39,7 @@ impl Reader {
             }
         }
         let times = times_of(&arrays);
-        let mut groups = Lengths { scope, groups: Vec::new() };
+        let mut groups = Lengths { scope, groups: Vec::new(), by_rows: HashMap::new() };
         let outer = outer.filter(|_| times.is_none());
         let rows = times.as_ref().map(|(_, rows)| *rows).or(outer.map(|times| times.values.len()));
         let own =
@@ -149,22 +151,20 @@ fn times_of(arrays: &[(String, Array)]) -> Option<(String, usize)> {
 struct Lengths<'a> {
     scope: &'a str,
     groups: Vec<Group>,
+    by_rows: HashMap<usize, usize>,
 }
 
 impl Lengths<'_> {
     fn add(&mut self, raw: Raw, is_first: bool) {
         let rows = raw.values.len();
-        let at = match self.groups.iter().position(|group| group.rows() == rows) {
-            Some(at) => at,
-            None => {
-                let name = match self.scope {
-                    "" => rows.to_string(),
-                    scope => format!("{scope}/{rows}"),
-                };
-                self.groups.push(Group::new(name, Vec::new()));
-                self.groups.len() - 1
-            }
-        };
+        let at = *self.by_rows.entry(rows).or_insert(self.groups.len());
+        if at == self.groups.len() {
+            let name = match self.scope {
+                "" => rows.to_string(),
+                scope => format!("{scope}/{rows}"),
+            };
+            self.groups.push(Group::new(name, Vec::new()));
+        }
         let columns = &mut self.groups[at].columns;
         columns.insert(if is_first { 0 } else { columns.len() }, raw);
     }

@@ -212,6 +212,9 @@ fn layout(bytes: &mut Bytes<'_>, index: u32) -> Result<Layout, Refusal> {
     }
     let count = bytes.u64()?;
     if index != DAQMX && index != DAQMX_LINES {
+        if !matches!(index, 20 | 28) {
+            return Err(broken("TDMS", format_args!("the index of a channel has {index} bytes")));
+        }
         let size = if kind == 0x20 { Some(bytes.u64()?) } else { None };
         return Ok(Layout::plain(kind, count, size));
     }
