@@ -100,7 +100,7 @@ fn the_ways_of_a_plant_are_listed_and_can_be_chosen() {
     let ways = answer["ways"].as_array().expect("ways");
     let of = |name: &str| ways.iter().find(|way| way["name"] == name).expect("a way");
     assert!(of("inverse")["reason"].as_str().is_some_and(|r| r.contains("curls over")), "{answer}");
-    for name in ["inverse-free", "fitted", "linear", "none"] {
+    for name in ["inverse-free", "fitted", "dynamic", "gp", "linear", "none"] {
         assert!(of(name)["axes"][0]["checks"][0]["closed_loop"].is_number(), "{answer}");
     }
     assert!(!at.join("controller.toml").exists());
@@ -109,4 +109,48 @@ fn the_ways_of_a_plant_are_listed_and_can_be_chosen() {
     assert!(text.contains("kd = 0") && text.contains("feedforward-gain"), "{text}");
     let message = refuse(&["invert", "p3", "--feedforward", "inverse-free"], at);
     assert!(message.contains("actuator") && message.contains("--list"), "{message}");
+}
+
+#[test]
+fn what_a_reference_asks_beyond_the_limits_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    succeed(&["signal", "p0-trajectory-1", "-o", "path.csv"], at);
+    let rig = ["invert", "p0", "--period", "5e-3", "--reference", "path.csv", "-o", "c.toml"];
+    let answer = json(&rig, at);
+    let along = answer["along"].as_array().expect("axes");
+    let of = |axis: &str| along.iter().find(|a| a["axis"] == axis).expect("an axis");
+    let number = |value: &Value| value.as_f64().expect("a number");
+    for axis in ["M1x", "M1y", "M2x"] {
+        assert_eq!(number(&of(axis)["beyond"]), 0.0, "{answer}");
+        assert!(number(&of(axis)["error"]) < 5e-4, "{answer}");
+    }
+    assert!((number(&of("M2y")["asked"][0]) + 3.31).abs() < 0.05, "{answer}");
+    assert!(number(&of("M2y")["beyond"]) > 0.02 && number(&of("M2y")["error"]) > 2e-3, "{answer}");
+    let said = succeed(&rig, at);
+    assert!(said.contains("asks M2y for -3.3") && said.contains("limit 0"), "{said}");
+    let message = refuse(&["invert", "p1", "--reference", "path.csv", "-o", "c.toml"], at);
+    assert!(message.contains("reference[1]"), "{message}");
+}
+
+#[test]
+fn the_four_control_systems_of_coupled_axes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let mut errors = Vec::new();
+    for system in ["1", "2", "3", "4"] {
+        let rig = ["invert", "p0", "--period", "5e-3", "--system", system, "-o", "c.toml"];
+        let answer = json(&rig, at);
+        let text = fs::read_to_string(at.join("c.toml")).expect("a file");
+        assert_eq!(text.contains("210.358"), system != "1", "{text}");
+        assert_eq!(text.contains("inverse-prandtl-ishlinskii"), matches!(system, "3" | "4"));
+        assert_eq!(text.contains("ki = 0"), system == "3", "{text}");
+        let axes = answer["axes"].as_array().expect("axes");
+        let error = |axis: &Value| axis["checks"][0]["closed_loop"].as_f64().expect("a number");
+        errors.push(axes[2..].iter().map(error).fold(0.0, f64::max));
+    }
+    // On the second mirror: alone, coordinated, feedforward, both.
+    assert!(errors[0] > errors[1] && errors[1] > errors[2] && errors[2] > errors[3], "{errors:?}");
+    let message = refuse(&["invert", "p1", "--system", "2", "-o", "c.toml"], at);
+    assert!(message.contains("coupled"), "{message}");
 }

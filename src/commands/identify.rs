@@ -204,6 +204,14 @@ impl Identify {
                 * records.iter().map(Record::duration).fold(f64::INFINITY, f64::min);
             let longest = found.iter().map(|beginning| beginning.run_in).fold(0.0, f64::max);
             let run_in = if longest <= MOST_RUN_IN * fitted { longest } else { 0.0 };
+            if longest > run_in {
+                notes.push(format!(
+                    "the first {longest:.4} s differ from what the rest of the record foretells, more than {:.0} % of \
+                     the {fitted:.4} s that are fitted on: nothing is dropped, as the model may be what is off \
+                     (--drop {longest:.4} leaves them out)",
+                    100.0 * MOST_RUN_IN
+                ));
+            }
             if run_in > 0.0 {
                 notes.push(format!(
                     "a run-in of {run_in:.4} s is neither fitted nor judged: the first rows differ from what \

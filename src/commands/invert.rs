@@ -1,18 +1,24 @@
 //! `piezoloop invert`: plant blueprint → controller blueprint.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use anyhow::bail;
 use clap::Args;
 use clap::builder::PossibleValue;
-use control::{ControlSettings, Coordinator, Feedback, Feedforward, LoopFigures};
+use control::{Along, ControlSettings, Coordinator, Feedback, Feedforward, LoopFigures};
+use data::CheckedBlueprint;
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
-use crate::{inputs, interrupt, progress};
+use crate::inputs::{self, LogOptions};
+use crate::{interrupt, progress};
 
 /// Error of a learned inverse, in parts of the range, from which it is pointed out.
 const NOTED: f64 = 0.01;
+
+/// Most samples of a reference.
+const MOST_POINTS: f64 = 1e6;
 
 /// Makes the controller of a plant: inverse feedforward and PID
 ///
@@ -22,7 +28,7 @@ const NOTED: f64 = 0.01;
 /// coupled get a coordinator. The controller is run on the plant before it is written.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop invert plant.toml -o controller.toml\n  piezoloop invert evc --period 2e-5 -o controller.toml\n  piezoloop invert p2 --list\n  piezoloop invert p2 --feedforward inverse-free --feedback pi -o controller.toml"
+    after_help = "Examples:\n  piezoloop invert plant.toml -o controller.toml\n  piezoloop invert evc --period 2e-5 -o controller.toml\n  piezoloop invert p2 --list\n  piezoloop invert p2 --feedforward inverse-free --feedback pi -o controller.toml\n  piezoloop invert p0 --period 5e-3 --system 2 -o coordinated.toml\n  piezoloop invert p0 --period 5e-3 --reference path.csv -o controller.toml"
 )]
 pub(crate) struct Invert {
     /// The plant's blueprint, or the name of a rig
@@ -50,6 +56,14 @@ pub(crate) struct Invert {
     /// Leave the feedforward out: --feedforward none
     #[arg(long, conflicts_with = "feedforward")]
     feedback_only: bool,
+    /// One of the four control systems of coupled axes, two a mirror: 1 PID, each mirror by its own sensor; 2 PID,
+    /// coordinated; 3 feedforward, coordinated; 4 both, coordinated
+    #[arg(long, value_name = "1..4", value_parser = clap::value_parser!(u8).range(1..=4), conflicts_with_all = ["feedforward", "feedback", "feedback_only"])]
+    system: Option<u8>,
+    /// Run the controller on the plant along this reference too, a log with the columns reference[i] or the axes' own
+    /// names, and say where it asks for more than the commands' bounds allow
+    #[arg(long, value_name = "FILE")]
+    reference: Option<PathBuf>,
     /// Show what each way of feedforward does on this plant; nothing is written
     #[arg(long)]
     list: bool,
@@ -81,6 +95,9 @@ pub(crate) struct Inverted {
     pub(crate) axes: Vec<LoopFigures>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     coordinators: Vec<Coordinator>,
+    /// What it does along the reference that was given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    along: Vec<Along>,
 }
 
 /// What each way of feedforward does on a plant.
@@ -132,15 +149,25 @@ impl Invert {
     fn settings(&self) -> ControlSettings {
         let way = |way: &Feedforward| way.name() == self.feedforward;
         let law = |law: &Feedback| law.name() == self.feedback;
-        let feedforward = Feedforward::ALL.into_iter().find(way).unwrap_or_default();
+        let chosen = Feedforward::ALL.into_iter().find(way).unwrap_or_default();
+        let feedforward = match self.system {
+            Some(1 | 2) => Feedforward::None,
+            _ if self.feedback_only => Feedforward::None,
+            _ => chosen,
+        };
+        let feedback = match self.system {
+            Some(3) => Feedback::None,
+            _ => Feedback::ALL.into_iter().find(law).unwrap_or_default(),
+        };
         ControlSettings {
             name: self.name.clone(),
             period: self.period,
             band: self.band,
             sensitivity: self.sensitivity,
             noise: self.noise,
-            feedforward: if self.feedback_only { Feedforward::None } else { feedforward },
-            feedback: Feedback::ALL.into_iter().find(law).unwrap_or_default(),
+            feedforward,
+            feedback,
+            independent: self.system == Some(1),
             force: self.force,
         }
     }
@@ -148,11 +175,29 @@ impl Invert {
     /// Makes and writes the controller.
     pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Inverted> {
         interrupt::listen()?;
-        inputs::not_over(&self.out, &[&self.plant])?;
+        let read: Vec<&Path> = [Some(&self.plant), self.reference.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+            .collect();
+        inputs::not_over(&self.out, &read)?;
         let plant = inputs::blueprint(&self.plant)?.blueprint.check(learned::COMPONENTS)?;
+        let log =
+            self.reference.as_deref().map(|file| LogOptions::default().read(file)).transpose()?;
         let observer = &mut progress::Stages::new(screen, "invert");
         let inversion = control::invert(&plant, &self.settings(), observer)?;
+        if self.system.is_some() && inversion.coordinators.is_empty() {
+            bail!(
+                "{}: --system chooses among the controllers of axes that are coupled, and no coupling joins these; leave it \
+                 out",
+                self.plant.display()
+            );
+        }
         let controller = inversion.controller;
+        let along = match &log {
+            Some(log) => along(log, &plant, &controller)?,
+            None => Vec::new(),
+        };
         inputs::write_blueprint(&controller, &self.out, &[&self.plant])?;
         let period_s = controller.spec().period;
         Ok(Inverted {
@@ -160,8 +205,52 @@ impl Invert {
             period_s,
             axes: inversion.axes,
             coordinators: inversion.coordinators,
+            along,
         })
     }
+}
+
+/// Plant and controller along a reference, at the controller's period.
+fn along(
+    log: &data::Log,
+    plant: &CheckedBlueprint,
+    controller: &CheckedBlueprint,
+) -> anyhow::Result<Vec<Along>> {
+    let (time, period) = (log.time(), controller.spec().period);
+    let (Some(first), Some(last)) = (time.first(), time.last()) else {
+        bail!("{}: the reference has no rows", log.origin());
+    };
+    let points = ((last - first) / period + 1e-6).floor() + 1.0;
+    if points > MOST_POINTS {
+        bail!(
+            "{}: {points:.3e} samples of {period} s; give a reference of at most {MOST_POINTS:.0e}",
+            log.origin()
+        );
+    }
+    let row = |point: usize| {
+        let at = first + (point as f64 + 1e-6) * period;
+        time.partition_point(|t| *t <= at).saturating_sub(1)
+    };
+    let mut references = Vec::new();
+    for (number, axis) in (1..).zip(&plant.blueprint().axes) {
+        let usual = format!("reference[{number}]");
+        let own = &axis.position.name;
+        let names = [usual.clone(), format!("{own}_reference"), own.clone(), axis.name.clone()];
+        let has = |name: &&String| log.column(name).is_some();
+        let Some(name) = names.iter().find(has) else {
+            bail!(
+                "{}: has no column \"{usual}\" for axis {}, nor one of its name or its position's",
+                log.origin(),
+                axis.name
+            );
+        };
+        let values = match &log.require(name)?.unit {
+            Some(_) => log.convert(name, &axis.position.unit)?,
+            None => log.require(name)?.values.clone(),
+        };
+        references.push((0..points as usize).map(|point| values[row(point)]).collect());
+    }
+    Ok(control::along(plant, controller, &references, period)?)
 }
 
 impl Answer for Inverted {
@@ -179,6 +268,9 @@ impl Answer for Inverted {
                 if coordinator.note.is_empty() { "" } else { "; " },
                 coordinator.note
             )?;
+        }
+        for along in &self.along {
+            write_along(along, out)?;
         }
         writeln!(out, "{}: written, sample time {} s", self.blueprint.display(), self.period_s)
     }
@@ -243,6 +335,34 @@ fn write_axis(axis: &LoopFigures, out: &mut dyn Write) -> io::Result<()> {
              more sizes",
             100.0 * NOTED
         )?;
+    }
+    Ok(())
+}
+
+/// What the controller does along the reference.
+fn write_along(along: &Along, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(
+        out,
+        "axis {} along the reference: rms error {:.4} % of its range, greatest {:.3} %",
+        along.axis,
+        100.0 * along.error,
+        100.0 * along.greatest
+    )?;
+    let (Some(asked), Some(at)) = (along.asked, along.asked_at) else { return Ok(()) };
+    let ends = [
+        (asked.0, at.0, along.limits.0, asked.0 < along.limits.0),
+        (asked.1, at.1, along.limits.1, asked.1 > along.limits.1),
+    ];
+    for (command, time, limit, is_beyond) in ends {
+        if along.beyond > 0.0 && is_beyond {
+            writeln!(
+                out,
+                "  this reference asks {} for {command:.4} at {time:.4} s, limit {limit}: beyond a limit for {:.2} % of \
+                 the time, and there no controller follows",
+                along.axis,
+                100.0 * along.beyond
+            )?;
+        }
     }
     Ok(())
 }

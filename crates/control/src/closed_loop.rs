@@ -10,6 +10,8 @@ use identify::Error;
 pub struct LoopRun {
     /// Command of each axis, acting from this point to the next.
     pub command: Vec<Vec<f64>>,
+    /// What the feedforward asked for, whatever the limits; 0 where there is none.
+    pub feedforward: Vec<Vec<f64>>,
     /// Position of each axis, before the command of this point acts.
     pub position: Vec<Vec<f64>>,
 }
@@ -39,7 +41,8 @@ pub fn simulate_loop(
         )));
     }
     let points = references.iter().map(Vec::len).min().unwrap_or(0);
-    let mut run = LoopRun { command: vec![Vec::new(); axes], position: vec![Vec::new(); axes] };
+    let none = || vec![Vec::with_capacity(points); axes];
+    let mut run = LoopRun { command: none(), feedforward: none(), position: none() };
     for point in 0..points {
         let time = point as f64 * period;
         for (axis, reference) in references.iter().enumerate() {
@@ -66,6 +69,7 @@ pub fn simulate_loop(
         for axis in 0..axes {
             let command = control.get("command", axis)?;
             run.command[axis].push(command);
+            run.feedforward[axis].push(control.get("feedforward", axis).unwrap_or(0.0));
             machine.set("command", axis, command)?;
         }
         machine.advance(time + period)?;

@@ -1,10 +1,11 @@
 //! The ways in which an axis' static part and its creep are undone in front of it.
 
 use data::{AxisBlueprint, ComponentBlueprint};
+use identify::learned::learned_inverse;
 use identify::{
     Columns, Dynamics, Methods, Observer, Record, Search, Settings, Silent, Target, identify,
 };
-use model::{Conversion, Declaration, Inverse, NodeSpec, Shape, Undoing};
+use model::{Conversion, Declaration, Inverse, NodeSpec, Shape, Table, Undoing};
 
 use crate::curve::Curve;
 use crate::linearised::{setting, values};
@@ -19,6 +20,13 @@ const FITTED: [&str; 4] = [
 ];
 /// Plays of these models, and the time between their rows in s, which says nothing.
 const PLAYS: (usize, f64) = (40, 1e-2);
+
+/// Samples of the fastest wave that a model with rates is fitted to, and how many times slower and how many waves of each
+/// there are: the fastest ones last too, where the fit is judged.
+const FASTEST: usize = 50;
+const RATES: [(usize, usize); 5] = [(1, 4), (4, 2), (16, 1), (4, 1), (1, 4)];
+/// Parts of the range that they swing over.
+const SWINGS: [f64; 2] = [1.0, 0.6];
 
 /// Most rows that they are fitted to.
 const ROWS: usize = 2000;
@@ -35,6 +43,10 @@ pub enum Feedforward {
     InverseFree,
     /// The inverse of a Prandtl–Ishlinskii model that is fitted to what the plant does.
     Fitted,
+    /// The inverse of a dynamic Prandtl–Ishlinskii model that is fitted to what the plant does at several rates.
+    Dynamic,
+    /// A Gaussian process over the position and its rate, learned from the plant at several rates.
+    Process,
     /// A straight line.
     Linear,
     /// None: feedback alone.
@@ -43,8 +55,16 @@ pub enum Feedforward {
 
 impl Feedforward {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Automatic, Self::Inverse, Self::InverseFree, Self::Fitted, Self::Linear, Self::None];
+    pub const ALL: [Self; 8] = [
+        Self::Automatic,
+        Self::Inverse,
+        Self::InverseFree,
+        Self::Fitted,
+        Self::Dynamic,
+        Self::Process,
+        Self::Linear,
+        Self::None,
+    ];
 
     /// Its name on the command line.
     #[must_use]
@@ -54,6 +74,8 @@ impl Feedforward {
             Self::Inverse => "inverse",
             Self::InverseFree => "inverse-free",
             Self::Fitted => "fitted",
+            Self::Dynamic => "dynamic",
+            Self::Process => "gp",
             Self::Linear => "linear",
             Self::None => "none",
         }
@@ -69,6 +91,12 @@ impl Feedforward {
                 "the hysteresis model itself beside the machine, without an inverse"
             }
             Self::Fitted => "the inverse of a Prandtl-Ishlinskii model that is fitted to the plant",
+            Self::Dynamic => {
+                "the inverse of a dynamic Prandtl-Ishlinskii model, fitted to the plant at several rates"
+            }
+            Self::Process => {
+                "a Gaussian process over the position and its rate, learned from the plant at several rates"
+            }
             Self::Linear => "a straight line",
             Self::None => "feedback alone",
         }
@@ -122,30 +150,102 @@ pub(crate) fn linear(path: &Path) -> Candidate {
     Candidate { way: Feedforward::Linear, name, chain, left: Vec::new() }
 }
 
+type Suits<'a> = dyn Fn(Candidate) -> Result<Candidate, String> + 'a;
+
 /// The inverse of the Prandtl–Ishlinskii model that errs least on what the axis does at rest.
 ///
 /// # Errors
 /// Why there is none.
 pub(crate) fn fitted(
     path: &Path,
-    suits: &dyn Fn(Candidate) -> Result<Candidate, String>,
+    suits: &Suits<'_>,
     observer: &mut dyn Observer,
 ) -> Result<Candidate, String> {
     let sweep = &path.sweep;
-    let sign = sweep.mean_slope.signum();
     // So many rows tell as much as all.
     let every = sweep.command.len().div_ceil(ROWS);
     let command: Vec<f64> = sweep.command.iter().copied().step_by(every).collect();
     let position: Vec<f64> = sweep.position.iter().copied().step_by(every).collect();
+    inverse_of(
+        path,
+        (Feedforward::Fitted, &FITTED),
+        (&command, &position, PLAYS.1),
+        suits,
+        observer,
+    )
+}
+
+/// The inverse of a dynamic Prandtl–Ishlinskii model of what the axis does at several rates.
+///
+/// # Errors
+/// Why there is none.
+pub(crate) fn dynamic(
+    path: &Path,
+    suits: &Suits<'_>,
+    observer: &mut dyn Observer,
+) -> Result<Candidate, String> {
+    let command = at_rates(path);
+    let position = path.answers(&command)?;
+    let model = (Feedforward::Dynamic, &["dynamic-prandtl-ishlinskii"][..]);
+    inverse_of(path, model, (&command, &position, path.times.1), suits, observer)
+}
+
+/// A Gaussian process from the position and its rate to the command, and its table for the file `file`.
+///
+/// # Errors
+/// Why there is none.
+pub(crate) fn process(
+    path: &Path,
+    file: &str,
+    observer: &mut dyn Observer,
+) -> Result<(Candidate, Table), String> {
+    let command = at_rates(path);
+    let position = path.answers(&command)?;
+    let machine = learned_inverse(&command, &position, path.times.1, observer)
+        .map_err(|error| error.to_string())?;
+    let table = machine.table()?;
+    let mut chain = creep(path);
+    chain.push(machine.component(true, file, path.times.1));
+    let name = format!("gp-inverse (learned from {} samples of the plant)", command.len());
+    Ok((Candidate { way: Feedforward::Process, name, chain, left: Vec::new() }, table))
+}
+
+/// Commands that wave over the range and over its middle at three rates, the fastest of [`FASTEST`] samples a wave.
+fn at_rates(path: &Path) -> Vec<f64> {
+    let (low, high) = path.axis.command_range;
+    let mut command = Vec::new();
+    for (slower, waves) in RATES {
+        let samples = FASTEST * slower;
+        for swing in SWINGS {
+            let (least, width) = (low + 0.5 * (1.0 - swing) * (high - low), swing * (high - low));
+            let wave = |k: usize| {
+                let turn = core::f64::consts::TAU * k as f64 / samples as f64;
+                least + 0.5 * width * (1.0 - turn.cos())
+            };
+            command.extend((0..waves * samples).map(wave));
+        }
+    }
+    command
+}
+
+/// The inverse of the model of least error, from the sensor on.
+fn inverse_of(
+    path: &Path,
+    (way, models): (Feedforward, &[&str]),
+    (command, position, step): (&[f64], &[f64], f64),
+    suits: &Suits<'_>,
+    observer: &mut dyn Observer,
+) -> Result<Candidate, String> {
+    let sign = path.sweep.mean_slope.signum();
     let rows = command.len();
-    let time: Vec<f64> = (0..rows).map(|k| k as f64 * PLAYS.1).collect();
+    let time: Vec<f64> = (0..rows).map(|k| k as f64 * step).collect();
     // The position of a row is read before its command acts.
     let output: Vec<f64> = (0..rows).map(|k| sign * position[k.saturating_sub(1)]).collect();
     let columns = Columns {
         name: "the plant at rest",
         time: &time,
         input_name: "command",
-        input: &command,
+        input: command,
         output_name: "position",
         output: &output,
     };
@@ -155,8 +255,8 @@ pub(crate) fn fitted(
     let target = Target { model: "fitted".to_owned(), source: String::new(), axis };
     let mut best: Option<(f64, Candidate)> = None;
     let mut failures = Vec::new();
-    for (number, model) in FITTED.iter().enumerate() {
-        observer.progress("fitting the plant at rest", number, FITTED.len());
+    for (number, model) in models.iter().enumerate() {
+        observer.progress("fitting the plant", number, models.len());
         if observer.stopped() {
             break;
         }
@@ -175,13 +275,12 @@ pub(crate) fn fitted(
                 let error = found.records.iter().map(|r| r.fitted.nrmse).fold(0.0, f64::max);
                 let axis = found.plant.spec().axes.first().ok_or("no axis")?.clone();
                 let count = axis.components.len();
-                let own = Path::of(&axis, count, (PLAYS.1, PLAYS.1))?;
+                let own = Path::of(&axis, count, (step, step))?;
                 let inverse = *own.actuator.component.inverses().first().ok_or("no inverse")?;
                 let undone = undoing(&own.actuator, inverse, own.bounds)?;
                 let name = format!("inverse of a {model} that was fitted to the plant");
                 let (chain, left) = (chain(&own, undone)?.0, Vec::new());
-                suits(Candidate { way: Feedforward::Fitted, name, chain, left })
-                    .map(|candidate| (error, candidate))
+                suits(Candidate { way, name, chain, left }).map(|candidate| (error, candidate))
             });
         match found {
             Ok((error, candidate)) => {
@@ -194,7 +293,7 @@ pub(crate) fn fitted(
     }
     let (_, mut found) = best.ok_or_else(|| failures.join("; "))?;
     if sign < 0.0 {
-        let (low, high) = sweep.reach;
+        let (low, high) = path.sweep.reach;
         found.chain.insert(0, curve("reference-curve", &turned(low, high)).named("sign"));
     }
     let creep = creep(path);

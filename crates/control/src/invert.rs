@@ -39,6 +39,8 @@ pub struct ControlSettings {
     pub feedforward: Feedforward,
     /// The law that acts on the error.
     pub feedback: Feedback,
+    /// Whether coupled axes are controlled in pairs (two a mirror), each by its own sensor only.
+    pub independent: bool,
     /// Whether a controller that errs more than feedback alone on its own plant is given all the same.
     pub force: bool,
 }
@@ -53,6 +55,7 @@ impl Default for ControlSettings {
             noise: 10.0,
             feedforward: Feedforward::Automatic,
             feedback: Feedback::Pid,
+            independent: false,
             force: false,
         }
     }

@@ -7,6 +7,7 @@
 //!
 //! Nothing prints; an [`Observer`](identify::Observer) is told how far long work is.
 
+mod along;
 mod analysis;
 mod axis;
 mod calibration;
@@ -26,6 +27,7 @@ mod tuning;
 mod undone;
 mod work;
 
+pub use along::{Along, along};
 pub use calibration::{Calibration, CalibrationRecord, CoordinateFit, calibrate};
 pub use check::Check;
 pub use closed_loop::{LoopRun, simulate_loop};

@@ -22,6 +22,9 @@ const AT_ONCE: f64 = 0.9;
 const TURNS: [f64; 11] = [0.0, 1.0, 0.0, 1.0, 0.0, 0.8, 0.2, 0.6, 0.4, 1.0, 0.0];
 /// Least and most steps over the whole range, and steps in a chord's.
 const STEPS: (usize, usize, usize) = (200, 2000, 20);
+/// Part of the steps over the range for which a position in stairs stands still, and a stair over the mean step.
+const STILL: f64 = 0.3;
+const JUMP: f64 = 1.4;
 /// Time of one way over the range in s.
 pub(crate) const WAY: f64 = 0.5;
 
@@ -85,6 +88,8 @@ pub(crate) struct Sweep {
     pub(crate) curls: bool,
     /// Least and greatest position, each after the other end was visited.
     pub(crate) reach: (f64, f64),
+    /// Greatest of the stairs in which the position moves, in parts of the reach.
+    pub(crate) stair: Option<f64>,
 }
 
 impl Path {
@@ -131,6 +136,14 @@ impl Path {
                 actuator.name
             ));
         }
+        if let Some(stair) = sweep.stair {
+            left.push(format!(
+                "{}: the position moves in stairs of up to {:.2} % of the range; no command leads between them, and \
+                 up to half a stair is left",
+                actuator.name,
+                100.0 * stair
+            ));
+        }
         let own = own_response(axis, &actuator, bounds, times)?;
         Ok(Self {
             axis: axis.clone(),
@@ -150,6 +163,14 @@ impl Path {
     pub(crate) fn linear(&self) -> Vec<NodeSpec> {
         let parts = self.before.iter().chain(&self.after);
         parts.filter(|p| p.nature == Nature::Linear).map(|p| p.node.clone()).collect()
+    }
+
+    /// What the axis answers to commands, one a period, at the end of each; creep and linear parts left out.
+    pub(crate) fn answers(&self, command: &[f64]) -> Result<Vec<f64>, String> {
+        let nodes = std::slice::from_ref(&self.actuator);
+        let mut probe = Probe::new(&self.axis, nodes, false, self.times)?;
+        let driven: Vec<f64> = command.iter().map(|u| self.maps[0].value(*u)).collect();
+        Ok(probe.run(&driven)?.iter().map(|y| self.maps[1].value(*y)).collect())
     }
 
     /// Position at rest under a command, after a monotonic move from the virgin state.
@@ -235,6 +256,7 @@ fn sweep_of(
         }
     }
     let (a, b) = (position[ends[0]], position[ends[1]]);
+    let stair = stair_of(&position[legs[2]..=legs[4]], (a - b).abs());
     Ok(Sweep {
         command,
         position,
@@ -242,7 +264,19 @@ fn sweep_of(
         mean_slope: mean,
         curls: least < -1e-3 * slope,
         reach: (a.min(b), a.max(b)),
+        stair,
     })
+}
+
+/// The greatest stair of a position on its way over the range, in parts of it, where it mostly stands still and then
+/// jumps.
+fn stair_of(position: &[f64], range: f64) -> Option<f64> {
+    let jumps = || position.windows(2).map(|p| (p[1] - p[0]).abs() / range);
+    let count = position.len().saturating_sub(1).max(1) as f64;
+    let still = jumps().filter(|jump| *jump < 1e-9).count() as f64 / count;
+    let greatest = jumps().fold(0.0, f64::max);
+    let mean = jumps().sum::<f64>() / count;
+    (still > STILL && greatest > JUMP * mean).then_some(greatest)
 }
 
 /// Looks at the components of an axis.

@@ -81,7 +81,8 @@ impl Work<'_> {
         let period = self.period;
         for (index, design) in self.designs.iter_mut().enumerate() {
             let Some(learned) = &design.learned else { continue };
-            if matches!(self.settings.feedforward, Feedforward::Linear | Feedforward::None) {
+            let asked = self.settings.feedforward;
+            if !matches!(asked, Feedforward::Automatic | Feedforward::Inverse) {
                 continue;
             }
             let name = &self.plant.spec().axes[index].name;
@@ -138,6 +139,10 @@ impl Work<'_> {
                     }
                 }
             }
+            if matches!(asked, Feedforward::Dynamic | Feedforward::Process) {
+                self.at_rates(index, observer);
+            }
+            let path = &self.analysed.paths[index];
             if asked == Feedforward::Linear || automatic && found > GOOD {
                 self.designs[index].ways.push(feedforward::linear(path));
             }
@@ -166,6 +171,26 @@ impl Work<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The way that is fitted to what the plant does at several rates, where there is one.
+    fn at_rates(&mut self, index: usize, observer: &mut dyn Observer) {
+        let path = &self.analysed.paths[index];
+        let suits = |way: Candidate| buildable(way, &path.axis, self.period);
+        let design = &mut self.designs[index];
+        let found = if self.settings.feedforward == Feedforward::Dynamic {
+            feedforward::dynamic(path, &suits, observer)
+        } else {
+            let file = format!("{}.npy", path.axis.name);
+            feedforward::process(path, &file, observer).map(|(way, table)| {
+                design.tables.push((file, table));
+                way
+            })
+        };
+        match found {
+            Ok(way) => design.ways.push(way),
+            Err(reason) => design.notes.push(reason),
+        }
     }
 
     /// Errors of each axis' ways without feedback along the slow wave, in parts of its reach.
@@ -223,7 +248,12 @@ impl Work<'_> {
             let names: Vec<&str> =
                 group.axes.iter().map(|axis| controller_axis_name(&controller, *axis)).collect();
             let list = |row: Vec<f64>| Value::List(row.into_iter().map(Value::Number).collect());
-            let rows = group.jacobian.row_iter().map(|row| list(row.iter().copied().collect()));
+            // Two axes a mirror: each sees its own sensor only.
+            let own = |i: usize, j: usize| !self.settings.independent || i / 2 == j / 2;
+            let rows = group.jacobian.row_iter().enumerate().map(|(i, row)| {
+                let each = row.iter().enumerate();
+                list(each.map(|(j, x)| if own(i, j) { *x } else { 0.0 }).collect())
+            });
             let coordinator = ComponentBlueprint::new("jacobian-coordinator")
                 .value("matrix", Value::List(rows.collect()))
                 .value("offset", list(group.offset.clone()));
@@ -415,6 +445,9 @@ impl Work<'_> {
             let mut notes = Vec::new();
             if group.is_dynamic {
                 notes.push("decoupled by the gain at rest; the dynamics between axes remain");
+            }
+            if self.settings.independent {
+                notes.push("in pairs, each on its own sensor: what one pair does to another is left to feedback");
             }
             if group.is_bent {
                 notes

@@ -70,7 +70,8 @@ fn beginning(
 ) -> Result<Beginning, Error> {
     let errors = |rest: f64| -> Result<Vec<f64>, Error> {
         let input = record.input();
-        let columns = responses(rest, input, plan.period, 1, &plan.thresholds, &fitted.linear)?;
+        let (period, substeps) = (record.period(), record.periods(plan.period));
+        let columns = responses(rest, input, period, substeps, &plan.thresholds, &fitted.linear)?;
         let model =
             |at: usize| columns.iter().zip(&fitted.weights).map(|(c, w)| c[at] * w).sum::<f64>();
         let all: Vec<f64> = record.output().iter().enumerate().map(|(k, y)| y - model(k)).collect();
@@ -90,7 +91,8 @@ fn beginning(
     let usual = rms(rows.of(&error));
     let last_off = error[..rows.first].iter().rposition(|e| e.abs() > OFF * usual);
     // The first row is read before any command acts; alone it says nothing of a run-in.
-    let run_in = last_off.filter(|row| *row > 0).map_or(0.0, |row| (row + 1) as f64 * plan.period);
+    let run_in =
+        last_off.filter(|row| *row > 0).map_or(0.0, |row| (row + 1) as f64 * record.period());
     Ok(Beginning { rest, run_in })
 }
 

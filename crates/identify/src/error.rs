@@ -174,17 +174,17 @@ pub enum Problem {
         /// Which samples.
         part: &'static str,
     },
-    /// Records of different sample times.
+    /// Records of sample times without a common measure.
     #[error(
-        "{record}: its period is {period:.6e} s, the first record's {first:.6e} s; resample all \
-         records to one rate"
+        "{record}: its period of {period:.6e} s is no whole multiple of the shortest one, {first:.6e} s, nor of a \
+         tenth of it; resample it to a multiple"
     )]
     OtherPeriod {
         /// The record.
         record: String,
         /// Its period in s.
         period: f64,
-        /// The first record's.
+        /// The shortest one.
         first: f64,
     },
     /// No record at all.

@@ -16,7 +16,7 @@ use crate::fit::weights::{Fitted, Task, independent_samples, mean};
 use crate::identification::{Candidate, Estimate, Identification, Verdict};
 use crate::judge::simulate;
 use crate::learned::plant::{Family, Learned, Lesson};
-use crate::methods::{Chain, Method, Scene, Way};
+use crate::methods::{Chain, LINEAR, Method, Scene, Way};
 use crate::observer::Observer;
 use crate::plant::{Actuator, Plant};
 use crate::record::{Record, Rows};
@@ -25,21 +25,25 @@ use crate::structure;
 
 /// Relative fall of the held-out error from which a linear part is kept.
 pub const SIGNIFICANT_FALL: f64 = 0.10;
+/// Part of the measured range that a model must move by.
+const STILL: f64 = 1e-6;
 /// Name of the static model's method.
 const STATIC: &str = "prandtl-ishlinskii";
 
 /// Identifies a plant from records of one axis.
 ///
-/// 1. A straight line is fitted, the baseline, and a straight line with delay.
+/// 1. A straight line is fitted, the baseline, and a straight line with delay; where all methods are tried, or
+///    `linear` is asked for, with a lag and a mode too, by the rule of 3.
 /// 2. Weights of a Prandtl–Ishlinskii model by non-negative least squares, with one offset per
 ///    record and the delay searched jointly.
 /// 3. An amplifier lag, a mode, and both, each with weights and delay in one output-error fit. The
 ///    one with the least held-out error is kept if that is at least 10 % below the error
 ///    without it ([`SIGNIFICANT_FALL`]); among structures that do not differ so much the simpler one
-///    is returned.
+///    is returned: where plays do not err 10 % less than the best model without hysteresis, that one.
 /// 4. The other methods that were asked for, each with the linear parts found so far as its start,
 ///    the simplest first, by the same rule. Methods that are named are not compared with the static
-///    model: the best of them is returned, and an error where none has a model.
+///    model: the best of them is returned, and an error where none has a model. A model that nothing moves is never
+///    taken.
 ///
 /// Every error is that of the plant that is returned, simulated ([`RULES`](crate::RULES)). Where the observer asks to
 /// stop, the best of what is finished is returned.
@@ -58,6 +62,7 @@ pub fn identify(
     let mut session = Session { records, target, plan, observer, offsets };
     let baseline = session.line()?;
     let delayed_line = session.delayed_line()?;
+    let mut linear = delayed_line.clone();
     let (static_model, static_fit) = session.static_model()?;
     session.offsets.clone_from(&static_fit.offsets);
     let mut candidates = vec![
@@ -70,21 +75,54 @@ pub fn identify(
     ];
     let mut best = static_model;
     let mut stopped = session.observer.stopped();
-    if session.plan.dynamics == Dynamics::Automatic && !stopped {
-        match session.linear_parts(&static_fit, &mut best, &mut candidates) {
+    if session.plan.linear && session.plan.dynamics == Dynamics::Automatic && !stopped {
+        match session.linear_parts(Plays::None, &mut linear, &mut candidates) {
             Ok(()) => {}
             Err(Error::Stopped) => stopped = true,
             Err(error) => return Err(error),
         }
     }
+    if session.plan.dynamics == Dynamics::Automatic && !stopped {
+        match session.linear_parts(Plays::All, &mut best, &mut candidates) {
+            Ok(()) => {}
+            Err(Error::Stopped) => stopped = true,
+            Err(error) => return Err(error),
+        }
+    }
+    if session.plan.linear && !session.plan.named {
+        let fall = 1.0 - best.held_out_rmse / linear.held_out_rmse;
+        if fall.is_nan() || fall < SIGNIFICANT_FALL {
+            best = linear.clone();
+            let mut all = candidates.iter_mut();
+            if let Some(taken) = all.find(|c| is_of(c, &best)) {
+                taken.reason = format!(
+                    "plays err {:+.1} % against it on the rows held out ({:.0} % less is needed)",
+                    -100.0 * fall,
+                    100.0 * SIGNIFICANT_FALL
+                );
+            }
+        }
+    }
     if !stopped {
-        stopped = session.other_methods(&mut best, &mut candidates)?;
+        stopped = session.other_methods(&linear, &mut best, &mut candidates)?;
     }
     for candidate in &mut candidates {
-        candidate.accepted =
-            candidate.method == best.method && candidate.structure == best.structure;
+        candidate.accepted = is_of(candidate, &best);
     }
     Ok(session.result(baseline, best, candidates, stopped))
+}
+
+fn is_of(candidate: &Candidate, tried: &Tried) -> bool {
+    candidate.method == tried.method && candidate.structure == tried.structure
+}
+
+/// What linear parts are looked for around.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Plays {
+    /// A gain.
+    None,
+    /// The static model.
+    All,
 }
 
 /// A model with its simulations.
@@ -128,7 +166,10 @@ impl<'a> Session<'a> {
     fn line(&self) -> Result<Tried, Error> {
         let task = self.task(vec![0.0]);
         let fitted = task.solve(LinearPart::default())?;
-        self.with_gain(&task, fitted, Delay::default())
+        let mut tried = self.with_gain(&task, fitted, Delay::default(), Deviations::default())?;
+        // It is there to compare with.
+        tried.method = None;
+        Ok(tried)
     }
 
     /// The best straight line with delay.
@@ -138,18 +179,26 @@ impl<'a> Session<'a> {
         let observer = &mut *self.observer;
         let mut report = |done, total| observer.progress("straight line with delay", done, total);
         let (delay, fitted) = delay::search(&task, longest, &mut report)?;
-        self.with_gain(&task, fitted, delay)
+        self.with_gain(&task, fitted, delay, Deviations::default())
     }
 
-    fn with_gain(&self, task: &Task<'_>, fitted: Fitted, delay: Delay) -> Result<Tried, Error> {
+    fn with_gain(
+        &self,
+        task: &Task<'_>,
+        fitted: Fitted,
+        delay: Delay,
+        deviations: Deviations,
+    ) -> Result<Tried, Error> {
         let gain = fitted.weights.first().copied().unwrap_or(0.0);
-        let deviations = Deviations::default();
         let actuator = Actuator::Linear { gain };
-        let offset = mean(&fitted.offsets);
+        let (name, offset) = (Some(LINEAR), mean(&fitted.offsets));
         let mut tried =
-            self.tried(None, &actuator, offset, fitted.linear, deviations, task.substeps)?;
-        // The weight is the gain here; its deviation means little in a model that does not fit.
+            self.tried(name, &actuator, offset, fitted.linear, deviations, task.substeps)?;
         tried.parameters = self.estimates(&fitted, delay, deviations);
+        // The weight of the only play is the gain.
+        if let Some(weight) = tried.parameters.last_mut() {
+            "gain.gain".clone_into(&mut weight.name);
+        }
         Ok(tried)
     }
 
@@ -164,27 +213,27 @@ impl<'a> Session<'a> {
         Ok((tried, fitted))
     }
 
+    /// Lag, mode and both around the static model or a gain; the best so far is where they begin.
     fn linear_parts(
         &mut self,
-        static_fit: &Fitted,
+        plays: Plays,
         best: &mut Tried,
         candidates: &mut Vec<Candidate>,
     ) -> Result<(), Error> {
-        let without = best.held_out_rmse;
-        let mut with_mode = static_fit.linear;
+        let (without, first) = (best.held_out_rmse, best.linear);
+        let mut with_mode = first;
         for (lag, mode) in [(true, false), (false, true), (true, true)] {
             let structure = Structure { lag, mode };
-            let known = if lag && mode { with_mode } else { static_fit.linear };
-            let tried = match self.linear_part(structure, &known) {
+            let known = if lag && mode { with_mode } else { first };
+            let tried = match self.linear_part(plays, structure, &known) {
                 Ok(tried) => tried,
                 // A structure that the data do not support is no reason to return nothing.
                 Err(error @ Error::NoSolution { .. }) => {
-                    let method = Some(STATIC);
-                    candidates.push(Candidate::failed(
-                        method,
-                        structure::name_of(structure).to_owned(),
-                        &error,
-                    ));
+                    let (method, name) = match plays {
+                        Plays::All => (STATIC, structure::name_of(structure).to_owned()),
+                        Plays::None => (LINEAR, format!("gain: {}", structure::name_of(structure))),
+                    };
+                    candidates.push(Candidate::failed(Some(method), name, &error));
                     continue;
                 }
                 Err(error) => return Err(error),
@@ -208,8 +257,16 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    fn linear_part(&mut self, structure: Structure, known: &LinearPart) -> Result<Tried, Error> {
-        let mut task = self.task(self.plan.thresholds.clone());
+    fn linear_part(
+        &mut self,
+        plays: Plays,
+        structure: Structure,
+        known: &LinearPart,
+    ) -> Result<Tried, Error> {
+        let mut task = self.task(match plays {
+            Plays::None => vec![0.0],
+            Plays::All => self.plan.thresholds.clone(),
+        });
         let longest = self.plan.longest_delay;
         let observer = &mut *self.observer;
         let stage = structure::name_of(structure);
@@ -221,7 +278,10 @@ impl<'a> Session<'a> {
         }
         let deviation = deviations.delay.unwrap_or(f64::INFINITY);
         let delay = Delay { value: fitted.linear.delay, deviation };
-        self.with_plays(&task, fitted, delay, deviations)
+        match plays {
+            Plays::None => self.with_gain(&task, fitted, delay, deviations),
+            Plays::All => self.with_plays(&task, fitted, delay, deviations),
+        }
     }
 
     fn with_plays(
@@ -296,6 +356,7 @@ impl<'a> Session<'a> {
     /// Tries the other methods, the simplest first. Whether the observer stopped it.
     fn other_methods(
         &mut self,
+        linear: &Tried,
         best: &mut Tried,
         candidates: &mut Vec<Candidate>,
     ) -> Result<bool, Error> {
@@ -313,10 +374,17 @@ impl<'a> Session<'a> {
             }
             let started = Instant::now();
             let tried = match method {
+                Way::Linear => {
+                    // It was tried already.
+                    if first || linear.held_out_rmse < best.held_out_rmse {
+                        (*best, first) = (linear.clone(), false);
+                    }
+                    continue;
+                }
                 Way::Operator(method) => self.method(method, &scene, known),
                 Way::Learned(family) => self.learned(family, known),
             };
-            let mut tried = match tried {
+            let mut tried = match tried.and_then(|tried| self.moved(tried)) {
                 Ok(tried) => tried,
                 Err(Error::Stopped) => return Ok(true),
                 // A method that the data do not support is no reason to return nothing, unless only
@@ -335,7 +403,7 @@ impl<'a> Session<'a> {
             let fall = 1.0 - tried.held_out_rmse / best.held_out_rmse;
             let open = match method {
                 Way::Operator(method) => self.open_shape(&tried, method, &scene),
-                Way::Learned(_) => Vec::new(),
+                Way::Linear | Way::Learned(_) => Vec::new(),
             };
             let mut reason = format!(
                 "held-out error {:+.1} % against {} ({:.0} % less is needed)",
@@ -357,6 +425,19 @@ impl<'a> Session<'a> {
         if first { Err(Error::NoModel { failures }) } else { Ok(false) }
     }
 
+    /// The model, where the command moves it.
+    fn moved(&self, tried: Tried) -> Result<Tried, Error> {
+        let height = |values: &[f64]| crate::settings::range(values);
+        let mut each = self.records.iter().zip(&tried.simulations);
+        if each.any(|(record, simulated)| height(simulated) > STILL * height(record.output())) {
+            return Ok(tried);
+        }
+        let message = "the command moves nothing: the fit left every weight at 0; the records say nothing of this \
+                       model, or it has another sign"
+            .to_owned();
+        Err(Error::Model { name: tried.method.unwrap_or(STATIC).to_owned(), message })
+    }
+
     /// Parameters of the shape, and weights of any sign, that the records leave uncertain: a model that rests on them fits these
     /// records and need not fit others.
     fn open_shape(&self, tried: &Tried, method: &dyn Method, scene: &Scene) -> Vec<String> {
@@ -371,7 +452,7 @@ impl<'a> Session<'a> {
 
     fn scene(&self) -> Scene {
         let rows = || self.records.iter().zip(&self.plan.fitted);
-        let duration = rows().map(|(_, rows)| rows.len() as f64 * self.plan.period);
+        let duration = rows().map(|(record, rows)| rows.len() as f64 * record.period());
         let span = |column: fn(&Record) -> &[f64]| {
             let part = |(record, rows): (&'a Record, &Rows)| rows.of(column(record));
             let values = || rows().flat_map(part).copied();
@@ -417,6 +498,15 @@ impl<'a> Session<'a> {
 
     /// A learned machine with the linear part behind it, in the place of operator, lag and mode.
     fn learned(&mut self, family: Family, known: LinearPart) -> Result<Tried, Error> {
+        if let Some(other) = self.records.iter().find(|r| r.periods(self.plan.period) > 1) {
+            let message = format!(
+                "{} learns from records of one rate; {} has {} s, others less: resample them",
+                family.name(),
+                other.name(),
+                other.period()
+            );
+            return Err(Error::Learned { message });
+        }
         let lesson = Lesson {
             family,
             records: self.records,

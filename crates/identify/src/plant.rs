@@ -8,7 +8,7 @@ use crate::fit::linear_part::Deviations;
 use crate::fit::response::LinearPart;
 use crate::methods::Chain;
 use crate::record::Record;
-use crate::settings::Target;
+use crate::settings::{MOST_DELAY, Target};
 
 /// What turns the command into a position.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +61,7 @@ impl Plant<'_> {
         let mut chain = Vec::new();
         // A delay below a millionth of a step is rounding.
         if linear.delay > 1e-6 * self.step {
-            let longest = (2.0 * linear.delay / self.step).ceil() * self.step;
+            let longest = ((2.0 * linear.delay / self.step).ceil() * self.step).min(MOST_DELAY);
             let delay = ComponentBlueprint::new("delay")
                 .value("longest", longest.max(linear.delay))
                 .value("delay", linear.delay);

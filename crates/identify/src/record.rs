@@ -9,6 +9,10 @@ use crate::error::{Error, Problem};
 
 /// Largest distance of a sample from the uniform grid, in periods.
 const GRID_TOLERANCE: f64 = 0.02;
+/// Relative difference up to which two periods count as one.
+const SAME_PERIOD: f64 = 1e-3;
+/// Most parts of the shortest period into which records of several rates are divided.
+const MOST_PARTS: u32 = 10;
 /// Fewest samples of a record.
 const FEWEST: usize = 20;
 
@@ -141,6 +145,11 @@ impl Record {
         self.period
     }
 
+    /// How many of these periods one of its own takes.
+    pub(crate) fn periods(&self, period: f64) -> usize {
+        ((self.period / period).round() as usize).max(1)
+    }
+
     /// The command of each row.
     #[must_use]
     pub fn input(&self) -> &[f64] {
@@ -259,21 +268,27 @@ pub fn records_of(
     if problems.is_empty() { Ok(records) } else { Err(Error::Unsuitable(problems)) }
 }
 
-/// Records that belong together: one axis, one sample time.
+/// The longest period of which every record's is a multiple: the shortest one's, or a small part of it.
 ///
 /// # Errors
-/// [`Error::Unsuitable`] with every record whose period differs, or where there is none.
+/// [`Error::Unsuitable`] with every record whose period is no multiple of the shortest one's, or where there is none.
 pub(crate) fn common_period(records: &[Record]) -> Result<f64, Error> {
-    let Some(first) = records.first() else {
+    let finest = records.iter().map(Record::period).fold(f64::INFINITY, f64::min);
+    if records.is_empty() {
         return Err(Error::Unsuitable(vec![Problem::NoRecord]));
+    }
+    let off = |record: &Record, period: f64| {
+        let times = record.period / period;
+        (times / times.round() - 1.0).abs() > SAME_PERIOD
     };
-    let period = first.period;
-    let others: Vec<Problem> = records
-        .iter()
-        .filter(|r| (r.period / period - 1.0).abs() > 1e-3)
-        .map(|r| Problem::OtherPeriod { record: r.name.clone(), period: r.period, first: period })
-        .collect();
-    if others.is_empty() { Ok(period) } else { Err(Error::Unsuitable(others)) }
+    let suits = |period: &f64| !records.iter().any(|record| off(record, *period));
+    (1..=MOST_PARTS).map(|parts| finest / f64::from(parts)).find(suits).ok_or_else(|| {
+        let others = records.iter().filter(|record| off(record, finest)).map(|record| {
+            let (record, period) = (record.name.clone(), record.period);
+            Problem::OtherPeriod { record, period, first: finest }
+        });
+        Error::Unsuitable(others.collect())
+    })
 }
 
 fn not_finite(record: &str, column: &str, values: &[f64]) -> Option<Problem> {

@@ -4,7 +4,7 @@ use data::AxisBlueprint;
 
 use crate::error::{Error, Problem, SettingsProblem};
 use crate::fit::operator::Search;
-use crate::methods::{self, METHODS, Way};
+use crate::methods::{self, LINEAR, METHODS, Way};
 use crate::record::{Record, Rows, common_period};
 
 /// Choices of an identification; [`Settings::default`] suits a log of some periods of a large slow
@@ -19,7 +19,7 @@ pub struct Settings {
     pub drop: f64,
     /// Part of each record's time, at its end, that is held out of the fit to judge it.
     pub hold_out: f64,
-    /// Longest delay that is searched, in s; `None`: 8 samples.
+    /// Longest delay that is searched, in s; `None`: 8 samples, at most 10 s.
     pub longest_delay: Option<f64>,
     /// Least weight of the play of threshold 0, relative to the range of the output over that of
     /// the input. It keeps the inverse of the model from being arbitrarily steep.
@@ -40,7 +40,7 @@ pub enum Methods {
     /// The static Prandtl–Ishlinskii model only.
     #[default]
     PrandtlIshlinskii,
-    /// All operators of [`methods`](crate::methods), none that is learned.
+    /// A model without hysteresis and all operators of [`methods`](crate::methods), none that is learned.
     Sensible,
     /// These, by name; the best of them is returned.
     Named(Vec<String>),
@@ -87,6 +87,8 @@ pub struct Target {
 
 /// Samples of the longest delay that is searched where none is given.
 const LONGEST_DELAY: f64 = 8.0;
+/// Longest delay in s that a component has room for.
+pub(crate) const MOST_DELAY: f64 = 10.0;
 /// Fewest rows fitted on, per play.
 const ROWS_PER_PLAY: usize = 5;
 /// Fewest rows to judge on.
@@ -110,6 +112,8 @@ pub(crate) struct Plan {
     pub(crate) methods: Vec<Way>,
     /// Whether the best of the methods is returned and not the static model.
     pub(crate) named: bool,
+    /// Whether a model without hysteresis may be returned.
+    pub(crate) linear: bool,
     pub(crate) levels: usize,
     pub(crate) search: Search,
 }
@@ -146,12 +150,17 @@ impl Settings {
             thresholds,
             fitted,
             judged,
-            longest_delay: self.longest_delay.unwrap_or(LONGEST_DELAY * period),
+            longest_delay: self.longest_delay.unwrap_or((LONGEST_DELAY * period).min(MOST_DELAY)),
             least_slope: self.least_slope * slope,
             dynamics: self.dynamics,
             half_range,
             methods: self.chosen()?,
             named: matches!(self.methods, Methods::Named(_)),
+            linear: match &self.methods {
+                Methods::PrandtlIshlinskii => false,
+                Methods::Sensible => true,
+                Methods::Named(names) => names.iter().any(|name| name == LINEAR),
+            },
             levels: self.levels,
             search: self.search,
         })
@@ -223,7 +232,7 @@ impl Settings {
         );
         if let Some(longest) = self.longest_delay {
             require(
-                (0.0..=10.0).contains(&longest),
+                (0.0..=MOST_DELAY).contains(&longest),
                 "longest_delay",
                 longest,
                 "is a time from 0 s to 10 s",

@@ -31,8 +31,15 @@ pub(crate) fn describe(
     linear: &LinearPart,
 ) -> String {
     let parts = match actuator {
-        Actuator::Linear { .. } if linear.delay > 0.0 => return "delay, actuator-gain".to_owned(),
-        Actuator::Linear { .. } => return "actuator-gain".to_owned(),
+        Actuator::Linear { .. } => {
+            let parts = [
+                (linear.delay > 0.0).then_some("delay"),
+                linear.bandwidth.map(|_| "amplifier-lag"),
+                Some("actuator-gain"),
+                linear.mode.map(|_| "mode"),
+            ];
+            return parts.into_iter().flatten().collect::<Vec<_>>().join(", ");
+        }
         Actuator::Plays { .. } => {
             let structure =
                 Structure { lag: linear.bandwidth.is_some(), mode: linear.mode.is_some() };

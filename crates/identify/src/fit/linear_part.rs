@@ -10,7 +10,7 @@
 use core::f64::consts::TAU;
 
 use crate::error::Error;
-use crate::record::Rows;
+use crate::record::{Record, Rows};
 
 use super::levenberg_marquardt::{PATIENT, Unknown, minimise};
 use super::response::{LinearPart, ModeShape};
@@ -89,14 +89,15 @@ pub(crate) fn substeps(linear: &LinearPart, period: f64) -> usize {
 
 /// Lowest and highest frequency that can be seen in the rows fitted on.
 fn frequencies(task: &Task<'_>) -> (f64, f64) {
-    visible(&task.rows, task.period)
+    visible(task.records, &task.rows)
 }
 
 /// Lowest and highest frequency that can be seen in these rows.
-pub(crate) fn visible(rows: &[Rows], period: f64) -> (f64, f64) {
-    let longest = rows.iter().map(Rows::len).max().unwrap_or(0).max(2);
-    let lowest = FEWEST_PERIODS / (longest as f64 * period);
-    let highest = HIGHEST / period;
+pub(crate) fn visible(records: &[Record], rows: &[Rows]) -> (f64, f64) {
+    let each = || records.iter().zip(rows);
+    let time = |(record, rows): (&Record, &Rows)| rows.len().max(2) as f64 * record.period();
+    let lowest = FEWEST_PERIODS / each().map(time).fold(f64::MIN_POSITIVE, f64::max);
+    let highest = HIGHEST / each().map(|(r, _)| r.period()).fold(f64::INFINITY, f64::min);
     (lowest.min(0.5 * highest), highest)
 }
 

@@ -141,7 +141,8 @@ impl Operator<'_> {
         let mut before = before_hysteresis(linear, step)?;
         // What is behind the last row fitted on does not matter.
         let input = &record.input()[..rows.end.min(record.len())];
-        let signal = through(&mut before, record.rest(), input, self.substeps);
+        let substeps = self.substeps * record.periods(self.period);
+        let signal = through(&mut before, record.rest(), input, substeps);
         let mut columns = self.method.columns(self.scene, shape, &signal, step)?;
         for column in &mut columns {
             if let Some(mut mode) = after_hysteresis(linear, step)? {
@@ -149,7 +150,7 @@ impl Operator<'_> {
                     *value = if k == 0 { mode.rest(*value) } else { mode.step(*value) };
                 }
             }
-            let at = |row: usize| column[row * self.substeps];
+            let at = |row: usize| column[row * substeps];
             *column = (rows.first..rows.end).map(at).collect();
         }
         Ok(columns)
@@ -212,7 +213,7 @@ impl Operator<'_> {
         longest_delay: f64,
         observer: &RefCell<&mut dyn Observer>,
     ) -> Result<(f64, Minimum), Error> {
-        let unknowns = both.unknowns(start, longest_delay, visible(self.rows, self.period));
+        let unknowns = both.unknowns(start, longest_delay, visible(self.records, self.rows));
         let length = self.solve(start.0, &start.1)?.residual.len();
         let residuals = |p: &[f64]| {
             if observer.borrow().stopped() {
@@ -253,7 +254,7 @@ impl Operator<'_> {
         let best = ranked.into_iter().take(STARTS).map(|(_, start)| (known, start));
         let Search::ParticleSwarm(settings) = search else { return Ok(best.collect()) };
         let Some(start) = best.into_iter().next() else { return Ok(Vec::new()) };
-        let unknowns = both.unknowns(&start, longest_delay, visible(self.rows, self.period));
+        let unknowns = both.unknowns(&start, longest_delay, visible(self.records, self.rows));
         let cost = |p: &[f64]| {
             let (linear, shape) = both.split(p);
             self.solve(linear, &shape).map_or(f64::INFINITY, |solved| solved.cost())

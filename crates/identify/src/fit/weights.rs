@@ -17,7 +17,7 @@ pub(crate) struct Task<'a> {
     pub(crate) records: &'a [Record],
     /// The rows of each that are fitted on.
     pub(crate) rows: Vec<Rows>,
-    /// Sample time in s.
+    /// Sample time in s, of which each record's is a multiple.
     pub(crate) period: f64,
     /// Internal steps per sample.
     pub(crate) substeps: usize,
@@ -62,11 +62,12 @@ impl Task<'_> {
         let mut columns = Vec::with_capacity(self.records.len());
         for record in self.records {
             let input = record.input();
+            let periods = record.periods(self.period);
             columns.push(responses(
                 record.rest(),
                 input,
-                self.period,
-                self.substeps,
+                self.period * periods as f64,
+                self.substeps * periods,
                 &self.thresholds,
                 &linear,
             )?);

@@ -21,6 +21,7 @@ pub use arx::Arx;
 pub use evidence::{Weighed, weigh, weigh_samples};
 pub use inverse::InverseFigures;
 pub use machine::{Frame, Machine, Recipe, Span};
+pub use plant::learned_inverse;
 pub use process::{Search, by_likelihood};
 pub use rehearsal::{Rehearsal, SEED, Waves};
 pub use series::{Run, Series, Teaches, Turns};

@@ -11,7 +11,7 @@ mod stops;
 use data::ComponentBlueprint;
 use model::Table;
 
-use super::{Arx, Frame, Run, Series, Span, Teaches, Turns};
+use super::{Arx, Frame, Machine, Run, Series, Span, Teaches, Turns};
 use crate::error::Error;
 use crate::fit::response::LinearPart;
 use crate::observer::Observer;
@@ -147,6 +147,36 @@ impl<'a> Scene<'a> {
         let turns = Turns { rounds: if self.dynamic { rounds } else { 1 }, most: SAMPLES };
         Series::train(frame, settings, self.runs, (&self.first, orders), turns).map_err(failed)
     }
+}
+
+/// A Gaussian process from a position and its derivatives to the command that leads to it at the end of a period.
+///
+/// # Errors
+/// [`Error::Learned`] where the training has no exact solution; [`Error::Stopped`].
+pub fn learned_inverse(
+    command: &[f64],
+    position: &[f64],
+    period: f64,
+    observer: &mut dyn Observer,
+) -> Result<Machine, Error> {
+    let mut stage = |done: usize, total: usize| {
+        observer.progress("inverse by a Gaussian process", done, total);
+        if observer.stopped() { Err(Error::Stopped) } else { Ok(()) }
+    };
+    let start = command.first().copied().unwrap_or(0.0);
+    // What is asked for is the position, what is answered the command.
+    let run = Run { command: position, position: command, start, first: 0, teaches: Teaches::Both };
+    let scene = Scene {
+        runs: &[run],
+        command: Span::of(position),
+        position: Span::of(command),
+        period,
+        stops: 0,
+        dynamic: false,
+        first: none(),
+        bandwidth: 0.0,
+    };
+    Ok(process::learn(&scene, &mut stage)?.machine)
 }
 
 fn none() -> Arx {

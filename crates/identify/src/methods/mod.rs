@@ -202,16 +202,22 @@ pub(crate) fn states_of(
     columns
 }
 
+/// Name of the model without hysteresis.
+pub(crate) const LINEAR: &str = "linear";
+
 /// The method of this name.
 pub(crate) fn find(name: &str) -> Option<Way> {
-    let operator = METHODS.iter().copied().find(|m| m.name() == name).map(Way::Operator);
+    let linear = (name == LINEAR).then_some(Way::Linear);
+    let operator = || METHODS.iter().copied().find(|m| m.name() == name).map(Way::Operator);
     let learned = || Family::ALL.into_iter().find(|f| f.name() == name).map(Way::Learned);
-    operator.or_else(learned)
+    linear.or_else(operator).or_else(learned)
 }
 
 /// How a plant is found.
 #[derive(Clone, Copy)]
 pub(crate) enum Way {
+    /// A gain with linear parts.
+    Linear,
     /// By a fit of an operator.
     Operator(&'static dyn Method),
     /// By learning.
@@ -221,6 +227,7 @@ pub(crate) enum Way {
 impl Way {
     pub(crate) fn name(self) -> &'static str {
         match self {
+            Way::Linear => LINEAR,
             Way::Operator(method) => method.name(),
             Way::Learned(family) => family.name(),
         }
@@ -230,7 +237,9 @@ impl Way {
 /// Name and sentence of every method that can be identified.
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
     let learned = Family::ALL.into_iter().map(|f| (f.name(), f.summary()));
-    METHODS.iter().map(|m| (m.name(), m.summary())).chain(learned)
+    let linear = (LINEAR, "Gain, delay, lag and mode without hysteresis");
+    let operators = METHODS.iter().map(|m| (m.name(), m.summary()));
+    std::iter::once(linear).chain(operators).chain(learned)
 }
 
 #[cfg(test)]
@@ -242,7 +251,7 @@ mod tests {
     #[test]
     fn names_are_unique_and_found() {
         let names: BTreeSet<_> = methods().map(|(name, _)| name).collect();
-        assert_eq!(names.len(), METHODS.len() + Family::ALL.len());
+        assert_eq!(names.len(), 1 + METHODS.len() + Family::ALL.len());
         assert!(names.iter().all(|name| find(name).is_some()));
     }
 
