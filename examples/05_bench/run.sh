@@ -43,3 +43,21 @@ cat machine.txt
 
 echo "What does the machine do that the model p1 does not?"
 piezoloop diagnose --model p1 --log run.parquet --report gap.html
+
+echo "Close the loop with a controller FMU: the inverse and PID of p1, 500 times a second"
+piezoloop -q invert p1 --period 2e-3 -o controller.toml
+piezoloop -q pack controller.toml -o controller.fmu
+piezoloop -q signal ellipse --set centre_y=15 --set semi_axis_long=5 --set semi_axis_short=5 --set frequency=2 --set duration=3 \
+    --set sample_time=2e-3 --rename 'y=reference[1]' -o reference.csv
+$machine piezoloop bench emulate p1-truth --gateway udp://$machine_ip:9000 --peer $runner_ip:9001 --rate 500 \
+    --timing commands > machine.txt &
+started=$!
+sleep 1
+$runner piezoloop bench run controller.fmu --gateway udp://$machine_ip:9000 --bind $runner_ip:9001 --rate 500 \
+    --reference reference.csv --record loop.csv
+kill "$started" && wait "$started" || true
+started=""
+# The rows in which the reference was played, from the second second on.
+awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+    $at["bench.row"] >= 500 && $at["bench.row"] < 1500 { e = $at["reference[1]"] - $at["position[1]"]; sum += e * e; n++ }
+    END { printf "loop.csv: rms error %.4f um of 10 um over %d rows\n", sqrt(sum / n), n }' loop.csv
