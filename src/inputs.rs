@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use data::{Blueprint, CheckedBlueprint, Log, NameMap, ReadOptions};
+use data::{Blueprint, CheckedBlueprint, Log, NameMap, ReadOptions, Resample};
 
 use crate::answer;
 
@@ -27,6 +27,21 @@ pub(crate) struct LogOptions {
     /// where that is more
     #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub(crate) log_memory: Option<u64>,
+    /// Names of the columns of a text without a header, units as in 'y [um]'
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub(crate) columns: Vec<String>,
+    /// Bring the log onto uniform times and join groups with different times; without HZ those of the fastest one
+    #[arg(long, value_name = "HZ", num_args = 0..=1, require_equals = true, default_missing_value = "fastest", value_parser = resample)]
+    pub(crate) resample: Option<Resample>,
+}
+
+/// The rate of `--resample=HZ`, or `fastest`.
+fn resample(text: &str) -> Result<Resample, String> {
+    if text == "fastest" {
+        return Ok(Resample::Fastest);
+    }
+    let rate = text.parse().ok().filter(|rate: &f64| rate.is_finite() && *rate > 0.0);
+    rate.map(Resample::Rate).ok_or_else(|| "give a positive rate in Hz, or no value at all".into())
 }
 
 impl LogOptions {
@@ -43,6 +58,8 @@ impl LogOptions {
             rate: self.rate,
             group: self.group.clone(),
             memory: self.log_memory.map(|megabytes| megabytes * 1_000_000),
+            columns: self.columns.clone(),
+            resample: self.resample,
             ..ReadOptions::default()
         };
         for unit in &self.unit {

@@ -84,7 +84,7 @@ fn logs_that_cannot_be_used() {
         ("back.csv", "time,command[1]\n0,0\n0.002,1\n0.001,2\n", ["back.csv", "4", "time"]),
         ("nan.csv", "time,command[1]\n0,0\n0.001,nan\n", ["nan.csv", "3", "command[1]"]),
         ("ragged.csv", "time,command[1]\n0,0\n0.001\n", ["ragged.csv", "3", ""]),
-        ("comma.csv", "time;command[1]\n0;0,5\n", ["comma.csv", ";", ""]),
+        ("comma.csv", "time,command[1]\n0,\"0,5\"\n", ["comma.csv", "2", "comma"]),
         ("text.csv", "time,command[1]\n0,zero\n", ["text.csv", "2", "zero"]),
         ("empty.csv", "", ["empty.csv", "", ""]),
     ];

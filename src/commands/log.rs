@@ -15,12 +15,12 @@ const MOST_SHOWN: usize = 20;
 
 /// Says what logs hold and which samples are doubtful, and converts them to CSV
 ///
-/// Reads CSV, Parquet, NumPy (.npy, .npz), MATLAB (.mat), HDF5, MDF 4 (.mf4) and TDMS. Looks for missing
-/// rows, outliers, saturation and stuck readings, and names their lines. Nothing is repaired. The
+/// Reads CSV and other texts as instruments write them, Parquet, NumPy (.npy, .npz), MATLAB (.mat), HDF5, MDF 4
+/// (.mf4) and TDMS; says what it recognised, assumed and left out. Looks for missing rows, outliers, saturation and stuck readings, and names their lines. Nothing is repaired. The
 /// exit code is 1 where samples are doubtful.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop log measured.csv\n  piezoloop log bench.mf4 --group Scope --unit y=um -o measured.csv"
+    after_help = "Examples:\n  piezoloop log measured.csv\n  piezoloop log bench.mf4 --group Scope --unit y=um -o measured.csv\n  piezoloop log bench.mf4 --resample=1000 -o joined.csv"
 )]
 pub(crate) struct Log {
     /// Logs of any format that is read

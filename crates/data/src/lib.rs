@@ -29,7 +29,7 @@ pub use fit::{Fit, FitError};
 pub use log::ParquetLogWriter;
 pub use log::{
     Column, ColumnHeader, ColumnUnit, Finding, LeftOut, Log, LogWriter, Mf4About, Mf4Writer,
-    Quality, ReadOptions, Record, Rounded, SampleTime, UnitPlace, sidecar_of,
+    Quality, ReadOptions, Record, Resample, Rounded, SampleTime, UnitPlace, sidecar_of,
 };
 pub use name_map::NameMap;
 pub use nearest::nearest;

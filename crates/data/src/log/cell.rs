@@ -11,6 +11,21 @@ pub(super) fn parse(cell: &[u8]) -> Result<f64, Broken> {
     number.map_or_else(|| other(cell), check)
 }
 
+/// The number in a cell of a text with decimal commas.
+pub(super) fn parse_with_comma(cell: &[u8]) -> Result<f64, Broken> {
+    if cell.contains(&b'.') {
+        return Err((
+            "has a decimal point in a text with decimal commas",
+            "write all numbers alike",
+        ));
+    }
+    if !cell.contains(&b',') {
+        return parse(cell);
+    }
+    let points: Vec<u8> = cell.iter().map(|c| if *c == b',' { b'.' } else { *c }).collect();
+    parse(&points)
+}
+
 /// The number itself, where a log can hold it.
 pub(super) fn check(number: f64) -> Result<f64, Broken> {
     match number {
@@ -19,6 +34,9 @@ pub(super) fn check(number: f64) -> Result<f64, Broken> {
         _ => Err(("is not finite", "give a finite number, or leave the row out")),
     }
 }
+
+/// The rule that a word breaks.
+pub(super) const NO_NUMBER: &str = "is no number";
 
 const GAP: Broken = (
     "is a gap: a model cannot be driven by, or compared with, what was not measured",
@@ -38,7 +56,7 @@ fn other(cell: &[u8]) -> Result<f64, Broken> {
         _ if is_number_with(cell, b' ') => {
             Err(("holds several numbers", "give each element of an array its own column"))
         }
-        _ => Err(("is no number", "give a number with a decimal point, as in 1.5e-3")),
+        _ => Err((NO_NUMBER, "give a number with a decimal point, as in 1.5e-3")),
     }
 }
 

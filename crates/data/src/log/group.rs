@@ -3,10 +3,10 @@
 use std::collections::HashSet;
 
 use super::dataset::Dataset;
-use super::header::Context;
+use super::header::{Context, Header, split};
 use super::notes::LeftOut;
-use super::table::{Place, Table};
-use super::{Log, ReadOptions};
+use super::table::{Grid, Place, Table};
+use super::{ColumnUnit, Log, ReadOptions, join, time_column};
 use crate::{Problem, Problems, nearest};
 
 /// The rule that a file breaks, and the way out.
@@ -36,8 +36,26 @@ impl Found {
     ) -> Result<Log, Problems> {
         let refuse = |(rule, way_out): Refusal| Problems::from(Problem::new(origin, rule, way_out));
         let mut notes = self.notes;
-        let group = choose(self.groups, options.group.as_deref(), &mut notes).map_err(refuse)?;
-        let mut log = group.log(origin, options, datasets)?;
+        let mut groups =
+            choose(self.groups, options.group.as_deref(), &mut notes).map_err(refuse)?;
+        let mut log = match (groups.len(), options.resample) {
+            (1, _) => groups.swap_remove(0).log(origin, options, datasets)?,
+            (_, Some(resample)) => {
+                let mut options = options.clone();
+                let units = std::mem::take(&mut options.units);
+                let logs = groups.into_iter().map(|group| {
+                    let mut options = options.clone();
+                    let has = |name: &String| group.columns.iter().any(|raw| raw.name == *name);
+                    options.units =
+                        units.clone().into_iter().filter(|(name, _)| has(name)).collect();
+                    let name = group.name.clone();
+                    group.log(origin, &options, &[]).map(|log| (name, log))
+                });
+                let logs = logs.collect::<Result<Vec<_>, _>>()?;
+                join::groups(origin, logs, resample)?
+            }
+            _ => return Err(refuse(different(&groups))),
+        };
         log.remarks.notes.splice(..0, notes);
         Ok(log)
     }
@@ -70,9 +88,14 @@ impl Raw {
 
     /// Name and unit as the header of a text has them.
     fn header(&self) -> String {
-        match &self.unit {
-            Some(unit) => format!("{} [{unit}]", self.name),
-            None => self.name.clone(),
+        // "AI0 [V]" is AI0 in V, also where a property says the unit.
+        let (name, own) = match split(&self.name) {
+            (name, Some(own)) if ColumnUnit::parse(own).is_ok() => (name, Some(own)),
+            _ => (self.name.as_str(), None),
+        };
+        match self.unit.as_deref().or(own) {
+            Some(unit) => format!("{name} [{unit}]"),
+            None => name.to_owned(),
         }
     }
 }
@@ -92,8 +115,16 @@ impl Group {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
+    /// The column of time, by its name or by its unit.
+    fn time_at(&self) -> Option<usize> {
+        let exact = self.columns.iter().position(|raw| raw.name == "time");
+        exact.or_else(|| {
+            self.columns.iter().position(|raw| time_column::of_name(&raw.name).is_some())
+        })
+    }
+
     fn time(&self) -> Option<&Raw> {
-        self.columns.iter().find(|column| column.name == "time")
+        self.columns.get(self.time_at()?)
     }
 
     /// The log: names, units and rows under the same rules as those of a text.
@@ -104,18 +135,19 @@ impl Group {
         datasets: &[Dataset],
     ) -> Result<Log, Problems> {
         let cells: Vec<String> = self.columns.iter().map(Raw::header).collect();
-        let context = Context { file: origin, line: None, options, datasets };
-        let (heads, problems) = context.heads(&cells);
+        let context = Context { file: origin, line: None, options, datasets, layout: None };
+        let Header { heads, problems, notes } = context.heads(&cells);
         if !problems.is_empty() {
             return Err(Problems::new(problems));
         }
-        let mut table = Table::new(origin, heads, context.rate());
+        let mut table = Table::new(origin, heads, Grid::at_rate(context.rate()));
         for row in 0..self.rows() {
             let cells = self.columns.iter().map(|column| column.values[row]);
             table.numbers(cells, Place::Row(row + 1));
         }
         let mut log = table.finish()?;
         log.remarks.left_out.extend(self.left_out);
+        log.remarks.notes.splice(..0, notes);
         Ok(log)
     }
 }
@@ -126,7 +158,7 @@ fn choose(
     groups: Vec<Group>,
     name: Option<&str>,
     notes: &mut Vec<String>,
-) -> Result<Group, Refusal> {
+) -> Result<Vec<Group>, Refusal> {
     let mut groups: Vec<Group> = groups.into_iter().filter(|group| group.rows() > 0).collect();
     if let Some(name) = name {
         let names: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
@@ -136,7 +168,7 @@ fn choose(
             let rule = format!("has no group \"{name}\" with numbers");
             (rule, format!("{near}its groups are {}", names.join(", ")))
         })?;
-        return Ok(groups.swap_remove(at));
+        return Ok(vec![groups.swap_remove(at)]);
     }
     let mut merged: Vec<Group> = Vec::new();
     let mut names: Vec<HashSet<String>> = Vec::new();
@@ -146,7 +178,11 @@ fn choose(
             merged.push(group);
             continue;
         };
-        for mut raw in group.columns.into_iter().filter(|raw| raw.name != "time") {
+        let time = group.time_at();
+        for (position, mut raw) in group.columns.into_iter().enumerate() {
+            if Some(position) == time {
+                continue;
+            }
             if !names[at].insert(raw.name.clone()) {
                 let full = format!("{}.{}", group.name, raw.name);
                 notes.push(format!("{} of group \"{}\" is called {full}", raw.name, group.name));
@@ -161,14 +197,15 @@ fn choose(
             "has no columns of real numbers".into(),
             "save one-dimensional arrays of numbers, one per signal".into(),
         )),
-        1 => Ok(merged.swap_remove(0)),
-        _ => {
-            let list = merged.iter().map(|g| format!("\"{}\" ({} rows)", g.name, g.rows()));
-            let list = list.collect::<Vec<_>>().join(", ");
-            let rule = format!("has {} groups with different times: {list}", merged.len());
-            Err((rule, "choose one: --group NAME".into()))
-        }
+        _ => Ok(merged),
     }
+}
+
+fn different(groups: &[Group]) -> Refusal {
+    let list = groups.iter().map(|g| format!("\"{}\" ({} rows)", g.name, g.rows()));
+    let list = list.collect::<Vec<_>>().join(", ");
+    let rule = format!("has {} groups with different times: {list}", groups.len());
+    (rule, "choose one: --group NAME; or join them: --resample".into())
 }
 
 /// Whether two groups were sampled at the same times, by the bit.

@@ -1,9 +1,12 @@
 //! The header row: names, units in brackets, and which column plays which part.
 
+use std::collections::BTreeSet;
+
 use model::Unit;
 
 use super::dataset::Dataset;
-use super::{ColumnUnit, ReadOptions};
+use super::text::{Kind, Layout};
+use super::{ColumnUnit, ReadOptions, time_column};
 use crate::nearest::did_you_mean;
 use crate::{Problem, nearest};
 
@@ -17,13 +20,15 @@ const INDEX: [&str; 9] = ["", "n", "k", "i", "index", "sample", "samples", "fram
 pub(super) enum Role {
     /// Time, in this unit.
     Time(Unit),
+    /// Dates or clock times; where they are clock times, the position of a column of days.
+    Instant(Option<usize>),
     /// Whole numbers that grow, one per sample period.
     Index,
     /// Number of the record.
     Record,
     /// A signal.
     Signal,
-    /// None of these: why it cannot be used.
+    /// None of these: why it cannot be used; empty for what nobody misses.
     LeftOut(String),
 }
 
@@ -93,6 +98,17 @@ pub(super) struct Context<'a> {
     pub(super) options: &'a ReadOptions,
     /// Nearest first.
     pub(super) datasets: &'a [Dataset],
+    /// What was found in a text that is no plain table.
+    pub(super) layout: Option<&'a Layout>,
+}
+
+/// What the header says.
+pub(super) struct Header {
+    pub(super) heads: Vec<Head>,
+    /// Everything that is wrong with it.
+    pub(super) problems: Vec<Problem>,
+    /// What was assumed.
+    pub(super) notes: Vec<String>,
 }
 
 impl Context<'_> {
@@ -104,9 +120,10 @@ impl Context<'_> {
         }
     }
 
-    /// Sample rate for logs without times: the caller's goes before that of a dataset.
+    /// Sample rate for logs without times: the caller's goes before that of a dataset, and that before the preamble's.
     pub(super) fn rate(&self) -> Option<f64> {
-        self.options.rate.or_else(|| self.datasets.iter().find_map(|dataset| dataset.rate))
+        let of_dataset = || self.datasets.iter().find_map(|dataset| dataset.rate);
+        self.options.rate.or_else(of_dataset).or_else(|| self.layout?.preamble.rate)
     }
 
     /// Name of the column of time.
@@ -115,22 +132,49 @@ impl Context<'_> {
     }
 
     /// The columns that the header names, and everything that is wrong with them.
-    pub(super) fn heads(&self, cells: &[String]) -> (Vec<Head>, Vec<Problem>) {
-        let mut problems = Vec::new();
-        let mut heads: Vec<Head> = Vec::new();
-        let mut seen = std::collections::HashSet::new();
-        for (cell, number) in cells.iter().zip(1..) {
-            let (name, unit) = split(cell);
-            let role = self.role(name, number == 1);
-            if name.is_empty() && role != Role::Index {
-                let place = format!("column {number}");
+    pub(super) fn heads(&self, cells: &[String]) -> Header {
+        // Logs that this program wrote have a column `time`; there a name may end with parentheses.
+        let is_own = cells.iter().any(|cell| split(cell).0 == self.time_name());
+        let named: Vec<(&str, Option<&str>)> = cells
+            .iter()
+            .map(|cell| match split(cell) {
+                (name, None) if !is_own => time_column::split_unit(name)
+                    .map_or((name, None), |(name, unit)| (name, Some(unit))),
+                whole => whole,
+            })
+            .collect();
+        let time = self.time_at(&named);
+        let mut header = Header { heads: Vec::new(), problems: Vec::new(), notes: Vec::new() };
+        let Header { heads, problems, notes } = &mut header;
+        let mut seen = BTreeSet::new();
+        for (at, (name, unit)) in named.into_iter().enumerate() {
+            let role = self.role(at, name, time);
+            let needs_name = matches!(role, Role::Signal | Role::Record);
+            if name.is_empty() && needs_name {
+                let place = format!("column {}", at + 1);
                 let way_out = "give it one, or remove a comma at the end of the line";
                 problems.push(self.problem(&place, "has no name", way_out));
-            } else if !seen.insert(name) {
+            } else if !name.is_empty() && !seen.insert(name) {
                 let way_out = "give each column its own name";
                 problems.push(self.problem(name, "is the name of two columns", way_out));
             }
-            let unit = self.unit(name, unit, &mut problems);
+            let is_time = time == Some(at);
+            let unit = match &role {
+                Role::LeftOut(_) | Role::Instant(_) => Ok(None),
+                _ => self.unit(name, unit, is_time, problems),
+            };
+            let is_plain = name == self.time_name() || name.eq_ignore_ascii_case("time");
+            if is_time
+                && !(is_plain && matches!(role, Role::Time(_)))
+                && matches!(role, Role::Time(_) | Role::Instant(_))
+            {
+                let how = match (&role, &unit) {
+                    (Role::Instant(_), _) => ", in s after the first row",
+                    (_, Ok(None)) => ", in s",
+                    _ => "",
+                };
+                notes.push(format!("\"{name}\" is taken as the time{how}"));
+            }
             let (role, unit) = match (role, unit) {
                 (Role::Time(_), Ok(Some(unit))) => (Role::Time(unit.unit), Some(unit)),
                 // Nobody need know the unit of what is not used.
@@ -150,18 +194,73 @@ impl Context<'_> {
                 .map_or_else(String::new, |about| about.description.clone());
             heads.push(Head { name: name.into(), role, unit, description });
         }
-        self.check_roles(&heads, &mut problems);
-        self.check_units_given(&heads, &mut problems);
-        (heads, problems)
+        self.check_roles(heads, problems);
+        self.check_units_given(heads, problems);
+        header
     }
 
-    fn role(&self, name: &str, is_first: bool) -> Role {
-        let is_time = name == self.time_name();
-        match self.options.rate {
-            Some(_) if is_time => Role::Index,
-            _ if is_time => Role::Time(SECOND),
+    /// The column of time.
+    fn time_at(&self, named: &[(&str, Option<&str>)]) -> Option<usize> {
+        let exact = named.iter().position(|(name, _)| *name == self.time_name());
+        if exact.is_some() || self.datasets.iter().any(|dataset| dataset.time_column.is_some()) {
+            return exact;
+        }
+        // Who gives a rate means it; only a column of the exact name goes before that of a dataset.
+        if self.options.rate.is_none() && self.datasets.iter().any(|dataset| dataset.rate.is_some())
+        {
+            return None;
+        }
+        if self.options.rate.is_some() {
+            let first = named.first().map_or("", |(name, _)| name);
+            return time_column::of_name(first).map(|_| 0);
+        }
+        let kinds = self.layout.map_or(&[][..], |layout| &layout.kinds);
+        time_column::find(named.iter().copied(), kinds)
+    }
+
+    fn role(&self, at: usize, name: &str, time: Option<usize>) -> Role {
+        let kind =
+            self.layout.and_then(|layout| layout.kinds.get(at)).copied().unwrap_or(Kind::Number);
+        let sample =
+            self.layout.and_then(|layout| layout.samples.get(at)).map_or("", String::as_str);
+        let sample: String = sample.chars().filter(|c| !c.is_control()).take(30).collect();
+        // The day of a clock time stands in another cell.
+        let day = self.layout.filter(|layout| time.is_some_and(|time| layout.is_clock(time)));
+        let day = day.and_then(|layout| (0..layout.kinds.len()).find(|at| layout.is_day(*at)));
+        if time == Some(at) {
+            return match (self.options.rate, kind) {
+                (Some(_), Kind::Instant | Kind::Text) => {
+                    let why = "holds no numbers of rows: times are made from the sample rate that was given";
+                    Role::LeftOut(why.into())
+                }
+                (Some(_), _) => Role::Index,
+                (None, Kind::Instant) => Role::Instant(day),
+                (None, _) => Role::Time(SECOND),
+            };
+        }
+        let is_index = || {
+            let is_counter = self
+                .layout
+                .is_some_and(|layout| layout.is_counter && layout.preamble.rate.is_some());
+            INDEX.contains(&name.to_lowercase().as_str()) || is_counter
+        };
+        match kind {
+            Kind::Empty if name.is_empty() => Role::LeftOut(String::new()),
+            _ if at == 0 && name.is_empty() && time.is_some() => {
+                Role::LeftOut("has no name, as pandas writes its numbers of rows".into())
+            }
+            Kind::Empty => Role::LeftOut("is empty".into()),
+            Kind::Instant if day == Some(at) => Role::LeftOut(String::new()),
+            Kind::Instant => {
+                Role::LeftOut(format!("holds dates or clock times, as in \"{sample}\""))
+            }
+            // Keys beside the first rows.
+            Kind::Text if name.is_empty() => Role::LeftOut(String::new()),
+            Kind::Text if self.layout.is_some_and(|layout| layout.may_leave_out(at)) => {
+                Role::LeftOut(format!("holds texts, as in \"{sample}\""))
+            }
             _ if RECORD.contains(&name) => Role::Record,
-            _ if is_first && self.rate().is_some() && INDEX.contains(&name) => Role::Index,
+            _ if at == 0 && time.is_none() && self.rate().is_some() && is_index() => Role::Index,
             _ => Role::Signal,
         }
     }
@@ -171,14 +270,20 @@ impl Context<'_> {
         &self,
         name: &str,
         in_header: Option<&str>,
+        is_time: bool,
         problems: &mut Vec<Problem>,
     ) -> Result<Option<ColumnUnit>, String> {
         let in_dataset = self.datasets.iter().find_map(|dataset| {
-            let text = if name == self.time_name() { dataset.time_unit.as_deref() } else { None };
+            let text = if is_time { dataset.time_unit.as_deref() } else { None };
             let text = text.or_else(|| dataset.columns.get(name)?.unit.as_deref());
             text.map(|text| (text, dataset))
         });
         let by_caller = self.options.units.get(name).map(String::as_str);
+        let in_header = match in_header {
+            Some("S") if is_time => Some("s"),
+            None if is_time => time_column::of_name(name).flatten(),
+            text => text,
+        };
         let Some(text) = by_caller.or(in_header).or(in_dataset.map(|(text, _)| text)) else {
             return Ok(None);
         };
@@ -209,7 +314,9 @@ impl Context<'_> {
                 problems.push(self.problem(&head.name, rule, "write it as in s, ms or us"));
             }
         }
-        if count(|role| matches!(role, Role::Time(_))) == 0 && self.rate().is_none() {
+        if count(|role| matches!(role, Role::Time(_) | Role::Instant(_))) == 0
+            && self.rate().is_none()
+        {
             problems.push(self.no_time(heads));
         }
     }
@@ -217,9 +324,7 @@ impl Context<'_> {
     fn no_time(&self, heads: &[Head]) -> Problem {
         let wanted = self.time_name();
         let names = || heads.iter().map(|head| head.name.as_str());
-        let aliases = ["t", "Time", "TIME", "time_s", "t_s", "timestamp"];
-        let near = nearest(wanted, names()).or_else(|| names().find(|n| aliases.contains(n)));
-        let way_out = match near {
+        let way_out = match nearest(wanted, names()) {
             Some(near) => format!(
                 "rename \"{near}\", write time = {{ column = \"{near}\", unit = \"s\" }} into a \
                  dataset.toml beside the file, or give the sample rate: --rate HZ"
@@ -236,7 +341,8 @@ impl Context<'_> {
             let near = did_you_mean(name, names.iter().copied());
             format!("{near}the columns are {}", names.join(", "))
         };
-        for name in self.options.units.keys().filter(|name| !names.contains(&name.as_str())) {
+        let known: BTreeSet<&str> = names.iter().copied().collect();
+        for name in self.options.units.keys().filter(|name| !known.contains(name.as_str())) {
             problems.push(
                 Problem::new(self.file, "has a unit but is no column of this log", explain(name))
                     .at(name),
@@ -244,7 +350,7 @@ impl Context<'_> {
         }
         for dataset in self.datasets.iter().filter(|dataset| dataset.is_sidecar) {
             for (name, about) in &dataset.columns {
-                if !names.contains(&name.as_str()) {
+                if !known.contains(name.as_str()) {
                     let rule = format!("is no column of {}", self.file);
                     let problem = Problem::new(&dataset.file, rule, explain(name));
                     problems.push(problem.line(about.line).at(format!("columns.{name}")));

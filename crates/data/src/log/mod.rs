@@ -25,19 +25,21 @@
 mod cell;
 mod dataset;
 mod formats;
-#[cfg_attr(not(feature = "formats"), expect(dead_code, reason = "texts are one group"))]
 mod group;
 mod header;
+mod join;
 mod lines;
 mod mf4;
 mod notes;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod quality;
-mod read;
+mod repeats;
 mod rounded;
 mod rows;
 mod table;
+mod text;
+mod time_column;
 mod units;
 mod write;
 
@@ -50,6 +52,7 @@ use model::Unit;
 use lines::Lines;
 
 pub use dataset::sidecar_of;
+pub use join::Resample;
 pub use mf4::{Mf4About, Mf4Writer};
 pub use notes::LeftOut;
 #[cfg(feature = "parquet")]
@@ -131,6 +134,10 @@ pub struct ReadOptions {
     /// Most bytes of memory that the numbers of a binary file may take; `None`: 256 MiB, or 100 times
     /// the file's size where that is more.
     pub memory: Option<u64>,
+    /// Names of the columns, with units as in `y [um]`, for texts without a header; they replace those of one.
+    pub columns: Vec<String>,
+    /// Onto which uniform times the log is brought; groups with different times are joined so.
+    pub resample: Option<Resample>,
 }
 
 impl ReadOptions {
@@ -173,7 +180,7 @@ impl Log {
     /// Every [`Problem`] of the file, up to 20, and how many more there are.
     pub fn read(path: &Path, options: &ReadOptions) -> Result<Self, Problems> {
         files::note_read(path);
-        read::file(path, options).map(Self::undo_rounding)
+        text::file(path, options)?.as_asked(options)
     }
 
     /// Reads a text, with nothing beside it; `origin` is what messages call it.
@@ -181,7 +188,16 @@ impl Log {
     /// # Errors
     /// As [`read`](Self::read).
     pub fn parse(bytes: &[u8], origin: &str, options: &ReadOptions) -> Result<Self, Problems> {
-        read::text(bytes, origin, options).map(Self::undo_rounding)
+        text::text(bytes, origin, options)?.as_asked(options)
+    }
+
+    /// With rounded times mended, and on uniform times where these are asked for.
+    fn as_asked(self, options: &ReadOptions) -> Result<Self, Problems> {
+        let log = self.undo_rounding();
+        match options.resample.filter(|_| !log.remarks.is_joined) {
+            Some(resample) => log.resampled(resample),
+            None => Ok(log),
+        }
     }
 
     /// A log of one record with these times in s and no columns yet; `origin` is what messages call

@@ -25,6 +25,8 @@ pub(super) struct Remarks {
     /// Sentences about the file: what was recognised, assumed, skipped.
     pub(super) notes: Vec<String>,
     pub(super) left_out: Vec<LeftOut>,
+    /// Whether it was joined of several groups, on uniform times.
+    pub(super) is_joined: bool,
 }
 
 impl Log {
@@ -32,7 +34,7 @@ impl Log {
     /// before it; nothing for a plain log.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
-        let Remarks { notes, left_out } = &self.remarks;
+        let Remarks { notes, left_out, .. } = &self.remarks;
         let left_out = left_out.iter().map(|column| {
             format!("{}: column \"{}\" is left out: it {}", self.origin, column.name, column.why)
         });

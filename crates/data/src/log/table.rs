@@ -5,6 +5,8 @@ use std::collections::BTreeSet;
 use super::header::{Head, Role, SECOND};
 use super::lines::Lines;
 use super::notes::{LeftOut, Remarks};
+use super::repeats::{self, Repeats};
+use super::text::Since;
 use super::{Column, Log, Record, cell};
 use crate::{Problem, Problems};
 
@@ -33,7 +35,7 @@ impl Place {
 pub(super) struct Table<'a> {
     origin: &'a str,
     heads: Vec<Head>,
-    rate: f64,
+    grid: Grid,
     /// Columns that are not read, by position; empty where all are.
     skipped: Vec<bool>,
     /// Values of all columns, those that are no signals too.
@@ -50,16 +52,52 @@ pub(super) struct Table<'a> {
     time_at: Option<usize>,
     record_at: Option<usize>,
     cells: Vec<f64>,
+    /// Whether numbers have decimal commas.
+    has_commas: bool,
+    /// Number of the part of the file, where it has several and no column of records.
+    part: i64,
+    since: Since,
+    repeats: Repeats,
+    /// Rows with a remark behind their last cell.
+    remarks: usize,
+}
+
+/// The times of rows that have none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grid {
+    /// In Hz.
+    pub(super) rate: f64,
+    /// Time of the first row, in s.
+    pub(super) start: f64,
+}
+
+impl Grid {
+    pub(super) fn at_rate(rate: Option<f64>) -> Self {
+        Self { rate: rate.unwrap_or(1.0), start: 0.0 }
+    }
+
+    fn at(self, row: f64) -> f64 {
+        let after = row / self.rate;
+        // Decimals as a reader would give: -0.02 + 7/1000 is the double -0.013.
+        let whole = (self.start * self.rate).round();
+        if (whole - self.start * self.rate).abs() < 1e-9 * whole.abs() {
+            (whole + row) / self.rate
+        } else {
+            self.start + after
+        }
+    }
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn new(origin: &'a str, heads: Vec<Head>, rate: Option<f64>) -> Self {
+    pub(super) fn new(origin: &'a str, heads: Vec<Head>, grid: Grid) -> Self {
         let at = |wanted: fn(&Role) -> bool| heads.iter().position(|head| wanted(&head.role));
-        let skipped: Vec<bool> =
-            heads.iter().map(|head| matches!(head.role, Role::LeftOut(_))).collect();
+        let skipped: Vec<bool> = heads
+            .iter()
+            .map(|head| matches!(head.role, Role::LeftOut(_) | Role::Instant(_)))
+            .collect();
         Self {
             origin,
-            rate: rate.unwrap_or(1.0),
+            grid,
             skipped: if skipped.contains(&true) { skipped } else { Vec::new() },
             values: vec![Vec::new(); heads.len()],
             time: Vec::new(),
@@ -69,10 +107,36 @@ impl<'a> Table<'a> {
             problems: Vec::new(),
             omitted: 0,
             last: None,
-            time_at: at(|role| matches!(role, Role::Time(_) | Role::Index)),
+            time_at: at(|role| matches!(role, Role::Time(_) | Role::Instant(_) | Role::Index)),
             record_at: at(|role| *role == Role::Record),
             cells: Vec::with_capacity(heads.len()),
             heads,
+            has_commas: false,
+            part: 0,
+            since: Since::default(),
+            repeats: Repeats::default(),
+            remarks: 0,
+        }
+    }
+
+    /// Numbers have decimal commas from here on.
+    pub(super) fn with_commas(mut self, has_commas: bool) -> Self {
+        self.has_commas = has_commas;
+        self
+    }
+
+    /// Begins a new part of the file with a grid of its own; one that goes on in time is the same record.
+    pub(super) fn begin_part(&mut self, grid: Grid) {
+        let has_times = !matches!(
+            self.time_at.and_then(|at| self.heads.get(at)),
+            None | Some(Head { role: Role::Index, .. })
+        );
+        let (rows, rate) = (self.records.last().map_or(0, |open| open.rows.len()), self.grid.rate);
+        let goes_on =
+            grid.rate == rate && (grid.start - self.grid.at(rows as f64)).abs() * rate < 0.01;
+        if has_times || !goes_on {
+            self.part += 1;
+            self.grid = grid;
         }
     }
 
@@ -95,20 +159,56 @@ impl<'a> Table<'a> {
     }
 
     /// Takes a row of text.
-    pub(super) fn row<'c>(&mut self, row: impl ExactSizeIterator<Item = &'c [u8]>, place: Place) {
+    pub(super) fn row<'c>(
+        &mut self,
+        row: impl ExactSizeIterator<Item = &'c [u8]> + Clone,
+        place: Place,
+    ) {
         if row.len() != self.heads.len() {
-            let found = row.len();
+            return self.other_length(row, place);
+        }
+        self.cells_of(row, place);
+    }
+
+    /// A row of another length: cells of columns that are not read may be missing or follow.
+    fn other_length<'c>(
+        &mut self,
+        row: impl ExactSizeIterator<Item = &'c [u8]> + Clone,
+        place: Place,
+    ) {
+        let (found, wanted) = (row.len(), self.heads.len());
+        let missing = found < wanted && (found..wanted).all(|at| self.is_skipped(at));
+        // A remark behind the last cell, where the header has none.
+        let is_loose = !self.skipped.is_empty() || self.part > 0;
+        let behind: Vec<&[u8]> = row.clone().skip(wanted).collect();
+        let extra = found > wanted
+            && (behind.iter().all(|cell| cell.is_empty())
+                || is_loose && behind.iter().all(|cell| cell::parse(cell).is_err()));
+        if !missing && !extra {
             self.note(|table| table.ragged(found, place));
             return;
         }
+        self.remarks += usize::from(behind.iter().any(|cell| !cell.is_empty()));
+        let mut cells: Vec<&[u8]> = row.take(wanted).collect();
+        cells.resize(wanted, &[]);
+        self.cells_of(cells.into_iter(), place);
+    }
+
+    fn cells_of<'c>(&mut self, row: impl Iterator<Item = &'c [u8]> + Clone, place: Place) {
         self.cells.clear();
         let mut is_good = true;
-        for (column, bytes) in row.enumerate() {
+        for (column, bytes) in row.clone().enumerate() {
             if self.is_skipped(column) {
                 self.cells.push(0.0);
                 continue;
             }
-            let number = cell::parse(bytes).unwrap_or_else(|(rule, way_out)| {
+            let number =
+                if self.has_commas { cell::parse_with_comma(bytes) } else { cell::parse(bytes) };
+            let number = number.unwrap_or_else(|(rule, way_out)| {
+                // What is no counter of rows is not needed: the rate says the times.
+                if self.heads.get(column).is_some_and(|head| head.role == Role::Index) {
+                    return f64::NAN;
+                }
                 is_good = false;
                 self.note(|table| {
                     let problem = place.of(Problem::new(table.origin, rule, way_out));
@@ -118,6 +218,25 @@ impl<'a> Table<'a> {
                 f64::NAN
             });
             self.cells.push(number);
+        }
+        if let Some((at, Role::Instant(day))) =
+            self.time_at.and_then(|at| Some((at, &self.heads.get(at)?.role)))
+        {
+            let mut row = row;
+            let day = *day;
+            let day = day.and_then(|day| row.clone().nth(day));
+            let cell = row.nth(at).unwrap_or_default();
+            self.cells[at] = self.since.seconds(cell, day).unwrap_or_else(|| {
+                is_good = false;
+                self.note(|table| {
+                    let rule = "is no date or clock time as in the first row";
+                    let problem =
+                        Problem::new(table.origin, rule, "write it as in 2026-11-25 03:00:00.001");
+                    let shown = String::from_utf8_lossy(&cell[..cell.len().min(200)]);
+                    place.of(problem).at(table.name(at)).value(format!("\"{shown}\""))
+                });
+                f64::NAN
+            });
         }
         self.keep(is_good, place);
     }
@@ -145,9 +264,12 @@ impl<'a> Table<'a> {
 
     /// Keeps the row in `cells`, unless it is wrong.
     fn keep(&mut self, is_good: bool, place: Place) {
-        let Some((record, time)) = self.place(place) else { return };
+        let Some((record, time, is_jump)) = self.place(place) else { return };
         if !is_good {
             return;
+        }
+        if is_jump && self.records.last().is_some_and(|open| open.id == record) {
+            return self.jump(time, place);
         }
         match self.records.last_mut() {
             Some(open) if open.id == record => open.rows.end += 1,
@@ -165,6 +287,30 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// The row in `cells` has the time of the row before, and takes its place.
+    fn jump(&mut self, time: f64, place: Place) {
+        let Some(last) = self.time.len().checked_sub(1) else { return };
+        let is_read = |at: usize| self.skipped.get(at) != Some(&true) && self.time_at != Some(at);
+        let starts = self.records.last().map_or(0, |open| open.rows.start);
+        let was_held = last > starts
+            && (0..self.values.len()).filter(|at| is_read(*at)).all(|at| {
+                let values = &self.values[at];
+                values[last] == values[last - 1]
+            });
+        let is_third = self.repeats.last == Some(last);
+        self.repeats.rows += 1;
+        self.repeats.held += usize::from(was_held);
+        self.repeats.third += usize::from(is_third);
+        self.repeats.last = Some(last);
+        self.repeats.first.get_or_insert((place, time));
+        self.lines.push(last, place);
+        for (at, (column, cell)) in self.values.iter_mut().zip(&self.cells).enumerate() {
+            if self.skipped.get(at) != Some(&true) {
+                column[last] = *cell;
+            }
+        }
+    }
+
     fn ragged(&self, found: usize, place: Place) -> Problem {
         let wanted = self.heads.len();
         let way_out = if found == 2 * wanted || found == 2 * wanted - 1 {
@@ -176,11 +322,12 @@ impl<'a> Table<'a> {
         place.of(Problem::new(self.origin, rule, way_out))
     }
 
-    /// Record and time of the row in `cells`; `None` where they are wrong, which is noted.
-    fn place(&mut self, place: Place) -> Option<(i64, f64)> {
+    /// Record and time of the row in `cells`, and whether it has the time of the row before; `None` where they are
+    /// wrong, which is noted.
+    fn place(&mut self, place: Place) -> Option<(i64, f64, bool)> {
         let record = match self.record_at.and_then(|at| self.cells.get(at).copied()) {
             Some(number) => self.whole(number, self.record_at.unwrap_or(0), place)?,
-            None => 0,
+            None => self.part,
         };
         let is_new = self.last.is_none_or(|(last, _)| last != record);
         if is_new && !self.seen.insert(record) {
@@ -191,29 +338,51 @@ impl<'a> Table<'a> {
                 place.of(problem).at(name).value(record)
             });
         }
-        let time = self.time_of(is_new, place)?;
+        let time = self.time_of(is_new)?;
         let last = self.last.replace((record, time)).filter(|_| !is_new).map(|(_, last)| last);
-        if let Some(last) = last.filter(|last| time <= *last) {
+        if let Some(last) = last.filter(|last| time < *last) {
             self.note(|table| table.not_growing(last, time, place));
             return None;
         }
-        Some((record, time))
+        Some((record, time, last == Some(time)))
     }
 
     /// Time in s of the row in `cells`; NaN cells were reported before.
-    fn time_of(&mut self, is_new: bool, place: Place) -> Option<f64> {
-        let Some(at) = self.time_at else {
-            let start = if is_new { self.time.len() } else { self.records.last()?.rows.start };
-            return Some((self.time.len() - start) as f64 / self.rate);
+    fn time_of(&mut self, is_new: bool) -> Option<f64> {
+        let count = |table: &Self| {
+            let start = if is_new { table.time.len() } else { table.records.last()?.rows.start };
+            Some(table.grid.at((table.time.len() - start) as f64))
         };
-        let cell = self.cells.get(at).copied().filter(|cell| !cell.is_nan())?;
+        let Some(at) = self.time_at else { return count(self) };
+        let cell = self.cells.get(at).copied();
         match &self.heads.get(at)?.role {
-            Role::Time(unit) => unit.convert(cell, &SECOND),
-            _ => Some(self.whole(cell, at, place)? as f64 / self.rate),
+            Role::Time(unit) => unit.convert(cell.filter(|cell| !cell.is_nan())?, &SECOND),
+            Role::Instant(_) => cell.filter(|cell| !cell.is_nan()),
+            // Whether it counts rows is known at the end.
+            _ => count(self),
         }
     }
 
-    /// A cell that must be a whole number.
+    /// Times of rows by a column that counts them; `None`, and why, where it does not.
+    fn count_rows(&mut self) -> Option<String> {
+        let at = self
+            .time_at
+            .filter(|at| self.heads.get(*at).is_some_and(|head| head.role == Role::Index))?;
+        let counters = self.values.get(at)?;
+        if self.records.iter().all(|record| repeats::counts(&counters[record.rows.clone()])) {
+            for (time, counter) in self.time.iter_mut().zip(counters) {
+                *time = self.grid.at(*counter);
+            }
+            return None;
+        }
+        Some(format!(
+            "\"{}\" does not count rows: it is left out, and times are made from the sample rate, {} Hz",
+            self.name(at),
+            self.grid.rate
+        ))
+    }
+
+    /// The number of a record.
     fn whole(&mut self, cell: f64, column: usize, place: Place) -> Option<i64> {
         const EXACT: f64 = 9_007_199_254_740_992.0;
         if cell.is_nan() {
@@ -223,15 +392,7 @@ impl<'a> Table<'a> {
             return Some(cell as i64);
         }
         self.note(|table| {
-            let is_record = table.record_at == Some(column);
-            let (rule, way_out) = if is_record {
-                ("a record has a whole number", "number the records 0, 1, 2, …")
-            } else {
-                (
-                    "a sample rate was given, so this column must count rows in whole numbers",
-                    "leave out --rate where the column holds times",
-                )
-            };
+            let (rule, way_out) = ("a record has a whole number", "number the records 0, 1, 2, …");
             let problem = place.of(Problem::new(table.origin, rule, way_out));
             problem.at(table.name(column)).value(cell)
         });
@@ -240,9 +401,7 @@ impl<'a> Table<'a> {
 
     fn not_growing(&self, last: f64, time: f64, place: Place) -> Problem {
         let name = self.time_at.map_or("time", |at| self.name(at));
-        let (rule, way_out) = if time == last {
-            ("the time is that of the row before".to_string(), "remove one of the two rows")
-        } else if self.record_at.is_none() {
+        let (rule, way_out) = if self.record_at.is_none() {
             let rule = format!("time goes back from {last} s");
             (rule, "if a new record begins here, add a column record: 0, 0, …, 1, 1, …")
         } else {
@@ -253,7 +412,7 @@ impl<'a> Table<'a> {
     }
 
     /// The log, or everything that is wrong with the rows.
-    pub(super) fn finish(self) -> Result<Log, Problems> {
+    pub(super) fn finish(mut self) -> Result<Log, Problems> {
         if !self.problems.is_empty() {
             return Err(Problems::new(self.problems).with_omitted(self.omitted));
         }
@@ -261,11 +420,41 @@ impl<'a> Table<'a> {
             let way_out = "give at least one row below the header";
             return Err(Problem::new(self.origin, "has no rows of data", way_out).into());
         }
+        let mut notes: Vec<String> =
+            self.count_rows().into_iter().chain(self.repeats.note()).collect();
+        if let Some((place, time)) =
+            self.repeats.first.filter(|_| self.repeats.are_too_many(self.time.len()))
+        {
+            let rows = self.time.len() + self.repeats.rows;
+            let rule = format!(
+                "the time is that of the row before, as in {} of {rows} rows: times are written with too few digits",
+                self.repeats.rows
+            );
+            let problem =
+                place.of(Problem::new(self.origin, rule, "give the sample rate: --rate HZ"));
+            let name = self.time_at.map_or("time", |at| self.name(at));
+            return Err(problem.at(name).value(format!("{time} s")).into());
+        }
+        if self.remarks > 0 {
+            notes.push(format!(
+                "{} rows have a remark behind their last cell, which is skipped",
+                self.remarks
+            ));
+        }
+        let is_said = self
+            .time_at
+            .and_then(|at| self.heads.get(at))
+            .is_none_or(|head| head.unit.is_some() || !matches!(head.role, Role::Time(_)));
+        let doubts = self
+            .records
+            .iter()
+            .filter_map(|record| repeats::doubt(&self.time[record.rows.clone()], is_said));
+        notes.extend(doubts.take(1));
         let left_out = self.heads.iter().filter_map(|head| match &head.role {
-            Role::LeftOut(why) => Some(LeftOut::new(&head.name, why)),
+            Role::LeftOut(why) if !why.is_empty() => Some(LeftOut::new(&head.name, why)),
             _ => None,
         });
-        let remarks = Remarks { notes: Vec::new(), left_out: left_out.collect() };
+        let remarks = Remarks { notes, left_out: left_out.collect(), is_joined: false };
         let columns = self.heads.into_iter().zip(self.values);
         let columns = columns.filter(|(head, _)| head.role == Role::Signal);
         let columns = columns.map(|(head, values)| {
@@ -278,7 +467,7 @@ impl<'a> Table<'a> {
             lines: self.lines,
             columns: columns.collect(),
             records: self.records,
-            is_numbered: self.record_at.is_some(),
+            is_numbered: self.record_at.is_some() || self.part > 0,
             rounded: Vec::new(),
             remarks,
         })

@@ -1,0 +1,118 @@
+//! Rows of the same time: jumps of a signal, or times that were written with too few digits.
+
+use super::table::Place;
+
+/// Rows from which times can be judged.
+const ENOUGH: usize = 30;
+
+/// The rows that had the time of the row before.
+#[derive(Debug, Default)]
+pub(super) struct Repeats {
+    /// How many there are.
+    pub(super) rows: usize,
+    /// Those before which all signals kept their values: a table of steps.
+    pub(super) held: usize,
+    /// Those that are the third or a later row of their time.
+    pub(super) third: usize,
+    /// The row of the log that the last of them is.
+    pub(super) last: Option<usize>,
+    /// The first of them.
+    pub(super) first: Option<(Place, f64)>,
+}
+
+impl Repeats {
+    /// Whether they are no jumps: too many of `times` different times occur twice, in what is no table of steps.
+    pub(super) fn are_too_many(&self, times: usize) -> bool {
+        let is_table = self.third == 0 && 10 * self.held >= 8 * self.rows;
+        times + self.rows >= ENOUGH && 5 * self.rows >= 2 * times && !is_table
+    }
+
+    /// What was done about them.
+    pub(super) fn note(&self) -> Option<String> {
+        let (place, time) = self.first?;
+        let place = match place {
+            Place::Line(line) => format!("line {line}"),
+            Place::Row(row) => format!("row {row}"),
+        };
+        let rows = match self.rows {
+            1 => "one row has".to_owned(),
+            rows => format!("{rows} rows have"),
+        };
+        Some(format!(
+            "{rows} the time of the row before (first in {place}, {time} s): these are jumps, of which the last row acts"
+        ))
+    }
+}
+
+/// What is doubtful about the times of a log as a whole, `None` for nothing; `is_said` where the file says their unit.
+pub(super) fn doubt(time: &[f64], is_said: bool) -> Option<String> {
+    /// Intervals of which the usual one is taken.
+    const FEW: usize = 1000;
+    /// Usual intervals that are doubtful as one.
+    const STRAY: f64 = 1000.0;
+    let mut some: Vec<f64> = time.windows(2).take(FEW).map(|pair| pair[1] - pair[0]).collect();
+    if some.len() < 10 {
+        return None;
+    }
+    let middle = some.len() / 2;
+    let usual = *some.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let widest = time
+        .windows(2)
+        .enumerate()
+        .max_by(|(_, a), (_, b)| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+    if let Some((row, pair)) = widest
+        && pair[1] - pair[0] > STRAY * usual
+    {
+        return Some(format!(
+            "time goes from {} s to {} s behind row {}, where a row follows after {usual} s otherwise: is that a stray time?",
+            pair[0],
+            pair[1],
+            row + 1
+        ));
+    }
+    let is_whole = || time.iter().all(|time| time.fract() == 0.0);
+    if is_said || usual < 1.0 || time.len() < if usual < 10.0 { 100 } else { 50 } || !is_whole() {
+        return None;
+    }
+    let unit = if usual < 1000.0 { "ms or us" } else { "us or ns" };
+    Some(format!(
+        "nothing says the unit of the times: in s, a row follows every {usual} s; is time in {unit}? Then say it, as in \
+         --unit time=us"
+    ))
+}
+
+/// Whether these cells count rows: whole numbers that grow, by 1 somewhere.
+pub(super) fn counts(cells: &[f64]) -> bool {
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    let is_whole = cells.iter().all(|cell| cell.fract() == 0.0 && cell.abs() <= EXACT);
+    let least = cells.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    is_whole && (cells.len() < 2 || least == 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_are_told_from_times() {
+        assert!(counts(&[10.0, 11.0, 13.0]) && counts(&[5.0]));
+        for none in
+            [&[0.0, 0.5][..], &[0.0, 100.0, 200.0], &[0.0, 0.0, 1.0], &[2.0, 1.0], &[f64::NAN]]
+        {
+            assert!(!counts(none), "{none:?}");
+        }
+    }
+
+    #[test]
+    fn stray_times_and_wrong_units_are_doubted() {
+        let grid = |period: f64| (0..200).map(|k| f64::from(k) * period).collect::<Vec<_>>();
+        assert_eq!(doubt(&grid(1e-3), false), None);
+        assert_eq!(doubt(&grid(100.0), true), None);
+        assert!(doubt(&grid(100.0), false).unwrap().contains("every 100 s; is time in ms or us?"));
+        assert!(doubt(&grid(5e4), false).unwrap().contains("us or ns"));
+        let mut stray = grid(1e-3);
+        stray[150] = 1e9;
+        stray[151..].iter_mut().for_each(|time| *time += 1e9);
+        assert!(doubt(&stray, true).unwrap().contains("behind row 150"));
+    }
+}

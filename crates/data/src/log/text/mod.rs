@@ -1,0 +1,376 @@
+//! From a text to a [`Log`]: plain CSV at once, other texts by their [`Layout`]; other formats in [`super::formats`].
+
+mod cells;
+mod decode;
+mod instant;
+mod layout;
+mod pairs;
+mod preamble;
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Cursor, Read};
+use std::path::Path;
+
+use csv::{ByteRecord, Reader, ReaderBuilder};
+
+pub(super) use cells::Kind;
+pub(super) use instant::Since;
+pub(super) use layout::Layout;
+
+use cells::{Dialect, blanks};
+use preamble::Preamble;
+
+use super::dataset::{self, Dataset};
+use super::header::{Context, Header};
+use super::table::{Grid, Place, Table};
+use super::{Log, ReadOptions, cell, formats, time_column};
+use crate::{Problem, Problems};
+
+/// Bytes within which the table must begin.
+const LONGEST_HEADER: usize = 1 << 20;
+/// Bytes that are read at a time.
+const BUFFER: usize = 1 << 16;
+
+pub(super) fn file(path: &Path, options: &ReadOptions) -> Result<Log, Problems> {
+    let origin = path.display().to_string();
+    let unreadable = |error: std::io::Error| {
+        let rule = format!("cannot be read: {error}");
+        Problems::from(Problem::new(&origin, rule, "check the name and the permissions"))
+    };
+    let mut file = File::open(path).map_err(unreadable)?;
+    if file.metadata().is_ok_and(|found| found.is_dir()) {
+        let problem = Problem::new(&origin, "is a folder", "give the name of a file in it");
+        return Err(problem.into());
+    }
+    let datasets = dataset::beside(path)?;
+    let head = head_of(&mut file).map_err(unreadable)?;
+    if let Some(format) = formats::Format::of(path, &head) {
+        drop(head);
+        return format.read(path, &origin, options, &datasets);
+    }
+    read(head, file, &origin, options, &datasets)
+}
+
+pub(super) fn text(bytes: &[u8], origin: &str, options: &ReadOptions) -> Result<Log, Problems> {
+    let (head, rest) = bytes.split_at(bytes.len().min(LONGEST_HEADER));
+    read(head.to_vec(), rest, origin, options, &[])
+}
+
+fn head_of(bytes: &mut impl Read) -> std::io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    bytes.take(LONGEST_HEADER as u64).read_to_end(&mut head)?;
+    Ok(head)
+}
+
+/// What is known of a file that is read.
+struct Source<'a> {
+    origin: &'a str,
+    options: &'a ReadOptions,
+    datasets: &'a [Dataset],
+}
+
+impl Source<'_> {
+    fn problem(&self, rule: impl Into<String>, way_out: &str) -> Problem {
+        Problem::new(self.origin, rule, way_out)
+    }
+
+    fn broken(&self, error: impl std::fmt::Display) -> Problems {
+        self.problem(format!("cannot be read: {error}"), "check the disk or the connection").into()
+    }
+
+    fn context<'c>(&'c self, line: usize, layout: Option<&'c Layout>) -> Context<'c> {
+        let Self { origin, options, datasets } = *self;
+        Context { file: origin, line: Some(line), options, datasets, layout }
+    }
+}
+
+/// Reads a text that begins with `head`, of which `rest` is the rest.
+fn read(
+    mut head: Vec<u8>,
+    rest: impl Read,
+    origin: &str,
+    options: &ReadOptions,
+    datasets: &[Dataset],
+) -> Result<Log, Problems> {
+    options.check(origin)?;
+    let source = Source { origin, options, datasets };
+    let mut notes = Vec::new();
+    let mut rest: Box<dyn Read + '_> = Box::new(rest);
+    if let Some(is_big) = decode::is_utf16(&head) {
+        rest = Box::new(decode::Utf16::new(Cursor::new(head).chain(rest), is_big));
+        head = head_of(&mut rest).map_err(|error| source.broken(error))?;
+        notes.push("is text in UTF-16".to_owned());
+    }
+    if head.starts_with(b"\xef\xbb\xbf") {
+        head.drain(..3);
+    }
+    check_is_text(&head, &source)?;
+    let mut log = match plain_header(&head) {
+        Some(cells) if options.columns.is_empty() => {
+            let mut rows = csv_rows(Dialect::PLAIN, Cursor::new(head).chain(rest));
+            let mut row = ByteRecord::new();
+            rows.read_byte_record(&mut row).map_err(|error| source.broken(error))?;
+            table(&cells, &source, line_of(&row), None)?.csv(rows, &source, 0)
+        }
+        _ => laid_out(head, rest, &source, &mut notes),
+    }?;
+    log.remarks.notes.splice(..0, notes);
+    Ok(log)
+}
+
+/// The names of a plain CSV: a row of names, and below it one with as many numbers.
+fn plain_header(head: &[u8]) -> Option<Vec<String>> {
+    let mut rows = csv_rows(Dialect::PLAIN, head);
+    let mut row = ByteRecord::new();
+    let names = rows.read_byte_record(&mut row).ok()?.then(|| cells_of(&row))?;
+    let is_name = |(at, name): (usize, &String)| {
+        cell::parse(name.trim().as_bytes()).is_err() && (at == 0 || !name.trim().is_empty())
+    };
+    let mut marks = names.iter().map(|name| name.trim_start().as_bytes());
+    if !names.iter().enumerate().all(is_name) || marks.any(|name| cells::comment(name).is_some()) {
+        return None;
+    }
+    let has_row = rows.read_byte_record(&mut row).ok()?;
+    let are_numbers = row.len() == names.len() && row.iter().all(|cell| cell::parse(cell).is_ok());
+    (has_row && are_numbers && !time_column::has_several(&names)).then_some(names)
+}
+
+/// A text with anything before its table, or with other cells than CSV has.
+fn laid_out(
+    head: Vec<u8>,
+    rest: impl Read,
+    source: &Source<'_>,
+    notes: &mut Vec<String>,
+) -> Result<Log, Problems> {
+    let Some(mut layout) = Layout::find(&head) else {
+        return Err(if head.trim_ascii().is_empty() {
+            source.problem("is empty", "give a header row and data rows").into()
+        } else {
+            source
+                .problem("has no rows of data", "give at least one row of numbers below the header")
+                .into()
+        });
+    };
+    if !head.is_ascii() && std::str::from_utf8(&head[..layout.start.min(head.len())]).is_err() {
+        notes.push("the text above the table is no UTF-8, it is read as Latin-1".into());
+    }
+    name_columns(&mut layout, source)?;
+    notes.append(&mut layout.notes);
+    let line = layout.line;
+    let bytes = Cursor::new(head[layout.start..].to_vec()).chain(rest);
+    if time_column::has_several(&layout.header) {
+        return pairs::read(bytes, &layout, source);
+    }
+    let table = table(&layout.header, source, layout.header_line, Some(&layout))?;
+    match layout.dialect.separator {
+        b' ' => table.words(BufReader::with_capacity(BUFFER, bytes), source, line),
+        _ => table.csv(csv_rows(layout.dialect, bytes), source, line - 1),
+    }
+}
+
+/// The names that the caller gives, or that somebody has to give.
+fn name_columns(layout: &mut Layout, source: &Source<'_>) -> Result<(), Problems> {
+    let given = &source.options.columns;
+    let count = layout.kinds.len();
+    if given.is_empty() {
+        if layout.has_names {
+            return Ok(());
+        }
+        let rule = "has no header: the first line holds numbers";
+        let names = if count == 1 { "y --rate HZ".to_owned() } else { example(count) };
+        let way_out = format!("say the names: --columns {names}; or put them into a first line");
+        return Err(source.problem(rule, &way_out).line(layout.line).into());
+    }
+    if given.len() != count {
+        let rule = format!("--columns has {} names, a row {count} cells", given.len());
+        return Err(source.problem(rule, "give one name for each cell").line(layout.line).into());
+    }
+    if layout.has_names {
+        layout
+            .notes
+            .push(format!("the names of line {} are replaced by those given", layout.header_line));
+    }
+    layout.header.clone_from(given);
+    Ok(())
+}
+
+fn example(count: usize) -> String {
+    let names = std::iter::once("time".to_owned()).chain((1..count).map(|at| format!("y{at}")));
+    names.take(6).collect::<Vec<_>>().join(",") + if count > 6 { ",…" } else { "" }
+}
+
+/// The table that these names begin.
+fn table<'a>(
+    cells: &[String],
+    source: &Source<'a>,
+    line: usize,
+    layout: Option<&Layout>,
+) -> Result<Rows<'a>, Problems> {
+    let context = source.context(line, layout);
+    let Header { heads, problems, notes } = context.heads(cells);
+    // Without a place for each cell, the rows mean nothing.
+    if !problems.is_empty() {
+        return Err(Problems::new(problems));
+    }
+    let start = layout.and_then(|layout| layout.preamble.start).unwrap_or(0.0);
+    let grid = Grid { start, ..Grid::at_rate(context.rate()) };
+    let has_commas = layout.is_some_and(|layout| layout.dialect.has_commas);
+    Ok(Rows {
+        table: Table::new(source.origin, heads, grid).with_commas(has_commas),
+        notes,
+        dialect: layout.map_or(Dialect::PLAIN, |layout| layout.dialect),
+        names: cells.to_vec(),
+        comments: 0,
+        part: None,
+    })
+}
+
+/// The rows of a text on their way into a table.
+struct Rows<'a> {
+    table: Table<'a>,
+    notes: Vec<String>,
+    dialect: Dialect,
+    /// The header's cells.
+    names: Vec<String>,
+    /// Lines between the rows that were comments.
+    comments: usize,
+    /// What stands above a further part of the table, while it is read.
+    part: Option<Preamble>,
+}
+
+impl Rows<'_> {
+    /// Reads rows as CSV; `before` lines stand above the first one.
+    fn csv(
+        mut self,
+        mut rows: Reader<impl Read>,
+        source: &Source<'_>,
+        before: usize,
+    ) -> Result<Log, Problems> {
+        let mut row = ByteRecord::new();
+        while rows.read_byte_record(&mut row).map_err(|error| source.broken(error))? {
+            let place = Place::Line(before + line_of(&row));
+            if self.part.is_some() || may_be_none(row.get(0).unwrap_or_default()) {
+                let cells: Vec<&[u8]> = row.iter().collect();
+                if self.is_between(&cells) {
+                    continue;
+                }
+            }
+            self.table.row(row.iter(), place);
+        }
+        self.finish()
+    }
+
+    /// Reads rows of words with blanks between them; the first one stands in line `line`.
+    fn words(
+        mut self,
+        mut bytes: impl BufRead,
+        source: &Source<'_>,
+        line: usize,
+    ) -> Result<Log, Problems> {
+        let mut text = Vec::new();
+        for line in line.. {
+            text.clear();
+            if bytes.read_until(b'\n', &mut text).map_err(|error| source.broken(error))? == 0 {
+                break;
+            }
+            let cells: Vec<&[u8]> = blanks(&text).collect();
+            let Some(first) = cells.first() else { continue };
+            if (self.part.is_some() || may_be_none(first)) && self.is_between(&cells) {
+                continue;
+            }
+            self.table.row(cells.into_iter(), Place::Line(line));
+        }
+        self.finish()
+    }
+
+    /// Whether a line is no row but a comment, or part of a header that comes again.
+    fn is_between(&mut self, cells: &[&[u8]]) -> bool {
+        let first = cells.first().copied().unwrap_or_default();
+        let is_row = cells.len() > 1
+            && cells.iter().filter(|cell| self.dialect.kind(cell).is_value()).count() * 2
+                > cells.len();
+        if is_row && self.part.is_none() {
+            return false;
+        }
+        if cells::comment(first).is_some() {
+            self.comments += 1;
+            return true;
+        }
+        // LabVIEW writes such a head before each part that it appends.
+        if first == b"Channels" {
+            self.part = Some(Preamble::default());
+        }
+        let Some(part) = &mut self.part else { return false };
+        let line = cells.join(&self.dialect.separator);
+        let is_header = cells.iter().zip(&self.names).all(|(cell, name)| {
+            let cell = decode::text(cell);
+            cell.trim().is_empty() || name.starts_with(cell.trim())
+        }) && cells.len() > 1;
+        part.line(&line, self.dialect);
+        if is_header {
+            let grid = Grid { start: part.start.unwrap_or(0.0), ..Grid::at_rate(part.rate) };
+            self.part = None;
+            self.table.begin_part(grid);
+        }
+        true
+    }
+
+    fn finish(self) -> Result<Log, Problems> {
+        let mut log = self.table.finish()?;
+        let mut notes = self.notes;
+        if self.comments > 0 {
+            notes.push(format!("{} lines of comments between the rows are skipped", self.comments));
+        }
+        if log.records().len() > 1
+            && log.is_numbered
+            && self.part.is_none()
+            && log.records()[0].id == 0
+        {
+            notes.push(format!(
+                "has {} parts with a header each, which are records",
+                log.records().len()
+            ));
+        }
+        log.remarks.notes.splice(..0, notes);
+        Ok(log)
+    }
+}
+
+/// Whether a line that begins with this cell may be another thing than a row; asked of each row.
+fn may_be_none(cell: &[u8]) -> bool {
+    let first = cell.iter().find(|byte| !byte.is_ascii_whitespace());
+    first.is_some_and(|byte| !matches!(byte, b'0'..=b'9' | b'-' | b'+' | b'.'))
+}
+
+fn csv_rows<R: Read>(dialect: Dialect, bytes: R) -> Reader<R> {
+    ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(dialect.separator)
+        .buffer_capacity(BUFFER)
+        .from_reader(bytes)
+}
+
+/// Refuses what is no text before a parser makes nonsense of it.
+fn check_is_text(head: &[u8], source: &Source<'_>) -> Result<(), Problems> {
+    let refuse =
+        |rule: &str| Err(source.problem(rule, "save the log as CSV in UTF-8, with commas").into());
+    if let [b'P', b'K', 3, 4, ..] = head {
+        return refuse("is a zip archive or a workbook");
+    }
+    if head.contains(&0) {
+        return refuse("is no text but binary data");
+    }
+    if head.len() == LONGEST_HEADER && !head.contains(&b'\n') && !head.contains(&b'\r') {
+        return refuse("has no line end in its first mebibyte");
+    }
+    Ok(())
+}
+
+fn line_of(row: &ByteRecord) -> usize {
+    row.position().map_or(0, |position| usize::try_from(position.line()).unwrap_or(0))
+}
+
+fn cells_of(row: &ByteRecord) -> Vec<String> {
+    row.iter().map(decode::text).collect()
+}

@@ -1,0 +1,87 @@
+//! Tables in which signals have times of their own: several columns of time, each before its signals.
+
+use std::io::{BufRead, BufReader, Read};
+
+use super::layout::Layout;
+use super::{BUFFER, Source, decode};
+use crate::Problems;
+use crate::log::group::{Found, Group, Raw};
+use crate::log::header::split;
+use crate::log::{Log, cell, time_column};
+
+/// Reads them as groups: those with the same times are one log.
+pub(super) fn read(
+    bytes: impl Read,
+    layout: &Layout,
+    source: &Source<'_>,
+) -> Result<Log, Problems> {
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); layout.header.len()];
+    let mut text = Vec::new();
+    let mut bytes = BufReader::with_capacity(BUFFER, bytes);
+    for line in layout.line.. {
+        text.clear();
+        if bytes.read_until(b'\n', &mut text).map_err(|error| source.broken(error))? == 0 {
+            break;
+        }
+        if text.trim_ascii().is_empty() || super::cells::comment(&text).is_some() {
+            continue;
+        }
+        let row = layout.dialect.split(&text);
+        for (column, at) in columns.iter_mut().zip(0..) {
+            let cell = row.get(at).map_or(&[][..], |cell| cell);
+            if cell.trim_ascii().is_empty()
+                || !layout.kinds.get(at).is_some_and(|kind| kind.is_value())
+            {
+                // Shorter columns end before the others; a gap inside one is told by its row.
+                column.push(f64::NAN);
+                continue;
+            }
+            let number = match layout.dialect.has_commas {
+                true => cell::parse_with_comma(cell),
+                false => cell::parse(cell),
+            };
+            column.push(number.map_err(|(rule, way_out)| {
+                let problem = source.problem(rule, way_out).line(line).at(&layout.header[at]);
+                Problems::from(problem.value(format!("\"{}\"", decode::text(cell))))
+            })?);
+        }
+    }
+    let mut groups: Vec<Group> = Vec::new();
+    for ((cell, mut values), kind) in layout.header.iter().zip(columns).zip(&layout.kinds) {
+        let (name, unit) = match split(cell) {
+            (name, None) => time_column::split_unit(name)
+                .map_or((name, None), |(name, unit)| (name, Some(unit))),
+            whole => whole,
+        };
+        let end = values.iter().rposition(|value| !value.is_nan()).map_or(0, |at| at + 1);
+        values.truncate(end);
+        if time_column::of_name(name).is_some() {
+            let unit = if unit == Some("S") {
+                Some("s")
+            } else {
+                unit.or(time_column::of_name(name).flatten())
+            };
+            groups.push(Group::new("", vec![Raw::new("time", unit.map(str::to_owned), values)]));
+            continue;
+        }
+        let Some(group) = groups.last_mut() else { continue };
+        if !kind.is_value() {
+            if !name.is_empty() {
+                group.leave_out(name, "holds no numbers");
+            }
+            continue;
+        }
+        if group.name.is_empty() {
+            name.clone_into(&mut group.name);
+        }
+        group.columns.push(Raw::new(name, unit.map(str::to_owned), values));
+    }
+    groups.retain(|group| group.columns.len() > 1);
+    for group in &mut groups {
+        let rows = group.columns.iter().map(|raw| raw.values.len()).max().unwrap_or(0);
+        group.columns.iter_mut().for_each(|raw| raw.values.resize(rows, f64::NAN));
+    }
+    let mut found = Found::from(groups);
+    found.notes.push("has several columns of time, each of the signals behind it".into());
+    found.log(source.origin, source.options, source.datasets)
+}
