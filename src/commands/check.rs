@@ -55,6 +55,8 @@ struct Fmu {
     model: Option<String>,
     fmi_version: Option<&'static str>,
     platforms: Vec<String>,
+    /// Whether it has C sources.
+    sources: bool,
     errors: usize,
     warnings: usize,
     problems: Vec<Problem>,
@@ -119,6 +121,7 @@ fn check(path: &Path, patience: Option<Duration>) -> Fmu {
         model: description.map(|d| d.model_name.clone()),
         fmi_version: description.map(|d| d.fmi_version.text()),
         platforms: package.as_ref().map(Package::platforms).unwrap_or_default(),
+        sources: package.as_ref().is_some_and(Package::has_sources),
         errors: count(Severity::Error),
         warnings: count(Severity::Warning),
         problems,
@@ -174,6 +177,15 @@ fn not_repeated(package: &Package, error: &anyhow::Error) -> Problem {
     .way_out("pack the FMU again, or check without --replay")
 }
 
+impl Fmu {
+    /// What it runs on, for people.
+    fn targets(&self) -> String {
+        let sources = self.sources.then(|| "compilers of its C sources".to_owned());
+        let all: Vec<_> = self.platforms.iter().cloned().chain(sources).collect();
+        all.join(", ")
+    }
+}
+
 impl Answer for Checked {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         for fmu in &self.fmus {
@@ -182,7 +194,7 @@ impl Answer for Checked {
             }
             let what = match (&fmu.model, fmu.fmi_version) {
                 (Some(model), Some(version)) => {
-                    format!("\"{model}\", FMI {version}, for {}: ", fmu.platforms.join(", "))
+                    format!("\"{model}\", FMI {version}, for {}: ", fmu.targets())
                 }
                 _ => String::new(),
             };
@@ -199,10 +211,11 @@ impl Answer for Checked {
             };
             if fmu.has_reference && fmu.replay.is_none() && errors == 0 {
                 let path = fmu.path.display();
-                writeln!(
-                    out,
-                    "{path}: has reference results; --replay runs its code and repeats them"
-                )?;
+                let how = match fmu.platforms.is_empty() && fmu.sources {
+                    true => "to be repeated with --replay where its sources have been compiled",
+                    false => "--replay runs its code and repeats them",
+                };
+                writeln!(out, "{path}: has reference results; {how}")?;
             }
             let replayed = fmu.replay.as_ref().map_or(String::new(), |replay| {
                 let worst = replay.outputs.iter().map(|o| o.difference).fold(0.0, f64::max);

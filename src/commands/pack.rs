@@ -21,7 +21,7 @@ use crate::{documentation, fmus, inputs, libraries};
 /// The shared library inside the FMU is carried by this tool; no compiler is needed.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_plant.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu"
+    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_plant.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu\n  piezoloop pack evc --sources=only -o evc.fmu"
 )]
 pub(crate) struct Pack {
     /// A blueprint file, or the name of a rig
@@ -47,6 +47,24 @@ pub(crate) struct Pack {
     /// it: all of them go in
     #[arg(long, value_name = "FOLDER")]
     libraries: Option<PathBuf>,
+    /// Add the FMU as C99, for targets that no library is for; with =only, no library goes in
+    #[arg(
+        long,
+        value_name = "only",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "beside"
+    )]
+    sources: Option<Sources>,
+}
+
+/// What C sources go beside.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Sources {
+    /// The shared libraries
+    Beside,
+    /// Nothing
+    Only,
 }
 
 /// FMI version that blueprints are packed with before they are simulated.
@@ -74,6 +92,8 @@ pub(crate) struct Packed {
     variables: usize,
     internal_step_s: f64,
     platforms: Vec<String>,
+    /// Whether it can be compiled from its sources.
+    sources: bool,
     bytes: usize,
 }
 
@@ -95,6 +115,13 @@ impl Pack {
         }
         let output = inputs::output(self.out.clone(), &source.blueprint.name, "fmu");
         inputs::not_over(&output, &[&self.blueprint])?;
+        if self.sources == Some(Sources::Only)
+            && !(self.binaries.is_empty() && self.libraries.is_none())
+        {
+            bail!(
+                "--sources=only: no library goes in; leave out --binary and --libraries, or write --sources"
+            );
+        }
         let mut binaries: Vec<_> =
             self.binaries.iter().map(|text| Binary::read(text)).collect::<Result<_, _>>()?;
         if let Some(folder) = &self.libraries {
@@ -108,7 +135,7 @@ impl Pack {
             Version::Two => FmiVersion::V2,
             Version::Three => FmiVersion::V3,
         };
-        pack(&source, version, &binaries, &output)
+        pack_with(&source, version, &binaries, self.sources, &output)
     }
 }
 
@@ -119,7 +146,18 @@ pub(crate) fn pack(
     given: &[Binary],
     output: &Path,
 ) -> anyhow::Result<Packed> {
-    let mut assembled = assemble(source, version, given)?;
+    pack_with(source, version, given, None, output)
+}
+
+/// As [`pack`], with C sources where they are wanted.
+fn pack_with(
+    source: &inputs::BlueprintText,
+    version: FmiVersion,
+    given: &[Binary],
+    sources: Option<Sources>,
+    output: &Path,
+) -> anyhow::Result<Packed> {
+    let mut assembled = assemble(source, version, given, sources.is_some())?;
     let Assembled { package, description, .. } = &mut assembled;
     // What this platform's library computes; without one there is nothing to hold another against.
     let reference = match Platform::from_name(libraries::PLATFORM) {
@@ -131,6 +169,11 @@ pub(crate) fn pack(
     }
     let page = documentation::page(&source.blueprint, description, reference.as_ref())?;
     package.documentation("index.html", page.into_bytes())?;
+    if sources == Some(Sources::Only) {
+        package.remove_binaries();
+        assembled.platforms.clear();
+    }
+    let Assembled { package, .. } = &assembled;
     let bytes = package.to_bytes()?.len();
     package.write(output)?;
     let Assembled { system, kind, platforms, description, .. } = assembled;
@@ -143,6 +186,7 @@ pub(crate) fn pack(
         variables: system.variables().len(),
         internal_step_s: system.period(),
         platforms,
+        sources: sources.is_some(),
         bytes,
     })
 }
@@ -150,7 +194,7 @@ pub(crate) fn pack(
 /// Writes the FMU of a blueprint for a run of our own: nobody reads it, so it has no page and no
 /// reference results.
 pub(crate) fn pack_to_run(source: &inputs::BlueprintText, output: &Path) -> anyhow::Result<()> {
-    assemble(source, PACKED_WITH, &[])?.package.write(output)?;
+    assemble(source, PACKED_WITH, &[], false)?.package.write(output)?;
     Ok(())
 }
 
@@ -168,6 +212,7 @@ fn assemble(
     source: &inputs::BlueprintText,
     version: FmiVersion,
     given: &[Binary],
+    with_sources: bool,
 ) -> anyhow::Result<Assembled> {
     let checked = source.blueprint.check(learned::COMPONENTS)?;
     let system = checked.build();
@@ -177,7 +222,14 @@ fn assemble(
             (&libraries::CONTROLLER, "controller", include_bytes!("../icons/controller.png"))
         }
     };
-    let mut about = About::new(version, system.name(), co_simulation(&system), system.period());
+    let mut co_simulation = co_simulation(&system);
+    if with_sources {
+        let common = &mut co_simulation.common;
+        // The C asks for its memory through the importer's functions, which FMI 3.0 does not have.
+        common.can_not_use_memory_management_functions = version != FmiVersion::V2;
+        common.source_files = vec![source::package::MAIN.to_owned()];
+    }
+    let mut about = About::new(version, system.name(), co_simulation, system.period());
     let categories = fmi_bindings::export::LOG_CATEGORIES;
     about.log_categories =
         categories.iter().map(|(name, what)| ((*name).to_owned(), (*what).to_owned())).collect();
@@ -198,6 +250,9 @@ fn assemble(
             .binary(folder, binary.bytes.clone())
             .with_context(|| format!("--binary {}: give one library per platform", binary.text))?;
         platforms.push(folder.to_owned());
+    }
+    if with_sources {
+        put_sources(&mut package, version, &checked)?;
     }
     put_icon(&mut package, version, icon)?;
     package.resource("blueprint.toml", source.text.clone().into_bytes())?;
@@ -232,6 +287,23 @@ fn tell(about: &mut About, source: &inputs::BlueprintText) {
         let digits = hex::encode(&digest[..6]);
         Some(format!("blueprint {digits}"))
     });
+}
+
+/// The model as C.
+fn put_sources(
+    package: &mut PackageBuilder,
+    version: FmiVersion,
+    checked: &data::CheckedBlueprint,
+) -> anyhow::Result<()> {
+    let is_v2 = version == FmiVersion::V2;
+    let files = source::package::files(checked.spec(), checked.system(), is_v2);
+    for (name, content) in files.map_err(anyhow::Error::msg)? {
+        package.source(&name, content)?;
+    }
+    let notice = b"sources/core.h was translated by wasm2c of the WebAssembly Binary Toolkit (WABT), whose text it\n\
+        repeats in part: Copyright WebAssembly Community Group participants, Apache-2.0 (LICENSE-APACHE.txt).\n";
+    package.license("wabt.txt", notice.to_vec())?;
+    Ok(())
 }
 
 /// The icon, where each version of the standard wants it.
@@ -381,6 +453,15 @@ impl Binary {
     }
 }
 
+impl Packed {
+    /// What it runs on, for people.
+    fn targets(&self) -> String {
+        let mut targets = self.platforms.clone();
+        targets.extend(self.sources.then(|| "every C99 compiler (sources)".to_owned()));
+        targets.join(", ")
+    }
+}
+
 impl Answer for Packed {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(
@@ -392,7 +473,7 @@ impl Answer for Packed {
             self.fmi_version,
             self.variables,
             self.internal_step_s,
-            self.platforms.join(", "),
+            self.targets(),
             self.bytes.div_ceil(1000)
         )
     }

@@ -113,7 +113,7 @@ pub(crate) struct Host {
 }
 
 /// The standard's headers, which fmpy carries.
-fn headers() -> PathBuf {
+pub(crate) fn headers() -> PathBuf {
     let code = "import fmpy, os; print(os.path.join(os.path.dirname(fmpy.__file__), 'c-code'))";
     let folder = tempfile::tempdir().expect("a folder");
     PathBuf::from(python::script(code, &[], folder.path()).trim())

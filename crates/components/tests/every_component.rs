@@ -2,167 +2,15 @@
 //!
 //! A new component fails here until it has its line in `EXAMPLES`.
 
+mod examples;
+
 use components::{COMPONENTS, find};
+use examples::{EXAMPLES, T, gain, node};
 use model::{
-    AxisSpec, Causality, Component, Connections, Conversion, CouplingSpec, DataType, Declaration,
-    Input, Kind, NodeSpec, Source, Stage, System, SystemSpec, Unit, unit_on_axis,
+    Causality, Component, DataType, Declaration, Input, Kind, NodeSpec, Source, System, Unit,
+    unit_on_axis,
 };
 use proptest::prelude::*;
-
-const T: f64 = 1e-4;
-
-/// Kind, structure, parameters in the declared units with V and um.
-type Example = (&'static str, &'static [f64], &'static [f64]);
-
-const EXAMPLES: &[Example] = &[
-    ("delay", &[0.01], &[2.35e-4]),
-    ("clock-offset", &[0.01], &[2e-3, 5e-5, 1e-5, 4.0]),
-    ("dac-quantisation", &[], &[0.01]),
-    ("amplifier-lag", &[], &[800.0, 1.1]),
-    ("amplifier-second-order", &[], &[900.0, 0.7, 1.0]),
-    ("amplifier-rc", &[], &[100.0, 1e-6, 0.05, 1.1, 2e-6]),
-    ("amplifier-slew", &[], &[5000.0]),
-    ("amplifier-foldback", &[], &[0.02, 0.1, 1e-6, 0.5]),
-    ("amplifier-clamp", &[], &[-20.0, 120.0, 2.0]),
-    ("amplifier-nonlinearity", &[], &[0.1, 1e-3, -2e-3, 50.0, 70.0]),
-    ("piezo-charge", &[], &[1.8e-6, 2e-6]),
-    ("polarisation-saturation", &[], &[0.02, 50.0, 70.0]),
-    ("actuator-gain", &[], &[0.05, 0.3]),
-    ("actuator-temperature", &[], &[0.002, 35.0, 20.0]),
-    ("actuator-ageing", &[], &[0.03, 10.0]),
-    ("self-heating", &[], &[0.02, 1e-6, 50.0, 20.0, 1e-3, 0.01, 1.0, 1.0]),
-    ("prandtl-ishlinskii", &[3.0], &[0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.3]),
-    (
-        "modified-prandtl-ishlinskii",
-        &[3.0, 2.0],
-        &[0.0, 8.0, 20.0, 0.05, 0.02, 0.01, -1.0, 3.0, 0.1, -0.2, 0.3],
-    ),
-    (
-        "skewed-play",
-        &[3.0],
-        &[
-            0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.0, 0.004, -0.002, 0.3, 0.01, 0.2, 0.1, -0.05, 50.0,
-            70.0,
-        ],
-    ),
-    (
-        "generalised-play",
-        &[3.0],
-        &[
-            0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.3, 180.0, 0.006, -0.05, 2.0, 200.0, 0.0055, 0.02,
-            3.0,
-        ],
-    ),
-    ("preisach", &[6.0], &[0.5, 1.0, 0.2, 0.1, 0.3, 0.7, -20.0, 120.0, 0.3]),
-    ("bouc-wen", &[], &[0.06, 0.2, 0.02, 0.01, 0.002, 1.3, 0.3]),
-    ("duhem", &[], &[0.06, 0.04, 0.05, 0.3]),
-    ("dahl", &[], &[0.06, 0.4, 20.0, 0.3]),
-    ("rate-dependent-play", &[2.0], &[4.0, 12.0, 0.02, 0.01, 0.3, 0.05, 1e-5]),
-    ("lagging-play", &[2.0], &[4.0, 12.0, 0.02, 0.01, 0.3, 0.05, 150.0]),
-    ("grpi", &[2.0], &[0.0, 12.0, 0.05, 0.01, 0.3, 1.02, -1e-5, 0.99, 2e-5]),
-    ("mpi", &[2.0], &[4.0, 12.0, 0.02, 0.01, 0.3, 0.05, 1e-8, 1.1, 1e-5]),
-    (
-        "dynamic-prandtl-ishlinskii",
-        &[2.0, 4.0],
-        &[0.0, 12.0, 0.05, 0.01, -1e-8, -1e-8, 1e-8, 1e-8, 1e-13, 1e-13, 1e-13, 1e-13, 0.3],
-    ),
-    ("remanence", &[], &[0.5, 40.0]),
-    ("kelvin-voigt-creep", &[2.0], &[0.02, 0.03, 0.1, 5.0]),
-    ("logarithmic-creep", &[0.01, 1e4], &[0.015, 0.1]),
-    ("fractional-creep", &[1e-3, 100.0], &[0.05]),
-    ("load-force", &[], &[20.0]),
-    ("mode", &[], &[482.6, 0.02, 1.1]),
-    ("mode-pair", &[], &[482.6, 0.02, 1200.0, 0.01, 0.1]),
-    ("arx", &[2e-4, 2.0, 2.0], &[0.2, -0.1, -1.2, 0.3]),
-    ("collocated-mode", &[], &[482.6, 0.02, 350.0, 0.03]),
-    ("loaded-mode", &[], &[482.6, 0.02, 0.3, 0.05, 1e4]),
-    ("duffing", &[], &[482.6, 0.02, 0.02, 5.0]),
-    ("position-stiffness", &[], &[482.6, 0.02, 0.1, 0.05, 3.0, 5.0]),
-    ("friction", &[], &[482.6, 0.02, 0.05, 0.07, 0.01, 100.0]),
-    ("nonlinear-damping", &[], &[482.6, 0.02, 0.05, 40.0, 1e-6]),
-    ("backlash", &[], &[0.05, 0.2]),
-    ("cutting-force", &[], &[0.1, 100.0, 0.3, 0.5]),
-    ("vibration", &[2.0], &[30.0, 70.0, 0.02, 0.01, 0.5, 1.0]),
-    ("command-coupling", &[2.0, 4.0], &[0.0, 1e-3, 2e-3, 0.0]),
-    ("displacement-coupling", &[2.0, 4.0], &[0.0, 0.02, -0.03, 0.0]),
-    ("mode-coupling", &[2.0, 4.0], &[0.0, 1e-3, 2e-3, 0.0, 480.0, 290.0, 0.02, 0.03]),
-    (
-        "modal-matrix",
-        &[2.0, 4.0, 1.0, 4.0],
-        &[0.3, 0.0, 0.0, 0.2, 480.0, 0.02, 0.7, 0.1, -0.2, 0.8, 0.01, 0.0, 0.0, -0.01],
-    ),
-    ("optics-jacobian", &[2.0, 4.0], &[1.0, 0.02, -0.03, 0.9, 3.0, -2.0]),
-    ("psd-pincushion", &[2.0], &[0.01, 5000.0]),
-    ("thermal-drift", &[], &[1e-3, 0.1, 100.0, 0.05, 1.0]),
-    ("thermal-expansion", &[], &[0.02, 0.01, 20.0]),
-    ("disturbance", &[], &[1.0]),
-    ("floor-vibration", &[], &[0.01, 10.0, 0.1, 5.0]),
-    ("sensor-lag", &[], &[1500.0]),
-    ("sensor-second-order", &[], &[1500.0, 0.7]),
-    ("sensor-butterworth", &[5.0], &[1500.0]),
-    ("sensor-scale", &[], &[1.02, 0.1]),
-    ("sensor-polynomial", &[], &[1e-3, 2e-3, 3.0, 5.0]),
-    ("sensor-quad-cell", &[], &[30.0, 3.0]),
-    ("sensor-noise", &[0.01], &[0.002, 10.0, 6.0]),
-    ("sensor-drift", &[], &[0.05, 7.0]),
-    ("mains-hum", &[2.0], &[0.01, 0.005, 0.2, 0.4, 50.0]),
-    ("crosstalk", &[], &[1e-3, 1e-6]),
-    ("sensor-quantisation", &[], &[0.001]),
-    ("inverse-prandtl-ishlinskii", &[3.0], &[0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.3]),
-    (
-        "inverse-modified-prandtl-ishlinskii",
-        &[3.0, 2.0],
-        &[0.0, 8.0, 20.0, 0.05, 0.02, 0.01, -1.0, 3.0, 0.1, -0.2, 0.3],
-    ),
-    (
-        "inverse-generalised-play",
-        &[3.0],
-        &[
-            0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.3, 180.0, 0.006, -0.05, 2.0, 200.0, 0.0055, 0.02,
-            3.0,
-        ],
-    ),
-    ("inverse-preisach", &[6.0], &[0.5, 1.0, 0.2, 0.1, 0.3, 0.7, -20.0, 120.0, 0.3]),
-    ("inverse-bouc-wen", &[], &[0.06, 0.2, 0.02, 0.01, 0.002, 1.0, 0.3, -20.0, 150.0]),
-    ("inverse-duhem", &[], &[0.06, 0.04, 0.05, 0.3, -20.0, 150.0]),
-    ("inverse-dahl", &[], &[0.06, 0.4, 20.0, 0.3, -20.0, 150.0]),
-    (
-        "inverse-rate-dependent-play",
-        &[2.0],
-        &[4.0, 12.0, 0.02, 0.01, 0.3, 0.05, 1e-5, -20.0, 150.0],
-    ),
-    ("inverse-grpi", &[2.0], &[0.0, 12.0, 0.05, 0.01, 0.3, 1.02, -1e-5, 0.99, 2e-5, -20.0, 150.0]),
-    ("inverse-mpi", &[2.0], &[4.0, 12.0, 0.02, 0.01, 0.3, 0.05, 1e-8, 1.1, 1e-5, -20.0, 150.0]),
-    (
-        "inverse-dynamic-prandtl-ishlinskii",
-        &[2.0, 4.0],
-        &[
-            0.0, 12.0, 0.05, 0.01, -1e-8, -1e-8, 1e-8, 1e-8, 1e-13, 1e-13, 1e-13, 1e-13, 0.3,
-            -20.0, 150.0,
-        ],
-    ),
-    ("jacobian-coordinator", &[2.0, 4.0], &[1.0, 0.02, -0.03, 0.9, 3.0, -2.0, 1000.0]),
-    ("reference-preview", &[0.01], &[2.35e-4]),
-    ("reference-filter", &[], &[200.0, 0.8]),
-    ("disturbance-observer", &[0.1], &[10.0, 1e-3, 2.35e-4, 0.5]),
-    ("reference-lead", &[], &[1e-3, 1e-7, 0.5]),
-    ("inverse-kelvin-voigt-creep", &[2.0], &[0.02, 0.03, 0.1, 5.0]),
-    ("reference-curve", &[3.0], &[0.0, 4.0, 9.0, 0.1, 3.8, 9.5]),
-    ("feedforward-gain", &[], &[15.0, 0.3]),
-    ("bouc-wen-feedforward", &[], &[0.06, 0.2, 0.02, 0.01, 1e-4, 1e-7, 0.5]),
-    ("command-curve", &[3.0], &[0.0, 50.0, 120.0, -2.0, 52.0, 118.0]),
-    ("notch", &[], &[480.0, 0.5, 0.1]),
-    ("repetitive", &[0.01, 5.0], &[0.5, 3e-4, 0.99, 20.0]),
-    ("pid", &[], &[2.0, 300.0, 1e-4, 0.0, 0.0, 120.0, 0.9, 5e5, 0.0, 1.0, 20.0]),
-    ("incremental-pid", &[], &[2.0, 300.0, 1e-4, 0.0, 120.0, 0.9, 5e5, 1.0, 20.0]),
-];
-
-fn node((kind, structure, values): &Example) -> NodeSpec {
-    let component = find(kind).unwrap_or_else(|| panic!("{kind} is not registered"));
-    let name = component.declaration().name.to_string();
-    let (structure, values) = (structure.to_vec(), values.to_vec());
-    NodeSpec { component: component.into(), name, structure, values, enabled: true }
-}
 
 /// The input ports of an instance; those of a coupling for two axes.
 fn ports(declaration: &Declaration) -> Vec<Input> {
@@ -177,65 +25,8 @@ fn outputs_of(declaration: &Declaration) -> usize {
     declaration.outputs.len() * if declaration.is_coupling() { 2 } else { 1 }
 }
 
-fn gain(kind: &'static str) -> NodeSpec {
-    let mut node = node(&(kind, &[], &[0.05, 0.3]));
-    if kind == "feedforward-gain" {
-        node.values = vec![20.0, 0.3];
-    }
-    node.name = "linear".into();
-    node
-}
-
-/// A model of one axis with this component where its kind of signal is; of two axes around a
-/// coupling.
 fn around(node: NodeSpec) -> System {
-    let declaration = node.component.declaration();
-    if declaration.conversion == Conversion::PositionToMotion {
-        let linear = || vec![gain("feedforward-gain")];
-        let axes = vec![axis("x", linear()), axis("y", linear())];
-        let coupling = CouplingSpec { node, axes: vec![0, 1], after: None };
-        return system(Kind::Controller, axes, vec![coupling]);
-    }
-    if declaration.is_coupling() {
-        let axes =
-            vec![axis("x", vec![gain("actuator-gain")]), axis("y", vec![gain("actuator-gain")])];
-        let coupling = CouplingSpec { node, axes: vec![0, 1], after: None };
-        return system(Kind::Plant, axes, vec![coupling]);
-    }
-    let before =
-        declaration.stage <= Stage::Amplifier || declaration.kind == "polarisation-saturation";
-    let (kind, components) = match declaration.conversion {
-        Conversion::CommandToPosition => (Kind::Plant, vec![node]),
-        Conversion::None if declaration.stage == Stage::Control => {
-            (Kind::Controller, vec![node, gain("feedforward-gain")])
-        }
-        Conversion::None if before => (Kind::Plant, vec![node, gain("actuator-gain")]),
-        Conversion::None | Conversion::MotionToPosition | Conversion::PositionToMotion => {
-            (Kind::Plant, vec![gain("actuator-gain"), node])
-        }
-        Conversion::PositionToCommand => (Kind::Controller, vec![node]),
-        Conversion::Control => (Kind::Controller, vec![gain("feedforward-gain"), node]),
-    };
-    system(kind, vec![axis("x", components)], Vec::new())
-}
-
-fn axis(name: &str, components: Vec<NodeSpec>) -> AxisSpec {
-    AxisSpec {
-        name: name.into(),
-        command_unit: "V".into(),
-        position_unit: "um".into(),
-        command_range: (-1000.0, 1000.0),
-        position_range: (f64::NEG_INFINITY, f64::INFINITY),
-        start: 0.0,
-        aliases: vec![],
-        components,
-    }
-}
-
-fn system(kind: Kind, axes: Vec<AxisSpec>, couplings: Vec<CouplingSpec>) -> System {
-    let connections = Connections { couplings, ..Connections::default() };
-    let spec = SystemSpec { name: "test".into(), kind, period: T, axes, connections };
-    System::new(&spec).unwrap_or_else(|errors| panic!("{errors:?}"))
+    System::new(&examples::around(node)).unwrap_or_else(|errors| panic!("{errors:?}"))
 }
 
 /// Sets command, or reference and measured, from one number in 0 … 1.

@@ -6,4 +6,5 @@
 pub mod export;
 pub mod fmi2;
 pub mod fmi3;
+#[cfg(not(target_family = "wasm"))]
 pub mod import;

@@ -62,6 +62,7 @@ struct Loaded {
     /// Of a straight line over the input.
     slope: f64,
     sum: KernelSum,
+    table: Table,
 }
 
 fn narx(_period: f64, structure: &[f64]) -> Option<Features> {
@@ -124,7 +125,7 @@ impl Family {
         let centres: Vec<f64> =
             rows.chunks_exact(columns).flat_map(|row| row[1..].iter().copied()).collect();
         let sum = KernelSum::new(d, &centres, &weights, &head[1..], head[0]);
-        Ok(Loaded { family: self, features, slope, sum })
+        Ok(Loaded { family: self, features, slope, sum, table: table.clone() })
     }
 }
 
@@ -197,6 +198,10 @@ impl Loaded {
 impl Component for Loaded {
     fn declaration(&self) -> &'static Declaration {
         self.family.declaration
+    }
+
+    fn table(&self) -> Option<&Table> {
+        Some(&self.table)
     }
 
     fn inverses(&self) -> &'static [Inverse] {

@@ -70,14 +70,14 @@ impl KernelSum {
         }
         let job =
             Value { centres: &self.centres, weights: &self.weights, z: scaled, d: self.dimension };
-        self.bias + self.arch.dispatch(job)
+        self.bias + dispatch(self.arch, job)
     }
 
     /// As [`value`](Self::value), with a point that is divided by σ already.
     #[must_use]
     pub fn value_of_scaled(&self, z: &[f64]) -> f64 {
         let job = Value { centres: &self.centres, weights: &self.weights, z, d: self.dimension };
-        self.bias + self.arch.dispatch(job)
+        self.bias + dispatch(self.arch, job)
     }
 
     /// 1/σ of each coordinate.
@@ -85,6 +85,19 @@ impl KernelSum {
     pub fn scale(&self) -> &[f64] {
         &self.scale
     }
+}
+
+/// Runs on the vectors of this machine; inside WebAssembly on single numbers, so that its C needs no header
+/// for vectors and gives the same bits everywhere.
+#[inline(always)]
+fn dispatch<J: WithSimd>(arch: Arch, job: J) -> J::Output {
+    #[cfg(target_family = "wasm")]
+    {
+        let _ = arch;
+        job.with_simd(pulp::Scalar)
+    }
+    #[cfg(not(target_family = "wasm"))]
+    arch.dispatch(job)
 }
 
 /// Blocks of 32 points, coordinate by coordinate; the last one is filled up with zeros.

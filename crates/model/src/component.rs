@@ -471,6 +471,11 @@ pub trait Component: Send + Sync {
         false
     }
 
+    /// The table that it runs.
+    fn table(&self) -> Option<&Table> {
+        None
+    }
+
     /// The component of this declaration and structure that runs `table`.
     ///
     /// # Errors
@@ -516,6 +521,7 @@ pub trait Component: Send + Sync {
     /// [`step`](Self::step) on the cells of a system. It stands here so that each component has a
     /// copy of it, compiled together with its own step: one call per hit, whose slices stay in
     /// registers.
+    #[cfg(not(target_family = "wasm"))]
     #[doc(hidden)]
     fn step_within(&self, wiring: &Wiring, cells: &mut [f64], tick: &Tick) {
         wiring.apply(cells, |coefficients, state, inputs, outputs| {
@@ -525,8 +531,31 @@ pub trait Component: Send + Sync {
 
     /// As [`step_within`](Self::step_within), for an instance with one input, whose signal is given,
     /// and one output, whose signal is returned.
+    #[cfg(not(target_family = "wasm"))]
     #[doc(hidden)]
     fn step_straight(&self, wiring: &Wiring, cells: &mut [f64], tick: &Tick, input: f64) -> f64 {
+        wiring.apply_straight(cells, input, |coefficients, state, inputs, outputs| {
+            self.step(coefficients, state, *tick, inputs, outputs);
+        })
+    }
+}
+
+/// The same once for all components: in a source-code FMU each copy is C that is compiled.
+#[cfg(target_family = "wasm")]
+impl dyn Component {
+    pub(crate) fn step_within(&self, wiring: &Wiring, cells: &mut [f64], tick: &Tick) {
+        wiring.apply(cells, |coefficients, state, inputs, outputs| {
+            self.step(coefficients, state, *tick, inputs, outputs);
+        });
+    }
+
+    pub(crate) fn step_straight(
+        &self,
+        wiring: &Wiring,
+        cells: &mut [f64],
+        tick: &Tick,
+        input: f64,
+    ) -> f64 {
         wiring.apply_straight(cells, input, |coefficients, state, inputs, outputs| {
             self.step(coefficients, state, *tick, inputs, outputs);
         })

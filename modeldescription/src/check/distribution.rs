@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{binary, functions, read_and_check};
+use super::{binary, functions, read_and_check, sources};
 use crate::description::{FmiVersion, ModelDescription};
 use crate::package::{Archive, EntryDefect, Limits, PackageError, Platform};
 use crate::problem::{MODEL_DESCRIPTION, Problem, Topic};
@@ -36,7 +36,7 @@ pub(super) fn check(path: &Path, limits: &Limits) -> Result<Vec<Problem>, Packag
     folders(&mut problems, version, &content.files);
     problems.extend(in_xml);
     if let Some(description) = description.filter(|_| !content.is_bomb()) {
-        implementations(&mut problems, &description, &mut content);
+        implementations(&mut problems, &description, &mut content, limits);
     }
     if !content.is_bomb() {
         unread_entries(&mut problems, version, &mut content);
@@ -45,10 +45,10 @@ pub(super) fn check(path: &Path, limits: &Limits) -> Result<Vec<Problem>, Packag
 }
 
 /// The files of an FMU, wherever they are.
-struct Content {
+pub(super) struct Content {
     source: Source,
     /// Paths with forward slashes and sizes.
-    files: BTreeMap<String, u64>,
+    pub(super) files: BTreeMap<String, u64>,
     /// The files that were read, so that a defect of theirs is reported.
     read: BTreeSet<String>,
 }
@@ -82,7 +82,7 @@ impl Content {
     }
 
     /// The bytes of a file; None if there is none, or a message.
-    fn read(&mut self, path: &str, limit: u64) -> Option<Result<Vec<u8>, String>> {
+    pub(super) fn read(&mut self, path: &str, limit: u64) -> Option<Result<Vec<u8>, String>> {
         let size = *self.files.get(path)?;
         self.read.insert(path.to_owned());
         if size > limit {
@@ -271,6 +271,7 @@ fn implementations(
     problems: &mut Vec<Problem>,
     description: &ModelDescription,
     content: &mut Content,
+    limits: &Limits,
 ) {
     let version = description.fmi_version;
     let platforms: BTreeSet<String> = content
@@ -279,7 +280,7 @@ fn implementations(
         .filter_map(|path| path.strip_prefix("binaries/")?.split_once('/'))
         .map(|(platform, _)| platform.to_owned())
         .collect();
-    if platforms.is_empty() && !has_sources(description, content) {
+    if platforms.is_empty() && !sources::are_there(description, content) {
         let found = "the FMU has neither binaries nor sources".to_owned();
         let problem = Problem::in_entry(version, Topic::Distribution, "binaries/", found);
         let way_out = match version {
@@ -288,39 +289,9 @@ fn implementations(
         };
         problems.push(problem.rule("at least one implementation is required").way_out(way_out));
     }
-    sources(problems, description, content);
+    sources::check(problems, description, content, limits);
     for name in platforms {
         platform(problems, description, content, &name);
-    }
-}
-
-fn has_sources(description: &ModelDescription, content: &Content) -> bool {
-    match description.fmi_version {
-        FmiVersion::V2 => description.interfaces().any(|(_, i)| !i.source_files.is_empty()),
-        FmiVersion::V3 => content.files.contains_key("sources/buildDescription.xml"),
-    }
-}
-
-fn sources(problems: &mut Vec<Problem>, description: &ModelDescription, content: &Content) {
-    let version = description.fmi_version;
-    let mut report = |file: &str, found: &str, rule: &str, way_out: &str| {
-        let problem = Problem::in_entry(version, Topic::Distribution, file, found.to_owned());
-        problems.push(problem.rule(rule).way_out(way_out));
-    };
-    let named: BTreeSet<String> = description
-        .interfaces()
-        .flat_map(|(_, interface)| &interface.source_files)
-        .map(|file| format!("sources/{file}"))
-        .collect();
-    for file in named.iter().filter(|file| !content.files.contains_key(*file)) {
-        let rule = "every <File> of <SourceFiles> must be below sources/";
-        report(file, "there is no such file", rule, "add it or remove it from the list");
-    }
-    let has_folder = content.files.keys().any(|path| path.starts_with("sources/"));
-    let build = "sources/buildDescription.xml";
-    if version == FmiVersion::V3 && has_folder && !content.files.contains_key(build) {
-        let rule = "a folder sources must tell how to build them";
-        report(build, "there is no such file", rule, "add it");
     }
 }
 

@@ -6,6 +6,7 @@ mod functions;
 mod names;
 mod references;
 mod root;
+mod sources;
 mod structure;
 mod types;
 mod units;

@@ -73,6 +73,21 @@ impl PackageBuilder {
         self.entry(format!("resources/{path}"), content)
     }
 
+    /// Adds a file of the FMU as C, below `sources/`; the description (2.0) or a file
+    /// `buildDescription.xml` (3.0) says which are compiled.
+    ///
+    /// # Errors
+    /// As [`PackageBuilder::entry`].
+    pub fn source(&mut self, path: &str, content: Vec<u8>) -> Result<&mut Self, PackageError> {
+        self.entry(format!("sources/{path}"), content)
+    }
+
+    /// Takes the shared libraries out again.
+    pub fn remove_binaries(&mut self) -> &mut Self {
+        self.entries.retain(|path, _| !path.starts_with("binaries/"));
+        self
+    }
+
     /// Adds a file for people, below `documentation/`; they start at `index.html`.
     ///
     /// # Errors

@@ -153,7 +153,7 @@ pub enum PackageError {
         source: ParseError,
     },
     /// There is no shared library for this platform.
-    #[error("\"{}\" has no binary for this platform: {wanted} does not exist; {}", package.display(), present(platforms))]
+    #[error("\"{}\" has no binary for this platform: {wanted} does not exist; {}{}", package.display(), present(platforms), compilable(*has_sources))]
     NoBinary {
         /// The archive or folder.
         package: PathBuf,
@@ -161,6 +161,8 @@ pub enum PackageError {
         wanted: String,
         /// The platforms the FMU has binaries for.
         platforms: Vec<String>,
+        /// Whether it has C sources.
+        has_sources: bool,
     },
     /// The model description names no interface type, so no binary.
     #[error("\"{}\": modelDescription.xml has neither CoSimulation nor ModelExchange, so no binary is named", package.display())]
@@ -218,5 +220,14 @@ fn present(platforms: &[String]) -> String {
     match platforms {
         [] => "the FMU has no binaries at all (is it a source-code FMU?)".to_owned(),
         names => format!("the FMU has binaries for {}", names.join(", ")),
+    }
+}
+
+/// The way out where there is no library, but C.
+fn compilable(has_sources: bool) -> &'static str {
+    if has_sources {
+        "; it has C sources: compile them first, as with \"fmpy compile\""
+    } else {
+        ""
     }
 }

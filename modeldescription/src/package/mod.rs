@@ -107,6 +107,7 @@ impl Package {
                 None => format!("a folder for {}-{}", std::env::consts::ARCH, std::env::consts::OS),
             },
             platforms: self.platforms(),
+            has_sources: self.has_sources(),
         })
     }
 
@@ -134,6 +135,11 @@ impl Package {
             folders.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
         names.sort();
         names
+    }
+
+    /// Whether it has C sources.
+    pub fn has_sources(&self) -> bool {
+        self.folder.join("sources").is_dir()
     }
 
     /// The folder `resources`, an absolute path; what `fmi3Instantiate…` gets.

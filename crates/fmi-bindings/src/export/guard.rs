@@ -156,6 +156,9 @@ pub fn install_panic_hook() {
         std::panic::set_hook(Box::new(|info| {
             let mut kept = Kept { length: 0, bytes: [0; KEPT] };
             let _ = write!(kept, "{info}");
+            // There a panic ends the instance, and what is around it tells the importer.
+            #[cfg(target_family = "wasm")]
+            super::host::panicked(&kept.bytes[..kept.length]);
             LAST_PANIC.set(kept);
         }));
     });

@@ -9,6 +9,7 @@ use crate::fmi3::{fmi3LogMessageCallback, fmi3Status};
 
 /// The importer's logger, in the dialect of its version of the standard.
 #[derive(Clone, Copy)]
+#[cfg_attr(target_family = "wasm", allow(dead_code))]
 pub(super) enum Sink {
     /// The importer gave none.
     None,
@@ -16,13 +17,21 @@ pub(super) enum Sink {
     V2 { callback: fmi2CallbackLogger, environment: *mut c_void },
     /// FMI 3.0: the message is a text.
     V3 { callback: fmi3LogMessageCallback, environment: *mut c_void },
+    /// What is around the model inside WebAssembly, in the dialect of FMI 2.0 or 3.0.
+    #[cfg(target_family = "wasm")]
+    Host { is_v2: bool },
 }
 
 impl Sink {
     /// What goes out while logging is off. FMI 2.0 §2.1.3 expects the messages that explain a
     /// status even then, for they are no debug logging; FMI 3.0 §2.3.1 forbids all.
     fn where_off(&self) -> Mask {
-        if matches!(self, Self::V3 { .. }) { 0 } else { EXPLANATIONS }
+        match self {
+            Self::V3 { .. } => 0,
+            #[cfg(target_family = "wasm")]
+            Self::Host { is_v2: false } => 0,
+            _ => EXPLANATIONS,
+        }
     }
 }
 
@@ -92,6 +101,10 @@ impl Logger {
                 let status = fmi3Status(status as u32);
                 // SAFETY: as above.
                 unsafe { callback(environment, status, category.as_ptr(), text.as_ptr()) };
+            }
+            #[cfg(target_family = "wasm")]
+            Sink::Host { is_v2 } => {
+                super::host::tell(status, category, &finished(message, is_v2));
             }
         }
     }

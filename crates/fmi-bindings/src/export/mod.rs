@@ -16,6 +16,8 @@ mod arguments;
 #[cfg(test)]
 mod forced;
 mod guard;
+#[cfg(target_family = "wasm")]
+mod host;
 mod instance;
 mod log;
 mod phase;
@@ -24,6 +26,7 @@ mod saved;
 mod state_calls;
 pub mod v2;
 pub mod v3;
+#[cfg(not(target_family = "wasm"))]
 pub mod wrap;
 
 use std::path::Path;

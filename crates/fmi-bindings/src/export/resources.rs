@@ -1,5 +1,6 @@
 //! Where the FMU's resources lie: where the importer says, else beside this library.
 
+#[cfg(any(unix, windows))]
 use std::ffi::c_void;
 use std::path::{Path, PathBuf};
 
@@ -19,6 +20,10 @@ pub(super) enum Location<'a> {
 /// The folder that holds the file `marker`: the first of those that the importer may have meant,
 /// else `../../resources` from the folder of this library (`binaries/<platform>/`).
 pub(super) fn find(location: Location<'_>, marker: &str) -> Result<PathBuf, String> {
+    // A model inside WebAssembly has its blueprint compiled in.
+    if cfg!(target_family = "wasm") {
+        return Ok(PathBuf::from("sources"));
+    }
     let mut remark = String::new();
     let mut folders = match given(location) {
         Ok(folders) => folders,
@@ -99,12 +104,17 @@ fn without_authority(rest: &[u8]) -> Result<&[u8], String> {
     ))
 }
 
-#[cfg(not(windows))]
+#[cfg(unix)]
 fn native(path: &[u8]) -> PathBuf {
     use std::os::unix::ffi::OsStrExt;
     let slashes = path.iter().take_while(|b| **b == b'/').count();
     // `//home` may mean something else than `/home` (POSIX §4.13); importers mean the same.
     PathBuf::from(std::ffi::OsStr::from_bytes(&path[slashes.saturating_sub(1)..]))
+}
+
+#[cfg(not(any(unix, windows)))]
+fn native(path: &[u8]) -> PathBuf {
+    PathBuf::from(&*String::from_utf8_lossy(path))
 }
 
 #[cfg(windows)]
@@ -184,6 +194,12 @@ fn library() -> Option<PathBuf> {
         GetModuleFileNameW(module, name.as_mut_ptr(), name.len() as u32) as usize
     };
     (0 < length && length < name.len()).then(|| OsString::from_wide(&name[..length]).into())
+}
+
+/// There is no file.
+#[cfg(not(any(unix, windows)))]
+fn library() -> Option<PathBuf> {
+    None
 }
 
 #[cfg(all(test, unix))]

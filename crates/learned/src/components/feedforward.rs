@@ -51,6 +51,7 @@ pub(super) struct Feedforward;
 struct Loaded {
     features: Features,
     sum: KernelSum,
+    table: Table,
 }
 
 /// Only for its loading of tables.
@@ -68,7 +69,8 @@ impl Component for Feedforward {
 
     fn with_table(&self, structure: &[f64], table: &Table) -> Result<ComponentRef, String> {
         let loaded = TABLES.load(structure, table)?;
-        Ok(ComponentRef::shared(Loaded { features: loaded.features, sum: loaded.sum }))
+        let super::Loaded { features, sum, table, .. } = loaded;
+        Ok(ComponentRef::shared(Loaded { features, sum, table }))
     }
 
     fn sizes(&self, structure: &[f64], period: f64) -> Sizes {
@@ -108,6 +110,10 @@ const HELD: usize = 3;
 impl Component for Loaded {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn table(&self) -> Option<&Table> {
+        Some(&self.table)
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {

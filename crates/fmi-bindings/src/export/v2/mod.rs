@@ -88,12 +88,17 @@ pub unsafe fn fmi2Instantiate(
     _visible: fmi2Boolean,
     loggingOn: fmi2Boolean,
 ) -> fmi2Component {
+    // Inside WebAssembly the importer's functions stay outside.
+    #[cfg_attr(target_family = "wasm", allow(unused_variables))]
     // SAFETY: the caller's texts and its structure, which is copied because it is only good during
     // this call.
     let (name, token, uri, callbacks) = unsafe {
         let callbacks = functions.as_ref().copied();
         (text(instanceName), text(fmuGUID), text(fmuResourceLocation), callbacks)
     };
+    #[cfg(target_family = "wasm")]
+    let sink = Sink::Host { is_v2: true };
+    #[cfg(not(target_family = "wasm"))]
     let sink = match callbacks {
         Some(fmi2CallbackFunctions { logger: Some(callback), componentEnvironment, .. }) => {
             Sink::V2 { callback, environment: componentEnvironment }

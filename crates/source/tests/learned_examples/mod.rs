@@ -1,0 +1,76 @@
+//! Models with learned tables, one for each type that runs one.
+#![allow(unreachable_pub)]
+
+use model::{AxisSpec, Connections, Conversion, Kind, NodeSpec, SystemSpec, Table};
+
+const T: f64 = 1e-3;
+
+/// Type, structure, inputs of the table, parameters.
+type Example = (&'static str, &'static [f64], usize, &'static [f64]);
+
+const RANGES: &[f64] = &[0.0, 150.0, -20.0, 80.0];
+
+const EXAMPLES: &[Example] = &[
+    ("lssvm-narx", &[2.0 * T, 1.0, 1.0], 3, RANGES),
+    ("lssvm-stops", &[T, 2.0, 1.0, 100.0, 0.8, 0.0], 4, RANGES),
+    ("gaussian-process", &[T, 6.0, 2.0, 0.25, 0.5], 6, RANGES),
+    ("lssvm-inverse", &[T, 1.0, 1.0], 3, RANGES),
+    ("lssvm-stops-inverse", &[T, 2.0, 1.0, 100.0, 0.8, 0.0], 4, RANGES),
+    ("gp-inverse", &[T, 6.0, 2.0, 0.25, 0.5], 6, RANGES),
+    ("lssvm-feedforward", &[T, 1.0, 1.0], 3, &[0.5, 0.0, 1e-3, 1e-6, -5.0, 5.0, -20.0, 80.0]),
+];
+
+/// 40 support vectors in the unit cube, by the fractional parts of multiples of square roots.
+fn table(inputs: usize) -> Table {
+    let part = |i: usize, k: usize| (((i + 1) as f64) * ((k + 2) as f64).sqrt()).fract();
+    let mut rows = vec![0.1];
+    rows.extend((0..inputs).map(|k| 0.8 + 0.1 * k as f64));
+    for i in 0..40 {
+        rows.push(0.2 * (part(i, inputs) - 0.4));
+        rows.extend((0..inputs).map(|k| part(i, k)));
+    }
+    Table::new(inputs + 1, rows).expect("rows")
+}
+
+/// Each type's name and a model around it.
+pub fn all() -> Vec<(&'static str, SystemSpec)> {
+    let types = learned::COMPONENTS.iter().filter(|c| c.takes_table());
+    let named: Vec<_> = types.map(|c| c.declaration().kind).collect();
+    assert_eq!(
+        named,
+        EXAMPLES.iter().map(|e| e.0).collect::<Vec<_>>(),
+        "each type has its example"
+    );
+    EXAMPLES.iter().map(|example| (example.0, around(example))).collect()
+}
+
+fn around((kind, structure, inputs, values): &Example) -> SystemSpec {
+    let found = learned::COMPONENTS.iter().find(|c| c.declaration().kind == *kind);
+    let component =
+        found.expect("registered").with_table(structure, &table(*inputs)).expect("fits");
+    let is_plant = component.declaration().conversion == Conversion::CommandToPosition;
+    let node = NodeSpec {
+        name: component.declaration().name.into(),
+        component,
+        structure: structure.to_vec(),
+        values: values.to_vec(),
+        enabled: true,
+    };
+    let axis = AxisSpec {
+        name: "x".into(),
+        command_unit: "V".into(),
+        position_unit: "um".into(),
+        command_range: (-1000.0, 1000.0),
+        position_range: (f64::NEG_INFINITY, f64::INFINITY),
+        start: 0.0,
+        aliases: Vec::new(),
+        components: vec![node],
+    };
+    SystemSpec {
+        name: (*kind).into(),
+        kind: if is_plant { Kind::Plant } else { Kind::Controller },
+        period: T,
+        axes: vec![axis],
+        connections: Connections::default(),
+    }
+}
