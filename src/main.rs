@@ -16,7 +16,9 @@ mod messages;
 mod pages;
 mod progress;
 mod reference;
+mod times;
 mod window;
+mod wrapped;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

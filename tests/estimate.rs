@@ -38,7 +38,7 @@ fn lag(folder: &Path) {
     let parameter = "causality=\"parameter\" variability=\"fixed\"";
     let variables = [
         variable("u", 0, "causality=\"input\"", "start=\"0\""),
-        variable("y", 1, "causality=\"output\"", ""),
+        variable("y", 1, "causality=\"output\" initial=\"exact\"", "start=\"0\""),
         variable("a", 2, parameter, "start=\"1\""),
         variable("b", 3, parameter, "start=\"1\""),
         variable("tau", 4, parameter, "start=\"1\" min=\"0.001\""),
@@ -78,7 +78,12 @@ fn command(k: usize, phase: usize) -> f64 {
 
 /// A log of the machine with noise of y and of z.
 fn log(file: &Path, phase: usize, noise: [f64; 2], random: &mut Random) {
-    let (mut y, mut text) = (0.0, "time,u,y,z\n".to_owned());
+    log_from(file, 0.0, phase, noise, random);
+}
+
+/// The same of a machine that begins elsewhere than at rest.
+fn log_from(file: &Path, begin: f64, phase: usize, noise: [f64; 2], random: &mut Random) {
+    let (mut y, mut text) = (begin, "time,u,y,z\n".to_owned());
     for k in 0..ROWS {
         let u = command(k, phase);
         let (y_seen, z_seen) = (y + noise[0] * random.normal(), y * y + noise[1] * random.normal());
@@ -157,6 +162,109 @@ fn a_known_truth_is_found_from_several_logs_and_judged_on_another() {
     let page = at.join("page.html").display().to_string();
     succeed(&[&all[..], &["--report", &page]].concat(), at);
     assert!(fs::read_to_string(&page).expect("a page").contains("Parameters of lag"));
+}
+
+#[test]
+fn every_record_has_initial_values_of_its_own() {
+    let Some(folder) = prepared() else { return };
+    let at = folder.path();
+    let mut random = Random(12);
+    for (name, begin, phase) in [("a.csv", 0.7, 0), ("b.csv", -0.4, 2), ("c.csv", 1.1, 3)] {
+        log_from(&at.join(name), begin, phase, [0.0; 2], &mut random);
+    }
+    let answer = json(
+        &[
+            "estimate",
+            "lag.fmu",
+            "--log",
+            "a.csv",
+            "--log",
+            "b.csv",
+            "--held-out",
+            "c.csv",
+            "--tune",
+            "a=1",
+            "--tune",
+            "tau=1,0.01..10",
+            "--initial",
+            "y=0,-2..2",
+            "--output",
+            "y",
+            "-o",
+            "set.ssv",
+        ],
+        at,
+    );
+    assert!((value(&answer, "a") - TRUTH.0).abs() < 1e-8, "{answer:#}");
+    assert!((value(&answer, "tau") - TRUTH.1).abs() < 1e-8, "{answer:#}");
+    let own: Vec<(String, f64)> = answer["parameters"]
+        .as_array()
+        .expect("parameters")
+        .iter()
+        .filter(|p| p["name"] == "y")
+        .map(|p| {
+            (p["of"].as_str().unwrap_or_default().to_owned(), p["value"].as_f64().unwrap_or(9.0))
+        })
+        .collect();
+    for ((file, found), (expected, begin)) in own.iter().zip([("a.csv", 0.7), ("b.csv", -0.4)]) {
+        assert!(file == expected && (found - begin).abs() < 1e-8, "{own:?}");
+    }
+    assert_eq!(own.len(), 2, "those of held-out logs are no result");
+    for fit in answer["fits"].as_array().expect("fits") {
+        assert!(fit["raw_rmse"].as_f64().is_some_and(|rmse| rmse < 1e-7), "{fit}");
+    }
+    let notes = answer["notes"].to_string();
+    assert!(notes.contains("initial values that were fitted to them"), "{notes}");
+    let set = fs::read_to_string(at.join("set.ssv")).expect("written");
+    assert!(set.contains("name=\"tau\"") && !set.contains("name=\"y\""), "{set}");
+    let asked = ["estimate", "lag.fmu", "--log", "a.csv", "--tune", "a", "--initial", "a"];
+    assert!(refuse(&asked, at).contains("both a parameter of --tune and a value of --initial"));
+}
+
+/// The FMU that is written begins with what was found, for an importer that sets nothing, and after a reset.
+#[test]
+fn an_fmu_begins_with_what_was_found() {
+    let Some(folder) = prepared() else { return };
+    let at = folder.path();
+    let mut random = Random(13);
+    log(&at.join("a.csv"), 0, [0.0; 2], &mut random);
+    log(&at.join("c.csv"), 3, [0.0; 2], &mut random);
+    let b = TRUTH.0 / 2.0;
+    let fixed = format!("b={b}");
+    let answer = json(
+        &[
+            "estimate",
+            "lag.fmu",
+            "--log",
+            "a.csv",
+            "--tune",
+            "a=1",
+            "--tune",
+            "tau=1,0.01..10",
+            "--start",
+            &fixed,
+            "--fmu",
+            "tuned.fmu",
+        ],
+        at,
+    );
+    assert!((value(&answer, "a") - 2.0).abs() < 1e-8, "{answer:#}");
+    assert!(answer["fmu"] == "tuned.fmu", "{answer:#}");
+    let both = fs::read_to_string(at.join("c.csv")).expect("a log");
+    let both = both.replacen("time", "record,time", 1).replace('\n', "\n0,");
+    let both = both.trim_end_matches("0,").to_owned();
+    let again = both.lines().skip(1).map(|line| format!("1{}\n", &line[1..])).collect::<String>();
+    fs::write(at.join("both.csv"), both + &again).expect("writable");
+    let run = json(&["simulate", "tuned.fmu", "--log", "both.csv"], at);
+    let fits = run["fits"].as_array().expect("fits");
+    assert_eq!(fits.len(), 4, "two outputs, two records: {run:#}");
+    for fit in fits {
+        assert!(fit["raw_rmse"].as_f64().is_some_and(|rmse| rmse < 1e-7), "{fit}");
+    }
+    // What the importer sets counts, as ever.
+    let other = json(&["simulate", "tuned.fmu", "--log", "c.csv", "--start", "a=1"], at);
+    assert!(other["fits"][0]["raw_rmse"].as_f64().is_some_and(|rmse| rmse > 0.1), "{other:#}");
+    succeed(&["check", "tuned.fmu"], at);
 }
 
 #[test]

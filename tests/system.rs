@@ -69,6 +69,45 @@ fn toml_ssp_and_separate_processes_give_the_same_bytes() {
     }
 }
 
+/// What a run says of the time that it took, also of one in real time.
+#[test]
+fn times_of_the_fmus_are_told_and_a_pace_is_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    prepared(folder);
+    let begin = std::time::Instant::now();
+    let paced =
+        ["system", "loop.toml", "--input", "reference.csv", "--stop", "0.25", "--pace", "0.5"];
+    let answer = json(&[&paced[..], &["--report", "page.html"]].concat(), folder);
+    assert!(begin.elapsed().as_secs_f64() >= 0.5, "0.25 s at half the speed");
+    let times = &answer["times"];
+    assert_eq!(times["steps"], 12_500);
+    let fmus = times["fmus"].as_array().expect("FMUs");
+    assert_eq!(fmus.len(), 2);
+    for fmu in fmus {
+        assert_eq!(fmu["calls"], 12_500, "{fmu}");
+        let number = |name: &str| fmu[name].as_f64().expect("a number");
+        let counted: u64 = fmu["histogram"]
+            .as_array()
+            .expect("bins")
+            .iter()
+            .map(|bin| bin["count"].as_u64().expect("a count"))
+            .sum();
+        assert!(counted > 0 && fmu["timed"] == counted, "{fmu}");
+        assert!(
+            number("min_s") <= number("mean_s") && number("mean_s") <= number("max_s"),
+            "{fmu}"
+        );
+        assert!((number("total_s") - 12_500.0 * number("mean_s")).abs() < 1e-12, "{fmu}");
+        assert!(number("share_of_real_time") > 0.0, "{fmu}");
+    }
+    assert!(times["wall_s"].as_f64().is_some_and(|wall| wall >= 0.5), "{times}");
+    let page = fs::read_to_string(folder.join("page.html")).expect("a page");
+    assert!(page.contains("of real time"), "the page has the times");
+    let said = refuse(&["system", "loop.toml", "--input", "reference.csv", "--pace", "0"], folder);
+    assert!(said.contains("1 is real time"), "{said}");
+}
+
 /// A lag feeds a gain over communication steps of ten internal ones: held, the gain is a step behind;
 /// on straight lines only an internal step and the lag's curvature are missing.
 #[test]

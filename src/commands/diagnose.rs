@@ -17,7 +17,7 @@ use crate::commands::pack::{self, Binary};
 use crate::fmus::Isolation;
 use crate::inputs::{self, LogOptions};
 use crate::pages::{self, PageOptions, Pages};
-use crate::{documentation, libraries, progress, reference};
+use crate::{libraries, progress, wrapped};
 
 /// Says which effect a model lacks, where the gap lies and how far it shrinks
 ///
@@ -323,38 +323,8 @@ impl Diagnose {
         let names = self.options.names()?;
         let mut repaired = diagnosis.repair_fmu(&self.model, &names, &carried)?;
         others.iter().try_for_each(|binary| binary.check_platform(&repaired.description))?;
-        let notice = b"The shared library of this FMU is licensed under MIT or Apache-2.0, at your option.\n\
-            The FMU in resources/inner belongs to whoever made it.\n";
-        let package = &mut repaired.package;
-        package.license("license.txt", notice.to_vec())?;
-        package.license("LICENSE-MIT.txt", include_bytes!("../../LICENSE-MIT").to_vec())?;
-        package.license("LICENSE-APACHE.txt", include_bytes!("../../LICENSE-APACHE").to_vec())?;
         let original = modeldescription::Package::open(&self.model)?;
-        let has = |path: &str| original.folder().join(path).is_file();
-        let version = original.description().fmi_version;
-        if !has("model.png") && !has("terminalsAndIcons/terminalsAndIcons.xml") {
-            pack::put_icon(package, version, include_bytes!("../icons/plant.png"))?;
-        }
-        let own =
-            has("documentation/index.html").then_some("resources/inner/documentation/index.html");
-        // An original that does not run under signals of our making has no reference results.
-        let reference = match pack::reference_of(
-            package,
-            reference::FOREIGN,
-            self.isolation.worker()?.as_ref(),
-        ) {
-            Ok(reference) => Some(reference),
-            Err(error) => {
-                repaired.notes.push(format!("no reference results are inside: {error:#}"));
-                None
-            }
-        };
-        if let Some(reference) = &reference {
-            reference.pack(&mut repaired.package)?;
-        }
-        let page = documentation::repaired(&repaired, own, reference.as_ref())?;
-        repaired.package.documentation("index.html", page.into_bytes())?;
-        repaired.package.write(file)?;
+        wrapped::finish(&mut repaired, &original, file, self.isolation.worker()?.as_ref())?;
         Ok(repaired.notes)
     }
 

@@ -3,13 +3,12 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::Args;
 use cosim::{Drive, Driven, Fmu, Memory, Signals, Value};
 use data::Log;
 use identify::calibration::{Calibration, Tunable, calibrate};
-use modeldescription::ssp::{Parameter, ParameterSet, ParameterValue};
-use modeldescription::variable::{Causality, Number, Start};
+use modeldescription::variable::Causality;
 use serde::Serialize;
 
 use super::simulate::{self, OutputFit};
@@ -20,8 +19,12 @@ use crate::messages::{MessageOptions, Said};
 use crate::pages::{self, PageOptions};
 use crate::window::Window;
 
+mod asked;
+mod preset;
 mod tuned;
 
+use asked::{Asked, Own, asked as asked_of};
+use preset::{write_fmu, write_set};
 use tuned::{Series, Weights};
 
 /// Estimates parameters of an FMU from measurements
@@ -31,7 +34,7 @@ use tuned::{Series, Weights};
 /// squares). Says 95 % intervals, correlation, and what the logs do not determine.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop estimate plant.fmu --log a.csv --log b.csv --tune 'mass=0.2' --tune 'damping=1,0.1..10' -o set.ssv\n  piezoloop estimate plant.toml --log a.csv --held-out c.csv --tune 'axis[1].mechanics.damping=0.05'"
+    after_help = "Examples:\n  piezoloop estimate plant.fmu --log a.csv --log b.csv --tune 'mass=0.2' --tune 'damping=1,0.1..10' -o set.ssv\n  piezoloop estimate mirror.fmu --log a.csv --tune damping --initial 'tilt=0,-1..1' --fmu tuned.fmu\n  piezoloop estimate plant.toml --log a.csv --held-out c.csv --tune 'axis[1].mechanics.damping=0.05'"
 )]
 pub(crate) struct Estimate {
     /// The FMU, a blueprint or the name of a rig
@@ -47,6 +50,10 @@ pub(crate) struct Estimate {
     /// mass=0.2,0.1..0.5; without a value it begins with the FMU's (may be given several times)
     #[arg(long, value_name = "NAME[=START[,LOW..HIGH]]", required = true)]
     tune: Vec<String>,
+    /// An initial value that every record of a log has its own of, such as a state's start; held-out logs
+    /// find theirs with the parameters held (may be given several times)
+    #[arg(long, value_name = "NAME[=START[,LOW..HIGH]]")]
+    initial: Vec<String>,
     /// Compare this output only (may be given several times) [default: all that a log measures]
     #[arg(long = "output", value_name = "NAME")]
     outputs: Vec<String>,
@@ -67,6 +74,10 @@ pub(crate) struct Estimate {
     /// Write what was found as a parameter set (SSV), which `system --parameters` and other tools take
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write the FMU with what was found: one with the original inside, which begins with these values
+    /// whatever the importer does
+    #[arg(long, value_name = "FILE.fmu")]
+    fmu: Option<PathBuf>,
     #[command(flatten)]
     page: PageOptions,
 }
@@ -91,6 +102,8 @@ pub(crate) struct Estimated {
     pub(crate) runs: usize,
     pub(crate) failed_runs: usize,
     pub(crate) set: Option<PathBuf>,
+    /// The FMU that begins with what was found.
+    pub(crate) fmu: Option<PathBuf>,
     pub(crate) messages: Vec<Said>,
     pub(crate) notes: Vec<String>,
 }
@@ -99,6 +112,8 @@ pub(crate) struct Estimated {
 #[derive(Serialize)]
 pub(crate) struct Found {
     pub(crate) name: String,
+    /// The record that an initial value belongs to.
+    pub(crate) of: Option<String>,
     pub(crate) unit: Option<String>,
     pub(crate) start: f64,
     pub(crate) value: f64,
@@ -118,13 +133,6 @@ pub(crate) struct LogFit {
     pub(crate) fit: OutputFit,
 }
 
-/// A parameter as it is asked for.
-struct Asked {
-    name: String,
-    unit: Option<String>,
-    tunable: Tunable,
-}
-
 impl Estimate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let read = self.read();
@@ -141,13 +149,22 @@ impl Estimate {
     }
 
     fn execute(&self) -> anyhow::Result<Estimated> {
-        if let Some(out) = &self.out {
+        for out in self.out.iter().chain(&self.fmu) {
             inputs::not_over(out, &self.read())?;
         }
-        let opened = fmus::open_in(&self.model, self.isolation.worker()?.as_ref())?;
+        if let (Some(out), Some(fmu)) = (&self.out, &self.fmu) {
+            inputs::not_over(out, &[fmu])?;
+        }
+        let mut opened = fmus::open_in(&self.model, self.isolation.worker()?.as_ref())?;
+        simulate::configure(self.fixed.iter().map(String::as_str), &mut opened.fmu)?;
         let fmu = &opened.fmu;
         let addresses = Addresses::of(fmu);
-        let asked = self.asked(fmu, &addresses)?;
+        let (mut asked, mut initial) = (Vec::new(), Vec::new());
+        asked_of("--tune", &self.tune, fmu, &addresses, &mut asked)?;
+        asked_of("--initial", &self.initial, fmu, &addresses, &mut initial)?;
+        if let Some(twice) = initial.iter().find(|i| asked.iter().any(|a| a.name == i.name)) {
+            bail!("`{}` is both a parameter of --tune and a value of --initial", twice.name);
+        }
         let ear = self.messages.ear(&self.read(), self.out.as_deref())?;
         let mut notes = Vec::new();
         let logs = self.log.iter().chain(&self.held_out).map(|file| self.options.read(file));
@@ -158,7 +175,7 @@ impl Estimate {
             let compared = self.compared(fmu, &addresses, log)?;
             let mut parameters = self.fixed(fmu, &addresses)?;
             let at = |a: &Asked| (a.name.clone(), Value::Real(a.tunable.start));
-            parameters.extend(asked.iter().map(at));
+            parameters.extend(asked.iter().chain(&initial).map(at));
             let drive = Drive {
                 map: addresses.columns(&self.options.names()?, log)?,
                 parameters,
@@ -170,13 +187,16 @@ impl Estimate {
             let held_out = number >= self.log.len();
             series.push(Series::new(driven, log, compared, &self.window, held_out, &mut notes)?);
         }
+        let own = self.own(&initial, &logs);
+        let (own, held): (Vec<Asked>, Vec<Asked>) =
+            own.into_iter().partition(|a| a.own.as_ref().is_some_and(|o| o.log < self.log.len()));
+        asked.extend(own);
         let (used, judged) = series.split_at_mut(self.log.len());
         // Tells now, in words of the FMU, if it does not run at all.
         let own: Vec<f64> = asked.iter().map(|a| a.tunable.start).collect();
         let mut before = Vec::new();
-        for one in used.iter_mut().chain(judged.iter_mut()) {
-            set(one, &asked, &own)?;
-            before.push(one.simulate()?);
+        for (number, one) in used.iter_mut().chain(judged.iter_mut()).enumerate() {
+            before.push(one.simulate(number, &asked, &own)?);
         }
         let mut weights = Weights::by_range(used);
         let tunables: Vec<Tunable> = asked.iter().map(|a| a.tunable).collect();
@@ -199,16 +219,40 @@ impl Estimate {
         }
         let mut fits = Vec::new();
         for (number, one) in used.iter_mut().chain(judged.iter_mut()).enumerate() {
-            set(one, &asked, &found.values)?;
-            let after = one.simulate()?;
+            let (mut of, mut values) = (asked.clone(), found.values.clone());
+            if number >= self.log.len() {
+                // Its own initial values, with the parameters held.
+                let mine: Vec<Asked> = held
+                    .iter()
+                    .filter(|a| a.own.as_ref().is_some_and(|own| own.log == number))
+                    .cloned()
+                    .collect();
+                if !mine.is_empty() {
+                    let began = initial_values(one, number, (&of, &values), &mine, &weights)?;
+                    of.extend(mine);
+                    values.extend(began);
+                }
+            }
+            let after = one.simulate(number, &of, &values)?;
             let file = self.log.iter().chain(&self.held_out).nth(number);
             fits.extend(one.fits(file.cloned().unwrap_or_default(), &before[number], &after)?);
         }
         let set =
             self.out.as_deref().map(|out| write_set(out, &asked, &found.values)).transpose()?;
+        let mut fmu_notes = Vec::new();
+        if let Some(file) = &self.fmu {
+            let fixed = self.fixed(fmu, &addresses)?;
+            fmu_notes = write_fmu(file, &opened, &asked, &found.values, &fixed)?;
+        }
         let residuals = used.iter().map(|one| one.lengths().iter().sum::<usize>()).sum();
         drop(series);
         notes.extend(self.remarks(&asked, &found));
+        notes.extend(fmu_notes);
+        if !held.is_empty() {
+            notes.push(
+                "held-out logs were judged with initial values that were fitted to them".to_owned(),
+            );
+        }
         notes.extend(ear.notes());
         let runs = found.evaluations * self.log.len();
         Ok(Estimated {
@@ -216,7 +260,7 @@ impl Estimate {
             undetermined: found
                 .undetermined
                 .iter()
-                .map(|group| group.iter().map(|k| asked[*k].name.clone()).collect())
+                .map(|group| group.iter().map(|k| asked[*k].label()).collect())
                 .collect(),
             parameters: parameters(asked, &found),
             correlation: found.correlation,
@@ -228,70 +272,32 @@ impl Estimate {
             runs,
             failed_runs: found.failures,
             set,
+            fmu: self.fmu.clone(),
             messages: ear.said(),
             notes,
         })
     }
 
-    /// The parameters to find.
-    fn asked(&self, fmu: &Fmu, addresses: &Addresses) -> anyhow::Result<Vec<Asked>> {
-        let mut all: Vec<Asked> = Vec::new();
-        for text in &self.tune {
-            let (name, rest) = match text.split_once('=') {
-                Some((name, rest)) => (name, Some(rest)),
-                None => (text.as_str(), None),
-            };
-            let name = addresses.variable(name.trim());
-            let variable = fmu.variable(&name).with_context(|| format!("--tune {text}"))?;
-            if all.iter().any(|other| other.name == name) {
-                bail!("--tune {text}: `{name}` is asked for twice");
-            }
-            if !variable.data_type.is_float() {
-                bail!(
-                    "--tune {text}: `{name}` is of type {}; only real numbers are tuned",
-                    variable.data_type.name()
-                );
-            }
-            let (start, bounds) = match rest
-                .map(|rest| rest.split_once(',').map_or((rest, None), |(a, b)| (a, Some(b))))
-            {
-                Some((start, bounds)) => (Some(number(text, start)?), bounds),
-                None => (None, None),
-            };
-            let own = match &variable.start {
-                Some(Start::Float(values)) => values.first().copied(),
-                _ => None,
-            };
-            let Some(start) = start.or(own) else {
-                bail!("--tune {text}: the FMU says no start value of `{name}`; write {name}=VALUE");
-            };
-            let properties = fmu.description().properties(&variable);
-            let stated = |bound: Option<Number>, none: f64| bound.map_or(none, Number::as_f64);
-            let (mut lower, mut upper) =
-                (stated(properties.min, f64::NEG_INFINITY), stated(properties.max, f64::INFINITY));
-            if let Some(bounds) = bounds {
-                let Some((low, high)) = bounds.split_once("..") else {
-                    bail!("--tune {text}: write bounds as LOW..HIGH, as in mass=0.2,0.1..0.5");
+    /// Each initial value once for each record.
+    fn own(&self, initial: &[Asked], logs: &[Log]) -> Vec<Asked> {
+        let files: Vec<&PathBuf> = self.log.iter().chain(&self.held_out).collect();
+        let mut all = Vec::new();
+        for (log, read) in logs.iter().enumerate() {
+            let file = files.get(log).map(|file| file.display().to_string()).unwrap_or_default();
+            for (record, known) in read.records().iter().enumerate() {
+                let label = match read.records().len() {
+                    1 => file.clone(),
+                    _ => format!("{file}, record {}", known.id),
                 };
-                (lower, upper) = (lower.max(number(text, low)?), upper.min(number(text, high)?));
+                let own = |label: &String| Some(Own { log, record, label: label.clone() });
+                all.extend(initial.iter().map(|a| Asked { own: own(&label), ..a.clone() }));
             }
-            if !(lower <= start && start <= upper && lower < upper) {
-                bail!(
-                    "--tune {text}: the start {start} is not within the bounds {lower} to {upper}"
-                );
-            }
-            let nominal = properties.nominal.filter(|n| *n > 0.0);
-            let width = Some(0.5 * (upper - lower)).filter(|width| width.is_finite());
-            let size = Some(start.abs()).filter(|size| *size > 0.0);
-            let scale = size.or(nominal).or(width).unwrap_or(1.0);
-            let unit = properties.unit.clone();
-            all.push(Asked { name, unit, tunable: Tunable { start, lower, upper, scale } });
         }
-        Ok(all)
+        all
     }
 
     fn fixed(&self, fmu: &Fmu, addresses: &Addresses) -> anyhow::Result<Vec<(String, Value)>> {
-        self.fixed.iter().map(|text| simulate::start(text, addresses, fmu)).collect()
+        simulate::starts(self.fixed.iter().map(String::as_str), addresses, fmu)
     }
 
     /// The outputs that this log measures: output, column, unit.
@@ -332,7 +338,7 @@ impl Estimate {
     fn remarks(&self, asked: &[Asked], found: &Calibration) -> Vec<String> {
         let mut notes = Vec::new();
         for group in &found.undetermined {
-            let names: Vec<String> = group.iter().map(|k| asked[*k].name.clone()).collect();
+            let names: Vec<String> = group.iter().map(|k| asked[*k].label()).collect();
             notes.push(match names.as_slice() {
                 [one] => format!("the logs do not determine `{one}`: the compared outputs do not depend on it"),
                 _ => format!("the logs determine {} only together: fix one of them with --start, or drive the FMU otherwise", simulate::list(&names)),
@@ -342,14 +348,15 @@ impl Estimate {
             if found.at_bound[k] {
                 notes.push(format!(
                     "`{}` ends at its bound {}: it has no interval there",
-                    asked.name, found.values[k]
+                    asked.label(),
+                    found.values[k]
                 ));
             } else if found.half_width[k]
                 .is_some_and(|half| half > asked.tunable.scale.max(found.values[k].abs()))
             {
                 notes.push(format!(
                     "the logs hardly determine `{}`: its interval is wider than its value",
-                    asked.name
+                    asked.label()
                 ));
             }
         }
@@ -382,29 +389,34 @@ impl Estimate {
     }
 }
 
-fn number(text: &str, part: &str) -> anyhow::Result<f64> {
-    let number = part.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    number.with_context(|| format!("--tune {text}: \"{part}\" is no finite number; write NAME=START or NAME=START,LOW..HIGH"))
-}
-
-fn set(one: &mut Series<'_>, asked: &[Asked], values: &[f64]) -> anyhow::Result<()> {
-    for (asked, value) in asked.iter().zip(values) {
-        one.driven.set(&asked.name, Value::Real(*value))?;
-    }
-    Ok(())
-}
-
 fn at_values(
     used: &mut [Series<'_>],
     asked: &[Asked],
     values: &[f64],
 ) -> anyhow::Result<Vec<Memory>> {
     let mut runs = Vec::new();
-    for one in used {
-        set(one, asked, values)?;
-        runs.push(one.simulate()?);
+    for (number, one) in used.iter_mut().enumerate() {
+        runs.push(one.simulate(number, asked, values)?);
     }
     Ok(runs)
+}
+
+/// The initial values with which a held-out log fits best, the shared values held.
+fn initial_values(
+    one: &mut Series<'_>,
+    number: usize,
+    (asked, values): (&[Asked], &[f64]),
+    initial: &[Asked],
+    weights: &Weights,
+) -> anyhow::Result<Vec<f64>> {
+    let all = [asked, initial].concat();
+    let tunables: Vec<Tunable> = initial.iter().map(|a| a.tunable).collect();
+    let lengths = one.lengths();
+    let residuals = |own: &[f64]| {
+        let run = one.simulate(number, &all, &[values, own].concat()).ok()?;
+        one.residuals(&run, weights)
+    };
+    Ok(calibrate(&tunables, &[], &lengths, residuals)?.values)
 }
 
 fn search(
@@ -428,6 +440,7 @@ fn parameters(asked: Vec<Asked>, found: &Calibration) -> Vec<Found> {
         let (value, half) = (found.values[k], found.half_width[k]);
         Found {
             name: asked.name,
+            of: asked.own.map(|own| own.label),
             unit: asked.unit,
             start: asked.tunable.start,
             value,
@@ -439,20 +452,6 @@ fn parameters(asked: Vec<Asked>, found: &Calibration) -> Vec<Found> {
     asked.into_iter().enumerate().map(of).collect()
 }
 
-fn write_set(out: &Path, asked: &[Asked], values: &[f64]) -> anyhow::Result<PathBuf> {
-    let parameter = |(asked, value): (&Asked, &f64)| Parameter {
-        name: asked.name.clone(),
-        value: ParameterValue::Real(vec![*value]),
-        unit: None,
-        line: Default::default(),
-    };
-    let parameters = asked.iter().zip(values).map(parameter).collect();
-    let set = ParameterSet { parameters, ..ParameterSet::new("estimated") };
-    data::WholeFile::write_all_of(out, set.to_xml()?.as_bytes())
-        .with_context(|| format!("{} cannot be written", out.display()))?;
-    Ok(out.to_path_buf())
-}
-
 impl Answer for Estimated {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         for note in &self.notes {
@@ -462,6 +461,7 @@ impl Answer for Estimated {
         for (k, found) in self.parameters.iter().enumerate() {
             let unit = found.unit.as_ref().filter(|unit| *unit != "1");
             let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
+            let of = found.of.as_ref().map_or(String::new(), |of| format!(" of {of}"));
             let interval = match found.interval {
                 Some([low, high]) => format!("95 % within {low:.6e} to {high:.6e}{unit}"),
                 None if found.at_bound => "at its bound".to_owned(),
@@ -474,7 +474,7 @@ impl Answer for Estimated {
             });
             writeln!(
                 out,
-                "  {} = {:.9e}{unit} ({interval}; began with {}{most})",
+                "  {}{of} = {:.9e}{unit} ({interval}; began with {}{most})",
                 found.name, found.value, found.start
             )?;
         }
@@ -486,9 +486,7 @@ impl Answer for Estimated {
                 log.display()
             )?;
         }
-        match &self.set {
-            Some(set) => writeln!(out, "{}: written", set.display()),
-            None => Ok(()),
-        }
+        let mut written = self.set.iter().chain(&self.fmu);
+        written.try_for_each(|file| writeln!(out, "{}: written", file.display()))
     }
 }

@@ -19,7 +19,7 @@ mod shell;
 mod signal;
 pub(crate) mod simulate;
 mod sweep;
-mod system;
+pub(crate) mod system;
 pub(crate) mod tune;
 
 use crate::answer::Screen;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use cosim::{Coupling, Drive, Ending, Fmu, Loop, LoopSettings, Memory, Points, Run};
+use cosim::{Coupling, Drive, Driven, Ending, Fmu, Loop, LoopSettings, Memory, Points, Run};
 use cosim::{Signal, Signals, Slave, Value, Wiring};
 use data::{Log, UnitPlace};
 use modeldescription::description::Unit;
@@ -17,14 +17,17 @@ use crate::inputs::{self, LogOptions};
 use crate::messages::{MessageOptions, Said};
 use crate::pages::{self, PageOptions};
 use crate::progress;
+use crate::times::RunTimes;
 use crate::window::Window;
 
 mod matched;
 mod output_fit;
+mod starts;
 
 use matched::Matched;
 pub(crate) use matched::list;
 pub(crate) use output_fit::OutputFit;
+pub(crate) use starts::{configure, starts};
 
 /// Drives an FMU with a log's inputs, or closes the loop of a plant and a controller
 ///
@@ -111,6 +114,8 @@ pub(crate) struct Simulated {
     pub(crate) unfed_inputs: Vec<String>,
     /// What FMUs said, each message once.
     pub(crate) messages: Vec<Said>,
+    /// How long the FMUs took.
+    pub(crate) times: RunTimes,
     pub(crate) notes: Vec<String>,
     #[serde(skip)]
     pub(crate) signals: Memory,
@@ -140,6 +145,7 @@ struct About {
     endings: Vec<EarlyEnd>,
     matched: Matched,
     messages: Vec<Said>,
+    times: RunTimes,
     notes: Vec<String>,
 }
 
@@ -177,7 +183,8 @@ impl Simulate {
         if let Some(out) = &self.out {
             inputs::not_over(out, &[log_path, what])?;
         }
-        let opened = fmus::open_in(what, self.isolation.worker()?.as_ref())?;
+        let mut opened = fmus::open_in(what, self.isolation.worker()?.as_ref())?;
+        configure(self.starts.iter().map(String::as_str), &mut opened.fmu)?;
         let log = self.options.read(log_path)?;
         let names = self.options.names()?;
         let addresses = Addresses::of(&opened.fmu);
@@ -186,7 +193,7 @@ impl Simulate {
         let records = signals(&log);
         let drive = Drive {
             map,
-            parameters: self.parameters(&addresses, &opened.fmu)?,
+            parameters: starts(self.starts.iter().map(String::as_str), &addresses, &opened.fmu)?,
             record: self.record.iter().map(|name| addresses.variable(name)).collect(),
             no_stop_time: self.no_stop_time,
             ..Drive::default()
@@ -195,8 +202,10 @@ impl Simulate {
         let slave = opened.fmu.instantiate(opened.name.clone(), &ear.options(&opened.name))?;
         let mut memory = Memory::new();
         let mut bar = progress::Rows::new(screen, "simulate", log.len());
-        let outcome =
-            cosim::simulate_with_inputs(slave, &records, &drive, &mut (&mut memory, &mut bar));
+        let mut driven = Driven::new(slave, &records, &drive)?;
+        let outcome = driven.run(&mut (&mut memory, &mut bar));
+        let times = RunTimes::from(driven.statistics());
+        drop(driven);
         bar.finish();
         if let (Err(error), Some(out)) = (&outcome, &self.out) {
             return Err(broken_off(error, &memory, out)?);
@@ -206,7 +215,7 @@ impl Simulate {
         notes.extend(matched.notes());
         notes.extend(ear.notes());
         let (fits, measured) = self.fits(&memory, &log, &names, &addresses, &mut notes)?;
-        let about = About { endings, matched, messages: ear.said(), notes };
+        let about = About { endings, matched, messages: ear.said(), times, notes };
         self.result(opened.name, memory, fits, measured, about)
     }
 
@@ -263,7 +272,9 @@ impl Simulate {
         }
         let worker = self.isolation.worker()?;
         let open = |what: &Path| fmus::open_in(what, worker.as_ref());
-        let (plant, controller) = (open(plant)?, open(controller)?);
+        let (mut plant, mut controller) = (open(plant)?, open(controller)?);
+        configure(self.starts_of("plant."), &mut plant.fmu)?;
+        configure(self.starts_of("controller."), &mut controller.fmu)?;
         let log = self.options.read(reference)?;
         let [_] = log.records() else {
             bail!(
@@ -301,6 +312,7 @@ impl Simulate {
         let mut memory = Memory::new();
         let run = Run { no_stop_time: self.no_stop_time, ..Run::new(points, &table) };
         let outcome = closed.run(&run, &mut memory);
+        let times = RunTimes::from(closed.system().statistics());
         drop(closed);
         if let (Err(error), Some(out)) = (&outcome, &self.out) {
             return Err(broken_off(error, &memory, out)?);
@@ -312,7 +324,7 @@ impl Simulate {
         notes.extend(ear.notes());
         let name = format!("{} with {}", plant.name, controller.name);
         let messages = ear.said();
-        let about = About { endings, messages, notes, ..About::default() };
+        let about = About { endings, messages, times, notes, ..About::default() };
         self.result(name, memory, fits, Vec::new(), about)
     }
 
@@ -341,8 +353,9 @@ impl Simulate {
         Ok(fits)
     }
 
-    fn parameters(&self, addresses: &Addresses, fmu: &Fmu) -> anyhow::Result<Vec<(String, Value)>> {
-        self.starts.iter().map(|text| start(text, addresses, fmu)).collect()
+    /// The start values of the FMU of a loop that has this prefix.
+    fn starts_of<'s>(&'s self, prefix: &'s str) -> impl Iterator<Item = &'s str> {
+        self.starts.iter().filter_map(move |text| text.strip_prefix(prefix))
     }
 
     fn loop_parameters(
@@ -350,18 +363,17 @@ impl Simulate {
         plant: &Fmu,
         controller: &Fmu,
     ) -> anyhow::Result<Vec<(String, String, Value)>> {
-        let mut all = Vec::new();
         for text in &self.starts {
-            let (slave, rest, fmu) =
-                match (text.strip_prefix("plant."), text.strip_prefix("controller.")) {
-                    (Some(rest), _) => ("plant", rest, plant),
-                    (_, Some(rest)) => ("controller", rest, controller),
-                    _ => bail!(
-                        "--start {text}: in a loop write plant.NAME=VALUE or controller.NAME=VALUE"
-                    ),
-                };
-            let (name, value) = start(rest, &Addresses::of(fmu), fmu)?;
-            all.push((slave.to_owned(), name, value));
+            if !text.starts_with("plant.") && !text.starts_with("controller.") {
+                bail!("--start {text}: in a loop write plant.NAME=VALUE or controller.NAME=VALUE");
+            }
+        }
+        let mut all = Vec::new();
+        for (slave, prefix, fmu) in
+            [("plant", "plant.", plant), ("controller", "controller.", controller)]
+        {
+            let found = starts(self.starts_of(prefix), &Addresses::of(fmu), fmu)?;
+            all.extend(found.into_iter().map(|(name, value)| (slave.to_owned(), name, value)));
         }
         Ok(all)
     }
@@ -374,7 +386,7 @@ impl Simulate {
         measured: Vec<(String, Vec<f64>)>,
         about: About,
     ) -> anyhow::Result<Simulated> {
-        let About { endings, matched, messages, mut notes } = about;
+        let About { endings, matched, messages, times, mut notes } = about;
         if let Some(out) = &self.out {
             notes.extend(keep(&memory, out)?);
         }
@@ -391,6 +403,7 @@ impl Simulate {
             unused_columns: matched.unused_columns,
             unfed_inputs: matched.unfed_inputs,
             messages,
+            times,
             notes,
             signals: memory,
             measured,
@@ -455,22 +468,6 @@ fn slow_plant(plant: &Fmu, controller: &Fmu) -> Vec<String> {
         )],
         _ => Vec::new(),
     }
-}
-
-/// A `NAME=VALUE` for an FMU.
-pub(crate) fn start(
-    text: &str,
-    addresses: &Addresses,
-    fmu: &Fmu,
-) -> anyhow::Result<(String, Value)> {
-    let Some((name, value)) = text.split_once('=') else {
-        bail!("--start {text}: write NAME=VALUE, as in axis[1].mechanics.damping=0.05");
-    };
-    let name = addresses.variable(name.trim());
-    let variable = fmu.variable(&name).with_context(|| format!("--start {text}"))?;
-    let value = Value::parse(value.trim(), variable.data_type)
-        .map_err(|why| anyhow::anyhow!("--start {text}: {why}"))?;
-    Ok((name, value))
 }
 
 /// The records of a log as input tables.

@@ -18,7 +18,9 @@ use crate::answer::{Answer, Screen};
 use crate::fmus::{self, Isolation};
 use crate::inputs::{self, LogOptions};
 use crate::messages::{MessageOptions, Said};
+use crate::pages::{self, PageOptions};
 use crate::progress;
+use crate::times::{self, RunTimes};
 
 /// Runs any number of FMUs together, connected by a short TOML or by an SSP
 ///
@@ -40,7 +42,8 @@ pub(crate) struct System {
     /// input table has]
     #[arg(long, value_name = "S")]
     step: Option<f64>,
-    /// End of the run in s [default: the system's, else that of the input table]
+    /// End of the run in s [default: the system's, else that of the input table,
+    /// else the latest that an FMU prefers]
     #[arg(long, value_name = "S")]
     stop: Option<f64>,
     /// Who steps when [default: the system's, else gauss-seidel]
@@ -53,14 +56,19 @@ pub(crate) struct System {
     /// Do not tell the FMUs when the run ends, for FMUs that refuse to step to that time
     #[arg(long)]
     no_stop_time: bool,
+    /// Seconds to simulate in a second on the clock: 1 runs in real time [default: as fast as it goes]
+    #[arg(long, value_name = "X", conflicts_with = "export", allow_negative_numbers = true)]
+    pace: Option<f64>,
     #[command(flatten)]
     options: LogOptions,
     /// Record the run in this file: .csv, .npy, .npz or .parquet
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
     /// Write the system as an SSP 1.0 with its FMUs, and do not run it
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["out", "input"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["out", "input", "reports", "plot"])]
     export: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageOptions,
 }
 
 const AFTER_HELP: &str = "\
@@ -106,14 +114,14 @@ enum Algorithm {
 
 /// What was run.
 #[derive(Serialize)]
-struct Ran {
-    system: String,
-    fmus: Vec<String>,
-    algorithm: &'static str,
-    step_s: f64,
-    rows: usize,
-    start_s: f64,
-    stop_s: f64,
+pub(crate) struct Ran {
+    pub(crate) system: String,
+    pub(crate) fmus: Vec<String>,
+    pub(crate) algorithm: &'static str,
+    pub(crate) step_s: f64,
+    pub(crate) rows: usize,
+    pub(crate) start_s: f64,
+    pub(crate) stop_s: f64,
     run: Option<PathBuf>,
     endings: Vec<simulate::EarlyEnd>,
     /// Columns of the input table that feed nothing.
@@ -121,7 +129,9 @@ struct Ran {
     /// Inputs that nothing feeds.
     unfed_inputs: Vec<String>,
     messages: Vec<Said>,
-    notes: Vec<String>,
+    /// How long the FMUs took.
+    pub(crate) times: RunTimes,
+    pub(crate) notes: Vec<String>,
 }
 
 /// What was written.
@@ -148,7 +158,15 @@ impl System {
         if let Some(ssp) = &self.export {
             return screen.show(&self.export(&plan, ssp)?);
         }
-        screen.show(&self.simulate(&plan, screen)?)
+        let read: Vec<&Path> = self.input.iter().map(PathBuf::as_path).collect();
+        self.page.not_over(&[&read[..], &[self.file.as_path()]].concat())?;
+        let result = self.simulate(&plan, screen)?;
+        let file = |what, file| (what, file);
+        let files: Vec<(&str, &Path)> = std::iter::once(file("system", self.file.as_path()))
+            .filter(|(_, path)| path.is_file())
+            .chain(read.iter().map(|path| ("log", *path)))
+            .collect();
+        self.page.finish(screen, &result, || pages::system(&result, &files))
     }
 
     /// A system to be run again and again, by somebody else.
@@ -168,9 +186,11 @@ impl System {
             isolation: Isolation::default(),
             messages: MessageOptions::default(),
             no_stop_time: false,
+            pace: None,
             options,
             out: None,
             export: None,
+            page: PageOptions::default(),
         }
     }
 
@@ -223,7 +243,8 @@ impl System {
             bar: progress::Rows::new(screen, "run", rows),
             rows: 0,
         };
-        let run = Run { no_stop_time: self.no_stop_time, ..Run::new(points, &table) };
+        let (no_stop_time, pace) = (self.no_stop_time, times::pace(self.pace)?);
+        let run = Run { no_stop_time, pace, ..Run::new(points, &table) };
         let outcome = prepared.system.run(&run, &*prepared.algorithm, &mut recorder);
         recorder.bar.finish();
         let Recording { file, rows, .. } = recorder;
@@ -256,8 +277,10 @@ impl System {
                  found; the run begins with those of one pass through it"
             )
         }));
+        let times = RunTimes::from(prepared.system.statistics());
         drop(prepared.system);
         notes.extend(ear.notes());
+        notes.extend(times.note());
         let mut endings = Vec::new();
         match (outcome, &self.out) {
             (Err(error), Some(out)) if rows > 0 => {
@@ -283,6 +306,7 @@ impl System {
             unused_columns,
             unfed_inputs,
             messages: ear.said(),
+            times,
             notes,
         })
     }
@@ -309,7 +333,16 @@ impl System {
             }
             Ok(fmu)
         };
-        plan.fmus.iter().map(|fmu| open(&fmu.path)).collect()
+        let configured = |fmu: Rc<Fmu>, name: &str| -> anyhow::Result<Rc<Fmu>> {
+            let structure = plan.structure(name, fmu.description())?;
+            if structure.is_empty() {
+                return Ok(fmu);
+            }
+            let mut own = Fmu::clone(&fmu);
+            own.configure(&structure)?;
+            Ok(Rc::new(own))
+        };
+        plan.fmus.iter().map(|fmu| configured(open(&fmu.path)?, &fmu.name)).collect()
     }
 
     /// The communication points, and the step that FMUs' own steps are multiples of.
@@ -335,7 +368,12 @@ impl System {
             )
         };
         let start = plan.master.start.or(time.first().copied()).unwrap_or(0.0);
-        let Some(stop) = self.stop.or(plan.master.stop).or(time.last().copied()) else {
+        let preferred = |description: &&ModelDescription| {
+            description.default_experiment.as_ref().and_then(|experiment| experiment.stop_time)
+        };
+        let longest = descriptions.iter().filter_map(preferred).reduce(f64::max);
+        let stop = self.stop.or(plan.master.stop).or(time.last().copied()).or(longest);
+        let Some(stop) = stop else {
             bail!("the end of the run is not known: give it with --stop S");
         };
         Ok((Points::uniform(start, stop, step)?, step))

@@ -16,6 +16,9 @@ pub(crate) fn repaired(
     let description = &wrapped.description;
     let repair = &wrapped.repair;
     let names: Vec<&str> = repair.effects.iter().map(|effect| effect.name.as_str()).collect();
+    if names.is_empty() {
+        return preset(wrapped, original, reference);
+    }
     let sentence = format!(
         "{} with {} added: what a diagnosis against measured logs has found.",
         description.model_name,
@@ -42,6 +45,35 @@ pub(crate) fn repaired(
              exchange.",
             report::format_number(repair.step, 6)
         ));
+    if let Some(path) = original {
+        section = section.paragraph(format!("The original's own page: {path}"));
+    }
+    page = figures(page, description).section(section);
+    for section in variables::sections(description) {
+        page = page.section(section);
+    }
+    Ok(with_reference(page, reference).to_html()?)
+}
+
+/// The page of an FMU that only begins with other values.
+fn preset(
+    wrapped: &Repaired,
+    original: Option<&str>,
+    reference: Option<&Reference>,
+) -> anyhow::Result<String> {
+    let description = &wrapped.description;
+    let sentence =
+        format!("{} with start values that were estimated from logs.", description.model_name);
+    let title = format!("{}, with other start values", description.model_name);
+    let mut page = Report::new("preset", title, Verdict::neutral(sentence));
+    page = page.provenance(
+        provenance(description, "")
+            .remark("SHA-256 of the original", wrapped.repair.original.sha256.as_str()),
+    );
+    let mut section = Section::new("What is other").paragraph(
+        "The original lies untouched in resources/inner. It is given the start values of this FMU when it is \
+         instantiated and after a reset; what an importer sets counts after that.",
+    );
     if let Some(path) = original {
         section = section.paragraph(format!("The original's own page: {path}"));
     }

@@ -7,6 +7,7 @@ mod frequency_response;
 mod identify;
 mod open;
 mod simulate;
+mod system;
 mod tune;
 
 use std::path::{Path, PathBuf};
@@ -21,6 +22,7 @@ pub(crate) use estimate::estimation;
 pub(crate) use frequency_response::frequency_response;
 pub(crate) use identify::{identification, picture, sections};
 pub(crate) use simulate::simulation;
+pub(crate) use system::system;
 pub(crate) use tune::tuning;
 
 use crate::answer::{ErasedAnswer, Screen};

@@ -53,7 +53,7 @@ pub(crate) fn simulation(
         }
         page = page.section(section);
     }
-    Ok(page)
+    Ok(page.section(result.times.section()))
 }
 
 fn sentence(result: &Simulated) -> String {

@@ -1,11 +1,13 @@
 //! A system as its user draws it: not yet checked.
 
-use modeldescription::FmiVersion;
+use std::collections::{HashMap, HashSet};
+
+use modeldescription::ModelDescription;
 use modeldescription::description::Unit;
 use modeldescription::variable::{Causality, DataType, Variability, Variable};
 
 use crate::problem::{Problem, Problems};
-use crate::slave::{Address, Settable, Slave, Value, settable};
+use crate::slave::{Address, Index, Settable, Slave, Value, can_be_triggered, settable};
 use crate::system::{Participant, Recorded, System, Wire};
 use crate::unit::{Conversion, Way};
 
@@ -153,7 +155,10 @@ impl Diagram {
 
 /// Turns names into places, and collects problems.
 struct Builder {
+    index: Index,
     system: System,
+    /// Places on the bus of the columns of the input table.
+    columns: HashMap<String, usize>,
     /// For each participant what feeds its driven variables, for messages.
     sources: Vec<Vec<String>>,
     problems: Vec<Problem>,
@@ -161,22 +166,21 @@ struct Builder {
 
 impl Builder {
     fn new(slaves: Vec<Box<dyn Slave>>) -> Self {
-        let mut problems = Vec::new();
-        for (i, slave) in slaves.iter().enumerate() {
-            if slaves[..i].iter().any(|other| other.name() == slave.name()) {
-                problems.push(Problem::SameName { name: slave.name().to_owned() });
-            }
-        }
+        let mut names = HashSet::new();
+        let again = slaves.iter().map(|slave| slave.name()).filter(|name| !names.insert(*name));
+        let problems = again.map(|name| Problem::SameName { name: name.to_owned() }).collect();
         let sources = vec![Vec::new(); slaves.len()];
         let participants = slaves.into_iter().map(Participant::new).collect();
-        Builder { system: System::new(participants), sources, problems }
+        let (index, columns) = (Index::default(), HashMap::new());
+        Builder { index, system: System::new(participants), columns, sources, problems }
     }
 
     /// The columns come first on the bus, each once even if it feeds several inputs.
     fn feeds(&mut self, feeds: &[Feed]) {
         for feed in feeds {
-            let known = self.system.externals.iter().position(|name| *name == feed.column);
+            let known = self.columns.get(&feed.column).copied();
             let from = known.unwrap_or_else(|| self.system.add_external(&feed.column));
+            self.columns.entry(feed.column.clone()).or_insert(from);
             let outcome = self.feed(feed, from);
             self.problems.extend(outcome.err());
         }
@@ -186,8 +190,8 @@ impl Builder {
         let source = format!("column `{}`", feed.column);
         let (to, address) = self.find(&feed.to)?;
         let variable = &address.variable;
-        let version = self.system.participants[to].slave.description().fmi_version;
-        if !can_be_fed(variable, version) {
+        let description = self.system.participants[to].slave.description();
+        if !can_be_fed(variable, description) {
             let role = format!("be fed by {source}");
             return Err(wrong_role(&feed.to, variable, "an input or a tunable parameter", role));
         }
@@ -213,9 +217,13 @@ impl Builder {
             let role = format!("feed {to}");
             return Err(wrong_role(from, output, "an output", role));
         }
-        if input.causality != Causality::Input {
+        let is_timed = input.data_type == DataType::Clock
+            && !can_be_fed(input, self.system.participants[target].slave.description());
+        if input.causality != Causality::Input || is_timed {
             let role = format!("be fed by {from}");
-            return Err(wrong_role(to, input, "an input", role));
+            let must_be =
+                if is_timed { "a clock that does not tick by itself" } else { "an input" };
+            return Err(wrong_role(to, input, must_be, role));
         }
         if rank(output.data_type) > rank(input.data_type) {
             let is = format!("of type {}", output.data_type.name());
@@ -291,10 +299,17 @@ impl Builder {
     }
 
     fn records(&mut self, records: &[(Port, Option<String>)]) {
+        let mut owners: HashMap<&str, HashSet<&str>> = HashMap::new();
+        for (port, _) in records.iter().filter(|(_, label)| label.is_none()) {
+            owners.entry(&port.variable).or_default();
+        }
+        for (port, _) in records {
+            if let Some(owners) = owners.get_mut(port.variable.as_str()) {
+                owners.insert(&port.slave);
+            }
+        }
         for (port, label) in records {
-            let shared = records
-                .iter()
-                .any(|(other, _)| other.variable == port.variable && other.slave != port.slave);
+            let shared = owners.get(port.variable.as_str()).is_some_and(|owners| owners.len() > 1);
             let name = match label {
                 Some(label) => label.clone(),
                 None if shared => format!("{}.{}", port.slave, port.variable),
@@ -331,7 +346,8 @@ impl Builder {
     fn find(&self, port: &Port) -> Result<(usize, Address), Problem> {
         let slave = self.system.position(&port.slave)?;
         let description = self.system.participants[slave].slave.description();
-        Address::find(&port.slave, description, &port.variable).map(|address| (slave, address))
+        let found = self.index.find(&port.slave, description, &port.variable);
+        found.map(|address| (slave, address))
     }
 
     fn unit(&self, slave: usize, variable: &Variable) -> Option<Unit> {
@@ -353,7 +369,11 @@ impl Builder {
 }
 
 /// Whether a column may feed the variable: an input, or a tunable parameter.
-pub(crate) fn can_be_fed(variable: &Variable, version: FmiVersion) -> bool {
+pub(crate) fn can_be_fed(variable: &Variable, description: &ModelDescription) -> bool {
+    let version = description.fmi_version;
+    if variable.data_type == DataType::Clock {
+        return can_be_triggered(description, variable);
+    }
     match variable.causality {
         Causality::Input => true,
         Causality::Parameter => variable.variability(version) == Variability::Tunable,
@@ -391,7 +411,7 @@ fn wrong_role(port: &Port, variable: &Variable, must_be: &'static str, role: Str
 /// Values may go from a narrower type to a wider one: boolean, whole number, real.
 fn rank(data_type: DataType) -> u8 {
     match data_type {
-        DataType::Boolean => 0,
+        DataType::Boolean | DataType::Clock => 0,
         DataType::Float32 | DataType::Float64 => 2,
         _ => 1,
     }

@@ -91,6 +91,30 @@ pub enum Error {
         /// The tolerance.
         tolerance: f64,
     },
+    /// A clock that cannot be let tick.
+    #[error("FMU `{fmu}`: clock `{clock}`: {what}")]
+    Clock {
+        /// Name of the FMU.
+        fmu: String,
+        /// Name of the clock.
+        clock: String,
+        /// What is wrong and the way out.
+        what: String,
+    },
+    /// An FMU whose discrete states do not settle.
+    #[error(
+        "FMU `{fmu}`: the event at t = {time} s is not over after {passes} calls of \
+         fmi3UpdateDiscreteStates: the FMU asks for another one each time, or lets a clock tick again \
+         at once"
+    )]
+    Events {
+        /// Name of the FMU.
+        fmu: String,
+        /// Time of the event, s.
+        time: f64,
+        /// Calls that were made.
+        passes: usize,
+    },
     /// The settings do not fit together; all problems at once.
     #[error(transparent)]
     Problems(#[from] Problems),

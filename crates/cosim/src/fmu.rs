@@ -11,18 +11,22 @@ use modeldescription::{FmiVersion, ModelDescription, Package};
 use crate::error::Error;
 use crate::isolate::{IsolatedSlave, Worker};
 use crate::problem::Problems;
-use crate::slave::{Address, Fmi2Slave, Fmi3Slave, Settings, Slave, numbers};
+use crate::slave::{Address, Fmi2Slave, Fmi3Slave, Settings, Slave, Value, numbers, structure};
 
 /// An FMU that is opened and loaded, ready to be instantiated any number of times.
 ///
-/// The unpacked package lives as long as this and all slaves made from it.
+/// The unpacked package lives as long as this and all slaves made from it. A copy shares it.
+#[derive(Clone)]
 pub struct Fmu {
     package: Arc<Package>,
     description: Arc<ModelDescription>,
     library: Library,
+    /// Values of structural parameters.
+    structure: Vec<(String, Value)>,
 }
 
 /// The loaded library, by version of the standard.
+#[derive(Clone)]
 enum Library {
     V2(Arc<v2::Library>),
     V3(Arc<v3::Library>),
@@ -55,7 +59,7 @@ impl Fmu {
             FmiVersion::V2 => Library::V2(Arc::new(v2::Library::load(&binary)?)),
             FmiVersion::V3 => Library::V3(Arc::new(v3::Library::load(&binary)?)),
         };
-        Ok(Fmu { package: Arc::new(package), description, library })
+        Ok(Fmu { package: Arc::new(package), description, library, structure: Vec::new() })
     }
 
     /// Opens an FMU without loading its library: each instance runs in a process of its own. One
@@ -67,20 +71,40 @@ impl Fmu {
         let package = Fmu::package_of(path.as_ref())?;
         let description = Arc::new(package.description().clone());
         let library = Library::Elsewhere(worker.clone());
-        Ok(Fmu { package: Arc::new(package), description, library })
+        Ok(Fmu { package: Arc::new(package), description, library, structure: Vec::new() })
     }
 
     fn package_of(path: &Path) -> Result<Package, Error> {
         let package = Package::open(path)?;
-        if package.description().co_simulation.is_none() {
+        let description = package.description();
+        let offered = [
+            (description.model_exchange.is_some(), "model exchange"),
+            (description.scheduled_execution.is_some(), "scheduled execution"),
+        ];
+        let offered: Vec<&str> = offered.iter().filter(|o| o.0).map(|o| o.1).collect();
+        if description.co_simulation.is_none() {
+            let offered = offered.join(" and ");
             return Err(Error::Package {
                 path: path.to_path_buf(),
-                reason: "the FMU offers no co-simulation, only model exchange; export it for \
-                         co-simulation"
-                    .to_owned(),
+                reason: format!(
+                    "the FMU offers no co-simulation, only {offered}; export it for co-simulation"
+                ),
             });
         }
         Ok(package)
+    }
+
+    /// Gives structural parameters of FMI 3.0 other values: all that is made from this FMU from now on
+    /// has arrays of the sizes that follow.
+    ///
+    /// # Errors
+    /// A name that is no structural parameter, or a value that it does not take.
+    pub fn configure(&mut self, structure: &[(String, Value)]) -> Result<(), Error> {
+        let name = &self.description.model_name;
+        self.description = Arc::new(structure::configured(name, &self.description, structure)?);
+        self.structure.retain(|(known, _)| structure.iter().all(|(name, _)| name != known));
+        self.structure.extend_from_slice(structure);
+        Ok(())
     }
 
     /// The model description.
@@ -96,6 +120,14 @@ impl Fmu {
     pub fn variable(&self, name: &str) -> Result<Variable, Error> {
         let found = Address::find(&self.description.model_name, &self.description, name);
         Ok(found.map_err(Problems::from)?.variable)
+    }
+
+    /// The names of an array's elements, in row-major order.
+    ///
+    /// # Errors
+    /// There is no such variable.
+    pub fn elements(&self, name: &str) -> Result<Vec<String>, Error> {
+        Ok(numbers(&self.description, &self.variable(name)?))
     }
 
     /// Where the value of a variable, or of an element of an array, is found: value reference, place
@@ -142,7 +174,8 @@ impl Fmu {
         options: &InstanceOptions,
     ) -> Result<Box<dyn Slave>, Error> {
         let InstanceOptions { visible, logging_on, on_message } = options.clone();
-        let settings = Settings { name: name.into(), visible, logging_on, on_message };
+        let (name, structure) = (name.into(), self.structure.clone());
+        let settings = Settings { name, visible, logging_on, on_message, structure };
         let (package, description) = (Arc::clone(&self.package), Arc::clone(&self.description));
         Ok(match &self.library {
             Library::V2(library) => {

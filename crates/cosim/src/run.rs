@@ -7,6 +7,7 @@ use crate::error::{Error, RunError};
 use crate::problem::{Problem, Problems};
 use crate::record::Recorder;
 use crate::signals::{Held, Signals};
+use crate::statistics::Stopwatch;
 use crate::system::{Ending, System};
 use crate::time::Points;
 
@@ -23,12 +24,14 @@ pub struct Run<'a> {
     pub tolerance: Option<f64>,
     /// Do not tell the FMUs the stop time; some refuse a last step that reaches it but for rounding.
     pub no_stop_time: bool,
+    /// Seconds that are simulated in a second on the clock: 1 is real time. None: as fast as it goes.
+    pub pace: Option<f64>,
 }
 
 impl<'a> Run<'a> {
     /// Record 0 over these points, driven by a table.
     pub fn new(points: Points<'a>, signals: &'a Signals<'a>) -> Self {
-        Run { record: 0, points, signals, tolerance: None, no_stop_time: false }
+        Run { record: 0, points, signals, tolerance: None, no_stop_time: false, pace: None }
     }
 }
 
@@ -185,12 +188,34 @@ impl Stepping<'_, '_> {
     }
 
     fn steps(&mut self, held: &mut Held<'_>, common: Option<f64>) -> Result<Option<Ending>, Error> {
-        let points = &self.run.points;
-        let mut next = points.start();
+        let mut watch = Stopwatch::start(self.system.len());
+        let mut made = 0;
+        let outcome = self.each_step(held, common, &mut watch, &mut made);
+        self.system.is_timed = false;
+        let simulated = self.run.points.at(made) - self.run.points.start();
+        watch.stop(&mut self.system.total, made, simulated);
+        outcome
+    }
+
+    /// All steps; `made` counts them.
+    fn each_step(
+        &mut self,
+        held: &mut Held<'_>,
+        common: Option<f64>,
+        watch: &mut Stopwatch,
+        made: &mut usize,
+    ) -> Result<Option<Ending>, Error> {
+        let (points, pace) = (&self.run.points, self.run.pace);
+        let (start, mut next) = (points.start(), points.start());
         for n in 0..points.steps() {
             self.system.pace(points, n);
             self.time = next;
             next = points.at(n + 1);
+            if let Some(pace) = pace {
+                watch.wait((self.time - start) / pace, (next - self.time) / pace);
+            }
+            self.system.is_timed = watch.is_due(n);
+            *made = n + 1;
             let step = common.unwrap_or(next - self.time);
             self.hold(held, self.time);
             self.system.tap_outputs();
@@ -202,6 +227,9 @@ impl Stepping<'_, '_> {
                 self.system.publish_late();
                 return Ok(Some(ending));
             }
+        }
+        if let Some(pace) = pace {
+            watch.wait((next - start) / pace, f64::INFINITY);
         }
         self.system.pace(points, points.steps());
         self.time = next;

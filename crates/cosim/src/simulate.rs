@@ -10,6 +10,7 @@ use crate::record::Recorder;
 use crate::run::Run;
 use crate::signals::Signals;
 use crate::slave::{Address, Slave, Value, numbers};
+use crate::statistics::Statistics;
 use crate::system::{Ending, System};
 use crate::time::Points;
 
@@ -78,6 +79,11 @@ impl Driven<'_> {
         self.system.set_start(&port, value).map_err(|problem| Problems::from(problem).into())
     }
 
+    /// How long the steps of all runs so far took.
+    pub fn statistics(&self) -> Statistics {
+        self.system.statistics()
+    }
+
     /// Runs all records.
     ///
     /// # Errors
@@ -85,6 +91,21 @@ impl Driven<'_> {
     pub fn run(&mut self, recorder: &mut dyn Recorder) -> Result<Vec<Option<Ending>>, Error> {
         let Driven { system, runs, .. } = self;
         runs.iter().map(|run| system.run(run, &Jacobi, recorder)).collect()
+    }
+}
+
+impl Driven<'_> {
+    /// Runs one record, counted from 0; nothing where there is none.
+    ///
+    /// # Errors
+    /// What the slave says, as [`Error::Run`].
+    pub fn run_one(
+        &mut self,
+        record: usize,
+        recorder: &mut dyn Recorder,
+    ) -> Result<Option<Ending>, Error> {
+        let Driven { system, runs, .. } = self;
+        runs.get(record).map_or(Ok(None), |run| system.run(run, &Jacobi, recorder))
     }
 }
 
@@ -153,7 +174,7 @@ fn targets(slave: &dyn Slave, drive: &Drive, column: &str) -> Vec<String> {
     let is_mapped_elsewhere = drive.map.iter().any(|(variable, _)| variable == column);
     let description = slave.description();
     let own = Address::find(slave.name(), description, column).ok().map(|found| found.variable);
-    let own = own.filter(|variable| can_be_fed(variable, description.fmi_version));
+    let own = own.filter(|variable| can_be_fed(variable, description));
     match own {
         Some(variable) if mapped.is_empty() && !is_mapped_elsewhere => vec![variable.name],
         _ => mapped,

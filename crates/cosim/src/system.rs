@@ -1,11 +1,15 @@
 //! A checked system: slaves, the bus between them, and the moves of which algorithms are made.
 
+use std::collections::{HashMap, HashSet};
+use std::time::Instant;
+
 use crate::diagram::Port;
 use crate::error::Error;
 use crate::pace::Pace;
 use crate::problem::Problem;
 use crate::record::Column;
 use crate::slave::{Address, Selection, Slave, Value};
+use crate::statistics::{Statistics, Times};
 use crate::unit::Conversion;
 use fmi_bindings::import::StepResult;
 
@@ -25,6 +29,10 @@ pub struct System {
     /// For each connected variable of the bus the slave it belongs to.
     pub(crate) owners: Vec<Option<usize>>,
     pub(crate) columns: Vec<Column>,
+    /// Names of the columns.
+    recorded: HashSet<String>,
+    /// Places of the slaves, the first of a name.
+    places: HashMap<String, usize>,
     taps: Vec<Tap>,
     input_taps: Vec<InputTap>,
     pub(crate) row: Vec<f64>,
@@ -35,6 +43,9 @@ pub struct System {
     pub(crate) unsolved: Vec<String>,
     /// Some slave steps more rarely than the system communicates.
     pub(crate) paced: bool,
+    /// This communication step is timed.
+    pub(crate) is_timed: bool,
+    pub(crate) total: Statistics,
 }
 
 /// Why a run ended before its stop time without an error.
@@ -59,6 +70,7 @@ pub(crate) struct Participant {
     /// Other variables that are only recorded.
     pub(crate) observed: Gather,
     pub(crate) pace: Pace,
+    times: Times,
 }
 
 /// What feeds an input.
@@ -145,6 +157,7 @@ impl Participant {
             outputs: Gather::default(),
             observed: Gather::default(),
             pace: Pace::default(),
+            times: Times::default(),
         }
     }
 
@@ -174,12 +187,18 @@ impl Participant {
 
 impl System {
     pub(crate) fn new(participants: Vec<Participant>) -> Self {
+        let mut places = HashMap::with_capacity(participants.len());
+        for (place, participant) in participants.iter().enumerate() {
+            places.entry(participant.slave.name().to_owned()).or_insert(place);
+        }
         System {
+            places,
             participants,
             bus: Vec::new(),
             externals: Vec::new(),
             owners: Vec::new(),
             columns: Vec::new(),
+            recorded: HashSet::new(),
             taps: Vec::new(),
             input_taps: Vec::new(),
             row: Vec::new(),
@@ -187,6 +206,8 @@ impl System {
             used: false,
             unsolved: Vec::new(),
             paced: false,
+            is_timed: false,
+            total: Statistics::default(),
         }
     }
 
@@ -221,7 +242,7 @@ impl System {
     pub(crate) fn record(&mut self, recorded: Recorded<'_>) -> Result<(), Problem> {
         let Recorded { slave, address, name, unit } = recorded;
         let variable = &address.variable.name;
-        if self.columns.iter().any(|column| column.name == name) {
+        if !self.recorded.insert(name.clone()) {
             return Err(Problem::SameColumn { name });
         }
         let participant = &self.participants[slave];
@@ -258,7 +279,7 @@ impl System {
 
     /// Place of a slave.
     pub fn position(&self, name: &str) -> Result<usize, Problem> {
-        self.names().position(|there| there == name).ok_or_else(|| Problem::NoSuchSlave {
+        self.places.get(name).copied().ok_or_else(|| Problem::NoSuchSlave {
             name: name.to_owned(),
             there: self.names().collect::<Vec<_>>().join(", "),
         })
@@ -316,6 +337,12 @@ impl System {
         &self.unsolved
     }
 
+    /// How long the steps of all runs so far took.
+    pub fn statistics(&self) -> Statistics {
+        let told = |participant: &Participant| participant.times.told(participant.slave.name());
+        Statistics { fmus: self.participants.iter().map(told).collect(), ..self.total.clone() }
+    }
+
     /// The columns that a run records.
     pub fn columns(&self) -> &[Column] {
         &self.columns
@@ -356,7 +383,13 @@ impl System {
             return Ok(());
         }
         let (time, step) = participant.pace.own.unwrap_or((time, step));
-        match participant.slave.step(time, step)? {
+        participant.times.calls += 1;
+        let begin = if self.is_timed { Some(Instant::now()) } else { None };
+        let outcome = participant.slave.step(time, step);
+        if let Some(begin) = begin {
+            participant.times.note(begin.elapsed());
+        }
+        match outcome? {
             StepResult::Completed => Ok(()),
             StepResult::Discarded { reached, terminated } => {
                 let slave = participant.slave.name().to_owned();

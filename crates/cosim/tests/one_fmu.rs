@@ -81,6 +81,7 @@ fn calls_come_in_the_order_of_fmpy() {
         signals: &signals,
         tolerance: None,
         no_stop_time: false,
+        pace: None,
     };
     let mut memory = Memory::new();
     system.run(&run, &Jacobi, &mut memory).unwrap();

@@ -48,7 +48,7 @@ mod tap;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-pub use around::Repaired;
+pub use around::{Repaired, preset};
 pub use between::Between;
 pub use error::Error;
 pub use gap::{

@@ -41,6 +41,9 @@ pub struct Repair {
     /// Float64 variables with more than one value: value reference, number of values.
     #[serde(default)]
     pub sizes: Vec<(u32, usize)>,
+    /// Start values that the original is given in place of its own.
+    #[serde(default, rename = "preset", skip_serializing_if = "Vec::is_empty")]
+    pub presets: Vec<Variable>,
 }
 
 /// The FMU inside.

@@ -99,8 +99,8 @@ impl Archive {
         let start = zip.central_directory_start();
         let headers = central_directory(path, start, limits).map_err(cannot_read)?;
         if zip.has_duplicate_names() {
-            let name = first_duplicate(&headers).unwrap_or_default();
-            defects.push((name, EntryDefect::Duplicate));
+            let again = first_duplicate(&headers).map(|name| (name, EntryDefect::Duplicate));
+            defects.extend(again);
         }
         if zip.has_overlapping_entries().map_err(not_a_zip)? {
             defects.push((String::new(), EntryDefect::Overlap));
@@ -268,6 +268,8 @@ fn same_path_twice(entries: &[Entry]) -> Vec<(String, EntryDefect)> {
 struct Header {
     name: Vec<u8>,
     version_needed: u16,
+    /// CRC-32 and sizes, packed and unpacked, as they stand there.
+    content: [u8; 12],
 }
 
 /// The headers of the central directory, which starts at this offset (APPNOTE 4.3.12).
@@ -291,15 +293,22 @@ fn central_directory(path: &Path, start: u64, limits: &Limits) -> std::io::Resul
         let mut name = vec![0_u8; number(28).into()];
         file.read_exact(&mut name)?;
         file.seek_relative(i64::from(number(30)) + i64::from(number(32)))?;
-        headers.push(Header { name, version_needed });
+        let mut content = [0; 12];
+        if let Some(there) = fixed.get(16..28) {
+            content.copy_from_slice(there);
+        }
+        headers.push(Header { name, version_needed, content });
     }
     Ok(headers)
 }
 
-/// The first name that stands twice in the central directory.
+/// The first name that stands twice in the central directory for different files. The same file may
+/// (CRC-32 and size), as CMake adds files and folders again that it is told twice.
 fn first_duplicate(headers: &[Header]) -> Option<String> {
-    let mut seen = HashSet::new();
-    let again = headers.iter().find(|header| !seen.insert(header.name.as_slice()))?;
+    let mut seen = HashMap::new();
+    let again = headers.iter().find(|header| {
+        *seen.entry(header.name.as_slice()).or_insert(header.content) != header.content
+    })?;
     Some(String::from_utf8_lossy(&again.name).into_owned())
 }
 

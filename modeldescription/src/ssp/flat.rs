@@ -6,7 +6,7 @@
 mod bindings;
 mod dictionaries;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::problem::{Format, problem};
 use super::structure::*;
@@ -241,9 +241,9 @@ impl<'a> Flattener<'a> {
     fn system(&mut self, system: &'a System, path: &str) {
         self.around.push((path.to_owned(), system));
         self.connectors(path, &system.connectors, false);
-        for (i, element) in system.elements.iter().enumerate() {
-            let before = system.elements.get(..i).unwrap_or_default();
-            if before.iter().any(|other| other.name() == element.name()) {
+        let mut names = HashSet::new();
+        for element in &system.elements {
+            if !names.insert(element.name()) {
                 self.report(
                     element.line(),
                     format!("two elements are called \"{}\"", element.name()),
@@ -270,12 +270,18 @@ impl<'a> Flattener<'a> {
             }
         }
         for connection in &system.connections {
-            self.connection(system, connection, path);
+            self.connection((system, &names), connection, path);
         }
         self.around.pop();
     }
 
-    fn connection(&mut self, system: &System, connection: &Connection, path: &str) {
+    /// A connection of a system with elements of these names.
+    fn connection(
+        &mut self,
+        system: (&System, &HashSet<&str>),
+        connection: &Connection,
+        path: &str,
+    ) {
         let start = self.end(system, &connection.start, path, connection.line);
         let end = self.end(system, &connection.end, path, connection.line);
         let (Some(start), Some(end)) = (start, end) else { return };
@@ -333,12 +339,16 @@ impl<'a> Flattener<'a> {
         }
     }
 
-    fn end(&mut self, system: &System, end: &End, path: &str, line: Line) -> Option<(Node, Role)> {
+    fn end(
+        &mut self,
+        (system, names): (&System, &HashSet<&str>),
+        end: &End,
+        path: &str,
+        line: Line,
+    ) -> Option<(Node, Role)> {
         let (path, own) = match &end.element {
             None => (path.to_owned(), true),
-            Some(name) if system.elements.iter().any(|element| element.name() == name) => {
-                (joined(path, name), false)
-            }
+            Some(name) if names.contains(name.as_str()) => (joined(path, name), false),
             Some(name) => {
                 let there: Vec<&str> = system.elements.iter().map(Element::name).collect();
                 let found = format!("a connection names the element \"{name}\"");

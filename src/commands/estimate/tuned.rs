@@ -4,11 +4,12 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use anyhow::bail;
-use cosim::{Driven, Memory};
+use cosim::{Driven, Memory, Value};
 use data::Log;
 use identify::calibration::Tunable;
 
 use super::LogFit;
+use super::asked::Asked;
 use crate::commands::simulate::OutputFit;
 use crate::window::Window;
 
@@ -71,12 +72,23 @@ impl<'a> Series<'a> {
         Ok(Series { driven, held_out, compared: all, records })
     }
 
-    /// Runs the FMU through all records.
-    pub(super) fn simulate(&mut self) -> anyhow::Result<Memory> {
+    /// Runs the FMU through all records, each with the shared values and its own; `number` is that of the
+    /// log.
+    pub(super) fn simulate(
+        &mut self,
+        number: usize,
+        asked: &[Asked],
+        values: &[f64],
+    ) -> anyhow::Result<Memory> {
         let mut memory = Memory::new();
-        let endings = self.driven.run(&mut memory)?;
-        if let Some(ending) = endings.into_iter().flatten().next() {
-            bail!("FMU `{}` asked for the end of the run at {} s", ending.slave, ending.time);
+        for record in 0..self.records.len() {
+            for (asked, value) in asked.iter().zip(values).filter(|(a, _)| a.is_of(number, record))
+            {
+                self.driven.set(&asked.name, Value::Real(*value))?;
+            }
+            if let Some(ending) = self.driven.run_one(record, &mut memory)? {
+                bail!("FMU `{}` asked for the end of the run at {} s", ending.slave, ending.time);
+            }
         }
         Ok(memory)
     }

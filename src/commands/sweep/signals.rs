@@ -339,7 +339,7 @@ pub(super) fn parameters(
 fn of_scalar(value: &Scalar) -> Value {
     match value {
         Scalar::Truth(value) => Value::Boolean(*value),
-        Scalar::Whole(value) => Value::Integer(*value),
+        Scalar::Whole(value) => Value::Integer((*value).into()),
         Scalar::Real(value) => Value::Real(*value),
         Scalar::Text(text) => Value::Text(text.clone()),
     }
@@ -349,7 +349,7 @@ fn value(cell: &Cell) -> Option<Value> {
     Some(match cell {
         Cell::Missing => return None,
         Cell::Real(value) => Value::Real(*value),
-        Cell::Whole(value) => Value::Integer(*value),
+        Cell::Whole(value) => Value::Integer((*value).into()),
         Cell::Truth(value) => Value::Boolean(*value),
         Cell::Text(text) => Value::Text(text.clone()),
     })
@@ -358,7 +358,10 @@ fn value(cell: &Cell) -> Option<Value> {
 fn planned(value: Value) -> ParameterValue {
     match value {
         Value::Real(value) => ParameterValue::Real(vec![value]),
-        Value::Integer(value) => ParameterValue::Integer(vec![value]),
+        Value::Integer(value) => match i64::try_from(value) {
+            Ok(value) => ParameterValue::Integer(vec![value]),
+            Err(_) => ParameterValue::Real(vec![value as f64]),
+        },
         Value::Boolean(value) => ParameterValue::Boolean(vec![value]),
         Value::Text(text) => ParameterValue::Text(vec![text]),
     }
@@ -396,6 +399,7 @@ impl SignalWorker<'_> {
             signals: &self.table,
             tolerance: None,
             no_stop_time: false,
+            pace: None,
         };
         let ending = match &mut ready.set {
             Set::Loop(closed) => closed.run(&run, &mut meter)?,

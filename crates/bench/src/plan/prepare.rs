@@ -283,7 +283,7 @@ impl Plan {
         for (name, value) in &self.start {
             let value = match value {
                 toml::Value::Float(value) => Value::Real(*value),
-                toml::Value::Integer(value) => Value::Integer(*value),
+                toml::Value::Integer(value) => Value::Integer((*value).into()),
                 toml::Value::Boolean(value) => Value::Boolean(*value),
                 toml::Value::String(value) => Value::Text(value.clone()),
                 other => return Err(said(format!("[start] {name} = {other}: is no single value"))),

@@ -1,5 +1,7 @@
 //! Gauss–Seidel: slaves step one after the other.
 
+use std::collections::{BTreeSet, HashSet};
+
 use super::Algorithm;
 use crate::error::Error;
 use crate::problem::{Problem, Problems};
@@ -20,6 +22,8 @@ use crate::system::System;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GaussSeidel {
     order: Vec<usize>,
+    /// By slave: its place in the order.
+    places: Vec<usize>,
 }
 
 impl GaussSeidel {
@@ -27,41 +31,52 @@ impl GaussSeidel {
     pub fn in_order(system: &System, names: &[&str]) -> Result<Self, Problems> {
         let mut problems = Vec::new();
         let mut order = Vec::new();
+        let mut places = vec![usize::MAX; system.len()];
         for name in names {
             match system.position(name) {
-                Ok(place) if order.contains(&place) => {
+                Ok(slave) if places[slave] != usize::MAX => {
                     problems.push(order_problem(name, "comes twice"))
                 }
-                Ok(place) => order.push(place),
+                Ok(slave) => {
+                    places[slave] = order.len();
+                    order.push(slave);
+                }
                 Err(problem) => problems.push(problem),
             }
         }
-        let left_out = system.names().filter(|name| !names.contains(name));
-        problems.extend(left_out.map(|name| order_problem(name, "is left out")));
-        Problems::none_or(problems, GaussSeidel { order })
+        let left_out = system.names().zip(&places).filter(|(_, place)| **place == usize::MAX);
+        problems.extend(left_out.map(|(name, _)| order_problem(name, "is left out")));
+        Problems::none_or(problems, GaussSeidel { order, places })
     }
 
     /// Sources before targets as far as connections allow. Where they form a circle, the slave
     /// that was added first goes first, and the connections to it that close the circle delay.
     pub fn by_dependency(system: &System) -> Self {
-        let sources: Vec<Vec<usize>> = (0..system.len())
+        let sources: Vec<HashSet<usize>> = (0..system.len())
             .map(|slave| system.sources_of(slave).filter(|source| *source != slave).collect())
             .collect();
-        let mut order: Vec<usize> = Vec::with_capacity(system.len());
-        let mut placed = vec![false; system.len()];
-        // Those before it are all placed.
-        let mut first = 0;
-        while order.len() < system.len() {
-            while placed.get(first) == Some(&true) {
-                first += 1;
-            }
-            let waits = |slave: usize| sources[slave].iter().any(|source| !placed[*source]);
-            let free = (first..system.len()).find(|slave| !placed[*slave] && !waits(*slave));
-            let next = free.unwrap_or(first);
-            placed[next] = true;
-            order.push(next);
+        let mut targets = vec![Vec::new(); system.len()];
+        for (target, sources) in sources.iter().enumerate() {
+            sources.iter().for_each(|source| targets[*source].push(target));
         }
-        GaussSeidel { order }
+        // So many sources of each are not placed yet; of those with none the first is next.
+        let mut waits: Vec<usize> = sources.iter().map(HashSet::len).collect();
+        let mut left: BTreeSet<usize> = (0..system.len()).collect();
+        let mut free: BTreeSet<usize> = (0..system.len()).filter(|s| waits[*s] == 0).collect();
+        let mut order: Vec<usize> = Vec::with_capacity(system.len());
+        while let Some(next) = free.pop_first().or_else(|| left.first().copied()) {
+            left.remove(&next);
+            order.push(next);
+            for target in &targets[next] {
+                waits[*target] -= 1;
+                if waits[*target] == 0 && left.contains(target) {
+                    free.insert(*target);
+                }
+            }
+        }
+        let mut places = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(place, slave)| places[*slave] = place);
+        GaussSeidel { order, places }
     }
 
     /// Places of the slaves, in the order in which they step.
@@ -86,8 +101,7 @@ impl Algorithm for GaussSeidel {
     }
 
     fn looks_ahead(&self, source: usize, target: usize) -> bool {
-        let place = |slave: usize| self.order.iter().position(|there| *there == slave);
-        place(source) < place(target)
+        self.places.get(source) < self.places.get(target)
     }
 
     fn initialization_order(&self, _system: &System) -> Vec<usize> {

@@ -21,6 +21,8 @@ pub(super) enum Request {
         name: String,
         visible: bool,
         logging_on: bool,
+        /// Values of structural parameters.
+        structure: Vec<(String, Value)>,
         /// Most memory for data in bytes.
         memory: Option<u64>,
     },

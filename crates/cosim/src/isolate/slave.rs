@@ -53,7 +53,7 @@ impl IsolatedSlave {
         };
         let (socket, child) = start(worker).map_err(failed)?;
         let folder = package.folder().to_string_lossy().into_owned();
-        let Settings { name, visible, logging_on, .. } = settings.clone();
+        let Settings { name, visible, logging_on, structure, .. } = settings.clone();
         let memory = worker.memory;
         let mut slave = IsolatedSlave {
             settings,
@@ -66,7 +66,8 @@ impl IsolatedSlave {
             ended: None,
             _package: package,
         };
-        slave.done("Instantiate", &Request::Open { folder, name, visible, logging_on, memory })?;
+        let open = Request::Open { folder, name, visible, logging_on, structure, memory };
+        slave.done("Instantiate", &open)?;
         Ok(slave)
     }
 

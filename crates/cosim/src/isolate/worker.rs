@@ -135,9 +135,11 @@ mod unix {
 
         fn answer(&mut self, request: Request) -> Result<Answer, Error> {
             match request {
-                Request::Open { folder, name, visible, logging_on, memory } => {
+                Request::Open { folder, name, visible, logging_on, structure, memory } => {
                     limit(memory)?;
-                    self.open(&folder, &name, visible, logging_on)?;
+                    let mut fmu = Fmu::open(folder)?;
+                    fmu.configure(&structure)?;
+                    self.open(&fmu, &name, visible, logging_on)?;
                 }
                 Request::Setup { start, stop, tolerance } => {
                     self.slave()?.setup(&Experiment { start, stop, tolerance })?;
@@ -184,7 +186,7 @@ mod unix {
 
         fn open(
             &mut self,
-            folder: &str,
+            fmu: &Fmu,
             name: &str,
             visible: bool,
             logging_on: bool,
@@ -197,7 +199,7 @@ mod unix {
             };
             let on_message: Option<fmi_bindings::import::OnMessage> = Some(Arc::new(tell));
             let options = InstanceOptions { visible, logging_on, on_message };
-            self.slave = Some(Fmu::open(folder)?.instantiate(name, &options)?);
+            self.slave = Some(fmu.instantiate(name, &options)?);
             Ok(())
         }
     }

@@ -118,6 +118,7 @@ impl Reader {
             master: Master { coupling: Coupling::Jacobi, ..Master::default() },
             notes: Vec::new(),
             undirected: true,
+            names: Default::default(),
             _ssp: None,
         };
         for (number, element) in root.children.iter().enumerate() {

@@ -59,6 +59,7 @@ impl Plan {
             master,
             notes: flat.notes,
             undirected: false,
+            names: Default::default(),
             _ssp: Some(ssp),
         })
     }
@@ -130,8 +131,9 @@ fn fixed_step(element: &xml::Element) -> Option<f64> {
 fn record(annotations: &[Annotation], fmus: &[PlannedFmu]) -> Vec<(Port, String)> {
     let children = own(annotations).map(|e| e.children.as_slice()).unwrap_or_default();
     let records = children.iter().filter(|child| child.name.ends_with("Record"));
+    let names = fmus.iter().map(|fmu| fmu.name.clone()).collect();
     let named = records.filter_map(|child| {
-        let port = super::port_of(fmus, child.attribute("variable")?)?;
+        let port = super::port_of(&names, child.attribute("variable")?)?;
         Some((port, child.attribute("name")?.to_owned()))
     });
     named.collect()

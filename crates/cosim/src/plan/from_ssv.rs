@@ -1,5 +1,6 @@
 //! Start values from a parameter set beside the system's file.
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::Path;
 
@@ -35,7 +36,6 @@ impl Plan {
             let from = set.units.iter().find(|known| Some(known.name.as_str()) == unit).cloned();
             let step =
                 Linear { from, to: None, suppress_unit_conversion: false, transformation: None };
-            self.starts.retain(|start| start.to != to);
             self.starts.push(PlannedStart {
                 to,
                 value: parameter.value,
@@ -44,6 +44,10 @@ impl Plan {
                 optional: false,
             });
         }
+        let mut seen = HashSet::new();
+        let starts = std::mem::take(&mut self.starts).into_iter().rev();
+        self.starts = starts.filter(|start| seen.insert(start.to.clone())).collect();
+        self.starts.reverse();
         Ok(())
     }
 }

@@ -84,6 +84,7 @@ impl Reader {
             master: self.master(root),
             notes: Vec::new(),
             undirected: false,
+            names: Default::default(),
             _ssp: None,
         };
         for (name, value) in self.table(root, "fmus") {

@@ -7,7 +7,9 @@ mod from_toml;
 mod prepare;
 mod to_ssp;
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use modeldescription::ssp::{ParameterValue, Ssp};
 
@@ -63,6 +65,8 @@ pub struct Plan {
     pub notes: Vec<String>,
     /// Connections may be written from input to output, too.
     pub(crate) undirected: bool,
+    /// Names of the FMUs, once they are needed.
+    names: Mutex<HashSet<String>>,
     /// Keeps the unpacked archive.
     _ssp: Option<Ssp>,
 }
@@ -187,17 +191,18 @@ impl Plan {
 
     /// The variable that `fmu.variable` means; the longest name of an FMU counts.
     fn port(&self, text: &str) -> Option<Port> {
-        port_of(&self.fmus, text)
+        let mut names = self.names.lock().unwrap_or_else(PoisonError::into_inner);
+        if names.len() != self.fmus.len() {
+            *names = self.fmus.iter().map(|fmu| fmu.name.clone()).collect();
+        }
+        port_of(&names, text)
     }
 }
 
-fn port_of(fmus: &[PlannedFmu], text: &str) -> Option<Port> {
-    let candidates = fmus.iter().filter_map(|fmu| {
-        let variable = text.strip_prefix(fmu.name.as_str())?.strip_prefix('.')?;
-        (!variable.is_empty()).then_some((fmu, variable))
-    });
-    let (fmu, variable) = candidates.max_by_key(|(fmu, _)| fmu.name.len())?;
-    Some(Port::from((fmu.name.as_str(), variable)))
+fn port_of(names: &HashSet<String>, text: &str) -> Option<Port> {
+    let mut cuts = text.rmatch_indices('.').map(|(at, _)| (&text[..at], &text[at + 1..]));
+    let (fmu, variable) = cuts.find(|(fmu, rest)| !rest.is_empty() && names.contains(*fmu))?;
+    Some(Port::from((fmu, variable)))
 }
 
 /// The relaxation that a number means: Aitken's where there is none.

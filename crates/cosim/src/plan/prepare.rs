@@ -1,5 +1,7 @@
 //! From a plan to a system that is ready to run.
 
+use std::collections::{HashMap, HashSet};
+
 use modeldescription::ModelDescription;
 use modeldescription::description::Unit;
 use modeldescription::ssp::ParameterValue;
@@ -10,7 +12,7 @@ use crate::algorithm::{Algorithm, Extrapolation, GaussSeidel, Iteration, Jacobi}
 use crate::diagram::{Diagram, Port};
 use crate::error::Error;
 use crate::problem::{Problem, Problems};
-use crate::slave::{Address, Slave, Value, numbers};
+use crate::slave::{Address, Index, Slave, Value, numbers};
 use crate::system::System;
 
 /// A multiple of the communication step that misses a whole number by less than this part is one.
@@ -43,13 +45,9 @@ impl Plan {
 
     /// Columns of the input table that are needed.
     pub fn columns(&self) -> Vec<&str> {
-        let mut columns: Vec<&str> = Vec::new();
-        for input in &self.inputs {
-            if !columns.contains(&input.column.as_str()) {
-                columns.push(&input.column);
-            }
-        }
-        columns
+        let mut known = HashSet::new();
+        let columns = self.inputs.iter().map(|input| input.column.as_str());
+        columns.filter(|column| known.insert(*column)).collect()
     }
 
     /// Connects the slaves, which are instances of the FMUs in their order. `step` is the
@@ -67,15 +65,17 @@ impl Plan {
         let mut problems = Vec::new();
         let mut notes = self.notes.clone();
         let mut diagram = Diagram::new();
+        let known = Slaves::of(&slaves);
         for start in &self.starts {
-            self.start(&slaves, start, &mut diagram, &mut notes, &mut problems);
+            self.start(&known, start, &mut diagram, &mut notes, &mut problems);
         }
+        let units: HashMap<&str, &Unit> =
+            units.iter().map(|(n, unit)| (n.as_str(), unit)).collect();
         for input in &self.inputs {
-            let unit = units.iter().find(|(name, _)| *name == input.column);
-            let unit = unit.map(|(_, unit)| unit.clone());
+            let unit = units.get(input.column.as_str()).map(|unit| Unit::clone(unit));
             diagram.feed_by(&input.column, unit, input.to.clone(), input.way.clone());
         }
-        let connections = self.directed(&slaves);
+        let connections = self.directed(&known);
         for PlannedConnection { from, to, way } in connections.clone() {
             diagram.connect_by(from, to, way);
         }
@@ -106,6 +106,38 @@ impl Plan {
         Ok(Prepared { system, algorithm, notes, unfed })
     }
 
+    /// The values that the plan gives the structural parameters of one FMU, with which it is to be
+    /// configured before it is instantiated.
+    ///
+    /// # Errors
+    /// A value that is none.
+    pub fn structure(
+        &self,
+        fmu: &str,
+        description: &ModelDescription,
+    ) -> Result<Vec<(String, Value)>, Error> {
+        let mut structure = Vec::new();
+        for start in self.starts.iter().filter(|start| start.to.slave == fmu) {
+            let found = description.variable(&start.to.variable);
+            let Some(variable) = found.filter(|v| v.causality == Causality::StructuralParameter)
+            else {
+                continue;
+            };
+            let address = Address { variable: variable.clone(), element: None };
+            let value = value_for(description, &address, start, 0).map_err(|why| {
+                let (slave, variable) = (fmu.to_owned(), variable.name.clone());
+                Problems::from(Problem::StartValue {
+                    slave,
+                    variable,
+                    value: start.place.clone(),
+                    why,
+                })
+            })?;
+            structure.push((variable.name.clone(), value));
+        }
+        Ok(structure)
+    }
+
     fn algorithm(&self, system: &System) -> Result<Box<dyn Algorithm>, Problems> {
         let order: Vec<&str> = self.master.order.iter().map(String::as_str).collect();
         Ok(match self.master.coupling {
@@ -120,11 +152,9 @@ impl Plan {
     }
 
     /// The connections from output to input, those of arrays element by element.
-    fn directed(&self, slaves: &[Box<dyn Slave>]) -> Vec<PlannedConnection> {
-        let description = |port: &Port| {
-            slaves.iter().find(|s| s.name() == port.slave).map(|slave| slave.description())
-        };
-        let variable = |port: &Port| description(port)?.variable(&port.variable);
+    fn directed(&self, slaves: &Slaves<'_>) -> Vec<PlannedConnection> {
+        let description = |port: &Port| slaves.description(&port.slave);
+        let variable = |port: &Port| slaves.index.variable(description(port)?, &port.variable);
         let is = |port: &Port, causality| variable(port).is_some_and(|v| v.causality == causality);
         let elements = |port: &Port| -> Vec<Port> {
             let array = variable(port).filter(|variable| !variable.dimensions.is_empty());
@@ -171,10 +201,11 @@ impl Plan {
             let names = outputs.flat_map(|variable| numbers(description, variable));
             ports.extend(names.map(|name| Port::from((slave.name(), name.as_str()))));
         }
-        let connected = connections.iter().map(|connection| connection.from.clone());
-        for port in connected {
-            if !ports.contains(&port) {
-                ports.push(port);
+        let known: HashSet<Port> = ports.iter().cloned().collect();
+        let mut further = HashSet::new();
+        for port in connections.iter().map(|connection| &connection.from) {
+            if !known.contains(port) && further.insert(port) {
+                ports.push(port.clone());
             }
         }
         let named = |port: Port| {
@@ -186,21 +217,21 @@ impl Plan {
 
     fn start(
         &self,
-        slaves: &[Box<dyn Slave>],
+        slaves: &Slaves<'_>,
         start: &PlannedStart,
         diagram: &mut Diagram,
         notes: &mut Vec<String>,
         problems: &mut Vec<Problem>,
     ) {
         let Port { slave, variable } = &start.to;
-        let Some(description) = slaves.iter().find(|s| s.name() == slave).map(|s| s.description())
-        else {
+        let Some(description) = slaves.description(slave) else {
             problems.push(Problem::NoSuchSlave { name: slave.clone(), there: String::new() });
             return;
         };
         let several = count(&start.value) > 1;
         // An array of several dimensions gets its values row by row.
-        let elements = description.variable(variable).map(|v| numbers(description, v));
+        let found = slaves.index.variable(description, variable);
+        let elements = found.map(|v| numbers(description, v));
         let elements = elements.filter(|names| names.len() == count(&start.value));
         let names = elements.unwrap_or_default();
         for i in 0..count(&start.value) {
@@ -209,7 +240,7 @@ impl Plan {
                 None if several => format!("{variable}[{}]", i + 1),
                 None => variable.clone(),
             };
-            let address = match Address::find(slave, description, &name) {
+            let address = match slaves.index.find(slave, description, &name) {
                 Ok(address) => address,
                 Err(_) if start.optional => {
                     notes
@@ -233,6 +264,23 @@ impl Plan {
                 }),
             }
         }
+    }
+}
+
+/// Descriptions by the names of the slaves, and variables by their names.
+struct Slaves<'a> {
+    descriptions: HashMap<&'a str, &'a ModelDescription>,
+    index: Index,
+}
+
+impl<'a> Slaves<'a> {
+    fn of(slaves: &'a [Box<dyn Slave>]) -> Self {
+        let named = slaves.iter().map(|slave| (slave.name(), slave.description()));
+        Slaves { descriptions: named.collect(), index: Index::default() }
+    }
+
+    fn description(&self, name: &str) -> Option<&'a ModelDescription> {
+        self.descriptions.get(name).copied()
     }
 }
 
@@ -264,7 +312,7 @@ fn value_for(
             Ok(Value::Real(start.way.conversion(None, unit, differences)?.apply(value)))
         }
         ParameterValue::Integer(values) => {
-            values.get(i).copied().map(Value::Integer).ok_or_else(missing)
+            values.get(i).map(|value| Value::Integer((*value).into())).ok_or_else(missing)
         }
         ParameterValue::Boolean(values) => {
             values.get(i).copied().map(Value::Boolean).ok_or_else(missing)
@@ -275,7 +323,7 @@ fn value_for(
             let declared = description.declared_type(&address.variable);
             let known = declared.map(|declared| declared.items.as_slice()).unwrap_or_default();
             let found = known.iter().find(|known| known.name == *item);
-            found.map(|found| Value::Integer(found.value)).ok_or_else(|| {
+            found.map(|found| Value::Integer(found.value.into())).ok_or_else(|| {
                 let names: Vec<&str> = known.iter().map(|known| known.name.as_str()).collect();
                 format!("\"{item}\" is no item of its enumeration: {}", names.join(", "))
             })
@@ -293,11 +341,11 @@ fn unfed(system: &System) -> Vec<String> {
     for participant in &system.participants {
         let (slave, description) = (participant.slave.name(), participant.slave.description());
         let given = participant.starts_before.iter().chain(&participant.starts_during);
-        let given: Vec<&str> = given.map(|(name, _)| name.as_str()).collect();
+        let given: HashSet<&str> = given.map(|(name, _)| name.as_str()).collect();
         let inputs = description.variables.iter().filter(|v| v.causality == Causality::Input);
         let all = inputs.flat_map(|input| numbers(description, input));
         let is_fed = |name: &String| {
-            given.contains(&name.as_str()) || participant.driven.position(name).is_some()
+            given.contains(name.as_str()) || participant.driven.position(name).is_some()
         };
         names.extend(all.filter(|name| !is_fed(name)).map(|name| format!("{slave}.{name}")));
     }

@@ -1,8 +1,9 @@
 //! Names of variables and of elements of arrays.
 
 use modeldescription::ModelDescription;
-use modeldescription::variable::{DataType, Dimension, Start, Variable};
+use modeldescription::variable::{Causality, DataType, Dimension, Start, Variable};
 
+use super::clocks::can_be_triggered;
 use crate::problem::{Problem, nearest};
 
 /// Arrays with more elements are not taken apart.
@@ -36,11 +37,21 @@ impl Address {
         description: &ModelDescription,
         name: &str,
     ) -> Result<Address, Problem> {
-        if let Some(variable) = description.variable(name) {
+        Address::find_by(slave, description, name, |name| description.variable(name))
+    }
+
+    /// The same, where somebody finds the variables of a description faster.
+    pub(super) fn find_by<'d>(
+        slave: &str,
+        description: &'d ModelDescription,
+        name: &str,
+        variable: impl Fn(&str) -> Option<&'d Variable>,
+    ) -> Result<Address, Problem> {
+        if let Some(variable) = variable(name) {
             return Ok(Address { variable: variable.clone(), element: None });
         }
         let found = indexed(name)
-            .and_then(|(array, indices)| Some((description.variable(array)?, indices)))
+            .and_then(|(array, indices)| Some((variable(array)?, indices)))
             .filter(|(array, _)| !array.dimensions.is_empty());
         let Some((array, indices)) = found else {
             return Err(Problem::NoSuchVariable {
@@ -62,10 +73,13 @@ impl Address {
 }
 
 /// The names by which the values of a variable are connected and recorded: its own, or those of an
-/// array's elements in row-major order; none where there are no numbers, or too many to list.
+/// array's elements in row-major order; none where there are no numbers, or too many to list. An input
+/// clock that ticks by itself is not connected.
 pub(crate) fn numbers(description: &ModelDescription, variable: &Variable) -> Vec<String> {
-    let text = matches!(variable.data_type, DataType::String | DataType::Binary | DataType::Clock);
-    if text {
+    let is_timed = variable.data_type == DataType::Clock
+        && variable.causality == Causality::Input
+        && !can_be_triggered(description, variable);
+    if is_timed || matches!(variable.data_type, DataType::String | DataType::Binary) {
         return Vec::new();
     }
     if variable.dimensions.is_empty() {
@@ -93,7 +107,7 @@ fn indexed(name: &str) -> Option<(&str, Vec<u64>)> {
 }
 
 /// Sizes of an array's dimensions, with the start values of structural parameters.
-fn sizes(description: &ModelDescription, array: &Variable) -> Result<Vec<u64>, String> {
+pub(super) fn sizes(description: &ModelDescription, array: &Variable) -> Result<Vec<u64>, String> {
     let size = |dimension: &Dimension| match dimension {
         Dimension::Size(size) => Ok(*size),
         Dimension::Parameter(reference) => {

@@ -35,7 +35,18 @@ impl Arrays {
         let place = match self.known.iter().position(|(known, _)| *known == array.reference) {
             Some(place) => place,
             None => {
-                self.known.push((array.reference, starts(description, array)));
+                let begin = match starts(description, array) {
+                    Some(starts) => starts,
+                    // The FMU knows what is in an array that was given another size.
+                    None if array.is_whole() => vec![0.0; array.size],
+                    None => {
+                        let mut found = vec![0.0; array.size];
+                        let mut room = Room::of(instance.name(), description);
+                        read(instance, &mut room, run.data_type, array.reference, &mut found)?;
+                        found
+                    }
+                };
+                self.known.push((array.reference, begin));
                 self.known.len() - 1
             }
         };
@@ -78,18 +89,17 @@ fn overrun(instance: &Instance, call: &'static str, asked: usize) -> Error {
     Error::Overrun { fmu: instance.name().to_owned(), call, asked }
 }
 
-/// The array as its description starts it.
-fn starts(description: &ModelDescription, array: &ArrayRun) -> Vec<f64> {
+/// The array as its description starts it, if it does.
+fn starts(description: &ModelDescription, array: &ArrayRun) -> Option<Vec<f64>> {
     let variable = description.variables.iter().find(|v| v.value_reference == array.reference);
-    let numbers: Vec<f64> = match variable.and_then(|v| v.start.as_ref()) {
-        Some(Start::Boolean(values)) => values.iter().map(|on| f64::from(u8::from(*on))).collect(),
-        Some(start) => start.numbers().unwrap_or_default().iter().map(|n| n.as_f64()).collect(),
-        None => Vec::new(),
+    let numbers: Vec<f64> = match variable.and_then(|v| v.start.as_ref())? {
+        Start::Boolean(values) => values.iter().map(|on| f64::from(u8::from(*on))).collect(),
+        start => start.numbers().unwrap_or_default().iter().map(|n| n.as_f64()).collect(),
     };
-    match numbers.as_slice() {
+    Some(match numbers.as_slice() {
         [one] => vec![*one; array.size],
         several => (0..array.size).map(|i| several.get(i).copied().unwrap_or(0.0)).collect(),
-    }
+    })
 }
 
 fn write(

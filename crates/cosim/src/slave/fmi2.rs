@@ -64,7 +64,7 @@ impl Fmi2Slave {
     fn make_anew(&mut self) -> Result<(), Error> {
         self.states.clear();
         self.instance = None;
-        let Settings { name, visible, logging_on, on_message } = self.settings.clone();
+        let Settings { name, visible, logging_on, on_message, .. } = self.settings.clone();
         let guid = self.description.instantiation_token.clone();
         let resource_location = self.package.resources_uri();
         let name_of = Some(names(&self.description));

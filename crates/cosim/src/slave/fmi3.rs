@@ -1,25 +1,25 @@
 //! A slave of FMI 3.0.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use fmi_bindings::import::v3::{Instance, Instantiation, Library};
 use fmi_bindings::import::{Error as ImportError, Experiment, StepResult};
-use modeldescription::variable::DataType;
+use modeldescription::variable::{Causality, DataType};
 use modeldescription::{ModelDescription, Package};
 
 use super::address::Address;
 use super::array::Arrays;
+use super::events::Events;
 use super::selection::{Selection, TypeRun};
 use super::support::{
     Room, Settings, States, instance_of, offers_bytes, offers_state, problem, same_length,
     type_error,
 };
+use super::typed::{get_other, set_other};
 use super::value::Value;
-use super::{Slave, StateId};
+use super::{Slave, StateId, structure};
 use crate::error::Error;
-
-/// Values of other types than Float64 are converted on the stack, so many at once.
-const CHUNK: usize = 32;
 
 /// One instance of an FMI 3.0 co-simulation FMU.
 pub(crate) struct Fmi3Slave {
@@ -33,6 +33,20 @@ pub(crate) struct Fmi3Slave {
     arrays: Arrays,
     room: Room,
     package: Arc<Package>,
+    /// Its events, where it has event mode.
+    events: Option<Events>,
+    /// The events that belong to saved states.
+    snapshots: HashMap<StateId, Events>,
+    /// It was made with event mode.
+    has_events: bool,
+    /// Initialization has ended.
+    steps: bool,
+    /// It has been told that a whole number does not fit into a double.
+    is_rounded: bool,
+    /// It may return early from a step.
+    returns_early: bool,
+    /// It has asked for the end when initialization ended, at this time.
+    ended: Option<f64>,
 }
 
 impl Fmi3Slave {
@@ -52,6 +66,13 @@ impl Fmi3Slave {
             states: States::default(),
             arrays: Arrays::default(),
             package,
+            events: None,
+            snapshots: HashMap::new(),
+            has_events: false,
+            steps: false,
+            is_rounded: false,
+            returns_early: false,
+            ended: None,
         };
         slave.make_anew()?;
         Ok(slave)
@@ -65,14 +86,55 @@ impl Fmi3Slave {
     /// Frees the instance, then makes a new one: never two at a time, which some FMUs forbid.
     fn make_anew(&mut self) -> Result<(), Error> {
         self.states.clear();
-        self.arrays.clear();
+        self.snapshots.clear();
         self.instance = None;
-        let Settings { name, visible, logging_on, on_message } = self.settings.clone();
-        let token = self.description.instantiation_token.clone();
-        let resources = self.package.resources();
-        let options = Instantiation { name, token, resources, visible, logging_on, on_message };
-        self.instance = Some(Instance::new(&self.library, options)?);
-        Ok(())
+        let Settings { name, visible, logging_on, on_message, .. } = self.settings.clone();
+        let offered = self.description.co_simulation.as_ref();
+        let event_mode =
+            offered.is_some_and(|cs| cs.has_event_mode) && self.library.has_event_mode();
+        let early_return =
+            event_mode || offered.is_some_and(|cs| cs.might_return_early_from_do_step);
+        self.returns_early = early_return;
+        let options = |event_mode: bool| Instantiation {
+            name: name.clone(),
+            token: self.description.instantiation_token.clone(),
+            resources: self.package.resources(),
+            visible,
+            logging_on,
+            event_mode,
+            early_return,
+            on_message: on_message.clone(),
+        };
+        let has_clocks = self.description.variables.iter().any(|v| v.data_type == DataType::Clock);
+        self.has_events = event_mode;
+        let instance = match Instance::new(&self.library, options(event_mode)) {
+            // One that states event mode and refuses it runs without, unless it has clocks.
+            Err(ImportError::Instantiate { .. }) if event_mode && !has_clocks => {
+                let instance = Instance::new(&self.library, options(false))?;
+                self.has_events = false;
+                let text = "states hasEventMode, but makes no instance with it; it handles its events itself";
+                instance.log().remark(text.to_owned());
+                instance
+            }
+            made => made?,
+        };
+        self.instance = Some(instance);
+        self.begin_anew()
+    }
+
+    /// After instantiation and reset: what the run left is forgotten, structural parameters are set.
+    fn begin_anew(&mut self) -> Result<(), Error> {
+        self.arrays.clear();
+        self.events = Events::of(&self.description).filter(|_| self.has_events);
+        (self.steps, self.ended) = (false, None);
+        if self.settings.structure.is_empty() {
+            return Ok(());
+        }
+        self.instance()?.enter_configuration_mode()?;
+        for (name, value) in self.settings.structure.clone() {
+            self.set_one(&name, &value)?;
+        }
+        Ok(self.instance()?.exit_configuration_mode()?)
     }
 }
 
@@ -97,28 +159,32 @@ impl Slave for Fmi3Slave {
     }
 
     fn exit_initialization(&mut self) -> Result<(), Error> {
-        Ok(self.instance()?.exit_initialization_mode()?)
+        self.steps = true;
+        let start = self.experiment.start;
+        let instance = instance_of(&mut self.instance, &self.settings.name)?;
+        let Some(events) = &mut self.events else {
+            return Ok(instance.exit_initialization_mode()?);
+        };
+        events.initialized(instance, start)?;
+        instance.exit_initialization_mode()?;
+        let Fmi3Slave { arrays, description, .. } = self;
+        let mut write = |instance: &mut Instance, selection: &Selection, values: &[f64]| {
+            write(instance, arrays, description, selection, values)
+        };
+        if events.first(instance, start, &mut write)? {
+            self.ended = Some(start);
+        }
+        Ok(())
     }
 
     fn set_start(&mut self, name: &str, value: &Value) -> Result<(), Error> {
         let description = Arc::clone(&self.description);
         let address = Address::find(&self.settings.name, &description, name).map_err(problem)?;
         let variable = &address.variable;
-        let mismatch = || type_error(&self.settings.name, name, variable.data_type, value);
-        if !variable.dimensions.is_empty() {
-            return Err(mismatch());
+        if variable.causality == Causality::StructuralParameter {
+            return structure::check(&self.settings.name, variable, value);
         }
-        match value.fit(variable.data_type).ok_or_else(mismatch)? {
-            Value::Text(text) => {
-                Ok(self.instance()?.set_string(&[variable.value_reference], &[&text])?)
-            }
-            Value::Real(value) => self.set_one(name, value),
-            Value::Boolean(value) => self.set_one(name, f64::from(u8::from(value))),
-            Value::Integer(value) if (value as f64) as i64 == value => {
-                self.set_one(name, value as f64)
-            }
-            Value::Integer(_) => Err(mismatch()),
-        }
+        self.set_one(name, value)
     }
 
     fn value(&mut self, name: &str) -> Result<Value, Error> {
@@ -131,6 +197,9 @@ impl Slave for Fmi3Slave {
             let [text] = text;
             return Ok(Value::Text(text));
         }
+        if let Some(value) = self.whole(&address)? {
+            return Ok(value);
+        }
         let mut selection = Selection::default();
         selection.add_address(&self.settings.name, &address).map_err(problem)?;
         let mut value = [0.0];
@@ -139,7 +208,7 @@ impl Slave for Fmi3Slave {
         Ok(match variable.data_type {
             DataType::Float32 | DataType::Float64 => Value::Real(value),
             DataType::Boolean => Value::Boolean(value != 0.0),
-            _ => Value::Integer(value as i64),
+            _ => Value::Integer(value as i128),
         })
     }
 
@@ -147,14 +216,21 @@ impl Slave for Fmi3Slave {
     fn set(&mut self, selection: &Selection, values: &[f64]) -> Result<(), Error> {
         same_length(&self.settings.name, "set", selection, values.len())?;
         let instance = instance_of(&mut self.instance, &self.settings.name)?;
+        let Fmi3Slave { arrays, description, events, steps, .. } = self;
+        let Some(events) = events else {
+            return write(instance, arrays, description, selection, values);
+        };
+        if !*steps {
+            events.feeds();
+            return write(instance, arrays, description, selection, values);
+        }
         for run in selection.runs() {
             let values = &values[run.range.clone()];
-            if let Some(array) = &run.array {
-                self.arrays.set(instance, &self.description, run, array, values)?;
-            } else if run.data_type == DataType::Float64 {
-                instance.set_float64(&selection.references()[run.range.clone()], values)?;
-            } else {
-                set_other(instance, selection, run, values)?;
+            let mut write = |instance: &mut Instance, selection: &Selection, values: &[f64]| {
+                write(instance, arrays, description, selection, values)
+            };
+            if !events.keep(instance, description, (selection, run), values, &mut write)? {
+                write_run(instance, arrays, description, (selection, run), values)?;
             }
         }
         Ok(())
@@ -173,8 +249,23 @@ impl Slave for Fmi3Slave {
             } else if run.data_type == DataType::Float64 {
                 let get = |room: &mut [f64]| instance.get_float64(references, room);
                 self.room.read("fmi3GetFloat64", values, get)?;
+            } else if run.data_type == DataType::Clock {
+                let ticked =
+                    |clock: &u32| self.events.as_ref().is_some_and(|e| e.has_ticked(*clock));
+                let flags = references.iter().map(|clock| f64::from(u8::from(ticked(clock))));
+                values.iter_mut().zip(flags).for_each(|(value, flag)| *value = flag);
             } else {
-                get_other(instance, run.data_type, references, values)?;
+                let inexact = get_other(instance, run.data_type, references, values)?;
+                if let Some(place) = inexact.filter(|_| !self.is_rounded) {
+                    self.is_rounded = true;
+                    let variable = selection.names().get(run.range.start + place);
+                    let variable = variable.map(String::as_str).unwrap_or_default();
+                    instance.log().remark(format!(
+                        "variable `{variable}` of type {} has a value beyond 2^53, which connections and \
+                         records carry rounded to a double",
+                        run.data_type.name()
+                    ));
+                }
             }
         }
         Ok(())
@@ -183,6 +274,9 @@ impl Slave for Fmi3Slave {
     #[inline]
     fn step(&mut self, time: f64, step: f64) -> Result<StepResult, Error> {
         let keep_earlier_state = !self.states.is_empty();
+        if self.returns_early {
+            return self.step_with_events(time, step, keep_earlier_state);
+        }
         Ok(self.instance()?.do_step(time, step, keep_earlier_state)?)
     }
 
@@ -195,10 +289,9 @@ impl Slave for Fmi3Slave {
     }
 
     fn reset(&mut self) -> Result<(), Error> {
-        self.arrays.clear();
         // An FMU that cannot be reset is freed and made anew.
         match self.instance.as_mut().map(Instance::reset) {
-            Some(Ok(())) => Ok(()),
+            Some(Ok(())) => self.begin_anew(),
             Some(Err(dead @ ImportError::Dead { .. })) => Err(dead.into()),
             _ => self.make_anew(),
         }
@@ -209,19 +302,27 @@ impl Slave for Fmi3Slave {
         if let Some(state) = reuse {
             let saved = self.states.get(&self.settings.name, state)?;
             instance_of(&mut self.instance, &self.settings.name)?.save_state_into(saved)?;
+            self.snapshots.extend(self.events.clone().map(|events| (state, events)));
             return Ok(state);
         }
         let saved = self.instance()?.save_state()?;
-        Ok(self.states.insert(saved))
+        let state = self.states.insert(saved);
+        self.snapshots.extend(self.events.clone().map(|events| (state, events)));
+        Ok(state)
     }
 
     fn restore(&mut self, state: StateId) -> Result<(), Error> {
         offers_state(self)?;
         let saved = self.states.get(&self.settings.name, state)?;
-        Ok(instance_of(&mut self.instance, &self.settings.name)?.restore_state(saved)?)
+        instance_of(&mut self.instance, &self.settings.name)?.restore_state(saved)?;
+        if let (Some(events), Some(then)) = (&mut self.events, self.snapshots.get(&state)) {
+            events.clone_from(then);
+        }
+        Ok(())
     }
 
     fn forget(&mut self, state: StateId) -> Result<(), Error> {
+        self.snapshots.remove(&state);
         let saved = self.states.remove(&self.settings.name, state)?;
         Ok(self.instance()?.free_state(saved)?)
     }
@@ -229,108 +330,152 @@ impl Slave for Fmi3Slave {
     fn serialize(&mut self, state: StateId) -> Result<Vec<u8>, Error> {
         offers_bytes(self)?;
         let saved = self.states.get(&self.settings.name, state)?;
-        Ok(instance_of(&mut self.instance, &self.settings.name)?.serialize_state(saved)?)
+        let mut bytes =
+            instance_of(&mut self.instance, &self.settings.name)?.serialize_state(saved)?;
+        if let Some(events) = self.snapshots.get(&state) {
+            // Behind the FMU's own bytes: the events, and how many bytes they are.
+            let begin = bytes.len();
+            bytes = postcard::to_extend(events, bytes).map_err(|e| self.no_events(&e))?;
+            let length = (bytes.len() - begin) as u64;
+            bytes.extend(length.to_le_bytes());
+        }
+        Ok(bytes)
     }
 
     fn deserialize(&mut self, bytes: &[u8]) -> Result<StateId, Error> {
         offers_bytes(self)?;
-        let saved = self.instance()?.deserialize_state(bytes)?;
-        Ok(self.states.insert(saved))
+        if self.events.is_none() {
+            let saved = self.instance()?.deserialize_state(bytes)?;
+            return Ok(self.states.insert(saved));
+        }
+        let cut = || {
+            let (rest, length) = bytes.split_last_chunk::<8>()?;
+            let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+            rest.split_at_checked(rest.len().checked_sub(length)?)
+        };
+        let (own, events) = cut().ok_or_else(|| self.no_events(&"they end too early"))?;
+        let events = postcard::from_bytes(events).map_err(|e| self.no_events(&e))?;
+        let saved = self.instance()?.deserialize_state(own)?;
+        let state = self.states.insert(saved);
+        self.snapshots.insert(state, events);
+        Ok(state)
     }
 }
 
 impl Fmi3Slave {
-    fn set_one(&mut self, name: &str, value: f64) -> Result<(), Error> {
+    /// Gives a variable a value, whole numbers without a detour.
+    fn set_one(&mut self, name: &str, value: &Value) -> Result<(), Error> {
         let description = Arc::clone(&self.description);
         let address = Address::find(&self.settings.name, &description, name).map_err(problem)?;
+        let variable = &address.variable;
+        let mismatch = || type_error(&self.settings.name, name, variable.data_type, value);
+        if !variable.dimensions.is_empty() {
+            return Err(mismatch());
+        }
+        let reference = [variable.value_reference];
+        let number = match value.fit(variable.data_type).ok_or_else(mismatch)? {
+            Value::Text(text) => return Ok(self.instance()?.set_string(&reference, &[&text])?),
+            Value::Integer(whole) if address.element.is_none() => match variable.data_type {
+                DataType::UInt64 => {
+                    let whole = u64::try_from(whole).map_err(|_| mismatch())?;
+                    return Ok(self.instance()?.set_uint64(&reference, &[whole])?);
+                }
+                DataType::Int64 | DataType::Enumeration => {
+                    let whole = i64::try_from(whole).map_err(|_| mismatch())?;
+                    return Ok(self.instance()?.set_int64(&reference, &[whole])?);
+                }
+                _ => whole as f64,
+            },
+            Value::Integer(whole) if (whole as f64) as i128 == whole => whole as f64,
+            Value::Integer(_) => return Err(mismatch()),
+            Value::Real(value) => value,
+            Value::Boolean(value) => f64::from(u8::from(value)),
+        };
         let mut selection = Selection::default();
         selection.add_address(&self.settings.name, &address).map_err(problem)?;
-        self.set(&selection, &[value])
+        let instance = instance_of(&mut self.instance, &self.settings.name)?;
+        write(instance, &mut self.arrays, &description, &selection, &[number])
+    }
+
+    /// The value of a scalar of 64 bits that is no floating point number.
+    fn whole(&mut self, address: &Address) -> Result<Option<Value>, Error> {
+        let reference = [address.variable.value_reference];
+        if address.element.is_some() || !address.variable.dimensions.is_empty() {
+            return Ok(None);
+        }
+        Ok(match address.variable.data_type {
+            DataType::UInt64 => {
+                let mut value = [0];
+                self.instance()?.get_uint64(&reference, &mut value)?;
+                Some(Value::Integer(value[0].into()))
+            }
+            DataType::Int64 | DataType::Enumeration => {
+                let mut value = [0];
+                self.instance()?.get_int64(&reference, &mut value)?;
+                Some(Value::Integer(value[0].into()))
+            }
+            _ => None,
+        })
+    }
+
+    /// A step of an FMU that may return before its end, or has events.
+    fn step_with_events(
+        &mut self,
+        time: f64,
+        step: f64,
+        keep_earlier_state: bool,
+    ) -> Result<StepResult, Error> {
+        if let Some(ended) = self.ended {
+            return Ok(StepResult::Discarded { reached: Some(ended), terminated: true });
+        }
+        let Fmi3Slave { instance, settings, events, arrays, description, .. } = self;
+        let instance = instance_of(instance, &settings.name)?;
+        let mut write = |instance: &mut Instance, selection: &Selection, values: &[f64]| {
+            write(instance, arrays, description, selection, values)
+        };
+        match events {
+            Some(events) => events.step(instance, (time, step), keep_earlier_state, &mut write),
+            None => Events::default().step(instance, (time, step), keep_earlier_state, &mut write),
+        }
+    }
+
+    #[cold]
+    fn no_events(&self, why: &dyn std::fmt::Display) -> Error {
+        let (fmu, why) = (self.settings.name.clone(), why.to_string());
+        Error::Worker(format!("FMU `{fmu}`: the bytes of its state do not hold its events: {why}"))
     }
 }
 
-/// Writes variables of another type than Float64; a value must be one of that type.
-fn set_other(
+/// Writes variables.
+#[inline]
+fn write(
     instance: &mut Instance,
+    arrays: &mut Arrays,
+    description: &ModelDescription,
     selection: &Selection,
-    run: &TypeRun,
     values: &[f64],
 ) -> Result<(), Error> {
-    /// Converts a chunk on the stack, or names the place that does not convert.
-    macro_rules! set {
-        ($type:ty, $set:ident) => {
-            set!($type, $set, |value: f64| value as $type, |value: $type| value as f64)
-        };
-        ($type:ty, $set:ident, $to:expr, $back:expr) => {{
-            let references = selection.references()[run.range.clone()].chunks(CHUNK);
-            let names = selection.names()[run.range.clone()].chunks(CHUNK);
-            for ((references, names), values) in references.zip(names).zip(values.chunks(CHUNK)) {
-                let mut converted = [<$type>::default(); CHUNK];
-                for ((place, value), name) in converted.iter_mut().zip(values).zip(names) {
-                    *place = $to(*value);
-                    if $back(*place) != *value {
-                        let value = Value::Real(*value);
-                        return Err(type_error(instance.name(), name, run.data_type, &value));
-                    }
-                }
-                instance.$set(references, &converted[..references.len()])?;
-            }
-        }};
-    }
-    match run.data_type {
-        // A rounded value is a value.
-        DataType::Float32 => {
-            for (reference, value) in selection.references()[run.range.clone()].iter().zip(values) {
-                instance.set_float32(&[*reference], &[*value as f32])?;
-            }
-        }
-        DataType::Int8 => set!(i8, set_int8),
-        DataType::UInt8 => set!(u8, set_uint8),
-        DataType::Int16 => set!(i16, set_int16),
-        DataType::UInt16 => set!(u16, set_uint16),
-        DataType::Int32 => set!(i32, set_int32),
-        DataType::UInt32 => set!(u32, set_uint32),
-        DataType::UInt64 => set!(u64, set_uint64),
-        DataType::Boolean => {
-            set!(bool, set_boolean, |value: f64| value == 1.0, |value: bool| f64::from(u8::from(
-                value
-            )));
-        }
-        _ => set!(i64, set_int64),
+    for run in selection.runs() {
+        write_run(instance, arrays, description, (selection, run), &values[run.range.clone()])?;
     }
     Ok(())
 }
 
-/// Reads variables of another type than Float64.
-fn get_other(
+/// Writes variables of one type. Clocks have no value; they tick at events.
+#[inline]
+fn write_run(
     instance: &mut Instance,
-    data_type: DataType,
-    references: &[u32],
-    values: &mut [f64],
+    arrays: &mut Arrays,
+    description: &ModelDescription,
+    (selection, run): (&Selection, &TypeRun),
+    values: &[f64],
 ) -> Result<(), Error> {
-    macro_rules! get {
-        ($type:ty, $get:ident) => {
-            get!($type, $get, |value: $type| value as f64)
-        };
-        ($type:ty, $get:ident, $back:expr) => {
-            for (references, values) in references.chunks(CHUNK).zip(values.chunks_mut(CHUNK)) {
-                let mut read = [<$type>::default(); CHUNK];
-                instance.$get(references, &mut read[..references.len()])?;
-                values.iter_mut().zip(read).for_each(|(value, read)| *value = $back(read));
-            }
-        };
+    match (&run.array, run.data_type) {
+        (_, DataType::Clock) => Ok(()),
+        (Some(array), _) => arrays.set(instance, description, run, array, values),
+        (None, DataType::Float64) => {
+            Ok(instance.set_float64(&selection.references()[run.range.clone()], values)?)
+        }
+        (None, _) => set_other(instance, selection, run, values),
     }
-    match data_type {
-        DataType::Float32 => get!(f32, get_float32),
-        DataType::Int8 => get!(i8, get_int8),
-        DataType::UInt8 => get!(u8, get_uint8),
-        DataType::Int16 => get!(i16, get_int16),
-        DataType::UInt16 => get!(u16, get_uint16),
-        DataType::Int32 => get!(i32, get_int32),
-        DataType::UInt32 => get!(u32, get_uint32),
-        DataType::UInt64 => get!(u64, get_uint64),
-        DataType::Boolean => get!(bool, get_boolean, |value: bool| f64::from(u8::from(value))),
-        _ => get!(i64, get_int64),
-    }
-    Ok(())
 }

@@ -2,15 +2,22 @@
 
 mod address;
 mod array;
+mod clocks;
+mod events;
 mod fmi2;
 mod fmi3;
+mod index;
 mod selection;
+pub(crate) mod structure;
 mod support;
+mod typed;
 mod value;
 
 pub(crate) use address::{Address, numbers};
+pub(crate) use clocks::can_be_triggered;
 pub(crate) use fmi2::Fmi2Slave;
 pub(crate) use fmi3::Fmi3Slave;
+pub(crate) use index::Index;
 pub use selection::{ArrayRun, Selection, TypeRun};
 pub(crate) use support::Settings;
 pub use value::Value;

@@ -1,11 +1,13 @@
 //! Variables chosen by name, once, to be read or written many times.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use modeldescription::ModelDescription;
 use modeldescription::variable::{DataType, Variable};
 
 use super::address::Address;
+use super::index::Index;
 use crate::error::Error;
 use crate::problem::Problem;
 
@@ -19,6 +21,8 @@ pub struct Selection {
     names: Vec<String>,
     references: Vec<u32>,
     runs: Vec<TypeRun>,
+    /// The first place of each name.
+    places: HashMap<String, usize>,
 }
 
 /// Neighbours of one type, which one call of the C interface can read or write.
@@ -58,8 +62,10 @@ impl Selection {
     pub fn of(description: &ModelDescription, names: &[impl AsRef<str>]) -> Result<Self, Error> {
         let mut selection = Selection::default();
         let mut problems = Vec::new();
+        let index = Index::default();
         for name in names {
-            let added = Address::find(&description.model_name, description, name.as_ref())
+            let added = index
+                .find(&description.model_name, description, name.as_ref())
                 .and_then(|address| selection.add_address(&description.model_name, &address));
             problems.extend(added.err());
         }
@@ -69,7 +75,7 @@ impl Selection {
     /// Adds a variable; its place is the return value.
     ///
     /// # Errors
-    /// A text, a binary or a clock is no number; an array is not one number.
+    /// A text or a binary is no number; an array is not one number.
     pub fn add(&mut self, slave: &str, variable: &Variable) -> Result<usize, Problem> {
         self.add_address(slave, &Address { variable: variable.clone(), element: None })
     }
@@ -82,6 +88,7 @@ impl Selection {
         }
         let place = self.references.len();
         self.names.push(variable.name.clone());
+        self.places.entry(variable.name.clone()).or_insert(place);
         self.references.push(variable.value_reference);
         let last = self.runs.last_mut().filter(|run| run.data_type == variable.data_type);
         match (last, element) {
@@ -105,11 +112,26 @@ impl Selection {
         Ok(place)
     }
 
-    /// Whether a variable is one number.
+    /// Whether a variable is one number; a clock is 1 where it ticks, else 0.
     pub fn takes(variable: &Variable) -> bool {
-        let text =
-            matches!(variable.data_type, DataType::String | DataType::Binary | DataType::Clock);
+        let text = matches!(variable.data_type, DataType::String | DataType::Binary);
         !text && variable.dimensions.is_empty()
+    }
+
+    /// Some neighbours of a run, counted from its begin, as a selection of their own.
+    pub(crate) fn part(&self, run: &TypeRun, places: Range<usize>) -> Selection {
+        let range = run.range.start + places.start..run.range.start + places.end;
+        let array = run.array.as_ref().map(|array| ArrayRun {
+            indices: array.indices.get(places.clone()).unwrap_or_default().to_vec(),
+            ..array.clone()
+        });
+        let names = self.names.get(range.clone()).unwrap_or_default().to_vec();
+        Selection {
+            places: names.iter().cloned().zip(0..).collect(),
+            names,
+            references: self.references.get(range).unwrap_or_default().to_vec(),
+            runs: vec![TypeRun { data_type: run.data_type, range: 0..places.len(), array }],
+        }
     }
 
     /// Number of variables.
@@ -146,7 +168,7 @@ impl Selection {
 
     /// Place of a name.
     pub fn position(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|there| there == name)
+        self.places.get(name).copied()
     }
 }
 

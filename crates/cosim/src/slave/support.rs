@@ -19,6 +19,8 @@ pub(crate) struct Settings {
     pub(crate) visible: bool,
     pub(crate) logging_on: bool,
     pub(crate) on_message: Option<OnMessage>,
+    /// Values of structural parameters that the description was configured with.
+    pub(crate) structure: Vec<(String, Value)>,
 }
 
 /// Room for the numbers that an FMU writes. Behind those it was asked for there is more room, so that

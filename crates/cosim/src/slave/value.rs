@@ -11,7 +11,7 @@ pub enum Value {
     /// A real number.
     Real(f64),
     /// A whole number or the number of an enumeration's item.
-    Integer(i64),
+    Integer(i128),
     /// True or false.
     Boolean(bool),
     /// A text.
@@ -44,7 +44,7 @@ impl Value {
     /// The value as the variable's type wants it: a whole real is an integer, an integer a real.
     pub(crate) fn fit(&self, data_type: DataType) -> Option<Value> {
         let integer = |value: f64| {
-            let whole = value as i64;
+            let whole = value as i128;
             (whole as f64 == value).then_some(whole)
         };
         match (data_type, self) {
@@ -82,7 +82,7 @@ impl From<f64> for Value {
 
 impl From<i64> for Value {
     fn from(value: i64) -> Self {
-        Value::Integer(value)
+        Value::Integer(value.into())
     }
 }
 

@@ -9,7 +9,7 @@ use modeldescription::description::{BaseUnit, CoSimulation, LogCategory, Unit};
 use modeldescription::package::Platform;
 use modeldescription::structure::Unknown;
 use modeldescription::variable::{
-    Causality, DataType, Dimension, Initial, Start, Variability, Variable,
+    Causality, ClockProperties, DataType, Dimension, Initial, Number, Start, Variability, Variable,
 };
 use modeldescription::{FmiVersion, ModelDescription, PackageBuilder};
 
@@ -248,5 +248,90 @@ pub fn stranger(version: FmiVersion) -> ModelDescription {
         description.structure.outputs = vec![Unknown::new(1)];
         description.structure.initial_unknowns = vec![Unknown::new(1)];
     }
+    description
+}
+
+/// `events3.c`: event mode, clocks of every kind, time and state event, structural parameter.
+pub fn events3() -> ModelDescription {
+    use Causality::{Input, Output, Parameter, StructuralParameter};
+    let clock = |name: &str, reference: u32, causality: Causality, kind: &str| {
+        let mut clock = Variable::new(name, reference, DataType::Clock);
+        clock.causality = causality;
+        clock.stated_variability = Some(Variability::Discrete);
+        let properties = ClockProperties {
+            interval_variability: Some(kind.to_owned()),
+            interval_decimal: (kind == "constant").then_some(0.25),
+            shift_decimal: (kind == "constant").then_some(0.1),
+            ..ClockProperties::default()
+        };
+        clock.properties.clock = Some(Box::new(properties));
+        clock
+    };
+    let whole = |name: &str, reference: u32, data_type: DataType, causality: Causality| {
+        let mut whole = variable(name, reference, data_type, causality);
+        let has_start = matches!(causality, Input | Parameter | StructuralParameter);
+        whole.start = has_start.then(|| Start::Integer(vec![0]));
+        whole
+    };
+    let array = |name: &str, reference: u32, causality: Causality, start: &[f64]| {
+        let mut array = real(name, reference, causality, None);
+        array.dimensions = vec![Dimension::Parameter(40)];
+        array.start = Some(Start::Float(start.to_vec())).filter(|start| !start.is_empty());
+        array
+    };
+    let mut clocked = whole("clocked", 3, DataType::Int32, Input);
+    clocked.clocks = vec![13];
+    let mut size = whole("n", 40, DataType::UInt64, StructuralParameter);
+    size.start = Some(Start::Integer(vec![2]));
+    size.stated_variability = Some(Variability::Fixed);
+    size.properties.min = Some(Number::Integer(1));
+    size.properties.max = Some(Number::Integer(5));
+    let count = |name: &str, reference: u32| whole(name, reference, DataType::Int32, Output);
+    let mut description = described(
+        "events3",
+        vec![
+            real("u", 1, Input, None),
+            whole("level", 2, DataType::Int32, Input),
+            clocked,
+            clock("sample", 10, Input, "constant"),
+            clock("asked", 11, Input, "fixed"),
+            clock("countdown", 12, Input, "countdown"),
+            clock("pulse", 13, Input, "triggered"),
+            clock("out", 14, Output, "triggered"),
+            clock("changing", 15, Input, "changing"),
+            count("samples", 21),
+            count("askeds", 22),
+            count("countdowns", 23),
+            count("pulses", 24),
+            count("changes", 25),
+            real("held", 26, Output, None),
+            count("seen", 27),
+            count("events", 28),
+            real("y", 29, Output, None),
+            real("last", 30, Output, None),
+            whole("big", 31, DataType::Int64, Parameter),
+            whole("huge", 32, DataType::UInt64, Parameter),
+            whole("big out", 33, DataType::Int64, Output),
+            count("taken", 35),
+            size,
+            array("x", 41, Parameter, &[1.0, 2.0]),
+            array("in", 43, Input, &[0.0, 0.0]),
+            array("out array", 44, Output, &[]),
+            count("kick", 45),
+            count("crossed", 46),
+        ],
+    );
+    description.fmi_version = FmiVersion::V3;
+    description.variable_naming_convention = modeldescription::description::NamingConvention::Flat;
+    if let Some(co_simulation) = &mut description.co_simulation {
+        co_simulation.has_event_mode = true;
+        co_simulation.might_return_early_from_do_step = true;
+    }
+    let outputs = description.variables.iter().filter(|v| v.causality == Output);
+    let outputs: Vec<Unknown> = outputs.map(|v| Unknown::new(v.value_reference)).collect();
+    let is_clock = |u: &&Unknown| u.variable == 14;
+    description.structure.initial_unknowns =
+        outputs.iter().filter(|u| !is_clock(u)).cloned().collect();
+    description.structure.outputs = outputs;
     description
 }

@@ -30,6 +30,7 @@ mod header;
 mod join;
 mod lines;
 mod mf4;
+mod names;
 mod notes;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -72,6 +73,7 @@ pub struct Log {
     time: Vec<f64>,
     lines: Lines,
     columns: Vec<Column>,
+    names: names::Names,
     records: Vec<Record>,
     /// Whether the records are numbered in the file.
     is_numbered: bool,
@@ -260,7 +262,8 @@ impl Log {
         let (lines, columns) = (Lines::default(), Vec::new());
         let (rounded, remarks) = (Vec::new(), notes::Remarks::default());
         let origin = origin.into();
-        Ok(Self { origin, time, lines, columns, records, is_numbered, rounded, remarks })
+        let names = names::Names::default();
+        Ok(Self { origin, time, lines, columns, names, records, is_numbered, rounded, remarks })
     }
 
     /// The name, or one like it that this log can still take: names of others' variables may hold line
@@ -308,6 +311,7 @@ impl Log {
             Err(error) => return problem(format!("unit: {error}"), "write it as in um or V"),
         };
         let description = String::new();
+        self.names.added(name, self.columns.len());
         self.columns.push(Column { name: name.into(), unit, description, values });
         Ok(())
     }
@@ -354,7 +358,7 @@ impl Log {
     /// The signal of this name.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<&Column> {
-        self.columns.iter().find(|column| column.name == name)
+        self.columns.get(self.names.place(&self.columns, name)?)
     }
 
     /// The signal of this name, or what is there instead.

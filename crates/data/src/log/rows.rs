@@ -110,6 +110,7 @@ impl Log {
             time: self.time[rows.clone()].to_vec(),
             lines: self.lines.from(rows.start),
             columns: columns.collect(),
+            names: self.names.clone(),
             records: records.collect(),
             is_numbered: self.is_numbered,
             rounded: self.rounded.clone(),

@@ -467,6 +467,7 @@ impl<'a> Table<'a> {
             lines: self.lines,
             columns: columns.collect(),
             records: self.records,
+            names: Default::default(),
             is_numbered: self.record_at.is_some() || self.part > 0,
             rounded: Vec::new(),
             remarks,

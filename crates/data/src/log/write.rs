@@ -3,6 +3,7 @@
 //! fmpy splits the header at commas and takes the rest as names, so names stand alone there and the
 //! units go into a companion file (`run.dataset.toml` beside `run.csv`), where the reader finds them.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
@@ -149,14 +150,15 @@ fn failed(origin: &str, error: &io::Error) -> Problems {
 }
 
 fn check_names(origin: &str, columns: &[ColumnHeader]) -> Result<(), Problems> {
-    for (index, column) in columns.iter().enumerate() {
+    let mut names = HashSet::new();
+    for column in columns {
         let name = &column.name;
         let problem =
             |rule: String, way_out: &str| Err(Problem::new(origin, rule, way_out).at(name).into());
         if let Err((rule, way_out)) = header::check_name(name) {
             return problem(rule, way_out);
         }
-        if header::is_reserved(name) || columns[..index].iter().any(|other| other.name == *name) {
+        if header::is_reserved(name) || !names.insert(name.as_str()) {
             return problem("is the name of two columns".into(), "give each its own");
         }
     }

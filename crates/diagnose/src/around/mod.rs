@@ -2,6 +2,7 @@
 
 mod block;
 mod package;
+mod preset;
 
 use cosim::Fmu;
 use data::NameMap;
@@ -16,6 +17,7 @@ use crate::library::{Formula, Slot};
 use crate::outcome::Outcome;
 pub use package::Repaired;
 pub(crate) use package::pack;
+pub use preset::preset;
 
 /// Place of the re-tuned gain, behind everything.
 const LAST: u32 = 1000;
@@ -92,6 +94,7 @@ impl<'a> Maker<'a> {
             changes: Vec::new(),
             effects: Vec::new(),
             sizes,
+            presets: Vec::new(),
         };
         let last = description.variables.iter().map(|v| v.value_reference).max().unwrap_or(0);
         let next = last.checked_add(1).filter(|next| u32::MAX - next > 10_000);
@@ -138,15 +141,7 @@ impl<'a> Maker<'a> {
         let told = description.variables.iter().find(|v| {
             v.value_reference == reference && (v.name == name || !v.dimensions.is_empty())
         });
-        let start = told.and_then(|v| v.start.as_ref()?.numbers());
-        let start: Vec<f64> =
-            start.into_iter().flatten().map(modeldescription::variable::Number::as_f64).collect();
-        let start = match start.len() {
-            n if n == size => start,
-            1 => vec![start[0]; size],
-            _ => vec![0.0; size],
-        };
-        Ok((Variable { reference, start }, element))
+        Ok((Variable { reference, start: starts(told, size) }, element))
     }
 
     /// The auxiliary signal of a column: another input of the FMU, or a new one.
@@ -403,6 +398,18 @@ impl<'a> Maker<'a> {
         let print = report::InputFile::of_bytes("repair", surround::FILE, text.as_bytes());
         self.repair.token = print.sha256[..32].to_owned();
         Ok((self.repair, self.notes))
+    }
+}
+
+/// The start values of a variable of so many values; zeros where it has none.
+fn starts(variable: Option<&modeldescription::variable::Variable>, size: usize) -> Vec<f64> {
+    let start = variable.and_then(|v| v.start.as_ref()?.numbers());
+    let start: Vec<f64> =
+        start.into_iter().flatten().map(modeldescription::variable::Number::as_f64).collect();
+    match start.as_slice() {
+        all if all.len() == size => start,
+        [one] => vec![*one; size],
+        _ => vec![0.0; size],
     }
 }
 

@@ -114,6 +114,7 @@ fn files(folder: &Path) -> std::io::Result<Vec<(String, Vec<u8>)>> {
 /// The original's description with the variables of the repair.
 fn describe(original: &ModelDescription, repair: &Repair) -> Result<ModelDescription, String> {
     let mut d = original.clone();
+    let kind = if repair.effects.is_empty() { "preset" } else { "repaired" };
     let clocked = |v: &Variable| v.data_type == DataType::Clock || !v.clocks.is_empty();
     if let Some(v) = d.variables.iter().find(|v| clocked(v)) {
         return Err(format!("it has clocks ({}), which need event mode", v.name));
@@ -121,7 +122,7 @@ fn describe(original: &ModelDescription, repair: &Repair) -> Result<ModelDescrip
     let Some(cs) = &mut d.co_simulation else {
         return Err("it offers no co-simulation".to_owned());
     };
-    cs.common.model_identifier = identifier(&cs.common.model_identifier);
+    cs.common.model_identifier = identifier(&cs.common.model_identifier, kind);
     cs.common.source_files.clear();
     cs.common.provides_adjoint_derivatives = false;
     cs.can_interpolate_inputs = false;
@@ -141,28 +142,46 @@ fn describe(original: &ModelDescription, repair: &Repair) -> Result<ModelDescrip
     let names: Vec<&str> = repair.effects.iter().map(|e| e.name.as_str()).collect();
     let told = d.description.take().filter(|t| !t.is_empty());
     let told = told.unwrap_or_else(|| d.model_name.clone());
-    d.description = Some(format!("{told} (repaired: {})", names.join(", ")));
+    d.description = Some(match kind {
+        "preset" => format!("{told} (with other start values)"),
+        _ => format!("{told} (repaired: {})", names.join(", ")),
+    });
     d.log_categories.push(LogCategory {
         name: "repair".to_owned(),
         description: Some("What the repair around the original says".to_owned()),
         line: Line::default(),
     });
     let version = d.version.take().filter(|text| !text.is_empty());
-    d.version = Some(version.map_or("repaired".to_owned(), |text| format!("{text}, repaired")));
+    d.version = Some(version.map_or(kind.to_owned(), |text| format!("{text}, {kind}")));
     let license = d.license.take().filter(|text| !text.is_empty());
     d.license = Some(match license {
         Some(text) => format!("{text}; MIT OR Apache-2.0 (the shared library around the original)"),
         None => "MIT OR Apache-2.0 (the shared library around the original)".to_owned(),
     });
+    preset(&mut d, repair);
     add_variables(&mut d, repair);
     restructure(&mut d, repair);
     Ok(d)
 }
 
 /// A C identifier for the repaired FMU's library.
-fn identifier(original: &str) -> String {
+fn identifier(original: &str, kind: &str) -> String {
     let base: String = original.chars().take(100).collect();
-    format!("{base}_repaired")
+    format!("{base}_{kind}")
+}
+
+/// Start values that the original is given are those of the description.
+fn preset(d: &mut ModelDescription, repair: &Repair) {
+    for preset in &repair.presets {
+        let is = |v: &&mut Variable| {
+            v.value_reference == preset.reference && v.data_type == DataType::Float64
+        };
+        for variable in d.variables.iter_mut().filter(is) {
+            if variable.start.is_some() {
+                variable.start = Some(Start::Float(preset.start.clone()));
+            }
+        }
+    }
 }
 
 fn add_variables(d: &mut ModelDescription, repair: &Repair) {

@@ -99,6 +99,12 @@ impl Log {
     }
 
     /// Notes, without a lock, that a call returned *Warning*.
+    /// What the host has to say of this FMU.
+    pub fn remark(&self, text: String) {
+        let (status, category) = (Status::Warning, super::host::HOST.to_owned());
+        self.push(Message { status, category, text });
+    }
+
     pub(super) fn has_warned(&self, is_step: bool) {
         self.warnings[usize::from(!is_step)].fetch_add(1, Ordering::Relaxed);
     }

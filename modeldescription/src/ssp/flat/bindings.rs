@@ -1,5 +1,7 @@
 //! Parameter bindings, resolved to the variables of components.
 
+use std::collections::HashSet;
+
 use super::{FlatStart, Flattener, Linear, Node, joined};
 use crate::description::Unit;
 use crate::ssp::problem::Format;
@@ -11,6 +13,11 @@ impl Flattener<'_> {
     pub(super) fn bindings(&mut self) {
         let structure = self.structure;
         self.bindings_of(&structure.system, "");
+        // The last value of a variable counts.
+        let mut seen = HashSet::new();
+        let starts = std::mem::take(&mut self.flat.starts).into_iter().rev();
+        self.flat.starts = starts.filter(|start| seen.insert(start.to.clone())).collect();
+        self.flat.starts.reverse();
     }
 
     fn bindings_of(&mut self, system: &System, path: &str) {
@@ -91,7 +98,6 @@ impl Flattener<'_> {
             }
             for to in targets {
                 let (value, way, place) = (value.clone(), way.clone(), place.clone());
-                self.flat.starts.retain(|start| start.to != to);
                 self.flat.starts.push(FlatStart { to, value, way, place });
             }
         }

@@ -57,6 +57,8 @@ pub(super) struct Wrapped<O> {
     is_touched: bool,
     references: Vec<u32>,
     values: Vec<f64>,
+    /// Status of giving the original its start values.
+    preset: Code,
     /// Saved states that the host has not freed.
     pub(super) saved: Vec<*mut Saved>,
 }
@@ -138,7 +140,7 @@ pub(super) fn send(sink: Sink, name: &CStr, code: Code, message: &str) {
 
 impl<O: Original> Wrapped<O> {
     pub(super) fn new(original: O, surround: Surround, sink: Sink, name: CString) -> Self {
-        Self {
+        let mut wrapped = Self {
             original,
             surround,
             sink,
@@ -149,7 +151,27 @@ impl<O: Original> Wrapped<O> {
             references: Vec::new(),
             values: Vec::new(),
             saved: Vec::new(),
+            preset: OK,
+        };
+        wrapped.give_presets();
+        wrapped
+    }
+
+    /// Gives the original the start values that it was packed with.
+    fn give_presets(&mut self) {
+        let presets = &self.surround.repair().presets;
+        let codes = presets.iter().map(|v| self.original.set(&[v.reference], &v.start));
+        self.preset = codes.max().unwrap_or(OK);
+    }
+
+    /// The error of an original that has not taken them.
+    pub(super) fn preset(&self) -> Result<(), Notice> {
+        if self.preset <= WARNING {
+            return Ok(());
         }
+        Err(Notice::error(
+            "the original inside does not take the start values that it was packed with",
+        ))
     }
 
     /// Whether a list of variables concerns the repair.
@@ -340,6 +362,7 @@ impl<O: Original> Wrapped<O> {
         self.surround.reset();
         self.phase = Phase::Instantiated;
         (self.stale, self.is_touched) = (true, false);
+        self.give_presets();
     }
 
     /// Does a communication step, in parts no longer than the repair's step.

@@ -12,7 +12,8 @@ use super::super::registry::Token;
 use super::super::state::States;
 use super::super::step::{Experiment, StepResult};
 use super::super::text::c_text;
-use super::library::{Functions, Library};
+use super::events::Stepped;
+use super::library::{EventFunctions, Functions, Library};
 use crate::fmi3::*;
 
 /// What an instance is made with.
@@ -29,6 +30,10 @@ pub struct Instantiation {
     pub visible: bool,
     /// Ask the FMU for debug messages.
     pub logging_on: bool,
+    /// Events are handled in event mode, which only an FMU with `hasEventMode` offers.
+    pub event_mode: bool,
+    /// Steps may return early, see [`Instance::step_to_event`].
+    pub early_return: bool,
     /// Sees each message at once.
     pub on_message: Option<OnMessage>,
 }
@@ -54,15 +59,14 @@ pub struct Instance {
 unsafe impl Send for Instance {}
 
 impl Instance {
-    /// Makes an instance (`fmi3InstantiateCoSimulation`), without event mode, early return and
-    /// intermediate update.
+    /// Makes an instance (`fmi3InstantiateCoSimulation`), without intermediate update.
     ///
     /// # Errors
     /// [`Error::Instantiate`] with the FMU's messages if it returns null, as it must for a wrong
     /// token.
     pub fn new(library: &Arc<Library>, options: Instantiation) -> Result<Self, Error> {
-        let Instantiation { name, token: guid, resources, visible, logging_on, on_message } =
-            options;
+        let Instantiation { name, token: guid, resources, visible, logging_on, .. } = options;
+        let Instantiation { event_mode, early_return, on_message, .. } = options;
         if library.dead.load(Ordering::Relaxed) {
             return Err(Error::Dead { fmu: name, call: "fmi3InstantiateCoSimulation" });
         }
@@ -83,8 +87,8 @@ impl Instance {
                 c_path.as_ptr(),
                 visible,
                 logging_on,
-                false,
-                false,
+                event_mode,
+                early_return,
                 ptr::null(),
                 0,
                 token.environment(),
@@ -187,6 +191,23 @@ impl Instance {
         step: f64,
         keep_earlier_state: bool,
     ) -> Result<StepResult, Error> {
+        let stepped = self.step_to_event(time, step, keep_earlier_state)?;
+        let Stepped { reached, early, terminated, discarded, .. } = stepped;
+        if terminated || early || discarded {
+            let reached = (!discarded).then_some(reached);
+            return Ok(StepResult::Discarded { reached, terminated });
+        }
+        Ok(StepResult::Completed)
+    }
+
+    /// [`Instance::do_step`] of an instance that may return early or has event mode.
+    #[inline]
+    pub fn step_to_event(
+        &mut self,
+        time: f64,
+        step: f64,
+        keep_earlier_state: bool,
+    ) -> Result<Stepped, Error> {
         const CALL: &str = "fmi3DoStep";
         let instance = self.alive(CALL)?;
         // Read as bytes: a foreign FMU may write other values than 0 and 1.
@@ -209,15 +230,16 @@ impl Instance {
         };
         drop(called);
         self.mode.keep(&self.log);
-        let [_, terminated, early] = flags.map(|flag| flag != 0);
-        if status == fmi3Discard {
-            return Ok(StepResult::Discarded { reached: None, terminated });
+        let [event, terminated, early] = flags.map(|flag| flag != 0);
+        let discarded = status == fmi3Discard;
+        if !discarded {
+            self.check(CALL, status)?;
         }
-        self.check(CALL, status)?;
-        if terminated || early {
-            return Ok(StepResult::Discarded { reached: Some(reached), terminated });
-        }
-        Ok(StepResult::Completed)
+        Ok(Stepped { reached, early, event, terminated, discarded })
+    }
+
+    pub(super) fn events(&self) -> &EventFunctions {
+        &self.library.events
     }
 
     #[inline]
@@ -240,7 +262,7 @@ impl Instance {
     }
 
     /// A call that takes the instance only.
-    fn plain(
+    pub(super) fn plain(
         &mut self,
         call: &'static str,
         function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,

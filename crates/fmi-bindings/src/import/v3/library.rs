@@ -14,11 +14,26 @@ use crate::fmi3::*;
 /// is an error only when it is needed.
 pub struct Library {
     pub(crate) functions: Functions,
+    pub(super) events: EventFunctions,
+    version: String,
     missing: Vec<&'static str>,
     /// A call returned *Fatal*: none of its instances may be called again.
     pub(crate) dead: AtomicBool,
     // Last, so that it is dropped when no pointer into it is left.
     binary: Binary,
+}
+
+/// The functions that only FMUs with events, clocks or structural parameters need.
+pub(super) struct EventFunctions {
+    pub(super) enter_event_mode: Option<fmi3EnterEventModeTYPE>,
+    pub(super) enter_step_mode: Option<fmi3EnterStepModeTYPE>,
+    pub(super) update_discrete_states: Option<fmi3UpdateDiscreteStatesTYPE>,
+    pub(super) enter_configuration_mode: Option<fmi3EnterConfigurationModeTYPE>,
+    pub(super) exit_configuration_mode: Option<fmi3ExitConfigurationModeTYPE>,
+    pub(super) get_clock: Option<fmi3GetClockTYPE>,
+    pub(super) set_clock: Option<fmi3SetClockTYPE>,
+    pub(super) get_interval_decimal: Option<fmi3GetIntervalDecimalTYPE>,
+    pub(super) get_shift_decimal: Option<fmi3GetShiftDecimalTYPE>,
 }
 
 /// The table of functions. Names are the header's without `fmi3`.
@@ -74,14 +89,17 @@ impl Library {
     /// [`Error::WrongVersion`] if the library names another version than 3.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let binary = Binary::load(path)?;
-        check_version(&binary)?;
+        let version = check_version(&binary)?;
         let mut find = Finder::new(&binary);
         // SAFETY: each name goes with its own type from the standard's headers.
         let functions = unsafe { Functions::find(&mut find) };
         let (needed, other) = find.missing();
         match functions {
             Some(functions) => {
-                Ok(Library { functions, missing: other, dead: AtomicBool::new(false), binary })
+                // SAFETY: as above.
+                let events = unsafe { EventFunctions::find(&binary) };
+                let (missing, dead) = (other, AtomicBool::new(false));
+                Ok(Library { functions, events, version, missing, dead, binary })
             }
             None => Err(Error::MissingFunctions {
                 path: binary.path().to_path_buf(),
@@ -95,6 +113,18 @@ impl Library {
     /// without them.
     pub fn missing(&self) -> &[&'static str] {
         &self.missing
+    }
+
+    /// What `fmi3GetVersion` answers; empty where it cannot be asked.
+    pub fn version(&self) -> &str {
+        &self.version
+    }
+
+    /// Whether it has what event mode needs.
+    pub fn has_event_mode(&self) -> bool {
+        let EventFunctions { enter_event_mode, enter_step_mode, update_discrete_states, .. } =
+            &self.events;
+        enter_event_mode.is_some() && enter_step_mode.is_some() && update_discrete_states.is_some()
     }
 
     /// Any function of the library.
@@ -114,19 +144,40 @@ impl Library {
 
 /// Asks the library for its version, of which only the major number matters; a library that
 /// cannot be asked is let pass.
-fn check_version(binary: &Binary) -> Result<(), Error> {
+fn check_version(binary: &Binary) -> Result<String, Error> {
     let function = "fmi3GetVersion";
     // SAFETY: the function has this type.
     let Some(ask) = (unsafe { binary.function::<fmi3GetVersionTYPE>(function) }) else {
-        return Ok(());
+        return Ok(String::new());
     };
     // SAFETY: the standard allows the call at any time; it returns a constant text.
     let found = unsafe { text_of(ask()) };
     if found == "3" || found.starts_with("3.") {
-        return Ok(());
+        return Ok(found);
     }
     let path = binary.path().to_path_buf();
     Err(Error::WrongVersion { path, function, found, expected: "3.0" })
+}
+
+impl EventFunctions {
+    /// # Safety
+    /// The library's functions have the types of the standard's headers.
+    unsafe fn find(binary: &Binary) -> Self {
+        // SAFETY: the field each result goes to has the type of the named function.
+        unsafe {
+            EventFunctions {
+                enter_event_mode: binary.function("fmi3EnterEventMode"),
+                enter_step_mode: binary.function("fmi3EnterStepMode"),
+                update_discrete_states: binary.function("fmi3UpdateDiscreteStates"),
+                enter_configuration_mode: binary.function("fmi3EnterConfigurationMode"),
+                exit_configuration_mode: binary.function("fmi3ExitConfigurationMode"),
+                get_clock: binary.function("fmi3GetClock"),
+                set_clock: binary.function("fmi3SetClock"),
+                get_interval_decimal: binary.function("fmi3GetIntervalDecimal"),
+                get_shift_decimal: binary.function("fmi3GetShiftDecimal"),
+            }
+        }
+    }
 }
 
 impl Functions {

@@ -272,6 +272,7 @@ pass! {
 /// Brings effects on parameters to the original and goes through.
 pub unsafe extern "C" fn fmi2EnterInitializationMode(c: fmi2Component) -> fmi2Status {
     let body = |w: &mut Instance| {
+        w.preset()?;
         let code = w.before_entering();
         if code >= DISCARD {
             return Ok(code);

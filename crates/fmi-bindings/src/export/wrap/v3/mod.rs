@@ -342,6 +342,7 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
     stopTime: fmi3Float64,
 ) -> fmi3Status {
     let body = |w: &mut Instance| {
+        w.preset()?;
         let code = w.before_entering();
         if code >= DISCARD {
             return Ok(code);

@@ -1,0 +1,46 @@
+//! What an FMU around another one has besides the two: licences, icon, reference results, page.
+
+use std::path::Path;
+
+use cosim::Worker;
+use diagnose::Repaired;
+use modeldescription::Package;
+
+use crate::commands::pack;
+use crate::{documentation, reference};
+
+/// Completes the package and writes it.
+pub(crate) fn finish(
+    around: &mut Repaired,
+    original: &Package,
+    file: &Path,
+    worker: Option<&Worker>,
+) -> anyhow::Result<()> {
+    let notice =
+        b"The shared library of this FMU is licensed under MIT or Apache-2.0, at your option.\n\
+        The FMU in resources/inner belongs to whoever made it.\n";
+    let package = &mut around.package;
+    package.license("license.txt", notice.to_vec())?;
+    package.license("LICENSE-MIT.txt", include_bytes!("../LICENSE-MIT").to_vec())?;
+    package.license("LICENSE-APACHE.txt", include_bytes!("../LICENSE-APACHE").to_vec())?;
+    let has = |path: &str| original.folder().join(path).is_file();
+    let version = original.description().fmi_version;
+    if !has("model.png") && !has("terminalsAndIcons/terminalsAndIcons.xml") {
+        pack::put_icon(package, version, include_bytes!("icons/plant.png"))?;
+    }
+    let own = has("documentation/index.html").then_some("resources/inner/documentation/index.html");
+    // An original that does not run under signals of our making has no reference results.
+    let reference = match pack::reference_of(package, reference::FOREIGN, worker) {
+        Ok(reference) => Some(reference),
+        Err(error) => {
+            around.notes.push(format!("no reference results are inside: {error:#}"));
+            None
+        }
+    };
+    if let Some(reference) = &reference {
+        reference.pack(&mut around.package)?;
+    }
+    let page = documentation::repaired(around, own, reference.as_ref())?;
+    around.package.documentation("index.html", page.into_bytes())?;
+    Ok(around.package.write(file)?)
+}
