@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
-use clap::Args;
-use gap_bench::{Folders, Plan, Program, Scores, Settings};
+use clap::{Args, Subcommand};
+use gap_bench::{Folders, Plan, Program, Real, Scores, Settings};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
@@ -20,9 +20,12 @@ use crate::{interrupt, progress};
 /// what is answered, in a random order of the plan; the same command goes on where it was.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop gap-bench --short\n  piezoloop gap-bench --cases 300 -o bench\n  piezoloop gap-bench --cases pair:40,unknown --seed 2 -o bench-2\n  piezoloop gap-bench --cases single/creep:6 -o creep\n  piezoloop gap-bench --seed 2 --cases dd146315 --keep -o one"
+    args_conflicts_with_subcommands = true,
+    after_help = "Examples:\n  piezoloop gap-bench --short\n  piezoloop gap-bench --cases 300 -o bench\n  piezoloop gap-bench --cases pair:40,unknown --seed 2 -o bench-2\n  piezoloop gap-bench --cases single/creep:6 -o creep\n  piezoloop gap-bench --seed 2 --cases dd146315 --keep -o one\n  piezoloop gap-bench real machines -o machines-bench"
 )]
 pub(crate) struct GapBench {
+    #[command(subcommand)]
+    of: Option<Of>,
     /// Fewer cases and shorter records
     #[arg(long)]
     short: bool,
@@ -52,6 +55,38 @@ pub(crate) struct GapBench {
     page: PageOptions,
 }
 
+/// Other machines than those that are drawn.
+#[derive(Subcommand, Debug)]
+enum Of {
+    Real(Documented),
+}
+
+/// How well does diagnose name what measured machines are documented to do?
+///
+/// Each folder in FOLDER that has a machine.toml is a machine: model (a blueprint or an FMU), logs, holdout, drop, options
+/// of diagnose, right (documented effects; none: no name is right) and also (names that may stand beside it). Paths are
+/// seen from the machine's folder. Exit code 1: an invented name has a probability of 0.8 or more, or there is no answer.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop gap-bench real machines\n  piezoloop gap-bench real machines --only silverbox -o one"
+)]
+pub(crate) struct Documented {
+    /// Folder of machines
+    #[arg(value_name = "FOLDER")]
+    folder: PathBuf,
+    /// Only the machine of this name; may be repeated
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
+    /// Another program to test, with the command diagnose
+    #[arg(long, value_name = "FILE")]
+    tool: Option<PathBuf>,
+    /// Folder for answers, repaired models, scores.json and index.html
+    #[arg(short = 'o', long = "out", value_name = "FOLDER", default_value = "gap-bench-real")]
+    out: PathBuf,
+    #[command(flatten)]
+    page: PageOptions,
+}
+
 /// Longest time for one diagnosis.
 const PATIENCE: Duration = Duration::from_secs(900);
 
@@ -69,6 +104,9 @@ struct Benchmarked {
 
 impl GapBench {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        if let Some(Of::Real(documented)) = self.of {
+            return documented.run(screen);
+        }
         let plan = Plan { seed: self.seed, is_short: self.short };
         let cases = gap_bench::select(plan.cases(), self.cases.as_deref())?;
         std::fs::create_dir_all(&self.out)
@@ -80,7 +118,7 @@ impl GapBench {
             keeps_logs: self.keep,
             has_oracle: self.oracle,
         };
-        let tool = Program { path: self.program()?, patience: PATIENCE };
+        let tool = Program { path: program(self.tool.as_ref())?, patience: PATIENCE };
         let bar = progress::bar(screen, "diagnosing", cases.len() as u64);
         interrupt::listen()?;
         let go_on = |done: usize| {
@@ -104,16 +142,56 @@ impl GapBench {
             &Benchmarked { page, stopped: outcomes.len() < drawn, planned: drawn, scores },
         )
     }
+}
 
-    fn program(&self) -> anyhow::Result<PathBuf> {
-        match &self.tool {
-            Some(path) => path
-                .canonicalize()
-                .with_context(|| format!("--tool {}: there is no such program", path.display())),
-            None => {
-                std::env::current_exe().context("this program does not find itself; use --tool")
-            }
-        }
+/// The program that is tested.
+fn program(tool: Option<&PathBuf>) -> anyhow::Result<PathBuf> {
+    match tool {
+        Some(path) => path
+            .canonicalize()
+            .with_context(|| format!("--tool {}: there is no such program", path.display())),
+        None => std::env::current_exe().context("this program does not find itself; use --tool"),
+    }
+}
+
+/// What measured machines gave, and where it is.
+#[derive(Serialize)]
+struct OfReal {
+    page: PathBuf,
+    #[serde(flatten)]
+    real: Real,
+}
+
+impl Documented {
+    fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let folder = self.folder.canonicalize().with_context(|| {
+            format!("{}: there is no such folder of machines", self.folder.display())
+        })?;
+        std::fs::create_dir_all(&self.out)
+            .with_context(|| format!("the folder {} cannot be made", self.out.display()))?;
+        let root = self.out.canonicalize()?;
+        let tool = Program { path: program(self.tool.as_ref())?, patience: PATIENCE };
+        interrupt::listen()?;
+        let go_on = |_: usize| !interrupt::asked();
+        let real = gap_bench::real(&folder, &self.only, &root, &tool, &go_on)?;
+        let page = root.join("index.html");
+        let report = real.page().provenance(pages::provenance(&[])?);
+        report.write_html(&page)?;
+        let pages = self.page.write(|| Ok(report))?;
+        let json = serde_json::to_vec_pretty(&real)?;
+        data::WholeFile::write_all_of(&root.join("scores.json"), &json)?;
+        let is_broken = |m: &gap_bench::Measured| m.judgement == gap_bench::Judgement::Broken;
+        let is_bad = real.sure_and_invented() > 0 || real.machines.iter().any(is_broken);
+        let pages = self.page.with_own(pages, &page);
+        pages.show(screen, &OfReal { page, real })?;
+        Ok(u8::from(is_bad))
+    }
+}
+
+impl Answer for OfReal {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        self.real.write_text(out)?;
+        writeln!(out, "\n{}: written", self.page.display())
     }
 }
 

@@ -18,6 +18,7 @@ use crate::request::{Model, Request};
 use crate::score::{Judged, explained};
 use crate::select::{Candidate, Looked};
 use crate::shrink::Evidence;
+use crate::steps;
 
 /// Mean square over the noise's above which something is left.
 pub(crate) const LEFT: f64 = 1.15;
@@ -119,18 +120,33 @@ fn output(o: &Outcome, seed: u64) -> OutputGap {
 
 fn shrink(o: &Outcome, after: &Judged, seed: u64) -> Shrink {
     let range = 2.0 * o.problem.data.output_span.half / o.problem.factor;
+    let stages = steps::against_noise(o, [&o.given, &o.found.base.judged, after]);
+    let sigma = o.problem.steps.map_or(o.sigma, |steps| steps.beside);
+    let [given, before, after] = match &stages {
+        Some([given, before, after]) => [given, before, after],
+        None => [&o.given, &o.found.base.judged, after],
+    };
     let evidence = Evidence {
         data: &o.problem.data,
         judge: &o.judge,
-        given: &o.given,
-        before: &o.found.base.judged,
+        given,
+        before,
         after,
-        sigma: o.sigma / o.problem.factor,
+        sigma: sigma / o.problem.factor,
         unit: &o.problem.unit,
         range,
         seed,
     };
-    Shrink { second_opinion: o.second.clone(), ..evidence.shrink(!o.found.last.picks.is_empty()) }
+    let factor = o.problem.factor;
+    Shrink {
+        second_opinion: o.second.clone(),
+        offset: o.offset.map(|offset| offset.shared / factor).filter(|shared| *shared != 0.0),
+        rms_as_it_stands: o.offset.map(|offset| {
+            let (before, after) = offset.as_it_stands;
+            [before / factor, after / factor]
+        }),
+        ..evidence.shrink(!o.found.last.picks.is_empty() || stages.is_some())
+    }
 }
 
 /// A value of a parameter in the unit of reports.
@@ -220,6 +236,29 @@ fn noisier(o: &Outcome) -> Option<NamedEffect> {
     })
 }
 
+/// The steps of the reading that its values show.
+fn stepped(o: &Outcome) -> Option<NamedEffect> {
+    /// Probability that values on a coarse grid are a converter's.
+    const SURE: f64 = 0.97;
+    let steps = o.problem.steps?;
+    let effect = &effects::SENSOR_QUANTISATION;
+    let of = |value: f64, unit: &str| Estimate { value, std: None, unit: unit.to_owned() };
+    let parameters = BTreeMap::from([
+        (format!("{}.step", effect.name), of(steps.size / o.problem.factor, &o.problem.unit)),
+        (format!("{}.phase", effect.name), of(steps.phase, "1")),
+    ]);
+    Some(NamedEffect {
+        effect: effect.name.to_owned(),
+        output: o.problem.output.clone(),
+        stage: effect.stage.name().to_owned(),
+        probability: SURE,
+        set: vec![effect.name.to_owned()],
+        group: None,
+        parameters,
+        explained: steps.share(&o.found.last, o.sigma),
+    })
+}
+
 fn named(o: &Outcome) -> Vec<NamedEffect> {
     let last = &o.found.last;
     let picked = (0..last.picks.len()).map(|slot| {
@@ -227,7 +266,7 @@ fn named(o: &Outcome) -> Vec<NamedEffect> {
         let explained = o.found.alone.get(slot).copied().unwrap_or(0.0);
         effect_of(o, (last, slot), rivals, explained)
     });
-    noisier(o).into_iter().chain(picked).collect()
+    noisier(o).into_iter().chain(stepped(o)).chain(picked).collect()
 }
 
 /// Effect number `slot` of a candidate beside its rivals.
@@ -399,6 +438,7 @@ fn cautions(o: &Outcome) -> Vec<String> {
             o.problem.output
         ));
     }
+    all.extend(own_offsets(o));
     if o.problem.base.parameters.iter().all(|p| !p.has_tolerance) {
         all.push(format!(
             "{}: no parameter of the model has a tolerance, only the output's gain: an error of a parameter can look like an effect; give tolerances in the blueprint or with --tune",
@@ -406,6 +446,26 @@ fn cautions(o: &Outcome) -> Vec<String> {
         ));
     }
     all
+}
+
+/// What a user gets who lays the repaired model over a log as it stands, where that is clearly more than the shrink
+/// says, whose records may each have an offset of its own.
+fn own_offsets(o: &Outcome) -> Option<String> {
+    /// Over what is left with each record's own offset taken out.
+    const MORE: f64 = 1.5;
+    let is_told = !o.found.last.picks.is_empty() && !o.problem.base.is_white;
+    let offset = o.offset.filter(|_| is_told)?;
+    let (left, factor) = (o.sigma * o.found.last.judged.held_out.max(0.0).sqrt(), o.problem.factor);
+    (offset.as_it_stands.1 > MORE * left).then(|| {
+        format!(
+            "{}: each record has an offset of its own that no model foretells: over a log as it stands the repaired model is off by {:.3e} {}, with the record's own offset taken out by {:.3e} {}",
+            o.problem.output,
+            offset.as_it_stands.1 / factor,
+            o.problem.unit,
+            left / factor,
+            o.problem.unit
+        )
+    })
 }
 
 fn provenance(request: &Request, simulations: u64) -> Provenance {

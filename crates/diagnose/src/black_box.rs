@@ -1,5 +1,8 @@
 //! An FMU as one node of a chain.
 
+mod known;
+mod plays;
+
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -8,6 +11,7 @@ use cosim::{Experiment, Fmu, HOST, InstanceOptions, Message, RunError, Selection
 use cosim::{StepResult, Value};
 use nalgebra::{DMatrix, DVector};
 
+use self::known::Known;
 use crate::block::{Block, Span, Wires};
 use crate::chain::{Failed, Link};
 use crate::data_set::RecordData;
@@ -18,6 +22,8 @@ use crate::error::Error;
 pub(crate) struct BlackBox {
     shared: Arc<Shared>,
     times: Arc<Times>,
+    /// The last runs over these records.
+    known: Arc<Mutex<Known>>,
     /// Parameters: name, value, and which coordinate moves it.
     pub(crate) parameters: Vec<(String, f64)>,
     /// Links to the chain's parameters; `index` counts `parameters`.
@@ -75,12 +81,13 @@ impl BlackBox {
         let idle = Mutex::new(Vec::new());
         let incidents = Arc::default();
         let shared = Arc::new(Shared { fmu, inputs, output, units, idle, incidents });
-        Self { shared, times: Arc::new(times), parameters: Vec::new(), links: Vec::new() }
+        let (times, known) = (Arc::new(times), Arc::default());
+        Self { shared, times, known, parameters: Vec::new(), links: Vec::new() }
     }
 
     /// The same for records with these times.
     pub(crate) fn over(&self, times: Times) -> Self {
-        Self { times: Arc::new(times), ..self.clone() }
+        Self { times: Arc::new(times), known: Arc::default(), ..self.clone() }
     }
 
     /// The same with one parameter moved by this much.
@@ -110,9 +117,36 @@ impl BlackBox {
         shared.fmu.instantiate(shared.name(), &options)
     }
 
+    /// As [`Self::run_anew`], where this very run is not known: what stands behind an FMU changes far more often than
+    /// what drives it.
+    pub(crate) fn run(
+        &self,
+        theta: &[f64],
+        record: &RecordData,
+        x: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), Failed> {
+        let lock = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let values: Vec<f64> = (0..self.parameters.len()).map(|k| self.value(k, theta)).collect();
+        if lock().recall(record.rows.start, &values, x, out) {
+            return Ok(());
+        }
+        self.run_anew(theta, record, x, out)?;
+        lock().keep(record.rows.start, values, x, out);
+        Ok(())
+    }
+
+    /// The value of parameter number `k` at these coordinates.
+    fn value(&self, k: usize, theta: &[f64]) -> f64 {
+        let links = self.links.iter().filter(|link| link.index == k);
+        let shift =
+            |link: &Link| link.deviation * theta.get(link.parameter).copied().unwrap_or(0.0);
+        self.parameters[k].1 + links.map(shift).sum::<f64>()
+    }
+
     /// Runs a record; a failure of the FMU is remembered, and a failed simulation where it happens
     /// again in a fresh instance. A crash or a hang, which costs a process, is not tried again.
-    pub(crate) fn run(
+    fn run_anew(
         &self,
         theta: &[f64],
         record: &RecordData,
@@ -137,29 +171,43 @@ impl BlackBox {
         Ok(())
     }
 
-    /// Natural frequency in Hz and damping of the mode that the output leaves through, where the
-    /// answer to a small step of the driven input shows one and nothing else that moves.
-    pub(crate) fn mode(&self, record: &RecordData, command: Span) -> Option<(f64, f64)> {
+    /// How the output is entered: the mode that it leaves through, where the answer to a small step of the driven
+    /// input shows one and nothing else that moves.
+    pub(crate) fn entry(&self, record: &RecordData, command: Span) -> Option<Entry> {
         /// Rows of the answer at most, and those of them before the step.
         const ROWS: usize = 4000;
         const BEFORE: usize = 50;
         /// Over half the range.
         const SIZE: f64 = 0.1;
-        let times = self.times.get(&record.rows.start)?;
-        let rows = times.len().min(ROWS);
-        let sample = (times.get(rows.checked_sub(1)?)? - times.first()?) / (rows as f64 - 1.0);
-        let uneven = |w: &[f64]| (w[1] - w[0] - sample).abs() > 1e-6 * sample;
-        if rows < 4 * BEFORE || times[..rows].windows(2).any(uneven) {
+        let sample = self.sample(record)?;
+        let rows = self.times.get(&record.rows.start)?.len().min(ROWS);
+        if rows < 4 * BEFORE {
             return None;
         }
-        let held = |row: &Vec<f64>| vec![row.first().copied().unwrap_or(0.0); rows];
-        let others = record.others.iter().map(held).collect();
-        let alone = RecordData { others, ..record.clone() };
         let step = |row| command.centre + if row < BEFORE { 0.0 } else { SIZE * command.half };
         let x: Vec<f64> = (0..rows).map(step).collect();
-        let mut response = vec![0.0; rows];
-        self.run(&vec![0.0; self.parameters.len()], &alone, &x, &mut response).ok()?;
-        ringing(&response, BEFORE, sample)
+        ringing(&self.answer(record, &x)?, BEFORE, sample)
+    }
+
+    /// Sample time of the rows of a record in s, where they are even.
+    fn sample(&self, record: &RecordData) -> Option<f64> {
+        let times = self.times.get(&record.rows.start)?;
+        let sample = (times.last()? - times.first()?) / (times.len() as f64 - 1.0);
+        let uneven = |w: &[f64]| (w[1] - w[0] - sample).abs() > 1e-6 * sample;
+        (!times.windows(2).any(uneven)).then_some(sample)
+    }
+
+    /// The answer to a course of the driven input over the first rows of a record, the others held.
+    fn answer(&self, record: &RecordData, course: &[f64]) -> Option<Vec<f64>> {
+        if course.len() > self.times.get(&record.rows.start)?.len() {
+            return None;
+        }
+        let held = |row: &Vec<f64>| vec![row.first().copied().unwrap_or(0.0); course.len()];
+        let others = record.others.iter().map(held).collect();
+        let alone = RecordData { others, ..record.clone() };
+        let mut answer = vec![0.0; course.len()];
+        self.run_anew(&vec![0.0; self.parameters.len()], &alone, course, &mut answer).ok()?;
+        Some(answer)
     }
 
     /// Refuses where the FMU crashed or hung too often to go on.
@@ -254,14 +302,8 @@ impl BlackBox {
         let (Some(&start), stop) = (times.first(), times.last().copied()) else { return Ok(()) };
         let experiment = Experiment { start, stop, tolerance: None };
         slave.setup(&experiment)?;
-        for (k, (name, value)) in self.parameters.iter().enumerate() {
-            let shift: f64 = self
-                .links
-                .iter()
-                .filter(|link| link.index == k)
-                .map(|link| link.deviation * theta.get(link.parameter).copied().unwrap_or(0.0))
-                .sum();
-            slave.set_start(name, &Value::Real(value + shift))?;
+        for (k, (name, _)) in self.parameters.iter().enumerate() {
+            slave.set_start(name, &Value::Real(self.value(k, theta)))?;
         }
         let mut values = vec![0.0; names.len()];
         let fill = |values: &mut [f64], row: usize, value: f64| {
@@ -303,10 +345,21 @@ impl BlackBox {
     }
 }
 
-/// Natural frequency in Hz and damping of a mode that a response leaves through, if nothing else moves
+/// The mode through which an output leaves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Entry {
+    /// Natural frequency in Hz.
+    pub(crate) frequency: f64,
+    /// Damping ratio.
+    pub(crate) damping: f64,
+    /// What a lag before it keeps of its value from row to row; 0: there is none.
+    pub(crate) lag: f64,
+}
+
+/// The mode that a response leaves through, if nothing else moves
 /// there but at most one lag: the input is held from row `step` on, and differences of rows then follow
 /// `d_n = Σ a_k·d_(n−k)`, with the two poles of the mode, and the lag's.
-fn ringing(response: &[f64], step: usize, sample: f64) -> Option<(f64, f64)> {
+fn ringing(response: &[f64], step: usize, sample: f64) -> Option<Entry> {
     /// Part of a step by which what enters the mode may differ from a step, or from a lag's answer to it.
     const ROUGH: f64 = 0.05;
     let d: Vec<f64> = response.windows(2).map(|w| w[1] - w[0]).collect();
@@ -343,7 +396,7 @@ fn ringing(response: &[f64], step: usize, sample: f64) -> Option<(f64, f64)> {
         off * off
     });
     let off = (off.sum::<f64>() / held.len() as f64).sqrt();
-    (off < ROUGH * (last - first).abs()).then_some((frequency, damping))
+    (off < ROUGH * (last - first).abs()).then_some(Entry { frequency, damping, lag })
 }
 
 /// The recursion that a signal follows, by least squares; none where it leaves something or the signal
@@ -417,7 +470,8 @@ mod tests {
             let lag = (Block::Lag(1), &[500.0][..]);
             let gain = (Block::Gain, &[0.3][..]);
             for blocks in [vec![gain.clone(), mode.clone()], vec![lag, gain, mode]] {
-                let (f, d) = ringing(&answer(&blocks), 50, SAMPLE).unwrap();
+                let Entry { frequency: f, damping: d, .. } =
+                    ringing(&answer(&blocks), 50, SAMPLE).unwrap();
                 assert!((f / frequency - 1.0).abs() < 1e-5, "{blocks:?}: {f}");
                 assert!((d / damping - 1.0).abs() < 1e-4, "{blocks:?}: {d}");
             }

@@ -8,7 +8,7 @@ use model::{Unit, UnitError};
 use modeldescription::variable::{Causality, DataType, Number, Variable};
 
 use crate::base::{Base, BaseParameter, tolerance};
-use crate::black_box::BlackBox;
+use crate::black_box::{BlackBox, Entry};
 use crate::chain::{ComponentNode, Node};
 use crate::error::Error;
 use crate::library::Slot;
@@ -108,17 +108,21 @@ fn problem(
     }
     let longest = problem.data.records.iter().max_by_key(|r| r.rows.len());
     let command = problem.data.command_span;
-    let modes = longest.and_then(|record| {
-        let mode = node.mode(record, command)?;
+    let modes: Option<(Entry, _)> = longest.and_then(|record| {
+        let mode = node.entry(record, command)?;
         let moved = tuned.iter().enumerate().map(|(k, p)| {
-            let (frequency, damping) = node.with(k, p.deviation).mode(record, command)?;
-            Some((frequency - mode.0, damping - mode.1))
+            let with = node.with(k, p.deviation).entry(record, command)?;
+            Some((with.frequency - mode.frequency, with.damping - mode.damping))
         });
         Some((mode, moved.map(Option::unwrap_or_default).collect()))
     });
+    problem.base.memory = longest.and_then(|record| {
+        let first = problem.data.command[record.hits.start];
+        node.memory(record, command, first, modes.as_ref().map(|(entry, _)| *entry))
+    });
     problem.base.nodes.push(Node::BlackBox(node));
     if let Some((mode, moved)) = modes {
-        open_up(&mut problem.base, mode, moved);
+        open_up(&mut problem.base, (mode.frequency, mode.damping), moved);
     }
     Ok(problem)
 }
@@ -126,6 +130,8 @@ fn problem(
 /// Takes the mode, frequency and damping, out behind the FMU and puts it in again, so that effects can
 /// act on what enters it. `moved` is what each of the FMU's parameters does to it at one deviation.
 fn open_up(base: &mut Base, (frequency, damping): (f64, f64), moved: Vec<(f64, f64)>) {
+    /// Part of a parameter's relative change by which it must move the mode.
+    const OWN: f64 = 0.1;
     let mode = ComponentNode {
         component: model::ComponentRef::Static(&components::mechanics::MODE),
         structure: Vec::new(),
@@ -137,10 +143,17 @@ fn open_up(base: &mut Base, (frequency, damping): (f64, f64), moved: Vec<(f64, f
     let again = before + 1;
     base.nodes.extend([Node::BeforeMode(mode.clone()), Node::Component(mode)]);
     base.mode = Some(again);
-    for (p, (frequency, damping)) in base.parameters.iter_mut().zip(moved) {
+    for (p, (by_frequency, by_damping)) in base.parameters.iter_mut().zip(moved) {
+        // What it does says more than its name.
+        let share = |by: f64, of: f64| (by / of).abs() > OWN * (p.deviation / p.value).abs();
+        p.effect = match (share(by_frequency, frequency), share(by_damping, damping)) {
+            (true, _) => Some("resonance_shift"),
+            (false, true) => Some("damping"),
+            (false, false) => p.effect,
+        };
         p.also = [before, again]
             .into_iter()
-            .flat_map(|node| [(node, 0, frequency), (node, 1, damping)])
+            .flat_map(|node| [(node, 0, by_frequency), (node, 1, by_damping)])
             .collect();
     }
     for slot in [Slot::AfterActuator, Slot::BeforeMechanics] {

@@ -180,6 +180,14 @@ pub struct Shrink {
     /// `fraction` with the effects' formulas as they were found, where a repaired blueprint was written:
     /// the other figures are then those of the model that was handed back. Null else.
     pub as_found: Option<f64>,
+    /// Offset that all records share, which is part of a repaired FMU, in the output's unit; null where they share
+    /// none.
+    #[serde(default)]
+    pub offset: Option<f64>,
+    /// Root mean square of the held-out rows as they stand, no record's own offset taken out: of the model as it
+    /// came, and of the one with effects, re-tune and the shared offset. Null where they could not be simulated.
+    #[serde(default)]
+    pub rms_as_it_stands: Option<[f64; 2]>,
 }
 
 /// What goes in records that were left out of the fit.
@@ -308,7 +316,8 @@ pub struct OutputGap {
 pub struct NoiseFloor {
     /// What the diagnosis used.
     pub sigma: f64,
-    /// `given`, `rest record`, `periods` or `second differences`.
+    /// `given`, `rest record`, `periods`, `second differences`, or `steps of the reading`: rounding with the noise
+    /// before it.
     pub source: String,
     /// From the second differences of the logs: a lower bound, exact for white noise.
     pub second_differences: Option<f64>,

@@ -29,6 +29,7 @@ mod louder;
 mod noise;
 mod normal;
 mod nuisance;
+mod offset;
 mod outcome;
 mod page;
 mod place;
@@ -44,6 +45,7 @@ mod sentence;
 mod shrink;
 mod spectrum;
 mod stand_in;
+mod steps;
 mod tap;
 
 use std::sync::atomic::{AtomicU64, Ordering};

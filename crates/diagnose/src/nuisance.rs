@@ -237,6 +237,18 @@ impl Projector {
         }
     }
 
+    /// The offset of each record that is fitted, beside its other terms.
+    pub(crate) fn offsets(&self, data: &DataSet, residual: &[f64]) -> Vec<f64> {
+        let fitted = data.records.iter().zip(&self.records).filter(|(r, _)| !r.fit.is_empty());
+        let offset = |(record, terms): (&RecordData, &Terms)| {
+            let rows = &data.fit_rows[record.fit.clone()];
+            let values = rows.iter().map(|row| residual[*row as usize]);
+            let values = DVector::from_iterator(record.fit.len(), values);
+            Some(terms.normal.as_ref()?.solve(&terms.basis.tr_mul(&values))[0])
+        };
+        fitted.filter_map(offset).collect()
+    }
+
     /// Takes the terms that the fitted rows give out of all rows. A record without fitted rows judges: there
     /// each half is foretold by the terms of the other one, and nothing but one offset is fitted to all of it.
     pub(crate) fn extend(&self, data: &DataSet, residual: &mut [f64]) {

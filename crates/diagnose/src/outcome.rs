@@ -14,11 +14,13 @@ use crate::error::Error;
 use crate::gap::{SecondOpinion, Verdict};
 use crate::library::{self, Family, Setting};
 use crate::noise::{self, Shape};
+use crate::offset::Offset;
 use crate::problem::{self, Problem};
 use crate::request::Request;
 use crate::score::{Judge, Judged};
 use crate::select::{Candidate, Found, Search, has_gap};
-use crate::{jitter, louder, robust, second, shrink, spectrum};
+use crate::steps::Steps;
+use crate::{jitter, louder, offset, robust, second, shrink, spectrum};
 
 /// The diagnosis of one output.
 pub(crate) struct Outcome {
@@ -39,11 +41,16 @@ pub(crate) struct Outcome {
     pub(crate) louder: Option<f64>,
     /// What whole records that are left out say.
     pub(crate) second: Option<SecondOpinion>,
+    /// Offsets of the records.
+    pub(crate) offset: Option<Offset>,
 }
 
 /// Mean square over the noise's up to which nothing is left where the noise is estimated: logs of a driven machine
 /// show a part of it only.
 pub(crate) const ADEQUATE: f64 = 1.6;
+
+/// Part of what is left at last that rounding must be, for the steps of the reading to be named.
+const STEPS: f64 = 0.25;
 
 impl Outcome {
     /// What is left at last, in powers of the noise, on fitted and held-out rows alike.
@@ -151,7 +158,12 @@ pub(crate) fn of(
         .map_err(|_| model_error(&problem.output))?;
     let position = simulated_span(&base, &problem.data, count).unwrap_or(problem.data.output_span);
     let moves = position.half > 3.0 * sigma && problem.data.command_span.half > 0.0;
-    let library = library::families(&setting(&problem, &base, position, sigma), &request.without);
+    problem.steps = problem.steps.filter(|_| !moves_in_steps(&problem, &base, sigma));
+    let mut library =
+        library::families(&setting(&problem, &base, position, sigma), &request.without);
+    // The values show the steps better than any fit.
+    library
+        .retain(|f| problem.steps.is_none() || f.effect.name != effects::SENSOR_QUANTISATION.name);
     let search = search_in(&problem, &library, (&judge, sigma, adequate), request, count);
     let is_asked = !request.without.iter().any(|name| name == effects::SENSOR_NOISE.name);
     let louder = (is_asked && problem.noise.source == "given" && has_gap(&base, adequate))
@@ -209,6 +221,8 @@ pub(crate) fn of(
     } else {
         None
     };
+    problem.steps = problem.steps.filter(|steps| steps.share(&found.last, sigma) > STEPS);
+    let has_one = has_one || problem.steps.is_some();
     let verdict = if has_one {
         Verdict::Effects
     } else if has_gap(&found.base, adequate) {
@@ -220,6 +234,7 @@ pub(crate) fn of(
     } else {
         Verdict::Adequate
     };
+    let offset = offset::of(&problem, (&found.base, &found.last), sigma, count);
     Ok(Outcome {
         problem,
         library,
@@ -232,7 +247,16 @@ pub(crate) fn of(
         robust,
         louder,
         second,
+        offset,
     })
+}
+
+/// Whether the model's own output moves in steps.
+fn moves_in_steps(problem: &Problem, base: &Candidate, sigma: f64) -> bool {
+    let data = &problem.data;
+    let residual = base.judged.residual.iter().map(|r| sigma * r);
+    let simulated: Vec<f64> = data.y.iter().zip(residual).map(|(y, r)| y - r).collect();
+    Steps::of(&DataSet { y: simulated, ..data.clone() }).is_some()
 }
 
 fn scaled(residual: &[f64], ratio: f64) -> Vec<f64> {
@@ -289,6 +313,7 @@ fn settle_noise(problem: &mut Problem, residual: &[f64]) -> (Shape, f64) {
     let finest = noise::fourth_differences(residual, rows()).unwrap_or(1.0);
     let noise = &mut problem.noise;
     let (shape, adequate) = match (noise.source.as_str(), problem.rest_corner) {
+        ("steps of the reading", _) => (Shape::WHITE, ADEQUATE),
         (_, Some(corner)) => {
             let white = 1.0 / noise::coloured(corner, low, high);
             (Shape { white, corner }, RESTED)

@@ -1,5 +1,6 @@
 //! From a request to one problem per output: data in SI, model as a chain, noise.
 
+use components::effects::SENSOR_QUANTISATION;
 use data::{CheckedBlueprint, Log, NameMap};
 use model::{Causality, Unit};
 
@@ -10,6 +11,7 @@ use crate::error::Error;
 use crate::gap::NoiseFloor;
 use crate::noise;
 use crate::request::{Model, Noise, Request};
+use crate::steps::Steps;
 use crate::tap;
 
 /// Part of each record that is held out where no log is.
@@ -34,6 +36,8 @@ pub(crate) struct Problem {
     pub(crate) noise: NoiseFloor,
     /// Corner of the noise in Hz, where a record at rest tells.
     pub(crate) rest_corner: Option<f64>,
+    /// Steps in which the reading moves, where its values show them.
+    pub(crate) steps: Option<Steps>,
     /// Least and greatest command that may be played, in its unit.
     pub(crate) command_range: (f64, f64),
     pub(crate) warnings: Vec<String>,
@@ -260,7 +264,9 @@ pub(crate) fn assemble(
         return Err(Error::Log { log, message: "has no record of 60 rows or more".into() });
     }
     let data = DataSet::new(records, &names, step);
-    let (noise, rest_corner) = floor(request, y, &data)?;
+    let is_asked = !request.without.iter().any(|name| name == SENSOR_QUANTISATION.name);
+    let steps = Steps::of(&data).filter(|_| is_asked);
+    let (noise, rest_corner, steps) = floor(request, y, &data, steps)?;
     Ok(Problem {
         output: y.label().to_owned(),
         unit: unit_text(y).to_owned(),
@@ -273,6 +279,7 @@ pub(crate) fn assemble(
         data,
         noise,
         rest_corner,
+        steps,
         command_range: u.range,
         warnings,
         between,
@@ -390,7 +397,8 @@ fn floor(
     request: &Request,
     port: &Port,
     data: &DataSet,
-) -> Result<(NoiseFloor, Option<f64>), Error> {
+    steps: Option<Steps>,
+) -> Result<(NoiseFloor, Option<f64>, Option<Steps>), Error> {
     let factor = port.si.factor;
     let records = || data.records.iter().map(|r| r.rows.clone());
     let second = noise::second_differences(&data.y, records()).map(|s| s / factor);
@@ -426,6 +434,18 @@ fn floor(
             (found, "periods")
         }
     };
+    // What was said may hold the rounding.
+    let steps = steps.and_then(|steps| match sigma.filter(|_| source == "given") {
+        Some(given) if factor * given > 0.9 * steps.rounding() => None,
+        Some(given) => Some(steps.with_noise(factor * given)),
+        None => Some(steps),
+    });
+    if let Some(found) = steps {
+        let sigma = found.sigma() / factor;
+        let source = "steps of the reading".to_owned();
+        let noise = NoiseFloor { sigma, source, second_differences: second, periods, corner: None };
+        return Ok((noise, None, steps));
+    }
     let (sigma, source) = match sigma.filter(|s| *s > 0.0) {
         Some(sigma) => (sigma, source),
         None => match second {
@@ -442,5 +462,6 @@ fn floor(
         },
     };
     let (second_differences, source) = (second, source.to_owned());
-    Ok((NoiseFloor { sigma, source, second_differences, periods, corner: None }, rest_corner))
+    let noise = NoiseFloor { sigma, source, second_differences, periods, corner: None };
+    Ok((noise, rest_corner, None))
 }

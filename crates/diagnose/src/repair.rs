@@ -11,7 +11,7 @@ use model::{Extension, Role};
 use crate::base::Base;
 use crate::block::Block;
 use crate::chain::Chain;
-use crate::library::{Formula, Slot};
+use crate::library::{Formula, Piece, Slot};
 use crate::outcome::Outcome;
 use crate::score::Judged;
 use crate::select::Candidate;
@@ -76,6 +76,20 @@ pub(crate) fn repair(
                 formula.name
             )),
         }
+    }
+    if let Some(steps) = o.problem.steps {
+        let span = o.problem.data.output_span;
+        let (slot, block) = (Slot::Reading, Block::Quantiser(span));
+        let piece = Piece { slot, block, count: 2, aux: 0 };
+        let values = [2.0 * span.half / steps.size, steps.phase];
+        let note = format!("{}, seen in the readings", effects::SENSOR_QUANTISATION.name);
+        let place = given.axes[axis - 1].components.len();
+        let found = parts::components(o, &piece, &values).unwrap_or_default();
+        changes.extend(found.into_iter().map(|component| Change::Insert {
+            place,
+            slot,
+            component: component.note(&note),
+        }));
     }
     *blueprint = apply(&given, axis, &changes);
     let judged = handed::settle(o, last, (axis, &axis_given), blueprint);

@@ -51,6 +51,8 @@ impl Evidence<'_> {
             holdout: self.stretches(),
             second_opinion: None,
             as_found: None,
+            offset: None,
+            rms_as_it_stands: None,
         }
     }
 

@@ -35,6 +35,12 @@ pub struct Shrink {
     pub fraction: Option<f64>,
     /// Its 95 % prediction interval.
     pub ci95: Option<[f64; 2]>,
+    /// Root mean square of the held-out rows of the re-tuned model.
+    #[serde(default)]
+    pub rms_before: Option<f64>,
+    /// The same with the effects.
+    #[serde(default)]
+    pub rms_after: Option<f64>,
 }
 
 /// What is left.

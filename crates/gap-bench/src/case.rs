@@ -94,6 +94,7 @@ impl Plan {
             is_linear,
             wrong_weights,
             axes: family.axes,
+            offset: family.offset,
         };
         let is_black_box = family.is_black_box;
         Case { id, family: family.name, order, is_black_box, without, noise }
@@ -117,6 +118,10 @@ impl Plan {
             Content::NoneLinear => (Vec::new(), 0.0, true),
             Content::Single | Content::Removed | Content::Long => {
                 (vec![turn(&listed(family.setting), &SIZES)], 0.0, false)
+            }
+            Content::Inside => {
+                let inside = [Effect::Asymmetry, Effect::RateDependence, Effect::Friction];
+                (vec![turn(&inside, &SIZES)], 0.0, false)
             }
             Content::Apart => {
                 let apart: Vec<_> = all_where(|effect| effect.is_apart());

@@ -43,6 +43,14 @@ pub enum Error {
         /// Rule and way out.
         message: String,
     },
+    /// A folder of measured machines, or one of them, that makes no sense.
+    #[error("{}: {message}", path.display())]
+    Machine {
+        /// The file or folder.
+        path: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
     /// A log cannot be written.
     #[error(transparent)]
     Data(#[from] data::Problems),

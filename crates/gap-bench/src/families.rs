@@ -21,6 +21,8 @@ pub struct Family {
     pub(crate) is_black_box: bool,
     /// Number of axes.
     pub(crate) axes: usize,
+    /// Offset that all readings share, over the noise.
+    pub(crate) offset: f64,
 }
 
 /// What is withheld.
@@ -32,6 +34,9 @@ pub(crate) enum Content {
     NoneLinear,
     /// One effect of the list, all in turn.
     Single,
+    /// One of the effects inside a box that its outside does not show: loops that are skewed or grow with the rate,
+    /// and friction.
+    Inside,
     /// The same, and the effect's own candidate is taken out of the library.
     Removed,
     /// One of the effects that are counted apart.
@@ -59,6 +64,7 @@ const OPEN: Family = Family {
     setting: Setting::OpenLoop,
     is_black_box: false,
     axes: 1,
+    offset: 0.0,
 };
 
 /// All families. A full benchmark has at least 500 cases without effect and 30 per effect and size.
@@ -224,6 +230,26 @@ pub const FAMILIES: &[Family] = &[
         full: 4,
         short: 0,
         content: Content::Long,
+        ..OPEN
+    },
+    // New families stand last: a case is drawn by the number of its family.
+    Family {
+        name: "black-box-inside",
+        about: "skewed loops, loops that grow with the rate, friction; the model is an FMU",
+        full: 36,
+        short: 0,
+        content: Content::Inside,
+        is_black_box: true,
+        ..OPEN
+    },
+    Family {
+        name: "common-offset",
+        about: "one effect, all readings share an offset of 30 σ; the model is an FMU",
+        full: 52,
+        short: 0,
+        content: Content::Single,
+        is_black_box: true,
+        offset: 30.0,
         ..OPEN
     },
 ];

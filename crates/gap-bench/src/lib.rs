@@ -17,6 +17,7 @@ mod judge;
 mod label;
 mod page;
 mod prepare;
+mod real;
 mod run;
 mod score;
 mod statistics;
@@ -30,6 +31,7 @@ pub use error::Error;
 pub use families::{FAMILIES, Family};
 pub use label::{Label, Miss, TrueEffect};
 pub use prepare::{Folders, Question, prepare};
+pub use real::{Judgement, Measured, Real, real};
 pub use run::{Outcome, Realised, Settings, run};
 pub use score::{
     Confusion, Failure, OfEffect, Removed, Scores, ShrinkPair, Single, Times, Verdicts,

@@ -146,7 +146,7 @@ fn probabilities_count_over_all_families_but_those_apart() {
 fn shrink_is_inside_or_outside_its_interval_and_ratios_are_to_the_oracle() {
     let repaired = |ci95, after, oracle| {
         let answer = Answer {
-            shrink: Shrink { fraction: Some(0.9), ci95: Some(ci95) },
+            shrink: Shrink { fraction: Some(0.9), ci95: Some(ci95), ..Shrink::default() },
             ..answer(&[("creep", &["creep"])])
         };
         let realised = Some(Realised { before: 0.1, after, oracle });

@@ -54,6 +54,8 @@ pub struct Order {
     pub wrong_weights: f64,
     /// Number of axes, 1 or 2.
     pub axes: usize,
+    /// Offset that all readings share, over the noise.
+    pub offset: f64,
 }
 
 /// Signals of one record. Row k of a reading is read before row k of the commands acts.
@@ -302,7 +304,10 @@ impl<'a> Workshop<'a> {
                 reading.iter_mut().zip(noise).for_each(|(y, n)| *y += n);
             }
         }
-        readings.iter_mut().flatten().for_each(|y| *y = rounded(*y));
+        for (axis, reading) in readings.iter_mut().enumerate() {
+            let offset = self.order.offset * self.sigma_of(axis);
+            reading.iter_mut().for_each(|y| *y = rounded(*y + offset));
+        }
         Record { kind, commands: [drive.command, drive.neighbour], readings, missed: None }
     }
 
@@ -341,6 +346,7 @@ mod tests {
             is_linear: false,
             wrong_weights: 0.0,
             axes: 1,
+            offset: 0.0,
         }
     }
 
@@ -375,6 +381,19 @@ mod tests {
             assert_eq!(seen.kind, unseen.kind);
             assert_ne!(seen.commands[0], unseen.commands[0]);
             assert!(unseen.missed.unwrap() > scene.sigma[0]);
+        }
+    }
+
+    #[test]
+    fn readings_share_their_offset() {
+        let plain = Scene::draw(&order(Vec::new())).unwrap();
+        let moved = Scene::draw(&Order { offset: 30.0, ..order(Vec::new()) }).unwrap();
+        let all = |scene: &Scene| -> Vec<Record> {
+            [&scene.fit[..], &scene.held_out, &scene.unseen].concat()
+        };
+        for (a, b) in all(&plain).iter().zip(&all(&moved)) {
+            let pairs = a.readings[0].iter().zip(&b.readings[0]);
+            assert!(pairs.into_iter().all(|(a, b)| (b - a - 30.0 * plain.sigma[0]).abs() < 2e-6));
         }
     }
 

@@ -12,6 +12,7 @@ fn draw(effect: Effect, formula: Formula, size: f64, seed: u64) -> Result<Scene,
         is_linear: false,
         wrong_weights: 0.0,
         axes: 1,
+        offset: 0.0,
     };
     Scene::draw(&order).map_err(|error| error.to_string())
 }

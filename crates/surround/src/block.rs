@@ -3,11 +3,13 @@
 //! A block starts at rest under its first value. A value is what is held over the step that ends
 //! now; steps may differ in length.
 
+use components::hysteresis::rate;
 use components::linear::lag_fraction;
 use libm::{expm1, log10, pow};
 use serde::{Deserialize, Serialize};
 
 use crate::mechanics::{Force, ForcedMode, before_mode, dahl, mode};
+use crate::rated::{self, Growth};
 use crate::state::{State, past};
 use crate::warmth::{Loss, warming};
 use crate::{map, memory};
@@ -19,6 +21,8 @@ use crate::{map, memory};
 pub enum Block {
     /// `g·x`: factor.
     Factor,
+    /// `x + c`: offset.
+    Offset,
     /// `x(t − T)`: T in s.
     Delay,
     /// `q·(round(x/q − p) + p)` with the step `q = 2·half/n`: steps n over the range, phase p.
@@ -170,6 +174,60 @@ pub enum Block {
         /// Half of the drive's range.
         half: f64,
     },
+    /// Plays between the envelopes `v + half·(a·z + b·z²) − r` and `v + half·(c·z + d·z²) + r` of the drive v
+    /// with its place z in the range: a, b, c, d.
+    BentPlays {
+        /// Thresholds.
+        r: Vec<f64>,
+        /// Weights.
+        w: Vec<f64>,
+        /// Middle of the drive's range.
+        centre: f64,
+        /// Half of the drive's range.
+        half: f64,
+    },
+    /// Plays whose thresholds grow with the drive's rate by a time: `r + T·|v′|`, v′ as the component of that
+    /// name takes it: T.
+    RatePlays {
+        /// Thresholds.
+        r: Vec<f64>,
+        /// Weights.
+        w: Vec<f64>,
+    },
+    /// Plays whose thresholds grow in their own proportion, `r·(1 + g·f(|ρ|/(k·scale)))`, with the smoothed
+    /// rate ρ of the drive: g, k, and the time in s over which the rate is smoothed, where it is free.
+    GrowingPlays {
+        /// Thresholds.
+        r: Vec<f64>,
+        /// Weights.
+        w: Vec<f64>,
+        /// The law f.
+        law: Growth,
+        /// A rate in the drive's unit per second.
+        scale: f64,
+        /// Time in s over which the size of the rate is smoothed; where it is a parameter, the rate is smoothed
+        /// with its sign.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        smoothing: Option<f64>,
+    },
+    /// Plays that lag behind the drive: bandwidth in Hz.
+    LaggedPlays {
+        /// Thresholds.
+        r: Vec<f64>,
+        /// Weights.
+        w: Vec<f64>,
+    },
+    /// `x + T·ρ/half·Σ w·(P[v] − v)` with the smoothed rate ρ of the drive v: T.
+    RateMemory {
+        /// Thresholds.
+        r: Vec<f64>,
+        /// Weights.
+        w: Vec<f64>,
+        /// Half of the drive's range.
+        half: f64,
+        /// Time over which the rate is smoothed in s.
+        smoothing: f64,
+    },
     /// `x − a·D·h`, `h′ = v′/D·(1 − (β sign(v′h) + 1 − β)·h²)` of the drive v: a, D, β.
     BoucWen,
     /// `x + w·(P[v] − v)` of the drive v, P a play of half the width `half·(r₀ + r₁z + r₂z²)` with the
@@ -265,6 +323,10 @@ impl Block {
             Self::ForcedMode { force, .. } => force.count(),
             Self::BeforeMode { .. } | Self::Mode { .. } => 0,
             Self::Factor
+            | Self::Offset
+            | Self::RatePlays { .. }
+            | Self::LaggedPlays { .. }
+            | Self::RateMemory { .. }
             | Self::Delay
             | Self::Lag { .. }
             | Self::Slew
@@ -296,7 +358,8 @@ impl Block {
             | Self::ParallelMode
             | Self::ModalAuxiliary { .. }
             | Self::BoucWen => 3,
-            Self::PoleZero | Self::GeneralisedPlay { .. } => 4,
+            Self::GrowingPlays { smoothing, .. } => 2 + usize::from(smoothing.is_none()),
+            Self::PoleZero | Self::GeneralisedPlay { .. } | Self::BentPlays { .. } => 4,
         })
     }
 
@@ -341,7 +404,21 @@ impl Block {
             Self::Plays { r, .. } | Self::SkewedPlays { r, .. } => {
                 state.z.resize(r.len(), 0.0);
             }
-            Self::CurvedPlays { r, .. } => state.z.resize(2 * r.len(), 0.0),
+            Self::CurvedPlays { r, .. } | Self::BentPlays { r, .. } => {
+                state.z.resize(2 * r.len(), 0.0);
+            }
+            Self::RatePlays { r, .. } => {
+                state.z.extend(rate::rest(drive));
+                state.z.resize(rate::STATES + 2 * r.len(), 0.0);
+            }
+            Self::GrowingPlays { r, .. } | Self::RateMemory { r, .. } => {
+                state.z.extend([drive, 0.0]);
+                state.z.resize(2 + 2 * r.len(), 0.0);
+            }
+            Self::LaggedPlays { r, .. } => {
+                state.z.push(drive);
+                state.z.resize(1 + 2 * r.len(), 0.0);
+            }
             Self::Auxiliary { .. } => state.z.push(aux),
             Self::FeedThrough { .. } => state.z.push(drive),
             Self::LaggedAuxiliary { zero, .. } => state.z.push(aux - zero),
@@ -357,6 +434,7 @@ impl Block {
         let z = &mut state.z;
         match (self, p) {
             (Self::Factor, &[factor]) => factor * x,
+            (Self::Offset, &[offset]) => x + offset,
             (Self::Delay, &[delay]) => {
                 if dt > 0.0 {
                     state.past.push_back((t, x));
@@ -425,7 +503,7 @@ impl Block {
             (Self::Auxiliary { scale, zero }, &[a]) => x + a * (w.aux - zero) / scale,
             // The rate's weight is that of a lead of one millisecond.
             (Self::Auxiliary { scale, zero }, &[a, b]) => {
-                x + (a * (w.aux - zero) + 1e-3 * b * rate(w.aux, dt, z)) / scale
+                x + (a * (w.aux - zero) + 1e-3 * b * slope(w.aux, dt, z)) / scale
             }
             (Self::LaggedAuxiliary { scale, zero }, &[a, bandwidth]) => {
                 let fraction = lag_fraction(bandwidth, dt);
@@ -435,7 +513,7 @@ impl Block {
                 x + a / scale * mode((frequency, damping), w.aux - zero, dt, z)
             }
             (Self::FeedThrough { scale, time }, &[a, b]) => {
-                x + (a * w.drive + b * time * rate(w.drive, dt, z)) / scale
+                x + (a * w.drive + b * time * slope(w.drive, dt, z)) / scale
             }
             (
                 Self::Creep
@@ -448,10 +526,18 @@ impl Block {
                 Self::Plays { .. }
                 | Self::SkewedPlays { .. }
                 | Self::CurvedPlays { .. }
+                | Self::BentPlays { .. }
                 | Self::BoucWen
                 | Self::GeneralisedPlay { .. },
                 p,
             ) => memory::step(self, p, w, z),
+            (
+                Self::RatePlays { .. }
+                | Self::GrowingPlays { .. }
+                | Self::LaggedPlays { .. }
+                | Self::RateMemory { .. },
+                p,
+            ) => rated::step(self, p, w, dt, z),
             (block, p) => map::value(block, p, x),
         }
     }
@@ -503,7 +589,7 @@ fn follow(z: &mut [f64], next: impl FnOnce(f64) -> f64) -> f64 {
 }
 
 /// The rate of a signal over the step; the state is its value before.
-fn rate(signal: f64, dt: f64, z: &mut [f64]) -> f64 {
+fn slope(signal: f64, dt: f64, z: &mut [f64]) -> f64 {
     let Some(before) = z.first_mut() else { return 0.0 };
     let rate = if dt > 0.0 { (signal - *before) / dt } else { 0.0 };
     *before = signal;

@@ -13,6 +13,7 @@ mod block;
 mod map;
 mod mechanics;
 mod memory;
+mod rated;
 mod repair;
 mod state;
 mod surround;
@@ -22,6 +23,7 @@ mod whole;
 
 pub use block::{Block, Wires};
 pub use mechanics::{Force, ForcedMode};
+pub use rated::Growth;
 pub use repair::{
     Change, Effect, Error, FILE, FORMAT, Original, Parameter, Piece, Port, Repair, Side, Variable,
 };

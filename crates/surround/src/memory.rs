@@ -4,7 +4,7 @@ use crate::block::{Block, Wires};
 
 /// One play: `max(u − r, min(u + r, p))`.
 #[inline]
-fn play(r: f64, u: f64, p: f64) -> f64 {
+pub(crate) fn play(r: f64, u: f64, p: f64) -> f64 {
     (u - r).max((u + r).min(p))
 }
 
@@ -37,6 +37,19 @@ pub(crate) fn step(block: &Block, p: &[f64], w: Wires, z: &mut [f64]) -> f64 {
             for ((r, weight), z) in r.iter().zip(weights).zip(z.chunks_exact_mut(2)) {
                 let wide = (r + curvature * r * place).max(0.0);
                 z[0] = (u - wide).max((u + wide).min(z[0]));
+                z[1] = play(*r, u, z[1]);
+                y += weight * (z[0] - z[1]);
+            }
+            y
+        }
+        Block::BentPlays { r, w: weights, centre, half } => {
+            let &[a, b, c, d] = p else { return w.x };
+            let place = (u - centre) / half;
+            let low = u + half * place * (a + b * place);
+            let high = u + half * place * (c + d * place);
+            let mut y = w.x;
+            for ((r, weight), z) in r.iter().zip(weights).zip(z.chunks_exact_mut(2)) {
+                z[0] = (low - r).max((high + r).min(z[0]));
                 z[1] = play(*r, u, z[1]);
                 y += weight * (z[0] - z[1]);
             }

@@ -2,7 +2,7 @@
 
 use surround::Block as Around;
 
-use crate::block::{Block, Loss, Span};
+use crate::block::{Block, GROWING, Loss, Memory, SATURATING, Span};
 use crate::library::Piece;
 use crate::outcome::Outcome;
 
@@ -13,11 +13,15 @@ pub(crate) fn around(o: &Outcome, piece: &Piece) -> Option<Around> {
         // A neighbour at zero changes nothing; a temperature not where it was.
         if aux.is_command { 0.0 } else { aux.span.centre }
     });
-    stepping(&piece.block, zero)
+    stepping(&piece.block, zero, o.problem.data.step)
 }
 
-/// The same without its outcome; `zero` is the value of the auxiliary signal that changes nothing.
-fn stepping(block: &Block, zero: f64) -> Option<Around> {
+/// The same without its outcome; `zero` is the value of the auxiliary signal that changes nothing, `step` that
+/// of the grid in s.
+fn stepping(block: &Block, zero: f64, step: f64) -> Option<Around> {
+    // A part of the way in each row, as a time.
+    let smoothing = |part: f64| -step / (-part).ln_1p();
+    let plays = |memory: &Memory| (memory.r.clone(), memory.w.clone());
     Some(match block {
         Block::Delay => Around::Delay,
         Block::Quantiser(Span { half, .. }) => Around::Rounding { half: *half },
@@ -57,6 +61,31 @@ fn stepping(block: &Block, zero: f64) -> Option<Around> {
             centre: span.centre,
             half: span.half,
         },
+        Block::BentPlays { memory, span } => {
+            let (r, w) = plays(memory);
+            Around::BentPlays { r, w, centre: span.centre, half: span.half }
+        }
+        Block::RatePlays(memory) => {
+            let (r, w) = plays(memory);
+            Around::RatePlays { r, w }
+        }
+        Block::SaturatingPlays { memory, steepest } => {
+            let (r, w) = plays(memory);
+            let (law, smoothing) = (surround::Growth::Limited, Some(smoothing(SATURATING)));
+            Around::GrowingPlays { r, w, law, scale: *steepest, smoothing }
+        }
+        Block::GrowingPlays { memory, steepest, law } => {
+            let (r, w) = plays(memory);
+            Around::GrowingPlays { r, w, law: *law, scale: *steepest, smoothing: None }
+        }
+        Block::LaggedPlays(memory) => {
+            let (r, w) = plays(memory);
+            Around::LaggedPlays { r, w }
+        }
+        Block::RateMemory { memory, half } => {
+            let (r, w) = plays(memory);
+            Around::RateMemory { r, w, half: *half, smoothing: smoothing(GROWING) }
+        }
         Block::DeadZones(Span { centre, half }) => {
             Around::DeadZones { centre: *centre, half: *half }
         }
@@ -79,7 +108,7 @@ fn stepping(block: &Block, zero: f64) -> Option<Around> {
         Block::LaggedAux { scale } => Around::LaggedAuxiliary { scale: *scale, zero },
         Block::ModalAux { scale } => Around::ModalAuxiliary { scale: *scale, zero },
         Block::FeedThrough { scale, time } => Around::FeedThrough { scale: *scale, time: *time },
-        // Between two clocks, of the start of a record, or of plays inside a white box.
+        // Between two clocks, or of the start of a record.
         _ => return None,
     })
 }
@@ -103,7 +132,7 @@ pub(crate) fn reads_auxiliary(block: &Around) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::block::{Memory, Wires};
+    use crate::block::Wires;
 
     const STEP: f64 = 1e-4;
 
@@ -146,7 +175,20 @@ mod tests {
             (Block::Plays { bank: vec![0.2, 0.5], gain: false }, vec![0.3, -0.1]),
             (Block::Plays { bank: vec![0.2, 0.5], gain: true }, vec![0.4, 0.3, -0.1]),
             (Block::SkewedPlays { bank: vec![0.2, 0.5], span }, vec![0.3, -0.1]),
-            (Block::CurvedPlays { memory, span }, vec![0.4]),
+            (Block::CurvedPlays { memory: memory.clone(), span }, vec![0.4]),
+            (Block::BentPlays { memory: memory.clone(), span }, vec![0.1, -0.2, 0.05, 0.3]),
+            (Block::RatePlays(memory.clone()), vec![1e-3]),
+            (Block::SaturatingPlays { memory: memory.clone(), steepest: 400.0 }, vec![0.8, 0.4]),
+            (
+                Block::GrowingPlays {
+                    memory: memory.clone(),
+                    steepest: 400.0,
+                    law: surround::Growth::Logarithmic,
+                },
+                vec![0.5, 0.2, 7.0 * STEP],
+            ),
+            (Block::LaggedPlays(memory.clone()), vec![200.0]),
+            (Block::RateMemory { memory, half: 2.0 }, vec![2e-3]),
             (Block::DeadZones(span), vec![0.2, -0.1]),
             (Block::Heating { span, loss }, vec![0.1, 0.05]),
             (Block::HeatingGain { loss: loops }, vec![0.1, 0.05]),
@@ -183,7 +225,7 @@ mod tests {
                 Wires { x: &x, drive: &drive, command: &drive, aux: &aux, step: STEP },
                 &mut whole,
             );
-            let around = stepping(&block, 0.0).expect("it goes around an FMU");
+            let around = stepping(&block, 0.0, STEP).expect("it goes around an FMU");
             if let Some(count) = around.parameters() {
                 assert_eq!(count, p.len(), "{around:?}");
             }
@@ -206,7 +248,7 @@ mod tests {
     fn a_saved_state_goes_on_to_the_same_bits() {
         let (x, drive, aux) = (signal(0.1), signal(0.7), signal(1.3));
         for (block, p) in all() {
-            let around = stepping(&block, 0.0).expect("it goes around an FMU");
+            let around = stepping(&block, 0.0, STEP).expect("it goes around an FMU");
             let wires = |n: usize| surround::Wires { x: x[n], drive: drive[n], aux: aux[n] };
             let mut state = surround::State::default();
             around.rest(&p, wires(0), &mut state);

@@ -39,6 +39,9 @@ pub(crate) fn repair(
     for (rank, k) in order.iter().enumerate() {
         maker.retune(&outcomes[*k], rank == 0)?;
     }
+    for k in &order {
+        maker.steps(&outcomes[*k])?;
+    }
     maker.finish()
 }
 
@@ -382,6 +385,80 @@ impl<'a> Maker<'a> {
             let piece =
                 Piece { side, port, drive, auxiliary: None, place: LAST, parameters, block };
             effect.blocks.push(piece);
+        }
+        self.offset(o, &mut effect)?;
+        self.repair.effects.push(effect);
+        Ok(())
+    }
+
+    /// The offset that all records share.
+    fn offset(&mut self, o: &Outcome, effect: &mut Effect) -> Result<(), Error> {
+        let shared = o.offset.map_or(0.0, |offset| offset.shared);
+        if shared == 0.0 {
+            return Ok(());
+        }
+        let factor = o.problem.factor;
+        let piece = Piece {
+            side: Side::Output,
+            port: self.port(&o.problem.output, false, &o.problem.unit)?,
+            drive: self.port(&o.problem.input, true, &o.problem.command_unit)?,
+            auxiliary: None,
+            place: LAST,
+            parameters: vec![effect.parameters.len()],
+            block: Around::Offset,
+        };
+        effect.parameters.push(Parameter {
+            name: "offset".to_owned(),
+            description: format!(
+                "is added to {}: the offset that all records share",
+                o.problem.output
+            ),
+            unit: o.problem.unit.clone(),
+            factor,
+            start: shared / factor,
+            min: None,
+            max: None,
+            reference: self.reference(),
+        });
+        effect.blocks.push(piece);
+        Ok(())
+    }
+
+    /// The steps of the reading that its values show, behind everything.
+    fn steps(&mut self, o: &Outcome) -> Result<(), Error> {
+        let Some(steps) = o.problem.steps else { return Ok(()) };
+        let half = o.problem.data.output_span.half;
+        let piece = Piece {
+            side: Side::Output,
+            port: self.port(&o.problem.output, false, &o.problem.unit)?,
+            drive: self.port(&o.problem.input, true, &o.problem.command_unit)?,
+            auxiliary: None,
+            place: LAST + 1,
+            parameters: vec![0, 1],
+            block: Around::Rounding { half },
+        };
+        let name = self.name(components::effects::SENSOR_QUANTISATION.name, o);
+        let mut effect = Effect {
+            description: "sensor quantisation: rounding to the steps that the readings show"
+                .to_owned(),
+            name,
+            enabled: true,
+            reference: self.reference(),
+            parameters: Vec::new(),
+            blocks: vec![piece],
+        };
+        let values = [("steps_over_the_range", 2.0 * half / steps.size), ("phase", steps.phase)];
+        for (name, start) in values {
+            effect.parameters.push(Parameter {
+                name: name.to_owned(),
+                description: format!("{}: {}", effect.name, name.replace('_', " ")),
+                unit: "1".to_owned(),
+                factor: 1.0,
+                start,
+                min: None,
+                max: None,
+                reference: self.reference(),
+            });
         }
         self.repair.effects.push(effect);
         Ok(())

@@ -2,8 +2,14 @@
 
 use components::hysteresis::rate;
 use components::linear::lag_fraction;
+use surround::Growth;
 
 use super::{Span, Wires};
+
+/// Part of the way to the rate of a row by which the smoothed one moves, where thresholds grow up to a limit.
+pub(crate) const SATURATING: f64 = 0.3;
+/// The same where the loop grows.
+pub(crate) const GROWING: f64 = 0.1;
 
 /// Thresholds of plays.
 pub(crate) type Bank = Vec<f64>;
@@ -109,6 +115,56 @@ pub(super) fn curved(memory: &Memory, span: Span, p: &[f64], w: Wires<'_>, out: 
     }
 }
 
+/// Each play gets the envelopes `v + h·(a·z + b·z²) − r` and `v + h·(c·z + d·z²) + r` in the place of v ∓ r;
+/// weights are the model's.
+pub(super) fn bent(memory: &Memory, span: Span, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
+    let &[a, b, c, d] = p else { return };
+    out.copy_from_slice(w.x);
+    for (r, weight) in memory.r.iter().zip(&memory.w) {
+        let (mut bent, mut straight) = (0.0_f64, 0.0);
+        for (y, u) in out.iter_mut().zip(w.drive) {
+            let z = span.unit(*u);
+            let low = u + span.half * z * (a + b * z) - r;
+            let high = u + span.half * z * (c + d * z) + r;
+            bent = low.max(high.min(bent));
+            straight = play(*r, *u, straight);
+            *y += weight * (bent - straight);
+        }
+    }
+}
+
+/// Thresholds r·(1 + g·f(|ρ|/(k·steepest))), ρ the rate smoothed over a time: g, k, the time.
+pub(super) fn growing(
+    memory: &Memory,
+    (steepest, law): (f64, Growth),
+    p: &[f64],
+    w: Wires<'_>,
+    out: &mut [f64],
+) {
+    let &[growth, of_steepest, time] = p else { return };
+    let fraction = -(-w.step / time).exp_m1();
+    let mut before = w.drive.first().copied().unwrap_or(0.0);
+    let mut rate = 0.0;
+    let factors: Vec<f64> = w
+        .drive
+        .iter()
+        .map(|u| {
+            rate += fraction * ((u - before) / w.step - rate);
+            before = *u;
+            1.0 + growth * law.at(rate.abs() / (of_steepest * steepest))
+        })
+        .collect();
+    out.copy_from_slice(w.x);
+    for (r, weight) in memory.r.iter().zip(&memory.w) {
+        let (mut wide, mut same) = (0.0, 0.0);
+        for ((y, u), factor) in out.iter_mut().zip(w.drive).zip(&factors) {
+            wide = play(r * factor, *u, wide);
+            same = play(*r, *u, same);
+            *y += weight * (wide - same);
+        }
+    }
+}
+
 pub(super) fn rate_plays(memory: &Memory, p: &[f64], w: Wires<'_>, out: &mut [f64]) {
     let &[time] = p else { return };
     out.copy_from_slice(w.x);
@@ -140,7 +196,7 @@ pub(super) fn saturating_plays(
         let mut before = w.drive.first().copied().unwrap_or(0.0);
         let mut rate = 0.0;
         for (y, u) in out.iter_mut().zip(w.drive) {
-            rate += 0.3 * ((u - before).abs() / w.step - rate);
+            rate += SATURATING * ((u - before).abs() / w.step - rate);
             before = *u;
             let factor = 1.0 + growth * rate / (half_rate + rate);
             wide = play(r * factor, *u, wide);
@@ -174,7 +230,7 @@ pub(super) fn rate_memory(memory: &Memory, half: f64, p: &[f64], w: Wires<'_>, o
         let mut smooth = 0.0;
         add_memory(*r, w.drive, out, |n, m| {
             let u = w.drive[n];
-            smooth += 0.1 * ((u - before).abs() / w.step - smooth);
+            smooth += GROWING * ((u - before).abs() / w.step - smooth);
             before = u;
             weight * m * time * smooth / half
         });

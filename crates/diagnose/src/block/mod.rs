@@ -10,7 +10,7 @@ mod memory;
 mod motion;
 
 use self::memory::Bank;
-pub(crate) use self::memory::Memory;
+pub(crate) use self::memory::{GROWING, Memory, SATURATING};
 
 /// Centre and half width of the range of a signal, to bring formulas to numbers near one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,6 +163,14 @@ pub(crate) enum Block {
         /// Range of the drive.
         span: Span,
     },
+    /// Plays of the model between envelopes that are bent each by itself, `v + h·(a·z + b·z²) − r` and
+    /// `v + h·(c·z + d·z²) + r` with the place z of the drive v in its range: a, b, c, d.
+    BentPlays {
+        /// Memory of the model.
+        memory: Memory,
+        /// Range of the drive.
+        span: Span,
+    },
     /// One-sided dead zones after the actuator: weight above, weight below (in the half range).
     DeadZones(Span),
     /// Thresholds that grow with the rate: s.
@@ -174,6 +182,16 @@ pub(crate) enum Block {
         memory: Memory,
         /// Steepest slope of the command.
         steepest: f64,
+    },
+    /// Thresholds that grow with the smoothed rate, in proportion to themselves: growth, rate of reference
+    /// over the steepest command, time of the smoothing.
+    GrowingPlays {
+        /// Memory of the model.
+        memory: Memory,
+        /// Steepest slope of the command.
+        steepest: f64,
+        /// How they grow.
+        law: surround::Growth,
     },
     /// Plays that lag behind the drive: bandwidth in Hz.
     LaggedPlays(Memory),
@@ -309,6 +327,10 @@ impl Block {
             Self::GeneralisedPlay(span) => memory::generalised(*span, p, w, out),
             Self::SkewedPlays { bank, span } => memory::skewed(bank, *span, p, w, out),
             Self::CurvedPlays { memory, span } => memory::curved(memory, *span, p, w, out),
+            Self::BentPlays { memory, span } => memory::bent(memory, *span, p, w, out),
+            Self::GrowingPlays { memory, steepest, law } => {
+                memory::growing(memory, (*steepest, *law), p, w, out);
+            }
             Self::RatePlays(memory) => memory::rate_plays(memory, p, w, out),
             Self::SaturatingPlays { memory, steepest } => {
                 memory::saturating_plays(memory, *steepest, p, w, out);

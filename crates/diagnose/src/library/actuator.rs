@@ -1,6 +1,7 @@
 //! Actuator: memory, creep, polarisation, temperature.
 
 use components::effects;
+use surround::Growth;
 
 use super::{Family, Formula, Free, Setting, Slot};
 use crate::block::{Block, Loss, Memory};
@@ -165,7 +166,17 @@ fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
             .block(slot, block, (0..count).map(weight).collect())
             .start(&vec![0.0; count])
     };
-    vec![
+    // What is inside a box cannot be exchanged: its own plays are bent instead.
+    let own = s.base.memory.as_ref().filter(|_| !s.base.is_white);
+    let bend = |name| Free::linear(name, "1", -0.5, 0.5).step(1e-3);
+    let bent = own.map(|memory| {
+        let block = Block::BentPlays { memory: memory.clone(), span: s.command };
+        let names = ["slope, rising", "bend, rising", "slope, falling", "bend, falling"];
+        Formula::new("envelopes that bend each by itself")
+            .block(slot, block, names.map(bend).to_vec())
+            .start(&[0.0; 4])
+    });
+    let all = vec![
         skewed("loop width that grows along the range", 2),
         skewed("loop width that grows along the range, four plays", 4),
         Formula::new("play whose width changes along the range")
@@ -197,7 +208,8 @@ fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
                 vec![dead("slope above"), dead("slope below")],
             )
             .start(&[0.0, 0.0]),
-    ]
+    ];
+    all.into_iter().chain(bent).collect()
 }
 
 /// The play whose width changes, with the same width everywhere.
@@ -225,7 +237,25 @@ fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     let time = || Free::log("time", "s", 1e-5 * unit, 10.0 * unit);
     let bandwidth = Free::log("bandwidth", "Hz", 1.0 / s.length, 50.0 / s.sample);
     let frequencies = super::input::bandwidths(s);
-    vec![
+    let growing = |name, law| {
+        let block = Block::GrowingPlays { memory: memory.clone(), steepest: s.steepest, law };
+        let parameters = vec![
+            Free::linear("growth", "1", 0.0, 20.0).step(0.01),
+            Free::log("rate of reference", "1", 1e-4, 30.0),
+            Free::log("smoothing", "s", 0.3 * s.sample, 0.1 * s.length),
+        ];
+        let starts = [0.3, 0.05].into_iter().flat_map(|k| [2.0, 10.0].map(|t| (k, t)));
+        Formula::new(name)
+            .block(slot, block, parameters)
+            .starts(starts.map(|(k, t)| vec![0.1, k, t * s.sample]))
+    };
+    let own = [
+        ("thresholds that grow with the smoothed rate, up to a limit", Growth::Limited),
+        ("thresholds that grow with the logarithm of the smoothed rate", Growth::Logarithmic),
+    ];
+    let own = own.into_iter().filter(|_| !s.base.is_white);
+    let own = own.map(|(name, law)| growing(name, law));
+    let all = vec![
         Formula::new("thresholds that grow with the rate")
             .block(slot, Block::RatePlays(memory.clone()), vec![time()])
             .start(&[0.02 * unit])
@@ -251,7 +281,8 @@ fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
                 vec![time()],
             )
             .start(&[0.1 * unit]),
-    ]
+    ];
+    all.into_iter().chain(own).collect()
 }
 
 fn polarisation(s: &Setting<'_>) -> Vec<Formula> {

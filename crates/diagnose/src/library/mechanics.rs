@@ -44,19 +44,29 @@ fn released(s: &Setting<'_>, effect: &Effect) -> Option<Formula> {
     (!releases.is_empty()).then_some(Formula { releases, ..formula })
 }
 
+/// Factor by which a resonance may have moved.
+const FAR: f64 = 1.6;
+
 /// For a black box: the poles of a resonance moved, as a filter behind the model.
 fn resonance(s: &Setting<'_>) -> Vec<Formula> {
-    if s.base.is_white {
+    // A box whose own parameter moves its mode is as good as a blueprint.
+    let has_own = s.base.mode.is_some() && !own(s, &effects::RESONANCE_SHIFT).is_empty();
+    if s.base.is_white || has_own {
         return stiffness(s);
     }
+    // A pair of poles far from the model's own is another mode, or a lag.
+    let (low, high) = match s.resonance {
+        Some(f) => (f / FAR, f * FAR),
+        None => (0.5 / s.length, 0.45 / s.sample),
+    };
     let parameters = vec![
-        Free::log("frequency", "Hz", 0.5 / s.length, 0.45 / s.sample),
+        Free::log("frequency", "Hz", low, high),
         Free::log("damping", "1", 1e-3, 1.0),
         Free::linear("frequency of the model's resonance over it", "1", 0.5, 2.0).step(2e-3),
         Free::log("damping of the model's resonance", "1", 1e-3, 1.0),
     ];
-    let mut starts: Vec<Vec<f64>> =
-        frequencies(s, 16).into_iter().map(|f| vec![f, 0.03, 1.02, 0.03]).collect();
+    let inside = frequencies(s, 16).into_iter().filter(|f| *f > low && *f < high);
+    let mut starts: Vec<Vec<f64>> = inside.map(|f| vec![f, 0.03, 1.02, 0.03]).collect();
     if let Some((f, damping)) = s.base.mode_values() {
         starts.extend([0.97, 1.03].map(|k| vec![k * f, damping, 1.0 / k, damping]));
     }
