@@ -76,8 +76,7 @@ fn compiled_sources_pass_for_the_shared_library() {
         let host = Host::new(calls);
         let said = host.run(&random_calls(&compiled, version, "300"));
         assert_eq!(said, host.run(&random_calls(&native, version, "300")), "random calls");
-        let allocations = Host::new("allocations.c");
-        print!("{}: {}", native.name(), allocations.run(&with(compiled.arguments(), more)));
+        println!("{}: {said}", native.name());
     }
 }
 
