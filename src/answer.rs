@@ -1,8 +1,10 @@
 //! What a command answers, and how it reaches the screen. Only this file prints.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 #[cfg(unix)]
@@ -72,7 +74,7 @@ pub(crate) fn note_on_log(said: &[String]) {
             continue;
         }
         if !notes.is_quiet {
-            let _ = writeln!(io::stderr(), "note: {note}");
+            let _ = writeln!(io::stderr(), "note: {}", harmless(note));
         }
         notes.all.push(note.clone());
     }
@@ -98,6 +100,56 @@ fn way_out(error: &anyhow::Error) -> Option<&'static str> {
     }
 }
 
+/// What an error says, from what was to be done to the cause: each text once.
+fn sentence(error: &anyhow::Error) -> String {
+    error.chain().map(ToString::to_string).fold(String::new(), |said, cause| {
+        if said.is_empty() || cause.contains(&said) {
+            cause
+        } else if said.contains(&cause) {
+            said
+        } else {
+            format!("{said}: {cause}")
+        }
+    })
+}
+
+/// The file beside an absent one that was probably meant.
+fn meant(absent: &Path, said: &str) -> Option<PathBuf> {
+    let is_it = said.to_lowercase().contains("no such file")
+        && said.contains(&*absent.to_string_lossy())
+        && !absent.exists();
+    let folder = match absent.parent()? {
+        here if here.as_os_str().is_empty() => Path::new("."),
+        folder => folder,
+    };
+    let name = absent.file_name()?.to_string_lossy().into_owned();
+    let there = if is_it { std::fs::read_dir(folder).ok()? } else { return None };
+    let there: Vec<String> =
+        there.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    let ending = absent.extension();
+    let is_alike = |name: &&str| Path::new(name).extension() == ending;
+    let near = data::nearest(&name, there.iter().map(String::as_str).filter(is_alike))?;
+    Some(absent.with_file_name(near))
+}
+
+/// A text whose control characters are written out: what comes from files and FMUs moves no cursor,
+/// changes no colour and no title of a terminal.
+fn harmless(text: &str) -> Cow<'_, str> {
+    let is_control = |c: char| c.is_control() && c != '\n' && c != '\t';
+    if !text.contains(is_control) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        match is_control(c) {
+            // As JSON has it too, where they stand in a text only.
+            true => shown.push_str(&format!("\\u{:04x}", u32::from(c))),
+            false => shown.push(c),
+        }
+    }
+    Cow::Owned(shown)
+}
+
 /// How results are shown.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Screen {
@@ -116,14 +168,14 @@ impl Screen {
 
     /// Shows an answer and returns its exit code. A closed pipe is no error: the reader has enough.
     pub(crate) fn show(&self, answer: &dyn ErasedAnswer) -> anyhow::Result<u8> {
+        let mut said = Vec::new();
+        if self.json {
+            writeln!(said, "{}", answer.json()?)?;
+        } else if !self.quiet {
+            answer.write(&mut said)?;
+        }
         let mut out = standard_output();
-        let written = if self.json {
-            writeln!(out, "{}", answer.json()?)
-        } else if self.quiet {
-            Ok(())
-        } else {
-            answer.write(&mut *out)
-        };
+        let written = out.write_all(harmless(&String::from_utf8_lossy(&said)).as_bytes());
         match written.and_then(|()| out.flush()) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(answer.exit_code()),
             Err(error) => Err(error.into()),
@@ -134,16 +186,20 @@ impl Screen {
     /// A line for a person while a command works.
     pub(crate) fn say(&self, line: &str) {
         if !self.json && !self.quiet {
-            let _ = writeln!(io::stdout(), "{line}");
+            let _ = writeln!(io::stdout(), "{}", harmless(line));
         }
     }
 
-    /// Shows an error on standard error.
-    pub(crate) fn error(&self, error: &anyhow::Error) {
-        let error = match way_out(error) {
-            Some(way_out) => format!("{error:#}; {way_out}"),
-            None => format!("{error:#}"),
-        };
+    /// Shows an error on standard error; `named` are the files of the call.
+    pub(crate) fn error(&self, error: &anyhow::Error, named: &[PathBuf]) {
+        let mut said = sentence(error);
+        if let Some(way_out) = way_out(error) {
+            said = format!("{said}; {way_out}");
+        }
+        if let Some(meant) = named.iter().find_map(|path| meant(path, &said)) {
+            said = format!("{said}; did you mean {}?", meant.display());
+        }
+        let error = harmless(&said);
         let _ = if self.json {
             writeln!(io::stderr(), "{}", serde_json::json!({ "error": error }))
         } else {

@@ -11,7 +11,7 @@ use modeldescription::description::{BaseUnit, Line, Unit};
 use modeldescription::variable::Causality;
 
 use crate::commands::pack;
-use crate::inputs;
+use crate::{inputs, ranges};
 
 /// An opened FMU with a name for messages.
 pub(crate) struct Opened {
@@ -36,11 +36,11 @@ pub(crate) struct Isolation {
         value_name = "S",
         default_value_t = 60.0,
         requires = "isolate",
-        allow_negative_numbers = true
+        value_parser = ranges::above(0.0, ranges::LONGEST)
     )]
     timeout: f64,
     /// Most memory of each FMU's process in MB; one that asks for more gets none
-    #[arg(long, value_name = "MB", requires = "isolate", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MB", requires = "isolate", value_parser = ranges::from(LEAST_MEMORY, 1e9))]
     memory: Option<f64>,
 }
 
@@ -50,20 +50,10 @@ impl Isolation {
         if !self.isolate {
             return Ok(None);
         }
-        if !(self.timeout > 0.0 && self.timeout < 1e9) {
-            bail!("--timeout {}: give a time in s, greater than 0", self.timeout);
-        }
         let timeout = Duration::from_secs_f64(self.timeout);
         let mut worker = Worker::this_program(crate::commands::WORKER, timeout)
             .context("this program does not find itself to start FMUs in their own processes")?;
-        if let Some(megabytes) = self.memory {
-            if !(LEAST_MEMORY..1e9).contains(&megabytes) {
-                bail!(
-                    "--memory {megabytes}: give at least {LEAST_MEMORY} MB, which the process itself needs"
-                );
-            }
-            worker.memory = Some((megabytes * 1e6) as u64);
-        }
+        worker.memory = self.memory.map(|megabytes| (megabytes * 1e6) as u64);
         Ok(Some(worker))
     }
 }
@@ -138,7 +128,9 @@ impl Addresses {
         log: &Log,
     ) -> anyhow::Result<Vec<(String, String)>> {
         let mut map: Vec<(String, String)> = Vec::new();
-        for (variable, column) in names.iter() {
+        // The column of time is no signal.
+        let is_time = |(of, column): &(&str, &str)| *of == "time" && log.column(column).is_none();
+        for (variable, column) in names.iter().filter(|pair| !is_time(pair)) {
             log.require(column)?;
             map.push((self.variable(variable), column.to_owned()));
         }

@@ -6,19 +6,20 @@ use anyhow::{Context, bail};
 use clap::Args;
 use data::{Blueprint, CheckedBlueprint, Log, NameMap, ReadOptions, Resample};
 
-use crate::answer;
+use crate::{answer, ranges};
 
 /// How the columns of a log are read.
 #[derive(Args, Debug, Clone, Default)]
 pub(crate) struct LogOptions {
-    /// A variable of the model reads this column (may be given several times)
+    /// A variable of the model reads this column; time=COLUMN: the times of a log that has no column
+    /// called time (may be given several times)
     #[arg(long = "map", value_name = "FMU_NAME=COLUMN")]
     pub(crate) map: Vec<String>,
     /// Unit of a column, before what the header or dataset.toml says (may be given several times)
     #[arg(long = "unit", value_name = "COLUMN=UNIT")]
     pub(crate) unit: Vec<String>,
     /// Sample rate in Hz, for logs without a time column or with an index in its place
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", value_parser = ranges::above(0.0, 1e12))]
     pub(crate) rate: Option<f64>,
     /// The group of a measurement file (MDF, TDMS), or the length of arrays (MAT, npz), to read
     #[arg(long, value_name = "NAME")]
@@ -65,7 +66,15 @@ impl LogOptions {
         for unit in &self.unit {
             options.add_unit(unit)?;
         }
-        Ok(Log::read(path, &options)?)
+        let read = Log::read(path, &options);
+        // A column of the log that is called time is its time; a variable may have that name too.
+        match (read, self.names()?.column("time")) {
+            (Err(_), Some(column)) => {
+                options.time = Some(column.to_owned());
+                Ok(Log::read(path, &options)?)
+            }
+            (read, _) => Ok(read?),
+        }
     }
 
     /// Which column belongs to which variable.
@@ -120,21 +129,13 @@ pub(crate) fn blueprint(what: &Path) -> anyhow::Result<BlueprintText> {
     Ok(BlueprintText { text, blueprint })
 }
 
-/// The parser of a whole number within a range, which its help text names.
-pub(crate) fn count(least: u64, most: u64) -> clap::builder::RangedU64ValueParser<usize> {
-    clap::builder::RangedU64ValueParser::new().range(least..=most)
-}
-
-/// Most threads of any command.
-pub(crate) const MOST_THREADS: u64 = 1024;
-
 /// The file to write: as asked, else `name` with this ending beside the caller.
 pub(crate) fn output(given: Option<PathBuf>, name: &str, ending: &str) -> PathBuf {
     given.unwrap_or_else(|| PathBuf::from(format!("{name}.{ending}")))
 }
 
 /// Whether a file can be written there; told before the work, so that no result is lost.
-fn can_write(output: &Path) -> anyhow::Result<()> {
+pub(crate) fn can_write(output: &Path) -> anyhow::Result<()> {
     // A pipe is opened once, by who writes to it.
     if std::fs::metadata(output).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
         return Ok(());
@@ -143,32 +144,13 @@ fn can_write(output: &Path) -> anyhow::Result<()> {
     begun.map(drop).with_context(|| format!("{} cannot be written", output.display()))
 }
 
-/// Refuses to write over one of the files that are read, or where nothing can be written.
-pub(crate) fn not_over(output: &Path, inputs: &[&Path]) -> anyhow::Result<()> {
-    let same = |a: &Path| match (a.canonicalize(), output.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    };
-    match inputs.iter().find(|input| same(input)) {
-        Some(input) => {
-            bail!("{} is also read by this command; give another file with -o", input.display())
-        }
-        None => can_write(output),
-    }
-}
-
 /// Writes a blueprint, and before it its learned tables, whose files are named after its own.
-pub(crate) fn write_blueprint(
-    checked: &CheckedBlueprint,
-    file: &Path,
-    inputs: &[&Path],
-) -> anyhow::Result<()> {
+pub(crate) fn write_blueprint(checked: &CheckedBlueprint, file: &Path) -> anyhow::Result<()> {
     let mut blueprint = checked.blueprint().clone();
     let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     for (name, bytes) in checked.table_files() {
         let own = format!("{stem}-{name}");
         let table = file.with_file_name(&own);
-        not_over(&table, inputs)?;
         data::WholeFile::write_all_of(&table, &bytes)
             .with_context(|| format!("{} cannot be written", table.display()))?;
         let parts = blueprint.axes.iter_mut().flat_map(|axis| &mut axis.components);

@@ -15,8 +15,10 @@ mod libraries;
 mod messages;
 mod pages;
 mod progress;
+mod ranges;
 mod reference;
 mod times;
+mod usage;
 mod window;
 mod wrapped;
 
@@ -39,6 +41,10 @@ struct Cli {
     /// Print nothing but errors
     #[arg(long, short, global = true)]
     quiet: bool,
+    /// Most inner steps of a model between two rows, before its time is taken to be in another unit
+    #[arg(long, global = true, value_name = "N", default_value_t = data::inner_steps::MOST, hide_short_help = true)]
+    #[arg(value_parser = ranges::whole(1_u64, 1_000_000_000_000))]
+    most_steps: u64,
     #[command(subcommand)]
     command: commands::Command,
 }
@@ -60,8 +66,9 @@ fn named(matches: &ArgMatches) -> impl Iterator<Item = &PathBuf> {
 }
 
 fn main() -> ExitCode {
-    let matches = Cli::command().get_matches();
-    files::guard(named(&matches).map(PathBuf::as_path));
+    let matches = usage::matches();
+    let named: Vec<PathBuf> = named(&matches).cloned().collect();
+    files::guard(named.iter().map(PathBuf::as_path));
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let json = cli.json.as_deref() == Some(Path::new(answer::STANDARD_OUTPUT));
     if json && cli.quiet {
@@ -69,6 +76,10 @@ fn main() -> ExitCode {
         Cli::command().error(clap::error::ErrorKind::ArgumentConflict, message).exit();
     }
     let screen = answer::Screen::new(json, cli.quiet);
+    let is_worker = matches!(cli.command, commands::Command::FmuWorker);
+    // A worker ends with its master; that one asks how far steps may go.
+    data::inner_steps::allow(if is_worker { u64::MAX } else { cli.most_steps });
+    let _tidy = (!is_worker).then(interrupt::begin);
     cosim::guard_exit();
     let kept = if json { answer::keep_standard_output() } else { Ok(()) };
     let outcome = kept.and_then(|()| cli.command.run(&screen));
@@ -76,7 +87,7 @@ fn main() -> ExitCode {
     match outcome {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            screen.error(&error);
+            screen.error(&error, &named);
             ExitCode::from(2)
         }
     }

@@ -2,15 +2,13 @@
 
 use std::fs::File;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use clap::Args;
 use cosim::{HOST, InstanceOptions, Message, Status};
 use serde::Serialize;
-
-use crate::inputs;
 
 /// Different messages that are kept; of the others it is said how many there were.
 const KINDS: usize = 100;
@@ -52,19 +50,12 @@ impl Level {
 }
 
 impl MessageOptions {
-    /// Begins to listen; `read` are the files that the command reads, `out` the one it writes.
-    pub(crate) fn ear(&self, read: &[&Path], out: Option<&Path>) -> anyhow::Result<Ear> {
+    /// Begins to listen.
+    pub(crate) fn ear(&self) -> anyhow::Result<Ear> {
         let file = match &self.fmu_log {
             Some(path) => {
-                inputs::not_over(path, read)?;
-                if out == Some(path) {
-                    bail!(
-                        "{}: -o writes the record there; give --fmu-log another file",
-                        path.display()
-                    );
-                }
                 // Not all at the end: it is read where a run has crashed, too.
-                let file = File::create(path);
+                let file = files::in_place(path);
                 Some(file.with_context(|| format!("{} cannot be written", path.display()))?)
             }
             None => None,

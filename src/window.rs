@@ -12,7 +12,7 @@ pub(crate) struct Window {
     #[arg(long, value_name = "FIRST..LAST")]
     rows: Option<RowRange>,
     /// Judge from this time in s after the start of each record
-    #[arg(long = "drop", value_name = "S", allow_negative_numbers = true)]
+    #[arg(long = "drop", value_name = "S", value_parser = crate::ranges::time())]
     drop: Option<f64>,
 }
 

@@ -125,3 +125,110 @@ fn counts_out_of_range_are_refused_before_the_work() {
         }
     }
 }
+
+#[test]
+fn a_second_call_writes_the_same_and_streams_are_guarded() {
+    let folder = folder();
+    let at = folder.path();
+    // The units beside it describe the array too; they are the same the second time.
+    fs::write(
+        at.join("in.dataset.toml"),
+        "[columns]\nu = { unit = \"V\" }\ny = { unit = \"um\" }\n",
+    )
+    .unwrap();
+    for _ in 0..2 {
+        common::piezoloop(&["log", "in.csv", "-o", "copy.csv"], at);
+        let said = common::piezoloop(&["log", "copy.csv", "-o", "copy.csv"], at);
+        assert_eq!(said.status.code(), Some(2));
+    }
+    succeed(&["pack", "p1-truth", "-o", "plant.fmu"], at);
+    for log in ["in.csv", "plant.fmu"] {
+        let call = ["simulate", "plant.fmu", "--log", "in.csv", "--map", "u=u", "--fmu-log", log];
+        let said = refuse(&call, at);
+        assert!(said.contains("twice"), "{said}");
+        is_unchanged(at);
+    }
+    // What another hand has put into a folder stays.
+    fs::create_dir(at.join("mine")).unwrap();
+    fs::write(at.join("mine/index.html"), "mine").unwrap();
+    for call in
+        [&["gap-bench", "--short", "--cases", "0", "-o", "mine"][..], &["demo", "-o", "mine"]]
+    {
+        if call[0] == "demo" {
+            // A page is what an earlier demo leaves.
+            fs::rename(at.join("mine/index.html"), at.join("mine/notes.txt")).unwrap();
+        }
+        let said = refuse(call, at);
+        assert!(said.contains("earlier call"), "{said}");
+        assert_eq!(fs::read_dir(at.join("mine")).unwrap().count(), 1);
+    }
+}
+
+#[test]
+fn the_column_of_time_is_named_by_map() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("t.csv"), LOG.replacen("time", "clock", 1)).unwrap();
+    let said = refuse(&["log", "t.csv"], at);
+    assert!(said.contains("time"), "{said}");
+    let told = common::piezoloop(&["log", "t.csv", "--map", "time=clock"], at);
+    assert!(String::from_utf8_lossy(&told.stdout).contains("1000 Hz"), "{told:?}");
+    // A name that is nearly one of a file beside it, and an option before its command.
+    let said = refuse(&["log", "tt.csv"], at);
+    assert!(said.contains("did you mean t.csv?"), "{said}");
+    let said = refuse(&["--rate", "5", "log", "t.csv"], at);
+    assert!(said.contains("behind the command: piezoloop log"), "{said}");
+}
+
+#[test]
+fn escapes_of_terminals_are_shown() {
+    let folder = folder();
+    let at = folder.path();
+    let evil = LOG.replacen("u [V]", "u\u{1b}]0;evil\u{7}\u{9b}31m [V]", 1);
+    fs::write(at.join("evil.csv"), evil).unwrap();
+    for more in [&[][..], &["--json"], &["--map", "x"]] {
+        let told = common::piezoloop(&[&["log", "evil.csv"][..], more].concat(), at);
+        let all = [told.stdout, told.stderr].concat();
+        let text = String::from_utf8_lossy(&all);
+        assert!(!text.contains(|c: char| c.is_control() && c != '\n' && c != '\t'), "{text}");
+    }
+    let told = common::piezoloop(&["log", "evil.csv"], at);
+    assert!(String::from_utf8_lossy(&told.stdout).contains("u\\u001b]0;evil"), "{told:?}");
+}
+
+/// A signal ends a call with the files that it found, and without a trace of its own.
+#[test]
+fn temporary_files_go_with_a_signal() {
+    use std::os::unix::process::ExitStatusExt as _;
+    use std::time::{Duration, Instant};
+    let folder = folder();
+    let at = folder.path();
+    let temporary = at.join("tmp");
+    fs::create_dir(&temporary).unwrap();
+    succeed(&["pack", "p1-truth", "-o", "plant.fmu"], at);
+    let mut log = "time,u\n".to_owned();
+    (0..3_000_000).for_each(|k| log.push_str(&format!("{},1\n", f64::from(k) * 1e-3)));
+    fs::write(at.join("long.csv"), log).unwrap();
+    for (signal, number) in [("TERM", 15), ("HUP", 1), ("INT", 2)] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_piezoloop"))
+            .args(["simulate", "plant.fmu", "--log", "long.csv", "--map", "u=u", "-o", "run.csv"])
+            .current_dir(at)
+            .env("TMPDIR", &temporary)
+            .spawn()
+            .unwrap();
+        let is_begun = || {
+            let names = fs::read_dir(at).unwrap().map(|entry| entry.unwrap().file_name());
+            names.into_iter().any(|name| name.to_string_lossy().starts_with(".run.csv"))
+        };
+        let begin = Instant::now();
+        while !is_begun() && begin.elapsed() < Duration::from_secs(60) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert!(is_begun() && fs::read_dir(&temporary).unwrap().count() > 0);
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+        assert_eq!(child.wait().unwrap().signal(), Some(number));
+        assert_eq!(fs::read_dir(&temporary).unwrap().count(), 0, "{signal}");
+        assert!(!is_begun() && !at.join("run.csv").exists(), "{signal}");
+    }
+}

@@ -315,6 +315,23 @@ fn bombs_are_refused_before_anything_is_unpacked() {
     assert!(Package::open(&path).is_ok());
 }
 
+/// Of little packed XML many times as much memory is made where it is read.
+#[test]
+fn dense_xml_is_refused_in_an_archive_and_read_in_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let many = format!("<a>{}</a>", "<a/>".repeat(1 << 19));
+    let path = archive(folder.path(), |zip| file(zip, "extra/many.xml", many.as_bytes()));
+    assert!(fs::metadata(&path).unwrap().len() < 64 << 10);
+    let error = Package::open(&path).unwrap_err();
+    let text = error.to_string();
+    let is_dense = matches!(error, PackageError::Entry { defect: EntryDefect::Dense { .. }, .. });
+    assert!(is_dense && text.contains("more than 100 times") && text.contains("unpack"), "{text}");
+    // One megabyte may be as dense as it likes.
+    let few = "<a/>".repeat(1 << 18);
+    let path = archive(folder.path(), |zip| file(zip, "extra/few.xml", few.as_bytes()));
+    assert!(Package::open(&path).is_ok());
+}
+
 /// An entry that says it is small and is not: no more is unpacked than it says.
 #[test]
 fn an_entry_that_lies_about_its_size_is_refused() {

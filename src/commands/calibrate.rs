@@ -42,7 +42,7 @@ pub(crate) struct Calibrate {
     #[arg(long, value_name = "FILE")]
     blueprint: Option<PathBuf>,
     /// Longest delay of the sensors in s; where it is above 0 the delay is fitted
-    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = crate::ranges::time())]
     longest_delay: f64,
     #[command(flatten)]
     options: LogOptions,
@@ -66,9 +66,9 @@ impl Calibrate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
         if let Some(out) = &self.out {
-            inputs::not_over(out, &logs)?;
+            inputs::can_write(out)?;
         }
-        self.page.not_over(&logs)?;
+        self.page.can_write()?;
         let mut blueprint = self.blueprint.as_deref().map(inputs::blueprint).transpose()?;
         let zeros = self.structural_zeros(blueprint.as_ref().map(|text| &text.blueprint))?;
         let (record, period, units) = self.record(zeros)?;
@@ -119,9 +119,6 @@ impl Calibrate {
             let (first, last) = (log.time().first(), log.time().last());
             let rows = log.len().max(2) as f64 - 1.0;
             period = last.zip(first).map_or(0.0, |(b, a)| (b - a) / rows);
-        }
-        if !(self.longest_delay >= 0.0 && self.longest_delay.is_finite()) {
-            bail!("--longest-delay {}: give a time in s, 0 or more", self.longest_delay);
         }
         if period > 0.0 {
             record.longest_delay = self.longest_delay / period;

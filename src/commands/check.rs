@@ -37,7 +37,7 @@ pub(crate) struct Check {
         value_name = "S",
         default_value_t = 60.0,
         requires = "replay",
-        allow_negative_numbers = true
+        value_parser = crate::ranges::above(0.0, crate::ranges::LONGEST)
     )]
     timeout: f64,
 }
@@ -138,11 +138,12 @@ fn repeat(package: &Package, patience: Duration) -> anyhow::Result<Replay> {
         .context("this program does not find itself to start the FMU in its own process")?;
     let folder = package.folder().to_path_buf();
     let (send, receive) = std::sync::mpsc::channel();
-    std::thread::spawn(move || {
+    let spawned = std::thread::Builder::new().spawn(move || {
         let open = cosim::Fmu::open_isolated(folder, &worker);
         // Nobody waits any more where this comes too late.
         let _ = send.send(open.map_err(Into::into).and_then(|fmu| reference::replay(&fmu)));
     });
+    spawned.context("the system gives this program no more threads; allow more (ulimit -u)")?;
     receive.recv_timeout(patience).unwrap_or_else(|_| {
         bail!("it takes longer than {} s; --timeout S allows it more", patience.as_secs_f64())
     })

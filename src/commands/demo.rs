@@ -75,8 +75,9 @@ const COMMAND: (f64, f64) = (0.0, 120.0);
 impl Demo {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let begin = Instant::now();
-        std::fs::create_dir_all(&self.out)
-            .with_context(|| format!("the folder {} cannot be made", self.out.display()))?;
+        self.page.can_write()?;
+        files::own_folder(&self.out, &["index.html", "machine.fmu"])
+            .with_context(|| format!("the folder {} cannot be used", self.out.display()))?;
         let stage = Stage { folder: &self.out, screen };
         stage.say("The machine: rig evc-truth, packed as an FMU");
         stage.pack("evc-truth", "machine.fmu")?;

@@ -17,7 +17,7 @@ use crate::commands::pack::{self, Binary};
 use crate::fmus::Isolation;
 use crate::inputs::{self, LogOptions};
 use crate::pages::{self, PageOptions, Pages};
-use crate::{libraries, progress, wrapped};
+use crate::{libraries, progress, ranges, wrapped};
 
 /// Says which effect a model lacks, where the gap lies and how far it shrinks
 ///
@@ -41,7 +41,7 @@ pub(crate) struct Diagnose {
     holdout: Vec<PathBuf>,
     /// Run-in in s from the start of each record: simulated, neither fitted nor judged, as where the
     /// machine was moving already
-    #[arg(long, allow_negative_numbers = true, value_name = "S", default_value_t = 0.0)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = ranges::time())]
     drop: f64,
     /// What the command does between two rows of the logs: zoh (held), line, band-limited [default: held; the
     /// others are tried before a mode of a blueprint is named near half the sample rate]
@@ -56,7 +56,7 @@ pub(crate) struct Diagnose {
     #[arg(long, value_name = "NAME=TOLERANCE")]
     tune: Vec<String>,
     /// Relative tolerance (1 σ) of each output's gain
-    #[arg(long, value_name = "REL", default_value_t = 0.01)]
+    #[arg(long, value_name = "REL", default_value_t = 0.01, value_parser = ranges::above(0.0, 1e3))]
     gain_tolerance: f64,
     /// Standard deviation of the noise, in the log's unit [default: estimated]
     #[arg(long, value_name = "[OUTPUT=]SIGMA", conflicts_with = "rest")]
@@ -65,7 +65,7 @@ pub(crate) struct Diagnose {
     #[arg(long, value_name = "FILE")]
     rest: Option<PathBuf>,
     /// Most effects that are named per output
-    #[arg(long, value_name = "N", default_value_t = 3)]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = ranges::count(0, 100))]
     max_effects: usize,
     /// Take an effect out of the library (may be given several times)
     #[arg(long, value_name = "EFFECT")]
@@ -91,14 +91,14 @@ pub(crate) struct Diagnose {
     next_experiment: Option<PathBuf>,
     #[command(flatten)]
     isolation: Isolation,
-    /// Number of threads, at most 1024; 0: one per processor
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::inputs::count(0, crate::inputs::MOST_THREADS))]
+    /// Number of threads; 0: one per processor
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = ranges::threads())]
     threads: usize,
     /// Seed of the resampling
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = ranges::seed())]
     seed: u64,
     /// Exit with 1 where the gap's rms over the output's range is larger
-    #[arg(long, value_name = "REL")]
+    #[arg(long, value_name = "REL", value_parser = ranges::from(0.0, 1e15))]
     fail_above: Option<f64>,
 }
 
@@ -133,12 +133,11 @@ impl Diagnose {
     }
 
     fn execute(&self, screen: &Screen) -> anyhow::Result<(Diagnosed, Pages)> {
-        let read: Vec<&Path> = self.files().map(PathBuf::as_path).collect();
         let (picture, repair) = (self.picture.as_deref(), self.repair.as_deref());
         let outputs = [self.json_file(), picture, repair, self.next_experiment.as_deref()];
-        self.page.not_over(&read)?;
+        self.page.can_write()?;
         for output in outputs.into_iter().flatten() {
-            inputs::not_over(output, &read)?;
+            inputs::can_write(output)?;
         }
         self.check_repair()?;
         let libraries = self.libraries()?;
@@ -225,9 +224,6 @@ impl Diagnose {
         };
         let mut request = Request::new(self.model()?, logs(&self.logs)?);
         request.holdout = logs(&self.holdout)?;
-        if !(self.drop.is_finite() && self.drop >= 0.0) {
-            bail!("--drop {}: give a time in s, 0 or more", self.drop);
-        }
         request.drop = self.drop;
         request.between = self.between.as_deref().and_then(diagnose::Between::find);
         request.names = self.options.names()?;

@@ -61,7 +61,7 @@ pub(crate) struct Estimate {
     #[arg(long = "start", value_name = "NAME=VALUE")]
     fixed: Vec<String>,
     /// Starts of the search: the given one, and others about it
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = crate::ranges::whole(1_u64, 1000))]
     starts: u64,
     #[command(flatten)]
     options: LogOptions,
@@ -135,22 +135,16 @@ pub(crate) struct LogFit {
 
 impl Estimate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        let read = self.read();
-        self.page.not_over(&read)?;
+        self.page.can_write()?;
         let result = self.execute()?;
         let files: Vec<(&str, &Path)> =
             self.log.iter().chain(&self.held_out).map(|f| ("log", f.as_path())).collect();
         self.page.finish(screen, &result, || pages::estimation(&result, &files))
     }
 
-    fn read(&self) -> Vec<&Path> {
-        let logs = self.log.iter().chain(&self.held_out).map(PathBuf::as_path);
-        std::iter::once(self.model.as_path()).chain(logs).collect()
-    }
-
     fn execute(&self) -> anyhow::Result<Estimated> {
         for out in self.out.iter().chain(&self.fmu) {
-            inputs::not_over(out, &self.read())?;
+            inputs::can_write(out)?;
         }
         if let (Some(out), Some(fmu)) = (&self.out, &self.fmu) {
             inputs::not_over(out, &[fmu])?;
@@ -165,7 +159,7 @@ impl Estimate {
         if let Some(twice) = initial.iter().find(|i| asked.iter().any(|a| a.name == i.name)) {
             bail!("`{}` is both a parameter of --tune and a value of --initial", twice.name);
         }
-        let ear = self.messages.ear(&self.read(), self.out.as_deref())?;
+        let ear = self.messages.ear()?;
         let mut notes = Vec::new();
         let logs = self.log.iter().chain(&self.held_out).map(|file| self.options.read(file));
         let logs: Vec<Log> = logs.collect::<anyhow::Result<_>>()?;

@@ -18,6 +18,7 @@ use self::plant::Plant;
 use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
 use crate::pages::{self, PageOptions};
+use crate::ranges;
 
 /// Power of a line, as a part of the greatest, up to which a record without periods counts as excited;
 /// coherence tells how good such a line is.
@@ -44,23 +45,23 @@ pub(crate) struct FrequencyResponse {
     /// Column of an output (once per output)
     #[arg(long = "output", required = true, value_name = "COLUMN")]
     outputs: Vec<String>,
-    /// Samples of one period, 2 to 10^9 [default: looked for; a record that does not repeat has none]
-    #[arg(long, value_name = "SAMPLES", value_parser = crate::inputs::count(2, 1_000_000_000))]
+    /// Samples of one period [default: looked for; a record that does not repeat has none]
+    #[arg(long, value_name = "SAMPLES", value_parser = ranges::count(2, 1_000_000_000))]
     period: Option<usize>,
     /// Leave out the beginning of each record, in s: the transient before a steady state
-    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = ranges::time())]
     skip: f64,
-    /// Most lines at which the response is computed (1 to 10^6)
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = crate::inputs::count(1, 1_000_000))]
+    /// Most lines at which the response is computed
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = ranges::count(1, 1_000_000))]
     lines: usize,
-    /// Most modes that are fitted; as many are taken as the response supports; 0: no fit (at most 100)
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = crate::inputs::count(0, 100))]
+    /// Most modes that are fitted; as many are taken as the response supports; 0: no fit
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = ranges::count(0, 100))]
     modes: usize,
-    /// Real poles that are fitted beside the modes, such as an amplifier's (0 to 100)
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::inputs::count(0, 100))]
+    /// Real poles that are fitted beside the modes, such as an amplifier's
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = ranges::count(0, 100))]
     lags: usize,
     /// Longest delay that is tried in the fit, in s
-    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = ranges::time())]
     longest_delay: f64,
     #[command(flatten)]
     options: LogOptions,
@@ -139,15 +140,15 @@ impl FrequencyResponse {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
         for out in self.out.iter().chain(&self.plant) {
-            inputs::not_over(out, &logs)?;
+            inputs::can_write(out)?;
         }
-        self.page.not_over(&logs)?;
+        self.page.can_write()?;
         let answer = self.execute()?;
         if let Some(out) = &self.out {
             write_table(&answer, out)?;
         }
         if let Some(plant) = &answer.plant {
-            inputs::write_blueprint(&plant.checked, &plant.blueprint, &logs)?;
+            inputs::write_blueprint(&plant.checked, &plant.blueprint)?;
         }
         let files: Vec<(&str, &Path)> = logs.iter().map(|log| ("log", *log)).collect();
         self.page.finish(screen, &answer, || {
@@ -156,11 +157,6 @@ impl FrequencyResponse {
     }
 
     fn execute(&self) -> anyhow::Result<Measured> {
-        for (option, value) in [("--skip", self.skip), ("--longest-delay", self.longest_delay)] {
-            if !(value.is_finite() && value >= 0.0) {
-                bail!("{option} {value}: give a time in s, 0 or more");
-            }
-        }
         let mut signals: Vec<Signal> = self
             .inputs
             .iter()

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::pages::{self, PageOptions};
-use crate::{interrupt, progress};
+use crate::{interrupt, progress, ranges};
 
 /// How well does diagnose name what a machine does and its model does not?
 ///
@@ -34,10 +34,10 @@ pub(crate) struct GapBench {
     #[arg(long, value_name = "N|FAMILY[/EFFECT][:N]|CASE,…")]
     cases: Option<String>,
     /// Seed of the machines
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = ranges::seed())]
     seed: u64,
-    /// Cases at the same time, at most 1024; 0: one per processor
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::inputs::count(0, crate::inputs::MOST_THREADS))]
+    /// Cases at the same time; 0: one per processor
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = ranges::threads())]
     threads: usize,
     /// Also repair by a diagnosis that is told the effect, to compare with
     #[arg(long)]
@@ -109,8 +109,8 @@ impl GapBench {
         }
         let plan = Plan { seed: self.seed, is_short: self.short };
         let cases = gap_bench::select(plan.cases(), self.cases.as_deref())?;
-        std::fs::create_dir_all(&self.out)
-            .with_context(|| format!("the folder {} cannot be made", self.out.display()))?;
+        files::own_folder(&self.out, &["plan.json"])
+            .with_context(|| format!("the folder {} cannot be used", self.out.display()))?;
         let root = self.out.canonicalize()?;
         let settings = Settings {
             folders: Folders { root: root.clone() },

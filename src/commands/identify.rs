@@ -14,7 +14,7 @@ use serde::Serialize;
 use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
 use crate::pages::{self, PageOptions};
-use crate::{interrupt, progress};
+use crate::{interrupt, progress, ranges};
 
 /// Identifies a plant from a measured log
 ///
@@ -44,26 +44,26 @@ pub(crate) struct Identify {
     all: Option<PathBuf>,
     /// The command under which the machine rested before each record [default: the record's first, or 0 where
     /// its first rows say so]
-    #[arg(long, allow_negative_numbers = true, value_name = "COMMAND")]
+    #[arg(long, value_name = "COMMAND", value_parser = ranges::signal())]
     rest: Option<f64>,
     /// Search the shapes by particle swarm and not by Levenberg-Marquardt
     #[arg(long)]
     swarm: bool,
     /// Seed of the particle swarm
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = ranges::seed())]
     seed: u64,
-    /// Threads of the particle swarm, at most 1024; the result does not depend on it
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = crate::inputs::count(0, crate::inputs::MOST_THREADS))]
+    /// Threads of the particle swarm; the result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = ranges::threads())]
     threads: usize,
     /// Number of plays
-    #[arg(long, value_name = "N", default_value_t = 30)]
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = ranges::count(1, 10_000))]
     plays: usize,
     /// Run-in in s from the start of each record: simulated, neither fitted nor judged [default: as
     /// long as the first rows differ from what the rest of the record foretells]
-    #[arg(long, allow_negative_numbers = true, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = ranges::time())]
     drop: Option<f64>,
     /// Part of each record's time, at its end, that is held out to judge the fit
-    #[arg(long, allow_negative_numbers = true, value_name = "PART", default_value_t = 0.5)]
+    #[arg(long, value_name = "PART", default_value_t = 0.5, value_parser = ranges::above(0.0, 0.99))]
     hold_out: f64,
     /// Fit no amplifier lag and no mode
     #[arg(long = "static")]
@@ -131,13 +131,12 @@ impl Identify {
                 self.outputs.len()
             );
         }
-        let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
-        inputs::not_over(&self.out, &logs)?;
-        self.page.not_over(&logs)?;
+        inputs::can_write(&self.out)?;
+        self.page.can_write()?;
         let (plant, result) = self.work(screen)?;
-        inputs::write_blueprint(&plant, &self.out, &logs)?;
+        inputs::write_blueprint(&plant, &self.out)?;
         if let Some(folder) = &self.all {
-            write_all(folder, &result, &logs)?;
+            write_all(folder, &result)?;
         }
         if let (Some(file), Some(axis)) = (&self.picture, result.axes.first()) {
             let svg = pages::picture(axis).context("there is no record to draw")?;
@@ -225,28 +224,37 @@ impl Identify {
     /// Identifies the axes side by side; the first one moves the progress bar.
     fn identify_all(&self, tasks: Vec<Task>, screen: &Screen) -> anyhow::Result<Vec<AxisResult>> {
         interrupt::listen()?;
-        let one = |task: Task, observer: &mut dyn Observer| -> anyhow::Result<AxisResult> {
-            let Task { name, records, target, command_unit, drop } = task;
-            let settings = Settings { drop, ..self.settings() };
-            let identification = identify::identify(&records, &target, &settings, observer)?;
-            Ok(AxisResult { name, identification, records, command_unit })
+        let one = |task: &Task, observer: &mut dyn Observer| -> anyhow::Result<Identification> {
+            let settings = Settings { drop: task.drop, ..self.settings() };
+            Ok(identify::identify(&task.records, &task.target, &settings, observer)?)
         };
-        std::thread::scope(|scope| {
-            let mut tasks = tasks.into_iter();
-            let first = tasks.next();
-            let others: Vec<_> =
-                tasks.map(|task| scope.spawn(|| one(task, &mut progress::Quiet))).collect();
-            let mut all: Vec<anyhow::Result<AxisResult>> = first
-                .into_iter()
-                .map(|task| one(task, &mut progress::Stages::new(screen, "identify")))
+        let one = &one;
+        let Some((first, rest)) = tasks.split_first() else { return Ok(Vec::new()) };
+        let found: Vec<anyhow::Result<Identification>> = std::thread::scope(|scope| {
+            let others: Vec<_> = rest
+                .iter()
+                .map(|task| {
+                    let own = move || one(task, &mut progress::Quiet);
+                    (task, std::thread::Builder::new().spawn_scoped(scope, own))
+                })
                 .collect();
-            for other in others {
-                all.push(other.join().unwrap_or_else(|_| {
-                    Err(anyhow::anyhow!("an axis could not be identified: internal error"))
-                }));
+            let mut all = vec![one(first, &mut progress::Stages::new(screen, "identify"))];
+            for (task, other) in others {
+                all.push(match other {
+                    Ok(other) => other.join().unwrap_or_else(|_| {
+                        Err(anyhow::anyhow!("an axis could not be identified: internal error"))
+                    }),
+                    // The system gives no more threads: this one does the work.
+                    Err(_) => one(task, &mut progress::Quiet),
+                });
             }
-            all.into_iter().collect()
-        })
+            all
+        });
+        let result = |(task, found): (Task, anyhow::Result<Identification>)| {
+            let Task { name, records, command_unit, .. } = task;
+            Ok(AxisResult { name, identification: found?, records, command_unit })
+        };
+        tasks.into_iter().zip(found).map(result).collect()
     }
 
     fn settings(&self) -> Settings {
@@ -332,7 +340,7 @@ fn axis(input: &str, output: &str, command_unit: &str, position_unit: &str) -> A
 
 /// Writes the plant of each model that was tried, `<axis>-<model>.toml`; of several structures of one
 /// model the last, which is the richest.
-fn write_all(folder: &Path, result: &Identified, logs: &[&Path]) -> anyhow::Result<()> {
+fn write_all(folder: &Path, result: &Identified) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder).with_context(|| {
         format!("{} cannot be made; name a folder to write to", folder.display())
     })?;
@@ -341,7 +349,7 @@ fn write_all(folder: &Path, result: &Identified, logs: &[&Path]) -> anyhow::Resu
             let Some(plant) = &candidate.plant else { continue };
             let model = candidate.method.unwrap_or("line");
             let file = folder.join(format!("{}-{model}.toml", identifier(&axis.name)));
-            inputs::write_blueprint(plant, &file, logs)?;
+            inputs::write_blueprint(plant, &file)?;
         }
     }
     Ok(())

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
-use crate::{interrupt, progress};
+use crate::{interrupt, progress, ranges};
 
 /// Error of a learned inverse, in parts of the range, from which it is pointed out.
 const NOTED: f64 = 0.01;
@@ -35,17 +35,17 @@ pub(crate) struct Invert {
     plant: PathBuf,
     /// Sample time of the controller in s [default: the learned model's, else the plant's internal
     /// step]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = ranges::step())]
     period: Option<f64>,
     /// Greatest frequency in Hz of the waves that the inverse of a learned plant is learned from
     /// [default: the bandwidth of its linear part, at most 1/50 of its sample rate]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", value_parser = ranges::above(0.0, 1e12))]
     band: Option<f64>,
     /// Largest sensitivity |1/(1+L)| that the loop may have
-    #[arg(long, allow_negative_numbers = true, value_name = "M", default_value_t = ControlSettings::default().sensitivity)]
+    #[arg(long, value_name = "M", value_parser = ranges::above(1.0, 100.0), default_value_t = ControlSettings::default().sensitivity)]
     sensitivity: f64,
     /// Most that sensor noise may be amplified on its way to the command, seen as position
-    #[arg(long, allow_negative_numbers = true, value_name = "RATIO", default_value_t = ControlSettings::default().noise)]
+    #[arg(long, value_name = "RATIO", value_parser = ranges::above(0.0, 1e9), default_value_t = ControlSettings::default().noise)]
     noise: f64,
     /// How the feedforward is made
     #[arg(long, value_name = "WAY", value_parser = feedforwards(), default_value = "automatic")]
@@ -175,12 +175,7 @@ impl Invert {
     /// Makes and writes the controller.
     pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Inverted> {
         interrupt::listen()?;
-        let read: Vec<&Path> = [Some(&self.plant), self.reference.as_ref()]
-            .into_iter()
-            .flatten()
-            .map(PathBuf::as_path)
-            .collect();
-        inputs::not_over(&self.out, &read)?;
+        inputs::can_write(&self.out)?;
         let plant = inputs::blueprint(&self.plant)?.blueprint.check(learned::COMPONENTS)?;
         let log =
             self.reference.as_deref().map(|file| LogOptions::default().read(file)).transpose()?;
@@ -198,7 +193,7 @@ impl Invert {
             Some(log) => along(log, &plant, &controller)?,
             None => Vec::new(),
         };
-        inputs::write_blueprint(&controller, &self.out, &[&self.plant])?;
+        inputs::write_blueprint(&controller, &self.out)?;
         let period_s = controller.spec().period;
         Ok(Inverted {
             blueprint: self.out.clone(),

@@ -1,4 +1,4 @@
-//! `piezoloop list`: rigs, records, effects, models, signals.
+//! `piezoloop list`: rigs, records, effects, models, signals, options.
 
 use std::io::{self, Write};
 
@@ -9,9 +9,9 @@ use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::commands::signal;
-use crate::progress;
+use crate::{progress, ranges, usage};
 
-/// Lists the rigs, records, effects, models or signals that the tool knows
+/// Lists the rigs, records, effects, models, signals or options that the tool knows
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop list rigs\n  piezoloop list rigs --show evc > evc.toml\n  piezoloop list models --json"
@@ -39,6 +39,8 @@ enum What {
     Models,
     /// Test signals by name
     Signals,
+    /// Every option of every command, with the range of its numbers
+    Options,
 }
 
 #[derive(Serialize)]
@@ -49,6 +51,7 @@ enum Listing {
     Effects(Vec<EffectRow>),
     Models(Vec<ModelRow>),
     Signals(Vec<signal::Row>),
+    Options(Vec<OptionRow>),
     Match(Vec<Figure>),
     Text { name: &'static str, blueprint: &'static str },
 }
@@ -57,6 +60,15 @@ enum Listing {
 struct RigRow {
     name: &'static str,
     summary: &'static str,
+}
+
+#[derive(Serialize)]
+struct OptionRow {
+    command: String,
+    option: String,
+    /// What it takes; none: it is a switch.
+    value: Option<String>,
+    range: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -132,6 +144,14 @@ impl List {
             (What::Effects, None) => Listing::Effects(effects()),
             (What::Models, None) => Listing::Models(models()),
             (What::Signals, None) => Listing::Signals(signal::list()),
+            (What::Options, None) => {
+                let mut tool = usage::command();
+                // Settles which of them take values.
+                tool.build();
+                let mut rows = Vec::new();
+                options(&tool, "", &mut rows);
+                Listing::Options(rows)
+            }
         };
         screen.show(&listing)
     }
@@ -144,6 +164,27 @@ fn records() -> anyhow::Result<Vec<RecordRow>> {
         Ok(RecordRow { name: file.name, description: record.description, components })
     };
     rigs::RECORDS.iter().map(row).collect()
+}
+
+/// The options of a command and of those below it.
+fn options(command: &clap::Command, way: &str, rows: &mut Vec<OptionRow>) {
+    let is_tool = way.is_empty();
+    let own = |arg: &&clap::Arg| is_tool || !arg.is_global_set();
+    for arg in command.get_arguments().filter(own) {
+        let Some(long) = arg.get_long() else { continue };
+        let names = arg.get_value_names().unwrap_or_default();
+        let takes = arg.get_num_args().is_some_and(|count| count.takes_values());
+        rows.push(OptionRow {
+            command: way.trim().to_owned(),
+            option: format!("--{long}"),
+            value: takes.then(|| names.first().map_or_else(String::new, ToString::to_string)),
+            range: ranges::of(arg),
+        });
+    }
+    // Each command has one that shows its help.
+    for below in command.get_subcommands().filter(|below| below.get_name() != "help") {
+        options(below, &format!("{way} {}", below.get_name()), rows);
+    }
 }
 
 fn effects() -> Vec<EffectRow> {
@@ -268,6 +309,12 @@ impl Answer for Listing {
             }
             Self::Match(figures) => write_match(figures, out),
             Self::Signals(rows) => signal::write_list(rows, out),
+            Self::Options(rows) => rows.iter().try_for_each(|row| {
+                let OptionRow { command, option, value, range } = row;
+                let value = value.as_ref().map_or_else(String::new, |value| format!(" <{value}>"));
+                let range = range.as_ref().map_or_else(String::new, |range| format!("  {range}"));
+                writeln!(out, "{:60}{range}", format!("{command} {option}{value}").trim_start())
+            }),
             Self::Effects(rows) => {
                 writeln!(out, "{:26} {:12} {:11} component types", "effect", "stage", "group")?;
                 for row in rows {

@@ -30,7 +30,7 @@ pub(crate) struct Pack {
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
     /// Internal step in s in the place of the blueprint's; linear parts are exact at any step
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = crate::ranges::step())]
     step: Option<f64>,
     /// Version of the standard: 2 or 3
     #[arg(long, value_name = "VERSION", default_value = "2")]
@@ -114,7 +114,7 @@ impl Pack {
             source.text = source.blueprint.to_toml();
         }
         let output = inputs::output(self.out.clone(), &source.blueprint.name, "fmu");
-        inputs::not_over(&output, &[&self.blueprint])?;
+        inputs::can_write(&output)?;
         if self.sources == Some(Sources::Only)
             && !(self.binaries.is_empty() && self.libraries.is_none())
         {

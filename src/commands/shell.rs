@@ -4,13 +4,13 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use clap::{Args, CommandFactory};
+use clap::Args;
 use clap_complete::Shell;
 use data::WholeFile;
 use serde::Serialize;
 
-use crate::Cli;
 use crate::answer::{Answer, Screen};
+use crate::usage;
 
 /// Prints a script by which a shell completes the tool's commands and options
 #[derive(Args, Debug)]
@@ -59,7 +59,7 @@ impl Answer for Pages {
 impl Completions {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "piezoloop", &mut script);
+        clap_complete::generate(self.shell, &mut usage::command(), "piezoloop", &mut script);
         let script = String::from_utf8(script).context("the completion script is no UTF-8")?;
         screen.show(&Script { shell: self.shell.to_string(), script })
     }
@@ -67,7 +67,7 @@ impl Completions {
 
 impl Man {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        let mut tool = Cli::command().disable_help_subcommand(true);
+        let mut tool = usage::command().disable_help_subcommand(true);
         // Hands the global options on to the commands.
         tool.build();
         std::fs::create_dir_all(&self.out)

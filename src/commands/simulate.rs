@@ -60,7 +60,7 @@ pub(crate) struct Simulate {
     coupling: Order,
     /// Communication step of the loop in s [default: the smaller of the reference's sample time and
     /// the controller's step]
-    #[arg(long, value_name = "S", requires = "closed", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", requires = "closed", value_parser = crate::ranges::above(0.0, crate::ranges::LONGEST))]
     step: Option<f64>,
     /// A start value or parameter, as in axis[1].mechanics.damping=0.05 (may be given several times;
     /// in a loop plant.NAME or controller.NAME)
@@ -152,7 +152,7 @@ struct About {
 impl Simulate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let read: Vec<(&str, &Path)> = self.files();
-        self.page.not_over(&read.iter().map(|(_, path)| *path).collect::<Vec<_>>())?;
+        self.page.can_write()?;
         let result = self.execute(screen)?;
         self.page.finish(screen, &result, || pages::simulation(&result, &read))
     }
@@ -181,7 +181,7 @@ impl Simulate {
 
     fn drive(&self, what: &Path, log_path: &Path, screen: &Screen) -> anyhow::Result<Simulated> {
         if let Some(out) = &self.out {
-            inputs::not_over(out, &[log_path, what])?;
+            inputs::can_write(out)?;
         }
         let mut opened = fmus::open_in(what, self.isolation.worker()?.as_ref())?;
         configure(self.starts.iter().map(String::as_str), &mut opened.fmu)?;
@@ -198,7 +198,7 @@ impl Simulate {
             no_stop_time: self.no_stop_time,
             ..Drive::default()
         };
-        let ear = self.messages.ear(&[log_path, what], self.out.as_deref())?;
+        let ear = self.messages.ear()?;
         let slave = opened.fmu.instantiate(opened.name.clone(), &ear.options(&opened.name))?;
         let mut memory = Memory::new();
         let mut bar = progress::Rows::new(screen, "simulate", log.len());
@@ -268,7 +268,7 @@ impl Simulate {
         reference: &Path,
     ) -> anyhow::Result<Simulated> {
         if let Some(out) = &self.out {
-            inputs::not_over(out, &[plant, controller, reference])?;
+            inputs::can_write(out)?;
         }
         let worker = self.isolation.worker()?;
         let open = |what: &Path| fmus::open_in(what, worker.as_ref());
@@ -286,10 +286,7 @@ impl Simulate {
         let points = points(&log, &controller.fmu, self.step, None)?;
         let addresses = Addresses::of(&controller.fmu);
         let columns = addresses.columns(&self.options.names()?, &log)?;
-        let ear = self.messages.ear(
-            &self.fmus.iter().chain(&self.reference).map(PathBuf::as_path).collect::<Vec<_>>(),
-            self.out.as_deref(),
-        )?;
+        let ear = self.messages.ear()?;
         let (c, p) = (
             controller.fmu.instantiate("controller", &ear.options("controller"))?,
             plant.fmu.instantiate("plant", &ear.options("plant"))?,

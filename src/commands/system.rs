@@ -40,11 +40,11 @@ pub(crate) struct System {
     parameters: Vec<PathBuf>,
     /// Communication step in s [default: the system's, else the smallest that an FMU prefers or the
     /// input table has]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = crate::ranges::above(0.0, crate::ranges::LONGEST))]
     step: Option<f64>,
     /// End of the run in s [default: the system's, else that of the input table,
     /// else the latest that an FMU prefers]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = crate::ranges::from(-crate::ranges::LONGEST, crate::ranges::LONGEST))]
     stop: Option<f64>,
     /// Who steps when [default: the system's, else gauss-seidel]
     #[arg(long, value_name = "NAME")]
@@ -195,7 +195,7 @@ impl System {
     }
 
     fn export(&self, plan: &Plan, ssp: &Path) -> anyhow::Result<Exported> {
-        inputs::not_over(ssp, &[&self.file])?;
+        inputs::can_write(ssp)?;
         let packages = plan
             .fmus
             .iter()
@@ -209,9 +209,8 @@ impl System {
     }
 
     fn simulate(&self, plan: &Plan, screen: &Screen) -> anyhow::Result<Ran> {
-        let read: Vec<&Path> = self.input.iter().map(PathBuf::as_path).collect();
         if let Some(out) = &self.out {
-            inputs::not_over(out, &[&read[..], &[self.file.as_path()]].concat())?;
+            inputs::can_write(out)?;
         }
         let fmus = self.open(plan)?;
         let descriptions: Vec<&ModelDescription> =
@@ -227,8 +226,7 @@ impl System {
         let (points, step) = self.points(plan, &descriptions, log.as_ref())?;
         let table = self.table(plan, log.as_ref())?;
         let units = simulate::units(&table);
-        let read = [&read[..], &[self.file.as_path()]].concat();
-        let ear = self.messages.ear(&read, self.out.as_deref())?;
+        let ear = self.messages.ear()?;
         let slaves = plan
             .fmus
             .iter()

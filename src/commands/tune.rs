@@ -9,9 +9,9 @@ use control::{Gains, LoopVerdict, Ultimate};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
-use crate::bed;
 use crate::fmus::Isolation;
 use crate::pages::{self, PageOptions};
+use crate::{bed, ranges};
 
 /// Finds PID gains by experiments on a plant FMU: Ziegler-Nichols, and a robust default
 ///
@@ -26,28 +26,28 @@ pub(crate) struct Tune {
     /// The plant: an FMU, a blueprint, or the name of a rig
     plant: PathBuf,
     /// Axis that is tuned, from 1; the others rest at --middle
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = ranges::count(1, 1000))]
     axis: usize,
     /// Period of the controller in s
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = ranges::step())]
     period: f64,
     /// Command about which the experiments are made
-    #[arg(long, value_name = "COMMAND", allow_negative_numbers = true)]
+    #[arg(long, value_name = "COMMAND", value_parser = ranges::signal())]
     middle: f64,
     /// Greatest distance of the command from it
-    #[arg(long, value_name = "COMMAND")]
+    #[arg(long, value_name = "COMMAND", value_parser = ranges::above(0.0, 1e15))]
     amplitude: f64,
     /// How the ultimate gain is found
     #[arg(long, value_enum, default_value_t = Experiment::Relay)]
     experiment: Experiment,
     /// Largest sensitivity |1/(1+L)| of the robust gains
-    #[arg(long, value_name = "M", default_value_t = 1.5)]
+    #[arg(long, value_name = "M", default_value_t = 1.5, value_parser = ranges::above(1.0, 100.0))]
     sensitivity: f64,
     /// Most that sensor noise may be amplified on its way to the command, seen as position
-    #[arg(long, value_name = "RATIO", default_value_t = 10.0)]
+    #[arg(long, value_name = "RATIO", default_value_t = 10.0, value_parser = ranges::above(0.0, 1e9))]
     noise: f64,
-    /// Samples of the step response (1 to 10^6)
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = crate::inputs::count(1, 1_000_000))]
+    /// Samples of the step response
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = ranges::count(1, 1_000_000))]
     samples: usize,
     #[command(flatten)]
     isolation: Isolation,
@@ -89,24 +89,11 @@ impl Tune {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let files = [("plant", self.plant.as_path())];
         let read = if self.plant.exists() { &files[..] } else { &[] };
-        self.page.not_over(&[&self.plant])?;
+        self.page.can_write()?;
         let mut bed = bed::open_in(&self.plant, self.isolation.worker()?.as_ref())?;
         let axes = bed.axes();
         if !(1..=axes).contains(&self.axis) {
             bail!("--axis {}: the plant has axes 1 to {axes}", self.axis);
-        }
-        if !(self.period.is_finite() && self.period > 0.0) {
-            bail!("--period {}: give the controller's period in s, above 0", self.period);
-        }
-        if !(self.amplitude.is_finite() && self.amplitude > 0.0) {
-            bail!("--amplitude {}: give a distance of the command, above 0", self.amplitude);
-        }
-        if !(self.sensitivity > 1.0 && self.noise > 0.0) {
-            bail!(
-                "--sensitivity {} --noise {}: the first lies above 1, the second above 0",
-                self.sensitivity,
-                self.noise
-            );
         }
         let at = self.axis - 1;
         let mut commands = vec![self.middle; axes];

@@ -26,7 +26,7 @@ pub(crate) use system::system;
 pub(crate) use tune::tuning;
 
 use crate::answer::{ErasedAnswer, Screen};
-use crate::inputs;
+use crate::{inputs, interrupt};
 
 /// Where a result goes as a page.
 #[derive(Args, Debug, Clone, Default)]
@@ -53,9 +53,9 @@ impl PageOptions {
         self.plot || !self.reports.is_empty()
     }
 
-    /// Refuses a page over a file that is read.
-    pub(crate) fn not_over(&self, inputs: &[&Path]) -> anyhow::Result<()> {
-        self.reports.iter().try_for_each(|file| inputs::not_over(file, inputs))
+    /// Whether the pages can be written, told before the work.
+    pub(crate) fn can_write(&self) -> anyhow::Result<()> {
+        self.reports.iter().try_for_each(|file| inputs::can_write(file))
     }
 
     /// Writes what was asked for; `page` is made only then.
@@ -124,7 +124,10 @@ fn is_json(file: &Path) -> bool {
 /// A new file for a page that nobody gave a name; it stays.
 fn temporary(command: &str) -> anyhow::Result<PathBuf> {
     let prefix = format!("piezoloop-{command}-");
-    let file = tempfile::Builder::new().prefix(&prefix).suffix(".html").tempfile();
+    let file = tempfile::Builder::new()
+        .prefix(&prefix)
+        .suffix(".html")
+        .tempfile_in(interrupt::lasting_folder());
     let kept = file.context("no temporary file can be made for the page; give --report FILE")?;
     Ok(kept.into_temp_path().keep()?)
 }

@@ -3,6 +3,7 @@
 //! `PIEZOLOOP_PACKETS=10000000 cargo test --release -p piezoloop-bench --test hostile_packets` tries so many.
 #![allow(clippy::print_stdout)]
 
+use bench::gateway::{End, Gateway, Key, KeyedGateway, MemoryGateway, pair};
 use bench::packet::{
     CHECKSUM, Header, Kind, MAX_BYTES, PacketError, Status, decode, encode, length,
 };
@@ -140,4 +141,77 @@ fn no_packet_panics_and_each_is_counted_once() {
     let counters = receiver.counters();
     let all = [counters.used, counters.late, counters.duplicate, counters.reordered];
     assert!(refused.iter().chain(&all).all(|count| *count > 0), "everything happened");
+}
+
+/// A packet of version 2 that was changed in any bit, made with another key, cut or sent again is never
+/// handed up; each that comes whole is, once.
+#[test]
+fn no_keyed_packet_is_taken_that_was_not_sent() {
+    let seed = 20_262;
+    let packets: u64 =
+        std::env::var("PIEZOLOOP_PACKETS").ok().and_then(|n| n.parse().ok()).unwrap_or(300_000);
+    let mut dice = Dice(ChaCha8Rng::seed_from_u64(seed));
+    let (near, far) = pair();
+    let end = |wire: &MemoryGateway, end, key: &[u8], session| {
+        KeyedGateway::new(Box::new(wire.clone()), end, Key::of(key), session)
+    };
+    let key = b"0123456789abcdef";
+    let mut runner = end(&near, End::Runner, key, dice.0.next_u64());
+    let mut machine = end(&far, End::Machine, key, dice.0.next_u64());
+    let (mut wire, mut tap) = (near.clone(), far.clone());
+    let mut bytes = [0; 2 * MAX_BYTES];
+    let (mut sequence, mut recorded): (u32, Vec<Vec<u8>>) = (0, Vec::new());
+    let (mut whole, mut taken, mut twice) = (0_u64, 0_u64, 0_u64);
+    for number in 0..packets {
+        let mut command = [0; MAX_BYTES];
+        let header = Header {
+            kind: Kind::Command,
+            channels: CHANNELS as u16,
+            sequence,
+            status: Status::ENABLE,
+            time_ns: number,
+            echo_sequence: 0,
+            state: 2,
+            reason: 0,
+            echo_time_ns: 0,
+        };
+        sequence = sequence.wrapping_add(1);
+        let length = encode(&header, &[1.0; CHANNELS], &mut command);
+        assert!(runner.send(&command[..length]));
+        let length = tap.receive(&mut bytes).expect("what was sent");
+        let is_whole = dice.one_in(2);
+        if is_whole {
+            wire.send(&bytes[..length]);
+            whole += u64::from(number > 0);
+        } else {
+            let before = bytes[..length].to_vec();
+            let cut = damage(&mut dice, &mut bytes, length);
+            if bytes[..cut] != before[..] {
+                wire.send(&bytes[..cut]);
+            }
+        }
+        if let Some(old) = recorded.get(dice.below(recorded.len() + 8)) {
+            wire.send(old);
+            twice += 1;
+        }
+        if is_whole {
+            let place = dice.below(64);
+            recorded.truncate(64);
+            recorded.insert(place.min(recorded.len()), bytes[..length].to_vec());
+        }
+        while let Some(length) = machine.receive(&mut bytes) {
+            let mut values = [0.0; CHANNELS];
+            assert!(decode(&bytes[..length], Kind::Command, &mut values).is_ok());
+            assert_eq!(values, [1.0; CHANNELS]);
+            taken += 1;
+        }
+        // The machine's answers teach the runner its session.
+        while runner.receive(&mut bytes).is_some() {}
+    }
+    let refused = machine.refused().expect("it has a key");
+    println!(
+        "seed {seed}: {packets} packets, {whole} whole, {taken} taken, {twice} sent again; {refused:?}"
+    );
+    assert!(taken <= whole && taken + 2 >= whole, "{taken} of {whole}");
+    assert!(refused.forged > 0 && refused.replayed > 0);
 }

@@ -258,7 +258,7 @@ fn a_live_run_waits_for_nothing_but_its_deadlines() {
         })
         .expect("a free port");
     let mut cycle = cycle(AXES, controller(AXES, control_law(AXES)));
-    let (recorder, mut ring) = Recorder::start(None, cycle.row().len(), 10_000);
+    let (recorder, mut ring) = Recorder::start(None, cycle.row().len(), 10_000).unwrap();
     let settings = Settings { period_ns: PERIOD_NS, settle: 20, patience: 1_000_000 };
     let (orders, stop) = (SharedOrders::default(), AtomicBool::new(false));
     let (outcome, waited) = std::thread::scope(|scope| {

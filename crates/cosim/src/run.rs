@@ -1,5 +1,6 @@
 //! Running a system: initialization, communication steps, record.
 
+use data::inner_steps;
 use fmi_bindings::import::Experiment;
 
 use crate::algorithm::Algorithm;
@@ -67,6 +68,7 @@ impl System {
         recorder: &mut dyn Recorder,
     ) -> Result<Option<Ending>, Error> {
         let mut held = self.check(run)?;
+        self.check_steps(run)?;
         let step = self.common_step(&run.points)?;
         recorder.begin(run.record, &self.columns, run.points.steps() + 1)?;
         let mut stepping = Stepping { system: self, run, algorithm, recorder, time: 0.0 };
@@ -102,6 +104,25 @@ impl System {
             }
         }
         Problems::none_or(problems, Held::new(run.signals.time, columns))
+    }
+
+    /// Whether the communication points are as far apart as seconds can be.
+    fn check_steps(&self, run: &Run<'_>) -> Result<(), Problems> {
+        let mut problems = Vec::new();
+        for participant in &self.participants {
+            let experiment = participant.slave.description().default_experiment.as_ref();
+            let Some(inner) = experiment.and_then(|e| e.step_size) else { continue };
+            let found = match &run.points {
+                Points::Uniform { step, .. } => inner_steps::check(*step, inner),
+                Points::Rows(times) => inner_steps::check_rows(times, inner),
+            };
+            if let Err(what) = found {
+                let slave = participant.slave.name();
+                problems.push(Problem::Time(format!("FMU `{slave}`: {what}")));
+                break;
+            }
+        }
+        Problems::none_or(problems, ())
     }
 
     fn no_column(&self, name: &str, signals: &Signals<'_>) -> Problem {

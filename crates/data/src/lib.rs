@@ -11,6 +11,7 @@
 
 mod blueprint;
 mod fit;
+pub mod inner_steps;
 mod log;
 mod name_map;
 mod nearest;

@@ -1,11 +1,12 @@
 //! The known word that somebody probably meant.
 
 /// The word of `known` with the smallest edit distance to `word`, if it is close enough to be a
-/// slip: at most a third of the word's letters (at least one) differ, upper and lower case aside.
+/// slip: at most a third of the word's letters (at least one, not all) differ, upper and lower case aside.
 #[must_use]
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let lower = word.to_lowercase();
-    let most = (lower.chars().count() / 3).max(1);
+    let letters = lower.chars().count();
+    let most = (letters / 3).max(1).min(letters.saturating_sub(1));
     known
         .into_iter()
         .map(|candidate| (distance(&lower, &candidate.to_lowercase()), candidate))
@@ -49,6 +50,7 @@ mod tests {
         assert_eq!(nearest("W", ["w", "r"]), Some("w"));
         assert_eq!(nearest("temperature", ["gain", "frequency"]), None);
         assert_eq!(nearest("x", []), None);
+        assert_eq!(nearest("x", ["u", "y"]), None);
     }
 
     #[test]

@@ -168,10 +168,8 @@ pub fn diagnose(request: &Request, observer: &mut dyn Observer) -> Result<Gap, E
 /// # Errors
 /// As [`diagnose`].
 pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnosis, Error> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(request.threads)
-        .build()
-        .map_err(|_| Error::Threads(request.threads))?;
+    let pool =
+        numerics::threads::pool(request.threads).map_err(|_| Error::Threads(request.threads))?;
     let count = AtomicU64::new(0);
     let problems = problem::problems(request)?;
     let total = problems.len();

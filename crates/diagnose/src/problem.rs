@@ -1,7 +1,7 @@
 //! From a request to one problem per output: data in SI, model as a chain, noise.
 
 use components::effects::SENSOR_QUANTISATION;
-use data::{CheckedBlueprint, Log, NameMap};
+use data::{CheckedBlueprint, Log, NameMap, inner_steps};
 use model::{Causality, Unit};
 
 use crate::base::Base;
@@ -263,6 +263,9 @@ pub(crate) fn assemble(
         let log = request.logs.first().map_or("the logs", |log| log.origin()).to_owned();
         return Err(Error::Log { log, message: "has no record of 60 rows or more".into() });
     }
+    if let Some(step) = step {
+        check_steps(&records, step)?;
+    }
     let data = DataSet::new(records, &names, step);
     let is_asked = !request.without.iter().any(|name| name == SENSOR_QUANTISATION.name);
     let steps = Steps::of(&data).filter(|_| is_asked);
@@ -361,6 +364,8 @@ fn auxiliaries(
         .collect()
 }
 
+/// Most steps of the grid on which the logs lie, over those that are allowed between two rows.
+const GRID: f64 = 200.0;
 const KELVIN: [i8; 8] = [0, 0, 0, 0, 1, 0, 0, 0];
 
 /// `u2`, `u_z`, `command[2]`, or anything in the unit of the command that is no monitor of it.
@@ -464,4 +469,25 @@ fn floor(
     let (second_differences, source) = (second, source.to_owned());
     let noise = NoiseFloor { sigma, source, second_differences, periods, corner: None };
     Ok((noise, rest_corner, None))
+}
+
+/// Whether the rows are as far apart as seconds can be, and few enough for the grid of the model.
+fn check_steps(records: &[RecordRows], step: f64) -> Result<(), Error> {
+    for record in records {
+        inner_steps::check_rows(&record.time, step)
+            .map_err(|message| Error::Log { log: record.name.clone(), message })?;
+    }
+    let length = |r: &RecordRows| r.time.last().zip(r.time.first()).map_or(0.0, |(b, a)| b - a);
+    let steps = records.iter().map(length).sum::<f64>() / step;
+    let most = GRID * inner_steps::allowed() as f64;
+    if steps > most {
+        let log = records.first().map_or_else(String::new, |record| record.name.clone());
+        let message = format!(
+            "the logs are {steps:.1e} inner steps of {step} s long; at most {most:.1e} are looked at: give shorter \
+             logs or a model with a longer step, or allow more with --most-steps N (now {}, a two-hundredth)",
+            inner_steps::allowed()
+        );
+        return Err(Error::Log { log, message });
+    }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
 /// What is known of the running call; `None` for a library's user, whose files are his own affair.
 static CALL: Mutex<Option<Call>> = Mutex::new(None);
@@ -45,6 +45,12 @@ pub(crate) fn may_write(target: &Path) -> io::Result<()> {
         return refuse("is also read by this command; give another file");
     }
     Ok(())
+}
+
+/// The temporary files that have not got their names yet.
+pub(crate) fn unfinished() -> MutexGuard<'static, HashSet<PathBuf>> {
+    static FILES: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
+    FILES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 pub(crate) fn note_written(target: &Path) {

@@ -4,6 +4,7 @@
 mod guard;
 
 pub use guard::{guard, note_read};
+use guard::{note_written, unfinished};
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
@@ -63,6 +64,7 @@ impl WholeFile {
         let name = format!(".{}.{}-{number}.tmp", name.to_string_lossy(), std::process::id());
         let temporary = target.with_file_name(name);
         let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
+        unfinished().insert(temporary.clone());
         // Before anything is in it: a private file stays private. A failure removes the temporary one.
         let permissions = fs::metadata(&target).map(|found| found.permissions());
         let mut begun = Self { target, temporary: Some(temporary), writer: None };
@@ -83,8 +85,9 @@ impl WholeFile {
         }
         if let Some(temporary) = &self.temporary {
             fs::rename(temporary, &self.target)?;
+            unfinished().remove(temporary);
             self.temporary = None;
-            guard::note_written(&self.target);
+            note_written(&self.target);
         }
         Ok(())
     }
@@ -146,8 +149,52 @@ impl Drop for WholeFile {
         drop(self.writer.take());
         if let Some(temporary) = self.temporary.take() {
             // Nothing can be done about a failure here, and the target is untouched.
-            let _ = fs::remove_file(temporary);
+            let _ = fs::remove_file(&temporary);
+            unfinished().remove(&temporary);
         }
+    }
+}
+
+/// A file that is read while it is written, and after a crash: in its place from the first byte on.
+///
+/// # Errors
+/// As [`WholeFile::create`].
+pub fn in_place(target: &Path) -> io::Result<File> {
+    if fs::metadata(target).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        return OpenOptions::new().write(true).open(target);
+    }
+    drop(WholeFile::create(target)?);
+    let file = File::create(target)?;
+    note_written(target);
+    Ok(file)
+}
+
+/// Removes what this process has begun and not finished, for a program that ends at once.
+pub fn abandon() {
+    for file in unfinished().drain() {
+        // It is only untidy.
+        let _ = fs::remove_file(file);
+    }
+}
+
+/// The folder for what a command makes: new, empty, or one that an earlier call has made, which left
+/// one of `marks` there.
+///
+/// # Errors
+/// It cannot be made, or holds other things.
+pub fn own_folder(folder: &Path, marks: &[&str]) -> io::Result<()> {
+    fs::create_dir_all(folder)?;
+    let is_marked = marks.iter().any(|mark| folder.join(mark).exists());
+    match fs::read_dir(folder)?.next() {
+        Some(found) if !is_marked => {
+            let found = found?.file_name();
+            let rule = format!(
+                "holds \"{}\" and is of no earlier call; give a new or an empty folder",
+                found.to_string_lossy()
+            );
+            Err(io::Error::new(io::ErrorKind::InvalidInput, rule))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -232,6 +232,9 @@ pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> 
     }
     let is_choice = !names.is_empty() || limits.iter().any(|(name, _)| name.is_some());
     let total = limits.iter().filter(|(name, _)| name.is_none()).map(|(_, n)| *n).min();
+    if let Some(total) = total.filter(|total| *total > cases.len()) {
+        return Err(refuse(format!("there are {} cases, not {total}; ask for fewer", cases.len())));
+    }
     let mut kept = Vec::new();
     for case in cases {
         let is_meant = |meant: &Option<Meant>| {

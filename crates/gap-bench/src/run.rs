@@ -90,10 +90,8 @@ pub fn run(
     go_on: &(dyn Fn(usize) -> bool + Sync),
 ) -> Result<Vec<Outcome>, Error> {
     claim(plan, &settings.folders.root)?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(settings.threads)
-        .build()
-        .map_err(|_| Error::Threads(settings.threads))?;
+    let pool =
+        numerics::threads::pool(settings.threads).map_err(|_| Error::Threads(settings.threads))?;
     let done = AtomicUsize::new(0);
     pool.install(|| {
         let outcomes = cases.par_iter().filter_map(|case| {

@@ -3,6 +3,7 @@
 
 pub mod fft;
 pub mod spectrum;
+pub mod threads;
 
 /// A complex number.
 pub type Complex = rustfft::num_complex::Complex<f64>;

@@ -74,7 +74,9 @@ impl Content {
 
     /// Whether reading large files is what the archive wants us to do.
     fn is_bomb(&self) -> bool {
-        let bomb = |defect: &EntryDefect| matches!(defect, EntryDefect::Bomb { .. });
+        let bomb = |defect: &EntryDefect| {
+            matches!(defect, EntryDefect::Bomb { .. } | EntryDefect::Dense { .. })
+        };
         match &self.source {
             Source::Archive(archive) => archive.all_defects().any(|(_, defect)| bomb(defect)),
             Source::Folder(_) => false,
@@ -209,7 +211,10 @@ fn rule_of(defect: &EntryDefect) -> (&'static str, &'static str) {
             ("each path is there once", "remove one")
         }
         EntryDefect::Broken { .. } => ("every entry can be unpacked", "pack the FMU again"),
-        EntryDefect::Overlap | EntryDefect::TooMany { .. } | EntryDefect::Bomb { .. } => {
+        EntryDefect::Overlap
+        | EntryDefect::TooMany { .. }
+        | EntryDefect::Bomb { .. }
+        | EntryDefect::Dense { .. } => {
             ("importers protect themselves against such archives", "pack the FMU again")
         }
     }
@@ -223,7 +228,8 @@ fn unread_entries(problems: &mut Vec<Problem>, version: FmiVersion, content: &mu
         if entry.is_folder || entry.defect.is_some() || content.read.contains(&path) {
             continue;
         }
-        if let Err(PackageError::Entry { defect, .. }) = archive.copy(&entry, &mut std::io::sink())
+        if let Err(PackageError::Entry { defect, .. }) =
+            archive.copy(&entry, &mut std::io::sink(), Path::new(&path))
         {
             let (rule, way_out) = rule_of(&defect);
             let problem =

@@ -5,7 +5,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
-use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use zip::{CompressionMethod, ZipArchive};
@@ -26,6 +26,10 @@ pub struct Limits {
     pub expansion: u64,
     /// Up to so many unpacked bytes the ratio does not matter.
     pub free_bytes: u64,
+    /// Largest ratio of unpacked to packed bytes of an XML file once [`Limits::free_xml_bytes`] are passed.
+    pub xml_expansion: u64,
+    /// Up to so many bytes of an XML file the ratio does not matter.
+    pub free_xml_bytes: u64,
     /// Longest name of an entry in bytes.
     pub name_bytes: usize,
     /// Bounds of `modelDescription.xml`.
@@ -39,6 +43,8 @@ impl Default for Limits {
             total_bytes: 8 << 30,
             expansion: 200,
             free_bytes: 256 << 20,
+            xml_expansion: 100,
+            free_xml_bytes: 1 << 20,
             name_bytes: 1024,
             xml: crate::xml::XmlLimits::default(),
         }
@@ -124,18 +130,25 @@ impl Archive {
         of_archive.chain(of_entries)
     }
 
-    /// Passes the content of an entry to `sink`, at most as many bytes as the entry declares.
+    /// Passes the content of an entry to `sink`, the file `target`, at most as many bytes as the entry
+    /// declares.
     pub(crate) fn copy(
         &mut self,
         entry: &Entry,
-        sink: &mut impl std::io::Write,
+        sink: &mut impl Write,
+        target: &Path,
     ) -> Result<(), PackageError> {
         let broken = |message: String| {
             PackageError::entry(&self.path, &entry.name, EntryDefect::Broken { message })
         };
         let content = self.zip.by_index(entry.index).map_err(|error| broken(error.to_string()))?;
-        let copied = std::io::copy(&mut content.take(entry.size + 1), sink)
-            .map_err(|error| broken(error.to_string()))?;
+        let mut sink = Sink { inner: sink, failed: None };
+        let copied = io::copy(&mut content.take(entry.size + 1), &mut sink);
+        // A full disk is not the archive's fault.
+        if let Some(source) = sink.failed {
+            return Err(PackageError::Write { path: target.to_owned(), source });
+        }
+        let copied = copied.map_err(|error| broken(error.to_string()))?;
         match copied == entry.size {
             true => Ok(()),
             false => Err(broken(format!("it declares {} bytes and holds others", entry.size))),
@@ -146,7 +159,7 @@ impl Archive {
     pub(crate) fn read(&mut self, path: &str) -> Option<Result<Vec<u8>, PackageError>> {
         let found = self.entries.iter().find(|e| !e.is_folder && e.path() == path)?.clone();
         let mut bytes = Vec::new();
-        Some(self.copy(&found, &mut bytes).map(|()| bytes))
+        Some(self.copy(&found, &mut bytes, Path::new(path)).map(|()| bytes))
     }
 }
 
@@ -172,7 +185,8 @@ fn entry(
         defect: name_defect
             .or_else(|| special_file(data.unix_mode()))
             .or_else(|| data.encrypted().then_some(EntryDefect::Encrypted))
-            .or_else(|| unsupported(compression)),
+            .or_else(|| unsupported(compression))
+            .or_else(|| dense(&name, data.size(), data.compressed_size(), limits)),
         version_needed: versions.get(data.name_raw()).copied().unwrap_or_default(),
         has_backslash: name.contains('\\'),
         streamed_but_stored: compression == CompressionMethod::Stored
@@ -206,6 +220,35 @@ fn safe_components(name: &str, limit: usize) -> Result<Vec<String>, EntryDefect>
         () if components.iter().any(|part| part == "..") => Err(EntryDefect::Traversal),
         () if components.is_empty() && !name.ends_with(['/', '\\']) => Err(EntryDefect::NoName),
         () => Ok(components),
+    }
+}
+
+/// XML that becomes too much of too little.
+fn dense(name: &str, bytes: u64, packed: u64, limits: &Limits) -> Option<EntryDefect> {
+    let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending);
+    let is_xml = ["xml", "ssd", "ssv", "ssm", "ssb"].iter().any(|x| ending.eq_ignore_ascii_case(x));
+    let ratio = limits.xml_expansion;
+    let is_dense = is_xml && bytes > limits.free_xml_bytes && bytes / packed.max(1) > ratio;
+    is_dense.then_some(EntryDefect::Dense { bytes, packed, ratio })
+}
+
+/// Tells what cannot be written from what cannot be read.
+struct Sink<'a, W> {
+    inner: &'a mut W,
+    failed: Option<io::Error>,
+}
+
+impl<W: Write> Write for Sink<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.inner.write(bytes).map_err(|error| {
+            let kind = error.kind();
+            // What is only tried again is no failure.
+            self.failed = (kind != io::ErrorKind::Interrupted).then_some(error);
+            kind.into()
+        })
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
     }
 }
 
@@ -273,7 +316,7 @@ struct Header {
 }
 
 /// The headers of the central directory, which starts at this offset (APPNOTE 4.3.12).
-fn central_directory(path: &Path, start: u64, limits: &Limits) -> std::io::Result<Vec<Header>> {
+fn central_directory(path: &Path, start: u64, limits: &Limits) -> io::Result<Vec<Header>> {
     const LENGTH: usize = 46;
     let mut file = BufReader::new(File::open(path)?);
     file.seek(SeekFrom::Start(start))?;

@@ -79,6 +79,19 @@ pub enum EntryDefect {
         /// Most bytes allowed.
         limit: u64,
     },
+    /// An XML file that unpacks to far more than XML does, of which every reader makes many times its bytes.
+    #[error(
+        "its {packed} packed bytes are {bytes} bytes of XML, more than {ratio} times as many; if that is meant, \
+         unpack the archive: a folder is read without this limit"
+    )]
+    Dense {
+        /// Bytes, unpacked.
+        bytes: u64,
+        /// Bytes in the archive.
+        packed: u64,
+        /// Largest ratio.
+        ratio: u64,
+    },
     /// The content cannot be unpacked.
     #[error("its content is damaged: {message}")]
     Broken {

@@ -222,7 +222,7 @@ pub(crate) fn unpack(path: &Path, limits: &Limits) -> Result<TempDir, PackageErr
         }
         if !entry.is_folder {
             let mut file = create(&target).map_err(|source| cannot_write(&target, source))?;
-            archive.copy(&entry, &mut file)?;
+            archive.copy(&entry, &mut file, &target)?;
         }
     }
     Ok(folder)

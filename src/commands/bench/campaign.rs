@@ -64,7 +64,7 @@ struct Bench {
 impl Run {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let file = &self.campaign;
-        self.page.not_over(&[file])?;
+        self.page.can_write()?;
         let text = std::fs::read_to_string(file)
             .with_context(|| format!("{} cannot be read", file.display()))?;
         let campaign = Campaign::parse(&text, &file.display().to_string())?;

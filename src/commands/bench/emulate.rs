@@ -4,19 +4,19 @@ use std::io::{self, Write};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, bail};
 use bench::emulate::{Behaviour, Emulator, Injected, Plant, Script, Serve, Served, Timing, serve};
-use bench::gateway::{Address, End};
+use bench::gateway::{Address, End, Refused};
 use clap::Args;
 use cosim::InstanceOptions;
 use modeldescription::variable::Causality;
 use serde::Serialize;
 
-use super::channels;
+use super::{KeyOptions, channels};
 use crate::answer::{Answer, Screen};
-use crate::fmus;
+use crate::{fmus, interrupt, ranges};
 
 /// Plays the machine in real time from any plant FMU, and injects faults
 ///
@@ -39,7 +39,7 @@ pub(crate) struct Emulate {
     #[arg(long, value_name = "IP:PORT")]
     peer: Option<SocketAddr>,
     /// Steps per second, as in 10k
-    #[arg(long, value_name = "HZ", value_parser = bench::plan::parse_rate)]
+    #[arg(long, value_name = "HZ", value_parser = ranges::rate())]
     rate: f64,
     /// When the machine steps
     #[arg(long, value_name = "WHEN", default_value = "clock")]
@@ -51,13 +51,13 @@ pub(crate) struct Emulate {
     #[arg(long, value_name = "FAULT")]
     inject: Vec<String>,
     /// Seed of all that is random [default: the script's]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = ranges::seed())]
     seed: Option<u64>,
     /// Steps without a command after which the machine stops itself
-    #[arg(long, value_name = "STEPS", default_value_t = 100)]
+    #[arg(long, value_name = "STEPS", default_value_t = 100, value_parser = ranges::whole(1, u32::MAX))]
     heartbeat: u32,
     /// Commands while it is stopped [default: the plant's start values]
-    #[arg(long, value_name = "VALUES", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUES", value_delimiter = ',', value_parser = ranges::signal())]
     safe: Vec<f64>,
     /// The plant's inputs [default: command…, else all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -65,8 +65,10 @@ pub(crate) struct Emulate {
     /// The plant's outputs, one for each input [default: position…, else all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     positions: Vec<String>,
+    #[command(flatten)]
+    key: KeyOptions,
     /// End after this time in s [default: when it is stopped]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = ranges::above(0.0, ranges::LONGEST))]
     duration: Option<f64>,
 }
 
@@ -83,13 +85,16 @@ enum When {
 struct Played {
     #[serde(flatten)]
     served: Served,
+    /// Packets that were refused for their tags; none: there is no key.
+    keyed: Option<Refused>,
 }
 
 impl Emulate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let script = self.script()?;
         let stop = Arc::new(AtomicBool::new(false));
-        bench::runner::on_signals(&stop).context("signals cannot be caught")?;
+        let flag = Arc::clone(&stop);
+        interrupt::hand_over(move |_| flag.store(true, Ordering::Relaxed))?;
         let opened = fmus::open(&self.plant)?;
         let period_ns = (1e9 / self.rate).round() as u64;
         let commands = channels(&opened.fmu, &self.commands, Causality::Input, "command");
@@ -108,9 +113,12 @@ impl Emulate {
             When::Clock => Timing::Clock,
             When::Commands => Timing::Commands,
         };
-        let behaviour = Behaviour { timing, period_ns, heartbeat: self.heartbeat.max(1), safe };
+        let behaviour = Behaviour { timing, period_ns, heartbeat: self.heartbeat, safe };
         let mut emulator = Emulator::new(plant, behaviour, script);
-        let mut gateway = bench::gateway::open(&self.gateway, End::Machine, self.peer, None)?;
+        let gateway = bench::gateway::open(&self.gateway, End::Machine, self.peer, None)?;
+        let (mut gateway, line) =
+            self.key.around(gateway, &self.gateway, End::Machine, commands.len())?;
+        line.into_iter().for_each(|line| screen.say(&line));
         let realtime = bench::clock::become_realtime();
         let names = (commands.join(", "), positions.join(", "));
         screen.say(&format!(
@@ -120,7 +128,7 @@ impl Emulate {
         let duration_ns = self.duration.map(|seconds| (seconds * 1e9) as u64);
         let serve_until = Serve { stop: &stop, duration_ns };
         let served = serve(&mut emulator, &mut *gateway, &serve_until)?;
-        screen.show(&Played { served })
+        screen.show(&Played { served, keyed: gateway.refused() })
     }
 
     fn script(&self) -> anyhow::Result<Script> {
@@ -154,6 +162,12 @@ impl Answer for Played {
             served.commands.corrupt,
             if served.stopped { "; the machine stopped itself" } else { "" }
         )?;
+        if let Some(Refused { forged, replayed }) = self.keyed {
+            writeln!(
+                out,
+                "  key: {forged} packets without a right tag, {replayed} of another run or come before"
+            )?;
+        }
         for (what, injected) in [
             ("commands", &served.injected_into_commands),
             ("measurements", &served.injected_into_measurements),

@@ -5,6 +5,10 @@ mod emulate;
 mod recover;
 mod run;
 
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use bench::gateway::{Address, End, Gateway, Key, KeyedGateway};
 use clap::{Args, Subcommand};
 use cosim::Fmu;
 use modeldescription::variable::Causality;
@@ -58,11 +62,53 @@ fn channels(fmu: &Fmu, given: &[String], causality: Causality, word: &str) -> Ve
     if some.is_empty() { all } else { some }
 }
 
-/// `MIN..MAX` of a command line.
-fn range(text: &str) -> Result<[f64; 2], String> {
-    let parsed = text.split_once("..").and_then(|(min, max)| {
-        let (min, max) = (min.trim().parse::<f64>().ok()?, max.trim().parse::<f64>().ok()?);
-        (min < max).then_some([min, max])
-    });
-    parsed.ok_or_else(|| "write MIN..MAX with MIN < MAX, as in 0..120".to_owned())
+/// The key of a gateway on a network that others are on.
+#[derive(Args, Debug, Clone, Default)]
+pub(super) struct KeyOptions {
+    /// A file of 16 to 4096 bytes that runner and machine both hold: packets carry a tag that it
+    /// makes, others are refused, and so is what was recorded (udp:// only)
+    #[arg(long, value_name = "FILE")]
+    key: Option<PathBuf>,
+}
+
+impl KeyOptions {
+    /// Puts the key around a gateway, and says in a line how it stands.
+    fn around(
+        &self,
+        gateway: Box<dyn Gateway>,
+        address: &Address,
+        end: End,
+        channels: usize,
+    ) -> anyhow::Result<(Box<dyn Gateway>, Option<String>)> {
+        let Some(file) = &self.key else {
+            let is_shared = matches!(address, Address::Udp(machine) if !machine.ip().is_loopback());
+            let note = "note: without --key whoever reaches this port can command the machine and end the run";
+            return Ok((gateway, is_shared.then(|| note.to_owned())));
+        };
+        if !matches!(address, Address::Udp(_)) {
+            bail!("--key goes with udp://IP:PORT: nobody else speaks at {address}");
+        }
+        let key = Key::read(file)?;
+        let mut line = format!(
+            "key: HMAC-SHA-256, {:.2} us per cycle",
+            1e6 * KeyedGateway::cost(&key, channels)
+        );
+        if others_read(file) {
+            line.push_str(&format!("; others can read {0}: chmod 600 {0}", file.display()));
+        }
+        let session = getrandom::u64().context("the system gives no random number")?;
+        Ok((Box::new(KeyedGateway::new(gateway, end, key, session)), Some(line)))
+    }
+}
+
+/// Whether other users of this computer can read a file.
+#[cfg(unix)]
+fn others_read(file: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    std::fs::metadata(file).is_ok_and(|found| found.is_file() && found.mode() & 0o044 != 0)
+}
+
+#[cfg(not(unix))]
+fn others_read(_: &Path) -> bool {
+    false
 }

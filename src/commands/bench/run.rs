@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use bench::clock::Realtime;
-use bench::gateway::{Address, End};
+use bench::gateway::{Address, End, Refused};
 use bench::live::{Dashboard, Terminal, Web};
 use bench::plan::{AxisPlan, Plan, Prepared, Step};
 use bench::record::{About, Converted, Format, Journal, Recorder, convert};
@@ -15,14 +15,15 @@ use clap::Args;
 use report::Report;
 use serde::Serialize;
 
+use super::KeyOptions;
 use crate::answer::{Answer, Screen};
 use crate::pages::{self, PageOptions, Rows};
-use crate::{fmus, inputs};
+use crate::{fmus, inputs, interrupt, ranges};
 
 /// Runs a controller FMU in real time next to a machine, and records it
 ///
 /// The machine answers over the gateway. Ctrl-C, SIGTERM and every fault lead the command to its
-/// safe value; exit code 0 means that the plan has ended or somebody stopped it, 1 a fault.
+/// safe value, the third Ctrl-C ends the run before it is there; exit code 0 means that the plan has ended or somebody stopped it, 1 a fault.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop bench run controller.fmu --gateway udp://10.0.0.2:9000 --bind 10.0.0.1:9001 --rate 10k --reference ref.csv --record run.parquet\n  piezoloop bench run --plan bench.toml --live\n  piezoloop bench run --plan identify.toml --record measured.csv --web 8000"
@@ -39,8 +40,10 @@ pub(crate) struct Run {
     /// Own address, for a machine beyond this computer [default: 127.0.0.1 and the next port]
     #[arg(long, value_name = "IP:PORT")]
     bind: Option<SocketAddr>,
+    #[command(flatten)]
+    key: KeyOptions,
     /// Cycles per second, as in 10k
-    #[arg(long, value_name = "HZ", value_parser = bench::plan::parse_rate)]
+    #[arg(long, value_name = "HZ", value_parser = ranges::rate())]
     rate: Option<f64>,
     /// A log with the columns reference[i] to follow, after the plan's sequence
     #[arg(long, value_name = "FILE")]
@@ -49,16 +52,16 @@ pub(crate) struct Run {
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     /// Limits of all commands that the plan does not limit
-    #[arg(long, value_name = "MIN..MAX", value_parser = super::range, allow_hyphen_values = true)]
+    #[arg(long, value_name = "MIN..MAX", value_parser = ranges::limits())]
     command_limits: Option<[f64; 2]>,
     /// Show the run on the terminal
     #[arg(long)]
     live: bool,
     /// Show the run on a page at 127.0.0.1:PORT; 0: a free port
-    #[arg(long, value_name = "PORT")]
+    #[arg(long, value_name = "PORT", value_parser = ranges::whole(0, u16::MAX))]
     web: Option<u16>,
     /// Processor for the cycle's thread [default: any]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = ranges::count(0, 1023))]
     cpu: Option<usize>,
     #[command(flatten)]
     page: PageOptions,
@@ -69,6 +72,9 @@ const PAGE_ROWS: usize = 1_000_000;
 
 /// Rows that wait for the recorder: this many seconds.
 const RING_SECONDS: f64 = 2.0;
+
+/// Why nothing begins.
+const NO_THREAD: &str = "the system gives this program no more threads; allow more (ulimit -u)";
 
 /// What came of it.
 #[derive(Serialize)]
@@ -85,15 +91,9 @@ struct Ran {
 
 impl Run {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        self.page.not_over(&self.read())?;
+        self.page.can_write()?;
         let ran = self.execute(screen)?;
         self.page.finish(screen, &ran, || self.report(&ran))
-    }
-
-    /// The files that are read.
-    fn read(&self) -> Vec<&Path> {
-        let all = [&self.controller, &self.plan, &self.reference];
-        all.into_iter().flatten().map(PathBuf::as_path).collect()
     }
 
     fn report(&self, ran: &Ran) -> anyhow::Result<Report> {
@@ -114,7 +114,8 @@ impl Run {
 
     fn execute(&self, screen: &Screen) -> anyhow::Result<Ran> {
         let orders = SharedOrders::default();
-        bench::runner::on_signals(orders.stop_flag()).context("signals cannot be caught")?;
+        let given = orders.clone();
+        interrupt::hand_over(move |_| given.interrupt())?;
         let plan = self.plan()?;
         let address = self.address(&plan)?;
         let record = self.record.clone().or_else(|| plan.record.as_ref().map(|f| plan.beside(f)));
@@ -137,20 +138,25 @@ impl Run {
         let own = folder.as_ref().map(|folder| folder.path().join("run"));
         let journal = self.journal(&prepared, record.as_deref().or(own.as_deref()))?;
         let depth = (RING_SECONDS * 1e9 / prepared.settings.period_ns as f64).max(16.0) as usize;
-        let (recorder, mut ring) = Recorder::start(journal, prepared.columns.len(), depth);
+        let (recorder, mut ring) =
+            Recorder::start(journal, prepared.columns.len(), depth).context(NO_THREAD)?;
         let dashboard = Dashboard::new(&prepared.columns);
         let web = match self.web {
             Some(port) => Some(Web::start(dashboard.clone(), recorder.view().clone(), port)?),
             None => None,
         };
         let terminal = (self.live && !screen.json && !screen.quiet)
-            .then(|| Terminal::start(dashboard, recorder.view().clone(), orders.clone()));
-        let mut gateway = bench::gateway::open(
+            .then(|| Terminal::start(dashboard, recorder.view().clone(), orders.clone()))
+            .transpose()
+            .context(NO_THREAD)?;
+        let gateway = bench::gateway::open(
             &address,
             End::Runner,
             self.bind.or(plan.bind),
             plan.ethercat.as_ref(),
         )?;
+        let (mut gateway, keyed) =
+            self.key.around(gateway, &address, End::Runner, prepared.cycle.axes())?;
         // Last of all: threads that are started later would inherit it.
         let realtime = bench::clock::become_realtime();
         if let Some(cpu) = self.cpu {
@@ -158,6 +164,7 @@ impl Run {
                 .with_context(|| format!("--cpu {cpu}: there is no such processor"))?;
         }
         if terminal.is_none() {
+            keyed.iter().for_each(|line| screen.say(line));
             say_what_begins(screen, &address, &prepared, &realtime, web.as_ref());
         }
         let Prepared { cycle, settings, .. } = &mut prepared;
@@ -223,7 +230,7 @@ impl Run {
         record: Option<&Path>,
     ) -> anyhow::Result<Option<Journal>> {
         let Some(record) = record else { return Ok(None) };
-        inputs::not_over(record, &self.read())?;
+        inputs::can_write(record)?;
         let path = journal_of(record);
         if path.exists() {
             bail!(
@@ -286,6 +293,11 @@ impl Answer for Ran {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let outcome = &self.outcome;
         writeln!(out, "ended in the state {}: {}", outcome.state, outcome.reason)?;
+        if !outcome.at_rest {
+            let why =
+                "the command was not at its safe value yet: a third interruption ended the run";
+            writeln!(out, "  {why}")?;
+        }
         if let Some(failure) = &outcome.failure {
             writeln!(out, "  the controller said: {failure}")?;
         }
@@ -311,6 +323,12 @@ impl Answer for Ran {
             m.not_finite,
             m.invalid
         )?;
+        if let Some(Refused { forged, replayed }) = outcome.keyed {
+            writeln!(
+                out,
+                "key: {forged} packets without a right tag, {replayed} of another run or come before"
+            )?;
+        }
         writeln!(
             out,
             "{:12}{:>10}{:>10}{:>10}{:>10}{:>10}",

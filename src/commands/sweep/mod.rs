@@ -46,10 +46,10 @@ pub(crate) struct Sweep {
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
     /// Seed in the place of the plan's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = crate::ranges::seed())]
     seed: Option<u64>,
-    /// Number of threads, at most 1024; 0: one per processor
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::inputs::count(0, crate::inputs::MOST_THREADS))]
+    /// Number of threads; 0: one per processor
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::ranges::threads())]
     threads: usize,
     /// The table to write [default: the plan's name with .parquet, and the shard]
     #[arg(short = 'o', long = "out", value_name = "FILE")]
@@ -92,8 +92,8 @@ impl Sweep {
         let plan = self.plan.as_deref().context("give the plan of the sweep")?;
         let materials = Materials::gather(plan, self.seed)?;
         let out = self.out.clone().unwrap_or_else(|| default_out(plan, self.shard));
-        inputs::not_over(&out, &[plan])?;
-        self.page.not_over(&[plan])?;
+        inputs::can_write(&out)?;
+        self.page.can_write()?;
         let job = Job::new(&materials, self.isolation.worker()?)?;
         let part = self.shard.map_or(0..job.design.runs(), |shard| shard.range(job.design.runs()));
         let (table, answer) = match finished(&job, &part, &out) {

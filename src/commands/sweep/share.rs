@@ -1,7 +1,7 @@
 //! A sweep in parts: merged from shards, bundled for other machines, served to another program.
 
 use std::io::{self, BufRead, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
@@ -48,7 +48,7 @@ pub(super) struct Bundle {
     /// The plan
     plan: PathBuf,
     /// Seed in the place of the plan's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = crate::ranges::seed())]
     seed: Option<u64>,
     /// The table that will be written; runs that it or its journal has are done
     #[arg(long, value_name = "FILE")]
@@ -92,8 +92,7 @@ impl Share {
 
 impl Merge {
     fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        let parts: Vec<&Path> = self.parts.iter().map(PathBuf::as_path).collect();
-        inputs::not_over(&self.out, &parts)?;
+        inputs::can_write(&self.out)?;
         let read = self.parts.iter().map(|path| Ok((path.clone(), Table::read(path)?)));
         let table = Table::merge(read.collect::<Result<_, sweep::Error>>()?)?;
         table.write(&self.out)?;
@@ -103,7 +102,7 @@ impl Merge {
 
 impl Bundle {
     fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        inputs::not_over(&self.out, &[&self.plan])?;
+        inputs::can_write(&self.out)?;
         let materials = Materials::gather(&self.plan, self.seed)?;
         let job = Job::new(&materials, None)?;
         let runs = job.design.runs();

@@ -9,6 +9,7 @@
 mod address;
 #[cfg(all(feature = "ethercat", target_os = "linux"))]
 pub mod ethercat;
+mod keyed;
 mod memory;
 mod process_data;
 #[cfg(feature = "shared-memory")]
@@ -20,6 +21,7 @@ use std::time::Duration;
 use thiserror::Error;
 
 pub use address::Address;
+pub use keyed::{KEYED_VERSION, Key, KeyError, KeyedGateway, Refused};
 pub use memory::{MemoryGateway, pair};
 pub use process_data::{Bit, ChannelData, DeviceData, Entry, NumberType, ProcessData};
 #[cfg(feature = "shared-memory")]
@@ -37,6 +39,11 @@ pub trait Gateway {
 
     /// Returns when a packet has arrived, or after this time.
     fn wait(&mut self, timeout: Duration);
+
+    /// What was refused for its tag; none: there is no key.
+    fn refused(&self) -> Option<Refused> {
+        None
+    }
 }
 
 /// Which end of a gateway is opened.

@@ -30,12 +30,15 @@ pub struct Terminal {
 
 impl Terminal {
     /// Takes over the terminal. `q` and Ctrl-C stop the run, the space bar starts it at once.
-    #[must_use]
-    pub fn start(dashboard: Dashboard, view: View, orders: SharedOrders) -> Self {
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn start(dashboard: Dashboard, view: View, orders: SharedOrders) -> io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&stop);
-        let thread = std::thread::spawn(move || show(&dashboard, &view, &orders, &flag));
-        Terminal { stop, thread }
+        let thread =
+            std::thread::Builder::new().spawn(move || show(&dashboard, &view, &orders, &flag))?;
+        Ok(Terminal { stop, thread })
     }
 
     /// Gives the terminal back.
@@ -67,7 +70,7 @@ fn show(
             let control = key.modifiers.contains(KeyModifiers::CONTROL);
             match key.code {
                 KeyCode::Char('q') => orders.stop(),
-                KeyCode::Char('c') if control => orders.stop(),
+                KeyCode::Char('c') if control => orders.interrupt(),
                 KeyCode::Char(' ') => orders.start(),
                 _ => {}
             }

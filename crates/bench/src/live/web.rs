@@ -2,13 +2,14 @@
 //!
 //! Two resources, on a loopback address only: `/`, the page, and `/events`, the stream. A request
 //! whose `Host` is not this address is refused, so that no foreign page reads it by a name that
-//! leads here.
+//! leads here. A request has two seconds, however its bytes come; where too many wait, the oldest
+//! gives way to a new one; and one address has half of the streams at most.
 
 use std::fmt::Write as _;
-use std::io::{self, BufRead, BufReader, Read, Write};
-use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::io::{self, Read, Write};
+use std::net::{IpAddr, Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -20,10 +21,14 @@ use crate::record::View;
 
 /// Time between two events.
 const INTERVAL: Duration = Duration::from_millis(50);
-/// Most streams at a time.
-const MOST: usize = 8;
+/// Most streams at a time, and most of one address.
+const STREAMS: (usize, usize) = (16, 8);
+/// Most connections that have not asked for anything yet.
+const WAITING: usize = 8;
 /// Longest head of a request.
-const HEAD: u64 = 8192;
+const HEAD: usize = 8192;
+/// How long a request may take, and an answer that nobody reads.
+const REQUEST: Duration = Duration::from_secs(2);
 /// How long the end of a run waits for the streams to send its last row.
 const PATIENCE: Duration = Duration::from_secs(1);
 
@@ -53,8 +58,42 @@ struct Shared {
     view: View,
     stop: AtomicBool,
     address: SocketAddr,
-    open: AtomicUsize,
-    streams: AtomicUsize,
+    /// Numbers the connections.
+    count: AtomicU64,
+    open: Mutex<Open>,
+}
+
+/// The connections that there are.
+#[derive(Debug, Default)]
+struct Open {
+    /// Those that have not asked for anything yet, the oldest first.
+    waiting: Vec<(u64, TcpStream)>,
+    /// Where the streams lead.
+    streams: Vec<IpAddr>,
+}
+
+impl Shared {
+    fn open(&self) -> MutexGuard<'_, Open> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Has a place for a stream, if there is one.
+    fn takes(&self, address: IpAddr) -> bool {
+        let streams = &mut self.open().streams;
+        let own = streams.iter().filter(|other| **other == address).count();
+        let takes = streams.len() < STREAMS.0 && own < STREAMS.1;
+        if takes {
+            streams.push(address);
+        }
+        takes
+    }
+
+    fn gives_back(&self, address: IpAddr) {
+        let streams = &mut self.open().streams;
+        if let Some(place) = streams.iter().position(|other| *other == address) {
+            streams.swap_remove(place);
+        }
+    }
 }
 
 impl Web {
@@ -72,11 +111,12 @@ impl Web {
             view,
             stop: AtomicBool::new(false),
             address,
-            open: AtomicUsize::new(0),
-            streams: AtomicUsize::new(0),
+            count: AtomicU64::new(0),
+            open: Mutex::default(),
         });
         let all = Arc::clone(&shared);
-        let thread = std::thread::spawn(move || listen(&listener, &all));
+        let thread = std::thread::Builder::new().spawn(move || listen(&listener, &all));
+        let thread = thread.map_err(failed)?;
         Ok(Web { shared, thread })
     }
 
@@ -91,7 +131,7 @@ impl Web {
         self.shared.stop.store(true, Ordering::Relaxed);
         let _ = self.thread.join();
         let begin = Instant::now();
-        while self.shared.streams.load(Ordering::Acquire) > 0 && begin.elapsed() < PATIENCE {
+        while !self.shared.open().streams.is_empty() && begin.elapsed() < PATIENCE {
             std::thread::sleep(INTERVAL / 10);
         }
     }
@@ -99,28 +139,42 @@ impl Web {
 
 fn listen(listener: &TcpListener, shared: &Arc<Shared>) {
     while !shared.stop.load(Ordering::Relaxed) {
-        let Ok((stream, _)) = listener.accept() else {
+        let Ok((stream, peer)) = listener.accept() else {
             std::thread::sleep(INTERVAL);
             continue;
         };
-        if shared.open.fetch_add(1, Ordering::Relaxed) >= MOST {
-            shared.open.fetch_sub(1, Ordering::Relaxed);
-            continue;
+        // A connection that cannot be served is closed.
+        let Ok(second) = stream.try_clone() else { continue };
+        let number = shared.count.fetch_add(1, Ordering::Relaxed);
+        {
+            let waiting = &mut shared.open().waiting;
+            if waiting.len() >= WAITING {
+                let _ = waiting.remove(0).1.shutdown(Shutdown::Both);
+            }
+            waiting.push((number, second));
         }
-        let shared = Arc::clone(shared);
-        std::thread::spawn(move || {
+        let all = Arc::clone(shared);
+        let served = std::thread::Builder::new().spawn(move || {
             // A reader that goes away is no trouble of the run.
-            let _ = answer(stream, &shared);
-            shared.open.fetch_sub(1, Ordering::Relaxed);
+            let _ = answer(stream, number, peer.ip(), &all);
+            asked(number, &all);
         });
+        if served.is_err() {
+            asked(number, shared);
+        }
     }
 }
 
-fn answer(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
+/// A connection does not wait any more.
+fn asked(number: u64, shared: &Shared) {
+    shared.open().waiting.retain(|(waiting, _)| *waiting != number);
+}
+
+fn answer(mut stream: TcpStream, number: u64, peer: IpAddr, shared: &Shared) -> io::Result<()> {
     stream.set_nonblocking(false)?;
-    stream.set_read_timeout(Some(Duration::from_secs(5)))?;
-    stream.set_write_timeout(Some(Duration::from_secs(5)))?;
-    let (path, host) = request(&stream)?;
+    stream.set_write_timeout(Some(REQUEST))?;
+    let (path, host) = request(&mut stream)?;
+    asked(number, shared);
     let port = shared.address.port();
     let ours = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
     if !host.is_some_and(|host| ours.contains(&host)) {
@@ -128,10 +182,13 @@ fn answer(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
     }
     match path.as_deref() {
         Some("/") => say(&mut stream, "200 OK", "text/html; charset=utf-8", PAGE),
+        Some("/events") if !shared.takes(peer) => {
+            let why = "so many pages are open that no other is served; close one\n";
+            say(&mut stream, "503 Service Unavailable", "text/plain", why)
+        }
         Some("/events") => {
-            shared.streams.fetch_add(1, Ordering::AcqRel);
             let sent = events(&mut stream, shared);
-            shared.streams.fetch_sub(1, Ordering::AcqRel);
+            shared.gives_back(peer);
             sent
         }
         _ => say(&mut stream, "404 Not Found", "text/plain", "there is / and /events\n"),
@@ -139,23 +196,29 @@ fn answer(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
 }
 
 /// Path of a GET request, and its host.
-fn request(stream: &TcpStream) -> io::Result<(Option<String>, Option<String>)> {
-    let mut lines = BufReader::new(stream.take(HEAD)).lines();
-    let first = lines.next().transpose()?.unwrap_or_default();
-    let mut words = first.split(' ');
-    let path = (words.next() == Some("GET")).then(|| words.next().map(str::to_owned)).flatten();
-    let mut host = None;
-    for line in lines {
-        let line = line?;
-        if line.is_empty() {
-            break;
+fn request(stream: &mut TcpStream) -> io::Result<(Option<String>, Option<String>)> {
+    let begin = Instant::now();
+    let (mut head, mut piece) = (Vec::new(), [0; 1024]);
+    let is_whole = |head: &[u8]| head.windows(4).any(|end| end == b"\r\n\r\n");
+    while !is_whole(&head) {
+        let left = REQUEST.saturating_sub(begin.elapsed());
+        if left.is_zero() || head.len() > HEAD {
+            return Err(io::ErrorKind::TimedOut.into());
         }
-        if let Some((name, value)) = line.split_once(':')
-            && name.eq_ignore_ascii_case("host")
-        {
-            host = Some(value.trim().to_owned());
+        stream.set_read_timeout(Some(left))?;
+        match stream.read(&mut piece)? {
+            0 => break,
+            count => head.extend_from_slice(&piece[..count]),
         }
     }
+    let head = String::from_utf8_lossy(&head);
+    let mut lines = head.lines();
+    let mut words = lines.next().unwrap_or_default().split(' ');
+    let path = (words.next() == Some("GET")).then(|| words.next().map(str::to_owned)).flatten();
+    let host = lines.take_while(|line| !line.is_empty()).find_map(|line| {
+        let (name, value) = line.split_once(':')?;
+        name.eq_ignore_ascii_case("host").then(|| value.trim().to_owned())
+    });
     Ok((path, host))
 }
 
@@ -224,6 +287,8 @@ fn event(dashboard: &Dashboard, latest: &crate::record::Latest) -> serde_json::V
 
 #[cfg(test)]
 mod tests {
+    use std::io::{BufRead, BufReader};
+
     use super::*;
     use crate::cycle::columns;
     use crate::record::Recorder;
@@ -240,7 +305,7 @@ mod tests {
     fn it_serves_the_page_and_the_stream_to_this_computer() {
         let axis = |word: &str| [(format!("{word}[1]"), Some("um".to_owned()))];
         let columns = columns(&axis("reference"), &axis("position"), &axis("command"));
-        let (recorder, mut ring) = Recorder::start(None, columns.len(), 100);
+        let (recorder, mut ring) = Recorder::start(None, columns.len(), 100).unwrap();
         let view = recorder.view().clone();
         let web = Web::start(Dashboard::new(&columns), view, 0).unwrap();
         assert!(web.shared.address.ip().is_loopback());
@@ -258,12 +323,38 @@ mod tests {
         web.finish();
     }
 
+    /// Those that drip keep nobody away, and have two seconds.
+    #[test]
+    fn slow_connections_give_way() {
+        let (recorder, _ring) = Recorder::start(None, 1, 100).unwrap();
+        let web = Web::start(Dashboard::new(&[]), recorder.view().clone(), 0).unwrap();
+        let (address, host) = (web.shared.address, web.shared.address.to_string());
+        let mut slow: Vec<TcpStream> =
+            (0..3 * WAITING).map(|_| TcpStream::connect(address).unwrap()).collect();
+        let begin = Instant::now();
+        assert!(get(address, "/", &host).starts_with("HTTP/1.1 200"));
+        assert!(begin.elapsed() < REQUEST);
+        let last = slow.last_mut().unwrap();
+        let is_open = |stream: &mut TcpStream| stream.write_all(b"G").is_ok();
+        while is_open(last) && begin.elapsed() < 3 * REQUEST {
+            std::thread::sleep(INTERVAL);
+        }
+        assert!(begin.elapsed() < 2 * REQUEST, "{:?}", begin.elapsed());
+        // One address does not take all streams.
+        let peer = IpAddr::from(Ipv4Addr::LOCALHOST);
+        assert_eq!((0..STREAMS.0).filter(|_| web.shared.takes(peer)).count(), STREAMS.1);
+        assert!(get(address, "/events", &host).starts_with("HTTP/1.1 503"));
+        (0..STREAMS.1).for_each(|_| web.shared.gives_back(peer));
+        recorder.finish().unwrap();
+        web.finish();
+    }
+
     /// The process ends after `finish`, and its threads with it.
     #[test]
     fn the_last_row_has_been_sent_when_it_has_finished() {
         let axis = |word: &str| [(format!("{word}[1]"), Some("um".to_owned()))];
         let columns = columns(&axis("reference"), &axis("position"), &axis("command"));
-        let (recorder, mut ring) = Recorder::start(None, columns.len(), 100);
+        let (recorder, mut ring) = Recorder::start(None, columns.len(), 100).unwrap();
         let web = Web::start(Dashboard::new(&columns), recorder.view().clone(), 0).unwrap();
         let mut stream = TcpStream::connect(web.shared.address).unwrap();
         write!(stream, "GET /events HTTP/1.1\r\nHost: {}\r\n\r\n", web.shared.address).unwrap();

@@ -1,5 +1,6 @@
 //! The thread behind the ring buffer.
 
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -76,15 +77,21 @@ pub struct Recorded {
 impl Recorder {
     /// Starts the thread. `width`: values of a row; `depth`: rows that the ring holds. The other
     /// end of the ring is for the cycle.
-    #[must_use]
-    pub fn start(journal: Option<Journal>, width: usize, depth: usize) -> (Self, Producer<f64>) {
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn start(
+        journal: Option<Journal>,
+        width: usize,
+        depth: usize,
+    ) -> io::Result<(Self, Producer<f64>)> {
         let (producer, consumer) = RingBuffer::new(width.max(1) * depth.max(1));
         let stop = Arc::new(AtomicBool::new(false));
         let view = View::default();
         let (flag, window) = (Arc::clone(&stop), view.clone());
-        let thread =
-            std::thread::spawn(move || empty(consumer, journal, width.max(1), &flag, &window));
-        (Recorder { stop, thread, view }, producer)
+        let thread = std::thread::Builder::new()
+            .spawn(move || empty(consumer, journal, width.max(1), &flag, &window))?;
+        Ok((Recorder { stop, thread, view }, producer))
     }
 
     /// The window on the latest rows.
@@ -144,7 +151,7 @@ mod tests {
 
     #[test]
     fn every_row_arrives_in_order() {
-        let (recorder, mut ring) = Recorder::start(None, 2, 100_000);
+        let (recorder, mut ring) = Recorder::start(None, 2, 100_000).unwrap();
         for k in 0..10_000 {
             ring.push(f64::from(k)).unwrap();
             ring.push(-f64::from(k)).unwrap();

@@ -4,13 +4,13 @@ mod latency;
 mod orders;
 
 pub use latency::{Latency, Percentiles};
-pub use orders::{SharedOrders, on_signals};
+pub use orders::SharedOrders;
 
 use rtrb::Producer;
 
 use crate::clock::{now_ns, thread_time_ns, wait_until};
 use crate::cycle::{Cycle, Orders, Tick};
-use crate::gateway::Gateway;
+use crate::gateway::{Gateway, Refused};
 use crate::receive::Counters;
 use crate::safety::{Memory, Reason, State};
 
@@ -37,6 +37,8 @@ pub struct Outcome {
     /// Why.
     #[serde(serialize_with = "as_text")]
     pub reason: Reason,
+    /// Whether the last command was the safe value; not after a third interruption.
+    pub at_rest: bool,
     /// Cycles that ran.
     pub cycles: u64,
     /// Cycles that ended after the next deadline.
@@ -47,6 +49,8 @@ pub struct Outcome {
     pub unrecorded: u64,
     /// Packets that the gateway did not take.
     pub unsent: u64,
+    /// Packets that were refused for their tags; none: the gateway has no key.
+    pub keyed: Option<Refused>,
     /// Cycles times axes in which a command was limited.
     pub clipped: u64,
     /// Packets from the machine.
@@ -108,11 +112,14 @@ pub fn run(
         pace.done(cycle.round_trip_ns());
         let ends = matches!(memory.state, State::Safe | State::Fault) && cycle.at_rest();
         goodbye = if ends { goodbye + 1 } else { 0 };
-        if goodbye > GOODBYE {
+        if goodbye > GOODBYE || orders.leaves() {
             break;
         }
     }
-    outcome(cycle, &pace, waits.lonely(settings), unrecorded)
+    Outcome {
+        keyed: gateway.refused(),
+        ..outcome(cycle, &pace, waits.lonely(settings), unrecorded)
+    }
 }
 
 fn outcome(cycle: &Cycle, pace: &Pace, lonely: bool, unrecorded: u64) -> Outcome {
@@ -120,10 +127,12 @@ fn outcome(cycle: &Cycle, pace: &Pace, lonely: bool, unrecorded: u64) -> Outcome
     Outcome {
         state,
         reason: if lonely { Reason::SampleLost } else { reason },
+        at_rest: cycle.at_rest(),
         cycles: pace.cycles,
         overruns: pace.overruns,
         skipped: pace.skipped,
         unrecorded,
+        keyed: None,
         unsent: cycle.unsent(),
         clipped: cycle.clipped(),
         measurements: *cycle.counters(),

@@ -1,18 +1,18 @@
-//! Orders from other threads and from signals, without a lock.
+//! Orders from other threads, without a lock.
 
-use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::cycle::Orders;
+
+/// Interruptions after which the runner does not wait for the command to be at its safe value.
+const LEAVES: usize = 3;
 
 /// Orders that any thread may give.
 #[derive(Clone, Debug, Default)]
 pub struct SharedOrders {
     start: Arc<AtomicBool>,
-    stop: Arc<AtomicBool>,
+    stops: Arc<AtomicUsize>,
 }
 
 impl SharedOrders {
@@ -23,31 +23,23 @@ impl SharedOrders {
 
     /// To go to the safe state and end.
     pub fn stop(&self) {
-        self.stop.store(true, Ordering::Relaxed);
+        self.stops.fetch_max(1, Ordering::Relaxed);
     }
 
-    /// The flag of [`stop`](Self::stop).
-    #[must_use]
-    pub fn stop_flag(&self) -> &Arc<AtomicBool> {
-        &self.stop
+    /// The same, by Ctrl-C or a signal: the third one ends the run wherever the command is.
+    pub fn interrupt(&self) {
+        self.stops.fetch_add(1, Ordering::Relaxed);
+    }
+
+    pub(super) fn leaves(&self) -> bool {
+        self.stops.load(Ordering::Relaxed) >= LEAVES
     }
 
     pub(super) fn read(&self) -> Orders {
         Orders {
             start: self.start.load(Ordering::Relaxed),
-            stop: self.stop.load(Ordering::Relaxed),
+            stop: self.stops.load(Ordering::Relaxed) > 0,
             reset: false,
         }
     }
-}
-
-/// Lets Ctrl-C, SIGTERM and SIGHUP set a flag.
-///
-/// # Errors
-/// What the operating system says.
-pub fn on_signals(flag: &Arc<AtomicBool>) -> io::Result<()> {
-    for signal in [SIGINT, SIGTERM, SIGHUP] {
-        signal_hook::flag::register(signal, Arc::clone(flag))?;
-    }
-    Ok(())
 }

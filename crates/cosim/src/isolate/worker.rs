@@ -34,7 +34,8 @@ pub fn serve() -> io::Result<()> {
 fn end_with_parent() {
     use std::os::unix::process::parent_id;
     let parent = parent_id();
-    std::thread::spawn(move || {
+    // Where the system gives no thread for it, the FMU runs all the same; a master that ends hangs up.
+    let _ = std::thread::Builder::new().spawn(move || {
         while parent_id() == parent {
             std::thread::sleep(std::time::Duration::from_millis(500));
         }

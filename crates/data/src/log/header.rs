@@ -128,7 +128,8 @@ impl Context<'_> {
 
     /// Name of the column of time.
     fn time_name(&self) -> &str {
-        self.datasets.iter().find_map(|d| d.time_column.as_deref()).unwrap_or("time")
+        let in_dataset = || self.datasets.iter().find_map(|d| d.time_column.as_deref());
+        self.options.time.as_deref().or_else(in_dataset).unwrap_or("time")
     }
 
     /// The columns that the header names, and everything that is wrong with them.

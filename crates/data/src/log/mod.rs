@@ -128,6 +128,8 @@ pub struct Record {
 pub struct ReadOptions {
     /// Sample rate in Hz, for logs without a column of time or with a column of row numbers.
     pub rate: Option<f64>,
+    /// The column of time, before what a dataset names.
+    pub time: Option<String>,
     /// Units by column, as texts; they go before those of the file.
     pub units: BTreeMap<String, String>,
     /// Which group of a measurement file (MDF, TDMS) or which length of arrays (MAT, npz) is the

@@ -74,12 +74,18 @@ impl LogWriter {
         let is_pipe = std::fs::metadata(path).is_ok_and(|found| !found.is_file());
         let sidecar = if units == UnitPlace::Sidecar && !is_pipe {
             let path = dataset::sidecar_of(path);
-            let begun = keep_foreign(&path).and_then(|()| WholeFile::create(&path));
-            let begun = begun.and_then(|mut sidecar| {
-                sidecar.write_all(sidecar_text(columns).as_bytes())?;
-                Ok(sidecar)
-            });
-            Some(begun.map_err(|error| unwritable(&path, &error))?)
+            let text = sidecar_text(columns);
+            // One that says the same already stays: it may describe what is read.
+            if std::fs::read_to_string(&path).is_ok_and(|there| there == text) {
+                None
+            } else {
+                let begun = keep_foreign(&path).and_then(|()| WholeFile::create(&path));
+                let begun = begun.and_then(|mut sidecar| {
+                    sidecar.write_all(text.as_bytes())?;
+                    Ok(sidecar)
+                });
+                Some(begun.map_err(|error| unwritable(&path, &error))?)
+            }
         } else {
             None
         };

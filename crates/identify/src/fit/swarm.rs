@@ -135,11 +135,20 @@ pub(crate) fn side_by_side(
         let work = |part: &[Vec<f64>]| part.iter().map(|x| cost(x)).collect::<Vec<_>>();
         let mut parts = particles.chunks(share);
         let first = parts.next();
-        let others: Vec<_> = parts.map(|part| scope.spawn(move || work(part))).collect();
+        let others: Vec<_> = parts
+            .map(|part| {
+                let spawned = std::thread::Builder::new().spawn_scoped(scope, move || work(part));
+                (part, spawned)
+            })
+            .collect();
         let mut all = first.map(work).unwrap_or_default();
-        for other in others {
-            // A thread ends early only by a panic, which is a fault of ours: pass it on.
-            all.extend(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        for (part, other) in others {
+            all.extend(match other {
+                // A thread ends early only by a panic, which is a fault of ours: pass it on.
+                Ok(other) => other.join().unwrap_or_else(|p| std::panic::resume_unwind(p)),
+                // The system gives no more threads: this one does the work.
+                Err(_) => work(part),
+            });
         }
         all
     })

@@ -272,8 +272,11 @@ pub fn choose(
 ) -> Result<(Vec<(usize, Choice)>, usize), Error> {
     let mut tried: Vec<(usize, Choice)> = Vec::new();
     let mut last = None;
+    let threads = numerics::threads::pool(0)
+        .map_err(|_| Error::no_solution("the system gives this program no thread"))?;
     for pairs in 1..=most.max(1) {
-        match fit_with_delay(measured, domain, &RationalSettings { pairs, ..*settings }) {
+        let settings = RationalSettings { pairs, ..*settings };
+        match threads.install(|| fit_with_delay(measured, domain, &settings)) {
             Ok(choice) => tried.push((pairs, choice)),
             Err(error) => last = Some(error),
         }

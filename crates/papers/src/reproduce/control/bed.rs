@@ -87,6 +87,10 @@ impl Bed {
     /// # Errors
     /// What the FMU reports.
     pub fn rest(&mut self, commands: &[f64], period: f64) -> anyhow::Result<Vec<f64>> {
+        let experiment = self.machine.description().default_experiment.as_ref();
+        if let Some(inner) = experiment.and_then(|e| e.step_size) {
+            data::inner_steps::check(period, inner).map_err(anyhow::Error::msg)?;
+        }
         self.slave.reset()?;
         self.slave.setup(&Experiment { start: 0.0, stop: None, tolerance: None })?;
         for (axis, value) in (1..).zip(commands) {
