@@ -139,6 +139,60 @@ fn sigterm_ends_in_the_safe_state_with_the_record_complete() {
     assert_eq!(log.column("bench.state").unwrap().values.last(), Some(&4.0));
 }
 
+/// At 1e-6 V/s the safe value is months away.
+#[test]
+fn the_third_interruption_ends_a_run_wherever_its_command_is() {
+    let (folder, port) = (stage(60.0), port());
+    let plan = std::fs::read_to_string(folder.path().join("plan.toml")).unwrap();
+    let plan = plan.replace("safe_rate = 100", "safe_rate = 1e-6");
+    std::fs::write(folder.path().join("plan.toml"), plan).unwrap();
+    let _machine = machine(port, &[], folder.path());
+    let gateway = format!("udp://127.0.0.1:{port}");
+    let call = ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway];
+    let mut runner = Process::tool(&call, folder.path());
+    std::thread::sleep(Duration::from_millis(1500));
+    for signal in ["-INT", "-TERM"] {
+        runner.signal(signal);
+        std::thread::sleep(Duration::from_millis(300));
+        assert!(runner.child.try_wait().unwrap().is_none(), "it waits for the safe value");
+    }
+    runner.signal("-INT");
+    let (said, _) = runner.end();
+    assert!(said.contains("state safe: somebody stopped it"), "{said}");
+    assert!(said.contains("a third interruption ended the run"), "{said}");
+}
+
+#[test]
+fn with_a_key_only_its_holder_is_believed() {
+    let (folder, port) = (stage(0.5), port());
+    let at = folder.path();
+    std::fs::write(at.join("a.key"), "0123456789abcdef").unwrap();
+    std::fs::write(at.join("b.key"), "0123456789abcdeF").unwrap();
+    let keyed = machine(port, &["--key", "a.key"], at);
+    assert!(keyed.first.contains("HMAC-SHA-256") && keyed.first.contains("us per cycle"));
+    for wrong in [&["--key", "b.key"][..], &[]] {
+        let plan = std::fs::read_to_string(at.join("plan.toml")).unwrap();
+        std::fs::write(at.join("plan.toml"), plan.replace("patience = 20", "patience = 0.5"))
+            .unwrap();
+        let (answer, code) = run(port, wrong, at);
+        assert_eq!((code, answer["measurements"]["used"].as_u64()), (Some(1), Some(0)), "{answer}");
+        std::fs::write(at.join("plan.toml"), plan).unwrap();
+    }
+    let (answer, code) = run(port, &["--key", "a.key"], at);
+    println!("{answer:#}");
+    assert_eq!(
+        (code, answer["reason"].as_str()),
+        (Some(0), Some("the plan has ended")),
+        "{answer}"
+    );
+    assert_eq!(answer["keyed"]["forged"], 0);
+    keyed.signal("-TERM");
+    let (said, _) = keyed.end();
+    assert!(said.contains("packets without a right tag"), "{said}");
+    let far = ["bench", "run", "--plan", "plan.toml", "--gateway", "shm://x", "--key", "a.key"];
+    assert!(refuse(&far, at).contains("--key goes with udp://"));
+}
+
 #[test]
 fn a_dead_machine_is_a_fault_of_the_run() {
     let (folder, port) = (stage(60.0), port());

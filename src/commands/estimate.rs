@@ -146,9 +146,6 @@ impl Estimate {
         for out in self.out.iter().chain(&self.fmu) {
             inputs::can_write(out)?;
         }
-        if let (Some(out), Some(fmu)) = (&self.out, &self.fmu) {
-            inputs::not_over(out, &[fmu])?;
-        }
         let mut opened = fmus::open_in(&self.model, self.isolation.worker()?.as_ref())?;
         simulate::configure(self.fixed.iter().map(String::as_str), &mut opened.fmu)?;
         let fmu = &opened.fmu;

@@ -159,7 +159,7 @@ impl System {
             return screen.show(&self.export(&plan, ssp)?);
         }
         let read: Vec<&Path> = self.input.iter().map(PathBuf::as_path).collect();
-        self.page.not_over(&[&read[..], &[self.file.as_path()]].concat())?;
+        self.page.can_write()?;
         let result = self.simulate(&plan, screen)?;
         let file = |what, file| (what, file);
         let files: Vec<(&str, &Path)> = std::iter::once(file("system", self.file.as_path()))

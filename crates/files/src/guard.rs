@@ -38,7 +38,7 @@ pub(crate) fn may_write(target: &Path) -> io::Result<()> {
     let refuse = |rule: &str| Err(io::Error::new(io::ErrorKind::InvalidInput, rule));
     if call.twice.contains(&path) {
         return refuse(
-            "is named twice in this call; an output is no input and no other output, so give each a file of its own",
+            "is named twice in this call; an output is no input and no other output: give another file, as with -o FILE",
         );
     }
     if call.read.contains(&path) && !call.written.contains(&path) {

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 
 use bench::campaign::Campaign;
 use bench::emulate::Script;
-use bench::record::JournalReader;
 use cosim::Plan;
 use data::{Blueprint, Log, ReadOptions};
 use modeldescription::package::{Limits, PackageBuilder};
@@ -49,7 +48,6 @@ pub const TARGETS: &[Target] = &[
     target("blueprint", Kind::Text, "toml", blueprint),
     target("system-plan", Kind::Text, "toml", system_plan),
     target("bench-plan", Kind::Text, "toml", bench_plan),
-    target("bench-journal", Kind::Binary, "journal", bench_journal),
     target("log-csv", Kind::Text, "csv", log),
     target("log-parquet", Kind::Binary, "parquet", log),
     target("log-mat", Kind::Binary, "mat", log),
@@ -252,27 +250,6 @@ fn bench_plan(input: &[u8], _: &Path) -> String {
     match faults.is_empty() || campaign.is_empty() || plan.is_empty() {
         true => String::new(),
         false => faults + &campaign + &plan,
-    }
-}
-
-/// A journal gives whole rows of as many values as it has columns.
-fn bench_journal(_: &[u8], file: &Path) -> String {
-    let mut journal = match JournalReader::open(file) {
-        Ok(journal) => journal,
-        Err(error) => return error.to_string(),
-    };
-    let width = journal.about().columns.len().max(1);
-    let mut rows = 0;
-    loop {
-        match journal.block() {
-            Ok(Some(block)) => {
-                assert!(block.len().is_multiple_of(width));
-                rows += block.len() / width;
-            }
-            Ok(None) if journal.broken() > 0 => return format!("breaks off behind row {rows}"),
-            Ok(None) => return String::new(),
-            Err(error) => return error.to_string(),
-        }
     }
 }
 

@@ -104,7 +104,7 @@ pub enum PacketError {
     #[error("the packet's checksum is wrong")]
     Checksum,
     /// A good checksum, but another version of the layout.
-    #[error("the packet has version {0}; this program speaks version 1")]
+    #[error("the packet has version {0}; this program speaks version 1, and 2 with --key FILE")]
     Version(u8),
     /// A good checksum, but not of the kind that is waited for.
     #[error("the packet is of kind {0}; runner and machine must not be swapped")]
