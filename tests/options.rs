@@ -1,6 +1,7 @@
 //! Every option of every command with every hostile number: an answer within seconds, never a panic, an
 //! abort or a hang. The options come from the tool's own tree of commands, so that new ones are in it.
 #![cfg(unix)]
+#![allow(clippy::print_stdout)]
 
 mod common;
 
