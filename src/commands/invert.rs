@@ -1,7 +1,7 @@
 //! `piezoloop invert`: plant blueprint → controller blueprint.
 
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
