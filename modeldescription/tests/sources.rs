@@ -40,9 +40,12 @@ fn sources_alone_are_an_fmu() {
     assert_eq!(found(FmiVersion::V2, &files), "");
 }
 
+/// Version of FMI, the files under sources/ with their texts, and what is said.
+type Case<'a> = (FmiVersion, &'a [(&'a str, &'a str)], &'a str);
+
 #[test]
 fn what_a_compiler_would_miss_is_named() {
-    let cases: &[(FmiVersion, &[(&str, &str)], &str)] = &[
+    let cases: &[Case] = &[
         (FmiVersion::V2, &[("other.c", "")], "sources/fmu.c"),
         (FmiVersion::V2, &[("fmu.c", "#include \"a.h\"")], "includes \"a.h\", which is not there"),
         (FmiVersion::V2, &[("fmu.c", "#include \"../../a.h\"")], "which is not there"),

@@ -184,7 +184,7 @@ impl Log {
     /// Every [`Problem`] of the file, up to 20, and how many more there are.
     pub fn read(path: &Path, options: &ReadOptions) -> Result<Self, Problems> {
         files::note_read(path);
-        text::file(path, options)?.as_asked(options)
+        text::file(path, options)?.resolved_by(options)
     }
 
     /// Reads a text, with nothing beside it; `origin` is what messages call it.
@@ -192,11 +192,11 @@ impl Log {
     /// # Errors
     /// As [`read`](Self::read).
     pub fn parse(bytes: &[u8], origin: &str, options: &ReadOptions) -> Result<Self, Problems> {
-        text::text(bytes, origin, options)?.as_asked(options)
+        text::text(bytes, origin, options)?.resolved_by(options)
     }
 
     /// With rounded times mended, and on uniform times where these are asked for.
-    fn as_asked(self, options: &ReadOptions) -> Result<Self, Problems> {
+    fn resolved_by(self, options: &ReadOptions) -> Result<Self, Problems> {
         let log = self.undo_rounding();
         match options.resample.filter(|_| !log.remarks.is_joined) {
             Some(resample) => log.resampled(resample),
