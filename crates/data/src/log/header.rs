@@ -212,7 +212,8 @@ impl Context<'_> {
             return None;
         }
         if self.options.rate.is_some() {
-            let first = named.first().map_or("", |(name, _)| name);
+            // A binary file has no column of row numbers; what is called t there stays a signal.
+            let first = named.first().filter(|_| self.line.is_some()).map_or("", |(name, _)| name);
             return time_column::of_name(first).map(|_| 0);
         }
         let kinds = self.layout.map_or(&[][..], |layout| &layout.kinds);

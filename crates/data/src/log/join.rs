@@ -155,6 +155,7 @@ pub(super) fn groups(
             if is_held {
                 held.push(name.clone());
             }
+            joined.names.added(&name, joined.columns.len());
             joined.columns.push(Column { name, values, ..column.clone() });
         }
         joined.remarks.notes.extend(log.remarks.notes);
