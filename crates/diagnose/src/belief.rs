@@ -39,6 +39,8 @@ const REPAIRED: f64 = 30.0;
 pub(crate) struct Belief {
     pub(crate) family: usize,
     pub(crate) probability: f64,
+    /// What it leaves over the noise, in powers of the noise.
+    pub(crate) left: f64,
 }
 
 /// What beliefs are formed from beside the candidates.
@@ -103,7 +105,11 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
     let mut all: Vec<Belief> = fitted
         .iter()
         .zip(weights)
-        .map(|((family, _), w)| Belief { family: *family, probability: known * w / total })
+        .map(|((family, c), w)| Belief {
+            family: *family,
+            probability: known * w / total,
+            left: excess(c) + SEEN,
+        })
         .collect();
     all.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.family.cmp(&b.family)));
     all
@@ -138,9 +144,26 @@ pub(crate) fn is_effect(sight: &Sight<'_>, own: &Candidate, alone: f64) -> f64 {
 /// How far a name can be trusted by what it leaves: its probability, or that of its group where the group
 /// is what the data can tell, over what it would have if nothing were left.
 pub(crate) fn trust(library: &[Family], beliefs: &[Belief], family: usize) -> f64 {
+    trust_with(library, beliefs, family, |_| false)
+}
+
+/// The trust in a single effect and all names that leave alike: one of them is the answer, and the set says so.
+pub(crate) fn trust_of_alike(library: &[Family], beliefs: &[Belief], family: usize) -> f64 {
+    let own = beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.left);
+    let is_alike = |b: &Belief| b.left < ALIKE * own && own < ALIKE * b.left;
+    trust_with(library, beliefs, family, is_alike)
+}
+
+fn trust_with(
+    library: &[Family],
+    beliefs: &[Belief],
+    family: usize,
+    is_alike: impl Fn(&Belief) -> bool,
+) -> f64 {
     let group = library[family].effect.group;
     let is_with = |b: &&Belief| {
-        b.family == family || (group.is_some() && library[b.family].effect.group == group)
+        let is_of_group = group.is_some() && library[b.family].effect.group == group;
+        b.family == family || is_of_group || is_alike(b)
     };
     let sum: f64 = beliefs.iter().map(|b| b.probability).sum();
     let most: f64 = beliefs.iter().map(|b| prior(library, b.family) * b.probability).sum();

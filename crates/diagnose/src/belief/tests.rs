@@ -56,7 +56,11 @@ fn odds(all: &[(usize, f64)], of: usize, to: usize) -> f64 {
 
 fn believe(all: &[(usize, f64)]) -> Vec<Belief> {
     all.iter()
-        .map(|(family, probability)| Belief { family: *family, probability: *probability })
+        .map(|(family, probability)| Belief {
+            family: *family,
+            probability: *probability,
+            left: 1.0,
+        })
         .collect()
 }
 
@@ -233,4 +237,15 @@ fn the_set_is_the_smallest_that_reaches_95_per_cent_of_what_is_known() {
     // Exactly 0.95 is enough.
     assert_eq!(set(&believe(&[(7, 0.95), (1, 0.05)])), [7]);
     assert!(set(&[]).is_empty());
+}
+
+#[test]
+fn names_that_leave_alike_are_trusted_together() {
+    let library = library();
+    let of = |family, probability, left| Belief { family, probability, left };
+    // Clock offset, quantisation and creep are of no group with each other.
+    let found = [of(1, 0.2, 1.0), of(3, 0.2, 1.2), of(4, 0.2, 1.3)];
+    let single = trust(&library, &found, 1);
+    close(trust_of_alike(&library, &found, 1), 2.0 * single);
+    close(trust_of_alike(&library, &found, 3), 3.0 * trust(&library, &found, 3));
 }

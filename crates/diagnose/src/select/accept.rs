@@ -246,8 +246,17 @@ impl Search<'_> {
             best = self.most_probable(&sight, rivals, best);
             let trust = |slot: usize| {
                 let family = best.picks[slot].0;
-                let beliefs = belief::beliefs(&sight, &rivals[slot], &best);
-                belief::trust(self.library, &beliefs, family)
+                if best.picks.len() > 1 {
+                    let beliefs = belief::beliefs(&sight, &rivals[slot], &best);
+                    return belief::trust(self.library, &beliefs, family);
+                }
+                // Those that leave alike stand in the set together, and what the best of them leaves says
+                // whether it is one of them.
+                let fitted = rivals[slot].iter().filter_map(|l| l.best.as_ref());
+                let alone = fitted.filter(|c| c.picks.len() == 1);
+                let top = alone.min_by(|a, b| a.rank.total_cmp(&b.rank)).unwrap_or(&best);
+                let beliefs = belief::beliefs(&sight, &rivals[slot], top);
+                belief::trust_of_alike(self.library, &beliefs, family)
             };
             let worst = (0..best.picks.len())
                 .map(|slot| (slot, trust(slot)))
