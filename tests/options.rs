@@ -20,7 +20,7 @@ const HOSTILE: [&str; 7] = ["0", "-1", "NaN", "inf", "1e300", "18446744073709551
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// Small arguments with which each command works; `None`: it has no options that take values.
-const SMALL: [(&str, Option<&str>); 28] = [
+const SMALL: [(&str, Option<&str>); 29] = [
     ("", Some("log in.csv")),
     (
         "identify",
@@ -59,6 +59,7 @@ const SMALL: [(&str, Option<&str>); 28] = [
     ("demo", Some("demo --report .")),
     ("diagnose", Some("diagnose --model plant.toml --log in.csv --max-effects 1 --threads 1")),
     ("gap-bench", Some("gap-bench --cases single/creep:1 --short --tool /bin/false")),
+    ("gap-bench real", Some("gap-bench real nowhere")),
     ("reproduce", Some("reproduce none")),
     ("man", Some("man --out pages")),
 ];

@@ -168,10 +168,10 @@ fn a_second_call_writes_the_same_and_streams_are_guarded() {
 fn the_column_of_time_is_named_by_map() {
     let folder = folder();
     let at = folder.path();
-    fs::write(at.join("t.csv"), LOG.replacen("time", "clock", 1)).unwrap();
+    fs::write(at.join("t.csv"), LOG.replacen("time [s]", "abscissa", 1)).unwrap();
     let said = refuse(&["log", "t.csv"], at);
     assert!(said.contains("time"), "{said}");
-    let told = common::piezoloop(&["log", "t.csv", "--map", "time=clock"], at);
+    let told = common::piezoloop(&["log", "t.csv", "--map", "time=abscissa"], at);
     assert!(String::from_utf8_lossy(&told.stdout).contains("1000 Hz"), "{told:?}");
     // A name that is nearly one of a file beside it, and an option before its command.
     let said = refuse(&["log", "tt.csv"], at);

@@ -3,11 +3,17 @@
 
 mod common;
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use cosim::{Drive, Fmu, HOST, InstanceOptions, Memory, Signals, simulate_with_inputs};
 use modeldescription::FmiVersion;
+
+/// A wrong pointer from a thread of the FMU's own is taken for the only instance there is, so tests run one by one.
+fn alone() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 type Heard = Arc<Mutex<Vec<(String, String)>>>;
 
@@ -52,16 +58,19 @@ fn a_stranger_runs(version: FmiVersion) {
 
 #[test]
 fn a_foreign_environment_pointer_is_never_followed() {
+    let _turn = alone();
     a_stranger_runs(FmiVersion::V2);
 }
 
 #[test]
 fn a_foreign_environment_pointer_is_never_followed_in_fmi_3() {
+    let _turn = alone();
     a_stranger_runs(FmiVersion::V3);
 }
 
 #[test]
 fn of_two_instances_each_hears_its_own() {
+    let _turn = alone();
     let fmus = fmus_or_skip!();
     let fmu = Fmu::open(fmus.pack("stranger", &common::stranger(FmiVersion::V2))).unwrap();
     let (a, b) = (Heard::default(), Heard::default());
@@ -82,6 +91,7 @@ fn of_two_instances_each_hears_its_own() {
 
 #[test]
 fn instances_come_and_go_without_growth() {
+    let _turn = alone();
     let fmus = fmus_or_skip!();
     let fmu = Fmu::open(fmus.pack("bare", &common::bare())).unwrap();
     let resident = || {

@@ -444,3 +444,11 @@ fn damaged_texts_never_panic() {
         }
     }
 }
+
+#[test]
+fn blanks_between_cells_do_not_make_commas_of_decimal_points() {
+    let options =
+        ReadOptions { columns: vec!["time".into(), "y".into()], ..ReadOptions::default() };
+    let log = read_with("0 1.5\n1 2\n3 4\n", &options).unwrap();
+    assert_eq!(log.column("y").unwrap().values, [1.5, 2.0, 4.0]);
+}

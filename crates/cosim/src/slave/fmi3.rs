@@ -41,8 +41,9 @@ pub(crate) struct Fmi3Slave {
     has_events: bool,
     /// Initialization has ended.
     steps: bool,
-    /// It has been told that a whole number does not fit into a double.
-    is_rounded: bool,
+    /// Value reference and type of the first whole number that did not fit into a double; it is told when the run
+    /// ends, as messages take a lock.
+    rounded: Option<(u32, DataType)>,
     /// It may return early from a step.
     returns_early: bool,
     /// It has asked for the end when initialization ended, at this time.
@@ -70,7 +71,7 @@ impl Fmi3Slave {
             snapshots: HashMap::new(),
             has_events: false,
             steps: false,
-            is_rounded: false,
+            rounded: None,
             returns_early: false,
             ended: None,
         };
@@ -256,15 +257,8 @@ impl Slave for Fmi3Slave {
                 values.iter_mut().zip(flags).for_each(|(value, flag)| *value = flag);
             } else {
                 let inexact = get_other(instance, run.data_type, references, values)?;
-                if let Some(place) = inexact.filter(|_| !self.is_rounded) {
-                    self.is_rounded = true;
-                    let variable = selection.names().get(run.range.start + place);
-                    let variable = variable.map(String::as_str).unwrap_or_default();
-                    instance.log().remark(format!(
-                        "variable `{variable}` of type {} has a value beyond 2^53, which connections and \
-                         records carry rounded to a double",
-                        run.data_type.name()
-                    ));
+                if let (Some(place), None) = (inexact, self.rounded) {
+                    self.rounded = references.get(place).map(|at| (*at, run.data_type));
                 }
             }
         }
@@ -281,6 +275,15 @@ impl Slave for Fmi3Slave {
     }
 
     fn terminate(&mut self) -> Result<(), Error> {
+        if let Some((reference, data_type)) = self.rounded.take() {
+            let found = self.description.variables.iter().find(|v| v.value_reference == reference);
+            let variable = found.map(|v| v.name.clone()).unwrap_or_default();
+            self.instance()?.log().remark(format!(
+                "variable `{variable}` of type {} has a value beyond 2^53, which connections and records carry \
+                 rounded to a double",
+                data_type.name()
+            ));
+        }
         match self.instance()?.terminate() {
             // Without the function there is nothing to end.
             Ok(()) | Err(ImportError::MissingFunction { .. }) => Ok(()),

@@ -98,13 +98,13 @@ impl Log {
         messages.push_back(message);
     }
 
-    /// Notes, without a lock, that a call returned *Warning*.
-    /// What the host has to say of this FMU.
+    /// What the host has to say of this FMU; not to be called in a cycle.
     pub fn remark(&self, text: String) {
         let (status, category) = (Status::Warning, super::host::HOST.to_owned());
         self.push(Message { status, category, text });
     }
 
+    /// Notes, without a lock, that a call returned *Warning*.
     pub(super) fn has_warned(&self, is_step: bool) {
         self.warnings[usize::from(!is_step)].fetch_add(1, Ordering::Relaxed);
     }

@@ -33,6 +33,10 @@ pub(super) enum Format {
     /// MATLAB 5, of `save -v7` or older.
     Mat,
     /// MATLAB 4, and results of Dymola and OpenModelica.
+    #[cfg_attr(
+        not(feature = "formats"),
+        expect(dead_code, reason = "told by its contents, with its reader")
+    )]
     Mat4,
     /// HDF5, which MATLAB 7.3 is too.
     Hdf5,

@@ -118,6 +118,11 @@ impl Layout {
         let mut found: Option<(Dialect, Run, usize)> = None;
         for dialect in Dialect::ALL {
             let Some(run) = longest(&lines, dialect) else { continue };
+            // Without one, decimal commas would only make texts of numbers with decimal points.
+            let is_written = lines[run.first..run.end].iter().any(|l| l.bytes.contains(&b','));
+            if dialect.has_commas && !is_written {
+                continue;
+            }
             let weight = weight(&lines, dialect, &run);
             if found.as_ref().is_none_or(|(_, _, best)| weight > *best) {
                 found = Some((dialect, run, weight));
