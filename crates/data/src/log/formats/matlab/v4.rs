@@ -38,14 +38,16 @@ impl Matrix {
         (self.name, value)
     }
 
-    /// The texts of its rows.
+    /// The texts of its rows; an empty matrix, whose other size may be anything, has none.
     pub(super) fn lines(&self) -> Vec<String> {
-        (0..self.rows).map(|row| self.text(row, self.rows, self.columns)).collect()
+        let rows = if self.columns == 0 { 0 } else { self.rows };
+        (0..rows).map(|row| self.text(row, self.rows, self.columns)).collect()
     }
 
     /// The texts of its columns.
     pub(super) fn standing(&self) -> Vec<String> {
-        (0..self.columns).map(|column| self.text(column * self.rows, 1, self.rows)).collect()
+        let columns = if self.rows == 0 { 0 } else { self.columns };
+        (0..columns).map(|column| self.text(column * self.rows, 1, self.rows)).collect()
     }
 
     fn text(&self, first: usize, step: usize, length: usize) -> String {
