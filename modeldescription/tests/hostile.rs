@@ -285,7 +285,9 @@ fn every_hostile_archive_is_refused_within_bounded_memory() {
             // An SSP has no model description to be wrong.
             let is_archives = reader != "ssp: " || !said.contains("SystemStructure.ssd");
             let names_file = said.contains("hostile.fmu") || reader == "check: ";
-            if !names_file || (is_archives && !said.contains(says)) {
+            // What is packed that densely is refused before it is read, but by the checker.
+            let is_dense = reader != "check: " && said.contains("more than 100 times as many");
+            if !names_file || (is_archives && !is_dense && !said.contains(says)) {
                 wrong.push(format!("{name}, {says:?} is not in {reader}{said}"));
             }
         }
