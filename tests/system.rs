@@ -167,7 +167,10 @@ fn what_cannot_be_run_is_told() {
     let said = refuse(&[&table[..], &["-o", "run.mat"]].concat(), folder);
     assert!(said.contains("run.mat: records are written as .csv, .npy, .npz"), "{said}");
     let said = refuse(&[&table[..], &["-o", "reference.csv"]].concat(), folder);
-    assert!(said.contains("reference.csv cannot be written: is named twice in this call"), "{said}");
+    assert!(
+        said.contains("reference.csv cannot be written: is named twice in this call"),
+        "{said}"
+    );
     let text = fs::read_to_string(folder.join("loop.toml")).expect("the loop");
     fs::write(folder.join("loop.toml"), text.replace("plant.position[2]", "plant.positon[2]"))
         .expect("writable");

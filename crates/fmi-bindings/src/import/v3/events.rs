@@ -37,14 +37,14 @@ impl Instance {
     pub fn enter_event_mode(&mut self) -> Result<(), Error> {
         const CALL: &str = "fmi3EnterEventMode";
         let enter = self.optional(self.events().enter_event_mode, CALL)?;
-        self.plain(CALL, enter)
+        self.plain_in_cycle(CALL, enter)
     }
 
     /// `fmi3EnterStepMode`
     pub fn enter_step_mode(&mut self) -> Result<(), Error> {
         const CALL: &str = "fmi3EnterStepMode";
         let enter = self.optional(self.events().enter_step_mode, CALL)?;
-        self.plain(CALL, enter)
+        self.plain_in_cycle(CALL, enter)
     }
 
     /// `fmi3EnterConfigurationMode`

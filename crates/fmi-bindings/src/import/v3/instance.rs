@@ -279,6 +279,21 @@ impl Instance {
         self.check(call, status)
     }
 
+    /// The same between two steps of a cycle, where no lock may be taken: what is noted is told later.
+    pub(super) fn plain_in_cycle(
+        &mut self,
+        call: &'static str,
+        function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,
+    ) -> Result<(), Error> {
+        let instance = self.alive(call)?;
+        let called = self.token.call();
+        // SAFETY: the instance is alive.
+        let status = unsafe { function(instance) };
+        drop(called);
+        self.mode.keep(&self.log);
+        self.check(call, status)
+    }
+
     /// OK and Warning pass.
     #[inline]
     pub(super) fn check(&mut self, call: &'static str, status: fmi3Status) -> Result<(), Error> {
