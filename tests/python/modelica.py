@@ -4,7 +4,6 @@ usage: modelica.py text|write|library|energy|units|plant|coupling|controller|rig
 """
 
 import csv
-import html
 import json
 import math
 import re

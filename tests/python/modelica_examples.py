@@ -328,45 +328,30 @@ def rig(rows, written, blueprint, xml):
     return name, text, delays
 
 
-RIGS = """within Piezoloop;
-package Rigs "Known machines, as the tool's blueprints have them"
-  extends Icons.Package;
-
-  block Hold "Hands a position on once per step"
+HOLD = """  block {name} "Hands a {what} on once per step"
     extends Icons.Block;
-    Interfaces.PositionInput u "Position in front" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
-    Interfaces.PositionOutput y "Position at the last sample" annotation(Placement(transformation(extent={{100,-10},{120,10}})));
-    parameter Real u_start(unit="m") = 0 "Position before the first sample";
+    Interfaces.{kind}Input u "{kind} in front" annotation(Placement(transformation(extent={{{{-120,-20}},{{-80,20}}}})));
+    Interfaces.{kind}Output y "{kind} at the last sample" annotation(Placement(transformation(extent={{{{100,-10}},{{120,10}}}})));
+    parameter Real u_start(unit="{unit}") = 0 "{kind} before the first sample";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
-    discrete Real held(start = u_start, fixed = true, unit="m") "Position at the last sample";
+    discrete Real held(start = u_start, fixed = true, unit="{unit}") "{kind} at the last sample";
   equation
     when sample((1 - 1e-7)*step, step) then
       held = u;
     end when;
     y = held;
-    annotation(Icon(graphics={Line(points={{-80,-60},{-40,-60},{-40,-20},{0,-20},{0,20},{40,20},{40,60},{80,60}}, color={0,0,127})}),
-      Documentation(info="<html><p>Sampled just before the end of each step, so that a block with direct feed-through is read with the input that it had.</p></html>"));
-  end Hold;
-
-  block HoldCommand "Hands a command on once per step"
-    extends Icons.Block;
-    Interfaces.CommandInput u "Command in front" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
-    Interfaces.CommandOutput y "Command at the last sample" annotation(Placement(transformation(extent={{100,-10},{120,10}})));
-    parameter Real u_start(unit="V") = 0 "Command before the first sample";
-    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
-  protected
-    discrete Real held(start = u_start, fixed = true, unit="V") "Command at the last sample";
-  equation
-    when sample((1 - 1e-7)*step, step) then
-      held = u;
-    end when;
-    y = held;
-    annotation(Icon(graphics={Line(points={{-80,-60},{-40,-60},{-40,-20},{0,-20},{0,20},{40,20},{40,60},{80,60}}, color={0,0,127})}),
-      Documentation(info="<html><p>Sampled just before the end of each step.</p></html>"));
-  end HoldCommand;
+    annotation(Icon(graphics={{Line(points={{{{-80,-60}},{{-40,-60}},{{-40,-20}},{{0,-20}},{{0,20}},{{40,20}},{{40,60}},{{80,60}}}}, color={{0,0,127}})}}),
+      Documentation(info="<html><p>Sampled just before the end of each step{why}.</p></html>"));
+  end {name};
 
 """
+WHY = ", so that a block with direct feed-through is read with the input that it had"
+RIGS = (
+    'within Piezoloop;\npackage Rigs "Known machines, as the tool\'s blueprints have them"\n  extends Icons.Package;\n\n'
+    + HOLD.format(name="Hold", what="position", kind="Position", unit="m", why=WHY)
+    + HOLD.format(name="HoldCommand", what="command", kind="Command", unit="V", why="")
+)
 
 
 def rig_example(name, description, blueprint):

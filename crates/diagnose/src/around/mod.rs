@@ -54,6 +54,38 @@ struct Maker<'a> {
     notes: Vec<String>,
 }
 
+/// The FMU inside, with nothing changed yet.
+fn unchanged(fmu: &Fmu, sha256: &str, step: f64, divide: bool) -> Repair {
+    let description = fmu.description();
+    let common = description.co_simulation.as_ref().map(|cs| &cs.common);
+    let original = Original {
+        fmi: description.fmi_version.text().to_owned(),
+        identifier: common.map(|common| common.model_identifier.clone()).unwrap_or_default(),
+        token: description.instantiation_token.clone(),
+        sha256: sha256.to_owned(),
+    };
+    let sizes = [Causality::Input, Causality::Output, Causality::Parameter]
+        .into_iter()
+        .flat_map(|causality| fmu.names(causality))
+        .filter_map(|name| fmu.place(&name).ok())
+        .filter(|(_, index, size)| *index == 0 && *size > 1)
+        .map(|(reference, _, size)| (reference, size))
+        .collect();
+    Repair {
+        format: surround::FORMAT,
+        token: String::new(),
+        step,
+        divide,
+        original,
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+        changes: Vec::new(),
+        effects: Vec::new(),
+        sizes,
+        presets: Vec::new(),
+    }
+}
+
 impl<'a> Maker<'a> {
     fn new(
         outcomes: &'a [Outcome],
@@ -71,34 +103,7 @@ impl<'a> Maker<'a> {
         let any_step =
             co_simulation.is_some_and(|cs| cs.can_handle_variable_communication_step_size);
         let divide = any_step || own_step.is_none_or(|own| own <= step * (1.0 + 1e-6));
-        let sizes = [Causality::Input, Causality::Output, Causality::Parameter]
-            .into_iter()
-            .flat_map(|causality| fmu.names(causality))
-            .filter_map(|name| fmu.place(&name).ok())
-            .filter(|(_, index, size)| *index == 0 && *size > 1)
-            .map(|(reference, _, size)| (reference, size))
-            .collect();
-        let original = Original {
-            fmi: description.fmi_version.text().to_owned(),
-            identifier: co_simulation
-                .map(|c| c.common.model_identifier.clone())
-                .unwrap_or_default(),
-            token: description.instantiation_token.clone(),
-            sha256: sha256.to_owned(),
-        };
-        let repair = Repair {
-            format: surround::FORMAT,
-            token: String::new(),
-            step,
-            divide,
-            original,
-            inputs: Vec::new(),
-            outputs: Vec::new(),
-            changes: Vec::new(),
-            effects: Vec::new(),
-            sizes,
-            presets: Vec::new(),
-        };
+        let repair = unchanged(fmu, sha256, step, divide);
         let last = description.variables.iter().map(|v| v.value_reference).max().unwrap_or(0);
         let next = last.checked_add(1).filter(|next| u32::MAX - next > 10_000);
         Ok(Self { outcomes, fmu, names, repair, next: next.unwrap_or(0), notes: Vec::new() })

@@ -1,8 +1,7 @@
 //! An FMU with other start values.
 
 use cosim::Fmu;
-use modeldescription::variable::{Causality, DataType};
-use surround::{Original, Repair};
+use modeldescription::variable::DataType;
 
 use super::package::{Repaired, pack};
 use crate::error::Error;
@@ -24,33 +23,7 @@ pub fn preset(
         model: description.model_name.clone(),
         message: format!("cannot be packed with other start values: {message}"),
     };
-    let common = description.co_simulation.as_ref().map(|cs| &cs.common);
-    let original = Original {
-        fmi: description.fmi_version.text().to_owned(),
-        identifier: common.map(|common| common.model_identifier.clone()).unwrap_or_default(),
-        token: description.instantiation_token.clone(),
-        sha256: sha256.to_owned(),
-    };
-    let sizes = [Causality::Input, Causality::Output, Causality::Parameter]
-        .into_iter()
-        .flat_map(|causality| fmu.names(causality))
-        .filter_map(|name| fmu.place(&name).ok())
-        .filter(|(_, index, size)| *index == 0 && *size > 1)
-        .map(|(reference, _, size)| (reference, size))
-        .collect();
-    let mut repair = Repair {
-        format: surround::FORMAT,
-        token: String::new(),
-        step: 1.0,
-        divide: false,
-        original,
-        inputs: Vec::new(),
-        outputs: Vec::new(),
-        changes: Vec::new(),
-        effects: Vec::new(),
-        sizes,
-        presets: Vec::new(),
-    };
+    let mut repair = super::unchanged(fmu, sha256, 1.0, false);
     for (name, value) in values {
         let variable = fmu.variable(name).map_err(|e| failed(e.to_string()))?;
         if variable.data_type != DataType::Float64 {

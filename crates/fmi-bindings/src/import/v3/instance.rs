@@ -267,12 +267,7 @@ impl Instance {
         call: &'static str,
         function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,
     ) -> Result<(), Error> {
-        let instance = self.alive(call)?;
-        let called = self.token.call();
-        // SAFETY: the instance is alive.
-        let status = unsafe { function(instance) };
-        drop(called);
-        self.mode.keep(&self.log);
+        let status = self.status_of(call, function)?;
         self.log.tell_of_mode();
         self.log.tell_of_warnings();
         self.folder.keep(&self.log, call);
@@ -285,13 +280,22 @@ impl Instance {
         call: &'static str,
         function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,
     ) -> Result<(), Error> {
+        let status = self.status_of(call, function)?;
+        self.check(call, status)
+    }
+
+    fn status_of(
+        &mut self,
+        call: &'static str,
+        function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,
+    ) -> Result<fmi3Status, Error> {
         let instance = self.alive(call)?;
         let called = self.token.call();
         // SAFETY: the instance is alive.
         let status = unsafe { function(instance) };
         drop(called);
         self.mode.keep(&self.log);
-        self.check(call, status)
+        Ok(status)
     }
 
     /// OK and Warning pass.
