@@ -358,19 +358,26 @@ fn write_all(folder: &Path, result: &Identified) -> anyhow::Result<()> {
 /// One blueprint with the axes of all.
 fn join(axes: &[AxisResult]) -> anyhow::Result<CheckedBlueprint> {
     let first = axes.first().context("there is no axis; give --input and --output")?;
+    let period = |axis: &AxisResult| axis.identification.plant.spec().period;
+    // The finest step serves all: an axis that needs fewer steps in a sample of the log does not mind more.
+    let finest = axes.iter().min_by(|a, b| period(a).total_cmp(&period(b))).unwrap_or(first);
     let mut whole: Blueprint = first.identification.plant.blueprint().clone();
-    for axis in &axes[1..] {
-        let other = axis.identification.plant.blueprint();
-        if other.step != whole.step {
+    whole.step.clone_from(&finest.identification.plant.blueprint().step);
+    for axis in axes {
+        let ratio = period(axis) / period(finest);
+        if (ratio - ratio.round()).abs() > 1e-9 * ratio {
             bail!(
                 "axis {} was identified with the step {}, axis {} with {}: one plant has one step; \
                  identify them from logs of one sample rate",
-                first.name,
-                step(first),
+                finest.name,
+                step(finest),
                 axis.name,
                 step(axis)
             );
         }
+    }
+    for axis in &axes[1..] {
+        let other = axis.identification.plant.blueprint();
         whole.axes.extend(other.axes.iter().cloned());
         whole.tables.extend(other.tables.clone());
     }
