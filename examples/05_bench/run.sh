@@ -53,7 +53,7 @@ $machine piezoloop bench emulate p1-truth --gateway udp://$machine_ip:9000 --pee
     --timing commands > machine.txt &
 started=$!
 sleep 1
-$runner piezoloop bench run controller.fmu --gateway udp://$machine_ip:9000 --bind $runner_ip:9001 --rate 500 \
+$runner piezoloop bench run controller.fmu --plan "$here/watch.toml" --gateway udp://$machine_ip:9000 --bind $runner_ip:9001 --rate 500 \
     --reference reference.csv --record loop.csv
 kill "$started" && wait "$started" || true
 started=""

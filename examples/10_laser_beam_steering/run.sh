@@ -55,7 +55,7 @@ echo "The same file in real time, 200 times a second"
 piezoloop bench emulate p0-truth --gateway udp://127.0.0.1:9020 --peer 127.0.0.1:9021 --rate 200 --timing commands > machine.txt &
 machine=$!
 sleep 1
-piezoloop bench run controller.fmu --gateway udp://127.0.0.1:9020 --bind 127.0.0.1:9021 --rate 200 --reference path1.csv \
+piezoloop bench run controller.fmu --plan "$here/watch.toml" --gateway udp://127.0.0.1:9020 --bind 127.0.0.1:9021 --rate 200 --reference path1.csv \
     --record run.csv
 kill "$machine" && wait "$machine" || true
 machine=""
