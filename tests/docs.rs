@@ -90,6 +90,35 @@ fn the_readme_runs() {
     run("README.md");
 }
 
+/// README's first command, and the table that it says the command prints.
+#[test]
+fn the_demo_gives_the_figures_of_the_readme() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let demo = common::json(&["demo"], folder.path());
+    assert!(folder.path().join("piezoloop-demo/index.html").is_file());
+    let readme = fs::read_to_string(root().join("README.md")).expect("the page");
+    let row = |name: &str| -> Vec<f64> {
+        let line = readme.lines().find(|line| line.starts_with(&format!("| {name} |")));
+        let cells = line.unwrap_or_else(|| panic!("README has no row {name}")).split('|').skip(2);
+        cells.filter_map(|cell| cell.trim().strip_suffix(" %")?.parse().ok()).collect()
+    };
+    for (name, key) in
+        [("PID alone", "pid_percent"), ("inverse + the same PID", "inverse_and_pid_percent")]
+    {
+        let printed = row(name);
+        assert_eq!(printed.len(), 2, "{name}");
+        for (axis, printed) in printed.iter().enumerate() {
+            let got = demo["axes"][axis][key].as_f64().expect("a figure");
+            // Two digits are printed.
+            assert!((got / printed - 1.0).abs() < 0.05, "{name}, axis {axis}: {got} and {printed}");
+        }
+    }
+    for axis in 0..2 {
+        let figure = |key: &str| demo["axes"][axis][key].as_f64().expect("a figure");
+        assert!(figure("identified_percent") < 0.15 * figure("line_percent"), "{demo}");
+    }
+}
+
 #[test]
 fn the_tutorial_runs() {
     run("docs/tutorial.md");

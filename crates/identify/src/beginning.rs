@@ -4,7 +4,9 @@
 //! A static Prandtl–Ishlinskii model is fitted to rows well inside the record, where its start hardly
 //! matters, and simulated from the first row for each command that the machine may have rested under: the
 //! first row's, and zero, as a machine that is switched on. The one that foretells the first rows better
-//! is taken. What is still off then, by more than the model is off later, is the run-in.
+//! is taken. What is still off then, by more than the model is off later, is the run-in, if a model fitted without
+//! these rows foretells the held-out rows better than one fitted with them: the largest strokes of a record often
+//! are its first, and a model that has not seen them knows less.
 
 use serde::Serialize;
 
@@ -55,7 +57,47 @@ pub fn beginnings(records: &[Record], settings: &Settings) -> Result<Vec<Beginni
         least_slope: plan.least_slope,
     };
     let (_, fitted) = delay::search(&task, plan.longest_delay, &mut |_, _| {})?;
-    (0..records.len()).map(|k| beginning(&records[k], task.rows[k], &plan, &fitted)).collect()
+    let found = (0..records.len()).map(|k| beginning(&records[k], task.rows[k], &plan, &fitted));
+    let mut found = found.collect::<Result<Vec<_>, _>>()?;
+    if found.iter().any(|beginning| beginning.run_in > 0.0) {
+        let rested = records.iter().zip(&found).map(|(r, b)| r.clone().rested_at(b.rest));
+        let rested: Vec<Record> = rested.collect();
+        let error_without = |from: &[f64]| -> Result<f64, Error> {
+            let rows = plan.fitted.iter().zip(records).zip(from).map(|((rows, record), from)| {
+                Rows { first: ((from / record.period()) as usize).min(rows.end), end: rows.end }
+            });
+            let task = Task { records: &rested, rows: rows.collect(), ..task.clone() };
+            held_out_error(&rested, &plan, &task.solve(fitted.linear)?)
+        };
+        let run_ins: Vec<f64> = found.iter().map(|beginning| beginning.run_in).collect();
+        if error_without(&run_ins)? >= error_without(&vec![0.0; found.len()])? {
+            found.iter_mut().for_each(|beginning| beginning.run_in = 0.0);
+        }
+    }
+    Ok(found)
+}
+
+/// Mean square of what the model is off on the held-out rows, each record's mean taken out.
+fn held_out_error(records: &[Record], plan: &Plan, fitted: &Fitted) -> Result<f64, Error> {
+    let (mut sum, mut count) = (0.0, 0);
+    for (record, rows) in records.iter().zip(&plan.judged) {
+        let errors = errors(record, record.rest(), plan, fitted)?;
+        let errors = rows.of(&errors);
+        let offset = mean(errors);
+        sum += errors.iter().map(|e| (e - offset).powi(2)).sum::<f64>();
+        count += errors.len();
+    }
+    Ok(sum / count.max(1) as f64)
+}
+
+/// What the model is off in each row of a record whose machine rested under this command.
+fn errors(record: &Record, rest: f64, plan: &Plan, fitted: &Fitted) -> Result<Vec<f64>, Error> {
+    let (period, substeps) = (record.period(), record.periods(plan.period));
+    let columns =
+        responses(rest, record.input(), period, substeps, &plan.thresholds, &fitted.linear)?;
+    let model =
+        |at: usize| columns.iter().zip(&fitted.weights).map(|(c, w)| c[at] * w).sum::<f64>();
+    Ok(record.output().iter().enumerate().map(|(k, y)| y - model(k)).collect())
 }
 
 fn inside(rows: Rows) -> usize {
@@ -69,12 +111,7 @@ fn beginning(
     fitted: &Fitted,
 ) -> Result<Beginning, Error> {
     let errors = |rest: f64| -> Result<Vec<f64>, Error> {
-        let input = record.input();
-        let (period, substeps) = (record.period(), record.periods(plan.period));
-        let columns = responses(rest, input, period, substeps, &plan.thresholds, &fitted.linear)?;
-        let model =
-            |at: usize| columns.iter().zip(&fitted.weights).map(|(c, w)| c[at] * w).sum::<f64>();
-        let all: Vec<f64> = record.output().iter().enumerate().map(|(k, y)| y - model(k)).collect();
+        let all = errors(record, rest, plan, fitted)?;
         let offset = mean(rows.of(&all));
         Ok(all.into_iter().map(|e| e - offset).collect())
     };
@@ -145,6 +182,38 @@ mod tests {
         assert_eq!(found(record(50.0, 0.0)).rest, 50.0);
         // What the caller says is kept.
         assert_eq!(found(record(0.0, 0.0).rested_at(50.0)).rest, 50.0);
+    }
+
+    #[test]
+    fn the_largest_strokes_are_no_run_in_where_the_held_out_rows_need_them() {
+        // One stroke of 100 V, smaller ones, then strokes of 90 V on a machine of five plays.
+        let (thresholds, weights) = ([0.0, 5.0, 15.0, 30.0, 45.0], [0.05, 0.02, 0.02, 0.02, 0.03]);
+        let high =
+            |k: u32| [100.0, 60.0, 55.0, 50.0].get(k as usize / 1000).copied().unwrap_or(90.0);
+        let triangle = |k: u32| 1.0 - (f64::from(k % 1000) / 500.0 - 1.0).abs();
+        let input: Vec<f64> = (0..8000).map(|k| high(k) * triangle(k)).collect();
+        let (mut plays, mut held) = ([0.0; 5], 0.0);
+        let output: Vec<f64> = (input.iter())
+            .map(|u| {
+                let mut y = 0.0;
+                for ((p, r), w) in plays.iter_mut().zip(thresholds).zip(weights) {
+                    *p = play(held, r, *p);
+                    y += w * *p;
+                }
+                held = *u;
+                y
+            })
+            .collect();
+        let time: Vec<f64> = (0..8000).map(|k| f64::from(k) * PERIOD).collect();
+        let columns = Columns {
+            name: "a",
+            time: &time,
+            input_name: "u",
+            input: &input,
+            output_name: "y",
+            output: &output,
+        };
+        assert_eq!(found(Record::new(columns).unwrap()), Beginning { rest: 0.0, run_in: 0.0 });
     }
 
     #[test]
