@@ -4,9 +4,9 @@
 //! A static Prandtl–Ishlinskii model is fitted to rows well inside the record, where its start hardly
 //! matters, and simulated from the first row for each command that the machine may have rested under: the
 //! first row's, and zero, as a machine that is switched on. The one that foretells the first rows better
-//! is taken. What is still off then, by more than the model is off later, is the run-in, if a model fitted without
-//! these rows foretells the held-out rows better than one fitted with them: the largest strokes of a record often
-//! are its first, and a model that has not seen them knows less.
+//! is taken. What is still off then, by more than the model is off later, is the run-in, unless a model fitted
+//! without these rows foretells the held-out rows worse than one fitted with them: the largest strokes of a record
+//! often are its first, and a model that has not seen them knows less.
 
 use serde::Serialize;
 
@@ -27,6 +27,8 @@ const FEWEST: usize = 10;
 const CLEARLY_BETTER: f64 = 0.8;
 /// A row belongs to the run-in where its error is this many times the error inside the record.
 const OFF: f64 = 4.0;
+/// Without a run-in the held-out rows may be foretold this many times worse; more is lost than a start is worth.
+const WORSE: f64 = 1.02;
 /// Plays of the static model.
 const PLAYS: usize = 15;
 
@@ -70,7 +72,7 @@ pub fn beginnings(records: &[Record], settings: &Settings) -> Result<Vec<Beginni
             held_out_error(&rested, &plan, &task.solve(fitted.linear)?)
         };
         let run_ins: Vec<f64> = found.iter().map(|beginning| beginning.run_in).collect();
-        if error_without(&run_ins)? >= error_without(&vec![0.0; found.len()])? {
+        if error_without(&run_ins)? > WORSE * WORSE * error_without(&vec![0.0; found.len()])? {
             found.iter_mut().for_each(|beginning| beginning.run_in = 0.0);
         }
     }
