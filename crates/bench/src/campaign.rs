@@ -146,7 +146,8 @@ impl Campaign {
     }
 
     /// Tries every case at each of its times. `bench` puts runner and machine together for one trial
-    /// with this script of faults; the plan starts after `settle` cycles.
+    /// with this script of faults; the plan starts after `settle` cycles. `each` sees every trial and
+    /// its bench when it has ended.
     ///
     /// # Errors
     /// The first trial that cannot be made or whose plant failed.
@@ -154,6 +155,7 @@ impl Campaign {
         &self,
         settle: u64,
         mut bench: impl FnMut(Script) -> Result<Rehearsal, E>,
+        mut each: impl FnMut(&Trial, &Rehearsal) -> Result<(), E>,
     ) -> Result<Vec<Trial>, E> {
         let all = self.cases.iter().flat_map(|case| case.at.iter().map(move |at| (case, *at)));
         let mut trials = Vec::with_capacity(self.trials());
@@ -163,7 +165,9 @@ impl Campaign {
             // The period is the bench's own: a bench without faults tells it.
             let period = bench(Script::default())?.period();
             let mut bench = bench(rehearse(period))?;
-            trials.push(case.judge(at, seed, settle, &mut bench)?);
+            let trial = case.judge(at, seed, settle, &mut bench)?;
+            each(&trial, &bench)?;
+            trials.push(trial);
         }
         Ok(trials)
     }

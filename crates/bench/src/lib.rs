@@ -13,7 +13,7 @@
 //! ring buffer of one producer and one consumer. The state machine of [`safety`] is a pure function.
 //!
 //! Row k of a record: the command u_k is sent at t_k and acts until t_{k+1}; the position y_k was
-//! received at t_k, before u_k was computed.
+//! received at t_k, before u_k was computed. [`replay`] steps the controller through such rows again.
 
 pub mod campaign;
 pub mod clock;
@@ -26,5 +26,6 @@ pub mod plan;
 pub mod receive;
 pub mod record;
 pub mod rehearsal;
+pub mod replay;
 pub mod runner;
 pub mod safety;

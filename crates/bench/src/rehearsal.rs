@@ -20,6 +20,7 @@ pub struct Rehearsal {
     runner_end: MemoryGateway,
     machine_end: MemoryGateway,
     next: u64,
+    record: Option<Vec<f64>>,
 }
 
 /// How one ended.
@@ -38,7 +39,20 @@ impl Rehearsal {
     #[must_use]
     pub fn new(cycle: Cycle, emulator: Emulator, period_ns: u64) -> Self {
         let (runner_end, machine_end) = pair();
-        Rehearsal { cycle, emulator, period_ns, runner_end, machine_end, next: 0 }
+        Rehearsal { cycle, emulator, period_ns, runner_end, machine_end, next: 0, record: None }
+    }
+
+    /// The same with its rows kept from the first cycle that is not idle, as `bench run` keeps them.
+    #[must_use]
+    pub fn recorded(mut self) -> Self {
+        self.record = Some(Vec::new());
+        self
+    }
+
+    /// The rows that were kept, one after the other.
+    #[must_use]
+    pub fn record(&self) -> &[f64] {
+        self.record.as_deref().unwrap_or_default()
     }
 
     /// Length of a cycle in s.
@@ -64,6 +78,9 @@ impl Rehearsal {
         let now_ns = self.now();
         let tick = Tick { index: self.next, skipped, now_ns, ..Tick::default() };
         let memory = self.cycle.run(&tick, orders, &mut self.runner_end);
+        if let Some(record) = self.record.as_mut().filter(|_| memory.state != State::Idle) {
+            record.extend_from_slice(self.cycle.row());
+        }
         self.machine()?;
         Ok(memory)
     }

@@ -18,7 +18,7 @@ const AXES: usize = 2;
 fn tried(campaign: &Campaign) -> Vec<Trial> {
     let bench =
         |script| Ok::<_, PlantError>(rehearsal(AXES, controller(AXES, control_law(AXES)), script));
-    campaign.run(10, bench).unwrap()
+    campaign.run(10, bench, |_, _| Ok(())).unwrap()
 }
 
 #[test]

@@ -7,6 +7,7 @@ use anyhow::{Context, bail};
 use bench::campaign::{Campaign, Trial};
 use bench::emulate::{Behaviour, Emulator, Plant, Script, Timing};
 use bench::plan::{Plan, Prepared};
+use bench::record::{About, Converted, Format, Journal, convert};
 use bench::rehearsal::Rehearsal;
 use clap::Args;
 use cosim::InstanceOptions;
@@ -40,20 +41,37 @@ pub(crate) struct Run {
     /// The controller FMU [default: the plan's; none: the plan's sequence is the commands]
     #[arg(long, value_name = "FMU")]
     controller: Option<PathBuf>,
+    /// A folder for the record of each trial, NUMBER.parquet; `bench replay` reads them
+    #[arg(long, value_name = "FOLDER")]
+    records: Option<PathBuf>,
+    /// Kind of these records
+    #[arg(long, value_name = "KIND", default_value = "parquet", requires = "records")]
+    records_as: RecordKind,
     #[command(flatten)]
     page: PageOptions,
+}
+
+/// Kind of a record.
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+enum RecordKind {
+    Parquet,
+    Csv,
+    Mf4,
 }
 
 #[derive(Serialize)]
 struct Tried {
     trials: Vec<Trial>,
     failed: usize,
+    /// Records of the trials, in their order.
+    records: Vec<Converted>,
 }
 
 /// What every trial is made of.
 struct Bench {
     plan: Plan,
     controller: Option<Opened>,
+    controller_file: Option<PathBuf>,
     plant: Opened,
     commands: Vec<String>,
     positions: Vec<String>,
@@ -85,20 +103,37 @@ impl Run {
         };
         let given = self.controller.clone();
         let controller = given.or_else(|| plan.controller.as_ref().map(|file| plan.beside(file)));
+        let controller_file = controller.clone().filter(|file| file.exists());
         let controller = controller.as_deref().map(fmus::open).transpose()?;
         let bench = Bench {
             commands: channels(&plant.fmu, &[], Causality::Input, "command"),
             positions: channels(&plant.fmu, &[], Causality::Output, "position"),
             plan,
             controller,
+            controller_file,
             plant,
             safe: campaign.safe.clone(),
             heartbeat: campaign.heartbeat.unwrap_or(100).max(1),
         };
-        let settle = bench.prepare()?.settings.settle;
-        let trials = campaign.run(settle, |script| bench.rehearsal(script))?;
+        let prepared = bench.prepare()?;
+        prepared.notes.iter().for_each(|note| screen.say(&format!("note: {note}")));
+        let settle = prepared.settings.settle;
+        let keeper = self.keeper(prepared)?;
+        let mut records = Vec::new();
+        let trials = campaign.run(
+            settle,
+            |script| {
+                let rehearsal = bench.rehearsal(script)?;
+                Ok(if keeper.is_some() { rehearsal.recorded() } else { rehearsal })
+            },
+            |trial, rehearsal| -> anyhow::Result<()> {
+                let Some(keeper) = &keeper else { return Ok(()) };
+                records.push(keeper.keep(records.len() + 1, trial, rehearsal)?);
+                Ok(())
+            },
+        )?;
         let failed = trials.iter().filter(|trial| !trial.problems.is_empty()).count();
-        let answer = Tried { trials, failed };
+        let answer = Tried { trials, failed, records };
         let read = [("campaign", file.as_path())];
         self.page.finish(screen, &answer, || {
             Ok(pages::campaign(&answer.trials, pages::provenance(&read)?))
@@ -106,9 +141,53 @@ impl Run {
     }
 }
 
+/// Writes the records of the trials.
+struct Keeper {
+    folder: PathBuf,
+    kind: RecordKind,
+    about: About,
+}
+
+impl Run {
+    fn keeper(&self, prepared: Prepared) -> anyhow::Result<Option<Keeper>> {
+        let Some(folder) = self.records.clone() else { return Ok(None) };
+        std::fs::create_dir_all(&folder)
+            .with_context(|| format!("--records {}: cannot be made", folder.display()))?;
+        let Prepared { columns, provenance, .. } = prepared;
+        let about = About { columns, provenance };
+        Ok(Some(Keeper { folder, kind: self.records_as, about }))
+    }
+}
+
+impl Keeper {
+    fn keep(&self, number: usize, trial: &Trial, bench: &Rehearsal) -> anyhow::Result<Converted> {
+        let (ending, format) = match self.kind {
+            RecordKind::Parquet => ("parquet", Format::Parquet),
+            RecordKind::Csv => ("csv", Format::Csv),
+            RecordKind::Mf4 => ("mf4", Format::Mf4),
+        };
+        let record = self.folder.join(format!("{number:04}.{ending}"));
+        let path = super::journal_of(&record);
+        let mut journal = Journal::create(&path, &self.about)?;
+        let width = self.about.columns.len().max(1);
+        bench.record().chunks(BLOCK * width).try_for_each(|rows| journal.write(rows))?;
+        let journal = journal.finish()?;
+        let more = serde_json::json!({ "trial": trial, "clock": "virtual time" });
+        let more = more.as_object().cloned().unwrap_or_default();
+        let converted = convert(&journal, &record, format, &more)?;
+        std::fs::remove_file(&journal)
+            .with_context(|| format!("{} cannot be deleted", journal.display()))?;
+        Ok(converted)
+    }
+}
+
+/// Rows of a block of a journal.
+const BLOCK: usize = 1024;
+
 impl Bench {
     fn prepare(&self) -> anyhow::Result<Prepared> {
-        Ok(self.plan.prepare(self.controller.as_ref().map(|opened| &opened.fmu), None)?)
+        let fmu = self.controller.as_ref().map(|opened| &opened.fmu);
+        Ok(self.plan.prepare(fmu, self.controller_file.as_deref())?)
     }
 
     /// Runner and machine for one trial.
@@ -147,7 +226,11 @@ impl Answer for Tried {
             }
         }
         let (all, failed) = (self.trials.len(), self.failed);
-        writeln!(out, "{} of {all} trials ended as expected", all - failed)
+        writeln!(out, "{} of {all} trials ended as expected", all - failed)?;
+        match self.records.first().and_then(|first| first.file.parent()) {
+            Some(folder) => writeln!(out, "{}: {all} records written", folder.display()),
+            None => Ok(()),
+        }
     }
 
     fn exit_code(&self) -> u8 {

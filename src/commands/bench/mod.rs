@@ -3,6 +3,7 @@
 mod campaign;
 mod emulate;
 mod recover;
+mod replay;
 mod run;
 
 use std::path::{Path, PathBuf};
@@ -33,6 +34,7 @@ enum Command {
     Emulate(Box<emulate::Emulate>),
     Campaign(campaign::Run),
     Recover(recover::Recover),
+    Replay(replay::Replay),
     /// Print the packet's table of offsets
     Packet,
 }
@@ -44,6 +46,7 @@ impl Bench {
             Command::Emulate(command) => command.run(screen),
             Command::Campaign(command) => command.run(screen),
             Command::Recover(command) => command.run(screen),
+            Command::Replay(command) => command.run(screen),
             Command::Packet => {
                 screen.say(bench::packet::layout_table().trim_end());
                 Ok(0)
@@ -60,6 +63,13 @@ fn channels(fmu: &Fmu, given: &[String], causality: Causality, word: &str) -> Ve
     let all = fmu.names(causality);
     let some: Vec<String> = all.iter().filter(|name| name.starts_with(word)).cloned().collect();
     if some.is_empty() { all } else { some }
+}
+
+/// `run.parquet.journal` of `run.parquet`.
+fn journal_of(record: &Path) -> PathBuf {
+    let mut name = record.as_os_str().to_owned();
+    name.push(".journal");
+    PathBuf::from(name)
 }
 
 /// The key of a gateway on a network that others are on.

@@ -15,7 +15,7 @@ use clap::Args;
 use report::Report;
 use serde::Serialize;
 
-use super::KeyOptions;
+use super::{KeyOptions, journal_of};
 use crate::answer::{Answer, Screen};
 use crate::pages::{self, PageOptions, Rows};
 use crate::{fmus, inputs, interrupt, ranges};
@@ -173,20 +173,22 @@ impl Run {
             terminal.finish();
         }
         let recorded = recorder.finish()?;
+        let mut notes = prepared.notes;
+        notes.extend(outcome.notes());
         let rows = match &recorded.journal {
             Some(journal) if self.page.is_asked() => Some(Rows::newest(journal, PAGE_ROWS)?),
             _ => None,
         };
         let record = match (recorded.journal, record, format) {
             (Some(journal), Some(record), Some(format)) => {
-                Some(keep(&journal, &record, format, &outcome, &realtime)?)
+                Some(keep(&journal, &record, format, &outcome, &realtime, &notes)?)
             }
             _ => None,
         };
         if let Some(web) = web {
             web.finish();
         }
-        Ok(Ran { outcome, realtime, record, notes: prepared.notes, rows })
+        Ok(Ran { outcome, realtime, record, notes, rows })
     }
 
     /// The plan with what the command line says.
@@ -245,13 +247,6 @@ impl Run {
     }
 }
 
-/// `run.parquet.journal` of `run.parquet`.
-fn journal_of(record: &Path) -> PathBuf {
-    let mut name = record.as_os_str().to_owned();
-    name.push(".journal");
-    PathBuf::from(name)
-}
-
 /// Makes the record of the journal, and deletes the journal.
 fn keep(
     journal: &Path,
@@ -259,8 +254,9 @@ fn keep(
     format: Format,
     outcome: &Outcome,
     realtime: &Realtime,
+    notes: &[String],
 ) -> anyhow::Result<Converted> {
-    let more = serde_json::json!({ "outcome": outcome, "realtime": realtime });
+    let more = serde_json::json!({ "outcome": outcome, "realtime": realtime, "notes": notes });
     let more = more.as_object().cloned().unwrap_or_default();
     let converted = convert(journal, record, format, &more)
         .with_context(|| format!("the rows are safe in {}", journal.display()))?;
@@ -346,9 +342,8 @@ impl Answer for Ran {
                 "{name:12}{p50_us:>10.1}{p99_us:>10.1}{p999_us:>10.1}{p9999_us:>10.1}{max_us:>10.1}"
             )?;
         }
-        if outcome.unrecorded > 0 {
-            writeln!(out, "note: {} rows are missing in the record", outcome.unrecorded)?;
-        }
+        // Those of the plan were said before it ran.
+        outcome.notes().iter().try_for_each(|note| writeln!(out, "note: {note}"))?;
         match &self.record {
             Some(record) => {
                 writeln!(out, "{}: written, {} rows", record.file.display(), record.rows)

@@ -1,8 +1,9 @@
 //! The controller FMU as the cycle sees it.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
-use cosim::{Experiment, Selection, Slave, StepResult, Value};
+use cosim::{Experiment, Fmu, InstanceOptions, Selection, Slave, StepResult, Value};
 use thiserror::Error;
 
 /// Who makes the commands.
@@ -28,6 +29,14 @@ pub enum ControllerError {
     /// The FMU says so.
     #[error(transparent)]
     Fmu(#[from] cosim::Error),
+    /// A start value that is a list or a table.
+    #[error("[start] {name} = {value}: is no single value")]
+    Start {
+        /// Variable.
+        name: String,
+        /// As it was given.
+        value: toml::Value,
+    },
 }
 
 /// A controller FMU of any vendor, stepped once per cycle.
@@ -96,6 +105,37 @@ impl Controller {
 }
 
 impl Driver {
+    /// An instance of a controller FMU; the arguments are those of [`Controller::new`].
+    ///
+    /// # Errors
+    /// What the FMU says; names that it does not have; or a start value that is no single value.
+    pub fn controller(
+        fmu: &Fmu,
+        references: &[String],
+        measured: &[String],
+        commands: &[String],
+        start: &BTreeMap<String, toml::Value>,
+        step: f64,
+    ) -> Result<Self, ControllerError> {
+        let single = |(name, value): (&String, &toml::Value)| {
+            let value = match value {
+                toml::Value::Float(value) => Value::Real(*value),
+                toml::Value::Integer(value) => Value::Integer((*value).into()),
+                toml::Value::Boolean(value) => Value::Boolean(*value),
+                toml::Value::String(value) => Value::Text(value.clone()),
+                other => {
+                    let (name, value) = (name.clone(), other.clone());
+                    return Err(ControllerError::Start { name, value });
+                }
+            };
+            Ok((name.clone(), value))
+        };
+        let start = start.iter().map(single).collect::<Result<Vec<_>, _>>()?;
+        let slave = fmu.instantiate("controller", &InstanceOptions::default())?;
+        let controller = Controller::new(slave, references, measured, commands, &start, step)?;
+        Ok(Driver::Controller(Box::new(controller)))
+    }
+
     /// The commands of one cycle; false when the controller cannot go on.
     pub(crate) fn step(
         &mut self,

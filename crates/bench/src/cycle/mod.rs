@@ -6,7 +6,7 @@ mod row;
 
 pub use controller::{Controller, ControllerError, Driver};
 pub use player::Player;
-pub use row::{Column, columns};
+pub use row::{Column, columns, computed};
 
 use crate::gateway::Gateway;
 use crate::packet::{self, Header, Kind, PacketError, Status};
@@ -87,6 +87,8 @@ pub struct Cycle {
     /// Why the first whole packet that was refused was no packet for this runner.
     refused: Option<PacketError>,
     unsent: u64,
+    /// Cycles that drove on with an older sample.
+    held: u64,
     /// Index of the cycle that has time 0: the first that is not idle.
     origin: u64,
     buffer: Box<[u8; packet::MAX_BYTES]>,
@@ -100,6 +102,7 @@ impl Cycle {
         let axes = setup.limits.len();
         let period = setup.period_ns as f64 / 1e9;
         let zeros = || vec![0.0; axes].into_boxed_slice();
+        let has_controller = matches!(setup.driver, Driver::Controller(_));
         Cycle {
             period_ns: setup.period_ns,
             driver: setup.driver,
@@ -120,9 +123,10 @@ impl Cycle {
             failed: None,
             refused: None,
             unsent: 0,
+            held: 0,
             origin: 0,
             buffer: Box::new([0; packet::MAX_BYTES]),
-            row: vec![0.0; row::length(axes)].into(),
+            row: vec![0.0; row::length(axes, has_controller)].into(),
         }
     }
 
@@ -142,6 +146,12 @@ impl Cycle {
     #[must_use]
     pub fn unsent(&self) -> u64 {
         self.unsent
+    }
+
+    /// Cycles that drove on with an older sample.
+    #[must_use]
+    pub fn held(&self) -> u64 {
+        self.held
     }
 
     /// Cycles times axes in which a command was limited.
@@ -220,6 +230,7 @@ impl Cycle {
         }
         self.drive(orders);
         self.shaper.shape(self.memory.state, &self.wanted);
+        self.held += u64::from(self.memory.state.drives() && self.missing > 0);
         self.send(tick, gateway);
         self.fill_row(tick);
         self.memory
@@ -392,6 +403,9 @@ impl Cycle {
         references.copy_from_slice(&self.references);
         positions.copy_from_slice(self.receiver.values());
         commands.copy_from_slice(self.shaper.commands());
-        rest.copy_from_slice(&scalars);
+        let (own, computed) = rest.split_at_mut(scalars.len());
+        own.copy_from_slice(&scalars);
+        // Empty without a controller.
+        computed.copy_from_slice(&self.wanted[..computed.len()]);
     }
 }

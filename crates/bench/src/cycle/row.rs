@@ -28,18 +28,28 @@ const SCALARS: [(&str, &str, &str); 13] = [
     ("bench.corrupt", "1", "Damaged packets so far"),
 ];
 
-/// Number of values of a row.
-pub(crate) const fn length(axes: usize) -> usize {
-    1 + 3 * axes + SCALARS.len()
+/// Before the name of a command: what the controller computed, before limits and blending.
+const COMPUTED: &str = "bench.computed.";
+
+/// The column of what the controller computed for this command.
+#[must_use]
+pub fn computed(command: &str) -> String {
+    format!("{COMPUTED}{command}")
 }
 
-/// Columns of a row: time, references, positions, commands, then the bench's own. The three lists
-/// are name and unit of each axis.
+/// Number of values of a row.
+pub(crate) const fn length(axes: usize, has_controller: bool) -> usize {
+    1 + (if has_controller { 4 } else { 3 }) * axes + SCALARS.len()
+}
+
+/// Columns of a row: time, references, positions, commands, then the bench's own; with a controller
+/// also what it computed. The three lists are name and unit of each axis.
 #[must_use]
 pub fn columns(
     references: &[(String, Option<String>)],
     positions: &[(String, Option<String>)],
     commands: &[(String, Option<String>)],
+    has_controller: bool,
 ) -> Vec<Column> {
     let column = |name: &str, unit: Option<String>, description: &str| Column {
         name: name.to_owned(),
@@ -56,5 +66,10 @@ pub fn columns(
     all.extend(SCALARS.iter().map(|(name, unit, sentence)| {
         column(name, Some((*unit).to_owned()).filter(|unit| unit != "1"), sentence)
     }));
+    if has_controller {
+        let names = commands.iter().map(|(name, unit)| (computed(name), unit.clone()));
+        let sentence = "What the controller computed, before limits and blending";
+        all.extend(of(&names.collect::<Vec<_>>(), sentence));
+    }
     all
 }

@@ -172,8 +172,8 @@ mod tests {
         let named = |word: &str, unit: &str| {
             [1, 2].map(|axis| (format!("{word}[{axis}]"), Some(unit.to_owned())))
         };
-        let columns =
-            columns(&named("reference", "um"), &named("position", "um"), &named("command", "V"));
+        let [reference, position] = ["reference", "position"].map(|word| named(word, "um"));
+        let columns = columns(&reference, &position, &named("command", "V"), true);
         let mut row = vec![0.0; columns.len()];
         row[0] = 12.5;
         row[1..7].copy_from_slice(&[1.5, 2.5, 1.25, 2.0, 60.0, 70.0]);

@@ -304,7 +304,7 @@ mod tests {
     #[test]
     fn it_serves_the_page_and_the_stream_to_this_computer() {
         let axis = |word: &str| [(format!("{word}[1]"), Some("um".to_owned()))];
-        let columns = columns(&axis("reference"), &axis("position"), &axis("command"));
+        let columns = columns(&axis("reference"), &axis("position"), &axis("command"), false);
         let (recorder, mut ring) = Recorder::start(None, columns.len(), 100).unwrap();
         let view = recorder.view().clone();
         let web = Web::start(Dashboard::new(&columns), view, 0).unwrap();
@@ -353,7 +353,7 @@ mod tests {
     #[test]
     fn the_last_row_has_been_sent_when_it_has_finished() {
         let axis = |word: &str| [(format!("{word}[1]"), Some("um".to_owned()))];
-        let columns = columns(&axis("reference"), &axis("position"), &axis("command"));
+        let columns = columns(&axis("reference"), &axis("position"), &axis("command"), false);
         let (recorder, mut ring) = Recorder::start(None, columns.len(), 100).unwrap();
         let web = Web::start(Dashboard::new(&columns), recorder.view().clone(), 0).unwrap();
         let mut stream = TcpStream::connect(web.shared.address).unwrap();

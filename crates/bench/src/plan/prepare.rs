@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
-use cosim::{Fmu, InstanceOptions, Value};
+use cosim::Fmu;
 use modeldescription::variable::Causality;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
 use super::sequence::{Channel, Table};
 use super::{AxisPlan, Plan, PlanError};
-use crate::cycle::{self, Column, Controller, Cycle, Driver, Player, Setup};
+use crate::cycle::{self, Column, ControllerError, Cycle, Driver, Player, Setup};
+use crate::replay::{Recipe, RecipeAxis};
 use crate::runner::Settings;
 use crate::safety::{AxisLimits, Watch};
 
@@ -78,7 +79,8 @@ impl Plan {
         let pick = |of: fn(&Axis) -> &Channel| axes.iter().map(of).cloned().collect::<Vec<_>>();
         let (commands, positions) = (pick(|axis| &axis.command), pick(|axis| &axis.position));
         let played = if fmu.is_some() { pick(|axis| &axis.reference) } else { commands.clone() };
-        let table = Table::new(self, &played, period, fmu.is_some()).rows()?;
+        let (table, said) = Table::new(self, &played, period, fmu.is_some()).rows()?;
+        notes.extend(said);
         let player = Player::new(axes.len(), table, approach as u32);
         let seconds = player.rows() as f64 * period;
         let driver = match fmu {
@@ -102,10 +104,13 @@ impl Plan {
                 pairs(&commands).into_iter().map(|(n, u)| (format!("planned.{n}"), u)).collect()
             }
         };
-        let columns = cycle::columns(&references, &pairs(&positions), &pairs(&commands));
+        let has_controller = fmu.is_some();
+        let columns =
+            cycle::columns(&references, &pairs(&positions), &pairs(&commands), has_controller);
         let settings =
             Settings { period_ns, settle: settle as u64, patience: patience.max(1.0) as u64 };
-        let provenance = self.provenance(fmu_file, period_ns)?;
+        let recipe = self.recipe(&columns, &axes, period_ns, blend as u32);
+        let provenance = self.provenance(fmu, fmu_file, period_ns, &recipe)?;
         Ok(Prepared { cycle: Cycle::new(setup), settings, columns, provenance, notes, seconds })
     }
 
@@ -278,54 +283,71 @@ impl Plan {
 
     fn controller(&self, fmu: &Fmu, axes: &[Axis], period: f64) -> Result<Driver, PlanError> {
         let names = |of: fn(&Axis) -> &String| axes.iter().map(of).cloned().collect::<Vec<_>>();
-        let said = |error: String| PlanError::one(format!("{}: {error}", self.name()));
-        let mut start = Vec::new();
-        for (name, value) in &self.start {
-            let value = match value {
-                toml::Value::Float(value) => Value::Real(*value),
-                toml::Value::Integer(value) => Value::Integer((*value).into()),
-                toml::Value::Boolean(value) => Value::Boolean(*value),
-                toml::Value::String(value) => Value::Text(value.clone()),
-                other => return Err(said(format!("[start] {name} = {other}: is no single value"))),
-            };
-            start.push((name.clone(), value));
-        }
-        let slave = fmu
-            .instantiate("controller", &InstanceOptions::default())
-            .map_err(|error| said(error.to_string()))?;
-        let controller = Controller::new(
-            slave,
+        let said = |error: ControllerError| PlanError::one(format!("{}: {error}", self.name()));
+        let driver = Driver::controller(
+            fmu,
             &names(|axis| &axis.reference.name),
             &names(|axis| &axis.measured),
             &names(|axis| &axis.command.name),
-            &start,
+            &self.start,
             period,
         );
-        let controller = controller.map_err(|error| said(error.to_string()))?;
-        Ok(Driver::Controller(Box::new(controller)))
+        driver.map_err(said)
+    }
+
+    /// What a replay needs beside the rows.
+    fn recipe(&self, columns: &[Column], axes: &[Axis], period_ns: u64, blend: u32) -> Recipe {
+        // The references' columns have names of their own where the plan plays commands.
+        let references = columns.iter().skip(1).map(|column| column.name.clone());
+        let axis = |(axis, column): (&Axis, String)| RecipeAxis {
+            column,
+            reference: axis.reference.name.clone(),
+            position: axis.position.name.clone(),
+            measured: axis.measured.clone(),
+            command: axis.command.name.clone(),
+            command_limits: axis.limits.command,
+            command_rate: axis.limits.command_rate,
+            safe: axis.limits.safe,
+            safe_rate: axis.limits.safe_rate,
+        };
+        let axes = axes.iter().zip(references).map(axis).collect();
+        Recipe { version: Recipe::VERSION, period_ns, blend, start: self.start.clone(), axes }
     }
 
     fn provenance(
         &self,
-        fmu: Option<&Path>,
+        fmu: Option<&Fmu>,
+        fmu_file: Option<&Path>,
         period_ns: u64,
+        recipe: &Recipe,
     ) -> Result<serde_json::Map<String, serde_json::Value>, PlanError> {
         let mut all = serde_json::Map::new();
         let mut put = |key: &str, value: serde_json::Value| all.insert(key.to_owned(), value);
         let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
         let start_ns = since.map_or(0, |time| u64::try_from(time.as_nanos()).unwrap_or(0));
         put("tool", json!(format!("piezoloop {}", env!("CARGO_PKG_VERSION"))));
+        put("platform", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
         put("start_ns", json!(start_ns));
         put("period_ns", json!(period_ns));
         put("gateway", json!(self.gateway));
-        for (name, file) in [("controller", fmu), ("plan", self.origin.as_deref())] {
+        if let Some(description) = fmu.map(Fmu::description) {
+            put("controller_model", json!(description.model_name));
+            put("controller_guid", json!(description.instantiation_token));
+        }
+        put("replay", json!(recipe.to_toml()?));
+        for (name, file) in [("controller", fmu_file), ("plan", self.origin.as_deref())] {
             let Some(file) = file else { continue };
             let bytes = std::fs::read(file).map_err(|error| {
                 PlanError::one(format!("{}: cannot be read: {error}", file.display()))
             })?;
             let hash = hex::encode(Sha256::digest(&bytes));
+            // A record is read in other folders too.
+            let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
             put(name, json!(file.display().to_string()));
             put(&format!("{name}_sha256"), json!(hash));
+            if let ("plan", Ok(text)) = (name, String::from_utf8(bytes)) {
+                put("plan_text", json!(text));
+            }
         }
         let seeds: Vec<f64> = self
             .sequence

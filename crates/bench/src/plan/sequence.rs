@@ -64,6 +64,8 @@ pub(super) struct Table<'a> {
     interpolates: bool,
     last: Vec<f64>,
     values: Vec<f64>,
+    /// What was assumed about logs and left out of them.
+    notes: Vec<String>,
 }
 
 /// A source of one step: its own times, and values for some axes.
@@ -82,14 +84,14 @@ impl<'a> Table<'a> {
         interpolates: bool,
     ) -> Self {
         let last = vec![0.0; channels.len()];
-        Table { plan, channels, period, interpolates, last, values: Vec::new() }
+        Table { plan, channels, period, interpolates, last, values: Vec::new(), notes: Vec::new() }
     }
 
-    /// Row by row, axis by axis.
+    /// Row by row, axis by axis; and what was said about the logs.
     ///
     /// # Errors
     /// Every step that cannot be played.
-    pub(super) fn rows(mut self) -> Result<Vec<f64>, PlanError> {
+    pub(super) fn rows(mut self) -> Result<(Vec<f64>, Vec<String>), PlanError> {
         let mut problems = Vec::new();
         for (index, step) in self.plan.sequence.iter().enumerate() {
             if let Err(problem) = self.add(step) {
@@ -103,7 +105,7 @@ impl<'a> Table<'a> {
                 self.plan.name()
             ));
         }
-        if problems.is_empty() { Ok(self.values) } else { Err(PlanError(problems)) }
+        if problems.is_empty() { Ok((self.values, self.notes)) } else { Err(PlanError(problems)) }
     }
 
     fn add(&mut self, step: &Step) -> Result<(), String> {
@@ -182,8 +184,9 @@ impl<'a> Table<'a> {
         Ok(Source { time, axes: (first..).zip(channels).collect(), tail: signal.period })
     }
 
-    fn log(&self, path: &Path) -> Result<Source, String> {
+    fn log(&mut self, path: &Path) -> Result<Source, String> {
         let log = Log::read(path, &ReadOptions::default()).map_err(|e| e.to_string())?;
+        self.notes.extend(log.notes());
         if log.records().len() != 1 {
             let count = log.records().len();
             return Err(format!("{}: has {count} records; give them one by one", path.display()));
@@ -320,7 +323,7 @@ mod tests {
     fn rows(text: &str, folder: &Path, period: f64, lines: bool) -> Result<Vec<f64>, PlanError> {
         let mut plan = Plan::parse(text, "plan.toml")?;
         plan.origin = Some(folder.join("plan.toml"));
-        Table::new(&plan, &channels(), period, lines).rows()
+        Table::new(&plan, &channels(), period, lines).rows().map(|(rows, _)| rows)
     }
 
     #[test]
@@ -366,7 +369,7 @@ mod tests {
         let mut plan = Plan::parse(text, "plan.toml").unwrap();
         plan.origin = Some(folder.path().join("plan.toml"));
         let one = [Channel { name: "command[1]".into(), unit: Some("V".into()) }];
-        assert_eq!(Table::new(&plan, &one, 0.1, false).rows().unwrap(), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(Table::new(&plan, &one, 0.1, false).rows().unwrap().0, [1.0, 2.0, 3.0, 4.0]);
     }
 
     #[test]

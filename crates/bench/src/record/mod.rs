@@ -3,8 +3,10 @@
 
 mod convert;
 mod journal;
+mod read;
 mod recorder;
 
 pub use convert::{ConvertError, Converted, Format, convert};
 pub use journal::{About, Journal, JournalError, JournalReader};
+pub use read::{ReadError, Recording};
 pub use recorder::{Latest, Recorded, Recorder, View};

@@ -45,6 +45,8 @@ pub struct Outcome {
     pub overruns: u64,
     /// Deadlines that had no cycle because of them.
     pub skipped: u64,
+    /// Cycles that drove on with an older sample.
+    pub held: u64,
     /// Rows that the recorder was too slow for.
     pub unrecorded: u64,
     /// Packets that the gateway did not take.
@@ -81,6 +83,18 @@ impl Outcome {
     #[must_use]
     pub fn is_good(&self) -> bool {
         matches!(self.reason, Reason::Finished | Reason::Stopped | Reason::None)
+    }
+
+    /// What somebody who reads the record should know: what was missed, held and lost.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let notes = [
+            (self.skipped, "deadlines were missed: no row, and bench.skipped of the next row"),
+            (self.held, "cycles drove on with an older position: bench.missing is not 0"),
+            (self.unrecorded, "rows are missing in the record: it was written too slowly"),
+        ];
+        let some = notes.into_iter().filter(|(count, _)| *count > 0);
+        some.map(|(count, what)| format!("{count} {what}")).collect()
     }
 }
 
@@ -131,6 +145,7 @@ fn outcome(cycle: &Cycle, pace: &Pace, lonely: bool, unrecorded: u64) -> Outcome
         cycles: pace.cycles,
         overruns: pace.overruns,
         skipped: pace.skipped,
+        held: cycle.held(),
         unrecorded,
         keyed: None,
         unsent: cycle.unsent(),
