@@ -152,7 +152,7 @@ impl Identify {
         let names = self.options.names()?;
         let mut notes = Vec::new();
         let mut tasks = Vec::new();
-        for (input, output) in self.inputs.iter().zip(&self.outputs) {
+        for (k, (input, output)) in self.inputs.iter().zip(&self.outputs).enumerate() {
             let input_column = names.column(input).unwrap_or(input);
             let output_column = names.column(output).unwrap_or(output);
             let command_unit = unit(&logs, input_column, "V", &mut notes)?;
@@ -169,7 +169,7 @@ impl Identify {
             let target = Target {
                 model: self.model_name(),
                 source: self.source(),
-                axis: axis(input, output, &command_unit, &position_unit),
+                axis: axis(k, (input, &command_unit), (output, &position_unit)),
             };
             let drop = self.begin(&mut records, &command_unit, &mut notes);
             tasks.push(Task { name: output.clone(), records, target, command_unit, drop });
@@ -301,6 +301,8 @@ struct Task {
 pub(crate) fn identifier(text: &str) -> String {
     let mut name: String =
         text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    // `position[1]` is position_1.
+    name.truncate(name.trim_end_matches('_').len());
     if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
         name.insert_str(0, "model_");
     }
@@ -330,10 +332,24 @@ pub(crate) fn usual_unit(column: &str, usual: &str, notes: &mut Vec<String>) -> 
     usual.to_owned()
 }
 
-fn axis(input: &str, output: &str, command_unit: &str, position_unit: &str) -> AxisBlueprint {
+/// Axis `k` of columns with their units. A column that is named as the variable of the FMU will be, `command[1]`, needs no
+/// other name.
+fn axis(
+    k: usize,
+    (input, command_unit): (&str, &str),
+    (output, position_unit): (&str, &str),
+) -> AxisBlueprint {
+    let signal = |column: &str, variable: &str, unit: &str| {
+        let signal = SignalBlueprint::of_unit(unit);
+        if column == format!("{variable}[{}]", k + 1) {
+            signal
+        } else {
+            signal.named(&identifier(column))
+        }
+    };
     AxisBlueprint {
-        command: SignalBlueprint::of_unit(command_unit).named(&identifier(input)),
-        position: SignalBlueprint::of_unit(position_unit).named(&identifier(output)),
+        command: signal(input, "command", command_unit),
+        position: signal(output, "position", position_unit),
         ..AxisBlueprint::new(&identifier(output), command_unit, position_unit)
     }
 }

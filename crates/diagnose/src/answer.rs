@@ -424,7 +424,7 @@ fn cautions(o: &Outcome) -> Vec<String> {
     }
     if let Some(second) = o.second.as_ref().filter(|second| !second.agrees) {
         all.push(format!(
-            "{}: of the records as a whole, left out one after the other, only {:.0} % of the gap's power goes: what was fitted to one kind of record does not hold for another",
+            "{}: of the records as a whole, left out one after the other, only {:.0} % of the gap's power is removed: what was fitted to one kind of record does not hold for another",
             o.problem.output,
             100.0 * second.fraction
         ));

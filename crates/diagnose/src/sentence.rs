@@ -23,7 +23,7 @@ pub(crate) fn of(gap: &Gap) -> String {
     let (before, floor, unit) = (number(s.rms_before), number(s.noise_floor), &s.unit);
     match gap.verdict {
         Verdict::Adequate => format!(
-            "The model is adequate: on rows that were not used {output} is off by {before} {unit} rms, the noise is {floor} {unit}."
+            "The model is adequate: on held-out rows {output} is off by {before} {unit} rms, the noise is {floor} {unit}."
         ),
         Verdict::Retune => format!(
             "Only parameters are off: re-tuned within their tolerance the model leaves {before} {unit} rms of {output} (as given {} {unit}), the noise is {floor} {unit}.",
@@ -52,10 +52,10 @@ pub(crate) fn of(gap: &Gap) -> String {
 fn partial(gap: &Gap) -> String {
     let of_main = |p: &&Partial| p.effect.output == gap.place.output;
     let Some(p) = gap.partial.iter().find(of_main) else {
-        return "; no candidate alone takes any of it on rows that were not used".to_owned();
+        return "; no candidate alone removes any of it on held-out rows".to_owned();
     };
     format!(
-        "; of the candidates alone {} would do most: {:.0} % of the gap's power would go on rows that were not used, and {} {} rms stay, so that it may be something else",
+        "; the best single candidate is {}: it would remove {:.0} % of the gap's power on held-out rows and leave {} {} rms, so that it may be something else",
         name(&p.effect),
         percent(p.effect.explained),
         number(p.rms_after),
@@ -76,21 +76,22 @@ fn effects(gap: &Gap) -> String {
             let interval = format!("95 %: {:.0} to {:.0} %", percent(low), percent(high));
             match s.as_found.filter(|found| found - f > HELD) {
                 None => format!(
-                    "{:.0} % of the gap's power goes on rows that were not used ({interval})",
+                    "removes {:.0} % of the gap's power on held-out rows ({interval})",
                     percent(f)
                 ),
                 Some(found) => format!(
-                    "{:.0} % of the gap's power goes on rows that were not used, {:.0} % with the \
-                     repaired blueprint, whose components do not hold all of it ({interval})",
+                    "removes {:.0} % of the gap's power on held-out rows, {:.0} % with the repaired \
+                     blueprint, whose components do not hold all of it ({interval})",
                     percent(found),
                     percent(f)
                 ),
             }
         }
-        _ => "the gap shrinks".to_owned(),
+        _ => "shrinks the gap".to_owned(),
     };
     format!(
-        "The model lacks {missing}: with it {how}, from {} to {} {} rms of {}, the noise is {} {}.",
+        "The model lacks {missing}: adding {} {how}, from {} to {} {} rms of {}; the noise is {} {}.",
+        if gap.effects.len() > 1 { "them" } else { "it" },
         number(s.rms_before),
         number(s.rms_after),
         s.unit,

@@ -64,7 +64,7 @@ pub(crate) fn stand_in(
             .filter(|(_, other)| goes(other) > goes(&without) + WORTH);
         if let Some((formula, other)) = stand_in {
             notes.push(format!(
-                "{effect} is written as {}, as no component does what was found ({}): {:.0} % of the gap's power goes in place of {:.0} %",
+                "{effect} is written as {}, as no component does what was found ({}): {:.0} % of the gap's power is removed in place of {:.0} %",
                 formula.name,
                 best.name,
                 100.0 * goes(&other),

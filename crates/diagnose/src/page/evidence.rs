@@ -20,6 +20,45 @@ fn command_of(o: &Outcome, rows: Range<usize>) -> Vec<f64> {
     hits.map(|hit| data.command[*hit as usize] / o.problem.command_factor).collect()
 }
 
+/// Rows of a stretch on which single waves can be seen.
+const STRETCH: usize = 600;
+
+/// Measured, model, repaired model and what each leaves, on the stretch of the records in which the gap is largest.
+pub(super) fn proof(o: &Outcome) -> Option<TimeSeries> {
+    let data = &o.problem.data;
+    let largest = o.robust.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?.0;
+    let record = data.records.iter().find(|record| record.rows.contains(&largest))?;
+    let all = record.rows.clone();
+    let first = largest.saturating_sub(STRETCH / 2).max(all.start);
+    let rows = first..(first + STRETCH).min(all.end);
+    let title = format!("{}: {} where the gap is largest", o.problem.output, record.name);
+    Some(over_time(o, title, rows))
+}
+
+/// Measured, model, repaired model and what each leaves, over time, in these rows.
+fn over_time(o: &Outcome, title: String, rows: Range<usize>) -> TimeSeries {
+    let data = &o.problem.data;
+    let scale = o.sigma / o.problem.factor;
+    let unit = o.problem.unit.as_str();
+    let in_unit = |v: &[f64]| v[rows.clone()].iter().map(|r| r * scale).collect::<Vec<f64>>();
+    let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.problem.factor).collect();
+    let without = |residual: &[f64]| y.iter().zip(residual).map(|(y, r)| y - r).collect::<Vec<_>>();
+    let (before, after) =
+        (in_unit(&o.found.base.judged.residual), in_unit(&o.found.last.judged.residual));
+    let is_repaired = !o.found.last.picks.is_empty();
+    let mut figure = TimeSeries::new(title, &data.time[rows.clone()])
+        .measured("measured", unit, &y)
+        .model("model, re-tuned", unit, &without(&before));
+    if is_repaired {
+        figure = figure.other("model, repaired", unit, &without(&after));
+    }
+    figure = figure.panel("gap").residual("before", unit, &before);
+    if is_repaired {
+        figure = figure.other("after", unit, &after);
+    }
+    figure
+}
+
 /// How often the gap has each size, before and after.
 fn histogram(o: &Outcome, record: &str, before: &[f64], after: &[f64]) -> Histogram {
     let mut sets = vec![(Role::Residual, "before", before)];
@@ -42,18 +81,8 @@ fn signals(mut section: Section, o: &Outcome) -> Section {
         let (before, after) =
             (in_unit(&o.found.base.judged.residual), in_unit(&o.found.last.judged.residual));
         let model: Vec<f64> = y.iter().zip(&before).map(|(y, r)| y - r).collect();
-        let mut figure = TimeSeries::new(
-            format!("{}: {}", o.problem.output, record.name),
-            &data.time[rows.clone()],
-        )
-        .measured("measured", unit, &y)
-        .model("model, re-tuned", unit, &model)
-        .panel("gap")
-        .residual("before", unit, &before);
-        if !o.found.last.picks.is_empty() {
-            figure = figure.other("after", unit, &after);
-        }
-        section = section.figure(figure);
+        let title = format!("{}: {}", o.problem.output, record.name);
+        section = section.figure(over_time(o, title, rows.clone()));
         let mut errors = vec![(Role::Residual, "before", &before[..])];
         if !o.found.last.picks.is_empty() {
             errors.push((Role::Other, "after", &after));

@@ -1,4 +1,4 @@
-//! The answer as a page: the sentence first, then where, which, how much, what next.
+//! The answer as a page: the sentence first, then the picture that proves it, then where, which, how much, what next.
 
 mod evidence;
 
@@ -29,6 +29,11 @@ pub(crate) fn report(diagnosis: &Diagnosis, files: &Files<'_>) -> Report {
         page = page.warning(warning);
     }
     page = figures(page, gap);
+    let mut proof = Section::new("Measured, model, repaired model");
+    for figure in diagnosis.outcomes.iter().filter_map(evidence::proof) {
+        proof = proof.figure(figure);
+    }
+    page = page.section(proof);
     for outcome in &diagnosis.outcomes {
         page = page.section(place(gap, outcome));
     }
@@ -49,7 +54,7 @@ fn figures(mut page: Report, gap: &Gap) -> Report {
         let note = s.ci95.map_or_else(String::new, |[low, high]| {
             format!("95 % for a new record: {:.0} to {:.0} %", 100.0 * low, 100.0 * high)
         });
-        let figure = KeyFigure::new("Part of the gap's power that goes", 100.0 * fraction, "%");
+        let figure = KeyFigure::new("Share of the gap's power removed", 100.0 * fraction, "%");
         page = page.key_figure(figure.note(note));
     }
     page
@@ -96,7 +101,7 @@ fn which(gap: &Gap) -> Section {
         section = section.paragraph("No effect is named.");
         for p in &gap.partial {
             section = section.paragraph(format!(
-                "The best partial answer for {}: {} would take {:.0} % of the gap's power on rows that were not used, and leave {} {} rms of {} {}.",
+                "The best partial answer for {}: {} would remove {:.0} % of the gap's power on held-out rows and leave {} {} rms of {} {}.",
                 p.effect.output,
                 p.effect.effect,
                 100.0 * p.effect.explained,
@@ -149,7 +154,7 @@ fn stretches(title: String, unit: &str, all: &[HeldOut]) -> Table {
         Column::new("record"),
         Column::new("rms before").unit(unit),
         Column::new("rms after").unit(unit),
-        Column::new("part that goes").unit("%"),
+        Column::new("share removed").unit("%"),
     ];
     all.iter().fold(Table::new(title, columns), |table, h| {
         table.row([
@@ -168,7 +173,7 @@ fn how_much(gap: &Gap) -> Section {
     if let Some(second) = &gap.shrink.second_opinion {
         let title = format!("Second opinion: {}", second.split);
         section = section.table(stretches(title, unit, &second.records)).paragraph(format!(
-            "In records that were left out {:.0} % of the gap's power goes.",
+            "In records that were left out, {:.0} % of the gap's power is removed.",
             100.0 * second.fraction
         ));
     }

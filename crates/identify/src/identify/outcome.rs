@@ -17,7 +17,7 @@ impl Session<'_> {
             held_out_rmse: Some(tried.held_out_rmse),
             held_out_nrmse: Some(worst(&self.plan.judged)),
             fitted_nrmse: Some(worst(&self.plan.fitted)),
-            parameters: tried.numbers.unwrap_or(tried.parameters.len()),
+            parameters: tried.count(),
             seconds: tried.seconds,
             accepted: false,
             reason: reason.to_owned(),
