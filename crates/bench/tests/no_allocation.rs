@@ -7,7 +7,7 @@ use std::path::Path;
 
 use bench::cycle::{Cycle, Orders, Tick};
 use bench::emulate::Script;
-use bench::gateway::{Address, End, Gateway, open};
+use bench::gateway::{Address, End, Gateway, Site, open};
 use bench::runner::{Settings, SharedOrders, run};
 use bench::safety::State;
 use common::{control_law, controller, cycle, emulator};
@@ -27,8 +27,8 @@ fn udp() -> (Box<dyn Gateway>, Box<dyn Gateway>) {
         .find_map(|port| {
             let address: Address = format!("udp://127.0.0.1:{port}").parse().ok()?;
             Some((
-                open(&address, End::Runner, None, None).ok()?,
-                open(&address, End::Machine, None, None).ok()?,
+                open(&address, End::Runner, None, &Site::default()).ok()?,
+                open(&address, End::Machine, None, &Site::default()).ok()?,
             ))
         })
         .expect("a free port")
@@ -69,8 +69,8 @@ fn no_cycle_allocates_over_udp() {
 #[test]
 fn no_cycle_allocates_over_shared_memory() {
     let address: Address = format!("shm://count-{}", std::process::id()).parse().unwrap();
-    let runner = open(&address, End::Runner, None, None).unwrap();
-    let machine = open(&address, End::Machine, None, None).unwrap();
+    let runner = open(&address, End::Runner, None, &Site::default()).unwrap();
+    let machine = open(&address, End::Machine, None, &Site::default()).unwrap();
     let (calls, cycle) = allocations(runner, machine);
     assert_eq!(cycle.memory().state, State::Safe);
     assert!(cycle.counters().corrupt > 10 && cycle.counters().used > 800);

@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use bench::emulate::{Script, Serve, serve};
-use bench::gateway::{Address, End, Gateway, open};
+use bench::gateway::{Address, End, Gateway, Site, open};
 use bench::record::Recorder;
 use bench::runner::{Settings, SharedOrders, run};
 use common::{PERIOD_NS, control_law, controller, cycle, emulator};
@@ -241,7 +241,7 @@ impl Gateway for Watched<'_> {
 
 /// Plays the machine until it is told to end, or for three seconds.
 fn machine(address: &Address, stop: &AtomicBool) {
-    let mut gateway = open(address, End::Machine, None, None).unwrap();
+    let mut gateway = open(address, End::Machine, None, &Site::default()).unwrap();
     let mut emulator = emulator(AXES, Script::default());
     let until = Serve { stop, duration_ns: Some(3_000_000_000) };
     serve(&mut emulator, &mut *gateway, &until).unwrap();
@@ -254,7 +254,7 @@ fn a_live_run_waits_for_nothing_but_its_deadlines() {
         .step_by(2)
         .find_map(|port| {
             let address: Address = format!("udp://127.0.0.1:{port}").parse().ok()?;
-            Some((address.clone(), open(&address, End::Runner, None, None).ok()?))
+            Some((address.clone(), open(&address, End::Runner, None, &Site::default()).ok()?))
         })
         .expect("a free port");
     let mut cycle = cycle(AXES, controller(AXES, control_law(AXES)));

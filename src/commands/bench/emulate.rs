@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, bail};
 use bench::emulate::{Behaviour, Emulator, Injected, Plant, Script, Serve, Served, Timing, serve};
-use bench::gateway::{Address, End, Refused};
+use bench::gateway::{Address, End, Refused, Site};
 use clap::Args;
 use cosim::InstanceOptions;
 use modeldescription::variable::Causality;
@@ -25,16 +25,25 @@ use crate::{fmus, interrupt, ranges};
 /// stuck, nan (axis); saturation (axis, min, max); quantisation (axis, step); offset (axis, value);
 /// invalid; power-loss; restart. All take from and to in s of the machine's time; those of packets
 /// direction=measurement, command or both.
+///
+/// --protocol gcs plays an instrument of PI instead: General Command Set 2.0 over TCP, a digital servo before
+/// the plant; without faults, key and heartbeat, which the protocol has not.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop bench emulate plant.fmu --gateway udp://127.0.0.1:9000 --rate 1k\n  piezoloop bench emulate evc-truth --gateway shm://stage --rate 2k --inject delay,seconds=1e-3 --inject quantisation,step=0.02"
+    after_help = "Examples:\n  piezoloop bench emulate plant.fmu --gateway udp://127.0.0.1:9000 --rate 1k\n  piezoloop bench emulate evc-truth --gateway shm://stage --rate 2k --inject delay,seconds=1e-3 --inject quantisation,step=0.02\n  piezoloop bench emulate p1 --protocol gcs --rate 1k"
 )]
 pub(crate) struct Emulate {
     /// The plant: an FMU, a blueprint or the name of a rig
     plant: PathBuf,
-    /// Where the machine listens: udp://IP:PORT or shm://NAME
-    #[arg(long, value_name = "ADDRESS")]
-    gateway: Address,
+    /// Where the machine listens: udp://IP:PORT, shm://NAME or gcs://IP:PORT [default of --protocol gcs: gcs://127.0.0.1:50000]
+    #[arg(long, value_name = "ADDRESS", required_unless_present = "protocol")]
+    gateway: Option<Address>,
+    /// What it speaks [default: as the address says]
+    #[arg(long, value_name = "NAME")]
+    protocol: Option<Protocol>,
+    /// Voltages of an instrument, where the plant's inputs have no bounds
+    #[arg(long, value_name = "MIN..MAX", value_parser = ranges::limits())]
+    volts: Option<[f64; 2]>,
     /// The runner's address; nobody else is listened to [default: 127.0.0.1 and the next port]
     #[arg(long, value_name = "IP:PORT")]
     peer: Option<SocketAddr>,
@@ -72,6 +81,15 @@ pub(crate) struct Emulate {
     duration: Option<f64>,
 }
 
+/// What a machine speaks.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Protocol {
+    /// The bench's packet
+    Packet,
+    /// General Command Set 2.0 of PI
+    Gcs,
+}
+
 /// When the machine steps.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 enum When {
@@ -91,6 +109,25 @@ struct Played {
 
 impl Emulate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        let gateway = match (self.protocol, &self.gateway) {
+            (Some(Protocol::Packet), Some(address @ Address::Gcs { .. })) => {
+                bail!("{address}: speaks GCS, not --protocol packet")
+            }
+            (Some(Protocol::Packet), None) => bail!("--protocol packet: give --gateway ADDRESS"),
+            (None | Some(Protocol::Gcs), Some(Address::Gcs { at, options })) => {
+                return self.instrument(screen, *at, options);
+            }
+            (Some(Protocol::Gcs), Some(address)) => {
+                bail!("--protocol gcs goes with --gateway gcs://IP:PORT, not {address}")
+            }
+            (Some(Protocol::Gcs) | None, None) => {
+                return self.instrument(screen, super::instrument::here(), "");
+            }
+            (_, Some(address)) => address.clone(),
+        };
+        if self.volts.is_some() {
+            bail!("--volts goes with --protocol gcs");
+        }
         let script = self.script()?;
         let stop = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&stop);
@@ -115,20 +152,50 @@ impl Emulate {
         };
         let behaviour = Behaviour { timing, period_ns, heartbeat: self.heartbeat, safe };
         let mut emulator = Emulator::new(plant, behaviour, script);
-        let gateway = bench::gateway::open(&self.gateway, End::Machine, self.peer, None)?;
+        let address = gateway;
+        let gateway = bench::gateway::open(&address, End::Machine, self.peer, &Site::default())?;
         let (mut gateway, line) =
-            self.key.around(gateway, &self.gateway, End::Machine, commands.len())?;
+            self.key.around(gateway, &address, End::Machine, commands.len())?;
         line.into_iter().for_each(|line| screen.say(&line));
         let realtime = bench::clock::become_realtime();
         let names = (commands.join(", "), positions.join(", "));
         screen.say(&format!(
             "machine {} at {}: {} -> {}, {} steps per second; {}",
-            opened.name, self.gateway, names.0, names.1, self.rate, realtime.line
+            opened.name, address, names.0, names.1, self.rate, realtime.line
         ));
         let duration_ns = self.duration.map(|seconds| (seconds * 1e9) as u64);
         let serve_until = Serve { stop: &stop, duration_ns };
         let served = serve(&mut emulator, &mut *gateway, &serve_until)?;
         screen.show(&Played { served, keyed: gateway.refused() })
+    }
+
+    /// Plays an instrument.
+    fn instrument(&self, screen: &Screen, at: SocketAddr, options: &str) -> anyhow::Result<u8> {
+        let given = [
+            (self.faults.is_some(), "--faults"),
+            (!self.inject.is_empty(), "--inject"),
+            (self.seed.is_some(), "--seed"),
+            (self.peer.is_some(), "--peer"),
+            (!self.safe.is_empty(), "--safe"),
+            (self.heartbeat != 100, "--heartbeat"),
+            (self.key.is_given(), "--key"),
+            (self.timing == When::Commands, "--timing commands"),
+            (!options.is_empty(), "options behind the address"),
+        ];
+        let some: Vec<&str> = given.iter().filter(|(is, _)| *is).map(|(_, name)| *name).collect();
+        if !some.is_empty() {
+            bail!("--protocol gcs has no {}", some.join(", no "));
+        }
+        super::instrument::Play {
+            plant: &self.plant,
+            at,
+            rate: self.rate,
+            volts: self.volts,
+            commands: &self.commands,
+            positions: &self.positions,
+            duration: self.duration,
+        }
+        .run(screen)
     }
 
     fn script(&self) -> anyhow::Result<Script> {

@@ -2,6 +2,7 @@
 
 mod campaign;
 mod emulate;
+mod instrument;
 mod recover;
 mod replay;
 mod run;
@@ -37,6 +38,8 @@ enum Command {
     Replay(replay::Replay),
     /// Print the packet's table of offsets
     Packet,
+    /// Print gateway.h, the C interface of plugin://FILE
+    Header,
 }
 
 impl Bench {
@@ -47,6 +50,10 @@ impl Bench {
             Command::Campaign(command) => command.run(screen),
             Command::Recover(command) => command.run(screen),
             Command::Replay(command) => command.run(screen),
+            Command::Header => {
+                screen.say(bench::gateway::C_HEADER.trim_end());
+                Ok(0)
+            }
             Command::Packet => {
                 screen.say(bench::packet::layout_table().trim_end());
                 Ok(0)
@@ -82,6 +89,10 @@ pub(super) struct KeyOptions {
 }
 
 impl KeyOptions {
+    fn is_given(&self) -> bool {
+        self.key.is_some()
+    }
+
     /// Puts the key around a gateway, and says in a line how it stands.
     fn around(
         &self,

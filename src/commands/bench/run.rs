@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use bench::clock::Realtime;
-use bench::gateway::{Address, End, Refused};
+use bench::gateway::{Address, End, Refused, Site};
 use bench::live::{Dashboard, Terminal, Web};
 use bench::plan::{AxisPlan, Plan, Prepared, Step};
 use bench::record::{About, Converted, Format, Journal, Recorder, convert};
@@ -34,7 +34,7 @@ pub(crate) struct Run {
     /// A bench plan (TOML); options given here go before it
     #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
-    /// Where the machine is: udp://IP:PORT, shm://NAME or ethercat://INTERFACE
+    /// Where the machine is: udp://IP:PORT, shm://NAME, ethercat://INTERFACE, gcs://IP:PORT or plugin://FILE?OPTIONS
     #[arg(long, value_name = "ADDRESS")]
     gateway: Option<Address>,
     /// Own address, for a machine beyond this computer [default: 127.0.0.1 and the next port]
@@ -82,6 +82,8 @@ struct Ran {
     #[serde(flatten)]
     outcome: Outcome,
     realtime: Realtime,
+    /// What the machine's driver says about itself.
+    machine: Option<String>,
     record: Option<Converted>,
     notes: Vec<String>,
     /// What the page shows.
@@ -149,12 +151,13 @@ impl Run {
             .then(|| Terminal::start(dashboard, recorder.view().clone(), orders.clone()))
             .transpose()
             .context(NO_THREAD)?;
-        let gateway = bench::gateway::open(
-            &address,
-            End::Runner,
-            self.bind.or(plan.bind),
-            plan.ethercat.as_ref(),
-        )?;
+        let site = Site {
+            safe: prepared.cycle.limits().iter().map(|axis| axis.safe).collect(),
+            period: prepared.settings.period_ns as f64 / 1e9,
+            ethercat: plan.ethercat.as_ref(),
+        };
+        let gateway = bench::gateway::open(&address, End::Runner, self.bind.or(plan.bind), &site)?;
+        let machine = gateway.describe();
         let (mut gateway, keyed) =
             self.key.around(gateway, &address, End::Runner, prepared.cycle.axes())?;
         // Last of all: threads that are started later would inherit it.
@@ -165,6 +168,7 @@ impl Run {
         }
         if terminal.is_none() {
             keyed.iter().for_each(|line| screen.say(line));
+            machine.iter().for_each(|line| screen.say(&format!("at {address}: {line}")));
             say_what_begins(screen, &address, &prepared, &realtime, web.as_ref());
         }
         let Prepared { cycle, settings, .. } = &mut prepared;
@@ -181,14 +185,20 @@ impl Run {
         };
         let record = match (recorded.journal, record, format) {
             (Some(journal), Some(record), Some(format)) => {
-                Some(keep(&journal, &record, format, &outcome, &realtime, &notes)?)
+                let more = serde_json::json!({
+                    "outcome": outcome,
+                    "realtime": realtime,
+                    "machine": machine,
+                    "notes": notes,
+                });
+                Some(keep(&journal, &record, format, more)?)
             }
             _ => None,
         };
         if let Some(web) = web {
             web.finish();
         }
-        Ok(Ran { outcome, realtime, record, notes, rows })
+        Ok(Ran { outcome, realtime, machine, record, notes, rows })
     }
 
     /// The plan with what the command line says.
@@ -252,11 +262,8 @@ fn keep(
     journal: &Path,
     record: &Path,
     format: Format,
-    outcome: &Outcome,
-    realtime: &Realtime,
-    notes: &[String],
+    more: serde_json::Value,
 ) -> anyhow::Result<Converted> {
-    let more = serde_json::json!({ "outcome": outcome, "realtime": realtime, "notes": notes });
     let more = more.as_object().cloned().unwrap_or_default();
     let converted = convert(journal, record, format, &more)
         .with_context(|| format!("the rows are safe in {}", journal.display()))?;
@@ -296,6 +303,9 @@ impl Answer for Ran {
         }
         if let Some(failure) = &outcome.failure {
             writeln!(out, "  the controller said: {failure}")?;
+        }
+        if let Some(failure) = &outcome.gateway_failure {
+            writeln!(out, "  the gateway said: {failure}")?;
         }
         if let Some(refused) = &outcome.refused {
             writeln!(out, "  packets were refused: {refused}")?;

@@ -3,11 +3,13 @@
 //! It is told the time, never reads it: the same code runs in real time and in virtual time.
 
 mod fault;
+mod instrument;
 mod link;
 mod plant;
 mod serve;
 
 pub use fault::{Active, Direction, Fault, FaultKind, Script, ScriptError};
+pub use instrument::{Instrument, Travel, travel};
 pub use link::{Injected, Link};
 pub use plant::{Plant, PlantError};
 pub use serve::{Serve, Served, serve};

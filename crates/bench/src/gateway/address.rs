@@ -1,10 +1,11 @@
 //! Addresses of gateways.
 
 use std::fmt;
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
+use std::path::PathBuf;
 use std::str::FromStr;
 
-use super::GatewayError;
+use super::{GatewayError, gcs};
 
 /// Where the machine is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,6 +16,20 @@ pub enum Address {
     SharedMemory(String),
     /// `ethercat://INTERFACE`: SubDevices at this network interface.
     Ethercat(String),
+    /// `gcs://IP:PORT?OPTIONS`: an instrument of PI.
+    Gcs {
+        /// Where it listens.
+        at: SocketAddr,
+        /// See `gcs::Options`.
+        options: String,
+    },
+    /// `plugin://FILE?OPTIONS`: a driver in C behind the functions of `gateway.h`.
+    Plugin {
+        /// The shared library.
+        library: PathBuf,
+        /// What it gets, as it stands.
+        options: String,
+    },
 }
 
 impl FromStr for Address {
@@ -47,6 +62,24 @@ impl FromStr for Address {
             }
             return Ok(Address::Ethercat(name.to_owned()));
         }
+        if let Some(rest) = text.strip_prefix("gcs://") {
+            let (host, options) = rest.split_once('?').unwrap_or((rest, ""));
+            let only_ip =
+                || host.trim_matches(['[', ']']).parse::<IpAddr>().map(|ip| (ip, gcs::PORT).into());
+            let at = host.parse::<SocketAddr>().or_else(|_| only_ip());
+            let at = at.map_err(|_| {
+                error("is no IP address with or without a port (names are not looked up)".into())
+            })?;
+            return Ok(Address::Gcs { at, options: options.to_owned() });
+        }
+        if let Some(rest) = text.strip_prefix("plugin://") {
+            let (library, options) = rest.split_once('?').unwrap_or((rest, ""));
+            if library.is_empty() || options.contains('\0') {
+                let rule = "has no shared library, as in plugin://./libcard.so?options";
+                return Err(error(rule.into()));
+            }
+            return Ok(Address::Plugin { library: library.into(), options: options.to_owned() });
+        }
         Err(error("has no known scheme".into()))
     }
 }
@@ -57,6 +90,14 @@ impl fmt::Display for Address {
             Address::Udp(address) => write!(f, "udp://{address}"),
             Address::SharedMemory(name) => write!(f, "shm://{name}"),
             Address::Ethercat(name) => write!(f, "ethercat://{name}"),
+            Address::Gcs { at, options } => {
+                let mark = if options.is_empty() { "" } else { "?" };
+                write!(f, "gcs://{at}{mark}{options}")
+            }
+            Address::Plugin { library, options } => {
+                let mark = if options.is_empty() { "" } else { "?" };
+                write!(f, "plugin://{}{mark}{options}", library.display())
+            }
         }
     }
 }
@@ -67,8 +108,16 @@ mod tests {
 
     #[test]
     fn addresses_are_read_and_written() {
-        for text in ["udp://10.0.0.2:9000", "udp://[::1]:9000", "shm://stage-1", "ethercat://eth1"]
-        {
+        for text in [
+            "udp://10.0.0.2:9000",
+            "udp://[::1]:9000",
+            "shm://stage-1",
+            "ethercat://eth1",
+            "gcs://192.168.0.5:50000",
+            "gcs://[::1]:50001?axes=1,2&mode=open",
+            "plugin://./libcard.so",
+            "plugin:///opt/card.so?ao=Dev1/ao0:1 range=10?x",
+        ] {
             assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
         }
         for (text, word) in [
@@ -77,6 +126,8 @@ mod tests {
             ("udp://127.0.0.1:65535", "65534"),
             ("shm://a b", "letters"),
             ("ethercat://", "interface"),
+            ("gcs://stage", "looked up"),
+            ("plugin://?x", "library"),
             ("tcp://127.0.0.1:1", "scheme"),
         ] {
             let message = text.parse::<Address>().unwrap_err().to_string();

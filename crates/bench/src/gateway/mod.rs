@@ -5,12 +5,17 @@
 //! | `udp://10.0.0.2:9000` | UDP datagrams to and from that one peer |
 //! | `shm://stage` | shared memory of this host, over iceoryx2 (feature `shared-memory`) |
 //! | `ethercat://eth1` | SubDevices at that interface, over ethercrab (feature `ethercat`) |
+//! | `gcs://10.0.0.5:50000?axes=1,2` | an instrument of PI, General Command Set 2.0 over TCP |
+//! | `plugin://./libcard.so?options` | a driver in C with the functions of `gateway.h` |
 
 mod address;
+pub mod device;
 #[cfg(all(feature = "ethercat", target_os = "linux"))]
 pub mod ethercat;
+pub mod gcs;
 mod keyed;
 mod memory;
+mod plugin;
 mod process_data;
 #[cfg(feature = "shared-memory")]
 mod shared_memory;
@@ -23,6 +28,7 @@ use thiserror::Error;
 pub use address::Address;
 pub use keyed::{KEYED_VERSION, Key, KeyError, KeyedGateway, Refused};
 pub use memory::{MemoryGateway, pair};
+pub use plugin::PluginDevice;
 pub use process_data::{Bit, ChannelData, DeviceData, Entry, NumberType, ProcessData};
 #[cfg(feature = "shared-memory")]
 pub use shared_memory::SharedMemoryGateway;
@@ -44,6 +50,16 @@ pub trait Gateway {
     fn refused(&self) -> Option<Refused> {
         None
     }
+
+    /// A sentence on the machine, where it has one.
+    fn describe(&self) -> Option<String> {
+        None
+    }
+
+    /// What the machine's driver said when it first failed.
+    fn failure(&self) -> Option<String> {
+        None
+    }
 }
 
 /// Which end of a gateway is opened.
@@ -60,7 +76,7 @@ pub enum End {
 pub enum GatewayError {
     /// The text is no address.
     #[error(
-        "gateway `{text}`: {rule}; write udp://IP:PORT as in udp://127.0.0.1:9000, shm://NAME, or ethercat://INTERFACE"
+        "gateway `{text}`: {rule}; write udp://IP:PORT as in udp://127.0.0.1:9000, shm://NAME, ethercat://INTERFACE, gcs://IP, or plugin://FILE"
     )]
     Address {
         /// As it was given.
@@ -82,9 +98,29 @@ pub enum GatewayError {
     },
 }
 
+/// `gateway.h`: what a library behind `plugin://FILE` must have.
+pub const C_HEADER: &str = ::plugin::HEADER;
+
+/// What a gateway may need to know of the run.
+#[derive(Clone, Debug, Default)]
+pub struct Site<'a> {
+    /// Commands of the safe state, one for each channel.
+    pub safe: Vec<f64>,
+    /// Length of a cycle in s.
+    pub period: f64,
+    /// Where the channels stand, for EtherCAT.
+    pub ethercat: Option<&'a ProcessData>,
+}
+
+/// Seconds without a command after which a device that is called goes to its safe commands, and at
+/// least so many cycles.
+#[cfg(unix)]
+const HEARTBEAT: f64 = 0.1;
+#[cfg(unix)]
+const HEARTBEAT_CYCLES: f64 = 5.0;
+
 /// Opens one end of a gateway. `other`: for UDP, the own address at the runner's end (default: the
 /// loopback address with the port after the gateway's), the runner's address at the machine's end.
-/// `data`: for EtherCAT, where the channels stand.
 ///
 /// # Errors
 /// The address is taken, not one of this machine, or of a transport that this build has not.
@@ -92,7 +128,7 @@ pub fn open(
     address: &Address,
     end: End,
     other: Option<std::net::SocketAddr>,
-    data: Option<&ProcessData>,
+    site: &Site<'_>,
 ) -> Result<Box<dyn Gateway>, GatewayError> {
     let failed = |what: &str, error: &str, way_out: &str| {
         Err(GatewayError::Open {
@@ -110,33 +146,96 @@ pub fn open(
         Address::SharedMemory(_) => {
             failed("shared memory", "this build has none", "build with the feature `shared-memory`")
         }
-        Address::Ethercat(_) if end == End::Machine => failed(
-            "the machine's end",
-            "SubDevices are machines themselves",
-            "play a machine over udp://IP:PORT or shm://NAME",
-        ),
-        Address::Ethercat(interface) => match data {
+        Address::Ethercat(_) | Address::Plugin { .. } | Address::Gcs { .. }
+            if end == End::Machine =>
+        {
+            failed(
+                "the machine's end",
+                "what is there is a machine itself",
+                "play a machine over udp://IP:PORT or shm://NAME, an instrument with --protocol gcs",
+            )
+        }
+        Address::Plugin { library, options } => {
+            let (library, options) = (library.clone(), options.clone());
+            let (channels, period) = (site.safe.len(), site.period);
+            let way_out =
+                "`piezoloop bench header` prints gateway.h, examples/05_bench/card.c is one";
+            open_device(address, way_out, site, move || {
+                Ok(Box::new(plugin::PluginDevice::open(&library, &options, channels, period)?))
+            })
+        }
+        Address::Gcs { at, options } => {
+            let (at, safe) = (*at, site.safe.clone());
+            let options = match gcs::Options::parse(options, site.period) {
+                Ok(options) => options,
+                Err(rule) => {
+                    return failed("its options", &rule, "give them as in gcs://IP?axes=1,2");
+                }
+            };
+            let way_out = "check power, cable, address and that no other program is connected";
+            open_device(address, way_out, site, move || {
+                let line = Box::new(gcs::TcpLine::new(at));
+                Ok(Box::new(gcs::GcsDevice::open(line, options, &safe)?))
+            })
+        }
+        Address::Ethercat(interface) => match site.ethercat {
             None => failed(
                 "the process data",
                 "the plan has no section [ethercat]",
                 "say there where commands and positions stand (docs/gateway.md)",
             ),
-            Some(data) => open_ethercat(interface, data),
+            Some(data) => open_ethercat(interface, data, &site.safe),
         },
     }
 }
 
 #[cfg(all(feature = "ethercat", target_os = "linux"))]
-fn open_ethercat(interface: &str, data: &ProcessData) -> Result<Box<dyn Gateway>, GatewayError> {
-    Ok(Box::new(ethercat::EthercatGateway::open(interface, data)?))
+fn open_ethercat(
+    interface: &str,
+    data: &ProcessData,
+    safe: &[f64],
+) -> Result<Box<dyn Gateway>, GatewayError> {
+    Ok(Box::new(ethercat::EthercatGateway::open(interface, data, safe)?))
 }
 
 #[cfg(not(all(feature = "ethercat", target_os = "linux")))]
-fn open_ethercat(interface: &str, _: &ProcessData) -> Result<Box<dyn Gateway>, GatewayError> {
+fn open_ethercat(
+    interface: &str,
+    _: &ProcessData,
+    _: &[f64],
+) -> Result<Box<dyn Gateway>, GatewayError> {
     Err(GatewayError::Open {
         address: format!("ethercat://{interface}"),
         what: "EtherCAT".to_owned(),
         error: "this build has none".to_owned(),
         way_out: "build it on Linux with `cargo install --path . --features ethercat`".to_owned(),
+    })
+}
+
+#[cfg(unix)]
+fn open_device(
+    address: &Address,
+    way_out: &str,
+    site: &Site<'_>,
+    make: impl FnOnce() -> Result<Box<dyn device::Device>, String> + Send + 'static,
+) -> Result<Box<dyn Gateway>, GatewayError> {
+    let heartbeat = Duration::from_secs_f64(HEARTBEAT.max(HEARTBEAT_CYCLES * site.period));
+    let address = address.to_string();
+    let gateway = device::DeviceGateway::open(&address, way_out, &site.safe, heartbeat, make)?;
+    Ok(Box::new(gateway))
+}
+
+#[cfg(not(unix))]
+fn open_device(
+    address: &Address,
+    _: &str,
+    _: &Site<'_>,
+    _: impl FnOnce() -> Result<Box<dyn device::Device>, String>,
+) -> Result<Box<dyn Gateway>, GatewayError> {
+    Err(GatewayError::Open {
+        address: address.to_string(),
+        what: "the bridge".to_owned(),
+        error: "this build has none".to_owned(),
+        way_out: "run the bench on Linux or macOS".to_owned(),
     })
 }

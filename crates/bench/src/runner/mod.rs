@@ -67,6 +67,8 @@ pub struct Outcome {
     pub round_trip: Percentiles,
     /// What the controller said when it failed.
     pub failure: Option<String>,
+    /// What the machine's driver said when it first failed.
+    pub gateway_failure: Option<String>,
     /// Why whole packets were refused, if some were.
     pub refused: Option<String>,
 }
@@ -132,6 +134,7 @@ pub fn run(
     }
     Outcome {
         keyed: gateway.refused(),
+        gateway_failure: gateway.failure(),
         ..outcome(cycle, &pace, waits.lonely(settings), unrecorded)
     }
 }
@@ -148,6 +151,7 @@ fn outcome(cycle: &Cycle, pace: &Pace, lonely: bool, unrecorded: u64) -> Outcome
         held: cycle.held(),
         unrecorded,
         keyed: None,
+        gateway_failure: None,
         unsent: cycle.unsent(),
         clipped: cycle.clipped(),
         measurements: *cycle.counters(),

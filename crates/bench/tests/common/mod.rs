@@ -1,6 +1,8 @@
 //! A plant and a controller in Rust, in the place of FMUs, and a bench made of them.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod lockstep;
+
 use bench::cycle::{Controller, Cycle, Driver, Player, Setup};
 use bench::emulate::{Behaviour, Emulator, Plant, Script, Timing};
 use bench::rehearsal::Rehearsal;

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use bench::gateway::ethercat::{EthercatGateway, RawSocket, Wire};
-use bench::gateway::{Address, End, Gateway, ProcessData, open};
+use bench::gateway::{Address, End, Gateway, ProcessData, Site, open};
 use bench::packet::{Header, Kind, MAX_BYTES, Status, decode, encode};
 
 use recording::{Progress, Replay, exchanges, frames_of};
@@ -53,7 +53,7 @@ fn wire() -> MemoryWire {
 }
 
 fn gateway(wire: impl Wire + 'static) -> EthercatGateway {
-    EthercatGateway::over(Box::new(wire), "test", &data()).unwrap()
+    EthercatGateway::over(Box::new(wire), "test", &data(), &[0.0; 2]).unwrap()
 }
 
 /// The runner's side of one exchange.
@@ -204,7 +204,7 @@ fn a_frame_that_is_lost_is_a_sample_that_is_lost() {
 fn what_the_segment_does_not_have_is_told() {
     let open = |wire: MemoryWire, text: &str| {
         let data: ProcessData = toml::from_str(text).unwrap();
-        EthercatGateway::over(Box::new(wire), "eth9", &data).unwrap_err().to_string()
+        EthercatGateway::over(Box::new(wire), "eth9", &data, &[0.0; 2]).unwrap_err().to_string()
     };
     let message = open(wire(), &DATA.replace("byte = 2, type", "byte = 4, type"));
     for word in ["ethercat://eth9", "channel 2", "EL4132", "5 bytes"] {
@@ -226,7 +226,7 @@ fn open_at(
     end: End,
     data: Option<&ProcessData>,
 ) -> Result<Box<dyn Gateway>, bench::gateway::GatewayError> {
-    open(address, end, None, data)
+    open(address, end, None, &Site { ethercat: data, ..Site::default() })
 }
 
 /// Commands of a run of 40 cycles; the answers' positions.
@@ -281,7 +281,8 @@ fn real_terminals_are_brought_up_as_they_were_when_they_were_recorded() {
     let text = "[[channel]]\noutput = { device = 1, byte = 0, type = \"u16\" }\n\
                 input = { device = 1, byte = 0, type = \"u8\" }\n";
     let data: ProcessData = toml::from_str(text).unwrap();
-    let told = EthercatGateway::over(Box::new(replay), "test", &data).unwrap_err().to_string();
+    let told =
+        EthercatGateway::over(Box::new(replay), "test", &data, &[0.0; 2]).unwrap_err().to_string();
     println!("{told}; {} of {total} frames", replayed(&progress));
     assert!(told.contains("EL2828") && told.contains("0 bytes of inputs"), "{told}");
     assert_eq!(replayed(&progress) + 64, total, "all but the exchanges");
@@ -342,7 +343,7 @@ fn frames_go_through_a_raw_socket() {
             }
         }
     });
-    let mut runner = Runner::new(EthercatGateway::open(&near, &data()).unwrap());
+    let mut runner = Runner::new(EthercatGateway::open(&near, &data(), &[0.0; 2]).unwrap());
     runner.exchange(RESTS, &[0.0, 0.0]);
     runner.exchange(DRIVES, &[30.0, 40.0]);
     let (_, values) = runner.exchange(DRIVES, &[30.0, 40.0]);
