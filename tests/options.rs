@@ -20,7 +20,7 @@ const HOSTILE: [&str; 7] = ["0", "-1", "NaN", "inf", "1e300", "18446744073709551
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// Small arguments with which each command works; `None`: it has no options that take values.
-const SMALL: [(&str, Option<&str>); 29] = [
+const SMALL: [(&str, Option<&str>); 30] = [
     ("", Some("log in.csv")),
     (
         "identify",
@@ -52,6 +52,7 @@ const SMALL: [(&str, Option<&str>); 29] = [
     ),
     ("bench campaign", Some("bench campaign campaign.toml")),
     ("bench recover", Some("bench recover run.csv.journal")),
+    ("bench replay", Some("bench replay run.csv.journal")),
     ("list", Some("list rigs")),
     ("log", Some("log in.csv")),
     ("signal", Some("signal ellipse")),
