@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 
 use data::CheckedBlueprint;
 use model::{AxisSpec, Conversion, Declaration, NodeSpec, Source, Stage, Unit, unit_on_axis};
+use surround::Memory;
 
 use self::compose::Composer;
 use crate::black_box::BlackBox;
-use crate::block::Memory;
 use crate::chain::{Chain, ComponentNode, Node};
 use crate::error::Error;
 use crate::library::{Formula, Slot};

@@ -10,9 +10,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use cosim::{Experiment, Fmu, HOST, InstanceOptions, Message, RunError, Selection, Slave};
 use cosim::{StepResult, Value};
 use nalgebra::{DMatrix, DVector};
+use surround::{Block, Signals, Span};
 
 use self::known::Known;
-use crate::block::{Block, Span, Wires};
 use crate::chain::{Failed, Link};
 use crate::data_set::RecordData;
 use crate::error::Error;
@@ -385,8 +385,8 @@ fn ringing(response: &[f64], step: usize, sample: f64) -> Option<Entry> {
     }
     // What enters the mode is a step then.
     let mut entered = vec![0.0; response.len()];
-    let wires = Wires { x: response, drive: &[], command: &[], aux: &[], step: sample };
-    Block::BeforeMode { frequency, damping }.run(&[], wires, &mut entered);
+    let before = Block::BeforeMode { frequency, damping }.prepare(&[], sample).ok()?;
+    before.run(Signals::path(response), &mut entered);
     let (first, last) = (*entered.first()?, *entered.last()?);
     let held = entered.get(step + 1..)?;
     let mut left = held.first()? - last;
@@ -456,8 +456,7 @@ mod tests {
         let mut x: Vec<f64> = (0..3000).map(|row| if row < 50 { 2.0 } else { 2.5 }).collect();
         for (block, p) in blocks {
             let mut out = vec![0.0; x.len()];
-            let wires = Wires { x: &x, drive: &x, command: &x, aux: &x, step: SAMPLE };
-            block.run(p, wires, &mut out);
+            block.prepare(p, SAMPLE).unwrap().run(Signals::path(&x), &mut out);
             x = out;
         }
         x
@@ -466,8 +465,8 @@ mod tests {
     #[test]
     fn the_mode_at_the_end_is_read_from_the_answer_to_a_step() {
         for (frequency, damping) in [(284.0, 0.04), (60.0, 0.3), (900.0, 0.01)] {
-            let mode = (Block::Lag2, &[frequency, damping][..]);
-            let lag = (Block::Lag(1), &[500.0][..]);
+            let mode = (Block::SecondOrder, &[frequency, damping][..]);
+            let lag = (Block::Lag { order: 1 }, &[500.0][..]);
             let gain = (Block::Gain, &[0.3][..]);
             for blocks in [vec![gain.clone(), mode.clone()], vec![lag, gain, mode]] {
                 let Entry { frequency: f, damping: d, .. } =
@@ -482,8 +481,11 @@ mod tests {
     fn what_is_no_single_mode_is_none() {
         let none = |blocks: &[(Block, &[f64])]| ringing(&answer(blocks), 50, SAMPLE).is_none();
         assert!(none(&[]), "nothing moves");
-        assert!(none(&[(Block::Lag(1), &[100.0])]), "a lag");
+        assert!(none(&[(Block::Lag { order: 1 }, &[100.0])]), "a lag");
         assert!(none(&[(Block::ParallelMode, &[0.3, 284.0, 0.04])]), "a mode beside the path");
-        assert!(none(&[(Block::Lag2, &[100.0, 0.1]), (Block::Lag2, &[284.0, 0.04])]), "two modes");
+        assert!(
+            none(&[(Block::SecondOrder, &[100.0, 0.1]), (Block::SecondOrder, &[284.0, 0.04])]),
+            "two modes"
+        );
     }
 }

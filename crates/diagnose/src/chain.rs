@@ -9,11 +9,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use model::{ComponentRef, Tick};
 pub(crate) use surround::Force;
-use surround::ForcedMode;
+use surround::{Block, ForcedMode, Signals};
 
 use crate::black_box::BlackBox;
-use crate::block::{Block, Wires};
 use crate::data_set::{DataSet, RecordData};
+use crate::path_block::PathBlock;
 
 /// A parameter of a chain, in the coordinate in which it is fitted.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,8 +89,8 @@ pub(crate) enum Node {
     BeforeMode(ComponentNode),
     /// A mode of the model with other forces on it.
     Forced { mode: ComponentNode, forces: Vec<Acting> },
-    /// A block of an effect; its parameters begin at `first`.
-    Block { block: Block, first: usize, count: usize, aux: usize },
+    /// A block of an effect; its parameters begin at `first`. Its drive is that of the actuator, or the command.
+    Block { block: PathBlock, first: usize, count: usize, aux: usize, of_command: bool },
     /// The gain of the output: 1 + deviation·coordinate.
     Gain { parameter: usize, deviation: f64 },
     /// An FMU.
@@ -242,33 +242,37 @@ impl<'a> Bench<'a> {
             let mut lanes = self.lanes(x, out);
             return component.run(theta, self.data.step, &mut lanes);
         }
-        let parameters = &self.chain.parameters;
+        let (parameters, step) = (&self.chain.parameters, self.data.step);
+        if let Node::Block { block, first, count, aux, of_command } = node {
+            let p = natural(parameters, theta, *first, *count);
+            let block = block.prepare(&p, step).map_err(|_| Failed)?;
+            let aux = self.data.aux.get(*aux).map_or(x, |a| &a.hits);
+            let drive = if *of_command { &self.data.command } else { drive };
+            return self.ranges().try_for_each(|(_, range)| {
+                let (x, drive) = (&x[range.clone()], &drive[range.clone()]);
+                let (aux, out) = (&aux[range.clone()], &mut out[range]);
+                block.run(Signals { x, drive, aux }, out);
+                ends_finite(out)
+            });
+        }
         for (record, range) in self.ranges() {
             let (x, out) = (&x[range.clone()], &mut out[range.clone()]);
             match node {
-                Node::Component(_) => {}
+                Node::Component(_) | Node::Block { .. } => {}
                 Node::BeforeMode(mode) => {
                     let &[frequency, damping, _] = mode.values_at(theta).as_slice() else {
                         return Err(Failed);
                     };
-                    let step = self.data.step;
-                    Block::BeforeMode { frequency, damping }.run(
-                        &[],
-                        Wires { x, drive: x, command: x, aux: x, step },
-                        out,
-                    );
+                    let before = Block::BeforeMode { frequency, damping };
+                    before.prepare(&[], step).map_err(|_| Failed)?.run(Signals::path(x), out);
                 }
                 Node::Forced { mode, forces } => {
-                    let p = |a: &Acting| natural(parameters, theta, a.first, a.force.count());
-                    let forces: Vec<_> = forces.iter().map(|a| (a.force, p(a), a.far)).collect();
-                    forced(mode, &forces, theta, x, self.data.step, out)?;
-                }
-                Node::Block { block, first, count, aux } => {
-                    let p = natural(parameters, theta, *first, *count);
-                    let aux = self.data.aux.get(*aux).map_or(x, |a| &a.hits[range.clone()]);
-                    let (drive, command) =
-                        (&drive[range.clone()], &self.data.command[range.clone()]);
-                    block.run(&p, Wires { x, drive, command, aux, step: self.data.step }, out);
+                    let acting = |a: &Acting| {
+                        let p = natural(parameters, theta, a.first, a.force.count());
+                        a.force.acting(&p, a.far).map_err(|_| Failed)
+                    };
+                    let forces = forces.iter().map(acting).collect::<Result<Vec<_>, _>>()?;
+                    forced(mode, &forces, theta, x, step, out)?;
                 }
                 Node::Gain { parameter, deviation } => {
                     let gain = 1.0 + deviation * theta.get(*parameter).copied().unwrap_or(0.0);
@@ -379,11 +383,10 @@ impl ComponentNode {
     }
 }
 
-/// A mode `x″ + 2ζω x′ + ω²·(x + Σ pull(x)) = ω²·gain·u` under forces with their parameters and the far
-/// ends of their ranges.
+/// A mode `x″ + 2ζω x′ + ω²·(x + Σ pull(x)) = ω²·gain·u` under forces.
 pub(crate) fn forced(
     mode: &ComponentNode,
-    forces: &[(Force, Vec<f64>, f64)],
+    forces: &[surround::Acting],
     theta: &[f64],
     u: &[f64],
     step: f64,
@@ -394,12 +397,13 @@ pub(crate) fn forced(
         return Err(Failed);
     }
     let Some(&first) = u.first() else { return Ok(()) };
-    let forced = ForcedMode::new((frequency, damping), forces.iter().map(|(f, ..)| *f), step);
+    let kinds = forces.iter().map(surround::Acting::force);
+    let forced = ForcedMode::new((frequency, damping), kinds, step);
     // States of the frictions.
     let mut slides = vec![0.0; forces.len()];
     let mut pull = |at, goes_on| -> f64 {
         let all = forces.iter().zip(&mut slides);
-        all.map(|((force, p, far), slide)| force.pull(p, *far, at, slide, goes_on)).sum()
+        all.map(|(force, slide)| force.pull(at, slide, goes_on)).sum()
     };
     let rest = ForcedMode::rest(gain * first, |at| pull(at, true));
     let mut state = [rest, 0.0, rest];

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use numerics::Complex;
 use numerics::fft::Fft;
 
-use crate::block::Span;
+use surround::{Span, code};
 
 /// Most steps over the range.
 const STEPS: usize = 1024;
@@ -66,12 +66,6 @@ pub(crate) struct Gaps {
     pub(crate) steps: f64,
     /// Phase of the steps.
     pub(crate) phase: f64,
-}
-
-/// The code below x (in steps), or the one before where it is missing.
-pub(crate) fn code(x: f64, every: u32, missing: u32) -> f64 {
-    let code = x.floor();
-    if code.rem_euclid(f64::from(every)) == f64::from(missing) { code - 1.0 } else { code }
 }
 
 impl Converted {

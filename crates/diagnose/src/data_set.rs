@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::block::Span;
+use surround::Span;
 
 /// Most rows that enter the normal equations; more are thinned evenly (all are simulated).
 const MOST_FIT_ROWS: usize = 8_000;
@@ -39,6 +39,13 @@ pub(crate) struct Auxiliary {
     pub(crate) hits: Vec<f64>,
     /// Its range.
     pub(crate) span: Span,
+}
+
+impl Auxiliary {
+    /// The value that changes nothing: a neighbour's zero, the middle of a temperature's range.
+    pub(crate) fn zero(&self) -> f64 {
+        if self.is_command { 0.0 } else { self.span.centre }
+    }
 }
 
 /// All records.

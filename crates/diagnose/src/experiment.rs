@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
+use surround::Span;
 
 use crate::belief;
-use crate::block::Span;
 use crate::chain::{Chain, Node};
 use crate::data_set::{DataSet, RecordRows};
 use crate::fit::Fitter;

@@ -4,16 +4,19 @@ mod actuator;
 mod input;
 mod mechanics;
 mod sensor;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use actuator::gain;
 use model::Effect;
+use surround::Span;
 
 use crate::base::Base;
-use crate::block::{Block, Span};
 use crate::chain::{Force, Parameter};
 use crate::converter::Gaps;
 use crate::data_set::DataSet;
 use crate::nuisance::Nuisance;
+use crate::path_block::PathBlock;
 
 /// Where on the path a block goes in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -51,11 +54,13 @@ impl Slot {
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
     pub(crate) slot: Slot,
-    pub(crate) block: Block,
+    pub(crate) block: PathBlock,
     /// Number of parameters that it takes from the formula's, in order.
     pub(crate) count: usize,
     /// Auxiliary column.
     pub(crate) aux: usize,
+    /// Whether its drive is the command as it enters the model, and not what drives the actuator.
+    pub(crate) of_command: bool,
 }
 
 /// A parameter of a formula.
@@ -152,8 +157,14 @@ impl Formula {
     }
 
     /// With a block that takes these parameters.
-    pub(crate) fn block(mut self, slot: Slot, block: Block, parameters: Vec<Free>) -> Self {
-        self.pieces.push(Piece { slot, block, count: parameters.len(), aux: 0 });
+    pub(crate) fn block(
+        mut self,
+        slot: Slot,
+        block: impl Into<PathBlock>,
+        parameters: Vec<Free>,
+    ) -> Self {
+        let (block, count) = (block.into(), parameters.len());
+        self.pieces.push(Piece { slot, block, count, aux: 0, of_command: false });
         self.parameters.extend(parameters);
         self
     }
@@ -162,6 +173,14 @@ impl Formula {
     pub(crate) fn aux(mut self, aux: usize) -> Self {
         if let Some(piece) = self.pieces.last_mut() {
             piece.aux = aux;
+        }
+        self
+    }
+
+    /// With the command as the drive of the last block.
+    pub(crate) fn of_command(mut self) -> Self {
+        if let Some(piece) = self.pieces.last_mut() {
+            piece.of_command = true;
         }
         self
     }

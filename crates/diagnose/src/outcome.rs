@@ -4,9 +4,9 @@ use std::sync::atomic::AtomicU64;
 
 use components::effects;
 use components::linear::Transition;
+use surround::Span;
 
 use crate::between::Between;
-use crate::block::Span;
 use crate::chain::{Bench, Horizon};
 use crate::converter::Converted;
 use crate::data_set::DataSet;

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::block::Span;
+use surround::Span;
+
 use crate::data_set::DataSet;
 use crate::gap::{BandShare, Place, RecordShare};
 use crate::score::mean_square;

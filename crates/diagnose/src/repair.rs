@@ -5,11 +5,12 @@ mod parts;
 mod zones;
 
 use components::effects;
+use components::hysteresis::play::play;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
 use model::{Extension, Role};
+use surround::Block;
 
 use crate::base::Base;
-use crate::block::Block;
 use crate::chain::Chain;
 use crate::library::{Formula, Piece, Slot};
 use crate::outcome::Outcome;
@@ -79,8 +80,8 @@ pub(crate) fn repair(
     }
     if let Some(steps) = o.problem.steps {
         let span = o.problem.data.output_span;
-        let (slot, block) = (Slot::Reading, Block::Quantiser(span));
-        let piece = Piece { slot, block, count: 2, aux: 0 };
+        let (slot, block) = (Slot::Reading, Block::Rounding { half: span.half }.into());
+        let piece = Piece { slot, block, count: 2, aux: 0, of_command: false };
         let values = [2.0 * span.half / steps.size, steps.phase];
         let note = format!("{}, seen in the readings", effects::SENSOR_QUANTISATION.name);
         let place = given.axes[axis - 1].components.len();
@@ -172,7 +173,8 @@ fn write(
         let actuator = place_of(base.actuator);
         let old = now.components.get(place_now(given, now, actuator)?)?;
         let bent = zones::bent(o, last, piece, own, old);
-        if let Some(component) = bent.or_else(|| actuator_with(o, last, &piece.block, own, old)) {
+        let plays = || actuator_with(o, last, piece.block.effect()?, own, old);
+        if let Some(component) = bent.or_else(plays) {
             all.push(Change::Replace { place: actuator, component: component.note(&note) });
             continue;
         }
@@ -211,13 +213,13 @@ fn actuator_with(
     let u = o.problem.command_factor;
     let plays = Plays::of(old)?;
     let mut component = match block {
-        Block::Plays { bank, gain } => {
-            let (linear, weights) = p.split_at(usize::from(*gain));
+        Block::Plays { r, slope } => {
+            let (linear, weights) = p.split_at(usize::from(*slope));
             let weight = weight_of(o, last);
             let sum: f64 = weights.iter().sum();
             let mut all = plays;
             all.add(0.0, weight(linear.first().copied().unwrap_or(0.0) - sum));
-            bank.iter().zip(weights).for_each(|(r, w)| all.add(r / u, weight(*w)));
+            r.iter().zip(weights).for_each(|(r, w)| all.add(r / u, weight(*w)));
             let command: Vec<f64> = o.problem.data.command.iter().map(|v| v / u).collect();
             all.no_negative(&command);
             all.written(old, Extension::Plays)?
@@ -256,9 +258,9 @@ fn skewed(
 ) -> Option<ComponentBlueprint> {
     let (u, weight) = (o.problem.command_factor, weight_of(o, last));
     let (span, skew, [wide, width, growth, curvature]) = match (block, p) {
-        (Block::SkewedPlays { bank, span }, weights) => {
+        (Block::SkewedPlays { r, span }, weights) => {
             let of = |(r, w): (&f64, &f64)| (r / u, weight(*w));
-            (span, bank.iter().zip(weights).map(of).collect(), [0.0; 4])
+            (span, r.iter().zip(weights).map(of).collect(), [0.0; 4])
         }
         (Block::GeneralisedPlay(span), &[w, width, growth, curvature]) => {
             (span, Vec::new(), [weight(w), width, growth, curvature])
@@ -355,7 +357,7 @@ impl Plays {
         let stride = command.len().div_ceil(ROWS).max(1);
         for (k, u) in command.iter().enumerate() {
             for (state, (r, _)) in states.iter_mut().zip(&self.pairs) {
-                *state = (u - r).max((u + r).min(*state));
+                *state = play(*u, *r, *state);
             }
             if k % stride != 0 {
                 continue;

@@ -3,16 +3,16 @@
 //! A block starts at rest under its first value. A value is what is held over the step that ends
 //! now; steps may differ in length.
 
-use components::hysteresis::rate;
-use components::linear::lag_fraction;
-use libm::{expm1, log10, pow};
 use serde::{Deserialize, Serialize};
 
-use crate::mechanics::{Force, ForcedMode, before_mode, dahl, mode};
-use crate::rated::{self, Growth};
-use crate::state::{State, past};
-use crate::warmth::{Loss, warming};
-use crate::{map, memory};
+use crate::kernel::{Banked, Count, Kernel, Stepping, WrongCount, each, exactly};
+use crate::linear::{self, Added, BeforeMode, Creep, Delay, Lags, Mode};
+use crate::map;
+use crate::mechanics::{Backlash, Dahl, Force, Forced};
+use crate::memory::{self, BoucWen};
+use crate::rated::{self, Growth, Smoothed};
+use crate::span::{Memory, Span};
+use crate::warmth::{Heating, Loss, Onto, Warming, Warmth};
 
 /// What a block does. Numbers that were known when the machine was diagnosed stand here, the fitted
 /// ones are parameters.
@@ -90,44 +90,19 @@ pub enum Block {
     /// Smooth upper limit: limit, width of the bend.
     SoftLimitAbove,
     /// `c + a·tanh((x − c)/a)`: a over the half range.
-    Tanh {
-        /// Centre c.
-        centre: f64,
-        /// Half the range.
-        half: f64,
-    },
+    Tanh(Span),
     /// S-curve that flattens to both ends: size, shift of the centre.
-    SCurve {
-        /// Middle of the range.
-        centre: f64,
-        /// Half the range.
-        half: f64,
-    },
+    SCurve(Span),
     /// `x + g·(x − rest)` about the value at rest: g.
     Gain,
     /// `x·(1 + g + a·lg(1 + t/0.1 s))`, t from the start: g, a.
     AgeingGain,
     /// Slopes beyond ± 0.3 of the range: added above, added below.
-    DeadZones {
-        /// Middle of the range.
-        centre: f64,
-        /// Half the range.
-        half: f64,
-    },
+    DeadZones(Span),
     /// Polynomial about the centre, over the half range: coefficients of 2, 3, ….
-    Polynomial {
-        /// Centre.
-        centre: f64,
-        /// Half the range.
-        half: f64,
-    },
+    Polynomial(Span),
     /// Sine over the range: size in the half range, cycles over the range, phase.
-    Sine {
-        /// Centre.
-        centre: f64,
-        /// Half the range.
-        half: f64,
-    },
+    Sine(Span),
     /// `x + Σ share·lag(x)`: share and time constant in s, in pairs.
     Creep,
     /// Creep with the same growth in each decade between two times: gain per decade, shortest time.
@@ -158,49 +133,38 @@ pub enum Block {
     SkewedPlays {
         /// Thresholds.
         r: Vec<f64>,
-        /// Middle of the drive's range.
-        centre: f64,
-        /// Half of the drive's range.
-        half: f64,
+        /// Range of the drive.
+        #[serde(flatten)]
+        span: Span,
     },
     /// Plays whose thresholds grow along the range: curvature.
     CurvedPlays {
-        /// Thresholds.
-        r: Vec<f64>,
-        /// Weights.
-        w: Vec<f64>,
-        /// Middle of the drive's range.
-        centre: f64,
-        /// Half of the drive's range.
-        half: f64,
+        /// Plays of the original.
+        #[serde(flatten)]
+        memory: Memory,
+        /// Range of the drive.
+        #[serde(flatten)]
+        span: Span,
     },
     /// Plays between the envelopes `v + half·(a·z + b·z²) − r` and `v + half·(c·z + d·z²) + r` of the drive v
     /// with its place z in the range: a, b, c, d.
     BentPlays {
-        /// Thresholds.
-        r: Vec<f64>,
-        /// Weights.
-        w: Vec<f64>,
-        /// Middle of the drive's range.
-        centre: f64,
-        /// Half of the drive's range.
-        half: f64,
+        /// Plays of the original.
+        #[serde(flatten)]
+        memory: Memory,
+        /// Range of the drive.
+        #[serde(flatten)]
+        span: Span,
     },
     /// Plays whose thresholds grow with the drive's rate by a time: `r + T·|v′|`, v′ as the component of that
     /// name takes it: T.
-    RatePlays {
-        /// Thresholds.
-        r: Vec<f64>,
-        /// Weights.
-        w: Vec<f64>,
-    },
+    RatePlays(Memory),
     /// Plays whose thresholds grow in their own proportion, `r·(1 + g·f(|ρ|/(k·scale)))`, with the smoothed
     /// rate ρ of the drive: g, k, and the time in s over which the rate is smoothed, where it is free.
     GrowingPlays {
-        /// Thresholds.
-        r: Vec<f64>,
-        /// Weights.
-        w: Vec<f64>,
+        /// Plays of the original.
+        #[serde(flatten)]
+        memory: Memory,
         /// The law f.
         law: Growth,
         /// A rate in the drive's unit per second.
@@ -211,18 +175,12 @@ pub enum Block {
         smoothing: Option<f64>,
     },
     /// Plays that lag behind the drive: bandwidth in Hz.
-    LaggedPlays {
-        /// Thresholds.
-        r: Vec<f64>,
-        /// Weights.
-        w: Vec<f64>,
-    },
+    LaggedPlays(Memory),
     /// `x + T·ρ/half·Σ w·(P[v] − v)` with the smoothed rate ρ of the drive v: T.
     RateMemory {
-        /// Thresholds.
-        r: Vec<f64>,
-        /// Weights.
-        w: Vec<f64>,
+        /// Plays of the original.
+        #[serde(flatten)]
+        memory: Memory,
         /// Half of the drive's range.
         half: f64,
         /// Time over which the rate is smoothed in s.
@@ -232,12 +190,7 @@ pub enum Block {
     BoucWen,
     /// `x + w·(P[v] − v)` of the drive v, P a play of half the width `half·(r₀ + r₁z + r₂z²)` with the
     /// place z in the range: w, r₀, r₁, r₂.
-    GeneralisedPlay {
-        /// Middle of the drive's range.
-        centre: f64,
-        /// Half of the drive's range.
-        half: f64,
-    },
+    GeneralisedPlay(Span),
     /// Warmth from the drive's power adds to the path: growth, time constant in s.
     Heating {
         /// Half range of the path.
@@ -299,299 +252,245 @@ pub enum Block {
     },
 }
 
-/// What a block reads at one instant.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Wires {
-    /// The path before the block.
-    pub x: f64,
-    /// What drives the original.
-    pub drive: f64,
-    /// An auxiliary signal.
-    pub aux: f64,
-}
-
 impl Block {
-    /// Number of its parameters; `None`: any.
-    #[must_use]
-    pub fn parameters(&self) -> Option<usize> {
-        Some(match self {
-            Self::Polynomial { .. } | Self::Creep | Self::Auxiliary { .. } => return None,
-            Self::FixedCreep { times } => times.len(),
-            Self::Warming { times, .. } => times.len() + 1,
-            Self::Plays { r, slope } => r.len() + usize::from(*slope),
-            Self::SkewedPlays { r, .. } => r.len(),
-            Self::ForcedMode { force, .. } => force.count(),
-            Self::BeforeMode { .. } | Self::Mode { .. } => 0,
-            Self::Factor
-            | Self::Offset
-            | Self::RatePlays { .. }
-            | Self::LaggedPlays { .. }
-            | Self::RateMemory { .. }
-            | Self::Delay
-            | Self::Lag { .. }
-            | Self::Slew
-            | Self::LimitAbove
-            | Self::LimitBelow
-            | Self::Limits { .. }
-            | Self::Tanh { .. }
-            | Self::Gain
-            | Self::CurvedPlays { .. }
-            | Self::Backlash => 1,
-            Self::Rounding { .. }
-            | Self::MissingCodes { .. }
-            | Self::SecondOrder
-            | Self::SoftSlew
-            | Self::UnevenSlew
-            | Self::AgeingGain
-            | Self::SoftLimitAbove
-            | Self::SCurve { .. }
-            | Self::DeadZones { .. }
-            | Self::LogCreep { .. }
-            | Self::PowerCreep { .. }
-            | Self::Heating { .. }
-            | Self::HeatingGain { .. }
-            | Self::Dahl
-            | Self::BridgedBacklash
-            | Self::LaggedAuxiliary { .. }
-            | Self::FeedThrough { .. } => 2,
-            Self::Sine { .. }
-            | Self::ParallelMode
-            | Self::ModalAuxiliary { .. }
-            | Self::BoucWen => 3,
-            Self::GrowingPlays { smoothing, .. } => 2 + usize::from(smoothing.is_none()),
-            Self::PoleZero | Self::GeneralisedPlay { .. } | Self::BentPlays { .. } => 4,
-        })
-    }
-
-    /// The output at rest under these inputs, and the state that belongs to it.
-    pub fn rest(&self, p: &[f64], w: Wires, state: &mut State) -> f64 {
-        let Wires { x, drive, aux } = w;
-        state.z.clear();
-        state.past.clear();
+    /// The block with these parameters for steps of `dt` s.
+    ///
+    /// # Errors
+    /// [`WrongCount`] where it takes another number of parameters.
+    pub fn prepare(&self, p: &[f64], dt: f64) -> Result<Kernel, WrongCount> {
+        /// A law with N numbers as its state.
+        fn stepping<const N: usize>(
+            law: impl crate::kernel::Step<N>,
+            dt: f64,
+        ) -> Result<Kernel, WrongCount> {
+            Ok(Kernel::new(Stepping(law), dt))
+        }
+        /// A law of elements side by side.
+        fn banked<const H: usize, const S: usize>(
+            law: impl crate::kernel::Bank<H, S>,
+            dt: f64,
+        ) -> Result<Kernel, WrongCount> {
+            Ok(Kernel::new(Banked(law), dt))
+        }
         match self {
-            Self::Delay => state.past.push_back((0.0, x)),
-            Self::Lag { order } => state.z.resize(*order, x),
-            Self::SecondOrder
-            | Self::BeforeMode { .. }
-            | Self::Mode { .. }
-            | Self::ParallelMode
-            | Self::PoleZero => state.z.extend([x, 0.0]),
-            Self::ForcedMode { force, far, .. } => {
-                let mut slide = 0.0;
-                let rest = ForcedMode::rest(x, |at| force.pull(p, *far, at, &mut slide, true));
-                state.z.extend([rest, 0.0, rest, slide]);
+            Self::Factor => exactly(p).map(|[factor]| map::factor(factor)),
+            Self::Offset => exactly(p).map(|[offset]| map::offset(offset)),
+            Self::Delay => exactly(p).map(|[time]| Kernel::new(Delay { time }, dt)),
+            Self::Rounding { half } => {
+                exactly(p).map(|[steps, phase]| map::rounding(*half, steps, phase))
             }
-            Self::Slew
-            | Self::UnevenSlew
-            | Self::SoftSlew
-            | Self::Backlash
-            | Self::BridgedBacklash
-            | Self::Gain => state.z.push(x),
-            Self::BoucWen => state.z.extend([0.0, drive]),
-            Self::GeneralisedPlay { .. } => state.z.push(0.0),
-            Self::Warming { times, .. } => {
-                state.z.resize(times.len(), 0.0);
-                state.z.extend([drive, x]);
+            Self::MissingCodes { half, every, missing } => {
+                exactly(p).map(|p| map::missing_codes(*half, *every, *missing, p))
             }
-            Self::Dahl => state.z.extend([0.0, x]),
-            Self::Heating { .. } | Self::HeatingGain { .. } => state.z.extend([0.0, drive, x]),
+            Self::Lag { order } => exactly(p).map(|[bandwidth]| {
+                Kernel::new(Lags { order: *order, bandwidth, fraction: 0.0 }, dt)
+            }),
+            Self::SecondOrder => {
+                let [frequency, damping] = exactly(p)?;
+                stepping(Mode::new(frequency, damping), dt)
+            }
+            Self::BeforeMode { frequency, damping } => {
+                let [] = exactly(p)?;
+                stepping(BeforeMode::new(*frequency, *damping), dt)
+            }
+            Self::Mode { frequency, damping } => {
+                let [] = exactly(p)?;
+                stepping(Mode::new(*frequency, *damping), dt)
+            }
+            Self::ForcedMode { frequency, damping, force, far } => {
+                stepping(Forced::new(*frequency, *damping, force.acting(p, *far)?), dt)
+            }
+            Self::Slew => {
+                let [rate] = exactly(p)?;
+                stepping(linear::Slew { rates: [rate; 2], most: [0.0; 2] }, dt)
+            }
+            Self::UnevenSlew => {
+                let [rate, ratio] = exactly(p)?;
+                stepping(linear::Slew { rates: [ratio * rate, rate], most: [0.0; 2] }, dt)
+            }
+            Self::SoftSlew => {
+                let [rate, bandwidth] = exactly(p)?;
+                stepping(linear::SoftSlew { rate, bandwidth, step: [0.0; 2] }, dt)
+            }
+            Self::LimitAbove => exactly(p).map(|[limit]| map::limit_above(limit)),
+            Self::LimitBelow => exactly(p).map(|[limit]| map::limit_below(limit)),
+            Self::Limits { centre } => exactly(p).map(|[half]| map::limits(*centre, half)),
+            Self::SoftLimitAbove => {
+                exactly(p).map(|[limit, width]| map::soft_limit_above(limit, width))
+            }
+            Self::Tanh(span) => exactly(p).map(|[size]| map::hyperbolic_tangent(*span, size)),
+            Self::SCurve(span) => exactly(p).map(|[size, shift]| map::s_curve(*span, size, shift)),
+            Self::Gain => {
+                let [gain] = exactly(p)?;
+                stepping(linear::Gain { gain }, dt)
+            }
+            Self::AgeingGain => {
+                let [gain, growth] = exactly(p)?;
+                stepping(linear::AgeingGain { gain, growth }, dt)
+            }
+            Self::DeadZones(span) => {
+                exactly(p).map(|[high, low]| map::dead_zones(*span, high, low))
+            }
+            Self::Polynomial(_) if p.is_empty() => {
+                Err(WrongCount { given: 0, wanted: Count::OneOrMore })
+            }
+            Self::Polynomial(span) => Ok(map::polynomial(*span, p.to_vec())),
+            Self::Sine(span) => exactly(p).map(|p| map::sine(*span, p)),
             Self::Creep
             | Self::LogCreep { .. }
             | Self::PowerCreep { .. }
             | Self::FixedCreep { .. } => {
-                self.each_element(p, |_, _| state.z.push(x));
+                banked(Creep::new(self.elements(p)?.unwrap_or_default()), dt)
             }
-            Self::Plays { r, .. } | Self::SkewedPlays { r, .. } => {
-                state.z.resize(r.len(), 0.0);
+            Self::Plays { r, slope } => {
+                let weights = each(p, r.len() + usize::from(*slope))?;
+                let (slope, weights) = weights.split_at(usize::from(*slope));
+                let plays = r.iter().copied().zip(weights.iter().copied()).collect();
+                banked(memory::Plays { slope: slope.first().copied(), plays }, dt)
             }
-            Self::CurvedPlays { r, .. } | Self::BentPlays { r, .. } => {
-                state.z.resize(2 * r.len(), 0.0);
+            Self::SkewedPlays { r, span } => {
+                let plays = r.iter().copied().zip(each(p, r.len())?.iter().copied()).collect();
+                banked(memory::SkewedPlays { span: *span, plays }, dt)
             }
-            Self::RatePlays { r, .. } => {
-                state.z.extend(rate::rest(drive));
-                state.z.resize(rate::STATES + 2 * r.len(), 0.0);
+            Self::CurvedPlays { memory, span } => {
+                let [curvature] = exactly(p)?;
+                banked(memory::CurvedPlays { span: *span, plays: memory.plays(), curvature }, dt)
             }
-            Self::GrowingPlays { r, .. } | Self::RateMemory { r, .. } => {
-                state.z.extend([drive, 0.0]);
-                state.z.resize(2 + 2 * r.len(), 0.0);
+            Self::BentPlays { memory, span } => {
+                let bends = exactly(p)?;
+                banked(memory::BentPlays { span: *span, plays: memory.plays(), bends }, dt)
             }
-            Self::LaggedPlays { r, .. } => {
-                state.z.push(drive);
-                state.z.resize(1 + 2 * r.len(), 0.0);
+            Self::RatePlays(memory) => {
+                let [time] = exactly(p)?;
+                banked(rated::RatePlays { plays: memory.plays(), time, per_step: 0.0 }, dt)
             }
-            Self::Auxiliary { .. } => state.z.push(aux),
-            Self::FeedThrough { .. } => state.z.push(drive),
-            Self::LaggedAuxiliary { zero, .. } => state.z.push(aux - zero),
-            Self::ModalAuxiliary { zero, .. } => state.z.extend([aux - zero, 0.0]),
-            _ => {}
-        }
-        self.step(p, w, 0.0, 0.0, state)
-    }
-
-    /// The output at the end of a step of length `dt` that ends `t` after the start, both in s.
-    pub fn step(&self, p: &[f64], w: Wires, t: f64, dt: f64, state: &mut State) -> f64 {
-        let x = w.x;
-        let z = &mut state.z;
-        match (self, p) {
-            (Self::Factor, &[factor]) => factor * x,
-            (Self::Offset, &[offset]) => x + offset,
-            (Self::Delay, &[delay]) => {
-                if dt > 0.0 {
-                    state.past.push_back((t, x));
-                }
-                past(t - delay, state)
+            Self::GrowingPlays { memory, law, scale, smoothing } => {
+                let (growth, of_scale, rate) = match smoothing {
+                    Some(time) => {
+                        let [growth, of_scale] = exactly(p)?;
+                        (growth, of_scale, Smoothed::new(*time, true))
+                    }
+                    None => {
+                        let [growth, of_scale, time] = exactly(p)?;
+                        (growth, of_scale, Smoothed::new(time, false))
+                    }
+                };
+                let (plays, reference) = (memory.plays(), of_scale * scale);
+                banked(rated::GrowingPlays { plays, rate, growth, law: *law, reference }, dt)
             }
-            (Self::Lag { .. }, &[bandwidth]) => {
-                let fraction = lag_fraction(bandwidth, dt);
-                z.iter_mut().fold(x, |x, z| {
-                    *z += fraction * (x - *z);
-                    *z
-                })
+            Self::LaggedPlays(memory) => {
+                let [bandwidth] = exactly(p)?;
+                banked(rated::LaggedPlays { plays: memory.plays(), bandwidth, fraction: 0.0 }, dt)
             }
-            (Self::SecondOrder, &[frequency, damping]) => mode((frequency, damping), x, dt, z),
-            (&Self::Mode { frequency, damping }, _) => mode((frequency, damping), x, dt, z),
-            (&Self::BeforeMode { frequency, damping }, _) => {
-                before_mode((frequency, damping), x, dt, z)
+            Self::RateMemory { memory, half, smoothing } => {
+                let [time] = exactly(p)?;
+                let rate = Smoothed::new(*smoothing, true);
+                banked(rated::RateMemory { plays: memory.plays(), rate, time, half: *half }, dt)
             }
-            (&Self::ForcedMode { frequency, damping, force, far }, p) => {
-                let Some((z, [slide, ..])) = z.split_first_chunk_mut::<3>() else { return x };
-                if dt > 0.0 {
-                    let pull = |at, goes_on| force.pull(p, far, at, slide, goes_on);
-                    ForcedMode::new((frequency, damping), [force], dt).step(x, z, pull)
-                } else {
-                    z[0]
-                }
+            Self::BoucWen => {
+                let [gain, width, turning] = exactly(p)?;
+                stepping(BoucWen { gain, width, turning }, dt)
             }
-            (Self::ParallelMode, &[gain, frequency, damping]) => {
-                x + gain * (mode((frequency, damping), x, dt, z) - x)
+            Self::GeneralisedPlay(span) => {
+                let [weight, width @ ..] = exactly::<4>(p)?;
+                stepping(memory::GeneralisedPlay { span: *span, weight, width }, dt)
             }
-            (Self::PoleZero, &[pole, damping, ratio, zero_damping]) => {
-                // G = k² + (1 − k²)·M + 2k(ζ_z − k ζ_p)·M′/ω_p with k = ω_p/ω_z.
-                let k = 1.0 / ratio;
-                let position = mode((pole, damping), x, dt, z);
-                let rate = z.get(1).copied().unwrap_or(0.0);
-                k * k * x + (1.0 - k * k) * position + 2.0 * k * (zero_damping - k * damping) * rate
+            Self::Heating { half, loss } => {
+                let [growth, time] = exactly(p)?;
+                let onto = Onto::Path(*half);
+                stepping(Heating { loss: *loss, onto, growth, time, step: (0.0, 0.0) }, dt)
             }
-            (Self::Slew, &[rate]) => follow(z, |v| v + (x - v).clamp(-rate * dt, rate * dt)),
-            (Self::SoftSlew, &[rate, bandwidth]) => {
-                let (most, fraction) = (rate * dt, lag_fraction(bandwidth, dt));
-                // z/√(1 + z²): straight at small slopes, never above the limit.
-                follow(z, |v| {
-                    let z = if most > 0.0 { fraction * (x - v) / most } else { 0.0 };
-                    v + most * z / (1.0 + z * z).sqrt()
-                })
+            Self::HeatingGain { loss } => {
+                let [growth, time] = exactly(p)?;
+                let onto = Onto::Gain;
+                stepping(Heating { loss: *loss, onto, growth, time, step: (0.0, 0.0) }, dt)
             }
-            (Self::UnevenSlew, &[rate, ratio]) => {
-                follow(z, |v| v + (x - v).clamp(-ratio * rate * dt, rate * dt))
+            Self::Warming { half, loss, times } => {
+                let (growths, gain) = each(p, times.len() + 1)?.split_at(times.len());
+                // The gain goes with their mean.
+                let gain = gain[0] / times.len() as f64;
+                let warmth = |(time, growth): (&f64, &f64)| Warmth {
+                    time: *time,
+                    growth: half * growth,
+                    gain,
+                    fraction: 0.0,
+                };
+                let warmths = times.iter().zip(growths).map(warmth).collect();
+                banked(Warming { loss: *loss, warmths, dt }, dt)
             }
-            (Self::Backlash, &[half]) => follow(z, |v| (x - half).max((x + half).min(v))),
-            (Self::BridgedBacklash, &[half, bridge]) => {
-                let play = follow(z, |v| (x - half).max((x + half).min(v)));
-                play + bridge * (x - play)
+            Self::ParallelMode => {
+                let [gain, frequency, damping] = exactly(p)?;
+                stepping(linear::ParallelMode { gain, mode: Mode::new(frequency, damping) }, dt)
             }
-            (Self::Gain, &[gain]) => x + gain * (x - z.first().copied().unwrap_or(x)),
-            (Self::AgeingGain, &[gain, growth]) => x + (gain + growth * log10(1.0 + t / 0.1)) * x,
-            (Self::Warming { half, loss, times }, p) => warming(*half, *loss, times, p, w, dt, z),
-            (Self::Dahl, &[size, distance]) => dahl(size, distance, x, z),
-            (Self::Heating { half, loss }, &[growth, time]) => {
-                x + growth * half * loss.warmth(time, w.drive, dt, z)
+            Self::PoleZero => stepping(linear::PoleZero::new(exactly(p)?), dt),
+            Self::Backlash => {
+                let [half] = exactly(p)?;
+                stepping(Backlash { half, bridge: 0.0 }, dt)
             }
-            (Self::HeatingGain { loss }, &[growth, time]) => {
-                let rest = z.get(2).copied().unwrap_or(x);
-                x + growth * loss.warmth(time, w.drive, dt, z) * (x - rest)
+            Self::BridgedBacklash => {
+                let [half, bridge] = exactly(p)?;
+                stepping(Backlash { half, bridge }, dt)
             }
-            (Self::Auxiliary { scale, zero }, &[a]) => x + a * (w.aux - zero) / scale,
-            // The rate's weight is that of a lead of one millisecond.
-            (Self::Auxiliary { scale, zero }, &[a, b]) => {
-                x + (a * (w.aux - zero) + 1e-3 * b * slope(w.aux, dt, z)) / scale
+            Self::Dahl => {
+                let [size, distance] = exactly(p)?;
+                stepping(Dahl { size, distance }, dt)
             }
-            (Self::LaggedAuxiliary { scale, zero }, &[a, bandwidth]) => {
-                let fraction = lag_fraction(bandwidth, dt);
-                x + a / scale * follow(z, |v| v + fraction * (w.aux - zero - v))
+            Self::Auxiliary { scale, zero } => {
+                let (value, rate) = match *p {
+                    [value] => (value, 0.0),
+                    [value, rate] => (value, rate),
+                    _ => return Err(WrongCount { given: p.len(), wanted: Count::OneOrTwo }),
+                };
+                // The rate's weight is that of a lead of one millisecond.
+                let rate = 1e-3 * rate;
+                stepping(Added::<false> { value, rate, zero: *zero, scale: *scale, dt }, dt)
             }
-            (Self::ModalAuxiliary { scale, zero }, &[a, frequency, damping]) => {
-                x + a / scale * mode((frequency, damping), w.aux - zero, dt, z)
+            Self::LaggedAuxiliary { scale, zero } => {
+                let [value, bandwidth] = exactly(p)?;
+                let (weight, zero) = (value / scale, *zero);
+                stepping(linear::LaggedAuxiliary { weight, bandwidth, zero, fraction: 0.0 }, dt)
             }
-            (Self::FeedThrough { scale, time }, &[a, b]) => {
-                x + (a * w.drive + b * time * slope(w.drive, dt, z)) / scale
+            Self::ModalAuxiliary { scale, zero } => {
+                let [value, frequency, damping] = exactly(p)?;
+                let (weight, mode) = (value / scale, Mode::new(frequency, damping));
+                stepping(linear::ModalAuxiliary { weight, mode, zero: *zero }, dt)
             }
-            (
-                Self::Creep
-                | Self::LogCreep { .. }
-                | Self::PowerCreep { .. }
-                | Self::FixedCreep { .. },
-                p,
-            ) => self.creep(p, x, dt, z),
-            (
-                Self::Plays { .. }
-                | Self::SkewedPlays { .. }
-                | Self::CurvedPlays { .. }
-                | Self::BentPlays { .. }
-                | Self::BoucWen
-                | Self::GeneralisedPlay { .. },
-                p,
-            ) => memory::step(self, p, w, z),
-            (
-                Self::RatePlays { .. }
-                | Self::GrowingPlays { .. }
-                | Self::LaggedPlays { .. }
-                | Self::RateMemory { .. },
-                p,
-            ) => rated::step(self, p, w, dt, z),
-            (block, p) => map::value(block, p, x),
+            Self::FeedThrough { scale, time } => {
+                let [value, rate] = exactly(p)?;
+                let rate = rate * time;
+                stepping(Added::<true> { value, rate, zero: 0.0, scale: *scale, dt }, dt)
+            }
         }
     }
 
-    /// Calls `each` with share and time constant of every element of a creep.
-    fn each_element(&self, p: &[f64], mut each: impl FnMut(f64, f64)) {
-        match (self, p) {
-            (Self::Creep, p) => p.chunks_exact(2).for_each(|pair| each(pair[0], pair[1])),
-            (Self::FixedCreep { times }, p) => {
-                times.iter().zip(p).for_each(|(time, share)| each(*share, *time));
+    /// Share and time constant in s of each element of a creep; none of another block.
+    ///
+    /// # Errors
+    /// [`WrongCount`] where it takes another number of parameters.
+    pub fn elements(&self, p: &[f64]) -> Result<Option<Vec<(f64, f64)>>, WrongCount> {
+        Ok(Some(match self {
+            Self::Creep if p.is_empty() || p.len() % 2 == 1 => {
+                return Err(WrongCount { given: p.len(), wanted: Count::Pairs });
             }
-            (Self::LogCreep { longest }, &[gain, shortest]) => {
-                grid(shortest, longest.max(3.0 * shortest)).for_each(|t| each(0.5 * gain, t));
+            Self::Creep => p.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect(),
+            Self::FixedCreep { times } => {
+                let shares = each(p, times.len())?.iter().copied();
+                shares.zip(times.iter().copied()).collect()
             }
-            (Self::PowerCreep { shortest, longest }, &[gain, exponent]) => {
-                let middle = (shortest * longest).sqrt();
-                grid(*shortest, *longest)
-                    .for_each(|t| each(0.5 * gain * pow(t / middle, exponent), t));
+            Self::LogCreep { longest } => linear::log_creep(*longest, exactly(p)?),
+            Self::PowerCreep { shortest, longest } => {
+                linear::power_creep(*shortest, *longest, exactly(p)?)
             }
-            _ => {}
-        }
+            _ => return Ok(None),
+        }))
     }
 
-    fn creep(&self, p: &[f64], x: f64, dt: f64, z: &mut [f64]) -> f64 {
-        let mut y = x;
-        let mut z = z.iter_mut();
-        self.each_element(p, |share, time| {
-            if let Some(z) = z.next() {
-                *z += -expm1(-dt / time) * (x - *z);
-                y += share * *z;
-            }
-        });
-        y
+    /// Whether it reads an auxiliary signal.
+    #[must_use]
+    pub fn reads_auxiliary(&self) -> bool {
+        matches!(
+            self,
+            Self::Auxiliary { .. } | Self::LaggedAuxiliary { .. } | Self::ModalAuxiliary { .. }
+        )
     }
-}
-
-/// Two elements per decade.
-fn grid(shortest: f64, longest: f64) -> impl Iterator<Item = f64> {
-    let decades = log10(longest / shortest).max(0.5);
-    let count = (2.0 * decades).round().max(1.0);
-    (0..count as usize).map(move |i| shortest * pow(10.0, decades * (i as f64 + 0.5) / count))
-}
-
-/// Replaces the one number of a state.
-fn follow(z: &mut [f64], next: impl FnOnce(f64) -> f64) -> f64 {
-    let Some(z) = z.first_mut() else { return 0.0 };
-    *z = next(*z);
-    *z
-}
-
-/// The rate of a signal over the step; the state is its value before.
-fn slope(signal: f64, dt: f64, z: &mut [f64]) -> f64 {
-    let Some(before) = z.first_mut() else { return 0.0 };
-    let rate = if dt > 0.0 { (signal - *before) / dt } else { 0.0 };
-    *before = signal;
-    rate
 }

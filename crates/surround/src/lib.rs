@@ -1,4 +1,7 @@
-//! What a repaired FMU does before and behind the original.
+//! What effects do to signals, and what a repaired FMU does with them before and behind the original.
+//!
+//! A [`Block`] is one effect on one signal. With its parameters and a step length it is a [`Kernel`], which steps
+//! in a repaired FMU and runs whole signals in the diagnosis: one formula, the same bits.
 //!
 //! ```text
 //! inputs of the host ── blocks of the inputs ── the original ── blocks of the outputs ── outputs
@@ -10,23 +13,30 @@
 //! factors of the original's units stand at its ports.
 
 mod block;
+mod kernel;
+mod linear;
 mod map;
 mod mechanics;
 mod memory;
 mod rated;
 mod repair;
+mod span;
 mod state;
 mod surround;
 mod tangent;
 mod warmth;
 mod whole;
 
-pub use block::{Block, Wires};
-pub use mechanics::{Force, ForcedMode};
+pub use block::Block;
+pub use kernel::{Count, Kernel, Signals, Wires, WrongCount, exactly};
+pub use linear::time_of;
+pub use map::code;
+pub use mechanics::{Acting, Force, ForcedMode};
 pub use rated::Growth;
 pub use repair::{
     Change, Effect, Error, FILE, FORMAT, Original, Parameter, Piece, Port, Repair, Side, Variable,
 };
+pub use span::{Memory, Span};
 pub use state::State;
 pub use surround::{Surround, Unset};
 pub use tangent::{Directions, Jump};

@@ -1,52 +1,103 @@
 //! Maps without memory: value by value.
 
+use std::f64::consts::PI;
+
 use libm::{exp, log1p, sin, tanh};
 
-use crate::block::Block;
+use crate::kernel::{Kernel, Map};
+use crate::span::Span;
 
-/// What a map without memory makes of a value.
-pub(crate) fn value(block: &Block, p: &[f64], x: f64) -> f64 {
-    match (block, p) {
-        (Block::Rounding { half }, &[steps, phase]) => {
-            let q = 2.0 * half / steps;
-            q * ((x / q - phase).round() + phase)
-        }
-        (Block::MissingCodes { half, every, missing }, &[steps, phase]) => {
-            let q = 2.0 * half / steps;
-            let code = (x / q - phase).floor();
-            let is_missing = code.rem_euclid(f64::from(*every)) == f64::from(*missing);
-            q * (if is_missing { code - 1.0 } else { code } + 0.5 + phase)
-        }
-        (Block::LimitAbove, &[limit]) => x.min(limit),
-        (Block::LimitBelow, &[limit]) => x.max(limit),
-        (Block::Limits { centre }, &[half]) => centre + (x - centre).clamp(-half, half),
-        (Block::SoftLimitAbove, &[limit, width]) => {
-            let z = (x - limit) / width;
-            x - width * (z.max(0.0) + log1p(exp(-z.abs())))
-        }
-        (Block::Tanh { centre, half }, &[size]) => {
-            let a = size * half;
-            centre + a * tanh((x - centre) / a)
-        }
-        (Block::SCurve { centre, half }, &[size, shift]) => {
-            let z = (x - centre) / half - shift;
-            x - size * half * (z - tanh(z)) / (1.0 - tanh(1.0))
-        }
-        (Block::DeadZones { centre, half }, &[high, low]) => {
-            let z = (x - centre) / half;
-            x + half * (high * (z - 0.3).max(0.0) - low * (-0.3 - z).max(0.0))
-        }
-        (Block::Polynomial { centre, half }, coefficients) => {
-            let z = (x - centre) / half;
-            let sum = coefficients.iter().rev().fold(0.0, |sum, c| c + sum * z);
-            x + half * sum * z * z
-        }
-        (Block::Sine { centre, half }, &[size, cycles, phase]) => {
-            let at = |z: f64| sin(std::f64::consts::PI * cycles * z + phase);
-            // Less the chord over the range: a line is a gain, and no nonlinearity.
-            let (z, slope) = ((x - centre) / half, 0.5 * (at(1.0) - at(-1.0)));
-            x + size * half * (at(z) - slope * z)
-        }
-        _ => x,
-    }
+fn kernel(map: impl Fn(f64) -> f64 + Clone + Send + Sync + 'static) -> Kernel {
+    Kernel::new(Map(map), 0.0)
+}
+
+pub(crate) fn factor(factor: f64) -> Kernel {
+    kernel(move |x| factor * x)
+}
+
+pub(crate) fn offset(offset: f64) -> Kernel {
+    kernel(move |x| x + offset)
+}
+
+pub(crate) fn rounding(half: f64, steps: f64, phase: f64) -> Kernel {
+    let q = 2.0 * half / steps;
+    kernel(move |x| q * ((x / q - phase).round() + phase))
+}
+
+/// The code below x (in steps), or the one before where it is one of those that are missing.
+#[must_use]
+pub fn code(x: f64, every: u32, missing: u32) -> f64 {
+    let code = x.floor();
+    if code.rem_euclid(f64::from(every)) == f64::from(missing) { code - 1.0 } else { code }
+}
+
+pub(crate) fn missing_codes(
+    half: f64,
+    every: u32,
+    missing: u32,
+    [steps, phase]: [f64; 2],
+) -> Kernel {
+    let q = 2.0 * half / steps;
+    kernel(move |x| q * (code(x / q - phase, every, missing) + 0.5 + phase))
+}
+
+pub(crate) fn limit_above(limit: f64) -> Kernel {
+    kernel(move |x| x.min(limit))
+}
+
+pub(crate) fn limit_below(limit: f64) -> Kernel {
+    kernel(move |x| x.max(limit))
+}
+
+pub(crate) fn limits(centre: f64, half: f64) -> Kernel {
+    kernel(move |x| centre + (x - centre).max(-half).min(half))
+}
+
+/// `x − width·ln(1 + exp((x − limit)/width))`, without overflow.
+pub(crate) fn soft_limit_above(limit: f64, width: f64) -> Kernel {
+    kernel(move |x| {
+        let z = (x - limit) / width;
+        x - width * (z.max(0.0) + log1p(exp(-z.abs())))
+    })
+}
+
+pub(crate) fn hyperbolic_tangent(span: Span, size: f64) -> Kernel {
+    let (centre, a) = (span.centre, size * span.half);
+    kernel(move |x| centre + a * tanh((x - centre) / a))
+}
+
+/// x less the part that an S-curve with the same slope in the middle lacks.
+pub(crate) fn s_curve(span: Span, size: f64, shift: f64) -> Kernel {
+    let (size, unit) = (size * span.half, 1.0 - tanh(1.0));
+    kernel(move |x| {
+        let z = span.unit(x) - shift;
+        x - size * (z - tanh(z)) / unit
+    })
+}
+
+pub(crate) fn dead_zones(span: Span, high: f64, low: f64) -> Kernel {
+    /// Where the zones end, in the half range.
+    const EDGE: f64 = 0.3;
+    kernel(move |x| {
+        let z = span.unit(x);
+        x + span.half * (high * (z - EDGE).max(0.0) - low * (-EDGE - z).max(0.0))
+    })
+}
+
+pub(crate) fn polynomial(span: Span, coefficients: Vec<f64>) -> Kernel {
+    kernel(move |x| {
+        let z = span.unit(x);
+        let sum = coefficients.iter().rev().fold(0.0, |sum, c| c + sum * z);
+        x + span.half * sum * z * z
+    })
+}
+
+pub(crate) fn sine(span: Span, [size, cycles, phase]: [f64; 3]) -> Kernel {
+    let at = move |z: f64| sin(PI * cycles * z + phase);
+    // Less the chord over the range: a line is a gain, and no nonlinearity.
+    let (size, slope) = (size * span.half, 0.5 * (at(1.0) - at(-1.0)));
+    kernel(move |x| {
+        let z = span.unit(x);
+        x + size * (at(z) - slope * z)
+    })
 }

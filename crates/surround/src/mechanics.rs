@@ -1,9 +1,12 @@
-//! The mode of an FMU: taken out behind it, and put in again, as it is or with another force on it.
+//! Mechanics: a mode with forces on it, clearance, friction.
 
 use std::f64::consts::TAU;
 
+use components::hysteresis::play::play;
 use components::linear::Transition;
 use serde::{Deserialize, Serialize};
+
+use crate::kernel::{Step, Wires, WrongCount, exactly};
 
 /// What is added to the equation of motion of a mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -45,32 +48,55 @@ impl Force {
         }
     }
 
+    /// The force with its parameters; `far` is the far end of the range of the position.
+    ///
+    /// # Errors
+    /// [`WrongCount`] where [`count`](Self::count) is another.
+    pub fn acting(self, p: &[f64], far: f64) -> Result<Acting, WrongCount> {
+        let [first, second] = match self.count() {
+            1 => exactly(p).map(|[first]| [first, 0.0])?,
+            _ => exactly(p)?,
+        };
+        Ok(Acting { force: self, first, second, far })
+    }
+}
+
+/// A force with its parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Acting {
+    force: Force,
+    first: f64,
+    second: f64,
+    far: f64,
+}
+
+impl Acting {
+    /// What it is.
+    #[must_use]
+    pub fn force(&self) -> Force {
+        self.force
+    }
+
     /// The force over the linear stiffness, as a displacement: at the position x, `way` after the last
     /// one, with the rate over ω; z is the state of the friction, which stays where it does not go on.
-    pub fn pull(
-        self,
-        p: &[f64],
-        far: f64,
-        (x, way, rate): (f64, f64, f64),
-        z: &mut f64,
-        goes_on: bool,
-    ) -> f64 {
+    #[inline]
+    pub fn pull(&self, (x, way, rate): (f64, f64, f64), z: &mut f64, goes_on: bool) -> f64 {
+        let Self { force, first, second, far } = *self;
         // The flexure is straight where the position is zero.
         let e = x / far;
-        match (self, p) {
-            (Self::Cubic, &[cubic]) => x * cubic * e * e,
-            (Self::Uneven, &[square, cubic]) => x * (square * e + cubic * e * e),
-            (Self::Friction, &[size, distance]) => {
-                let decay = decay(way.abs() / distance);
+        match force {
+            Force::Cubic => x * first * e * e,
+            Force::Uneven => x * (first * e + second * e * e),
+            Force::Friction => {
+                let decay = decay(way.abs() / second);
                 let slide = way.signum() * (1.0 - decay) + *z * decay;
                 if goes_on {
                     *z = slide;
                 }
-                size * slide
+                first * slide
             }
-            (Self::SpeedDamping, &[ratio]) => ratio * rate * rate.abs() / far,
-            (Self::Coulomb, &[size, smooth]) => size * tanh(rate / smooth),
-            _ => 0.0,
+            Force::SpeedDamping => first * rate * rate.abs() / far,
+            Force::Coulomb => first * tanh(rate / second),
         }
     }
 }
@@ -106,32 +132,6 @@ fn decay(x: f64) -> f64 {
 fn tanh(x: f64) -> f64 {
     let decay = decay(2.0 * x.abs());
     ((1.0 - decay) / (1.0 + decay)).copysign(x)
-}
-
-/// The position of a unit-gain mode; the state is position and rate over the natural frequency.
-pub(crate) fn mode((frequency, damping): (f64, f64), x: f64, dt: f64, z: &mut [f64]) -> f64 {
-    let [position, rate] = z else { return x };
-    if dt > 0.0 {
-        let (e, r) = Transition::new(frequency, damping, dt).apply(*position - x, *rate);
-        (*position, *rate) = (x + e, r);
-    }
-    *position
-}
-
-/// What must have been held at the input of a unit-gain mode over the step, for its position to be x
-/// now. State: as that of the mode.
-pub(crate) fn before_mode((frequency, damping): (f64, f64), x: f64, dt: f64, z: &mut [f64]) -> f64 {
-    let [position, rate] = z else { return x };
-    let transition = Transition::new(frequency, damping, dt);
-    // x = u + same·(position − u) + cross·rate.
-    let free = 1.0 - transition.same;
-    if dt <= 0.0 || free == 0.0 {
-        return x;
-    }
-    let u = (x - transition.same * *position - transition.cross * *rate) / free;
-    let (_, r) = transition.apply(*position - u, *rate);
-    (*position, *rate) = (x, r);
-    u
 }
 
 /// A unit-gain mode with forces on it, which act as a part of the input. They are taken at the middle of
@@ -188,15 +188,82 @@ impl ForcedMode {
     }
 }
 
-/// A displacement behind a pre-sliding spring; the state is its slide, and x before.
-pub(crate) fn dahl(size: f64, distance: f64, x: f64, z: &mut [f64]) -> f64 {
-    let [slide, before] = z else { return x };
-    let way = (x - *before) / distance;
-    *before = x;
-    // z′ = v/d·(1 − z·sign v), exactly over a step of constant direction.
-    let decay = decay(way.abs());
-    *slide = way.signum() * (1.0 - decay) + *slide * decay;
-    x - size * *slide
+/// A mode of unit gain with one force on it. State: that of [`ForcedMode`], and the slide of a friction.
+#[derive(Clone)]
+pub(crate) struct Forced {
+    frequency: f64,
+    damping: f64,
+    force: Acting,
+    mode: ForcedMode,
+}
+
+impl Forced {
+    pub(crate) fn new(frequency: f64, damping: f64, force: Acting) -> Self {
+        let mode = ForcedMode::new((frequency, damping), [force.force], 0.0);
+        Self { frequency, damping, force, mode }
+    }
+}
+
+impl Step<4> for Forced {
+    fn set_step(&mut self, dt: f64) {
+        self.mode = ForcedMode::new((self.frequency, self.damping), [self.force.force], dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 4], f64) {
+        let mut slide = 0.0;
+        let rest = ForcedMode::rest(w.x, |at| self.force.pull(at, &mut slide, true));
+        ([rest, 0.0, rest, slide], rest)
+    }
+
+    fn step(&self, w: Wires, _t: f64, z: &mut [f64; 4]) -> f64 {
+        let [position, rate, before, slide] = z;
+        let mut mode = [*position, *rate, *before];
+        let y = self.mode.step(w.x, &mut mode, |at, goes_on| self.force.pull(at, slide, goes_on));
+        [*position, *rate, *before] = mode;
+        y
+    }
+}
+
+/// A clearance with a spring across it: a play, and a share of the motion that passes within it. State: the play.
+#[derive(Clone)]
+pub(crate) struct Backlash {
+    pub(crate) half: f64,
+    pub(crate) bridge: f64,
+}
+
+impl Step<1> for Backlash {
+    fn rest(&self, w: Wires) -> ([f64; 1], f64) {
+        ([w.x], w.x)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, [z]: &mut [f64; 1]) -> f64 {
+        *z = play(w.x, self.half, *z);
+        *z + self.bridge * (w.x - *z)
+    }
+}
+
+/// A displacement behind a pre-sliding spring, `z′ = x′/d·(1 − z·sign x′)`, exact over a step of constant
+/// direction. State: z, and x before.
+#[derive(Clone)]
+pub(crate) struct Dahl {
+    pub(crate) size: f64,
+    pub(crate) distance: f64,
+}
+
+impl Step<2> for Dahl {
+    fn rest(&self, w: Wires) -> ([f64; 2], f64) {
+        ([0.0, w.x], w.x)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, [slide, before]: &mut [f64; 2]) -> f64 {
+        let way = (w.x - *before) / self.distance;
+        *before = w.x;
+        let decay = decay(way.abs());
+        *slide = way.signum() * (1.0 - decay) + *slide * decay;
+        w.x - self.size * *slide
+    }
 }
 
 #[cfg(test)]
@@ -211,7 +278,8 @@ mod tests {
     type State = ([f64; 3], f64);
 
     fn step(mode: &ForcedMode, (force, p): (Force, &[f64]), u: f64, (z, slide): &mut State) -> f64 {
-        mode.step(u, z, |at, goes_on| force.pull(p, 1.0, at, slide, goes_on))
+        let force = force.acting(p, 1.0).unwrap();
+        mode.step(u, z, |at, goes_on| force.pull(at, slide, goes_on))
     }
 
     #[test]
@@ -277,10 +345,9 @@ mod tests {
 
     #[test]
     fn a_forced_mode_rests_where_it_is_in_equilibrium() {
-        let pull = |at| {
-            let spring = Force::Uneven.pull(&[0.1, 0.3], 2.0, at, &mut 0.0, true);
-            spring + Force::SpeedDamping.pull(&[0.4], 2.0, at, &mut 0.0, true)
-        };
+        let spring = Force::Uneven.acting(&[0.1, 0.3], 2.0).unwrap();
+        let damper = Force::SpeedDamping.acting(&[0.4], 2.0).unwrap();
+        let pull = |at| spring.pull(at, &mut 0.0, true) + damper.pull(at, &mut 0.0, true);
         let mode = ForcedMode::new((400.0, 0.1), [Force::Uneven, Force::SpeedDamping], ROW);
         let x = ForcedMode::rest(1.5, pull);
         let mut z = [x, 0.0, x];

@@ -1,84 +1,223 @@
-//! Blocks of plays.
+//! Plays, and what else remembers the drive whatever its rate.
 
-use crate::block::{Block, Wires};
+use components::hysteresis::play::play;
 
-/// One play: `max(u − r, min(u + r, p))`.
-#[inline]
-pub(crate) fn play(r: f64, u: f64, p: f64) -> f64 {
-    (u - r).max((u + r).min(p))
+use crate::kernel::{Bank, Step, Wires};
+use crate::span::Span;
+
+/// `x + g·v + Σ w·(P_r[v] − v)` of the drive v.
+#[derive(Clone)]
+pub(crate) struct Plays {
+    pub(crate) slope: Option<f64>,
+    /// Thresholds and weights.
+    pub(crate) plays: Vec<(f64, f64)>,
 }
 
-/// One step of a block of plays.
-pub(crate) fn step(block: &Block, p: &[f64], w: Wires, z: &mut [f64]) -> f64 {
-    let u = w.drive;
-    match block {
-        Block::Plays { r, slope } => {
-            let (linear, weights) = p.split_at(usize::from(*slope).min(p.len()));
-            let mut y = w.x + linear.first().map_or(0.0, |g| g * u);
-            for ((r, weight), z) in r.iter().zip(weights).zip(z) {
-                *z = play(*r, u, *z);
-                y += weight * (*z - u);
-            }
-            y
+impl Bank<0, 1> for Plays {
+    type Element = (f64, f64);
+    type Shared = f64;
+
+    fn elements(&self) -> &[(f64, f64)] {
+        &self.plays
+    }
+
+    fn rest(&self, _: Wires) -> ([f64; 0], [f64; 1]) {
+        ([], [0.0])
+    }
+
+    fn advance(&self, _: Wires, _: &mut [f64; 0]) {}
+
+    fn shared(&self, w: Wires, _: &[f64; 0]) -> f64 {
+        w.drive
+    }
+
+    fn direct(&self, w: Wires) -> f64 {
+        match self.slope {
+            Some(g) => w.x + g * w.drive,
+            None => w.x,
         }
-        Block::SkewedPlays { r, centre, half } => {
-            let place = (u - centre) / half;
-            let mut y = w.x;
-            for ((r, weight), z) in r.iter().zip(p).zip(z) {
-                *z = play(*r, u, *z);
-                y += weight * (*z - u) * place;
-            }
-            y
-        }
-        Block::CurvedPlays { r, w: weights, centre, half } => {
-            let place = (u - centre) / half;
-            let curvature = p.first().copied().unwrap_or(0.0);
-            let mut y = w.x;
-            for ((r, weight), z) in r.iter().zip(weights).zip(z.chunks_exact_mut(2)) {
-                let wide = (r + curvature * r * place).max(0.0);
-                z[0] = (u - wide).max((u + wide).min(z[0]));
-                z[1] = play(*r, u, z[1]);
-                y += weight * (z[0] - z[1]);
-            }
-            y
-        }
-        Block::BentPlays { r, w: weights, centre, half } => {
-            let &[a, b, c, d] = p else { return w.x };
-            let place = (u - centre) / half;
-            let low = u + half * place * (a + b * place);
-            let high = u + half * place * (c + d * place);
-            let mut y = w.x;
-            for ((r, weight), z) in r.iter().zip(weights).zip(z.chunks_exact_mut(2)) {
-                z[0] = (low - r).max((high + r).min(z[0]));
-                z[1] = play(*r, u, z[1]);
-                y += weight * (z[0] - z[1]);
-            }
-            y
-        }
-        Block::GeneralisedPlay { centre, half } => {
-            let (&[weight, constant, linear, square], [z]) = (p, z) else { return w.x };
-            let place = (u - centre) / half;
-            let width = half * (constant + place * (linear + place * square)).max(0.0);
-            *z = play(width, u, *z);
-            w.x + weight * (*z - u)
-        }
-        Block::BoucWen => {
-            let (&[gain, width, turning], [h, before]) = (p, z) else { return w.x };
-            let way = (u - *before) / width;
-            *before = u;
-            *h = turn(*h, way, turning);
-            w.x - gain * width * *h
-        }
-        _ => w.x,
+    }
+
+    #[inline]
+    fn add((r, weight): &(f64, f64), u: f64, [z]: &mut [f64; 1]) -> f64 {
+        *z = play(u, *r, *z);
+        weight * (*z - u)
     }
 }
 
-/// The state h of a Bouc–Wen element after a way of its width, in parts of at most a tenth of it.
-fn turn(mut h: f64, way: f64, turning: f64) -> f64 {
-    let parts = (way.abs() / 0.1).ceil().clamp(1.0, 100.0);
-    let d = way / parts;
-    for _ in 0..parts as usize {
-        h += d * (1.0 - (turning * (d * h).signum() + 1.0 - turning) * h * h);
+/// `x + Σ w·(P_r[v] − v)·z` with the place z of the drive v in its range.
+#[derive(Clone)]
+pub(crate) struct SkewedPlays {
+    pub(crate) span: Span,
+    pub(crate) plays: Vec<(f64, f64)>,
+}
+
+impl Bank<0, 1> for SkewedPlays {
+    type Element = (f64, f64);
+    /// The drive and its place.
+    type Shared = (f64, f64);
+
+    fn elements(&self) -> &[(f64, f64)] {
+        &self.plays
     }
-    h
+
+    fn rest(&self, _: Wires) -> ([f64; 0], [f64; 1]) {
+        ([], [0.0])
+    }
+
+    fn advance(&self, _: Wires, _: &mut [f64; 0]) {}
+
+    fn shared(&self, w: Wires, _: &[f64; 0]) -> (f64, f64) {
+        (w.drive, self.span.unit(w.drive))
+    }
+
+    #[inline]
+    fn add((r, weight): &(f64, f64), (u, place): (f64, f64), [z]: &mut [f64; 1]) -> f64 {
+        *z = play(u, *r, *z);
+        weight * (*z - u) * place
+    }
+}
+
+/// `Σ w·(P′[v] − P_r[v])` where the threshold of P′ is `r·(1 + curvature·z)`, z the place of v.
+#[derive(Clone)]
+pub(crate) struct CurvedPlays {
+    pub(crate) span: Span,
+    pub(crate) plays: Vec<(f64, f64)>,
+    pub(crate) curvature: f64,
+}
+
+impl Bank<0, 2> for CurvedPlays {
+    type Element = (f64, f64);
+    /// The drive, and curvature times its place.
+    type Shared = (f64, f64);
+
+    fn elements(&self) -> &[(f64, f64)] {
+        &self.plays
+    }
+
+    fn rest(&self, _: Wires) -> ([f64; 0], [f64; 2]) {
+        ([], [0.0; 2])
+    }
+
+    fn advance(&self, _: Wires, _: &mut [f64; 0]) {}
+
+    fn shared(&self, w: Wires, _: &[f64; 0]) -> (f64, f64) {
+        (w.drive, self.curvature * self.span.unit(w.drive))
+    }
+
+    #[inline]
+    fn add(
+        (r, weight): &(f64, f64),
+        (u, bend): (f64, f64),
+        [bent, straight]: &mut [f64; 2],
+    ) -> f64 {
+        // The loop is wider at one end of the range and narrower at the other.
+        *bent = play(u, (r + r * bend).max(0.0), *bent);
+        *straight = play(u, *r, *straight);
+        weight * (*bent - *straight)
+    }
+}
+
+/// `Σ w·(P′[v] − P_r[v])` with P′ between the envelopes `v + half·(a·z + b·z²) − r` and
+/// `v + half·(c·z + d·z²) + r`.
+#[derive(Clone)]
+pub(crate) struct BentPlays {
+    pub(crate) span: Span,
+    pub(crate) plays: Vec<(f64, f64)>,
+    /// a, b, c, d.
+    pub(crate) bends: [f64; 4],
+}
+
+impl Bank<0, 2> for BentPlays {
+    type Element = (f64, f64);
+    /// The drive, and the lower and the upper envelope but for the threshold.
+    type Shared = [f64; 3];
+
+    fn elements(&self) -> &[(f64, f64)] {
+        &self.plays
+    }
+
+    fn rest(&self, _: Wires) -> ([f64; 0], [f64; 2]) {
+        ([], [0.0; 2])
+    }
+
+    fn advance(&self, _: Wires, _: &mut [f64; 0]) {}
+
+    fn shared(&self, w: Wires, _: &[f64; 0]) -> [f64; 3] {
+        let (u, half, [a, b, c, d]) = (w.drive, self.span.half, self.bends);
+        let place = self.span.unit(u);
+        [u, u + half * place * (a + b * place), u + half * place * (c + d * place)]
+    }
+
+    #[inline]
+    fn add(
+        (r, weight): &(f64, f64),
+        [u, low, high]: [f64; 3],
+        [bent, straight]: &mut [f64; 2],
+    ) -> f64 {
+        *bent = (low - r).max((high + r).min(*bent));
+        *straight = play(u, *r, *straight);
+        weight * (*bent - *straight)
+    }
+}
+
+/// `x + w·(P[v] − v)` of the drive v, P a play of half the width `half·(r₀ + r₁z + r₂z²)`.
+#[derive(Clone)]
+pub(crate) struct GeneralisedPlay {
+    pub(crate) span: Span,
+    pub(crate) weight: f64,
+    /// r₀, r₁, r₂.
+    pub(crate) width: [f64; 3],
+}
+
+impl GeneralisedPlay {
+    #[inline]
+    fn at(&self, w: Wires, z: &mut f64) -> f64 {
+        let [constant, linear, square] = self.width;
+        let place = self.span.unit(w.drive);
+        let width = self.span.half * (constant + place * (linear + place * square)).max(0.0);
+        *z = play(w.drive, width, *z);
+        w.x + self.weight * (*z - w.drive)
+    }
+}
+
+impl Step<1> for GeneralisedPlay {
+    fn rest(&self, w: Wires) -> ([f64; 1], f64) {
+        let mut z = 0.0;
+        let y = self.at(w, &mut z);
+        ([z], y)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, [z]: &mut [f64; 1]) -> f64 {
+        self.at(w, z)
+    }
+}
+
+/// `x − a·D·h`, `h′ = v′/D·(1 − (β sign(v′h) + 1 − β)·h²)` of the drive v. State: h, and the drive before.
+#[derive(Clone)]
+pub(crate) struct BoucWen {
+    pub(crate) gain: f64,
+    pub(crate) width: f64,
+    pub(crate) turning: f64,
+}
+
+impl Step<2> for BoucWen {
+    fn rest(&self, w: Wires) -> ([f64; 2], f64) {
+        ([0.0, w.drive], w.x)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, [h, before]: &mut [f64; 2]) -> f64 {
+        /// Most of the width that is gone through at once.
+        const PART: f64 = 0.1;
+        let way = (w.drive - *before) / self.width;
+        *before = w.drive;
+        let parts = (way.abs() / PART).ceil().clamp(1.0, 100.0);
+        let d = way / parts;
+        for _ in 0..parts as usize {
+            *h += d * (1.0 - (self.turning * (d * *h).signum() + 1.0 - self.turning) * *h * *h);
+        }
+        w.x - self.gain * self.width * *h
+    }
 }

@@ -1,13 +1,13 @@
-//! Blocks of plays that go with the rate of the drive. Each adds `Σ w·(P′[v] − P[v])`: what the plays do with the
+//! Plays that go with the rate of the drive. Each bank adds `Σ w·(P′[v] − P_r[v])`: what the plays do with the
 //! rate less what those inside the original do without it.
 
-use components::hysteresis::rate;
+use components::hysteresis::play::play;
+use components::hysteresis::rate::{self, RateState};
 use components::linear::lag_fraction;
-use libm::expm1;
 use serde::{Deserialize, Serialize};
 
-use crate::block::{Block, Wires};
-use crate::memory::play;
+use crate::kernel::{Bank, Wires};
+use crate::linear::approach;
 
 /// How thresholds grow with a rate x over that of reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -30,74 +30,207 @@ impl Growth {
     }
 }
 
-/// One step of a block of plays that depend on the rate; a `dt` of 0 is rest.
-pub(crate) fn step(block: &Block, p: &[f64], w: Wires, dt: f64, z: &mut [f64]) -> f64 {
-    let u = w.drive;
-    match (block, p) {
-        (Block::RatePlays { r, w: weights }, &[time]) => {
-            let Some((state, plays)) = z.split_first_chunk_mut::<{ rate::STATES }>() else {
-                return w.x;
-            };
-            if dt > 0.0 {
-                rate::update(state, u, 1.0 / dt);
-            }
-            let grow = time * state[1].abs();
-            two(r, weights, plays, w.x, |r, p| play((r + grow).max(0.0), u, p), u)
-        }
-        (Block::GrowingPlays { r, w: weights, law, scale, smoothing }, &[growth, of_scale, ..]) => {
-            let Some((past, plays)) = z.split_first_chunk_mut::<2>() else { return w.x };
-            let rate = match (smoothing, p.get(2)) {
-                (Some(time), _) => smoothed(past, u, dt, *time, f64::abs),
-                (None, Some(time)) => smoothed(past, u, dt, *time, |rate| rate).abs(),
-                (None, None) => return w.x,
-            };
-            let factor = 1.0 + growth * law.at(rate / (of_scale * scale));
-            two(r, weights, plays, w.x, |r, p| play(r * factor, u, p), u)
-        }
-        (Block::LaggedPlays { r, w: weights }, &[bandwidth]) => {
-            let Some((late, plays)) = z.split_first_mut() else { return w.x };
-            *late += lag_fraction(bandwidth, dt) * (u - *late);
-            let late = *late;
-            two(r, weights, plays, w.x, |r, p| play(r, late, p), u)
-        }
-        (Block::RateMemory { r, w: weights, half, smoothing }, &[time]) => {
-            let Some((past, plays)) = z.split_first_chunk_mut::<2>() else { return w.x };
-            let factor = time * smoothed(past, u, dt, *smoothing, f64::abs) / half;
-            let mut y = w.x;
-            for ((r, weight), z) in r.iter().zip(weights).zip(plays) {
-                *z = play(*r, u, *z);
-                y += weight * (*z - u) * factor;
-            }
-            y
-        }
-        _ => w.x,
+/// Moves the changed play and the plain one, and returns what they differ by.
+#[inline]
+fn two(weight: f64, r: f64, u: f64, [changed, plain]: &mut [f64; 2], wide: f64) -> f64 {
+    *changed = play(u, wide, *changed);
+    *plain = play(u, r, *plain);
+    weight * (*changed - *plain)
+}
+
+/// Thresholds `r + T·|v′|`, v′ as the components with a rate take it. Shared state: theirs.
+#[derive(Clone)]
+pub(crate) struct RatePlays {
+    pub(crate) plays: Vec<(f64, f64)>,
+    /// T in s.
+    pub(crate) time: f64,
+    /// 1/step.
+    pub(crate) per_step: f64,
+}
+
+impl Bank<{ rate::STATES }, 2> for RatePlays {
+    type Element = (f64, f64);
+    /// The drive, and by how much thresholds grow.
+    type Shared = (f64, f64);
+
+    fn elements(&self) -> &[(f64, f64)] {
+        &self.plays
+    }
+
+    fn set_step(&mut self, dt: f64) {
+        self.per_step = 1.0 / dt;
+    }
+
+    fn rest(&self, w: Wires) -> (RateState, [f64; 2]) {
+        (rate::rest(w.drive), [0.0; 2])
+    }
+
+    fn advance(&self, w: Wires, head: &mut RateState) {
+        rate::update(head, w.drive, self.per_step);
+    }
+
+    fn shared(&self, w: Wires, head: &RateState) -> (f64, f64) {
+        (w.drive, self.time * head[1].abs())
+    }
+
+    #[inline]
+    fn add((r, weight): &(f64, f64), (u, grow): (f64, f64), z: &mut [f64; 2]) -> f64 {
+        two(*weight, *r, u, z, (r + grow).max(0.0))
     }
 }
 
-/// What is taken of the rate, smoothed over a time, from the value before and what it was.
-fn smoothed(past: &mut [f64; 2], u: f64, dt: f64, time: f64, of: impl Fn(f64) -> f64) -> f64 {
-    let [before, rate] = past;
-    if dt > 0.0 {
-        *rate += -expm1(-dt / time) * (of((u - *before) / dt) - *rate);
-    }
-    *before = u;
-    *rate
+/// A rate of the drive, smoothed over a time: `ρ ← ρ + (1 − exp(−dt/time))·(v′ − ρ)`. State: the drive before, ρ.
+#[derive(Clone)]
+pub(crate) struct Smoothed {
+    time: f64,
+    /// Whether the size of the rate is smoothed, and not the rate with its sign.
+    is_size: bool,
+    dt: f64,
+    fraction: f64,
 }
 
-/// Steps two plays for each threshold, one by `other` and one plain, and adds what they differ by.
-fn two(
-    r: &[f64],
-    weights: &[f64],
-    z: &mut [f64],
-    x: f64,
-    other: impl Fn(f64, f64) -> f64,
-    u: f64,
-) -> f64 {
-    let mut y = x;
-    for ((r, weight), z) in r.iter().zip(weights).zip(z.chunks_exact_mut(2)) {
-        z[0] = other(*r, z[0]);
-        z[1] = play(*r, u, z[1]);
-        y += weight * (z[0] - z[1]);
+impl Smoothed {
+    pub(crate) fn new(time: f64, is_size: bool) -> Self {
+        Self { time, is_size, dt: 0.0, fraction: 0.0 }
     }
-    y
+
+    fn set_step(&mut self, dt: f64) {
+        (self.dt, self.fraction) = (dt, approach(self.time, dt));
+    }
+
+    #[inline]
+    fn advance(&self, u: f64, [before, rate]: &mut [f64; 2]) {
+        let slope = (u - *before) / self.dt;
+        let slope = if self.is_size { slope.abs() } else { slope };
+        *rate += self.fraction * (slope - *rate);
+        *before = u;
+    }
+}
+
+/// Thresholds `r·(1 + g·f(|ρ|/ρ₀))` with the smoothed rate ρ of the drive.
+#[derive(Clone)]
+pub(crate) struct GrowingPlays {
+    pub(crate) plays: Vec<(f64, f64)>,
+    pub(crate) rate: Smoothed,
+    /// g.
+    pub(crate) growth: f64,
+    /// f.
+    pub(crate) law: Growth,
+    /// ρ₀.
+    pub(crate) reference: f64,
+}
+
+impl Bank<2, 2> for GrowingPlays {
+    type Element = (f64, f64);
+    /// The drive, and the factor of the thresholds.
+    type Shared = (f64, f64);
+
+    fn elements(&self) -> &[(f64, f64)] {
+        &self.plays
+    }
+
+    fn set_step(&mut self, dt: f64) {
+        self.rate.set_step(dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 2], [f64; 2]) {
+        ([w.drive, 0.0], [0.0; 2])
+    }
+
+    fn advance(&self, w: Wires, head: &mut [f64; 2]) {
+        self.rate.advance(w.drive, head);
+    }
+
+    fn shared(&self, w: Wires, head: &[f64; 2]) -> (f64, f64) {
+        (w.drive, 1.0 + self.growth * self.law.at(head[1].abs() / self.reference))
+    }
+
+    #[inline]
+    fn add((r, weight): &(f64, f64), (u, factor): (f64, f64), z: &mut [f64; 2]) -> f64 {
+        two(*weight, *r, u, z, r * factor)
+    }
+}
+
+/// Plays of the drive behind a first-order lag. Shared state: the lagged drive.
+#[derive(Clone)]
+pub(crate) struct LaggedPlays {
+    pub(crate) plays: Vec<(f64, f64)>,
+    /// In Hz.
+    pub(crate) bandwidth: f64,
+    pub(crate) fraction: f64,
+}
+
+impl Bank<1, 2> for LaggedPlays {
+    type Element = (f64, f64);
+    /// The drive, and the lagged one.
+    type Shared = (f64, f64);
+
+    fn elements(&self) -> &[(f64, f64)] {
+        &self.plays
+    }
+
+    fn set_step(&mut self, dt: f64) {
+        self.fraction = lag_fraction(self.bandwidth, dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 1], [f64; 2]) {
+        ([w.drive], [0.0; 2])
+    }
+
+    fn advance(&self, w: Wires, [late]: &mut [f64; 1]) {
+        *late += self.fraction * (w.drive - *late);
+    }
+
+    fn shared(&self, w: Wires, [late]: &[f64; 1]) -> (f64, f64) {
+        (w.drive, *late)
+    }
+
+    #[inline]
+    fn add((r, weight): &(f64, f64), (u, late): (f64, f64), z: &mut [f64; 2]) -> f64 {
+        z[0] = play(late, *r, z[0]);
+        z[1] = play(u, *r, z[1]);
+        weight * (z[0] - z[1])
+    }
+}
+
+/// `x + T·ρ/half·Σ w·(P_r[v] − v)` with the smoothed size ρ of the rate of the drive v.
+#[derive(Clone)]
+pub(crate) struct RateMemory {
+    pub(crate) plays: Vec<(f64, f64)>,
+    pub(crate) rate: Smoothed,
+    /// T in s.
+    pub(crate) time: f64,
+    pub(crate) half: f64,
+}
+
+impl Bank<2, 1> for RateMemory {
+    type Element = (f64, f64);
+    /// The drive, and the factor of the memory.
+    type Shared = (f64, f64);
+
+    fn elements(&self) -> &[(f64, f64)] {
+        &self.plays
+    }
+
+    fn set_step(&mut self, dt: f64) {
+        self.rate.set_step(dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 2], [f64; 1]) {
+        ([w.drive, 0.0], [0.0])
+    }
+
+    fn advance(&self, w: Wires, head: &mut [f64; 2]) {
+        self.rate.advance(w.drive, head);
+    }
+
+    fn shared(&self, w: Wires, head: &[f64; 2]) -> (f64, f64) {
+        (w.drive, self.time * head[1] / self.half)
+    }
+
+    #[inline]
+    fn add((r, weight): &(f64, f64), (u, factor): (f64, f64), [z]: &mut [f64; 1]) -> f64 {
+        *z = play(u, *r, *z);
+        weight * (*z - u) * factor
+    }
 }

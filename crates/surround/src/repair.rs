@@ -184,6 +184,14 @@ pub struct Piece {
     pub block: Block,
 }
 
+impl Piece {
+    /// The parameters of its block in SI, from the values of the effect's.
+    pub(crate) fn values(&self, effect: &Effect, value: impl Fn(usize) -> f64) -> Vec<f64> {
+        let factor = |k: usize| effect.parameters.get(k).map_or(1.0, |p| p.factor);
+        self.parameters.iter().map(|k| value(*k) * factor(*k)).collect()
+    }
+}
+
 /// A repair that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -258,9 +266,10 @@ impl Repair {
                 want(known, format!("{name}: it reads an input that is not there"));
                 let own = piece.parameters.iter().all(|k| *k < effect.parameters.len());
                 want(own, format!("{name}: it takes a parameter that is not there"));
-                let count = piece.block.parameters().unwrap_or(piece.parameters.len());
-                let given = piece.parameters.len();
-                want(count == given, format!("{name}: {given} parameters in the place of {count}"));
+                let p = piece.values(effect, |k| effect.parameters.get(k).map_or(1.0, |p| p.start));
+                if let Err(wrong) = piece.block.prepare(&p, self.step) {
+                    want(false, format!("{name}: {wrong}"));
+                }
             }
         }
         for change in &self.changes {

@@ -1,7 +1,7 @@
 //! Effects around one instance of the original.
 
-use crate::block::Wires;
-use crate::repair::{Piece, Port, Repair, Side};
+use crate::kernel::{Kernel, Wires};
+use crate::repair::{Error, Piece, Port, Repair, Side};
 use crate::state::State;
 use crate::tangent::Last;
 use crate::whole::{Whole, whole};
@@ -47,8 +47,7 @@ pub(crate) enum Own {
 struct Link {
     effect: usize,
     piece: Piece,
-    /// Parameters in SI.
-    p: Vec<f64>,
+    kernel: Kernel,
 }
 
 /// The effects around one instance, with all that changes.
@@ -77,8 +76,11 @@ pub struct Surround {
 
 impl Surround {
     /// The effects at their start values.
-    #[must_use]
-    pub fn new(repair: Repair) -> Self {
+    ///
+    /// # Errors
+    /// What [`Repair::check`] says.
+    pub fn new(repair: Repair) -> Result<Self, Error> {
+        repair.check()?;
         let inputs = whole(&repair.inputs);
         let mut own: Vec<(u32, Own)> = Vec::new();
         for (e, effect) in repair.effects.iter().enumerate() {
@@ -113,7 +115,7 @@ impl Surround {
             repair,
         };
         surround.reset();
-        surround
+        Ok(surround)
     }
 
     /// What it was made from.
@@ -379,7 +381,8 @@ impl Surround {
         self.link();
         let count = from.next()?;
         let states = (0..count as usize).map(|_| State::load(from)).collect::<Option<Vec<_>>>()?;
-        if states.len() != self.links.len() && !states.is_empty() {
+        let fit = self.links.iter().zip(&states).all(|(link, state)| link.kernel.fits(state));
+        if !states.is_empty() && (states.len() != self.links.len() || !fit) {
             return None;
         }
         if !states.is_empty() {
@@ -395,9 +398,10 @@ impl Surround {
         for (e, effect) in self.repair.effects.iter().enumerate().filter(|(e, _)| self.enabled[*e])
         {
             for piece in &effect.blocks {
-                let si = |k: &usize| self.values[e][*k] * effect.parameters[*k].factor;
-                let p = piece.parameters.iter().map(si).collect();
-                self.links.push(Link { effect: e, piece: piece.clone(), p });
+                let p = piece.values(effect, |k| self.values[e][k]);
+                let kernel = piece.block.prepare(&p, self.repair.step);
+                let kernel = kernel.expect("the numbers of parameters are checked in `new`");
+                self.links.push(Link { effect: e, piece: piece.clone(), kernel });
             }
         }
         self.links.sort_by_key(|l| (l.piece.side == Side::Output, l.piece.place, l.effect));
@@ -447,14 +451,14 @@ impl Surround {
         signals.extend(ports.map(|(k, told)| of(k, &self.outputs, told)));
         before.clone_from(&signals);
         let (t, drives) = (self.time, &self.drives);
-        for (link, state) in self.links.iter().zip(&mut self.states) {
+        for (link, state) in self.links.iter_mut().zip(&mut self.states) {
             let piece = &link.piece;
             if piece.side != Side::Output {
                 continue;
             }
             let aux = piece.auxiliary.map_or(0.0, |k| auxiliary[k]);
             let w = Wires { x: signals[piece.port], drive: drives[piece.drive], aux };
-            signals[piece.port] = link.step(w, t, dt, state);
+            signals[piece.port] = step(&mut link.kernel, w, (t, dt), state);
         }
         for (k, port) in self.repair.outputs.iter().enumerate() {
             if signals[k].to_bits() != before[k].to_bits()
@@ -467,7 +471,7 @@ impl Surround {
     }
 
     fn run(&mut self, side: Side, dt: f64, auxiliary: &[f64]) {
-        for (link, state) in self.links.iter().zip(&mut self.states) {
+        for (link, state) in self.links.iter_mut().zip(&mut self.states) {
             let piece = &link.piece;
             if piece.side != side {
                 continue;
@@ -475,17 +479,17 @@ impl Surround {
             let x = self.drives[piece.port];
             let aux = piece.auxiliary.map_or(0.0, |k| auxiliary[k]);
             let w = Wires { x, drive: self.drives[piece.drive], aux };
-            self.drives[piece.port] = link.step(w, self.time, dt, state);
+            self.drives[piece.port] = step(&mut link.kernel, w, (self.time, dt), state);
         }
     }
 }
 
-impl Link {
-    fn step(&self, w: Wires, t: f64, dt: f64, state: &mut State) -> f64 {
-        if dt > 0.0 {
-            self.piece.block.step(&self.p, w, t, dt, state)
-        } else {
-            self.piece.block.rest(&self.p, w, state)
-        }
+/// A step of `dt` s that ends at the time `t`; of no length, rest.
+fn step(kernel: &mut Kernel, w: Wires, (t, dt): (f64, f64), state: &mut State) -> f64 {
+    if dt > 0.0 {
+        kernel.set_step(dt);
+        kernel.step(w, t, state)
+    } else {
+        kernel.rest(w, state)
     }
 }

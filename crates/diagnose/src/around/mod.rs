@@ -1,15 +1,12 @@
 //! The repair of a black box: effects around the FMU, as a [`Repair`] and as a package.
 
-mod block;
 mod package;
 mod preset;
 
 use cosim::Fmu;
 use data::NameMap;
 use modeldescription::variable::Causality;
-use surround::{
-    Block as Around, Change, Effect, Original, Parameter, Piece, Port, Repair, Side, Variable,
-};
+use surround::{Block, Change, Effect, Original, Parameter, Piece, Port, Repair, Side, Variable};
 
 use crate::answer::scale_of;
 use crate::error::Error;
@@ -232,7 +229,8 @@ impl<'a> Maker<'a> {
         let base = &o.problem.base;
         let mode = base.mode_in(&o.found.last.chain, &o.found.last.fit.theta);
         for (piece, place) in formula.pieces.iter().zip(places(formula)) {
-            let Some(block) = block::around(o, piece) else { continue };
+            // Between two clocks, or of the start of a record.
+            let Some(block) = piece.block.effect().cloned() else { continue };
             let slot = place_of(piece.slot);
             let at = base.slots.get(&piece.slot).copied();
             let drive = self.port(&o.problem.input, true, &o.problem.command_unit)?;
@@ -241,15 +239,15 @@ impl<'a> Maker<'a> {
                 _ => (Side::Output, self.port(&o.problem.output, false, &o.problem.unit)?),
             };
             let auxiliary =
-                block::reads_auxiliary(&block).then(|| self.auxiliary(o, piece.aux)).transpose()?;
+                block.reads_auxiliary().then(|| self.auxiliary(o, piece.aux)).transpose()?;
             let parameters = place.collect();
             let piece = Piece { side, port, drive, auxiliary, place: slot, parameters, block };
             // Inside, between what enters the mode and the mode.
             let inside = at.filter(|at| *at > 0 && base.mode == Some(*at));
             match inside.and(mode) {
                 Some((frequency, damping)) => {
-                    let before = plain_piece(&piece, Around::BeforeMode { frequency, damping });
-                    let behind = plain_piece(&piece, Around::Mode { frequency, damping });
+                    let before = plain_piece(&piece, Block::BeforeMode { frequency, damping });
+                    let behind = plain_piece(&piece, Block::Mode { frequency, damping });
                     blocks.extend([before, piece, behind]);
                 }
                 None => blocks.push(piece),
@@ -264,9 +262,9 @@ impl<'a> Maker<'a> {
                 auxiliary: None,
                 place: place_of(Slot::BeforeMechanics),
                 parameters: (0..force.count()).collect(),
-                block: Around::ForcedMode { frequency, damping, force, far },
+                block: Block::ForcedMode { frequency, damping, force, far },
             };
-            blocks.extend([plain_piece(&piece, Around::BeforeMode { frequency, damping }), piece]);
+            blocks.extend([plain_piece(&piece, Block::BeforeMode { frequency, damping }), piece]);
         }
         if blocks.is_empty() && formula.releases.is_empty() {
             self.notes.push(stays_out(name, formula));
@@ -386,7 +384,7 @@ impl<'a> Maker<'a> {
                 max: None,
                 reference: self.reference(),
             });
-            let (block, side) = (surround::Block::Factor, Side::Output);
+            let (block, side) = (Block::Factor, Side::Output);
             let piece =
                 Piece { side, port, drive, auxiliary: None, place: LAST, parameters, block };
             effect.blocks.push(piece);
@@ -410,7 +408,7 @@ impl<'a> Maker<'a> {
             auxiliary: None,
             place: LAST,
             parameters: vec![effect.parameters.len()],
-            block: Around::Offset,
+            block: Block::Offset,
         };
         effect.parameters.push(Parameter {
             name: "offset".to_owned(),
@@ -440,7 +438,7 @@ impl<'a> Maker<'a> {
             auxiliary: None,
             place: LAST + 1,
             parameters: vec![0, 1],
-            block: Around::Rounding { half },
+            block: Block::Rounding { half },
         };
         let name = self.name(components::effects::SENSOR_QUANTISATION.name, o);
         let mut effect = Effect {
@@ -501,7 +499,7 @@ fn place_of(slot: Slot) -> u32 {
 }
 
 /// A block without parameters where another one is.
-fn plain_piece(beside: &Piece, block: Around) -> Piece {
+fn plain_piece(beside: &Piece, block: Block) -> Piece {
     Piece { parameters: Vec::new(), auxiliary: None, block, ..beside.clone() }
 }
 

@@ -112,6 +112,7 @@ impl<'a> Composer<'a> {
                             first: at,
                             count: piece.count,
                             aux: piece.aux,
+                            of_command: piece.of_command,
                         });
                     }
                     at += piece.count;

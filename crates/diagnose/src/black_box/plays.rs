@@ -3,8 +3,10 @@
 //! From a turning point on, a sum of plays follows `D(x) = w₀·x + Σ wₖ·max(0, x − 2rₖ)` of the way x, whose second
 //! differences are the weights (Prandtl–Ishlinskii; Kuhnen, European Journal of Control 9, 2003).
 
+use components::hysteresis::play::play;
+use surround::{Block, Memory, Signals, Span};
+
 use super::{BlackBox, Entry};
-use crate::block::{Block, Memory, Span, Wires};
 use crate::data_set::RecordData;
 
 /// Levels over the range of the command.
@@ -66,8 +68,8 @@ impl BlackBox {
         let Some(Entry { frequency, damping, .. }) = entry else { return Some(answer) };
         let step = self.sample(record)?;
         let mut entered = vec![0.0; answer.len()];
-        let wires = Wires { x: &answer, drive: &[], command: &[], aux: &[], step };
-        Block::BeforeMode { frequency, damping }.run(&[], wires, &mut entered);
+        let before = Block::BeforeMode { frequency, damping }.prepare(&[], step).ok()?;
+        before.run(Signals::path(&answer), &mut entered);
         Some(entered)
     }
 }
@@ -83,7 +85,7 @@ fn left(course: &[f64], entered: &[f64], entry: Option<Entry>, memory: &Memory) 
         let plays = memory.r.iter().zip(&memory.w).zip(&mut states);
         let part: f64 = plays
             .map(|((r, w), p)| {
-                *p = (late - r).max((late + r).min(*p));
+                *p = play(late, *r, *p);
                 w * (*p - late)
             })
             .sum();

@@ -1,16 +1,20 @@
 //! Actuator: memory, creep, polarisation, temperature.
 
 use components::effects;
-use surround::Growth;
+use surround::{Block, Growth, Loss, Memory};
 
 use super::{Family, Formula, Free, Setting, Slot};
-use crate::block::{Block, Loss, Memory};
+use crate::path_block::RecordBlock;
 
 /// Names of the parameters of a bank of plays.
 const WEIGHTS: [&str; 8] = [
     "weight 1", "weight 2", "weight 3", "weight 4", "weight 5", "weight 6", "weight 7", "weight 8",
 ];
 const WEIGHT: &str = "{position}/{command}";
+/// Part of the way to the rate of a row by which the smoothed one moves, where thresholds grow up to a limit.
+const SATURATING: f64 = 0.3;
+/// Part of the way to the rate of a row by which the smoothed one moves, where the loop grows.
+const GROWING: f64 = 0.1;
 
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     let memory = s.base.memory.clone().unwrap_or_else(|| generic(s));
@@ -91,12 +95,12 @@ fn creep(s: &Setting<'_>) -> Vec<Formula> {
             .start(&[0.01, 0.0])
             .screened(1),
         Formula::new("one element")
-            .block(slot, Block::FreeCreep(1), vec![share("share"), time("time constant")])
+            .block(slot, Block::Creep, vec![share("share"), time("time constant")])
             .starts(middle.map(|t| vec![0.01, t])),
         Formula::new("two elements")
             .block(
                 slot,
-                Block::FreeCreep(2),
+                Block::Creep,
                 vec![
                     share("share 1"),
                     time("time constant 1"),
@@ -111,7 +115,7 @@ fn creep(s: &Setting<'_>) -> Vec<Formula> {
         Formula::new("four elements")
             .block(
                 slot,
-                Block::FixedCreep(times),
+                Block::FixedCreep { times },
                 vec![share("share 1"), share("share 2"), share("share 3"), share("share 4")],
             )
             .start(&[0.005; 4]),
@@ -128,7 +132,7 @@ fn hysteresis(s: &Setting<'_>) -> Vec<Formula> {
         let parameters = gain.then(linear).into_iter().chain((0..count).map(weight)).collect();
         let start = vec![0.0; count + usize::from(gain)];
         Formula::new(name)
-            .block(Slot::AfterActuator, Block::Plays { bank: bank(s, count), gain }, parameters)
+            .block(Slot::AfterActuator, Block::Plays { r: bank(s, count), slope: gain }, parameters)
             .start(&start)
     };
     let half = s.command.half;
@@ -161,7 +165,7 @@ fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     let curvature = Free::linear("curvature", "1", -3.0, 3.0).step(0.01);
     let dead = |name| Free::linear(name, "1", -1.0, 1.0).step(1e-3);
     let skewed = |name, count: usize| {
-        let block = Block::SkewedPlays { bank: bank(s, count), span: s.command };
+        let block = Block::SkewedPlays { r: bank(s, count), span: s.command };
         Formula::new(name)
             .block(slot, block, (0..count).map(weight).collect())
             .start(&vec![0.0; count])
@@ -238,7 +242,8 @@ fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     let bandwidth = Free::log("bandwidth", "Hz", 1.0 / s.length, 50.0 / s.sample);
     let frequencies = super::input::bandwidths(s);
     let growing = |name, law| {
-        let block = Block::GrowingPlays { memory: memory.clone(), steepest: s.steepest, law };
+        let (memory, scale) = (memory.clone(), s.steepest);
+        let block = Block::GrowingPlays { memory, law, scale, smoothing: None };
         let parameters = vec![
             Free::linear("growth", "1", 0.0, 20.0).step(0.01),
             Free::log("rate of reference", "1", 1e-4, 30.0),
@@ -263,7 +268,12 @@ fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
         Formula::new("thresholds that grow in proportion, up to a limit")
             .block(
                 slot,
-                Block::SaturatingPlays { memory: memory.clone(), steepest: s.steepest },
+                Block::GrowingPlays {
+                    memory: memory.clone(),
+                    law: Growth::Limited,
+                    scale: s.steepest,
+                    smoothing: Some(surround::time_of(SATURATING, s.data.step)),
+                },
                 vec![
                     Free::linear("growth", "1", 0.0, 20.0).step(0.01),
                     Free::log("rate of half the growth", "1", 1e-3, 30.0),
@@ -277,7 +287,11 @@ fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
         Formula::new("loop that grows with the rate")
             .block(
                 slot,
-                Block::RateMemory { memory: memory.clone(), half: s.command.half },
+                Block::RateMemory {
+                    memory: memory.clone(),
+                    half: s.command.half,
+                    smoothing: surround::time_of(GROWING, s.data.step),
+                },
                 vec![time()],
             )
             .start(&[0.1 * unit]),
@@ -290,7 +304,7 @@ fn polarisation(s: &Setting<'_>) -> Vec<Formula> {
     let shift = Free::linear("shift of the centre", "1", -1.0, 1.0).step(0.01);
     vec![
         Formula::new("S-curve")
-            .block(Slot::AfterActuator, Block::Sigmoid(s.position), vec![size(), shift])
+            .block(Slot::AfterActuator, Block::SCurve(s.position), vec![size(), shift])
             .start(&[0.02, 0.0])
             .start(&[0.02, 0.4])
             .start(&[0.02, -0.4]),
@@ -318,21 +332,21 @@ fn heating(s: &Setting<'_>) -> Vec<Formula> {
         (
             "growth with the drive's loops",
             "gain that changes with the drive's loops",
-            Loss::Loops(s.loop_power.max(f64::MIN_POSITIVE), s.command),
+            Loss::Loops { mean: s.loop_power.max(f64::MIN_POSITIVE), centre: s.command.centre },
         ),
         (
             "growth with the square of the drive's rate",
             "gain that changes with the square of the drive's rate",
-            Loss::Rate(s.slope_power),
+            Loss::Rate { mean: s.slope_power },
         ),
         (
             "growth with the drive's apparent power",
             "gain that changes with the drive's apparent power",
-            Loss::Apparent(s.apparent_power.max(f64::MIN_POSITIVE)),
+            Loss::Apparent { mean: s.apparent_power.max(f64::MIN_POSITIVE) },
         ),
     ] {
         let slot = Slot::AfterMechanics;
-        let growing = Block::Heating { span: s.position, loss };
+        let growing = Block::Heating { half: s.position.half, loss };
         all.push(
             Formula::new(name)
                 .block(slot, growing, vec![growth("growth"), time()])
@@ -342,7 +356,7 @@ fn heating(s: &Setting<'_>) -> Vec<Formula> {
         let parts = ["growth, fast", "growth", "growth, slow", "gain"].map(growth);
         all.push(
             Formula::new("growth over three times, and gain")
-                .block(slot, Block::Warming { span: s.position, loss, times }, parts.to_vec())
+                .block(slot, Block::Warming { half: s.position.half, loss, times }, parts.to_vec())
                 .start(&[0.0; 4]),
         );
         let gain = Block::HeatingGain { loss };
@@ -359,7 +373,7 @@ fn initial(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     let place = Free::linear("place in the loop", "1", -1.0, 1.0).step(0.05);
     vec![
         Formula::new("memory at the start")
-            .block(Slot::AfterActuator, Block::StartMemory(memory.clone()), vec![place])
+            .block(Slot::AfterActuator, RecordBlock::StartMemory(memory.clone()), vec![place])
             .start(&[0.9])
             .start(&[-0.9])
             .start(&[0.3])

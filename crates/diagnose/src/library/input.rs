@@ -2,12 +2,13 @@
 
 use components::effects;
 use model::Effect;
+use surround::{Block, Span};
 
 use super::{Family, Formula, Free, Setting, Slot};
-use crate::block::{Block, Span};
 use crate::converter::Gaps;
 use crate::jitter;
 use crate::nuisance::Nuisance;
+use crate::path_block::RecordBlock;
 
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(delay(s));
@@ -35,7 +36,7 @@ fn delay(s: &Setting<'_>) -> Family {
 fn clock(s: &Setting<'_>) -> Family {
     let offset = Free::linear("offset", "1", -1e-2, 1e-2).step(1e-6);
     let constant = Formula::new("offset of the clock")
-        .block(Slot::Reading, Block::Clock, vec![offset])
+        .block(Slot::Reading, RecordBlock::Clock, vec![offset])
         .start(&[0.0]);
     instants(&effects::CLOCK_OFFSET, constant, "offset of a clock that wanders", s)
 }
@@ -88,13 +89,14 @@ pub(super) fn converter(
     if !seen.is_empty() {
         all.push(
             Formula::new("rounding to steps")
-                .block(slot, Block::Quantiser(span), vec![steps(), phase()])
+                .block(slot, Block::Rounding { half: span.half }, vec![steps(), phase()])
                 .starts(seen.iter().map(|(steps, phase)| vec![*steps, *phase]))
                 .screened(0),
         );
     }
     if let Some(gaps) = gaps {
-        let block = Block::GappedQuantiser { span, every: gaps.every, missing: gaps.missing };
+        let Gaps { every, missing, .. } = gaps;
+        let block = Block::MissingCodes { half: span.half, every, missing };
         all.push(
             Formula::new("steps with codes missing")
                 .block(slot, block, vec![steps(), phase()])
@@ -118,18 +120,18 @@ pub(super) fn lags(s: &Setting<'_>, slot: Slot) -> Vec<Formula> {
     let second = bandwidths(s).into_iter().flat_map(|f| [0.5, 0.9].map(|d| vec![1.4 * f, d]));
     vec![
         Formula::new("first order")
-            .block(slot, Block::Lag(1), vec![bandwidth("bandwidth")])
+            .block(slot, Block::Lag { order: 1 }, vec![bandwidth("bandwidth")])
             .starts(starts(1.0)),
         Formula::new("second order")
             .block(
                 slot,
-                Block::Lag2,
+                Block::SecondOrder,
                 vec![bandwidth("bandwidth"), Free::log("damping", "1", 0.2, 3.0)],
             )
             .starts(second)
             .screened(1),
         Formula::new("third order, equal poles")
-            .block(slot, Block::Lag(3), vec![bandwidth("bandwidth of each pole")])
+            .block(slot, Block::Lag { order: 3 }, vec![bandwidth("bandwidth of each pole")])
             .starts(starts(2.5)),
     ]
 }
@@ -166,16 +168,16 @@ fn saturation(s: &Setting<'_>) -> Vec<Formula> {
     let size = || Free::log("size over the half range", "1", 0.3, 30.0);
     vec![
         Formula::new("limit at the top")
-            .block(Slot::Amplifier, Block::ClampHigh, vec![limit()])
+            .block(Slot::Amplifier, Block::LimitAbove, vec![limit()])
             .starts(parts.map(|k| vec![c + k * h])),
         Formula::new("limit at the bottom")
-            .block(Slot::Amplifier, Block::ClampLow, vec![limit()])
+            .block(Slot::Amplifier, Block::LimitBelow, vec![limit()])
             .starts(parts.map(|k| vec![c - k * h])),
         Formula::new("limits at both ends")
-            .block(Slot::Amplifier, Block::ClampBoth(s.command), vec![half])
+            .block(Slot::Amplifier, Block::Limits { centre: s.command.centre }, vec![half])
             .starts(parts.map(|k| vec![k * h])),
         Formula::new("soft limit at the top")
-            .block(Slot::Amplifier, Block::SoftHigh, vec![limit(), width])
+            .block(Slot::Amplifier, Block::SoftLimitAbove, vec![limit(), width])
             .starts(parts.map(|k| vec![c + k * h, 0.05 * h])),
         Formula::new("soft limits at both ends")
             .block(Slot::Amplifier, Block::Tanh(s.command), vec![size()])
@@ -189,11 +191,7 @@ fn saturation(s: &Setting<'_>) -> Vec<Formula> {
 pub(super) fn powers(s: &Setting<'_>, slot: Slot) -> Formula {
     let power = |name| Free::linear(name, "1", -1.0, 1.0).step(1e-3);
     Formula::new("second and third power of the command")
-        .block(
-            slot,
-            Block::Polynomial { span: s.command, order: 3 },
-            vec![power("a2"), power("a3")],
-        )
+        .block(slot, Block::Polynomial(s.command), vec![power("a2"), power("a3")])
         .start(&[0.0, 0.0])
         .stand_in()
 }

@@ -2,9 +2,9 @@
 
 use components::effects;
 use model::Effect;
+use surround::Block;
 
 use super::{Family, Formula, Free, Setting, Slot};
-use crate::block::Block;
 use crate::chain::Force;
 use crate::nuisance::Nuisance;
 
@@ -277,7 +277,7 @@ fn modulation(s: &Setting<'_>) -> Formula {
 fn coupling(s: &Setting<'_>) -> Vec<Formula> {
     let mut all = Vec::new();
     for (k, aux) in s.data.aux.iter().enumerate().filter(|(_, a)| a.is_command) {
-        let scale = aux.span.half / s.position.half;
+        let (scale, zero) = (aux.span.half / s.position.half, aux.zero());
         let weight = |name| Free::linear(name, "1", -2.0, 2.0).step(1e-3);
         let bandwidth = Free::log("bandwidth", "Hz", 1.0 / s.length, 10.0 / s.sample);
         let frequency = Free::log("frequency", "Hz", 1.0 / s.length, 0.45 / s.sample).step(2e-3);
@@ -287,19 +287,19 @@ fn coupling(s: &Setting<'_>) -> Vec<Formula> {
             Formula::new("static, before the mechanics")
                 .block(
                     Slot::BeforeMechanics,
-                    Block::Aux { scale, rate: false },
+                    Block::Auxiliary { scale, zero },
                     vec![weight("weight")],
                 )
                 .aux(k)
                 .start(&[0.0]),
             Formula::new("static and rate")
-                .block(Slot::AfterMechanics, Block::Aux { scale, rate: true }, pair)
+                .block(Slot::AfterMechanics, Block::Auxiliary { scale, zero }, pair)
                 .aux(k)
                 .start(&[0.0, 0.0]),
             Formula::new("through a lag")
                 .block(
                     Slot::AfterMechanics,
-                    Block::LaggedAux { scale },
+                    Block::LaggedAuxiliary { scale, zero },
                     vec![weight("weight"), bandwidth],
                 )
                 .aux(k)
@@ -307,7 +307,7 @@ fn coupling(s: &Setting<'_>) -> Vec<Formula> {
             Formula::new("through a mode")
                 .block(
                     Slot::AfterMechanics,
-                    Block::ModalAux { scale },
+                    Block::ModalAuxiliary { scale, zero },
                     vec![weight("weight"), frequency, damping],
                 )
                 .aux(k)

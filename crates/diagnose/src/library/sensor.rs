@@ -1,10 +1,11 @@
 //! Environment and sensor.
 
 use components::effects;
+use surround::Block;
 
 use super::{Family, Formula, Free, Setting, Slot};
-use crate::block::Block;
 use crate::nuisance::Nuisance;
+use crate::path_block::RecordBlock;
 
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     let mut family = Family::new(&effects::THERMAL_DRIFT, drift(s));
@@ -36,9 +37,9 @@ fn drift(s: &Setting<'_>) -> Vec<Formula> {
         with("walk", Nuisance::Knots { count: 8 }),
     ];
     for (k, aux) in s.data.aux.iter().enumerate().filter(|(_, a)| !a.is_command) {
-        let scale = aux.span.half / s.position.half;
+        let (scale, zero) = (aux.span.half / s.position.half, aux.zero());
         let weight = Free::linear("weight", "1", -2.0, 2.0).step(1e-3);
-        let block = Block::Aux { scale, rate: false };
+        let block = Block::Auxiliary { scale, zero };
         all.push(
             Formula::new("with an auxiliary signal")
                 .block(Slot::AfterMechanics, block, vec![weight])
@@ -54,7 +55,7 @@ fn droop(s: &Setting<'_>) -> Formula {
     let part = Free::linear("part drooped at the start", "1", -1.0, 2.0).step(0.02);
     let starts = [0.02, 0.2].into_iter().flat_map(|k| [0.0, 1.0].map(|p| vec![k / s.length, p]));
     Formula::new("reading that droops")
-        .block(Slot::Reading, Block::Droop, vec![corner, part])
+        .block(Slot::Reading, RecordBlock::Droop, vec![corner, part])
         .starts(starts)
 }
 
@@ -63,11 +64,7 @@ fn nonlinearity(s: &Setting<'_>) -> Vec<Formula> {
     let polynomial = |name, order: usize| {
         let parameters = (0..order - 1).map(|k| Free::linear(NAMES[k], "1", -1.0, 1.0).step(1e-3));
         Formula::new(name)
-            .block(
-                Slot::Reading,
-                Block::Polynomial { span: s.position, order },
-                parameters.collect(),
-            )
+            .block(Slot::Reading, Block::Polynomial(s.position), parameters.collect())
             .start(&vec![0.0; order - 1])
     };
     let sine = vec![
@@ -113,20 +110,15 @@ fn crosstalk(s: &Setting<'_>) -> Vec<Formula> {
     let weight = |name| Free::linear(name, "1", -2.0, 2.0).step(1e-3);
     let scale = s.command.half / s.position.half;
     let time = s.command.half / s.slope_power.sqrt().max(f64::MIN_POSITIVE);
-    let formula = |name, block| {
-        Formula::new(name)
-            .block(Slot::Reading, block, vec![weight("value"), weight("rate")])
-            .start(&[0.0, 0.0])
+    let formula = |name| {
+        let (block, parameters) =
+            (Block::FeedThrough { scale, time }, vec![weight("value"), weight("rate")]);
+        Formula::new(name).block(Slot::Reading, block, parameters).start(&[0.0, 0.0])
     };
-    let behind = Block::FeedThrough { scale, time };
+    let mut all = vec![formula("value and rate of the command").of_command()];
     // An FMU's command is all that is known of what is in front of its actuator.
-    if !s.base.is_white {
-        return vec![formula("value and rate of the command", behind)];
-    }
-    let mut all =
-        vec![formula("value and rate of the command", Block::CommandFeedThrough { scale, time })];
-    if s.base.actuator > 0 {
-        all.push(formula("value and rate of the actuator's voltage", behind));
+    if s.base.is_white && s.base.actuator > 0 {
+        all.push(formula("value and rate of the actuator's voltage"));
     }
     all
 }

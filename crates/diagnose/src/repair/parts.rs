@@ -4,9 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use data::ComponentBlueprint;
 use model::Extension;
+use surround::{Block, Loss};
 
 use super::number;
-use crate::block::{Block, Loss};
 use crate::chain::Force;
 use crate::library::Piece;
 use crate::outcome::Outcome;
@@ -82,40 +82,40 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
     let span = o.problem.data.command_span;
     let far = 10.0 * (span.half + span.centre.abs());
     let one = |c: ComponentBlueprint| Some(vec![c]);
-    match (&piece.block, p) {
+    match (piece.block.effect()?, p) {
         (Block::Delay, &[delay]) => {
             let longest = ((2.0 * delay / step).ceil() + 1.0) * step;
             one(new("delay").value("longest", longest).value("delay", delay))
         }
-        (Block::Lag(order), &[bandwidth]) => {
+        (Block::Lag { order }, &[bandwidth]) => {
             let kind = if is_sensor { "sensor-lag" } else { "amplifier-lag" };
             Some(vec![new(kind).value("bandwidth", bandwidth); *order])
         }
-        (Block::Lag2, &[frequency, damping]) => {
+        (Block::SecondOrder, &[frequency, damping]) => {
             let kind = if is_sensor { "sensor-second-order" } else { "amplifier-second-order" };
             one(new(kind).value("frequency", frequency).value("damping", damping))
         }
         // The phase of the steps is not the converter's: it is that of its zero.
-        (Block::Quantiser(span), &[steps, _]) => {
+        (Block::Rounding { half }, &[steps, _]) => {
             let (kind, factor) =
                 if is_sensor { ("sensor-quantisation", y) } else { ("dac-quantisation", u) };
-            one(new(kind).value("resolution", 2.0 * span.half / steps / factor))
+            one(new(kind).value("resolution", 2.0 * half / steps / factor))
         }
         (Block::Slew, &[rate]) => one(new("amplifier-slew").value("rate", rate / u)),
-        (Block::ClampHigh, &[high]) => {
+        (Block::LimitAbove, &[high]) => {
             one(new("amplifier-clamp").value("low", -far / u).value("high", high / u))
         }
-        (Block::ClampLow, &[low]) => {
+        (Block::LimitBelow, &[low]) => {
             one(new("amplifier-clamp").value("low", low / u).value("high", far / u))
         }
         // A parabola takes as much off in sum as the logarithm of the formula: ∫ = softness²/6 = π²/6·width².
-        (Block::SoftHigh, &[limit, width]) => one(new("amplifier-clamp")
+        (Block::SoftLimitAbove, &[limit, width]) => one(new("amplifier-clamp")
             .value("low", -far / u)
             .value("high", limit / u)
             .value("softness", PI * width / u)),
-        (Block::ClampBoth(s), &[half]) => one(new("amplifier-clamp")
-            .value("low", (s.centre - half) / u)
-            .value("high", (s.centre + half) / u)),
+        (Block::Limits { centre }, &[half]) => one(new("amplifier-clamp")
+            .value("low", (centre - half) / u)
+            .value("high", (centre + half) / u)),
         (Block::Gain, &[gain]) => one(new("sensor-scale").value("gain", 1.0 + gain)),
         (Block::PoleZero, &[pole, damping, ratio, zero_damping]) => one(new("collocated-mode")
             .value("frequency", pole)
@@ -135,14 +135,12 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
         (Block::BridgedBacklash, &[half, bridge]) => {
             one(new("backlash").value("width", 2.0 * half / y).value("bridge", bridge))
         }
-        (Block::Polynomial { span, order: 3 }, &[square, cubic]) if !is_command => {
-            one(new("sensor-polynomial")
-                .value("quadratic", square)
-                .value("cubic", cubic)
-                .value("centre", span.centre / y)
-                .value("half_range", span.half / y))
-        }
-        (Block::Polynomial { span, order: 3 }, &[square, cubic]) if is_command => {
+        (Block::Polynomial(span), &[square, cubic]) if !is_command => one(new("sensor-polynomial")
+            .value("quadratic", square)
+            .value("cubic", cubic)
+            .value("centre", span.centre / y)
+            .value("half_range", span.half / y)),
+        (Block::Polynomial(span), &[square, cubic]) if is_command => {
             one(new("amplifier-nonlinearity")
                 .value("quadratic", square)
                 .value("cubic", cubic)
@@ -154,15 +152,17 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
             new("actuator-ageing").value("per_decade", -growth / (1.0 + gain)).value("age", 0.1),
         ]),
         // The loss of a loop about the mean: power π/2·loss·capacitance·|ṽ v′| over its mean here.
-        (Block::Heating { span: path, loss: Loss::Loops(mean, _) }, &[growth, time]) => {
-            one(warming(*mean / (u * u), time, o).value("growth", growth * path.half / y))
+        (Block::Heating { half, loss: Loss::Loops { mean, .. } }, &[growth, time]) => {
+            one(warming(*mean / (u * u), time, o).value("growth", growth * half / y))
         }
-        (Block::HeatingGain { loss: Loss::Loops(mean, _) }, &[growth, time]) => {
+        (Block::HeatingGain { loss: Loss::Loops { mean, .. } }, &[growth, time]) => {
             one(warming(*mean / (u * u), time, o).value("coefficient", growth))
         }
-        (Block::CommandFeedThrough { scale, time }, &[value, rate]) => one(new("crosstalk")
-            .value("gain", value / scale * u / y)
-            .value("rate_gain", rate * time / scale * u / y)),
+        (Block::FeedThrough { scale, time }, &[value, rate]) if piece.of_command => {
+            one(new("crosstalk")
+                .value("gain", value / scale * u / y)
+                .value("rate_gain", rate * time / scale * u / y))
+        }
         (block, p) => creep(block, p).and_then(one),
     }
 }
@@ -181,7 +181,7 @@ fn warming(mean: f64, time: f64, o: &Outcome) -> ComponentBlueprint {
 
 /// Every formula of creep is a sum of elements.
 fn creep(block: &Block, p: &[f64]) -> Option<ComponentBlueprint> {
-    let mut elements = block.elements(p)?;
+    let mut elements = block.elements(p).ok()??;
     elements.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (share, time): (Vec<f64>, Vec<f64>) = elements.into_iter().unzip();
     Some(

@@ -23,15 +23,17 @@ pub(super) fn bent(
     p: &[f64],
     old: &ComponentBlueprint,
 ) -> Option<ComponentBlueprint> {
-    if piece.slot != Slot::AfterActuator || !piece.block.is_map() {
+    if piece.slot != Slot::AfterActuator {
         return None;
     }
+    let kernel = piece.block.effect()?.prepare(p, o.problem.data.step).ok()?;
+    kernel.map(0.0)?;
     let mut plays = Plays::of(old)?;
     let y = o.problem.factor;
     let offset = old.get("offset").and_then(number).unwrap_or(0.0);
     // The gain of the output is in the plays already; the map lies before it.
     let gain = output_gain(&o.problem.base, (&last.chain, &last.fit.theta));
-    let map = |s: f64| gain * piece.block.map(p, (offset + s) * y / gain) / y;
+    let map = |s: f64| gain * kernel.map((offset + s) * y / gain).unwrap_or(f64::NAN) / y;
     let slope: f64 = plays.pairs.iter().map(|(_, w)| w).sum();
     let span = o.problem.data.command_span;
     let end = |side: f64| {

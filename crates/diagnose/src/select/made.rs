@@ -9,10 +9,10 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use components::effects;
 use model::Effect;
+use surround::Block;
 
 use super::*;
 use crate::base::BaseParameter;
-use crate::block::Block;
 use crate::data_set::RecordRows;
 use crate::library::{Free, Slot};
 use crate::noise::Shape;
@@ -61,7 +61,7 @@ fn sum(tones: Tones<'_>, row: usize) -> f64 {
 /// The formula that adds the auxiliary column of this number.
 pub(super) fn adds(column: usize) -> Formula {
     let weight = Free::linear("weight", "1", -1e3, 1e3).step(1e-3);
-    let block = Block::Aux { scale: 1.0, rate: false };
+    let block = Block::Auxiliary { scale: 1.0, zero: 0.0 };
     Formula::new("column").block(Slot::Reading, block, vec![weight]).aux(column).start(&[0.0])
 }
 

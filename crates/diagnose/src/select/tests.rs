@@ -1,6 +1,7 @@
+use surround::Block;
+
 use super::made::{Made, adds, close, listed, names};
 use super::*;
-use crate::block::Block;
 use crate::library::{Free, Slot};
 use crate::nuisance::Nuisance;
 
@@ -15,7 +16,8 @@ fn next(made: &Made, from: &Candidate, job: (usize, usize)) -> Candidate {
 
 /// Weights and times that nothing depends on, with these starts.
 fn idle(starts: &[f64]) -> Formula {
-    let block = Block::Aux { scale: f64::INFINITY, rate: false };
+    // A play without width follows its drive.
+    let block = Block::Plays { r: vec![0.0; starts.len()], slope: false };
     let weight = |_| Free::linear("idle", "1", -1e3, 1e3);
     let free = starts.iter().map(weight).collect();
     Formula::new("idle").block(Slot::Reading, block, free).start(starts)
@@ -103,7 +105,8 @@ fn a_formula_is_screened_from_each_of_its_starts_and_fitted_from_the_best() {
     let mut made = Made::new(&[(3, 8.0)], &[&[(3, 1.0)]]);
     // A lag of the reading: the tone of 25 Hz k is turned by a slow one only.
     let lag = Free::log("bandwidth", "Hz", 1.0, 1e4);
-    let formula = Formula::new("lag").block(Slot::Reading, Block::Lag(1), vec![lag]).screened(0);
+    let formula =
+        Formula::new("lag").block(Slot::Reading, Block::Lag { order: 1 }, vec![lag]).screened(0);
     let base = made.retuned();
     let search = made.search();
     let linear = search.fitter().linearise(&base.chain, &base.fit.theta).unwrap();
@@ -121,7 +124,7 @@ fn a_formula_is_screened_from_each_of_its_starts_and_fitted_from_the_best() {
     }
     assert!(seen.iter().all(|p| *p == seen[0] && *p < 1.0), "{seen:?}");
     // Of equals the first one.
-    let block = Block::Aux { scale: f64::INFINITY, rate: false };
+    let block = Block::Auxiliary { scale: f64::INFINITY, zero: 0.0 };
     let mut same = adds(0).block(Slot::Reading, block, vec![Free::linear("idle", "1", -1e3, 1e3)]);
     same.starts = vec![vec![0.0, 1.0], vec![0.0, 2.0]];
     made.library[0].formulas[0] = same;

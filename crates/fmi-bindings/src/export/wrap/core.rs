@@ -373,17 +373,19 @@ impl<O: Original> Wrapped<O> {
         }
         let parts = self.surround.parts(step);
         self.surround.note_parts(parts);
+        // The original's parts end where the step does; those of the effects are of one length.
         let at = |k: u32| time + step * (f64::from(k) / f64::from(parts));
+        let dt = step / f64::from(parts);
         let mut code = OK;
         for k in 0..parts {
-            let dt = if parts == 1 { step } else { at(k + 1) - at(k) };
             self.surround.step_inputs(dt);
             code = code.max(self.push_inputs());
             if code > WARNING {
                 self.surround.undo(dt);
                 return code;
             }
-            let (done, is_whole) = self.original.step(at(k), dt);
+            let part = if parts == 1 { step } else { at(k + 1) - at(k) };
+            let (done, is_whole) = self.original.step(at(k), part);
             code = code.max(done);
             if code > WARNING {
                 self.surround.undo(dt);

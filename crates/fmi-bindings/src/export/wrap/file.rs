@@ -44,7 +44,8 @@ impl Files {
                 repair.token
             )));
         }
-        Ok(Self { surround: Surround::new(repair), folder: resources.join("inner") })
+        let surround = Surround::new(repair).map_err(|e| Notice::error(e.to_string()))?;
+        Ok(Self { surround, folder: resources.join("inner") })
     }
 
     /// The original's library.

@@ -1,0 +1,500 @@
+//! Linear effects: delay, lags, modes, creep, gains, feed-through.
+
+use components::linear::{SecondOrder, Transition, lag_fraction};
+use libm::{expm1, log10, pow};
+
+use crate::kernel::{Bank, Law, Signals, Step, Wires};
+use crate::state::{State, past};
+
+/// The part of the way to its input that a first-order lag of this time constant goes in a step, both in s.
+pub(crate) fn approach(time: f64, dt: f64) -> f64 {
+    -expm1(-dt / time)
+}
+
+/// `x(t − T)`, straight lines between the steps. State: what is not older than T.
+#[derive(Clone)]
+pub(crate) struct Delay {
+    /// T in s.
+    pub(crate) time: f64,
+}
+
+impl Law for Delay {
+    fn set_step(&mut self, _dt: f64) {}
+
+    fn rest(&self, w: Wires, state: &mut State) -> f64 {
+        state.past.push_back((0.0, w.x));
+        w.x
+    }
+
+    fn step(&self, w: Wires, t: f64, state: &mut State) -> f64 {
+        state.past.push_back((t, w.x));
+        past(t - self.time, state)
+    }
+
+    // As above, with a place in the signal in the place of the queue.
+    fn run(&self, signals: Signals<'_>, dt: f64, out: &mut [f64]) {
+        let x = signals.x;
+        let (mut t, mut oldest, mut at) = (0.0, 0.0, 0);
+        for (n, y) in out.iter_mut().enumerate().take(x.len()) {
+            if n > 0 {
+                t += dt;
+            }
+            let time = t - self.time;
+            while at < n && oldest + dt <= time {
+                (at, oldest) = (at + 1, oldest + dt);
+            }
+            *y = if at < n && time > oldest {
+                x[at] + (time - oldest) / ((oldest + dt) - oldest) * (x[at + 1] - x[at])
+            } else {
+                x[at]
+            };
+        }
+    }
+
+    fn states(&self) -> usize {
+        0
+    }
+
+    fn has_past(&self) -> bool {
+        true
+    }
+
+    fn boxed(&self) -> Box<dyn Law> {
+        Box::new(self.clone())
+    }
+}
+
+/// Equal first-order lags in series. State: the output of each.
+#[derive(Clone)]
+pub(crate) struct Lags {
+    pub(crate) order: usize,
+    /// In Hz.
+    pub(crate) bandwidth: f64,
+    pub(crate) fraction: f64,
+}
+
+impl Law for Lags {
+    fn set_step(&mut self, dt: f64) {
+        self.fraction = lag_fraction(self.bandwidth, dt);
+    }
+
+    fn rest(&self, w: Wires, state: &mut State) -> f64 {
+        state.z.resize(self.order, w.x);
+        w.x
+    }
+
+    fn step(&self, w: Wires, _t: f64, state: &mut State) -> f64 {
+        state.z.iter_mut().fold(w.x, |x, z| {
+            *z += self.fraction * (x - *z);
+            *z
+        })
+    }
+
+    fn run(&self, signals: Signals<'_>, _dt: f64, out: &mut [f64]) {
+        out.iter_mut().zip(signals.x).for_each(|(y, x)| *y = *x);
+        for _ in 0..self.order {
+            let Some((first, out)) = out.split_first_mut() else { return };
+            let mut z = *first;
+            for y in out {
+                z += self.fraction * (*y - z);
+                *y = z;
+            }
+        }
+    }
+
+    fn states(&self) -> usize {
+        self.order
+    }
+
+    fn boxed(&self) -> Box<dyn Law> {
+        Box::new(self.clone())
+    }
+}
+
+/// A mode of unit gain. State: position, and rate over the natural frequency.
+#[derive(Clone)]
+pub(crate) struct Mode {
+    frequency: f64,
+    damping: f64,
+    law: SecondOrder,
+}
+
+impl Mode {
+    /// Of a natural frequency in Hz and a damping ratio.
+    pub(crate) fn new(frequency: f64, damping: f64) -> Self {
+        Self { frequency, damping, law: SecondOrder::of([1.0, 0.0, 1.0, 1.0]) }
+    }
+
+    fn prepare(&mut self, dt: f64) {
+        self.law = SecondOrder::new(self.frequency, self.damping, 1.0, dt);
+    }
+}
+
+impl Step<2> for Mode {
+    fn set_step(&mut self, dt: f64) {
+        self.prepare(dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 2], f64) {
+        ([w.x, 0.0], w.x)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, z: &mut [f64; 2]) -> f64 {
+        self.law.step(w.x, z)
+    }
+}
+
+/// What must have been held at the input of a mode of unit gain over a step, for its position to be x now. State:
+/// as that of the mode.
+#[derive(Clone)]
+pub(crate) struct BeforeMode {
+    pub(crate) frequency: f64,
+    pub(crate) damping: f64,
+    pub(crate) transition: Transition,
+}
+
+impl BeforeMode {
+    pub(crate) fn new(frequency: f64, damping: f64) -> Self {
+        Self { frequency, damping, transition: Transition { same: 1.0, cross: 0.0, rate: 1.0 } }
+    }
+}
+
+impl Step<2> for BeforeMode {
+    fn set_step(&mut self, dt: f64) {
+        self.transition = Transition::new(self.frequency, self.damping, dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 2], f64) {
+        ([w.x, 0.0], w.x)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, [position, rate]: &mut [f64; 2]) -> f64 {
+        // x = u + same·(position − u) + cross·rate.
+        let Transition { same, cross, .. } = self.transition;
+        let free = 1.0 - same;
+        if free == 0.0 {
+            return w.x;
+        }
+        let u = (w.x - same * *position - cross * *rate) / free;
+        let (_, r) = self.transition.apply(*position - u, *rate);
+        (*position, *rate) = (w.x, r);
+        u
+    }
+}
+
+/// `x + g·(M[x] − x)` with a mode M of unit gain.
+#[derive(Clone)]
+pub(crate) struct ParallelMode {
+    pub(crate) gain: f64,
+    pub(crate) mode: Mode,
+}
+
+impl Step<2> for ParallelMode {
+    fn set_step(&mut self, dt: f64) {
+        self.mode.prepare(dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 2], f64) {
+        self.mode.rest(w)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, z: &mut [f64; 2]) -> f64 {
+        w.x + self.gain * (self.mode.law.step(w.x, z) - w.x)
+    }
+}
+
+/// `(s² + 2ζ_z ω_z s + ω_z²)/(s² + 2ζ_p ω_p s + ω_p²) · ω_p²/ω_z²`: with the mode M of unit gain of the poles and
+/// k = ω_p/ω_z it is `k²·x + (1 − k²)·M + 2k(ζ_z − kζ_p)·M′/ω_p`.
+#[derive(Clone)]
+pub(crate) struct PoleZero {
+    mode: Mode,
+    direct: f64,
+    rate: f64,
+}
+
+impl PoleZero {
+    /// The pole in Hz, its damping, zero over pole, its damping.
+    pub(crate) fn new([pole, damping, ratio, zero_damping]: [f64; 4]) -> Self {
+        let k = 1.0 / ratio;
+        let rate = 2.0 * k * (zero_damping - k * damping);
+        Self { mode: Mode::new(pole, damping), direct: k * k, rate }
+    }
+}
+
+impl Step<2> for PoleZero {
+    fn set_step(&mut self, dt: f64) {
+        self.mode.prepare(dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 2], f64) {
+        self.mode.rest(w)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, z: &mut [f64; 2]) -> f64 {
+        let position = self.mode.law.step(w.x, z);
+        self.direct * w.x + (1.0 - self.direct) * position + self.rate * z[1]
+    }
+}
+
+/// `x + Σ share·lag(x)`.
+#[derive(Clone)]
+pub(crate) struct Creep {
+    pub(crate) elements: Vec<Element>,
+}
+
+/// An element of creep.
+#[derive(Clone, Copy)]
+pub(crate) struct Element {
+    share: f64,
+    /// Time constant in s.
+    time: f64,
+    fraction: f64,
+}
+
+impl Creep {
+    /// Of shares and time constants in s.
+    pub(crate) fn new(elements: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        let element = |(share, time)| Element { share, time, fraction: 0.0 };
+        Self { elements: elements.into_iter().map(element).collect() }
+    }
+}
+
+impl Bank<0, 1> for Creep {
+    type Element = Element;
+    type Shared = f64;
+
+    fn elements(&self) -> &[Element] {
+        &self.elements
+    }
+
+    fn set_step(&mut self, dt: f64) {
+        self.elements.iter_mut().for_each(|e| e.fraction = approach(e.time, dt));
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 0], [f64; 1]) {
+        ([], [w.x])
+    }
+
+    fn advance(&self, _: Wires, _: &mut [f64; 0]) {}
+
+    fn shared(&self, w: Wires, _: &[f64; 0]) -> f64 {
+        w.x
+    }
+
+    #[inline]
+    fn add(element: &Element, x: f64, [z]: &mut [f64; 1]) -> f64 {
+        *z += element.fraction * (x - *z);
+        element.share * *z
+    }
+}
+
+/// Elements of creep with the same growth in each decade: share and time of two per decade.
+pub(crate) fn log_creep(longest: f64, [gain, shortest]: [f64; 2]) -> Vec<(f64, f64)> {
+    grid(shortest, longest.max(3.0 * shortest)).map(|time| (0.5 * gain, time)).collect()
+}
+
+/// Elements of creep whose growth per decade goes with a power of the time.
+pub(crate) fn power_creep(
+    shortest: f64,
+    longest: f64,
+    [gain, exponent]: [f64; 2],
+) -> Vec<(f64, f64)> {
+    let middle = (shortest * longest).sqrt();
+    let share = |time: f64| 0.5 * gain * pow(time / middle, exponent);
+    grid(shortest, longest).map(|time| (share(time), time)).collect()
+}
+
+/// Two elements per decade.
+fn grid(shortest: f64, longest: f64) -> impl Iterator<Item = f64> {
+    let decades = log10(longest / shortest).max(0.5);
+    // All times that a number can be are 632 decades.
+    let count = (2.0 * decades).round().clamp(1.0, 1300.0);
+    (0..count as usize).map(move |i| shortest * pow(10.0, decades * (i as f64 + 0.5) / count))
+}
+
+/// Slope limits down and up in the path's unit per second. State: the output.
+#[derive(Clone)]
+pub(crate) struct Slew {
+    pub(crate) rates: [f64; 2],
+    /// Greatest ways in a step.
+    pub(crate) most: [f64; 2],
+}
+
+impl Step<1> for Slew {
+    fn set_step(&mut self, dt: f64) {
+        self.most = self.rates.map(|rate| rate * dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 1], f64) {
+        ([w.x], w.x)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, [z]: &mut [f64; 1]) -> f64 {
+        let [down, up] = self.most;
+        *z += (w.x - *z).max(-down).min(up);
+        *z
+    }
+}
+
+/// First-order approach whose slope goes softly into a limit. State: the output.
+#[derive(Clone)]
+pub(crate) struct SoftSlew {
+    pub(crate) rate: f64,
+    /// In Hz.
+    pub(crate) bandwidth: f64,
+    /// Greatest way in a step, and the part of the way to the input in it.
+    pub(crate) step: [f64; 2],
+}
+
+impl Step<1> for SoftSlew {
+    fn set_step(&mut self, dt: f64) {
+        self.step = [self.rate * dt, lag_fraction(self.bandwidth, dt)];
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 1], f64) {
+        ([w.x], w.x)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, [v]: &mut [f64; 1]) -> f64 {
+        // z/√(1 + z²): straight at small slopes, never above the limit.
+        let [most, fraction] = self.step;
+        let z = if most > 0.0 { fraction * (w.x - *v) / most } else { 0.0 };
+        *v += most * z / (1.0 + z * z).sqrt();
+        *v
+    }
+}
+
+/// `x + g·(x − rest)` about the value at rest, which is the state.
+#[derive(Clone)]
+pub(crate) struct Gain {
+    pub(crate) gain: f64,
+}
+
+impl Step<1> for Gain {
+    fn rest(&self, w: Wires) -> ([f64; 1], f64) {
+        ([w.x], w.x)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, [rest]: &mut [f64; 1]) -> f64 {
+        w.x + self.gain * (w.x - *rest)
+    }
+}
+
+/// `x·(1 + g + a·lg(1 + t/0.1 s))`, t from the start.
+#[derive(Clone)]
+pub(crate) struct AgeingGain {
+    pub(crate) gain: f64,
+    pub(crate) growth: f64,
+}
+
+impl Step<0> for AgeingGain {
+    fn rest(&self, w: Wires) -> ([f64; 0], f64) {
+        ([], self.step(w, 0.0, &mut []))
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, t: f64, _: &mut [f64; 0]) -> f64 {
+        w.x + (self.gain + self.growth * log10(1.0 + t / 0.1)) * w.x
+    }
+}
+
+/// `x + (a·(s − zero) + b·s′)/scale` of a signal s: the drive or an auxiliary one. State: s before.
+#[derive(Clone)]
+pub(crate) struct Added<const DRIVE: bool> {
+    pub(crate) value: f64,
+    /// In s.
+    pub(crate) rate: f64,
+    pub(crate) zero: f64,
+    pub(crate) scale: f64,
+    pub(crate) dt: f64,
+}
+
+impl<const DRIVE: bool> Added<DRIVE> {
+    #[inline]
+    fn at(&self, w: Wires, slope: f64) -> f64 {
+        let signal = if DRIVE { w.drive } else { w.aux };
+        w.x + (self.value * (signal - self.zero) + self.rate * slope) / self.scale
+    }
+}
+
+impl<const DRIVE: bool> Step<1> for Added<DRIVE> {
+    fn set_step(&mut self, dt: f64) {
+        self.dt = dt;
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 1], f64) {
+        ([if DRIVE { w.drive } else { w.aux }], self.at(w, 0.0))
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, [before]: &mut [f64; 1]) -> f64 {
+        let signal = if DRIVE { w.drive } else { w.aux };
+        let slope = (signal - *before) / self.dt;
+        *before = signal;
+        self.at(w, slope)
+    }
+}
+
+/// `x + a·lag(s − zero)` of an auxiliary signal s. State: the lag's output.
+#[derive(Clone)]
+pub(crate) struct LaggedAuxiliary {
+    pub(crate) weight: f64,
+    /// In Hz.
+    pub(crate) bandwidth: f64,
+    pub(crate) zero: f64,
+    pub(crate) fraction: f64,
+}
+
+impl Step<1> for LaggedAuxiliary {
+    fn set_step(&mut self, dt: f64) {
+        self.fraction = lag_fraction(self.bandwidth, dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 1], f64) {
+        let z = w.aux - self.zero;
+        ([z], w.x + self.weight * z)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, [z]: &mut [f64; 1]) -> f64 {
+        *z += self.fraction * (w.aux - self.zero - *z);
+        w.x + self.weight * *z
+    }
+}
+
+/// `x + a·M[s − zero]` of an auxiliary signal s, with a mode M of unit gain.
+#[derive(Clone)]
+pub(crate) struct ModalAuxiliary {
+    pub(crate) weight: f64,
+    pub(crate) mode: Mode,
+    pub(crate) zero: f64,
+}
+
+impl Step<2> for ModalAuxiliary {
+    fn set_step(&mut self, dt: f64) {
+        self.mode.prepare(dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 2], f64) {
+        let z = w.aux - self.zero;
+        ([z, 0.0], w.x + self.weight * z)
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, _t: f64, z: &mut [f64; 2]) -> f64 {
+        w.x + self.weight * self.mode.law.step(w.aux - self.zero, z)
+    }
+}
+
+/// The time constant in s of a first-order lag that goes this part of the way in each step.
+#[must_use]
+pub fn time_of(part: f64, dt: f64) -> f64 {
+    -dt / libm::log1p(-part)
+}
