@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 use std::env;
 use std::error::Error;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -69,18 +70,68 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Builds with what the outer Cargo has fetched and locked. Cargo does not tell a build script whether it
-/// may use the network, so that is asked for only where something is missing.
+/// Builds with what the outer Cargo has fetched and locked, and uses the network only where something is
+/// missing and the outer one may.
 fn nested_build(root: &Path, out: &Path, target: &str) -> Result<(), Box<dyn Error>> {
-    match cargo(root, out, target, true) {
-        Err(_) if env::var_os("CARGO_NET_OFFLINE").is_none() => cargo(root, out, target, false),
+    let outer = Outer::find();
+    match cargo(&outer, root, out, target, true) {
+        Err(_) if !outer.is_offline => cargo(&outer, root, out, target, false),
         outcome => outcome,
     }
 }
 
-fn cargo(root: &Path, out: &Path, target: &str, offline: bool) -> Result<(), Box<dyn Error>> {
+/// How the outer Cargo was called, as far as it matters. Cargo does not tell a build script; where the
+/// system shows no other process's command line, the environment's word is all there is.
+#[derive(Default)]
+struct Outer {
+    /// Where Cargo looks for its configuration, such as that of a vendored source.
+    folder: Option<PathBuf>,
+    /// What was given with `--config`.
+    config: Vec<OsString>,
+    is_offline: bool,
+}
+
+impl Outer {
+    fn find() -> Self {
+        let mut outer =
+            Outer { is_offline: env::var_os("CARGO_NET_OFFLINE").is_some(), ..Self::default() };
+        #[cfg(target_os = "linux")]
+        {
+            use std::os::unix::ffi::OsStringExt as _;
+            let process = PathBuf::from(format!("/proc/{}", std::os::unix::process::parent_id()));
+            let line = std::fs::read(process.join("cmdline")).unwrap_or_default();
+            let words = line.split(|byte| *byte == 0).map(|word| OsString::from_vec(word.to_vec()));
+            // Behind `--` stands what belongs to a program that is run.
+            let mut words = words.take_while(|word| word != "--");
+            outer.folder = process.join("cwd").read_link().ok();
+            while let Some(word) = words.next() {
+                let text = word.to_string_lossy();
+                outer.is_offline |= text == "--offline" || text == "--frozen";
+                if let Some(given) = text.strip_prefix("--config=") {
+                    outer.config.push(given.into());
+                } else if text == "--config" {
+                    outer.config.extend(words.next());
+                }
+            }
+        }
+        outer
+    }
+}
+
+fn cargo(
+    outer: &Outer,
+    root: &Path,
+    out: &Path,
+    target: &str,
+    offline: bool,
+) -> Result<(), Box<dyn Error>> {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.current_dir(root).args(["build", "--profile", "fmu", "--target", target]);
+    command.current_dir(outer.folder.as_deref().unwrap_or(root));
+    command.args(["build", "--profile", "fmu", "--target", target]);
+    command.arg("--manifest-path").arg(root.join("Cargo.toml"));
+    for given in &outer.config {
+        command.arg("--config").arg(given);
+    }
     // The outer Cargo has written the lock file, or has found it in order.
     command.arg("--locked");
     if offline {
@@ -160,6 +211,11 @@ fn commit() {
     let text = if is_ours { ask(&["rev-parse", "--short=12", "HEAD"]) } else { None };
     let text = text.unwrap_or_default();
     println!("cargo:rustc-env=PIEZOLOOP_COMMIT={text}");
-    println!("cargo:rerun-if-changed=.git/HEAD");
-    println!("cargo:rerun-if-changed=.git/logs/HEAD");
+    // A file that is not there would make each build begin anew.
+    for name in ["HEAD", "logs/HEAD"] {
+        let file = ask(&["rev-parse", "--git-path", name]).map(|file| root.join(file));
+        if let Some(file) = file.filter(|file| is_ours && file.is_file()) {
+            println!("cargo:rerun-if-changed={}", file.display());
+        }
+    }
 }

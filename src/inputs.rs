@@ -114,8 +114,7 @@ pub(crate) fn blueprint(what: &Path) -> anyhow::Result<BlueprintText> {
             bail!("{name}: no such file, and no rig of this name; rigs are {}", known.join(", "))
         }
         _ => {
-            files::note_read(what);
-            let text = std::fs::read_to_string(what).with_context(|| {
+            let text = files::read_text(what).with_context(|| {
                 format!(
                     "{name} cannot be read as a blueprint; give a .toml file or the name of a rig"
                 )
@@ -151,6 +150,10 @@ pub(crate) fn write_blueprint(checked: &CheckedBlueprint, file: &Path) -> anyhow
     for (name, bytes) in checked.table_files() {
         let own = format!("{stem}-{name}");
         let table = file.with_file_name(&own);
+        // A table of the blueprint that is replaced.
+        let is_ours = || std::fs::read_to_string(file).is_ok_and(|text| text.contains(&own));
+        files::check_beside(&table, is_ours)
+            .with_context(|| format!("{} cannot be written", table.display()))?;
         data::WholeFile::write_all_of(&table, &bytes)
             .with_context(|| format!("{} cannot be written", table.display()))?;
         let parts = blueprint.axes.iter_mut().flat_map(|axis| &mut axis.components);

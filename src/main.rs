@@ -16,6 +16,7 @@ mod messages;
 mod pages;
 mod progress;
 mod ranges;
+mod records;
 mod reference;
 mod times;
 mod usage;
@@ -80,7 +81,9 @@ fn main() -> ExitCode {
     // A worker ends with its master; that one asks how far steps may go.
     data::inner_steps::allow(if is_worker { u64::MAX } else { cli.most_steps });
     let _tidy = (!is_worker).then(interrupt::begin);
-    cosim::guard_exit();
+    if !is_worker {
+        cosim::guard_exit();
+    }
     let kept = if json { answer::keep_standard_output() } else { Ok(()) };
     let outcome = kept.and_then(|()| cli.command.run(&screen));
     cosim::finished();

@@ -232,3 +232,105 @@ fn temporary_files_go_with_a_signal() {
         assert!(!is_begun() && !at.join("run.csv").exists(), "{signal}");
     }
 }
+
+/// A log on which a model can be fitted.
+fn measured(at: &Path) {
+    let mut log = "time [s],u [V],y [um]\n".to_owned();
+    for k in 0..400 {
+        let u = (f64::from(k) * 0.05).sin() * 10.0;
+        log.push_str(&format!("{},{u},{}\n", f64::from(k) * 1e-3, 0.2 * u));
+    }
+    fs::write(at.join("measured.csv"), log).unwrap();
+}
+
+#[test]
+fn all_models_go_into_a_folder_of_their_own() {
+    let folder = folder();
+    let at = folder.path();
+    measured(at);
+    let fit = ["identify", "--log", "measured.csv", "--input", "u", "--output", "y"];
+    let fit = [&fit[..], &["--static", "--model", "linear", "-o", "p.toml"]].concat();
+    fs::create_dir(at.join("mine")).unwrap();
+    fs::write(at.join("mine/y-linear.toml"), "mine").unwrap();
+    let said = refuse(&[&fit[..], &["--all", "mine"]].concat(), at);
+    assert!(said.contains("earlier call"), "{said}");
+    assert!(!at.join("p.toml").exists(), "told before the work");
+    assert_eq!(fs::read_to_string(at.join("mine/y-linear.toml")).unwrap(), "mine");
+    // Its own it replaces; what somebody has put there since, not.
+    for _ in 0..2 {
+        succeed(&[&fit[..], &["--all", "own"]].concat(), at);
+        let list = fs::read_to_string(at.join("own/candidates.json")).unwrap();
+        assert!(list.contains("y-linear.toml") && list.contains("held_out_nrmse"), "{list}");
+    }
+    let list = fs::read_to_string(at.join("own/candidates.json")).unwrap();
+    let of_another = list.replace("y-linear.toml", "z-linear.toml");
+    fs::write(at.join("own/candidates.json"), of_another).unwrap();
+    let said = refuse(&[&fit[..], &["--all", "own"]].concat(), at);
+    assert!(said.contains("not written by this program"), "{said}");
+    // Nor is one of them another output.
+    let twice =
+        [&fit[..8], &["--model", "linear", "-o", "new/y-linear.toml", "--all", "new"]].concat();
+    fs::create_dir(at.join("new")).unwrap();
+    let said = refuse(&twice, at);
+    assert!(said.contains("file of this call itself"), "{said}");
+}
+
+#[test]
+fn what_is_read_without_being_named_is_an_input_too() {
+    let folder = folder();
+    let at = folder.path();
+    succeed(&["pack", "p1-truth", "-o", "plant.fmu"], at);
+    let described = "[columns]\ny = { unit = \"um\" }\n";
+    fs::write(at.join("in.dataset.toml"), described).unwrap();
+    let estimate = ["estimate", "plant.fmu", "--log", "in.csv", "--map", "u=u", "--starts", "1"];
+    let estimate = [&estimate[..], &["--tune", "axis[1].amplifier.bandwidth=50"]].concat();
+    let simulate = ["simulate", "plant.fmu", "--log", "in.csv", "--map", "u=u"];
+    for call in [&estimate[..], &simulate] {
+        for option in ["--fmu-log", "--report"] {
+            refuse(&[call, &[option, "in.dataset.toml"]].concat(), at);
+            assert_eq!(fs::read_to_string(at.join("in.dataset.toml")).unwrap(), described);
+        }
+    }
+    // A folder as SSP or FMU, and a library that is packed.
+    let ssd = "<ssd:SystemStructureDescription xmlns:ssd=\"http://ssp-standard.org/SSP1/SystemStructureDescription\" version=\"1.0\" name=\"s\">\
+        <ssd:System name=\"s\"><ssd:Elements><ssd:Component name=\"p\" source=\"../plant.fmu\"/></ssd:Elements></ssd:System>\
+        </ssd:SystemStructureDescription>";
+    fs::create_dir(at.join("ssp")).unwrap();
+    fs::write(at.join("ssp/SystemStructure.ssd"), ssd).unwrap();
+    let system = ["system", "ssp", "--step", "1e-3", "--stop", "2e-3"];
+    for option in ["--report", "--fmu-log"] {
+        refuse(&[&system[..], &[option, "ssp/SystemStructure.ssd"]].concat(), at);
+        assert_eq!(fs::read_to_string(at.join("ssp/SystemStructure.ssd")).unwrap(), ssd);
+    }
+    succeed(&system, at);
+    let mut fmu = zip::ZipArchive::new(fs::File::open(at.join("plant.fmu")).unwrap()).unwrap();
+    fmu.extract(at.join("unpacked")).unwrap();
+    let description = fs::read(at.join("unpacked/modelDescription.xml")).unwrap();
+    for option in ["--report", "--fmu-log"] {
+        let file = "unpacked/modelDescription.xml";
+        refuse(&["simulate", "unpacked", "--log", "in.csv", "--map", "u=u", option, file], at);
+        assert_eq!(fs::read(at.join(file)).unwrap(), description);
+    }
+    fs::write(at.join("lib.so"), "mine").unwrap();
+    refuse(&["pack", "p1-truth", "--binary", "win64=lib.so", "-o", "lib.so"], at);
+    assert_eq!(fs::read_to_string(at.join("lib.so")).unwrap(), "mine");
+}
+
+#[test]
+fn what_describes_a_log_is_bounded() {
+    let folder = folder();
+    let at = folder.path();
+    let long = fs::File::create(at.join("in.dataset.toml")).unwrap();
+    long.set_len(20 << 30).unwrap();
+    let said = refuse(&["log", "in.csv"], at);
+    assert!(said.contains("16777216 bytes") && said.contains("--log-memory"), "{said}");
+    for (call, file) in [
+        (&["pack", "long.toml"][..], "long.toml"),
+        (&["system", "long.toml"], "long.toml"),
+        (&["sweep", "long.toml"], "long.toml"),
+    ] {
+        fs::File::create(at.join(file)).unwrap().set_len(20 << 30).unwrap();
+        let said = refuse(call, at);
+        assert!(said.contains("longer than 16777216 bytes"), "{call:?}: {said}");
+    }
+}

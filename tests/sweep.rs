@@ -257,3 +257,36 @@ fn what_is_wrong_with_a_plan_is_told() {
     let said = refuse(&["sweep", "plan.toml", "-o", "t.parquet"], folder);
     assert!(said.contains("another sweep") && said.contains("--out"), "{said}");
 }
+
+#[test]
+fn a_reference_whose_times_cannot_be_seconds_is_asked_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let controller = root().join("tests/blueprints/controller.toml");
+    let controller = controller.to_str().unwrap();
+    for (name, blueprint) in [("plant", "evc"), ("controller", controller)] {
+        succeed(&["pack", blueprint, "-o", &format!("{name}.fmu")], at);
+    }
+    let rows = |factor: f64, last: &str| {
+        let mut text = "time,reference[1],reference[2]\n".to_owned();
+        (0..50).for_each(|k| text.push_str(&format!("{},3,3\n", f64::from(k) * factor)));
+        text + last
+    };
+    fs::write(at.join("us.csv"), rows(20.0, "")).unwrap();
+    fs::write(at.join("stray.csv"), rows(2e-5, "1e7,3,3\n")).unwrap();
+    let system = "name = \"s\"\n[fmus]\nc = \"controller.fmu\"\n[inputs]\n\"c.reference[1]\" = \"reference[1]\"\n";
+    fs::write(at.join("system.toml"), system).unwrap();
+    for (file, asked) in [("us.csv", "is time in us?"), ("stray.csv", "is that time a slip?")] {
+        let plan = format!(
+            "runs = 1\n[loop]\nplant = \"plant.fmu\"\ncontroller = \"controller.fmu\"\nreference = \"{file}\"\n"
+        );
+        fs::write(at.join("plan.toml"), plan).unwrap();
+        let closed = ["simulate", "--loop", "plant.fmu", "controller.fmu", "--reference", file];
+        for call in
+            [&["sweep", "plan.toml"][..], &closed, &["system", "system.toml", "--input", file]]
+        {
+            let said = refuse(call, at);
+            assert!(said.contains(asked) && said.contains("--most-steps"), "{call:?}: {said}");
+        }
+    }
+}

@@ -340,3 +340,19 @@ fn tuning_names_a_machine_that_crashes() {
             .concat();
     contains(&fails(&call, at), &["FMU `machine`", "because the FMU crashed"]);
 }
+
+#[test]
+fn an_fmu_that_ends_the_program_is_no_success() {
+    let folder = prepared();
+    if !has_compiler() {
+        return;
+    }
+    let at = folder.path();
+    for fault in ["EXIT_STEP", "EXIT_GET", "EXIT_FREE", "QUICK_EXIT_STEP", "EXIT_LOAD"] {
+        let fmu = build(at, fault, &[&format!("FAULT={fault}")], Lie::None);
+        contains(&fails(&simulate(&fmu, &[]), at), &["has ended this program from inside (exit)"]);
+    }
+    // The operating system says so itself.
+    let fmu = build(at, "pipe", &["FAULT=SIGPIPE_STEP"], Lie::None);
+    assert!(!piezoloop(&simulate(&fmu, &[]), at).status.success());
+}

@@ -20,7 +20,7 @@ from scipy.io import savemat
 
 tool, gap = Path(sys.argv[1]).resolve(), Path(sys.argv[2])
 here = Path(__file__).resolve().parent
-root = here.parent
+root = here.parents[1]
 
 
 def into(target: str, name: str, content: bytes | str) -> None:
@@ -210,6 +210,101 @@ def tdms(bits: int, index: bytes, values: bytes) -> bytes:
     return b"TDSm" + lead + listed + values
 
 
+# Texts as instruments and other programs write them, each with another guess.
+TEXTS = {
+    "scope.csv": "x-axis,1,2\nsecond,Volt,V\n-2E-3,0.5,1\n-1E-3,0.6,2\n0,0.7,3\n1E-3,0.8,2\n",
+    "rigol.csv": "X,CH1,CH2,Start,Increment,\nSequence,VOLT,VOLT,-2E-3,1E-3\n0,0.5,1,\n1,0.6,2,\n2,0.7,3,\n",
+    "preamble.csv": "#Device: ADP3450\n#Sample rate: 1000Hz\n#\n\nTime (s),Channel 1 (V)\n0,1\n0.001,2\n0.002,3\n",
+    "semicolons.csv": ";Samples;3\n;Rate;1kHz\nt [ms];u [V];y [\u00b5m]\n0;1,5;0,1\n1;2,5;0,2\n2;3,5;0,3\n",
+    "table.lvm": "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t,\nDate\t2026/11/25\nTime\t12:00:00,5\n"
+                 "***End_of_Header***\t\nChannels\t2\nDelta_X\t0,001\t0,001\n***End_of_Header***\n"
+                 "X_Value\tVoltage\tPosition\tComment\n0,0\t1,0\t2,0\n0,001\t1,5\t2,5\n",
+    "controller.dat": "# REM PI data\n#\n# VERSION = 1\n# TYPE = 1\n# SEPARATOR = 32\n# DIM = 2\n# SAMPLE_TIME = 50.0e-6\n"
+                      "# NDATA = 3\n#\n# NAME0 = Target Position of axis1\n# NAME1 = Current Position of axis1\n#\n"
+                      "# END_HEADER\n1.0 0.9\n1.1 1.0\n1.2 1.1\n",
+    "dates.csv": "timestamp,u\n2026-11-25 12:00:00.000,1\n2026-11-25 12:00:00.001,2\n2026-11-25T12:00:00.002Z,3\n",
+    "clock.txt": "Uhrzeit\tu\n12:59:59,999\t1,0\n13:00:00,000\t2,0\n13:00:00,001\t3,0\n",
+    "blanks.txt": "# t u y\n0.000e+00 1.0  0.1\n1.000e-03 2.0  0.2\n2.000e-03 3.0  0.3\n",
+    "jump.csv": "time,u\n0,1\n0.5,1\n0.5,2\n1,2\n",
+    "pairs.csv": "X[s],u[V],X[s],y[um]\n0,1,0,0.1\n0.001,2,0.002,0.2\n0.002,3,0.004,0.3\n",
+    "headless.csv": "0,1,2\n0.001,2,3\n0.002,3,4\n",
+    "gaps.csv": "timestamps,u,note\n0,1,a\n0.001,,b\n0.002,3,\n,,\n",
+}
+DATASET = """rate = 2000
+time = { column = "t", unit = "ms" }
+[columns]
+u = { unit = "V", description = "Command" }
+y = { unit = "um" }
+"""
+OSP = """<?xml version="1.0" encoding="utf-8"?>
+<OspSystemStructure xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure" version="0.1">
+  <StartTime>0</StartTime><BaseStepSize>0.01</BaseStepSize>
+  <Simulators>
+    <Simulator name="plant" source="plant.fmu" stepSize="0.01">
+      <InitialValues><InitialValue variable="k"><Real value="2"/></InitialValue>
+        <InitialValue variable="on"><Boolean value="true"/></InitialValue></InitialValues>
+    </Simulator>
+    <Simulator name="law" source="proxyfmu://localhost?file=law.fmu"/>
+  </Simulators>
+  <Functions>
+    <LinearTransformation name="f" factor="2" offset="1"/>
+    <Sum name="s" inputCount="2"/>
+    <VectorSum name="v" inputCount="2" numericType="real" dimension="2"/>
+  </Functions>
+  <Connections>
+    <VariableConnection><Variable simulator="law" name="u"/><Variable simulator="plant" name="u"/></VariableConnection>
+    <SignalConnection><Variable simulator="plant" name="y"/><Signal function="f" name="in"/></SignalConnection>
+    <VariableGroupConnection><VariableGroup simulator="law" name="g"/><VariableGroup simulator="plant" name="g"/></VariableGroupConnection>
+  </Connections>
+</OspSystemStructure>
+"""
+TUNE = """mass=0.2,0.1..0.5
+axis[1].mechanics.damping=0.05
+A[1,2]=1e-3,-1..+1
+stiffness
+k = -2.5e6 , -1e7 .. 0
+"""
+SWEEP = """runs = 10
+seed = 7
+[loop]
+plant = "evc"
+controller = "controller.toml"
+reference = "reference.csv"
+from = 0.1
+[vary]
+"plant.*.mechanics.frequency" = { tolerance = 0.05 }
+"plant.axis[1].gain" = { uniform = [0.9, 1.1] }
+"plant.axis[2].gain" = { log-uniform = [0.1, 10.0] }
+"plant.axis[1].mechanics.damping" = { normal = [0.05, 0.01], within = [0.01, 0.1] }
+"controller.*.pid.kp" = { grid = [0.01, 0.02] }
+"controller.*.enabled" = { choice = [true, false] }
+"""
+
+
+def texts() -> None:
+    for name, text in TEXTS.items():
+        into("log-text", name, text)
+    into("log-text", "wide.csv", TEXTS["semicolons.csv"].encode("utf-16"))
+    into("log-text", "latin.csv", TEXTS["semicolons.csv"].encode("latin-1"))
+    into("dataset", "all.toml", DATASET)
+    into("osp-system", "all.xml", OSP)
+    into("estimate-options", "all.txt", TUNE)
+    into("sweep-plan", "loop.toml", SWEEP)
+
+
+def sources(work: Path) -> None:
+    """FMUs of C sources, whose files are cut off."""
+    for version in ["2", "3"]:
+        fmu = work / f"sources{version}.fmu"
+        subprocess.run([tool, "pack", root / "tests/blueprints/gain.toml", "--fmi", version, "--sources=only", "-o", fmu],
+                       check=True, capture_output=True)
+        with zipfile.ZipFile(fmu) as archive:
+            wanted = [name for name in archive.namelist() if name.startswith("sources/") and not name.endswith("/")]
+            entries = {name: archive.read(name)[:1200] for name in ["modelDescription.xml", *wanted]}
+            entries["modelDescription.xml"] = archive.read("modelDescription.xml")
+        into("fmu-sources", f"gain{version}.fmu", stored(entries, work / "d.zip"))
+
+
 def logs(work: Path) -> None:
     rows = 12
     time = np.arange(rows) / 2000.0
@@ -288,5 +383,7 @@ with tempfile.TemporaryDirectory() as folder:
     systems(Path(folder))
     logs(Path(folder))
     descriptions(Path(folder))
+    texts()
+    sources(Path(folder))
     for path in sorted(gap.glob("*.json")):
         into("gap-json", path.name, path.read_bytes())

@@ -55,6 +55,8 @@ impl PartialEq for Line {
 pub struct ModelDescription {
     /// Version of the standard.
     pub fmi_version: FmiVersion,
+    /// The draft of the standard that it was written for, as in `3.0-beta.2`; none: the standard.
+    pub draft: Option<String>,
     /// Name of the model in the tool that made it.
     pub model_name: String,
     /// `guid` (2.0) or `instantiationToken` (3.0).
@@ -108,6 +110,7 @@ impl ModelDescription {
     ) -> Self {
         ModelDescription {
             fmi_version,
+            draft: None,
             model_name: model_name.into(),
             instantiation_token: instantiation_token.into(),
             description: None,

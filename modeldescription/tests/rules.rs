@@ -428,3 +428,20 @@ fn required_functions_are_those_of_the_headers() {
         assert_eq!(required, declared, "{header}");
     }
 }
+
+#[test]
+fn a_draft_of_the_standard_is_said() {
+    let text = |version: &str| {
+        three("", "").replace("fmiVersion=\"3.0\"", &format!("fmiVersion=\"{version}\""))
+    };
+    for draft in ["3.0-beta.2", "3.0-rc.1", "3.0-alpha.5"] {
+        let problems = check_description(text(draft).as_bytes());
+        let said = listing(&problems);
+        assert!(said.contains(draft) && said.contains("is a draft of the standard"), "{said}");
+        let read = ModelDescription::parse(text(draft).as_bytes()).unwrap();
+        assert_eq!((read.draft.as_deref(), read.fmi_version), (Some(draft), FmiVersion::V3));
+        assert!(read.to_xml().unwrap().contains(&format!("fmiVersion=\"{draft}\"")));
+    }
+    assert!(!listing(&check_description(text("3.0").as_bytes())).contains("draft"));
+    assert!(!listing(&check_description(text("3.0.1").as_bytes())).contains("draft"));
+}

@@ -156,10 +156,11 @@ impl Estimate {
         if let Some(twice) = initial.iter().find(|i| asked.iter().any(|a| a.name == i.name)) {
             bail!("`{}` is both a parameter of --tune and a value of --initial", twice.name);
         }
-        let ear = self.messages.ear()?;
         let mut notes = Vec::new();
         let logs = self.log.iter().chain(&self.held_out).map(|file| self.options.read(file));
         let logs: Vec<Log> = logs.collect::<anyhow::Result<_>>()?;
+        // Its file may not be one of what was read.
+        let ear = self.messages.ear()?;
         let tables: Vec<Vec<Signals<'_>>> = logs.iter().map(simulate::signals).collect();
         let mut series = Vec::new();
         for (number, (log, table)) in logs.iter().zip(&tables).enumerate() {

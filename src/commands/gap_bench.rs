@@ -167,8 +167,8 @@ impl Documented {
         let folder = self.folder.canonicalize().with_context(|| {
             format!("{}: there is no such folder of machines", self.folder.display())
         })?;
-        std::fs::create_dir_all(&self.out)
-            .with_context(|| format!("the folder {} cannot be made", self.out.display()))?;
+        files::own_folder(&self.out, &["scores.json"])
+            .with_context(|| format!("the folder {} cannot be used", self.out.display()))?;
         let root = self.out.canonicalize()?;
         let tool = Program { path: program(self.tool.as_ref())?, patience: PATIENCE };
         interrupt::listen()?;

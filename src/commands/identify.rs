@@ -1,5 +1,7 @@
 //! `piezoloop identify`: measured log → plant blueprint.
 
+mod candidates;
+
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -133,10 +135,11 @@ impl Identify {
         }
         inputs::can_write(&self.out)?;
         self.page.can_write()?;
+        let all = self.all.as_deref().map(candidates::Folder::open).transpose()?;
         let (plant, result) = self.work(screen)?;
         inputs::write_blueprint(&plant, &self.out)?;
-        if let Some(folder) = &self.all {
-            write_all(folder, &result)?;
+        if let Some(all) = all {
+            all.write(&result)?;
         }
         if let (Some(file), Some(axis)) = (&self.picture, result.axes.first()) {
             let svg = pages::picture(axis).context("there is no record to draw")?;
@@ -352,23 +355,6 @@ fn axis(
         position: signal(output, "position", position_unit),
         ..AxisBlueprint::new(&identifier(output), command_unit, position_unit)
     }
-}
-
-/// Writes the plant of each model that was tried, `<axis>-<model>.toml`; of several structures of one
-/// model the last, which is the richest.
-fn write_all(folder: &Path, result: &Identified) -> anyhow::Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| {
-        format!("{} cannot be made; name a folder to write to", folder.display())
-    })?;
-    for axis in &result.axes {
-        for candidate in &axis.identification.candidates {
-            let Some(plant) = &candidate.plant else { continue };
-            let model = candidate.method.unwrap_or("line");
-            let file = folder.join(format!("{}-{model}.toml", identifier(&axis.name)));
-            inputs::write_blueprint(plant, &file)?;
-        }
-    }
-    Ok(())
 }
 
 /// One blueprint with the axes of all.

@@ -418,6 +418,7 @@ impl Binary {
                  aarch64-linux, …"
             );
         };
+        files::note_read(std::path::Path::new(file));
         let bytes = std::fs::read(file)
             .with_context(|| format!("--binary {text}: {file} cannot be read"))?;
         Ok(Self { text: text.to_owned(), platform, bytes })

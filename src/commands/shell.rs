@@ -84,6 +84,9 @@ fn pages(command: &clap::Command, folder: &Path, files: &mut Vec<PathBuf>) -> an
     let mut page = Vec::new();
     clap_mangen::Man::new(command.clone()).render(&mut page)?;
     let path = folder.join(format!("{name}.1"));
+    let is_ours = || std::fs::read_to_string(&path).is_ok_and(|page| page.contains("piezoloop"));
+    files::check_beside(&path, is_ours)
+        .with_context(|| format!("{}: cannot be written", path.display()))?;
     WholeFile::write_all_of(&path, &page)
         .with_context(|| format!("{}: cannot be written", path.display()))?;
     files.push(path);

@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use cosim::{Coupling, Drive, Driven, Ending, Fmu, Loop, LoopSettings, Memory, Points, Run};
 use cosim::{Signal, Signals, Slave, Value, Wiring};
-use data::{Log, UnitPlace};
+use data::Log;
 use modeldescription::description::Unit;
 use serde::Serialize;
 
@@ -16,9 +16,9 @@ use crate::fmus::{self, Addresses, Isolation};
 use crate::inputs::{self, LogOptions};
 use crate::messages::{MessageOptions, Said};
 use crate::pages::{self, PageOptions};
-use crate::progress;
 use crate::times::RunTimes;
 use crate::window::Window;
+use crate::{progress, records};
 
 mod matched;
 mod output_fit;
@@ -80,7 +80,7 @@ pub(crate) struct Simulate {
     /// Do not tell the FMU when the run ends, for FMUs that refuse to step to that time
     #[arg(long)]
     no_stop_time: bool,
-    /// Record the run in this file
+    /// Record the run in this file: .npy, .npz, .parquet, else as CSV
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -385,7 +385,7 @@ impl Simulate {
     ) -> anyhow::Result<Simulated> {
         let About { endings, matched, messages, times, mut notes } = about;
         if let Some(out) = &self.out {
-            notes.extend(keep(&memory, out)?);
+            notes.extend(records::keep(&memory, out)?);
         }
         let time = memory.time();
         Ok(Simulated {
@@ -428,7 +428,19 @@ pub(crate) fn points(
     if !(step.is_finite() && step > 0.0) {
         bail!("the step of the loop is not known: give it with --step S");
     }
+    if stop.is_none() {
+        can_be_seconds(log, own.min(step))?;
+    }
     Ok(Points::uniform(start, stop.unwrap_or(last), step)?)
+}
+
+/// Whether the times of a table, whose end is that of the run, can be in seconds: how many steps of `step`
+/// seconds lie between two rows.
+pub(crate) fn can_be_seconds(log: &Log, step: f64) -> anyhow::Result<()> {
+    match data::inner_steps::check_rows(log.time(), step) {
+        Ok(()) => Ok(()),
+        Err(what) => bail!("{}: {what}", log.origin()),
+    }
 }
 
 /// Which variables of controller and plant belong together; `columns` says which column of the
@@ -490,39 +502,12 @@ fn broken_off(error: &cosim::Error, memory: &Memory, out: &Path) -> anyhow::Resu
     if rows == 0 {
         return Ok(anyhow::anyhow!("{error}"));
     }
-    keep(memory, out)?;
+    records::keep(memory, out)?;
     Ok(anyhow::anyhow!("{error}; the {rows} rows until then are in {}", out.display()))
 }
 
 fn early_end((record, ending): (usize, Option<Ending>)) -> Option<EarlyEnd> {
     ending.map(|Ending { slave, time }| EarlyEnd { fmu: slave, record, time_s: time })
-}
-
-/// Writes a run as a log. A name that no log can hold is written as one that it can, which is a note.
-fn keep(memory: &Memory, out: &Path) -> anyhow::Result<Vec<String>> {
-    let mut notes = Vec::new();
-    let lengths: Vec<(i64, usize)> =
-        memory.records().iter().zip(0..).map(|(rows, id)| (id, rows.len())).collect();
-    let origin = out.display().to_string();
-    let time = memory.time().to_vec();
-    let mut log = match lengths.len() {
-        0 | 1 => Log::new(&origin, time)?,
-        _ => Log::with_records(&origin, time, &lengths)?,
-    };
-    for series in memory.series() {
-        let unit = series.column.unit.as_deref().filter(|unit| model::Unit::parse(unit).is_ok());
-        let name = log.free_name(&series.column.name);
-        if name != series.column.name {
-            notes.push(format!(
-                "{}: variable `{}` is column `{name}`, a name that logs can hold",
-                out.display(),
-                series.column.name.escape_debug()
-            ));
-        }
-        log.add_column(&name, unit, series.values.clone())?;
-    }
-    log.write(out, UnitPlace::Sidecar)?;
-    Ok(notes)
 }
 
 impl Answer for Simulated {

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use anyhow::{Context, bail};
 use clap::Args;
 use cosim::plan::Coupling;
-use cosim::{Ending, Fmu, Plan, Points, RecordFile, Run, Signal, Signals};
+use cosim::{Ending, Fmu, Plan, Points, RecordFile, Recorder, Run, Signal, Signals};
 use data::Log;
 use modeldescription::ModelDescription;
 use serde::Serialize;
@@ -19,8 +19,8 @@ use crate::fmus::{self, Isolation};
 use crate::inputs::{self, LogOptions};
 use crate::messages::{MessageOptions, Said};
 use crate::pages::{self, PageOptions};
-use crate::progress;
 use crate::times::{self, RunTimes};
+use crate::{progress, records};
 
 /// Runs any number of FMUs together, connected by a short TOML or by an SSP
 ///
@@ -237,7 +237,11 @@ impl System {
         let rows = points.steps() + 1;
         let (start_s, stop_s) = (points.start(), points.stop());
         let mut recorder = Recording {
-            file: self.out.as_deref().map(RecordFile::create).transpose()?,
+            file: match self.out.as_deref() {
+                Some(out) => Some((RecordFile::create(out)?, out)),
+                None => None,
+            },
+            notes: Vec::new(),
             bar: progress::Rows::new(screen, "run", rows),
             rows: 0,
         };
@@ -245,11 +249,12 @@ impl System {
         let run = Run { no_stop_time, pace, ..Run::new(points, &table) };
         let outcome = prepared.system.run(&run, &*prepared.algorithm, &mut recorder);
         recorder.bar.finish();
-        let Recording { file, rows, .. } = recorder;
-        if let (Some(file), Some(out)) = (file, &self.out) {
+        let Recording { file, rows, notes: of_names, .. } = recorder;
+        if let Some((file, out)) = file {
             file.finish().with_context(|| format!("{} cannot be written", out.display()))?;
         }
         let mut notes = prepared.notes;
+        notes.extend(of_names);
         let unfed_inputs = prepared.unfed;
         if !unfed_inputs.is_empty() {
             let keep = if unfed_inputs.len() == 1 {
@@ -374,6 +379,10 @@ impl System {
         let Some(stop) = stop else {
             bail!("the end of the run is not known: give it with --stop S");
         };
+        // The table says how long the run is.
+        if let (None, None, Some(log)) = (self.stop, plan.master.stop, log) {
+            simulate::can_be_seconds(log, own.map_or(step, |own| own.min(step)))?;
+        }
         Ok((Points::uniform(start, stop, step)?, step))
     }
 
@@ -406,30 +415,45 @@ impl System {
 }
 
 /// Writes rows to the file, and moves the progress bar.
-struct Recording {
-    file: Option<RecordFile>,
+struct Recording<'a> {
+    file: Option<(RecordFile, &'a Path)>,
+    /// What is to be said of the names.
+    notes: Vec<String>,
     bar: progress::Rows,
     rows: usize,
 }
 
-impl cosim::Recorder for Recording {
+impl Recorder for Recording<'_> {
     fn begin(
         &mut self,
         record: usize,
         columns: &[cosim::record::Column],
         rows: usize,
     ) -> io::Result<()> {
-        self.file.as_mut().map_or(Ok(()), |file| file.begin(record, columns, rows))
+        let Some((file, out)) = &mut self.file else { return Ok(()) };
+        let (columns, notes) = records::readable(columns, out).map_err(io::Error::other)?;
+        self.notes = notes;
+        file.begin(record, &columns, rows)
     }
 
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.rows += 1;
         self.bar.row(time, values)?;
-        self.file.as_mut().map_or(Ok(()), |file| file.row(time, values))
+        self.file.as_mut().map_or(Ok(()), |(file, _)| file.row(time, values))
     }
 
     fn end(&mut self) -> io::Result<()> {
-        self.file.as_mut().map_or(Ok(()), cosim::Recorder::end)
+        self.file.as_mut().map_or(Ok(()), |(file, _)| file.end())
+    }
+}
+
+/// The names of a system's FMUs, of many the first.
+fn shown(fmus: &[String]) -> String {
+    const MOST: usize = 10;
+    let (first, rest) = fmus.split_at(fmus.len().min(MOST));
+    match rest.len() {
+        0 => first.join(", "),
+        more => format!("{}, and {more} more FMUs", first.join(", ")),
     }
 }
 
@@ -442,7 +466,7 @@ impl Answer for Ran {
             out,
             "{}: {} by {}, {} rows, {} s to {} s in steps of {} s",
             self.system,
-            self.fmus.join(", "),
+            shown(&self.fmus),
             self.algorithm,
             self.rows,
             self.start_s,

@@ -14,7 +14,8 @@ enum {
     SOUND, CRASH_LOAD, CRASH_INSTANTIATE, CRASH_STEP, CRASH_FREE, EXIT_STEP, HANG_INSTANTIATE, HANG_STEP, HANG_FREE,
     ERROR_STEP, FATAL_STEP, DISCARD_STEP, LEAK, PRINT, ROUNDING, FOLDER, FOLDER_ERROR, NO_NUMBER, INFINITE, MANY, ROUNDING_GET,
     CRASH_TUNED, ERROR_TUNED, ERROR_HIGH, ERROR_SOMETIMES,
-    CRASH_SOMETIMES, LEAK_MUCH, END, END_UNTOLD, WARN, TALK, FLOOD, EXIT_FREE, EXIT_GET, SIGPIPE_STEP
+    CRASH_SOMETIMES, LEAK_MUCH, END, END_UNTOLD, WARN, TALK, FLOOD, EXIT_FREE, EXIT_GET, SIGPIPE_STEP, QUICK_EXIT_STEP,
+    EXIT_LOAD
 };
 /* Time that it says it has reached when it ends the run. */
 #ifndef REACHED
@@ -46,7 +47,10 @@ static void say(struct faulty *it, Status status, const char *text) {
     it->callbacks.logger(it->callbacks.environment, "faulty", status, "logStatus", text);
 }
 
-__attribute__((constructor)) static void loaded(void) { if (FAULT == CRASH_LOAD) crash(); }
+__attribute__((constructor)) static void loaded(void) {
+    if (FAULT == CRASH_LOAD) crash();
+    if (FAULT == EXIT_LOAD) exit(0);
+}
 
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }
@@ -120,6 +124,7 @@ static Status strike(struct faulty *it) {
     switch (FAULT) {
     case CRASH_STEP: crash(); break;
     case EXIT_STEP: exit(0);
+    case QUICK_EXIT_STEP: quick_exit(0);
     case SIGPIPE_STEP: signal(SIGPIPE, SIG_DFL); raise(SIGPIPE); break;
     case HANG_STEP: hang(); break;
     case FOLDER_ERROR: (void)!chdir("/"); /* fall through */

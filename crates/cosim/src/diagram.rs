@@ -238,7 +238,15 @@ impl Builder {
         let units = (from_unit.as_ref(), to_unit.as_ref());
         let conversion = convert(&name, to, units, way, differences)?;
         let place = self.system.connect_output(source, &from_address)?;
-        self.drive(target, &to_address, name, Wire { from: place, conversion })
+        self.drive(target, &to_address, name.clone(), Wire { from: place, conversion })?;
+        // Whole numbers of 64 bits go as they are.
+        let rest = to_address.rest(self.system.participants[target].slave.description());
+        if let (Some(rest), Conversion::Same) = (rest, conversion)
+            && let Some(from) = self.system.rest_of(source, &from_address)
+        {
+            self.drive(target, &rest, name, Wire { from, conversion })?;
+        }
+        Ok(())
     }
 
     /// Makes the variable one that is set before each step.

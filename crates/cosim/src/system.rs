@@ -235,7 +235,19 @@ impl System {
         let place = self.add_place(Some(slave));
         let participant = &mut self.participants[slave];
         participant.outputs.add(participant.slave.name(), output, place)?;
+        if let Some(rest) = output.rest(participant.slave.description()) {
+            let place = self.add_place(Some(slave));
+            let participant = &mut self.participants[slave];
+            participant.outputs.add(participant.slave.name(), &rest, place)?;
+        }
         Ok(place)
+    }
+
+    /// Place of what a double leaves of an output of 64 bits that is on the bus.
+    pub(crate) fn rest_of(&self, slave: usize, output: &Address) -> Option<usize> {
+        let participant = self.participants.get(slave)?;
+        let rest = output.rest(participant.slave.description())?;
+        participant.outputs.place(&rest.variable.name)
     }
 
     /// Records a variable: an input as it is set, anything else as it is read.

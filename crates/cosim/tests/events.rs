@@ -6,7 +6,7 @@ mod common;
 
 use common::{events3, instance};
 use cosim::{
-    Diagram, Drive, Experiment, Fmu, Jacobi, Memory, Points, Run, Signals, Value,
+    Diagram, Drive, Experiment, Fmu, GaussSeidel, Jacobi, Memory, Points, Run, Signals, Value,
     simulate_with_inputs,
 };
 
@@ -170,6 +170,50 @@ fn whole_numbers_of_64_bits_lose_nothing() {
     }
     for (name, value) in [("big", 1 << 63), ("huge", -1)] {
         assert!(slave.set_start(name, &Value::Integer(value)).is_err(), "{name} {value}");
+    }
+}
+
+#[test]
+fn connections_carry_whole_numbers_of_64_bits_as_they_are() {
+    let fmus = fmus_or_skip!();
+    let fmu = opened(&fmus);
+    let mut diagram = Diagram::new();
+    diagram
+        .add(instance(&fmu, "a"))
+        .add(instance(&fmu, "b"))
+        .add(instance(&fmu, "slow"))
+        .connect(("a", "big out"), ("b", "big in"))
+        .connect(("a", "huge out"), ("b", "huge in"))
+        .connect(("b", "big fed"), ("slow", "big in"))
+        .connect(("b", "huge fed"), ("slow", "huge in"))
+        .start(("a", "big"), 0_i64)
+        .start(("a", "huge"), 0_i64)
+        .record(("b", "big fed"));
+    diagram.every("slow", 2);
+    let mut system = diagram.build().expect("a system");
+    let points = || Points::uniform(0.0, 0.8, 0.1).expect("points");
+    let signals = Signals::default();
+    for (big, huge) in [
+        (i128::from(i64::MAX), i128::from(u64::MAX)),
+        (i128::from(i64::MIN) + 1, (1 << 53) + 1),
+        (-(1 << 60) - 3, i128::from(u64::MAX) - 1024),
+        (7, 9),
+    ] {
+        for (name, value) in [("big", big), ("huge", huge)] {
+            system.set_start(&("a", name).into(), Value::Integer(value)).expect("a start value");
+        }
+        for algorithm in [&Jacobi as &dyn cosim::Algorithm, &GaussSeidel::by_dependency(&system)] {
+            let mut memory = Memory::new();
+            system.run(&Run::new(points(), &signals), algorithm, &mut memory).expect("a run");
+            for slave in 1..3 {
+                let slave = system.slave(slave).expect("a slave");
+                for (name, value) in [("big fed", big), ("huge fed", huge)] {
+                    assert_eq!(slave.value(name).expect("a value"), Value::Integer(value));
+                }
+            }
+            // A record holds the nearest double.
+            assert_eq!(memory.values("big fed").expect("recorded").last(), Some(&(big as f64)));
+        }
     }
 }
 

@@ -109,3 +109,15 @@ fn instances_come_and_go_without_growth() {
     println!("{count} lives: {before} pages became {after}");
     assert!(after < before + 512, "{before} pages became {after}");
 }
+
+#[test]
+fn an_fmu_of_a_draft_is_said_to_be_one() {
+    let _turn = alone();
+    let fmus = fmus_or_skip!();
+    let mut description = common::integrator3();
+    description.draft = Some("3.0-beta.2".to_owned());
+    let fmu = Fmu::open(fmus.pack("integrator3", &description)).unwrap();
+    let heard = Heard::default();
+    drop(fmu.instantiate("p", &ear(&heard)).unwrap());
+    assert_eq!(count(&heard, "is of FMI 3.0-beta.2, a draft; it is run as one of FMI 3.0"), 1);
+}

@@ -10,6 +10,7 @@ static CALL: Mutex<Option<Call>> = Mutex::new(None);
 
 #[derive(Debug, Default)]
 struct Call {
+    named: HashSet<PathBuf>,
     twice: HashSet<PathBuf>,
     read: HashSet<PathBuf>,
     written: HashSet<PathBuf>,
@@ -20,13 +21,52 @@ struct Call {
 pub fn guard<'a>(named: impl IntoIterator<Item = &'a Path>) {
     let mut seen = HashSet::new();
     let twice = named.into_iter().map(identity).filter(|path| !seen.insert(path.clone())).collect();
-    *call() = Some(Call { twice, ..Call::default() });
+    *call() = Some(Call { named: seen, twice, ..Call::default() });
 }
 
 /// Says that `path` is read: under [`guard`] it is not written any more, unless this call made it.
 pub fn note_read(path: &Path) {
     if let Some(call) = call().as_mut() {
         call.read.insert(identity(path));
+    }
+}
+
+/// Says that a folder is read, as [`note_read`] does of each file below it: an unpacked archive.
+pub fn note_read_below(folder: &Path) {
+    // A folder of an archive has a few files; a circle of links ends at some depth.
+    let mut left = vec![(folder.to_owned(), 0)];
+    while let Some((folder, depth)) = left.pop() {
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            match entry.path() {
+                path if path.is_dir() && depth < 16 => left.push((path, depth + 1)),
+                path => note_read(&path),
+            }
+        }
+    }
+}
+
+/// Whether the file `path`, which the user did not name, may be written beside one that he did: where he
+/// named it for something else, or this call has written it, not; where it is there, if `is_ours`.
+///
+/// # Errors
+/// What speaks against it.
+pub fn check_beside(path: &Path, is_ours: impl FnOnce() -> bool) -> io::Result<()> {
+    let refuse = |kind, rule: &str| Err(io::Error::new(kind, rule));
+    let own = identity(path);
+    if let Some(call) = call().as_ref()
+        && (call.named.contains(&own) || call.written.contains(&own))
+    {
+        return refuse(
+            io::ErrorKind::InvalidInput,
+            "would be written beside another output, but is a file of this call itself; give one of them another name",
+        );
+    }
+    match std::fs::symlink_metadata(path) {
+        Ok(_) if !is_ours() => refuse(
+            io::ErrorKind::AlreadyExists,
+            "is there and was not written by this program; move it away, or give the output another name",
+        ),
+        _ => Ok(()),
     }
 }
 

@@ -3,11 +3,11 @@
 
 mod guard;
 
-pub use guard::{guard, note_read};
+pub use guard::{check_beside, guard, note_read, note_read_below};
 use guard::{note_written, unfinished};
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -167,6 +167,34 @@ pub fn in_place(target: &Path) -> io::Result<File> {
     let file = File::create(target)?;
     note_written(target);
     Ok(file)
+}
+
+/// Longest text that [`read_text`] reads, in bytes.
+pub const LONGEST_TEXT: u64 = 16 << 20;
+
+/// Reads a file of settings, a blueprint, a plan or what describes a log, which is an input from then on.
+///
+/// # Errors
+/// It cannot be read, is longer than `longest` bytes, or is no UTF-8.
+pub fn read_text_within(path: &Path, longest: u64) -> io::Result<String> {
+    note_read(path);
+    let mut bytes = Vec::new();
+    File::open(path)?.take(longest.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > longest {
+        let rule = format!("it is longer than {longest} bytes");
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, rule));
+    }
+    String::from_utf8(bytes).map_err(|_| {
+        io::Error::new(io::ErrorKind::InvalidData, "stream did not contain valid UTF-8")
+    })
+}
+
+/// [`read_text_within`] [`LONGEST_TEXT`].
+///
+/// # Errors
+/// As there.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    read_text_within(path, LONGEST_TEXT)
 }
 
 /// Removes what this process has begun and not finished, for a program that ends at once.

@@ -112,6 +112,7 @@ impl Provenance {
 }
 
 fn fingerprint(path: &Path) -> std::io::Result<(String, u64)> {
+    files::note_read(path);
     let mut file = std::fs::File::open(path)?;
     let mut hash = Sha256::new();
     let mut buffer = vec![0; 1 << 16];

@@ -48,7 +48,13 @@ pub const TARGETS: &[Target] = &[
     target("blueprint", Kind::Text, "toml", blueprint),
     target("system-plan", Kind::Text, "toml", system_plan),
     target("bench-plan", Kind::Text, "toml", bench_plan),
+    target("sweep-plan", Kind::Text, "toml", sweep_plan),
+    target("osp-system", Kind::Text, "xml", osp_system),
+    target("estimate-options", Kind::Text, "txt", estimate_options),
+    target("fmu-sources", Kind::Zip, "fmu", fmu_archive),
     target("log-csv", Kind::Text, "csv", log),
+    target("log-text", Kind::Text, "txt", log_text),
+    target("dataset", Kind::Text, "dataset.toml", dataset),
     target("log-parquet", Kind::Binary, "parquet", log),
     target("log-mat", Kind::Binary, "mat", log),
     target("log-mat4", Kind::Binary, "mat", log),
@@ -253,11 +259,73 @@ fn bench_plan(input: &[u8], _: &Path) -> String {
     }
 }
 
-/// A log that is accepted holds finite numbers in times that grow.
+fn sweep_plan(input: &[u8], file: &Path) -> String {
+    let Ok(text) = std::str::from_utf8(input) else { return "is no UTF-8".into() };
+    said(sweep::Plan::parse(text, file))
+}
+
+/// It is known by its name.
+fn osp_system(input: &[u8], file: &Path) -> String {
+    let file = file.with_file_name("OspSystemStructure.xml");
+    match fs::write(&file, input) {
+        Ok(()) => said(Plan::read(&file)),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// What `estimate` is asked to find, an option a line.
+fn estimate_options(input: &[u8], _: &Path) -> String {
+    let Ok(text) = std::str::from_utf8(input) else { return "is no UTF-8".into() };
+    let read = |line| match cosim::Sought::parse(line) {
+        Ok(sought) => {
+            let bounds = sought.bounds.map(|(low, high)| [low, high]);
+            let numbers = sought.start.into_iter().chain(bounds.into_iter().flatten());
+            assert!(numbers.into_iter().all(f64::is_finite), "{line}");
+            assert!(line.contains(&sought.name), "{line}");
+            String::new()
+        }
+        Err(why) => why,
+    };
+    text.lines().map(read).collect()
+}
+
+/// A bound for inputs of some kilobytes, as in `limits`.
+fn log_options() -> ReadOptions {
+    ReadOptions { memory: Some(16 << 20), ..ReadOptions::default() }
+}
+
 fn log(_: &[u8], file: &Path) -> String {
-    // A bound for inputs of some kilobytes, as in `limits`.
-    let options = ReadOptions { memory: Some(16 << 20), ..ReadOptions::default() };
-    match Log::read(file, &options) {
+    read_log(file, &log_options())
+}
+
+/// A text, with what a caller may say of it; which, its length decides.
+fn log_text(input: &[u8], file: &Path) -> String {
+    let mut options = log_options();
+    match input.len() % 8 {
+        0 => options.rate = Some(1000.0),
+        1 => options.columns = ["t", "u [V]", "y [um]"].map(str::to_owned).to_vec(),
+        2 => options.resample = Some(data::Resample::Fastest),
+        3 => options.time = Some("u".to_owned()),
+        _ => {}
+    }
+    read_log(file, &options)
+}
+
+/// What stands beside a log.
+fn dataset(_: &[u8], file: &Path) -> String {
+    let log = file.with_file_name("input.csv");
+    if !log.is_file() {
+        let text = "t,u,y,1\n0,1,2,3\n1,2,3,4\n2,3,4,5\n";
+        if let Err(error) = fs::write(&log, text) {
+            return error.to_string();
+        }
+    }
+    read_log(&log, &log_options())
+}
+
+/// A log that is accepted holds finite numbers in times that grow.
+fn read_log(file: &Path, options: &ReadOptions) -> String {
+    match Log::read(file, options) {
         Ok(log) => {
             assert!(log.time().iter().all(|time| time.is_finite()));
             for column in log.columns() {

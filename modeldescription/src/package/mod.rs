@@ -62,7 +62,10 @@ impl Package {
     pub fn open_within(path: impl AsRef<Path>, limits: &Limits) -> Result<Self, PackageError> {
         let path = path.as_ref();
         let unpacked = match path.is_dir() {
-            true => None,
+            true => {
+                files::note_read_below(path);
+                None
+            }
             false => Some(unpack(path, limits)?),
         };
         let folder = unpacked.as_ref().map_or(path, |folder| folder.path());

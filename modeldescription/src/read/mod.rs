@@ -129,7 +129,18 @@ fn check_version(context: &mut Context, root: &Element, text: &str) {
             .rule(format!("the value must be \"{must}\", whatever the revision of the standard"))
             .way_out(format!("write fmiVersion=\"{must}\""));
         context.report(problem);
+    } else if is_draft(text) {
+        let found = format!("fmiVersion=\"{text}\" is a draft of the standard");
+        let problem = Problem::in_xml(context.version, Topic::Root, root.line, found)
+            .rule("drafts differ from FMI 3.0 in functions and attributes; it is read as FMI 3.0")
+            .way_out("have it exported for FMI 3.0");
+        context.report(problem.warning());
     }
+}
+
+/// Whether a version is that of a draft, such as `3.0-beta.2`.
+fn is_draft(version: &str) -> bool {
+    version.contains('-')
 }
 
 /// `3[.](0|[1-9][0-9]*)([.](0|[1-9][0-9]*))?(-.+)?`
@@ -201,6 +212,7 @@ fn read_root(context: &mut Context, root: &Element) -> ModelDescription {
     let name = context.required_text(at, "modelName");
     let mut description = ModelDescription::new(context.version, name, token);
     description.line = Line(root.line);
+    description.draft = context.text(at, "fmiVersion").filter(|version| is_draft(version));
     description.description = context.text(at, "description");
     description.author = context.text(at, "author");
     description.version = context.text(at, "version");

@@ -121,6 +121,7 @@ enum Within {
 /// Reads a file, at most one byte more than is allowed, which the XML reader then refuses.
 fn content(file: &Path, limits: &XmlLimits) -> std::io::Result<Vec<u8>> {
     use std::io::Read;
+    files::note_read(file);
     let mut bytes = Vec::new();
     let most = (limits.bytes as u64).saturating_add(1);
     std::fs::File::open(file)?.take(most).read_to_end(&mut bytes)?;

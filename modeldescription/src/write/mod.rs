@@ -99,7 +99,8 @@ fn list<T>(xml: &mut Text, name: &'static str, items: &[T], write: impl Fn(&mut 
 }
 
 fn root_attributes(xml: &mut Text, description: &ModelDescription) {
-    xml.attribute("fmiVersion", description.fmi_version.text());
+    let version = description.draft.as_deref().unwrap_or(description.fmi_version.text());
+    xml.attribute("fmiVersion", version);
     xml.attribute("modelName", &description.model_name);
     let token = match description.fmi_version {
         FmiVersion::V2 => "guid",

@@ -83,8 +83,8 @@ impl Run {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let file = &self.campaign;
         self.page.can_write()?;
-        let text = std::fs::read_to_string(file)
-            .with_context(|| format!("{} cannot be read", file.display()))?;
+        let text =
+            files::read_text(file).with_context(|| format!("{} cannot be read", file.display()))?;
         let campaign = Campaign::parse(&text, &file.display().to_string())?;
         let beside = |named: &Path| file.parent().unwrap_or(Path::new("")).join(named);
         let or = |given: &Option<PathBuf>, named: &Option<PathBuf>, what: &str| {

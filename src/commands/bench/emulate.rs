@@ -201,7 +201,7 @@ impl Emulate {
     fn script(&self) -> anyhow::Result<Script> {
         let mut script = match &self.faults {
             Some(file) => {
-                let text = std::fs::read_to_string(file)
+                let text = files::read_text(file)
                     .with_context(|| format!("{} cannot be read", file.display()))?;
                 Script::parse(&text, &file.display().to_string())?
             }

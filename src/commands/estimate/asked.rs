@@ -1,7 +1,7 @@
 //! What is to be found: parameters that all logs share, and values that every record has its own of.
 
 use anyhow::{Context, bail};
-use cosim::Fmu;
+use cosim::{Fmu, Sought};
 use identify::calibration::Tunable;
 use modeldescription::variable::{Number, Start};
 
@@ -52,11 +52,11 @@ pub(super) fn asked(
     all: &mut Vec<Asked>,
 ) -> anyhow::Result<()> {
     for text in texts {
-        let (name, rest) = match text.split_once('=') {
-            Some((name, rest)) => (name, Some(rest)),
-            None => (text.as_str(), None),
+        let sought = match Sought::parse(text) {
+            Ok(sought) => sought,
+            Err(why) => bail!("{option} {text}: {why}"),
         };
-        let name = addresses.variable(name.trim());
+        let name = addresses.variable(&sought.name);
         let variable = fmu.variable(&name).with_context(|| format!("{option} {text}"))?;
         if all.iter().any(|other| other.name == name) {
             bail!("{option} {text}: `{name}` is asked for twice");
@@ -67,29 +67,20 @@ pub(super) fn asked(
                 variable.data_type.name()
             );
         }
-        let (start, bounds) = match rest
-            .map(|rest| rest.split_once(',').map_or((rest, None), |(a, b)| (a, Some(b))))
-        {
-            Some((start, bounds)) => (Some(number(option, text, start)?), bounds),
-            None => (None, None),
-        };
         let own = match &variable.start {
             Some(Start::Float(values)) => values.first().copied(),
             _ => None,
         };
-        let Some(start) = start.or(own) else {
+        let Some(start) = sought.start.or(own) else {
             bail!("{option} {text}: the FMU says no start value of `{name}`; write {name}=VALUE");
         };
         let properties = fmu.description().properties(&variable);
         let stated = |bound: Option<Number>, none: f64| bound.map_or(none, Number::as_f64);
         let (mut lower, mut upper) =
             (stated(properties.min, f64::NEG_INFINITY), stated(properties.max, f64::INFINITY));
-        if let Some(bounds) = bounds {
-            let Some((low, high)) = bounds.split_once("..") else {
-                bail!("{option} {text}: write bounds as LOW..HIGH, as in mass=0.2,0.1..0.5");
-            };
-            lower = lower.max(number(option, text, low)?);
-            upper = upper.min(number(option, text, high)?);
+        if let Some((low, high)) = sought.bounds {
+            lower = lower.max(low);
+            upper = upper.min(high);
         }
         if !(lower <= start && start <= upper && lower < upper) {
             bail!("{option} {text}: the start {start} is not within the bounds {lower} to {upper}");
@@ -102,13 +93,4 @@ pub(super) fn asked(
         all.push(Asked { name, unit: properties.unit.clone(), tunable, own: None });
     }
     Ok(())
-}
-
-fn number(option: &str, text: &str, part: &str) -> anyhow::Result<f64> {
-    let number = part.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    number.with_context(|| {
-        format!(
-            "{option} {text}: \"{part}\" is no finite number; write NAME=START or NAME=START,LOW..HIGH"
-        )
-    })
 }

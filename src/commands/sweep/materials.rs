@@ -48,8 +48,7 @@ const MAGIC: &[u8] = b"piezoloop-bundle/1\n";
 impl Materials {
     /// Reads a plan and everything it names.
     pub(super) fn gather(file: &Path, seed: Option<u64>) -> anyhow::Result<Self> {
-        files::note_read(file);
-        let text = std::fs::read_to_string(file).with_context(|| {
+        let text = files::read_text(file).with_context(|| {
             format!("{} cannot be read; give the plan of a sweep", file.display())
         })?;
         let plan = Plan::parse(&text, file)?;

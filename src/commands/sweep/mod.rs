@@ -122,6 +122,9 @@ impl Sweep {
         screen: &Screen,
     ) -> anyhow::Result<(Table, usize, usize)> {
         let path = journal_of(out);
+        // Another's it refuses by its content.
+        files::check_beside(&path, || true)
+            .with_context(|| format!("{} cannot be written", path.display()))?;
         let (mut journal, kept) = Journal::open(&path, &job.fingerprint)?;
         let mut rows = known(job, &part, kept);
         let todo: Vec<u64> = part.clone().filter(|run| !rows.contains_key(run)).collect();

@@ -150,8 +150,7 @@ impl Plan {
     /// # Errors
     /// The file cannot be read, or is no plan; with its line.
     pub fn read(path: &Path) -> Result<Self, PlanError> {
-        files::note_read(path);
-        let text = std::fs::read_to_string(path).map_err(|error| {
+        let text = files::read_text(path).map_err(|error| {
             PlanError::one(format!("{}: cannot be read: {error}", path.display()))
         })?;
         let mut plan = Plan::parse(&text, &path.display().to_string())?;

@@ -245,7 +245,7 @@ impl<'a> Table<'a> {
             period: Option<f64>,
             columns: BTreeMap<String, Vec<f64>>,
         }
-        let text = std::fs::read_to_string(path)
+        let text = files::read_text(path)
             .map_err(|error| format!("{}: cannot be read: {error}", path.display()))?;
         let gap: Gap = serde_json::from_str(&text)
             .map_err(|error| format!("{}: is no gap.json: {error}", path.display()))?;

@@ -97,7 +97,12 @@ pub fn convert(
     if format == Format::Csv {
         let text = serde_json::to_vec_pretty(&about.provenance).map_err(io::Error::from);
         let beside = file.with_extension("about.json");
-        text.and_then(|text| WholeFile::write_all_of(&beside, &text)).map_err(failed)?;
+        let is_ours = || {
+            let there = std::fs::read_to_string(&beside).unwrap_or_default();
+            there.contains("\"tool\": \"piezoloop")
+        };
+        let may = files::check_beside(&beside, is_ours);
+        may.and(text).and_then(|text| WholeFile::write_all_of(&beside, &text)).map_err(failed)?;
     }
     Ok(Converted { file: file.to_owned(), rows, cut_off_bytes: reader.broken() })
 }

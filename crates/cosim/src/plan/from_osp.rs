@@ -38,9 +38,9 @@ pub(super) const FILE: &str = "OspSystemStructure.xml";
 impl Plan {
     pub(super) fn read_osp(path: &Path) -> Result<Self, Error> {
         let refused = |reason: String| Error::Package { path: path.to_path_buf(), reason };
-        let bytes =
-            std::fs::read(path).map_err(|error| refused(format!("it cannot be read: {error}")))?;
-        let document = xml::parse(&bytes, &XmlLimits::default())
+        let bytes = files::read_text(path)
+            .map_err(|error| refused(format!("it cannot be read: {error}")))?;
+        let document = xml::parse(bytes.as_bytes(), &XmlLimits::default())
             .map_err(|error| refused(error.to_string()))?;
         let (file, texts) = (path.display().to_string(), document.texts);
         let mut reader = Reader { file, texts, problems: Vec::new() };

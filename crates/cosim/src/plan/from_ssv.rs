@@ -1,7 +1,6 @@
 //! Start values from a parameter set beside the system's file.
 
 use std::collections::HashSet;
-use std::fs;
 use std::path::Path;
 
 use modeldescription::ssp::{Linear, ParameterSet, SspError};
@@ -19,8 +18,9 @@ impl Plan {
     pub fn set(&mut self, path: &Path) -> Result<(), Error> {
         let file = path.display().to_string();
         let refused = |reason: String| Error::Package { path: path.to_path_buf(), reason };
-        let bytes = fs::read(path).map_err(|error| refused(format!("cannot be read: {error}")))?;
-        let set = ParameterSet::parse(&bytes, &file).map_err(SspError::Problems)?;
+        let text =
+            files::read_text(path).map_err(|error| refused(format!("cannot be read: {error}")))?;
+        let set = ParameterSet::parse(text.as_bytes(), &file).map_err(SspError::Problems)?;
         for parameter in set.parameters {
             let Some(to) = self.port(&parameter.name) else {
                 let there: Vec<&str> = self.fmus.iter().map(|fmu| fmu.name.as_str()).collect();

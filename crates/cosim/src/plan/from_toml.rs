@@ -14,8 +14,7 @@ use crate::unit::Way;
 
 impl Plan {
     pub(super) fn read_toml(path: &Path) -> Result<Self, Error> {
-        files::note_read(path);
-        let text = std::fs::read_to_string(path).map_err(|error| Error::Package {
+        let text = files::read_text(path).map_err(|error| Error::Package {
             path: path.to_path_buf(),
             reason: format!("it cannot be read: {error}"),
         })?;

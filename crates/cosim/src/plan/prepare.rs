@@ -123,7 +123,7 @@ impl Plan {
             else {
                 continue;
             };
-            let address = Address { variable: variable.clone(), element: None };
+            let address = Address::of(variable);
             let value = value_for(description, &address, start, 0).map_err(|why| {
                 let (slave, variable) = (fmu.to_owned(), variable.name.clone());
                 Problems::from(Problem::StartValue {

@@ -1,7 +1,7 @@
 //! Names of variables and of elements of arrays.
 
-use modeldescription::ModelDescription;
 use modeldescription::variable::{Causality, DataType, Dimension, Start, Variable};
+use modeldescription::{FmiVersion, ModelDescription};
 
 use super::clocks::can_be_triggered;
 use crate::problem::{Problem, nearest};
@@ -19,7 +19,12 @@ pub(crate) struct Address {
     pub(crate) variable: Variable,
     /// The element, if it is one.
     pub(crate) element: Option<Element>,
+    /// Only what a double leaves of a whole number of 64 bits; the value itself stands before it.
+    pub(crate) is_rest: bool,
 }
+
+/// Ends the name of a [rest](Address::is_rest); no name of a variable has it.
+const REST: char = '\u{0}';
 
 /// An element of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +36,26 @@ pub(crate) struct Element {
 }
 
 impl Address {
+    /// A whole variable.
+    pub(crate) fn of(variable: &Variable) -> Self {
+        Address { variable: variable.clone(), element: None, is_rest: false }
+    }
+
+    /// What a double leaves of it; none where doubles leave nothing.
+    pub(crate) fn rest(&self, description: &ModelDescription) -> Option<Self> {
+        let is_long = description.fmi_version == FmiVersion::V3
+            && matches!(self.variable.data_type, DataType::Int64 | DataType::UInt64);
+        let mut rest = (is_long && self.element.is_none()).then(|| self.clone())?;
+        rest.variable.name.push(REST);
+        rest.is_rest = true;
+        Some(rest)
+    }
+
+    /// The name of the variable that this is the rest of.
+    fn whole(name: &str) -> Option<&str> {
+        name.strip_suffix(REST)
+    }
+
     /// The variable of a slave by its name, or the problem with names like it.
     pub(crate) fn find(
         slave: &str,
@@ -48,7 +73,13 @@ impl Address {
         variable: impl Fn(&str) -> Option<&'d Variable>,
     ) -> Result<Address, Problem> {
         if let Some(variable) = variable(name) {
-            return Ok(Address { variable: variable.clone(), element: None });
+            return Ok(Address::of(variable));
+        }
+        if let Some(rest) = Address::whole(name)
+            .and_then(&variable)
+            .and_then(|variable| Address::of(variable).rest(description))
+        {
+            return Ok(rest);
         }
         let found = indexed(name)
             .and_then(|(array, indices)| Some((variable(array)?, indices)))
@@ -68,7 +99,7 @@ impl Address {
         name.clone_into(&mut variable.name);
         variable.dimensions.clear();
         variable.start = array.start.as_ref().and_then(|start| start_of(start, element.index));
-        Ok(Address { variable, element: Some(element) })
+        Ok(Address { variable, element: Some(element), is_rest: false })
     }
 }
 

@@ -59,7 +59,7 @@ impl Arrays {
         write(instance, run.data_type, array.reference, whole)
     }
 
-    /// Reads some elements.
+    /// Reads some elements. Whether the array's numbers are doubles.
     pub(super) fn get(
         &mut self,
         instance: &mut Instance,
@@ -67,17 +67,17 @@ impl Arrays {
         run: &TypeRun,
         array: &ArrayRun,
         values: &mut [f64],
-    ) -> Result<(), Error> {
+    ) -> Result<bool, Error> {
         if array.is_whole() {
             return read(instance, room, run.data_type, array.reference, values);
         }
         self.scratch.clear();
         self.scratch.resize(array.size, 0.0);
-        read(instance, room, run.data_type, array.reference, &mut self.scratch)?;
+        let is_exact = read(instance, room, run.data_type, array.reference, &mut self.scratch)?;
         for (index, value) in array.indices.iter().zip(values) {
             *value = self.scratch.get(*index).copied().unwrap_or(f64::NAN);
         }
-        Ok(())
+        Ok(is_exact)
     }
 }
 
@@ -113,7 +113,8 @@ fn write(
             let mut converted = Vec::with_capacity(values.len());
             for (i, value) in values.iter().enumerate() {
                 let whole = *value as $type;
-                if whole as f64 != *value {
+                // At the upper end of 64 bits the nearest double is already too much.
+                if whole as i128 != *value as i128 || value.fract() != 0.0 {
                     let element = format!("element {} of value reference {reference}", i + 1);
                     let value = Value::Real(*value);
                     return Err(type_error(instance.name(), &element, data_type, &value));
@@ -156,8 +157,9 @@ fn read(
     data_type: DataType,
     reference: u32,
     values: &mut [f64],
-) -> Result<(), Error> {
+) -> Result<bool, Error> {
     let asked = values.len();
+    let mut is_exact = true;
     // As `Room` does, there is more room behind what is asked for.
     macro_rules! get {
         ($type:ty, $get:ident, $call:literal) => {{
@@ -167,7 +169,11 @@ fn read(
             if found[asked] != mark {
                 return Err(overrun(instance, $call, asked));
             }
-            values.iter_mut().zip(found).for_each(|(value, found)| *value = found as f64);
+            for (value, found) in values.iter_mut().zip(found) {
+                *value = found as f64;
+                // Of whole numbers only: what is no double is rounded.
+                is_exact &= found as i128 == *value as i128;
+            }
         }};
     }
     match data_type {
@@ -190,5 +196,5 @@ fn read(
         }
         _ => get!(i64, get_int64, "fmi3GetInt64"),
     }
-    Ok(())
+    Ok(is_exact)
 }

@@ -129,8 +129,12 @@ impl Events {
         if !references.iter().any(|reference| self.discrete.contains(reference)) {
             return Ok(false);
         }
-        // An array is written as a whole, scalars one by one.
-        let width = if run.array.is_some() { values.len().max(1) } else { 1 };
+        // An array is written as a whole, as is a value of two parts; other scalars one by one.
+        let width = match run {
+            TypeRun { array: Some(_), .. } => values.len().max(1),
+            TypeRun { is_split: true, .. } => 2,
+            _ => 1,
+        };
         let parts = references.chunks(width).zip(values.chunks(width));
         for (place, (references, values)) in parts.enumerate() {
             let Some(reference) = references.first().copied() else { continue };

@@ -16,7 +16,7 @@ use super::support::{
     Room, Settings, States, instance_of, offers_bytes, offers_state, problem, same_length,
     type_error,
 };
-use super::typed::{get_other, set_other};
+use super::typed::{get_other, get_split, set_other, set_split};
 use super::value::Value;
 use super::{Slave, StateId, structure};
 use crate::error::Error;
@@ -119,6 +119,11 @@ impl Fmi3Slave {
             }
             made => made?,
         };
+        let said = Some(self.library.version()).filter(|version| version.contains('-'));
+        if let Some(draft) = self.description.draft.as_deref().or(said) {
+            let text = format!("is of FMI {draft}, a draft; it is run as one of FMI 3.0");
+            instance.log().remark(text);
+        }
         self.instance = Some(instance);
         self.begin_anew()
     }
@@ -246,7 +251,15 @@ impl Slave for Fmi3Slave {
             let references = &selection.references()[run.range.clone()];
             let values = &mut values[run.range.clone()];
             if let Some(array) = &run.array {
-                self.arrays.get(instance, &mut self.room, run, array, values)?;
+                let is_exact = self.arrays.get(instance, &mut self.room, run, array, values)?;
+                if !is_exact && self.rounded.is_none() {
+                    self.rounded = Some((array.reference, run.data_type));
+                }
+            } else if run.is_split {
+                let inexact = get_split(instance, run.data_type, references, values)?;
+                if let (Some(place), None) = (inexact, self.rounded) {
+                    self.rounded = references.get(place).map(|at| (*at, run.data_type));
+                }
             } else if run.data_type == DataType::Float64 {
                 let get = |room: &mut [f64]| instance.get_float64(references, room);
                 self.room.read("fmi3GetFloat64", values, get)?;
@@ -279,8 +292,8 @@ impl Slave for Fmi3Slave {
             let found = self.description.variables.iter().find(|v| v.value_reference == reference);
             let variable = found.map(|v| v.name.clone()).unwrap_or_default();
             self.instance()?.log().remark(format!(
-                "variable `{variable}` of type {} has a value beyond 2^53, which connections and records carry \
-                 rounded to a double",
+                "variable `{variable}` of type {} has a value beyond 2^53, which records, elements of arrays and \
+                 connections to other types carry rounded to a double",
                 data_type.name()
             ));
         }
@@ -479,6 +492,7 @@ fn write_run(
         (None, DataType::Float64) => {
             Ok(instance.set_float64(&selection.references()[run.range.clone()], values)?)
         }
+        (None, _) if run.is_split => set_split(instance, selection, run, values),
         (None, _) => set_other(instance, selection, run, values),
     }
 }

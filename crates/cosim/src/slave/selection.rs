@@ -13,7 +13,8 @@ use crate::problem::Problem;
 
 /// Some number-valued variables of one slave, in an order of the user's choice.
 ///
-/// Values travel as `f64`: exact for reals, 32-bit integers and booleans (0 and 1). An element of
+/// Values travel as `f64`: exact for reals, 32-bit integers and booleans (0 and 1); whole numbers of
+/// 64 bits that are connected to such ones as two, the nearest double and the rest. An element of
 /// an FMI 3.0 array is one of the variables, by the array's name and its place, counted from 1:
 /// `command[1]`, `matrix[2,3]`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,6 +35,8 @@ pub struct TypeRun {
     pub range: Range<usize>,
     /// The array that they are elements of; none: they are scalars.
     pub array: Option<ArrayRun>,
+    /// Whole numbers of 64 bits as two values each: the nearest double, and what is left.
+    pub is_split: bool,
 }
 
 /// Some elements of one array.
@@ -77,12 +80,12 @@ impl Selection {
     /// # Errors
     /// A text or a binary is no number; an array is not one number.
     pub fn add(&mut self, slave: &str, variable: &Variable) -> Result<usize, Problem> {
-        self.add_address(slave, &Address { variable: variable.clone(), element: None })
+        self.add_address(slave, &Address::of(variable))
     }
 
     /// Adds a variable or an element of an array; its place is the return value.
     pub(crate) fn add_address(&mut self, slave: &str, address: &Address) -> Result<usize, Problem> {
-        let Address { variable, element } = address;
+        let Address { variable, element, is_rest } = address;
         if !Selection::takes(variable) {
             return Err(no_number(slave, variable));
         }
@@ -90,8 +93,12 @@ impl Selection {
         self.names.push(variable.name.clone());
         self.places.entry(variable.name.clone()).or_insert(place);
         self.references.push(variable.value_reference);
-        let last = self.runs.last_mut().filter(|run| run.data_type == variable.data_type);
-        match (last, element) {
+        if *is_rest {
+            self.split_last();
+            return Ok(place);
+        }
+        let fits = |run: &&mut TypeRun| run.data_type == variable.data_type && !run.is_split;
+        match (self.runs.last_mut().filter(fits), element) {
             (Some(TypeRun { array: None, range, .. }), None) => range.end += 1,
             (Some(TypeRun { array: Some(array), range, .. }), Some(element))
                 if array.reference == variable.value_reference =>
@@ -107,9 +114,29 @@ impl Selection {
                     size: element.size,
                     indices: vec![element.index],
                 }),
+                is_split: false,
             }),
         }
         Ok(place)
+    }
+
+    /// The last variable is one of two values, of which the second has just been added.
+    fn split_last(&mut self) {
+        let Some(last) = self.runs.last_mut() else { return };
+        let (data_type, end) = (last.data_type, last.range.end);
+        last.range.end -= 1;
+        if last.range.is_empty() {
+            self.runs.pop();
+        }
+        match self.runs.last_mut().filter(|run| run.is_split && run.data_type == data_type) {
+            Some(run) => run.range.end = end + 1,
+            None => self.runs.push(TypeRun {
+                data_type,
+                range: end - 1..end + 1,
+                array: None,
+                is_split: true,
+            }),
+        }
     }
 
     /// Whether a variable is one number; a clock is 1 where it ticks, else 0.
@@ -130,7 +157,12 @@ impl Selection {
             places: names.iter().cloned().zip(0..).collect(),
             names,
             references: self.references.get(range).unwrap_or_default().to_vec(),
-            runs: vec![TypeRun { data_type: run.data_type, range: 0..places.len(), array }],
+            runs: vec![TypeRun {
+                data_type: run.data_type,
+                range: 0..places.len(),
+                array,
+                is_split: run.is_split,
+            }],
         }
     }
 

@@ -21,16 +21,20 @@ pub(super) fn set_other(
     /// Converts a chunk on the stack, or names the place that does not convert.
     macro_rules! set {
         ($type:ty, $set:ident) => {
-            set!($type, $set, |value: f64| value as $type, |value: $type| value as f64)
+            // At the upper end of 64 bits the nearest double is already too much.
+            set!($type, $set, |value: f64| value as $type, |place: $type, value: f64| {
+                value as i128 == place as i128 && value.fract() == 0.0
+            })
         };
-        ($type:ty, $set:ident, $to:expr, $back:expr) => {{
+        ($type:ty, $set:ident, $to:expr, $is_it:expr) => {{
             let references = selection.references()[run.range.clone()].chunks(CHUNK);
             let names = selection.names()[run.range.clone()].chunks(CHUNK);
             for ((references, names), values) in references.zip(names).zip(values.chunks(CHUNK)) {
                 let mut converted = [<$type>::default(); CHUNK];
                 for ((place, value), name) in converted.iter_mut().zip(values).zip(names) {
                     *place = $to(*value);
-                    if $back(*place) != *value {
+                    let is_it: bool = $is_it(*place, *value);
+                    if !is_it {
                         let value = Value::Real(*value);
                         return Err(type_error(instance.name(), name, run.data_type, &value));
                     }
@@ -54,9 +58,9 @@ pub(super) fn set_other(
         DataType::UInt32 => set!(u32, set_uint32),
         DataType::UInt64 => set!(u64, set_uint64),
         DataType::Boolean => {
-            set!(bool, set_boolean, |value: f64| value == 1.0, |value: bool| f64::from(u8::from(
-                value
-            )));
+            set!(bool, set_boolean, |value: f64| value == 1.0, |place: bool, value: f64| {
+                f64::from(u8::from(place)) == value
+            });
         }
         _ => set!(i64, set_int64),
     }
@@ -111,4 +115,67 @@ pub(super) fn get_other(
         _ => get!(exact i64, get_int64),
     }
     Ok(inexact)
+}
+
+/// Reads whole numbers of 64 bits as two values each, the nearest double and what is left of the number; the
+/// first place of one that is no double.
+pub(super) fn get_split(
+    instance: &mut Instance,
+    data_type: DataType,
+    references: &[u32],
+    values: &mut [f64],
+) -> Result<Option<usize>, Error> {
+    let mut inexact = None;
+    let pairs = references.chunks_exact(2).zip(values.chunks_exact_mut(2));
+    for (number, (references, values)) in pairs.enumerate() {
+        let references = &references[..1];
+        let whole = match data_type {
+            DataType::UInt64 => {
+                let mut read = [0];
+                instance.get_uint64(references, &mut read)?;
+                i128::from(read[0])
+            }
+            _ => {
+                let mut read = [0];
+                instance.get_int64(references, &mut read)?;
+                i128::from(read[0])
+            }
+        };
+        let nearest = whole as f64;
+        let rest = whole - nearest as i128;
+        values.copy_from_slice(&[nearest, rest as f64]);
+        if rest != 0 && inexact.is_none() {
+            inexact = Some(2 * number);
+        }
+    }
+    Ok(inexact)
+}
+
+/// Writes such numbers.
+pub(super) fn set_split(
+    instance: &mut Instance,
+    selection: &Selection,
+    run: &TypeRun,
+    values: &[f64],
+) -> Result<(), Error> {
+    let references = selection.references()[run.range.clone()].chunks_exact(2);
+    let names = selection.names()[run.range.clone()].chunks_exact(2);
+    for ((references, names), values) in references.zip(names).zip(values.chunks_exact(2)) {
+        let is_whole = values.iter().all(|value| value.fract() == 0.0);
+        let whole = values[0] as i128 + values[1] as i128;
+        let references = &references[..1];
+        match (run.data_type, u64::try_from(whole), i64::try_from(whole)) {
+            (DataType::UInt64, Ok(whole), _) if is_whole => {
+                instance.set_uint64(references, &[whole])?;
+            }
+            (DataType::Int64, _, Ok(whole)) if is_whole => {
+                instance.set_int64(references, &[whole])?;
+            }
+            _ => {
+                let value = Value::Real(values[0] + values[1]);
+                return Err(type_error(instance.name(), &names[0], run.data_type, &value));
+            }
+        }
+    }
+    Ok(())
 }

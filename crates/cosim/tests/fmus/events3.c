@@ -19,8 +19,8 @@ typedef struct {
     int32_t level, seen, events, samples, askeds, countdowns, pulses, changes, kick, crossed;
     int32_t clocked, taken;
     uint64_t n;
-    int64_t big;
-    uint64_t huge;
+    int64_t big, big_in;
+    uint64_t huge, huge_in;
     bool active[16], out, countdown_new, crossing;
     int mode;
 } State;
@@ -295,15 +295,19 @@ EXPORT Status fmi3GetInt32(void *c, const uint32_t *vr, size_t n, int32_t *value
 
 EXPORT Status fmi3SetInt64(void *c, const uint32_t *vr, size_t n, const int64_t *values, size_t m) {
     Slave *slave = c;
-    NEED(n == 1 && m == 1 && vr[0] == 31, "no such Int64");
-    slave->state.big = values[0];
+    NEED(n == 1 && m == 1 && (vr[0] == 31 || vr[0] == 36), "no such Int64");
+    NEED(vr[0] == 31 || slave->state.mode != STEP, "a discrete input is set outside an event");
+    *(vr[0] == 31 ? &slave->state.big : &slave->state.big_in) = values[0];
     return OK;
 }
 
 EXPORT Status fmi3GetInt64(void *c, const uint32_t *vr, size_t n, int64_t *values, size_t m) {
     Slave *slave = c;
-    NEED(n == 1 && m == 1 && (vr[0] == 31 || vr[0] == 33), "no such Int64");
-    values[0] = slave->state.big;
+    NEED(n == m, "as many values as references, please");
+    for (size_t k = 0; k < n; k++) {
+        NEED(vr[k] == 31 || vr[k] == 33 || vr[k] == 36 || vr[k] == 37, "no such Int64");
+        values[k] = vr[k] >= 36 ? slave->state.big_in : slave->state.big;
+    }
     return OK;
 }
 
@@ -317,15 +321,19 @@ EXPORT Status fmi3SetUInt64(void *c, const uint32_t *vr, size_t n, const uint64_
         for (uint64_t k = 0; k < 5; k++) slave->state.x[k] = (double)(k + 1);
         return OK;
     }
-    NEED(vr[0] == 32, "no such UInt64");
-    slave->state.huge = values[0];
+    NEED(vr[0] == 32 || vr[0] == 34, "no such UInt64");
+    NEED(vr[0] == 32 || slave->state.mode != STEP, "a discrete input is set outside an event");
+    *(vr[0] == 32 ? &slave->state.huge : &slave->state.huge_in) = values[0];
     return OK;
 }
 
 EXPORT Status fmi3GetUInt64(void *c, const uint32_t *vr, size_t n, uint64_t *values, size_t m) {
     Slave *slave = c;
-    NEED(n == 1 && m == 1, "one UInt64 at a time");
-    values[0] = vr[0] == 40 ? slave->state.n : slave->state.huge;
+    State *s = &slave->state;
+    NEED(n == m, "as many values as references, please");
+    for (size_t k = 0; k < n; k++) {
+        values[k] = vr[k] == 40 ? s->n : vr[k] == 39 || vr[k] == 34 ? s->huge_in : s->huge;
+    }
     return OK;
 }
 

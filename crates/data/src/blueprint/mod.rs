@@ -259,8 +259,7 @@ impl Blueprint {
     /// is told by [`check`](Self::check).
     pub fn read(path: &Path) -> Result<Self, Problems> {
         let origin = path.display().to_string();
-        files::note_read(path);
-        let text = std::fs::read_to_string(path).map_err(|error| {
+        let text = files::read_text(path).map_err(|error| {
             let way_out = if error.kind() == std::io::ErrorKind::InvalidData {
                 "save it as UTF-8 text"
             } else {

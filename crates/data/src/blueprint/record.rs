@@ -132,8 +132,7 @@ fn find(name: &str, origin: &str) -> Result<ParameterRecord, Problems> {
         let folder = Path::new(origin).parent().unwrap_or(Path::new(""));
         let path = folder.join(name);
         let shown = path.display().to_string();
-        files::note_read(&path);
-        let text = std::fs::read_to_string(&path).map_err(|error| {
+        let text = files::read_text(&path).map_err(|error| {
             let rule = format!("cannot be read: {error}");
             Problem::new(&shown, rule, "give the record's path from the blueprint's folder")
         })?;

@@ -38,17 +38,22 @@ pub fn sidecar_of(path: &Path) -> PathBuf {
 }
 
 /// The companion of the log and the dataset of its folder, those that exist.
-pub(super) fn beside(path: &Path) -> Result<Vec<Dataset>, Problems> {
+///
+/// # Errors
+/// One is broken, or is longer than `longest` bytes.
+pub(super) fn beside(path: &Path, longest: u64) -> Result<Vec<Dataset>, Problems> {
     let mut found = Vec::new();
     for (path, is_sidecar) in
         [(sidecar_of(path), true), (path.with_file_name("dataset.toml"), false)]
     {
-        let text = match std::fs::read_to_string(&path) {
-            Ok(text) => {
-                files::note_read(&path);
-                text
-            }
+        let text = match files::read_text_within(&path, longest) {
+            Ok(text) => text,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
+            Err(error) if error.kind() == std::io::ErrorKind::FileTooLarge => {
+                let rule = format!("cannot be read: {error}, which is more than describes a log");
+                let way_out = "describe fewer columns, or allow more with --log-memory MB";
+                return Err(Problem::new(path.display().to_string(), rule, way_out).into());
+            }
             Err(error) => {
                 let rule = format!("cannot be read: {error}");
                 let file = path.display().to_string();

@@ -52,7 +52,7 @@ impl Found {
                     group.log(origin, &options, &[]).map(|log| (name, log))
                 });
                 let logs = logs.collect::<Result<Vec<_>, _>>()?;
-                join::groups(origin, logs, resample)?
+                join::groups(origin, logs, resample, options.memory)?
             }
             _ => return Err(refuse(different(&groups))),
         };

@@ -14,6 +14,16 @@ pub enum Resample {
 
 /// Most rows that are made.
 const MOST_ROWS: f64 = 1e9;
+/// Bytes that any log may become, and how many times its own a larger one, as binary files may.
+const FREE: f64 = 268_435_456.0;
+const EXPANSION: f64 = 100.0;
+
+/// Most rows of a log of so many columns of numbers, made of so many numbers, in the memory that the
+/// caller allows.
+fn most_rows(memory: Option<u64>, numbers: usize, columns: usize) -> f64 {
+    let bytes = memory.map_or((EXPANSION * 8.0 * numbers as f64).max(FREE), |given| given as f64);
+    (bytes / 8.0 / (columns + 1) as f64).floor().min(MOST_ROWS)
+}
 
 /// The uniform times that begin at `start`.
 #[derive(Clone, Copy)]
@@ -24,7 +34,12 @@ struct Grid {
 }
 
 impl Grid {
-    fn of(origin: &str, period: f64, start: f64, end: f64) -> Result<Self, Problems> {
+    fn of(
+        origin: &str,
+        period: f64,
+        (start, end): (f64, f64),
+        most: f64,
+    ) -> Result<Self, Problems> {
         let problem = |rule: String, way_out: &str| {
             Problems::from(Problem::new(origin, rule, way_out).at("--resample"))
         };
@@ -42,12 +57,13 @@ impl Grid {
         }
         // An instant within 1e-9 sample times of the end is the end.
         let rows = ((end - start) / period + 1e-9).floor() + 1.0;
-        if rows > MOST_ROWS {
-            let rule =
-                format!("{rows:e} rows from {start} s to {end} s are too many; is time in us?");
+        if rows > most {
+            let rule = format!(
+                "{rows:e} rows from {start} s to {end} s are too many, there is memory for {most}; is time in us?"
+            );
             return Err(problem(
                 rule,
-                "give a lower rate: --resample=HZ, or the unit of time: --unit time=us",
+                "give a lower rate: --resample=HZ, the unit of time: --unit time=us, or more memory: --log-memory MB",
             ));
         }
         Ok(Self { start, period, rows: rows as usize })
@@ -129,6 +145,7 @@ pub(super) fn groups(
     origin: &str,
     groups: Vec<(String, Log)>,
     resample: Resample,
+    memory: Option<u64>,
 ) -> Result<Log, Problems> {
     let ends = |log: &Log| (log.time().first().copied(), log.time().last().copied());
     let start = groups.iter().filter_map(|(_, log)| ends(log).0).fold(f64::NEG_INFINITY, f64::max);
@@ -139,7 +156,9 @@ pub(super) fn groups(
             groups.iter().map(|(_, log)| period(log)).fold(f64::INFINITY, f64::min)
         }
     };
-    let grid = Grid::of(origin, period, start, end)?;
+    let columns = groups.iter().map(|(_, log)| log.columns.len()).sum();
+    let numbers = groups.iter().map(|(_, log)| log.len() * (log.columns.len() + 1)).sum();
+    let grid = Grid::of(origin, period, (start, end), most_rows(memory, numbers, columns))?;
     let mut joined = Log::new(origin, grid.times().collect())?;
     let names: Vec<String> =
         groups.iter().map(|(name, log)| format!("\"{name}\" ({} rows)", log.len())).collect();
@@ -170,19 +189,26 @@ pub(super) fn groups(
 
 impl Log {
     /// The same log with each record on a uniform grid of its own.
-    pub(super) fn resampled(mut self, resample: Resample) -> Result<Self, Problems> {
+    pub(super) fn resampled(
+        mut self,
+        resample: Resample,
+        memory: Option<u64>,
+    ) -> Result<Self, Problems> {
         let Some(first) = self.records.first() else { return Ok(self) };
         let period = match resample {
             Resample::Rate(rate) => 1.0 / rate,
             Resample::Fastest => period(&self.select(first.rows.clone())),
         };
         let held: Vec<bool> = self.columns.iter().map(|column| is_held(&column.values)).collect();
+        let numbers = self.len() * (held.len() + 1);
+        let mut left = most_rows(memory, numbers, held.len());
         let (mut time, mut columns, mut records) =
             (Vec::new(), vec![Vec::new(); held.len()], Vec::new());
         for record in &self.records {
             let old = &self.time[record.rows.clone()];
             let (Some(start), Some(end)) = (old.first(), old.last()) else { continue };
-            let grid = Grid::of(&self.origin, period, *start, *end)?;
+            let grid = Grid::of(&self.origin, period, (*start, *end), left)?;
+            left -= grid.rows as f64;
             let begin = time.len();
             time.extend(grid.times());
             for ((new, column), held) in columns.iter_mut().zip(&self.columns).zip(&held) {

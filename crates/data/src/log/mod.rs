@@ -199,7 +199,7 @@ impl Log {
     fn resolved_by(self, options: &ReadOptions) -> Result<Self, Problems> {
         let log = self.undo_rounding();
         match options.resample.filter(|_| !log.remarks.is_joined) {
-            Some(resample) => log.resampled(resample),
+            Some(resample) => log.resampled(resample, options.memory),
             None => Ok(log),
         }
     }

@@ -99,6 +99,11 @@ pub(super) fn find<'a>(
 
 /// Whether a table with this header pairs each signal with a time of its own: several columns of time.
 pub(super) fn has_several(cells: &[String]) -> bool {
+    // Our own records begin with `time`; whatever else is called like a time there is a signal.
+    let mut exact = cells.iter().map(|cell| split(cell).0 == "time");
+    if exact.next() == Some(true) && !exact.any(|is| is) {
+        return false;
+    }
     cells
         .iter()
         .filter(|cell| {

@@ -79,7 +79,9 @@ impl LogWriter {
             if std::fs::read_to_string(&path).is_ok_and(|there| there == text) {
                 None
             } else {
-                let begun = keep_foreign(&path).and_then(|()| WholeFile::create(&path));
+                let begun = files::check_beside(&path, || true)
+                    .and_then(|()| keep_foreign(&path))
+                    .and_then(|()| WholeFile::create(&path));
                 let begun = begun.and_then(|mut sidecar| {
                     sidecar.write_all(text.as_bytes())?;
                     Ok(sidecar)

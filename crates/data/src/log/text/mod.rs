@@ -21,7 +21,7 @@ use cells::{Dialect, blanks};
 use preamble::Preamble;
 
 use super::dataset::{self, Dataset};
-use super::header::{Context, Header};
+use super::header::{Context, Header, split};
 use super::table::{Grid, Place, Table};
 use super::{Log, ReadOptions, cell, formats, time_column};
 use crate::{Problem, Problems};
@@ -42,7 +42,10 @@ pub(super) fn file(path: &Path, options: &ReadOptions) -> Result<Log, Problems> 
         let problem = Problem::new(&origin, "is a folder", "give the name of a file in it");
         return Err(problem.into());
     }
-    let datasets = dataset::beside(path)?;
+    let datasets = {
+        let most = options.memory.unwrap_or(0).max(files::LONGEST_TEXT);
+        dataset::beside(path, most)?
+    };
     let head = head_of(&mut file).map_err(unreadable)?;
     if let Some(format) = formats::Format::of(path, &head) {
         drop(head);
@@ -127,7 +130,13 @@ fn plain_header(head: &[u8]) -> Option<Vec<String>> {
         cell::parse(name.trim().as_bytes()).is_err() && (at == 0 || !name.trim().is_empty())
     };
     let mut marks = names.iter().map(|name| name.trim_start().as_bytes());
-    if !names.iter().enumerate().all(is_name) || marks.any(|name| cells::comment(name).is_some()) {
+    // Names of variables that our records hold may look like numbers or comments.
+    let is_own = names.first().is_some_and(|name| split(name).0 == "time")
+        && names.iter().all(|name| !name.trim().is_empty());
+    if !is_own
+        && (!names.iter().enumerate().all(is_name)
+            || marks.any(|name| cells::comment(name).is_some()))
+    {
         return None;
     }
     let has_row = rows.read_byte_record(&mut row).ok()?;
