@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::{Banked, Count, Kernel, Stepping, WrongCount, each, exactly};
-use crate::linear::{self, Added, BeforeMode, Creep, Delay, Lags, Mode};
+use crate::linear::{self, Added, BeforeMode, Creep, Delay, Element, Lags, Mode};
 use crate::map;
 use crate::mechanics::{Backlash, Dahl, Force, Forced};
 use crate::memory::{self, BoucWen};
@@ -266,11 +266,12 @@ impl Block {
             Ok(Kernel::new(Stepping(law), dt))
         }
         /// A law of elements side by side.
-        fn banked<const H: usize, const S: usize>(
-            law: impl crate::kernel::Bank<H, S>,
+        fn banked<K: crate::kernel::Bank<H, S>, const H: usize, const S: usize>(
+            bank: K,
+            elements: Vec<K::Element>,
             dt: f64,
         ) -> Result<Kernel, WrongCount> {
-            Ok(Kernel::new(Banked(law), dt))
+            Ok(Kernel::new(Banked { bank, elements }, dt))
         }
         match self {
             Self::Factor => exactly(p).map(|[factor]| map::factor(factor)),
@@ -340,29 +341,30 @@ impl Block {
             | Self::LogCreep { .. }
             | Self::PowerCreep { .. }
             | Self::FixedCreep { .. } => {
-                banked(Creep::new(self.elements(p)?.unwrap_or_default()), dt)
+                let elements = self.elements(p)?.into_iter().flatten();
+                banked(Creep, elements.map(Element::new).collect(), dt)
             }
             Self::Plays { r, slope } => {
                 let weights = each(p, r.len() + usize::from(*slope))?;
                 let (slope, weights) = weights.split_at(usize::from(*slope));
                 let plays = r.iter().copied().zip(weights.iter().copied()).collect();
-                banked(memory::Plays { slope: slope.first().copied(), plays }, dt)
+                banked(memory::Plays { slope: slope.first().copied() }, plays, dt)
             }
             Self::SkewedPlays { r, span } => {
                 let plays = r.iter().copied().zip(each(p, r.len())?.iter().copied()).collect();
-                banked(memory::SkewedPlays { span: *span, plays }, dt)
+                banked(memory::SkewedPlays { span: *span }, plays, dt)
             }
             Self::CurvedPlays { memory, span } => {
                 let [curvature] = exactly(p)?;
-                banked(memory::CurvedPlays { span: *span, plays: memory.plays(), curvature }, dt)
+                banked(memory::CurvedPlays { span: *span, curvature }, memory.plays(), dt)
             }
             Self::BentPlays { memory, span } => {
                 let bends = exactly(p)?;
-                banked(memory::BentPlays { span: *span, plays: memory.plays(), bends }, dt)
+                banked(memory::BentPlays { span: *span, bends }, memory.plays(), dt)
             }
             Self::RatePlays(memory) => {
                 let [time] = exactly(p)?;
-                banked(rated::RatePlays { plays: memory.plays(), time, per_step: 0.0 }, dt)
+                banked(rated::RatePlays { time, per_step: 0.0 }, memory.plays(), dt)
             }
             Self::GrowingPlays { memory, law, scale, smoothing } => {
                 let (growth, of_scale, rate) = match smoothing {
@@ -375,17 +377,17 @@ impl Block {
                         (growth, of_scale, Smoothed::new(time, false))
                     }
                 };
-                let (plays, reference) = (memory.plays(), of_scale * scale);
-                banked(rated::GrowingPlays { plays, rate, growth, law: *law, reference }, dt)
+                let (law, reference) = (*law, of_scale * scale);
+                banked(rated::GrowingPlays { rate, growth, law, reference }, memory.plays(), dt)
             }
             Self::LaggedPlays(memory) => {
                 let [bandwidth] = exactly(p)?;
-                banked(rated::LaggedPlays { plays: memory.plays(), bandwidth, fraction: 0.0 }, dt)
+                banked(rated::LaggedPlays { bandwidth, fraction: 0.0 }, memory.plays(), dt)
             }
             Self::RateMemory { memory, half, smoothing } => {
                 let [time] = exactly(p)?;
                 let rate = Smoothed::new(*smoothing, true);
-                banked(rated::RateMemory { plays: memory.plays(), rate, time, half: *half }, dt)
+                banked(rated::RateMemory { rate, time, half: *half }, memory.plays(), dt)
             }
             Self::BoucWen => {
                 let [gain, width, turning] = exactly(p)?;
@@ -416,7 +418,7 @@ impl Block {
                     fraction: 0.0,
                 };
                 let warmths = times.iter().zip(growths).map(warmth).collect();
-                banked(Warming { loss: *loss, warmths, dt }, dt)
+                banked(Warming { loss: *loss, dt }, warmths, dt)
             }
             Self::ParallelMode => {
                 let [gain, frequency, damping] = exactly(p)?;

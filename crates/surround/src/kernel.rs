@@ -284,17 +284,18 @@ pub(crate) trait Bank<const H: usize, const S: usize>:
     Clone + Send + Sync + 'static
 {
     /// Coefficients of an element.
-    type Element: Copy;
+    type Element: Copy + Send + Sync;
     /// What all elements are given in a step.
     type Shared: Copy;
 
-    fn elements(&self) -> &[Self::Element];
     /// Takes over the length of the steps in s.
-    fn set_step(&mut self, _dt: f64) {}
+    fn set_step(&mut self, _dt: f64, _elements: &mut [Self::Element]) {}
     /// The shared state at rest, and that of each element before its first step.
-    fn rest(&self, w: Wires) -> ([f64; H], [f64; S]);
+    fn rest(&self, _w: Wires) -> ([f64; H], [f64; S]) {
+        ([0.0; H], [0.0; S])
+    }
     /// Brings the shared state to the end of a step.
-    fn advance(&self, w: Wires, head: &mut [f64; H]);
+    fn advance(&self, _w: Wires, _head: &mut [f64; H]) {}
     fn shared(&self, w: Wires, head: &[f64; H]) -> Self::Shared;
     /// What comes out without elements.
     fn direct(&self, w: Wires) -> f64 {
@@ -307,16 +308,19 @@ pub(crate) trait Bank<const H: usize, const S: usize>:
 /// Rows of which whole signals' shared numbers are kept at a time: they stay in the fastest memory.
 const ROWS: usize = 64;
 
-/// A [`Bank`] as a law.
+/// A [`Bank`] with its elements as a law.
 #[derive(Clone)]
-pub(crate) struct Banked<K, const H: usize, const S: usize>(pub(crate) K);
+pub(crate) struct Banked<K: Bank<H, S>, const H: usize, const S: usize> {
+    pub(crate) bank: K,
+    pub(crate) elements: Vec<K::Element>,
+}
 
 impl<const H: usize, const S: usize, K: Bank<H, S>> Banked<K, H, S> {
     /// All elements, one after the other.
     fn sum(&self, w: Wires, head: &[f64; H], elements: &mut [[f64; S]]) -> f64 {
-        let shared = self.0.shared(w, head);
-        let all = self.0.elements().iter().zip(elements);
-        all.fold(self.0.direct(w), |y, (element, z)| y + K::add(element, shared, z))
+        let shared = self.bank.shared(w, head);
+        let all = self.elements.iter().zip(elements);
+        all.fold(self.bank.direct(w), |y, (element, z)| y + K::add(element, shared, z))
     }
 
     /// Moves N elements over rows and adds what they do, side by side in registers.
@@ -338,19 +342,19 @@ impl<const H: usize, const S: usize, K: Bank<H, S>> Banked<K, H, S> {
 
 impl<const H: usize, const S: usize, K: Bank<H, S>> Law for Banked<K, H, S> {
     fn set_step(&mut self, dt: f64) {
-        self.0.set_step(dt);
+        self.bank.set_step(dt, &mut self.elements);
     }
 
     fn rest(&self, w: Wires, state: &mut State) -> f64 {
-        let (head, element) = self.0.rest(w);
+        let (head, element) = self.bank.rest(w);
         state.z.extend(head);
-        self.0.elements().iter().for_each(|_| state.z.extend(element));
+        self.elements.iter().for_each(|_| state.z.extend(element));
         self.sum(w, &head, state.z[H..].as_chunks_mut().0)
     }
 
     fn step(&self, w: Wires, _t: f64, state: &mut State) -> f64 {
         let (head, elements) = state.z.split_first_chunk_mut().expect("a state of this kernel");
-        self.0.advance(w, head);
+        self.bank.advance(w, head);
         self.sum(w, head, elements.as_chunks_mut().0)
     }
 
@@ -360,19 +364,18 @@ impl<const H: usize, const S: usize, K: Bank<H, S>> Law for Banked<K, H, S> {
         else {
             return;
         };
-        let (mut head, element) = self.0.rest(w);
-        let elements = self.0.elements();
-        let mut states = vec![element; elements.len()];
+        let (mut head, element) = self.bank.rest(w);
+        let mut states = vec![element; self.elements.len()];
         *first = self.sum(w, &head, &mut states);
-        let mut shared = [self.0.shared(w, &head); ROWS];
+        let mut shared = [self.bank.shared(w, &head); ROWS];
         for (k, out) in out.chunks_mut(ROWS).enumerate() {
             let part = signals.part(k * ROWS, out.len());
             for ((y, shared), w) in out.iter_mut().zip(&mut shared).zip(part.wires()) {
-                self.0.advance(w, &mut head);
-                *shared = self.0.shared(w, &head);
-                *y = self.0.direct(w);
+                self.bank.advance(w, &mut head);
+                *shared = self.bank.shared(w, &head);
+                *y = self.bank.direct(w);
             }
-            let (fours, others) = elements.as_chunks::<4>();
+            let (fours, others) = self.elements.as_chunks::<4>();
             let (z_fours, z_others) = states.as_chunks_mut::<4>();
             for (four, z) in fours.iter().zip(z_fours) {
                 Self::add_all(four, z, &shared, out);
@@ -384,7 +387,7 @@ impl<const H: usize, const S: usize, K: Bank<H, S>> Law for Banked<K, H, S> {
     }
 
     fn states(&self) -> usize {
-        H + S * self.0.elements().len()
+        H + S * self.elements.len()
     }
 
     fn boxed(&self) -> Box<dyn Law> {

@@ -242,9 +242,7 @@ impl Step<2> for PoleZero {
 
 /// `x + Σ share·lag(x)`.
 #[derive(Clone)]
-pub(crate) struct Creep {
-    pub(crate) elements: Vec<Element>,
-}
+pub(crate) struct Creep;
 
 /// An element of creep.
 #[derive(Clone, Copy)]
@@ -255,11 +253,10 @@ pub(crate) struct Element {
     fraction: f64,
 }
 
-impl Creep {
-    /// Of shares and time constants in s.
-    pub(crate) fn new(elements: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        let element = |(share, time)| Element { share, time, fraction: 0.0 };
-        Self { elements: elements.into_iter().map(element).collect() }
+impl Element {
+    /// Of a share and a time constant in s.
+    pub(crate) fn new((share, time): (f64, f64)) -> Self {
+        Self { share, time, fraction: 0.0 }
     }
 }
 
@@ -267,20 +264,15 @@ impl Bank<0, 1> for Creep {
     type Element = Element;
     type Shared = f64;
 
-    fn elements(&self) -> &[Element] {
-        &self.elements
-    }
-
-    fn set_step(&mut self, dt: f64) {
-        self.elements.iter_mut().for_each(|e| e.fraction = approach(e.time, dt));
+    fn set_step(&mut self, dt: f64, elements: &mut [Element]) {
+        elements.iter_mut().for_each(|e| e.fraction = approach(e.time, dt));
     }
 
     fn rest(&self, w: Wires) -> ([f64; 0], [f64; 1]) {
         ([], [w.x])
     }
 
-    fn advance(&self, _: Wires, _: &mut [f64; 0]) {}
-
+    #[inline]
     fn shared(&self, w: Wires, _: &[f64; 0]) -> f64 {
         w.x
     }

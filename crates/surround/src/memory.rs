@@ -9,28 +9,18 @@ use crate::span::Span;
 #[derive(Clone)]
 pub(crate) struct Plays {
     pub(crate) slope: Option<f64>,
-    /// Thresholds and weights.
-    pub(crate) plays: Vec<(f64, f64)>,
 }
 
 impl Bank<0, 1> for Plays {
     type Element = (f64, f64);
     type Shared = f64;
 
-    fn elements(&self) -> &[(f64, f64)] {
-        &self.plays
-    }
-
-    fn rest(&self, _: Wires) -> ([f64; 0], [f64; 1]) {
-        ([], [0.0])
-    }
-
-    fn advance(&self, _: Wires, _: &mut [f64; 0]) {}
-
+    #[inline]
     fn shared(&self, w: Wires, _: &[f64; 0]) -> f64 {
         w.drive
     }
 
+    #[inline]
     fn direct(&self, w: Wires) -> f64 {
         match self.slope {
             Some(g) => w.x + g * w.drive,
@@ -49,7 +39,6 @@ impl Bank<0, 1> for Plays {
 #[derive(Clone)]
 pub(crate) struct SkewedPlays {
     pub(crate) span: Span,
-    pub(crate) plays: Vec<(f64, f64)>,
 }
 
 impl Bank<0, 1> for SkewedPlays {
@@ -57,16 +46,7 @@ impl Bank<0, 1> for SkewedPlays {
     /// The drive and its place.
     type Shared = (f64, f64);
 
-    fn elements(&self) -> &[(f64, f64)] {
-        &self.plays
-    }
-
-    fn rest(&self, _: Wires) -> ([f64; 0], [f64; 1]) {
-        ([], [0.0])
-    }
-
-    fn advance(&self, _: Wires, _: &mut [f64; 0]) {}
-
+    #[inline]
     fn shared(&self, w: Wires, _: &[f64; 0]) -> (f64, f64) {
         (w.drive, self.span.unit(w.drive))
     }
@@ -82,7 +62,6 @@ impl Bank<0, 1> for SkewedPlays {
 #[derive(Clone)]
 pub(crate) struct CurvedPlays {
     pub(crate) span: Span,
-    pub(crate) plays: Vec<(f64, f64)>,
     pub(crate) curvature: f64,
 }
 
@@ -91,16 +70,7 @@ impl Bank<0, 2> for CurvedPlays {
     /// The drive, and curvature times its place.
     type Shared = (f64, f64);
 
-    fn elements(&self) -> &[(f64, f64)] {
-        &self.plays
-    }
-
-    fn rest(&self, _: Wires) -> ([f64; 0], [f64; 2]) {
-        ([], [0.0; 2])
-    }
-
-    fn advance(&self, _: Wires, _: &mut [f64; 0]) {}
-
+    #[inline]
     fn shared(&self, w: Wires, _: &[f64; 0]) -> (f64, f64) {
         (w.drive, self.curvature * self.span.unit(w.drive))
     }
@@ -123,7 +93,6 @@ impl Bank<0, 2> for CurvedPlays {
 #[derive(Clone)]
 pub(crate) struct BentPlays {
     pub(crate) span: Span,
-    pub(crate) plays: Vec<(f64, f64)>,
     /// a, b, c, d.
     pub(crate) bends: [f64; 4],
 }
@@ -133,16 +102,7 @@ impl Bank<0, 2> for BentPlays {
     /// The drive, and the lower and the upper envelope but for the threshold.
     type Shared = [f64; 3];
 
-    fn elements(&self) -> &[(f64, f64)] {
-        &self.plays
-    }
-
-    fn rest(&self, _: Wires) -> ([f64; 0], [f64; 2]) {
-        ([], [0.0; 2])
-    }
-
-    fn advance(&self, _: Wires, _: &mut [f64; 0]) {}
-
+    #[inline]
     fn shared(&self, w: Wires, _: &[f64; 0]) -> [f64; 3] {
         let (u, half, [a, b, c, d]) = (w.drive, self.span.half, self.bends);
         let place = self.span.unit(u);

@@ -41,7 +41,6 @@ fn two(weight: f64, r: f64, u: f64, [changed, plain]: &mut [f64; 2], wide: f64) 
 /// Thresholds `r + T·|v′|`, v′ as the components with a rate take it. Shared state: theirs.
 #[derive(Clone)]
 pub(crate) struct RatePlays {
-    pub(crate) plays: Vec<(f64, f64)>,
     /// T in s.
     pub(crate) time: f64,
     /// 1/step.
@@ -53,11 +52,7 @@ impl Bank<{ rate::STATES }, 2> for RatePlays {
     /// The drive, and by how much thresholds grow.
     type Shared = (f64, f64);
 
-    fn elements(&self) -> &[(f64, f64)] {
-        &self.plays
-    }
-
-    fn set_step(&mut self, dt: f64) {
+    fn set_step(&mut self, dt: f64, _: &mut [(f64, f64)]) {
         self.per_step = 1.0 / dt;
     }
 
@@ -65,10 +60,12 @@ impl Bank<{ rate::STATES }, 2> for RatePlays {
         (rate::rest(w.drive), [0.0; 2])
     }
 
+    #[inline]
     fn advance(&self, w: Wires, head: &mut RateState) {
         rate::update(head, w.drive, self.per_step);
     }
 
+    #[inline]
     fn shared(&self, w: Wires, head: &RateState) -> (f64, f64) {
         (w.drive, self.time * head[1].abs())
     }
@@ -110,7 +107,6 @@ impl Smoothed {
 /// Thresholds `r·(1 + g·f(|ρ|/ρ₀))` with the smoothed rate ρ of the drive.
 #[derive(Clone)]
 pub(crate) struct GrowingPlays {
-    pub(crate) plays: Vec<(f64, f64)>,
     pub(crate) rate: Smoothed,
     /// g.
     pub(crate) growth: f64,
@@ -125,11 +121,7 @@ impl Bank<2, 2> for GrowingPlays {
     /// The drive, and the factor of the thresholds.
     type Shared = (f64, f64);
 
-    fn elements(&self) -> &[(f64, f64)] {
-        &self.plays
-    }
-
-    fn set_step(&mut self, dt: f64) {
+    fn set_step(&mut self, dt: f64, _: &mut [(f64, f64)]) {
         self.rate.set_step(dt);
     }
 
@@ -137,10 +129,12 @@ impl Bank<2, 2> for GrowingPlays {
         ([w.drive, 0.0], [0.0; 2])
     }
 
+    #[inline]
     fn advance(&self, w: Wires, head: &mut [f64; 2]) {
         self.rate.advance(w.drive, head);
     }
 
+    #[inline]
     fn shared(&self, w: Wires, head: &[f64; 2]) -> (f64, f64) {
         (w.drive, 1.0 + self.growth * self.law.at(head[1].abs() / self.reference))
     }
@@ -154,7 +148,6 @@ impl Bank<2, 2> for GrowingPlays {
 /// Plays of the drive behind a first-order lag. Shared state: the lagged drive.
 #[derive(Clone)]
 pub(crate) struct LaggedPlays {
-    pub(crate) plays: Vec<(f64, f64)>,
     /// In Hz.
     pub(crate) bandwidth: f64,
     pub(crate) fraction: f64,
@@ -165,11 +158,7 @@ impl Bank<1, 2> for LaggedPlays {
     /// The drive, and the lagged one.
     type Shared = (f64, f64);
 
-    fn elements(&self) -> &[(f64, f64)] {
-        &self.plays
-    }
-
-    fn set_step(&mut self, dt: f64) {
+    fn set_step(&mut self, dt: f64, _: &mut [(f64, f64)]) {
         self.fraction = lag_fraction(self.bandwidth, dt);
     }
 
@@ -177,10 +166,12 @@ impl Bank<1, 2> for LaggedPlays {
         ([w.drive], [0.0; 2])
     }
 
+    #[inline]
     fn advance(&self, w: Wires, [late]: &mut [f64; 1]) {
         *late += self.fraction * (w.drive - *late);
     }
 
+    #[inline]
     fn shared(&self, w: Wires, [late]: &[f64; 1]) -> (f64, f64) {
         (w.drive, *late)
     }
@@ -196,7 +187,6 @@ impl Bank<1, 2> for LaggedPlays {
 /// `x + T·ρ/half·Σ w·(P_r[v] − v)` with the smoothed size ρ of the rate of the drive v.
 #[derive(Clone)]
 pub(crate) struct RateMemory {
-    pub(crate) plays: Vec<(f64, f64)>,
     pub(crate) rate: Smoothed,
     /// T in s.
     pub(crate) time: f64,
@@ -208,11 +198,7 @@ impl Bank<2, 1> for RateMemory {
     /// The drive, and the factor of the memory.
     type Shared = (f64, f64);
 
-    fn elements(&self) -> &[(f64, f64)] {
-        &self.plays
-    }
-
-    fn set_step(&mut self, dt: f64) {
+    fn set_step(&mut self, dt: f64, _: &mut [(f64, f64)]) {
         self.rate.set_step(dt);
     }
 
@@ -220,10 +206,12 @@ impl Bank<2, 1> for RateMemory {
         ([w.drive, 0.0], [0.0])
     }
 
+    #[inline]
     fn advance(&self, w: Wires, head: &mut [f64; 2]) {
         self.rate.advance(w.drive, head);
     }
 
+    #[inline]
     fn shared(&self, w: Wires, head: &[f64; 2]) -> (f64, f64) {
         (w.drive, self.time * head[1] / self.half)
     }

@@ -90,7 +90,6 @@ impl Step<3> for Heating {
 #[derive(Clone)]
 pub(crate) struct Warming {
     pub(crate) loss: Loss,
-    pub(crate) warmths: Vec<Warmth>,
     /// Length of the step in s.
     pub(crate) dt: f64,
 }
@@ -113,24 +112,22 @@ impl Bank<3, 1> for Warming {
     /// The power, and the way of the path from rest.
     type Shared = (f64, f64);
 
-    fn elements(&self) -> &[Warmth] {
-        &self.warmths
-    }
-
-    fn set_step(&mut self, dt: f64) {
+    fn set_step(&mut self, dt: f64, elements: &mut [Warmth]) {
         self.dt = dt;
-        self.warmths.iter_mut().for_each(|w| w.fraction = approach(w.time, dt));
+        elements.iter_mut().for_each(|w| w.fraction = approach(w.time, dt));
     }
 
     fn rest(&self, w: Wires) -> ([f64; 3], [f64; 1]) {
         ([w.drive, w.x, 0.0], [0.0])
     }
 
+    #[inline]
     fn advance(&self, w: Wires, [before, _, power]: &mut [f64; 3]) {
         *power = self.loss.power(w.drive, (w.drive - *before) / self.dt);
         *before = w.drive;
     }
 
+    #[inline]
     fn shared(&self, w: Wires, [_, rest, power]: &[f64; 3]) -> (f64, f64) {
         (*power, w.x - rest)
     }
