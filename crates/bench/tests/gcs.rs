@@ -9,200 +9,34 @@ mod common;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use std::time::Duration;
 
-use bench::emulate::{Instrument, travel};
+use bench::emulate::{GcsInstrument, travel};
 use bench::gateway::device::Device;
-use bench::gateway::gcs::{GcsDevice, Line, Options};
-use bench::safety::{AxisLimits, Reason, State};
+use bench::gateway::gcs::GcsDevice;
+use bench::gateway::line::Options;
+use bench::safety::{Reason, State};
+use common::bad_line::{FAULTS, Fault, MemoryLine, World};
 use common::lockstep::{Lockstep, run};
-use common::{Law, PERIOD, controller, cycle_with, limits, plant};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
+use common::{PERIOD, controller, cycle_with, plant, target_limits, targets};
 
 const AXES: usize = 2;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Fault {
-    /// The line is gone, and does not open.
-    Cut,
-    /// The line is gone once, and opens again.
-    HungUp,
-    /// Nothing is answered.
-    Silence,
-    /// Answers come with those of the next exchange.
-    Delay,
-    /// Answers are other bytes.
-    Garbage,
-    /// Answers break off, and the rest is lost.
-    Half,
-    /// Answers come twice.
-    Double,
-    /// Lines of an answer are swapped.
-    Swapped,
-    /// The instrument's power was off for a moment.
-    Reboot,
-    /// Somebody stops it.
-    Stop,
-}
-
-const FAULTS: [Fault; 10] = [
-    Fault::Cut,
-    Fault::HungUp,
-    Fault::Silence,
-    Fault::Delay,
-    Fault::Garbage,
-    Fault::Half,
-    Fault::Double,
-    Fault::Swapped,
-    Fault::Reboot,
-    Fault::Stop,
-];
-
-/// The instrument, its line, and what happens to both.
-#[derive(Debug)]
-struct World {
-    instrument: Instrument,
-    fault: Option<(Fault, u64, u64)>,
-    random: ChaCha8Rng,
-    exchanges: u64,
-    is_open: bool,
-    pending: Vec<u8>,
-    late: Vec<u8>,
-    /// Positions that were told.
-    told: Vec<Vec<f64>>,
-}
-
-impl World {
-    fn active(&self) -> Option<Fault> {
-        let (fault, from, length) = self.fault?;
-        (from..from.saturating_add(length)).contains(&self.exchanges).then_some(fault)
-    }
-
-    fn question(&mut self, bytes: &[u8]) {
-        // What the runner may use: the positions before the fault.
-        if bytes.windows(4).any(|word| word == b"POS?") {
-            let is_first = self.active().is_none();
-            self.exchanges += 1;
-            self.instrument.step().unwrap();
-            match self.active() {
-                Some(Fault::Reboot) if is_first => self.instrument.reboot(),
-                Some(Fault::Stop) => drop(self.instrument.receive(&[24])),
-                _ => {}
-            }
-        }
-        let good = self.instrument.receive(bytes);
-        let asks = bytes.windows(4).any(|word| word == b"POS?");
-        if let Some(line) =
-            good.split(|byte| *byte == b'\n').next().filter(|line| asks && line.starts_with(b"1="))
-        {
-            let second = good.split(|byte| *byte == b'\n').nth(1).unwrap_or_default();
-            let value = |line: &[u8]| {
-                let text = String::from_utf8_lossy(line).into_owned();
-                text.split_once('=').and_then(|(_, value)| value.trim().parse().ok())
-            };
-            self.told.push([line, second].iter().filter_map(|line| value(line)).collect());
-        }
-        let arrived = std::mem::take(&mut self.late);
-        self.pending.extend(arrived);
-        match self.active() {
-            Some(Fault::Cut | Fault::Silence) => {}
-            Some(Fault::Delay) => self.late = good,
-            Some(Fault::Garbage) => {
-                let bytes = good.iter().map(|_| (self.random.next_u32() >> 8) as u8);
-                self.pending.extend(bytes.collect::<Vec<_>>());
-            }
-            Some(Fault::Half) => self.pending.extend(&good[..good.len() / 2]),
-            Some(Fault::Double) => [&good, &good].iter().for_each(|all| self.pending.extend(*all)),
-            Some(Fault::Swapped) => {
-                let text = String::from_utf8_lossy(&good).replace("1=", "#=").replace("2=", "1=");
-                self.pending.extend(text.replace("#=", "2=").bytes());
-            }
-            Some(Fault::HungUp | Fault::Reboot | Fault::Stop) | None => self.pending.extend(&good),
-        }
-    }
-}
-
-#[derive(Debug)]
-struct MemoryLine(Rc<RefCell<World>>);
-
-impl Line for MemoryLine {
-    fn open(&mut self, _: Duration) -> Result<(), String> {
-        let mut world = self.0.borrow_mut();
-        (world.pending, world.late) = (Vec::new(), Vec::new());
-        world.instrument.hang_up();
-        // The time that an attempt takes.
-        world.exchanges += 1;
-        world.instrument.step().unwrap();
-        world.is_open = world.active() != Some(Fault::Cut);
-        if world.is_open { Ok(()) } else { Err("nobody answers".to_owned()) }
-    }
-
-    fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let mut world = self.0.borrow_mut();
-        let is_gone = matches!(world.active(), Some(Fault::Cut | Fault::HungUp));
-        if is_gone && world.is_open && world.active() == Some(Fault::HungUp) {
-            world.fault = None;
-            world.is_open = false;
-        }
-        if is_gone || !world.is_open {
-            return Err("the line is gone".to_owned());
-        }
-        world.question(bytes);
-        Ok(())
-    }
-
-    fn read(&mut self, bytes: &mut [u8], _: Duration) -> Result<usize, String> {
-        let mut world = self.0.borrow_mut();
-        // In pieces, as a line brings them.
-        let most = 1 + world.random.next_u32() as usize % 7;
-        let length = world.pending.len().min(bytes.len()).min(most);
-        let piece: Vec<u8> = world.pending.drain(..length).collect();
-        bytes[..length].copy_from_slice(&piece);
-        Ok(length)
-    }
-
-    fn close(&mut self) {
-        self.0.borrow_mut().is_open = false;
-    }
+/// The positions of an answer `1=+0.5 \n2=+1.5\n0\n`.
+fn positions(answer: &str) -> Option<Vec<f64>> {
+    let values = answer.split('\n').filter_map(|line| line.split_once('='));
+    let values: Vec<f64> = values.filter_map(|(_, value)| value.trim().parse().ok()).collect();
+    (values.len() == AXES).then_some(values)
 }
 
 fn world(seed: u64, fault: Option<(Fault, u64, u64)>) -> Rc<RefCell<World>> {
     let travel = travel(plant(AXES), &[[-20.0, 120.0]; AXES]).unwrap();
-    Rc::new(RefCell::new(World {
-        instrument: Instrument::new(plant(AXES), travel),
-        fault,
-        random: ChaCha8Rng::seed_from_u64(seed),
-        exchanges: 0,
-        is_open: false,
-        pending: Vec::new(),
-        late: Vec::new(),
-        told: vec![vec![0.0; AXES]],
-    }))
+    let instrument = Box::new(GcsInstrument::new(plant(AXES), travel));
+    World::new(instrument, seed, fault, b"POS?", positions, &[24])
 }
 
 fn device(world: &Rc<RefCell<World>>) -> GcsDevice {
     let options = Options::parse("", PERIOD).unwrap();
     GcsDevice::open(Box::new(MemoryLine(Rc::clone(world))), options, &[0.0; AXES]).unwrap()
-}
-
-/// The commands are targets in um: the references themselves.
-fn targets() -> Law {
-    Box::new(|_, inputs, _, u| {
-        u.copy_from_slice(&inputs[..AXES]);
-        true
-    })
-}
-
-fn limits_here() -> AxisLimits {
-    AxisLimits {
-        command: [-1.0, 11.0],
-        command_rate: 800.0,
-        tracking_error: f64::INFINITY,
-        position_rate: f64::INFINITY,
-        safe_rate: 100.0,
-        ..limits()
-    }
 }
 
 #[test]
@@ -217,7 +51,7 @@ fn line_faults_end_in_the_safe_state() {
                 let name = format!("{fault:?} from exchange {from} for {length}, seed {seed}");
                 let world = world(seed, Some((fault, from, length)));
                 let mut gateway = Lockstep::new(Box::new(device(&world)), AXES);
-                let mut cycle = cycle_with(AXES, controller(AXES, targets()), limits_here());
+                let mut cycle = cycle_with(AXES, controller(AXES, targets(AXES)), target_limits());
                 let memory = run(&mut cycle, &mut gateway, 6000);
                 *ends
                     .entry(format!("{fault:?}: {}, {}", memory.state, memory.reason))
@@ -271,7 +105,7 @@ fn a_good_line_follows_and_ends_at_rest() {
     let said = device.describe().unwrap();
     assert!(said.contains("emulated GCS 2.0") && said.contains("1 from -2 to 12"), "{said}");
     let mut gateway = Lockstep::new(Box::new(device), AXES);
-    let mut cycle = cycle_with(AXES, controller(AXES, targets()), limits_here());
+    let mut cycle = cycle_with(AXES, controller(AXES, targets(AXES)), target_limits());
     let memory = run(&mut cycle, &mut gateway, 6000);
     assert_eq!((memory.state, memory.reason), (State::Safe, Reason::Finished));
     assert_eq!(gateway.bridge.failure(), None);

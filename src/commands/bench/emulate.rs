@@ -14,6 +14,7 @@ use cosim::InstanceOptions;
 use modeldescription::variable::Causality;
 use serde::Serialize;
 
+use super::instrument::Kind;
 use super::{KeyOptions, channels};
 use crate::answer::{Answer, Screen};
 use crate::{fmus, interrupt, ranges};
@@ -26,8 +27,8 @@ use crate::{fmus, interrupt, ranges};
 /// invalid; power-loss; restart. All take from and to in s of the machine's time; those of packets
 /// direction=measurement, command or both.
 ///
-/// --protocol gcs plays an instrument of PI instead: General Command Set 2.0 over TCP, a digital servo before
-/// the plant; without faults, key and heartbeat, which the protocol has not.
+/// --protocol gcs plays an instrument of PI instead (General Command Set 2.0 over TCP), nv200 one of piezosystem jena: a digital
+/// servo before the plant; without faults, key and heartbeat, which the protocols have not.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop bench emulate plant.fmu --gateway udp://127.0.0.1:9000 --rate 1k\n  piezoloop bench emulate evc-truth --gateway shm://stage --rate 2k --inject delay,seconds=1e-3 --inject quantisation,step=0.02\n  piezoloop bench emulate p1 --protocol gcs --rate 1k"
@@ -35,7 +36,7 @@ use crate::{fmus, interrupt, ranges};
 pub(crate) struct Emulate {
     /// The plant: an FMU, a blueprint or the name of a rig
     plant: PathBuf,
-    /// Where the machine listens: udp://IP:PORT, shm://NAME or gcs://IP:PORT [default of --protocol gcs: gcs://127.0.0.1:50000]
+    /// Where the machine listens: udp://IP:PORT, shm://NAME, gcs://IP:PORT or nv200://IP:PORT [default of --protocol gcs: gcs://127.0.0.1:50000, of nv200: nv200://127.0.0.1:50023]
     #[arg(long, value_name = "ADDRESS", required_unless_present = "protocol")]
     gateway: Option<Address>,
     /// What it speaks [default: as the address says]
@@ -88,6 +89,8 @@ enum Protocol {
     Packet,
     /// General Command Set 2.0 of PI
     Gcs,
+    /// Text protocol of piezosystem jena's NV200
+    Nv200,
 }
 
 /// When the machine steps.
@@ -110,23 +113,32 @@ struct Played {
 impl Emulate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let gateway = match (self.protocol, &self.gateway) {
-            (Some(Protocol::Packet), Some(address @ Address::Gcs { .. })) => {
-                bail!("{address}: speaks GCS, not --protocol packet")
-            }
-            (Some(Protocol::Packet), None) => bail!("--protocol packet: give --gateway ADDRESS"),
             (None | Some(Protocol::Gcs), Some(Address::Gcs { at, options })) => {
-                return self.instrument(screen, *at, options);
+                return self.instrument(screen, Kind::Gcs, *at, options);
             }
-            (Some(Protocol::Gcs), Some(address)) => {
-                bail!("--protocol gcs goes with --gateway gcs://IP:PORT, not {address}")
+            (None | Some(Protocol::Nv200), Some(Address::Nv200 { at, options })) => {
+                return self.instrument(screen, Kind::Nv200, *at, options);
             }
-            (Some(Protocol::Gcs) | None, None) => {
-                return self.instrument(screen, super::instrument::here(), "");
+            (Some(Protocol::Gcs), None) => {
+                return self.instrument(screen, Kind::Gcs, Kind::Gcs.here(), "");
             }
-            (_, Some(address)) => address.clone(),
+            (Some(Protocol::Nv200), None) => {
+                return self.instrument(screen, Kind::Nv200, Kind::Nv200.here(), "");
+            }
+            (Some(Protocol::Packet) | None, None) => bail!("give --gateway ADDRESS"),
+            (Some(Protocol::Gcs | Protocol::Nv200), Some(address))
+            | (
+                Some(Protocol::Packet),
+                Some(address @ (Address::Gcs { .. } | Address::Nv200 { .. })),
+            ) => {
+                bail!(
+                    "{address}: does not go with that --protocol; the address says what is spoken there"
+                )
+            }
+            (None | Some(Protocol::Packet), Some(address)) => address.clone(),
         };
         if self.volts.is_some() {
-            bail!("--volts goes with --protocol gcs");
+            bail!("--volts goes with --protocol gcs or nv200");
         }
         let script = self.script()?;
         let stop = Arc::new(AtomicBool::new(false));
@@ -170,7 +182,13 @@ impl Emulate {
     }
 
     /// Plays an instrument.
-    fn instrument(&self, screen: &Screen, at: SocketAddr, options: &str) -> anyhow::Result<u8> {
+    fn instrument(
+        &self,
+        screen: &Screen,
+        kind: Kind,
+        at: SocketAddr,
+        options: &str,
+    ) -> anyhow::Result<u8> {
         let given = [
             (self.faults.is_some(), "--faults"),
             (!self.inject.is_empty(), "--inject"),
@@ -184,10 +202,11 @@ impl Emulate {
         ];
         let some: Vec<&str> = given.iter().filter(|(is, _)| *is).map(|(_, name)| *name).collect();
         if !some.is_empty() {
-            bail!("--protocol gcs has no {}", some.join(", no "));
+            bail!("an instrument has no {}", some.join(", no "));
         }
         super::instrument::Play {
             plant: &self.plant,
+            kind,
             at,
             rate: self.rate,
             volts: self.volts,

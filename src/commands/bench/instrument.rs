@@ -1,4 +1,4 @@
-//! `piezoloop bench emulate --protocol gcs`: an instrument of PI, with a piezo plant behind it.
+//! `piezoloop bench emulate --protocol gcs` or `nv200`: an instrument, with a piezo plant behind it.
 
 use std::io::{self, Write};
 use std::net::{Ipv4Addr, SocketAddr};
@@ -6,9 +6,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use anyhow::bail;
-use bench::emulate::{Instrument, Plant, Travel, travel};
-use bench::gateway::gcs::{self, InstrumentServed};
+use anyhow::{Context, bail};
+use bench::emulate::{GcsInstrument, Instrument, Nv200Instrument, Plant, Travel, travel};
+use bench::gateway::{self, InstrumentServed, gcs, nv200};
 use cosim::{Fmu, InstanceOptions};
 use modeldescription::variable::Causality;
 use serde::Serialize;
@@ -17,14 +17,35 @@ use super::channels;
 use crate::answer::{Answer, Screen};
 use crate::{fmus, interrupt};
 
-/// Where an instrument listens when nothing else is said.
-pub(super) fn here() -> SocketAddr {
-    (Ipv4Addr::LOCALHOST, gcs::PORT).into()
+/// What an instrument speaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Gcs,
+    Nv200,
+}
+
+impl Kind {
+    /// Where it listens when nothing else is said. The port of the real NV200 is for administrators.
+    pub(super) fn here(self) -> SocketAddr {
+        let port = match self {
+            Kind::Gcs => gcs::PORT,
+            Kind::Nv200 => 50_000 + nv200::PORT,
+        };
+        (Ipv4Addr::LOCALHOST, port).into()
+    }
+
+    fn named(self) -> (&'static str, &'static str) {
+        match self {
+            Kind::Gcs => ("gcs", "GCS 2.0"),
+            Kind::Nv200 => ("nv200", "NV200"),
+        }
+    }
 }
 
 /// What is played.
 pub(super) struct Play<'a> {
     pub(super) plant: &'a Path,
+    pub(super) kind: Kind,
     pub(super) at: SocketAddr,
     pub(super) rate: f64,
     pub(super) volts: Option<[f64; 2]>,
@@ -60,18 +81,29 @@ impl Play<'_> {
                 format!("{name} {a} to {b} leads from {from:.6} to {to:.6}")
             };
         let axes: Vec<String> = commands.iter().zip(&travel).map(shown).collect();
+        let (scheme, protocol) = self.kind.named();
         let line = format!(
-            "instrument {} at gcs://{}: {} axes (GCS 2.0), {} steps per second; {}",
+            "instrument {} at {scheme}://{}: {} axes ({protocol}), {} steps per second; {}",
             opened.name,
             self.at,
             axes.len(),
             self.rate,
             axes.join("; ")
         );
-        let mut instrument = Instrument::new(make()?, travel);
+        let mut instrument: Box<dyn Instrument> = match self.kind {
+            Kind::Gcs => Box::new(GcsInstrument::new(make()?, travel)),
+            Kind::Nv200 => Box::new(Nv200Instrument::new(make()?, travel).with_context(|| {
+                format!(
+                    "an NV200 has one axis, {} has {}; choose with --commands and --positions",
+                    opened.name,
+                    commands.len()
+                )
+            })?),
+        };
         let duration_ns = self.duration.map(|seconds| (seconds * 1e9) as u64);
         let ready = || screen.say(&line);
-        let served = gcs::serve(&mut instrument, self.at, period_ns, duration_ns, &stop, ready)??;
+        let served =
+            gateway::serve(&mut *instrument, self.at, period_ns, duration_ns, &stop, ready)??;
         screen.show(&Played { served })
     }
 

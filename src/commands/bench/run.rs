@@ -34,7 +34,7 @@ pub(crate) struct Run {
     /// A bench plan (TOML); options given here go before it
     #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
-    /// Where the machine is: udp://IP:PORT, shm://NAME, ethercat://INTERFACE, gcs://IP:PORT or plugin://FILE?OPTIONS
+    /// Where the machine is: udp://IP:PORT, shm://NAME, ethercat://INTERFACE, gcs://IP:PORT, nv200://IP:PORT or plugin://FILE?OPTIONS
     #[arg(long, value_name = "ADDRESS")]
     gateway: Option<Address>,
     /// Own address, for a machine beyond this computer [default: 127.0.0.1 and the next port]

@@ -5,7 +5,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use super::{GatewayError, gcs};
+use super::{GatewayError, gcs, nv200};
 
 /// Where the machine is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,7 +20,14 @@ pub enum Address {
     Gcs {
         /// Where it listens.
         at: SocketAddr,
-        /// See `gcs::Options`.
+        /// See `line::Options`.
+        options: String,
+    },
+    /// `nv200://IP:PORT?OPTIONS`: an NV200 of piezosystem jena.
+    Nv200 {
+        /// Where it listens.
+        at: SocketAddr,
+        /// See `line::Options`.
         options: String,
     },
     /// `plugin://FILE?OPTIONS`: a driver in C behind the functions of `gateway.h`.
@@ -63,14 +70,12 @@ impl FromStr for Address {
             return Ok(Address::Ethercat(name.to_owned()));
         }
         if let Some(rest) = text.strip_prefix("gcs://") {
-            let (host, options) = rest.split_once('?').unwrap_or((rest, ""));
-            let only_ip =
-                || host.trim_matches(['[', ']']).parse::<IpAddr>().map(|ip| (ip, gcs::PORT).into());
-            let at = host.parse::<SocketAddr>().or_else(|_| only_ip());
-            let at = at.map_err(|_| {
-                error("is no IP address with or without a port (names are not looked up)".into())
-            })?;
-            return Ok(Address::Gcs { at, options: options.to_owned() });
+            let (at, options) = instrument(rest, gcs::PORT).ok_or_else(|| error(NO_IP.into()))?;
+            return Ok(Address::Gcs { at, options });
+        }
+        if let Some(rest) = text.strip_prefix("nv200://") {
+            let (at, options) = instrument(rest, nv200::PORT).ok_or_else(|| error(NO_IP.into()))?;
+            return Ok(Address::Nv200 { at, options });
         }
         if let Some(rest) = text.strip_prefix("plugin://") {
             let (library, options) = rest.split_once('?').unwrap_or((rest, ""));
@@ -84,15 +89,26 @@ impl FromStr for Address {
     }
 }
 
+const NO_IP: &str = "is no IP address with or without a port (names are not looked up)";
+
+/// Address, with this port where none is given, and options of an instrument.
+fn instrument(text: &str, port: u16) -> Option<(SocketAddr, String)> {
+    let (host, options) = text.split_once('?').unwrap_or((text, ""));
+    let only_ip = || host.trim_matches(['[', ']']).parse::<IpAddr>().map(|ip| (ip, port).into());
+    let at = host.parse::<SocketAddr>().or_else(|_| only_ip()).ok()?;
+    Some((at, options.to_owned()))
+}
+
 impl fmt::Display for Address {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Address::Udp(address) => write!(f, "udp://{address}"),
             Address::SharedMemory(name) => write!(f, "shm://{name}"),
             Address::Ethercat(name) => write!(f, "ethercat://{name}"),
-            Address::Gcs { at, options } => {
+            Address::Gcs { at, options } | Address::Nv200 { at, options } => {
+                let scheme = if matches!(self, Address::Gcs { .. }) { "gcs" } else { "nv200" };
                 let mark = if options.is_empty() { "" } else { "?" };
-                write!(f, "gcs://{at}{mark}{options}")
+                write!(f, "{scheme}://{at}{mark}{options}")
             }
             Address::Plugin { library, options } => {
                 let mark = if options.is_empty() { "" } else { "?" };
@@ -115,6 +131,7 @@ mod tests {
             "ethercat://eth1",
             "gcs://192.168.0.5:50000",
             "gcs://[::1]:50001?axes=1,2&mode=open",
+            "nv200://192.168.0.6:23?mode=open",
             "plugin://./libcard.so",
             "plugin:///opt/card.so?ao=Dev1/ao0:1 range=10?x",
         ] {

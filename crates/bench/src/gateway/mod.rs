@@ -6,6 +6,7 @@
 //! | `shm://stage` | shared memory of this host, over iceoryx2 (feature `shared-memory`) |
 //! | `ethercat://eth1` | SubDevices at that interface, over ethercrab (feature `ethercat`) |
 //! | `gcs://10.0.0.5:50000?axes=1,2` | an instrument of PI, General Command Set 2.0 over TCP |
+//! | `nv200://10.0.0.6` | a piezosystem jena NV200, over its telnet port |
 //! | `plugin://./libcard.so?options` | a driver in C with the functions of `gateway.h` |
 
 mod address;
@@ -14,9 +15,12 @@ pub mod device;
 pub mod ethercat;
 pub mod gcs;
 mod keyed;
+pub mod line;
 mod memory;
+pub mod nv200;
 mod plugin;
 mod process_data;
+mod serve;
 #[cfg(feature = "shared-memory")]
 mod shared_memory;
 mod udp;
@@ -30,6 +34,7 @@ pub use keyed::{KEYED_VERSION, Key, KeyError, KeyedGateway, Refused};
 pub use memory::{MemoryGateway, pair};
 pub use plugin::PluginDevice;
 pub use process_data::{Bit, ChannelData, DeviceData, Entry, NumberType, ProcessData};
+pub use serve::{InstrumentServed, serve};
 #[cfg(feature = "shared-memory")]
 pub use shared_memory::SharedMemoryGateway;
 pub use udp::UdpGateway;
@@ -76,7 +81,7 @@ pub enum End {
 pub enum GatewayError {
     /// The text is no address.
     #[error(
-        "gateway `{text}`: {rule}; write udp://IP:PORT as in udp://127.0.0.1:9000, shm://NAME, ethercat://INTERFACE, gcs://IP, or plugin://FILE"
+        "gateway `{text}`: {rule}; write udp://IP:PORT as in udp://127.0.0.1:9000, shm://NAME, ethercat://INTERFACE, gcs://IP, nv200://IP, or plugin://FILE"
     )]
     Address {
         /// As it was given.
@@ -166,7 +171,7 @@ pub fn open(
         }
         Address::Gcs { at, options } => {
             let (at, safe) = (*at, site.safe.clone());
-            let options = match gcs::Options::parse(options, site.period) {
+            let options = match line::Options::parse(options, site.period) {
                 Ok(options) => options,
                 Err(rule) => {
                     return failed("its options", &rule, "give them as in gcs://IP?axes=1,2");
@@ -174,8 +179,22 @@ pub fn open(
             };
             let way_out = "check power, cable, address and that no other program is connected";
             open_device(address, way_out, site, move || {
-                let line = Box::new(gcs::TcpLine::new(at));
+                let line = Box::new(line::TcpLine::new(at));
                 Ok(Box::new(gcs::GcsDevice::open(line, options, &safe)?))
+            })
+        }
+        Address::Nv200 { at, options } => {
+            let (at, safe) = (*at, site.safe.clone());
+            let options = match line::Options::parse(options, site.period) {
+                Ok(options) => options,
+                Err(rule) => {
+                    return failed("its options", &rule, "give them as in nv200://IP?mode=open");
+                }
+            };
+            let way_out = "check power, cable, address and that no other program is connected";
+            open_device(address, way_out, site, move || {
+                let line = Box::new(line::TcpLine::new(at));
+                Ok(Box::new(nv200::Nv200Device::open(line, options, &safe)?))
             })
         }
         Address::Ethercat(interface) => match site.ethercat {

@@ -1,6 +1,6 @@
 //! `plugin://./libmycard.so?options`: a driver in C behind the six functions of `gateway.h`.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use ::plugin::{Plugin, Sample};
 
@@ -19,7 +19,7 @@ impl PluginDevice {
     /// # Errors
     /// It is no gateway, of another version, or says no.
     pub fn open(
-        library: &PathBuf,
+        library: &Path,
         options: &str,
         channels: usize,
         period: f64,

@@ -1,6 +1,7 @@
 //! A plant and a controller in Rust, in the place of FMUs, and a bench made of them.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod bad_line;
 pub mod lockstep;
 
 use bench::cycle::{Controller, Cycle, Driver, Player, Setup};
@@ -187,4 +188,25 @@ pub fn emulator(axes: usize, script: Script) -> Emulator {
 
 pub fn rehearsal(axes: usize, driver: Driver, script: Script) -> Rehearsal {
     Rehearsal::new(cycle(axes, driver), emulator(axes, script), PERIOD_NS)
+}
+
+/// A controller of an instrument with a servo: its commands are targets in um, the references
+/// themselves.
+pub fn targets(axes: usize) -> Law {
+    Box::new(move |_, inputs, _, u| {
+        u.copy_from_slice(&inputs[..axes]);
+        true
+    })
+}
+
+/// Limits of such targets.
+pub fn target_limits() -> AxisLimits {
+    AxisLimits {
+        command: [-1.0, 11.0],
+        command_rate: 800.0,
+        tracking_error: f64::INFINITY,
+        position_rate: f64::INFINITY,
+        safe_rate: 100.0,
+        ..limits()
+    }
 }

@@ -8,17 +8,14 @@
 //!
 //! Syntax: PI, E-727 user manual E727T0005, "GCS Syntax for Syntax Version 2.0".
 
-mod line;
-mod serve;
 mod text;
 
 use std::time::Duration;
 
-pub use line::{Line, TcpLine};
-pub use serve::{InstrumentServed, serve};
-pub use text::{Broken, error_text, numbers};
+pub use text::{error_text, numbers};
 
 use super::device::{Device, Exchanged};
+use super::line::{Broken, Line, Options};
 
 /// The port of PI's controllers.
 pub const PORT: u16 = 50_000;
@@ -26,51 +23,6 @@ pub const PORT: u16 = 50_000;
 const LONGEST: usize = 16_384;
 /// Longest wait for an answer while it is opened.
 const PATIENCE: Duration = Duration::from_secs(3);
-
-/// What the address may say behind `?`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Options {
-    /// Axes, in the order of the channels; empty: the first that the instrument names.
-    pub axes: Vec<String>,
-    /// Commands are voltages (`SVA`, servo off), not targets (`MOV`, servo on).
-    pub open_loop: bool,
-    /// Longest wait for the answers of one exchange.
-    pub timeout: Duration,
-}
-
-impl Options {
-    /// Reads `axes=1,2&mode=open&timeout=0.05`; the timeout in s is by default two cycles, at least
-    /// 20 ms.
-    ///
-    /// # Errors
-    /// A word that is none of these.
-    pub fn parse(text: &str, period: f64) -> Result<Self, String> {
-        let seconds = (2.0 * period).max(0.02);
-        let mut options = Options {
-            axes: Vec::new(),
-            open_loop: false,
-            timeout: Duration::from_secs_f64(seconds),
-        };
-        for word in text.split('&').filter(|word| !word.is_empty()) {
-            let wrong =
-                || format!("`{word}` is none of axes=1,2 mode=closed mode=open timeout=SECONDS");
-            match word.split_once('=').ok_or_else(wrong)? {
-                ("axes", names) => options.axes = names.split(',').map(str::to_owned).collect(),
-                ("mode", "closed") => options.open_loop = false,
-                ("mode", "open") => options.open_loop = true,
-                ("timeout", text) => {
-                    let seconds = text.parse::<f64>().ok().filter(|s| (1e-3..=10.0).contains(s));
-                    options.timeout = Duration::from_secs_f64(seconds.ok_or_else(wrong)?);
-                }
-                _ => return Err(wrong()),
-            }
-        }
-        if options.axes.iter().any(|axis| axis.is_empty() || axis.contains([' ', '\n', '='])) {
-            return Err(format!("`{text}`: an axis has no name, or one with a blank"));
-        }
-        Ok(options)
-    }
-}
 
 /// An instrument behind a line.
 #[derive(Debug)]

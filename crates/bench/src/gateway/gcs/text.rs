@@ -1,20 +1,6 @@
 //! Answers of GCS 2.0.
 
-use thiserror::Error;
-
-/// Why there is no good answer.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum Broken {
-    /// It did not come in time, or the line is gone.
-    #[error("no answer in time")]
-    Late,
-    /// It is no answer to what was asked.
-    #[error("an answer with {0}")]
-    Garbage(String),
-    /// The instrument says no.
-    #[error("{0}")]
-    Said(String),
-}
+use crate::gateway::line::Broken;
 
 /// Where the first whole answer ends: behind a line feed without a blank before it.
 pub(super) fn end(bytes: &[u8]) -> Option<usize> {

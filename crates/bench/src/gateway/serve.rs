@@ -29,7 +29,7 @@ pub struct InstrumentServed {
 /// # Errors
 /// The port is taken; or the plant FMU failed.
 pub fn serve(
-    instrument: &mut Instrument,
+    instrument: &mut dyn Instrument,
     address: SocketAddr,
     period_ns: u64,
     duration_ns: Option<u64>,
@@ -37,10 +37,10 @@ pub fn serve(
     ready: impl FnOnce(),
 ) -> Result<Result<InstrumentServed, PlantError>, GatewayError> {
     let failed = |error: std::io::Error| GatewayError::Open {
-        address: format!("gcs://{address}"),
+        address: format!("{address}"),
         what: "the port".to_owned(),
         error: error.to_string(),
-        way_out: "choose another with --gateway gcs://127.0.0.1:PORT".to_owned(),
+        way_out: "choose another with --gateway".to_owned(),
     };
     let listener = TcpListener::bind(address).map_err(failed)?;
     listener.set_nonblocking(true).map_err(failed)?;

@@ -1,0 +1,209 @@
+//! PI: the General Command Set 2.0. PI's own client, PIPython, works with it.
+
+use super::{Axis, Instrument, Stage, Travel};
+use crate::emulate::{Plant, PlantError};
+
+/// The instrument.
+#[derive(Debug)]
+pub struct GcsInstrument {
+    stage: Stage,
+    error: i32,
+    /// A line that is not whole yet.
+    line: Vec<u8>,
+    commands: u64,
+}
+
+const UNKNOWN_COMMAND: i32 = 2;
+const SYNTAX: i32 = 1;
+const SERVO_OFF: i32 = 5;
+const LIMITS: i32 = 7;
+const STOPPED: i32 = 10;
+const NO_AXIS: i32 = 15;
+
+const HELP: &str = "The following commands are valid: \n#5 Request Motion Status \n#7 Request Controller Ready Status \n#24 Stop All Axes \n\
+    *IDN? Get Device Identification \nCSV? Get Current Syntax Version \nERR? Get Error Number \nHLP? Get List Of Available Commands \n\
+    HLT Halt Motion Smoothly \nMOV Set Target Position \nMOV? Get Target Position \nMVR Set Target Relative \nONT? Get On-Target State \nOVF? Get Overflow State \n\
+    POS? Get Real Position \nRBT Reboot System \nSAI? Get List Of Current Axis Identifiers \nSTP Stop All Axes \nSVA Set Open-Loop Axis Value \n\
+    SVA? Get Open-Loop Axis Value \nSVO Set Servo Mode \nSVO? Get Servo Mode \nTMN? Get Minimum Commandable Position \n\
+    TMX? Get Maximum Commandable Position \nVER? Get Versions \nVOL? Get Voltage Of Output Signal Channel \nend of help\n";
+
+impl GcsInstrument {
+    /// An instrument around a plant at rest: servo off.
+    #[must_use]
+    pub fn new(plant: Plant, travel: Vec<Travel>) -> Self {
+        let stage = Stage::new(plant, travel);
+        GcsInstrument { stage, error: 0, line: Vec::new(), commands: 0 }
+    }
+
+    /// Bit i: axis i is not on its target.
+    fn moving(&self) -> u32 {
+        let moves = (0..self.stage.axes.len())
+            .filter(|axis| self.stage.axes[*axis].servo && !self.stage.is_on_target(*axis));
+        moves.fold(0, |bits, axis| bits | 1 << axis.min(31))
+    }
+
+    fn stop(&mut self) {
+        self.stage.axes.iter_mut().for_each(|axis| axis.target = axis.position);
+        self.error = STOPPED;
+    }
+
+    fn command(&mut self, line: &str) -> String {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let Some((name, rest)) = words.split_first() else { return String::new() };
+        self.commands += 1;
+        let done = match name.to_ascii_uppercase().as_str() {
+            "*IDN?" => Ok(format!(
+                "Piezoloop, emulated GCS 2.0 controller, 0, {}\n",
+                env!("CARGO_PKG_VERSION")
+            )),
+            "CSV?" => Ok("2.0\n".to_owned()),
+            "VER?" => Ok(format!("FW_EMU: V{} \nGCS: 2.0\n", env!("CARGO_PKG_VERSION"))),
+            "HLP?" => Ok(HELP.to_owned()),
+            "ERR?" => Ok(format!("{}\n", std::mem::take(&mut self.error))),
+            "SAI?" => Ok(lines((1..=self.stage.axes.len()).map(|axis| axis.to_string()))),
+            "POS?" => self.tell(rest, |_, axis| format!("{:+.6}", axis.position)),
+            "MOV?" => self.tell(rest, |_, axis| format!("{:+.6}", axis.target)),
+            "SVA?" | "VOL?" => self.tell(rest, |_, axis| format!("{:+.6}", axis.volts)),
+            "SVO?" => self.tell(rest, |_, axis| u8::from(axis.servo).to_string()),
+            "TMN?" => self.tell(rest, |travel, _| format!("{:+.6}", travel.range()[0])),
+            "TMX?" => self.tell(rest, |travel, _| format!("{:+.6}", travel.range()[1])),
+            "OVF?" => self.tell(rest, |travel, axis| {
+                u8::from(axis.servo && travel.volts.contains(&axis.volts)).to_string()
+            }),
+            "ONT?" => self.places(rest).map(|places| {
+                lines(
+                    places
+                        .iter()
+                        .map(|n| format!("{}={}", n + 1, u8::from(self.stage.is_on_target(*n)))),
+                )
+            }),
+            "MOV" => self.moved(rest, false),
+            "MVR" => self.moved(rest, true),
+            "SVA" => self.pairs(rest).and_then(|pairs| {
+                if pairs.iter().any(|(n, _)| self.stage.axes[*n].servo) {
+                    return Err(SERVO_OFF);
+                }
+                let inside = |(n, value): &(usize, f64)| {
+                    let [a, b] = self.stage.travel[*n].volts;
+                    (a.min(b)..=a.max(b)).contains(value)
+                };
+                if !pairs.iter().all(inside) {
+                    return Err(LIMITS);
+                }
+                pairs.iter().for_each(|(n, value)| self.stage.axes[*n].volts = *value);
+                Ok(String::new())
+            }),
+            "SVO" => self.pairs(rest).map(|pairs| {
+                pairs.iter().for_each(|(n, value)| self.stage.servo(*n, *value != 0.0));
+                String::new()
+            }),
+            "STP" | "HLT" => {
+                self.stop();
+                Ok(String::new())
+            }
+            "RBT" => {
+                self.reboot();
+                Ok(String::new())
+            }
+            _ => Err(UNKNOWN_COMMAND),
+        };
+        done.unwrap_or_else(|error| {
+            self.error = error;
+            String::new()
+        })
+    }
+
+    fn moved(&mut self, words: &[&str], is_relative: bool) -> Result<String, i32> {
+        let mut pairs = self.pairs(words)?;
+        if is_relative {
+            pairs.iter_mut().for_each(|(n, value)| *value += self.stage.axes[*n].target);
+        }
+        if pairs.iter().any(|(n, _)| !self.stage.axes[*n].servo) {
+            return Err(SERVO_OFF);
+        }
+        let inside = |(n, value): &(usize, f64)| self.stage.travel[*n].reaches(*value);
+        // All or none.
+        if !pairs.iter().all(inside) {
+            return Err(LIMITS);
+        }
+        pairs.iter().for_each(|(n, value)| self.stage.axes[*n].target = *value);
+        Ok(String::new())
+    }
+
+    /// The axes of these names; of none, all.
+    fn places(&self, words: &[&str]) -> Result<Vec<usize>, i32> {
+        if words.is_empty() {
+            return Ok((0..self.stage.axes.len()).collect());
+        }
+        let place = |word: &&str| {
+            let number = word.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+            number.filter(|n| *n < self.stage.axes.len()).ok_or(NO_AXIS)
+        };
+        words.iter().map(place).collect()
+    }
+
+    fn pairs(&self, words: &[&str]) -> Result<Vec<(usize, f64)>, i32> {
+        if words.is_empty() || !words.len().is_multiple_of(2) {
+            return Err(SYNTAX);
+        }
+        let pair = |pair: &[&str]| {
+            let value = pair[1].parse::<f64>().ok().filter(|value| value.is_finite());
+            Ok((self.places(&pair[..1])?[0], value.ok_or(SYNTAX)?))
+        };
+        words.chunks(2).map(pair).collect()
+    }
+
+    fn tell(&self, words: &[&str], of: impl Fn(&Travel, &Axis) -> String) -> Result<String, i32> {
+        let places = self.places(words)?;
+        let line =
+            |n: &usize| format!("{}={}", n + 1, of(&self.stage.travel[*n], &self.stage.axes[*n]));
+        Ok(lines(places.iter().map(line)))
+    }
+}
+
+impl Instrument for GcsInstrument {
+    fn receive(&mut self, bytes: &[u8]) -> Vec<u8> {
+        let mut answer = Vec::new();
+        for byte in bytes {
+            match byte {
+                b'\n' | b'\r' => {
+                    let line = std::mem::take(&mut self.line);
+                    answer.extend(self.command(&String::from_utf8_lossy(&line)).bytes());
+                }
+                5 => answer.extend(format!("{:X}\n", self.moving()).bytes()),
+                // Ready, in PI's code page.
+                7 => answer.extend([0xb1, b'\n']),
+                24 => self.stop(),
+                byte if self.line.len() < 4096 => self.line.push(*byte),
+                _ => self.error = SYNTAX,
+            }
+        }
+        answer
+    }
+
+    fn step(&mut self) -> Result<(), PlantError> {
+        self.stage.step()
+    }
+
+    fn reboot(&mut self) {
+        self.stage.reboot();
+        (self.error, self.line) = (0, Vec::new());
+    }
+
+    fn hang_up(&mut self) {
+        self.line.clear();
+    }
+
+    fn commands(&self) -> u64 {
+        self.commands
+    }
+
+    fn targets(&self) -> Vec<(f64, bool)> {
+        self.stage.targets()
+    }
+}
+
+/// An answer: each line but the last ends with a blank.
+fn lines(all: impl Iterator<Item = String>) -> String {
+    all.collect::<Vec<_>>().join(" \n") + "\n"
+}

@@ -1,0 +1,171 @@
+//! Instruments that laboratories have, with a piezo plant behind them: a digital servo, and the protocol
+//! that clients of the real one speak.
+//!
+//! Open loop: the voltage acts on the plant. Closed loop: an integrator u += K·(target − y)/g per step,
+//! g the plant's static gain, brings the position to the target.
+
+mod gcs;
+mod nv200;
+
+pub use gcs::GcsInstrument;
+pub use nv200::Nv200Instrument;
+
+use super::plant::{Plant, PlantError};
+
+/// An instrument as its client sees it.
+pub trait Instrument: std::fmt::Debug {
+    /// Takes bytes of the client; the return value is what is answered.
+    fn receive(&mut self, bytes: &[u8]) -> Vec<u8>;
+
+    /// One step of servo and plant.
+    ///
+    /// # Errors
+    /// The plant failed.
+    fn step(&mut self) -> Result<(), PlantError>;
+
+    /// Power off and on.
+    fn reboot(&mut self);
+
+    /// The client is gone: half a line is none.
+    fn hang_up(&mut self);
+
+    /// Commands and questions so far.
+    fn commands(&self) -> u64;
+
+    /// Targets and servo states, axis by axis.
+    fn targets(&self) -> Vec<(f64, bool)>;
+}
+
+/// Share of the error that one step of the servo takes away from a plant without dynamics.
+const INTEGRAL: f64 = 0.03;
+/// Within this share of the travel an axis is on its target.
+const ON_TARGET: f64 = 1e-3;
+/// Steps in which the plant comes to rest when its ends are measured.
+const REST: usize = 2000;
+
+/// How far an axis goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Travel {
+    /// Voltages.
+    pub volts: [f64; 2],
+    /// Positions at these.
+    pub positions: [f64; 2],
+}
+
+impl Travel {
+    pub(super) fn gain(&self) -> f64 {
+        let gain = (self.positions[1] - self.positions[0]) / (self.volts[1] - self.volts[0]);
+        if gain.is_finite() && gain != 0.0 { gain } else { 1.0 }
+    }
+
+    /// The least and the greatest position.
+    pub(super) fn range(&self) -> [f64; 2] {
+        let [a, b] = self.positions;
+        [a.min(b), a.max(b)]
+    }
+
+    /// Whether a target is one, to the digits that are told.
+    pub(super) fn reaches(&self, target: f64) -> bool {
+        let [least, greatest] = self.range();
+        (least - 1e-6..=greatest + 1e-6).contains(&target)
+    }
+}
+
+/// Measures how far each axis of a plant goes between two voltages: it is used up.
+///
+/// # Errors
+/// The plant failed.
+pub fn travel(mut plant: Plant, volts: &[[f64; 2]]) -> Result<Vec<Travel>, PlantError> {
+    let mut ends = [0, 1].map(|_| vec![0.0; plant.axes()]);
+    for (end, positions) in ends.iter_mut().enumerate() {
+        let commands: Vec<f64> = volts.iter().map(|volts| volts[end]).collect();
+        for _ in 0..REST {
+            plant.step(&commands)?;
+        }
+        plant.read(positions);
+    }
+    let axis =
+        |axis: usize| Travel { volts: volts[axis], positions: [ends[0][axis], ends[1][axis]] };
+    Ok((0..volts.len()).map(axis).collect())
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Axis {
+    pub(super) servo: bool,
+    pub(super) target: f64,
+    pub(super) volts: f64,
+    pub(super) position: f64,
+}
+
+/// Plant and servo.
+#[derive(Debug)]
+pub(super) struct Stage {
+    plant: Plant,
+    pub(super) travel: Vec<Travel>,
+    pub(super) axes: Vec<Axis>,
+}
+
+impl Stage {
+    /// A plant at rest, servo off.
+    pub(super) fn new(plant: Plant, travel: Vec<Travel>) -> Self {
+        let axes = vec![Axis::default(); plant.axes()];
+        let mut stage = Stage { plant, travel, axes };
+        stage.look();
+        stage
+    }
+
+    /// Voltages that act, axis by axis.
+    pub(super) fn volts(&self) -> Vec<f64> {
+        self.axes.iter().map(|axis| axis.volts).collect()
+    }
+
+    /// Targets and servo states, axis by axis.
+    pub(super) fn targets(&self) -> Vec<(f64, bool)> {
+        self.axes.iter().map(|axis| (axis.target, axis.servo)).collect()
+    }
+
+    /// One step of servo and plant.
+    ///
+    /// # Errors
+    /// The plant failed.
+    pub(super) fn step(&mut self) -> Result<(), PlantError> {
+        for (axis, travel) in self.axes.iter_mut().zip(&self.travel) {
+            if axis.servo {
+                axis.volts += INTEGRAL * (axis.target - axis.position) / travel.gain();
+            }
+            let [least, greatest] = travel.volts;
+            axis.volts = axis.volts.clamp(least.min(greatest), greatest.max(least));
+        }
+        self.plant.step(&self.volts())?;
+        self.look();
+        Ok(())
+    }
+
+    fn look(&mut self) {
+        let mut positions = vec![0.0; self.axes.len()];
+        self.plant.read(&mut positions);
+        self.axes.iter_mut().zip(positions).for_each(|(axis, position)| axis.position = position);
+    }
+
+    /// Power off and on: servo off, the voltage next to 0.
+    pub(super) fn reboot(&mut self) {
+        for (axis, travel) in self.axes.iter_mut().zip(&self.travel) {
+            let [a, b] = travel.volts;
+            (axis.servo, axis.volts) = (false, 0.0_f64.clamp(a.min(b), a.max(b)));
+            axis.target = axis.position;
+        }
+    }
+
+    /// The servo of an axis; it takes over where the axis is.
+    pub(super) fn servo(&mut self, axis: usize, on: bool) {
+        let axis = &mut self.axes[axis];
+        axis.target = if axis.servo { axis.target } else { axis.position };
+        axis.servo = on;
+    }
+
+    pub(super) fn is_on_target(&self, axis: usize) -> bool {
+        let [least, greatest] = self.travel[axis].range();
+        let Axis { servo, target, position, .. } = self.axes[axis];
+        servo && (target - position).abs() <= ON_TARGET * (greatest - least)
+    }
+}

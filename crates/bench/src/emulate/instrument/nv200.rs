@@ -1,0 +1,169 @@
+//! piezosystem jena NV200: its text protocol, one axis. The maker's own library for Python works with it.
+//!
+//! A command `name,value` or a question `name` ends with a carriage return; the answer to a question is
+//! `name,value`, an error `error,N`; after each, XON says that the next may come. An empty line asks who
+//! is there. Source: piezosystem jena, Python library nv200 1.6.0, and its documentation.
+
+use super::{Instrument, Stage, Travel};
+use crate::emulate::{Plant, PlantError};
+
+const XON: u8 = 0x11;
+/// Telnet: the two bytes behind it are for the terminal.
+const IAC: u8 = 0xff;
+
+const UNKNOWN: u8 = 2;
+const MISSING: u8 = 3;
+const RANGE: u8 = 4;
+const COUNT: u8 = 5;
+const READ_ONLY: u8 = 6;
+
+/// The instrument.
+#[derive(Debug)]
+pub struct Nv200Instrument {
+    stage: Stage,
+    /// Where targets come from; 0: commands.
+    source: u8,
+    line: Vec<u8>,
+    /// Bytes of a telnet option that are still to come.
+    option: u8,
+    commands: u64,
+}
+
+impl Nv200Instrument {
+    /// An instrument around a plant of one axis at rest, open loop; none for another number of axes.
+    #[must_use]
+    pub fn new(plant: Plant, travel: Vec<Travel>) -> Option<Self> {
+        let is_one = plant.axes() == 1 && travel.len() == 1;
+        let stage = Stage::new(plant, travel);
+        is_one.then(|| Nv200Instrument {
+            stage,
+            source: 0,
+            line: Vec::new(),
+            option: 0,
+            commands: 0,
+        })
+    }
+
+    fn command(&mut self, line: &str) -> String {
+        let mut words = line.trim().split(',').map(str::trim);
+        let name = words.next().unwrap_or_default().to_ascii_lowercase();
+        let values: Vec<&str> = words.collect();
+        if name.is_empty() {
+            return "NV200/D_NET>\r\n".to_owned();
+        }
+        self.commands += 1;
+        let done = match values[..] {
+            [] => self.ask(&name),
+            [value] => self.set(&name, value).map(|()| String::new()),
+            _ => Err(COUNT),
+        };
+        done.unwrap_or_else(|code| format!("error,{code}\r\n"))
+    }
+
+    fn ask(&self, name: &str) -> Result<String, u8> {
+        let (axis, travel) = (self.stage.axes[0], self.stage.travel[0]);
+        let [low, high] = travel.volts;
+        let value = match name {
+            "meas" => format!("{:.6}", axis.position),
+            "set" => format!("{:.6}", if axis.servo { axis.target } else { axis.volts }),
+            "cl" => u8::from(axis.servo).to_string(),
+            "posmin" => format!("{:.6}", travel.range()[0]),
+            "posmax" => format!("{:.6}", travel.range()[1]),
+            "avmin" => format!("{:.6}", low.min(high)),
+            "avmax" => format!("{:.6}", low.max(high)),
+            "unitcl" => "um".to_owned(),
+            "unitol" => "V".to_owned(),
+            "modsrc" => self.source.to_string(),
+            "ctrlmode" => "0".to_owned(),
+            "desc" => "EMULATED".to_owned(),
+            "acserno" => "0".to_owned(),
+            "acmeasure" => "2".to_owned(),
+            "temp" => "25.0".to_owned(),
+            // An actuator with a capacitive sensor; bit 3: closed loop.
+            "stat" => (1 | 1 << 2 | u32::from(axis.servo) << 3).to_string(),
+            _ => return Err(UNKNOWN),
+        };
+        Ok(format!("{name},{value}\r\n"))
+    }
+
+    fn set(&mut self, name: &str, text: &str) -> Result<(), u8> {
+        let number = || text.parse::<f64>().ok().filter(|value| value.is_finite()).ok_or(MISSING);
+        match name {
+            "set" => {
+                let value = number()?;
+                let (axis, travel) = (&mut self.stage.axes[0], self.stage.travel[0]);
+                let [low, high] = travel.volts;
+                let inside = match axis.servo {
+                    true => travel.reaches(value),
+                    false => (low.min(high)..=low.max(high)).contains(&value),
+                };
+                if !inside {
+                    return Err(RANGE);
+                }
+                // Only where targets are those of commands.
+                if self.source == 0 {
+                    *(if axis.servo { &mut axis.target } else { &mut axis.volts }) = value;
+                }
+                Ok(())
+            }
+            "cl" => match number()? {
+                closed @ (0.0 | 1.0) => {
+                    self.stage.servo(0, closed == 1.0);
+                    Ok(())
+                }
+                _ => Err(RANGE),
+            },
+            "modsrc" => match number()? {
+                source @ (0.0 | 1.0 | 2.0 | 3.0) => {
+                    self.source = source as u8;
+                    Ok(())
+                }
+                _ => Err(RANGE),
+            },
+            _ if self.ask(name).is_ok() => Err(READ_ONLY),
+            _ => Err(UNKNOWN),
+        }
+    }
+}
+
+impl Instrument for Nv200Instrument {
+    fn receive(&mut self, bytes: &[u8]) -> Vec<u8> {
+        let mut answer = Vec::new();
+        for byte in bytes {
+            match byte {
+                _ if self.option > 0 => self.option -= 1,
+                &IAC => self.option = 2,
+                b'\r' => {
+                    let line = std::mem::take(&mut self.line);
+                    answer.extend(self.command(&String::from_utf8_lossy(&line)).bytes());
+                    answer.push(XON);
+                }
+                b'\n' | 0 => {}
+                byte if self.line.len() < 256 => self.line.push(*byte),
+                _ => {}
+            }
+        }
+        answer
+    }
+
+    fn step(&mut self) -> Result<(), PlantError> {
+        self.stage.step()
+    }
+
+    fn reboot(&mut self) {
+        self.stage.reboot();
+        (self.source, self.line) = (0, Vec::new());
+    }
+
+    fn hang_up(&mut self) {
+        (self.line, self.option) = (Vec::new(), 0);
+    }
+
+    fn commands(&self) -> u64 {
+        self.commands
+    }
+
+    fn targets(&self) -> Vec<(f64, bool)> {
+        self.stage.targets()
+    }
+}

@@ -1,0 +1,137 @@
+//! The line to an instrument, and what can be wrong with an answer.
+
+use std::io::{Read, Write};
+use std::net::{Shutdown, SocketAddr, TcpStream};
+use std::time::Duration;
+
+use thiserror::Error;
+
+/// Carries bytes to an instrument and back.
+pub trait Line: std::fmt::Debug {
+    /// Opens it, anew where it was open.
+    ///
+    /// # Errors
+    /// Why it does not.
+    fn open(&mut self, timeout: Duration) -> Result<(), String>;
+
+    /// Sends all of this.
+    ///
+    /// # Errors
+    /// The line is gone.
+    fn write(&mut self, bytes: &[u8]) -> Result<(), String>;
+
+    /// Takes what has come, waiting for the first byte; 0: nothing came in time, or the line is gone.
+    ///
+    /// # Errors
+    /// The line is gone.
+    fn read(&mut self, bytes: &mut [u8], timeout: Duration) -> Result<usize, String>;
+
+    /// Closes it.
+    fn close(&mut self);
+}
+
+/// Why there is no good answer.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum Broken {
+    /// It did not come in time, or the line is gone.
+    #[error("no answer in time")]
+    Late,
+    /// It is no answer to what was asked.
+    #[error("an answer with {0}")]
+    Garbage(String),
+    /// The instrument says no.
+    #[error("{0}")]
+    Said(String),
+}
+
+/// What the address may say behind `?`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Axes, in the order of the channels; empty: the first that the instrument names.
+    pub axes: Vec<String>,
+    /// Commands are voltages (`SVA`, servo off), not targets (`MOV`, servo on).
+    pub open_loop: bool,
+    /// Longest wait for the answers of one exchange.
+    pub timeout: Duration,
+}
+
+impl Options {
+    /// Reads `axes=1,2&mode=open&timeout=0.05`; the timeout in s is by default two cycles, at least
+    /// 20 ms.
+    ///
+    /// # Errors
+    /// A word that is none of these.
+    pub fn parse(text: &str, period: f64) -> Result<Self, String> {
+        let seconds = (2.0 * period).max(0.02);
+        let mut options = Options {
+            axes: Vec::new(),
+            open_loop: false,
+            timeout: Duration::from_secs_f64(seconds),
+        };
+        for word in text.split('&').filter(|word| !word.is_empty()) {
+            let wrong =
+                || format!("`{word}` is none of axes=1,2 mode=closed mode=open timeout=SECONDS");
+            match word.split_once('=').ok_or_else(wrong)? {
+                ("axes", names) => options.axes = names.split(',').map(str::to_owned).collect(),
+                ("mode", "closed") => options.open_loop = false,
+                ("mode", "open") => options.open_loop = true,
+                ("timeout", text) => {
+                    let seconds = text.parse::<f64>().ok().filter(|s| (1e-3..=10.0).contains(s));
+                    options.timeout = Duration::from_secs_f64(seconds.ok_or_else(wrong)?);
+                }
+                _ => return Err(wrong()),
+            }
+        }
+        if options.axes.iter().any(|axis| axis.is_empty() || axis.contains([' ', '\n', '='])) {
+            return Err(format!("`{text}`: an axis has no name, or one with a blank"));
+        }
+        Ok(options)
+    }
+}
+
+/// A line over TCP.
+#[derive(Debug)]
+pub struct TcpLine {
+    address: SocketAddr,
+    stream: Option<TcpStream>,
+}
+
+impl TcpLine {
+    /// A line that is not open yet.
+    #[must_use]
+    pub fn new(address: SocketAddr) -> Self {
+        TcpLine { address, stream: None }
+    }
+
+    fn stream(&mut self) -> Result<&mut TcpStream, String> {
+        self.stream.as_mut().ok_or_else(|| "the line is closed".to_owned())
+    }
+}
+
+impl Line for TcpLine {
+    fn open(&mut self, timeout: Duration) -> Result<(), String> {
+        self.close();
+        let say = |error: std::io::Error| error.to_string();
+        let stream = TcpStream::connect_timeout(&self.address, timeout).map_err(say)?;
+        stream.set_nodelay(true).map_err(say)?;
+        stream.set_write_timeout(Some(timeout)).map_err(say)?;
+        self.stream = Some(stream);
+        Ok(())
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
+        self.stream()?.write_all(bytes).map_err(|error| error.to_string())
+    }
+
+    fn read(&mut self, bytes: &mut [u8], timeout: Duration) -> Result<usize, String> {
+        let stream = self.stream()?;
+        stream.set_read_timeout(Some(timeout)).map_err(|error| error.to_string())?;
+        stream.read(bytes).map_err(|error| error.to_string())
+    }
+
+    fn close(&mut self) {
+        if let Some(stream) = self.stream.take() {
+            let _ = stream.shutdown(Shutdown::Both);
+        }
+    }
+}
