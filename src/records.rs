@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use cosim::record::Column;
 use cosim::{Memory, RecordFile, Recorder};
-use data::{Log, UnitPlace};
+use data::{ColumnHeader, ColumnUnit, Log, UnitPlace};
 
 /// The columns under names that logs can hold, and what is to be said of those that are called otherwise.
 pub(crate) fn readable(
@@ -68,5 +68,16 @@ fn write(memory: &Memory, columns: &[Column], out: &Path) -> std::io::Result<()>
         }
         file.end()?;
     }
-    file.finish()
+    file.finish()?;
+    renew(columns, out)
+}
+
+/// What stands beside a record of this name is that of the new one.
+pub(crate) fn renew(columns: &[Column], out: &Path) -> std::io::Result<()> {
+    let header = |column: &Column| ColumnHeader {
+        name: column.name.clone(),
+        unit: column.unit.as_deref().and_then(|unit| ColumnUnit::parse(unit).ok()),
+        description: String::new(),
+    };
+    data::renew_sidecar(out, &columns.iter().map(header).collect::<Vec<_>>())
 }

@@ -241,6 +241,7 @@ impl System {
                 Some(out) => Some((RecordFile::create(out)?, out)),
                 None => None,
             },
+            columns: Vec::new(),
             notes: Vec::new(),
             bar: progress::Rows::new(screen, "run", rows),
             rows: 0,
@@ -249,9 +250,10 @@ impl System {
         let run = Run { no_stop_time, pace, ..Run::new(points, &table) };
         let outcome = prepared.system.run(&run, &*prepared.algorithm, &mut recorder);
         recorder.bar.finish();
-        let Recording { file, rows, notes: of_names, .. } = recorder;
+        let Recording { file, rows, columns, notes: of_names, .. } = recorder;
         if let Some((file, out)) = file {
-            file.finish().with_context(|| format!("{} cannot be written", out.display()))?;
+            let written = file.finish().and_then(|()| records::renew(&columns, out));
+            written.with_context(|| format!("{} cannot be written", out.display()))?;
         }
         let mut notes = prepared.notes;
         notes.extend(of_names);
@@ -417,7 +419,8 @@ impl System {
 /// Writes rows to the file, and moves the progress bar.
 struct Recording<'a> {
     file: Option<(RecordFile, &'a Path)>,
-    /// What is to be said of the names.
+    /// The columns as they are called in the file, and what is to be said of their names.
+    columns: Vec<cosim::record::Column>,
     notes: Vec<String>,
     bar: progress::Rows,
     rows: usize,
@@ -432,8 +435,9 @@ impl Recorder for Recording<'_> {
     ) -> io::Result<()> {
         let Some((file, out)) = &mut self.file else { return Ok(()) };
         let (columns, notes) = records::readable(columns, out).map_err(io::Error::other)?;
-        self.notes = notes;
-        file.begin(record, &columns, rows)
+        file.begin(record, &columns, rows)?;
+        (self.columns, self.notes) = (columns, notes);
+        Ok(())
     }
 
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {

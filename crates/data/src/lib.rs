@@ -30,7 +30,8 @@ pub use fit::{Fit, FitError};
 pub use log::ParquetLogWriter;
 pub use log::{
     Column, ColumnHeader, ColumnUnit, Finding, LeftOut, Log, LogWriter, Mf4About, Mf4Writer,
-    Quality, ReadOptions, Record, Resample, Rounded, SampleTime, UnitPlace, sidecar_of,
+    Quality, ReadOptions, Record, Resample, Rounded, SampleTime, UnitPlace, renew_sidecar,
+    sidecar_of,
 };
 pub use name_map::NameMap;
 pub use nearest::nearest;

@@ -63,8 +63,10 @@ impl WholeFile {
         let number = COUNTER.fetch_add(1, Ordering::Relaxed);
         let name = format!(".{}.{}-{number}.tmp", name.to_string_lossy(), std::process::id());
         let temporary = target.with_file_name(name);
+        let mut files = unfinished();
         let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
-        unfinished().insert(temporary.clone());
+        files.insert(temporary.clone());
+        drop(files);
         // Before anything is in it: a private file stays private. A failure removes the temporary one.
         let permissions = fs::metadata(&target).map(|found| found.permissions());
         let mut begun = Self { target, temporary: Some(temporary), writer: None };
@@ -84,8 +86,11 @@ impl WholeFile {
             writer.flush()?;
         }
         if let Some(temporary) = &self.temporary {
+            // Not while somebody abandons it: the program ends by what ends it, not by a file that is gone.
+            let mut files = unfinished();
             fs::rename(temporary, &self.target)?;
-            unfinished().remove(temporary);
+            files.remove(temporary);
+            drop(files);
             self.temporary = None;
             note_written(&self.target);
         }
@@ -197,12 +202,15 @@ pub fn read_text(path: &Path) -> io::Result<String> {
     read_text_within(path, LONGEST_TEXT)
 }
 
-/// Removes what this process has begun and not finished, for a program that ends at once.
+/// Removes what this process has begun and not finished, for a program that ends at once: whoever finishes
+/// or begins a file waits from then on.
 pub fn abandon() {
-    for file in unfinished().drain() {
+    let mut files = unfinished();
+    for file in files.drain() {
         // It is only untidy.
         let _ = fs::remove_file(file);
     }
+    std::mem::forget(files);
 }
 
 /// The folder for what a command makes: new, empty, or one that an earlier call has made, which left

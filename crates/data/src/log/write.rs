@@ -194,6 +194,19 @@ fn header_line(columns: &[ColumnHeader], is_numbered: bool, units: UnitPlace) ->
     line
 }
 
+/// Brings the companion of a record that was written otherwise up to date, where an earlier log of this name
+/// has left one of ours; it would be taken for the new one's.
+///
+/// # Errors
+/// It cannot be written.
+pub fn renew_sidecar(path: &Path, columns: &[ColumnHeader]) -> io::Result<()> {
+    let sidecar = dataset::sidecar_of(path);
+    if !sidecar.is_file() || keep_foreign(&sidecar).is_err() {
+        return Ok(());
+    }
+    WholeFile::write_all_of(&sidecar, sidecar_text(columns).as_bytes())
+}
+
 /// Refuses to replace a companion that was not written here: it says of another log what nobody can
 /// restore.
 fn keep_foreign(path: &Path) -> io::Result<()> {
