@@ -36,8 +36,10 @@ fn sources(root: &Path, vendor: &Path) {
              \"piezoloop_{name}\"\ncrate-type = [\"cdylib\"]\n[dependencies]\nleaf = \"1\"\n"
         );
         write(root.join(format!("fmu-{name}/Cargo.toml")), &manifest);
-        let code = "#[cfg(of_the_tool)]\ncompile_error!(\"the tool's flags reach the libraries\");\n\
-                    #[unsafe(no_mangle)]\npub extern \"C\" fn answer() -> u32 {\n    leaf::answer()\n}\n";
+        let code = concat!(
+            "#[cfg(of_the_tool)]\ncompile_error!(\"the tool's flags reach the libraries\");\n",
+            "#[unsafe(no_mangle)]\npub extern \"C\" fn answer() -> u32 {\n    leaf::answer()\n}\n",
+        );
         write(root.join(format!("fmu-{name}/src/lib.rs")), code);
     }
     let manifest = format!(
