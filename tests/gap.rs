@@ -217,3 +217,67 @@ fn the_page_lives_in_a_real_browser_without_errors_and_without_a_network() {
     assert_eq!(number("requests "), 0, "{title}");
     assert!(title.trim().ends_with("problems"), "{title}");
 }
+
+/// A line behind plays and a lag: the linear model that is made of the log is shown, tolerances and all, and what it lacks
+/// is found.
+#[test]
+fn a_log_alone_is_diagnosed_against_a_linear_model_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let (rows, period) = (3000, 1e-3);
+    let mut state = [0.0_f64; 3];
+    let mut csv = String::from("time [s],drive [V],reading [um]\n");
+    // Falling swings, then growing ones, with noise of ±3 nm.
+    let mut noise = 7_u64;
+    let mut reading = 0.0;
+    for k in 0..rows {
+        let t = period * f64::from(k);
+        let size = if t < 1.5 { 45.0 - 24.0 * t } else { 9.0 + 24.0 * (t - 1.5) };
+        let u = size * (std::f64::consts::TAU * 4.0 * t).sin();
+        noise =
+            noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let off = 0.003 * ((noise >> 33) as f64 / f64::from(1_u32 << 30) - 1.0);
+        csv.push_str(&format!("{t},{u},{}\n", reading + off));
+        let plays = [3.0, 9.0, 20.0].iter().zip(&mut state).map(|(r, z)| {
+            *z = (u - r).max((u + r).min(*z));
+            0.02 * *z
+        });
+        reading = 0.1 * u + plays.sum::<f64>();
+    }
+    fs::write(at.join("a.csv"), csv).expect("a log");
+    let columns = ["diagnose", "--log", "a.csv", "--input", "drive", "--output", "reading"];
+    let files = ["--baseline", "linear.toml", "--repair", "repaired.toml", "--json", "gap.json"];
+    let said = succeed(&[&columns[..], &files[..]].concat(), at);
+    validate(&["gap.json"], at);
+    let gap: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(at.join("gap.json")).expect("gap.json"))
+            .expect("JSON");
+    assert_eq!(gap["effects"][0]["effect"], "hysteresis", "{said}");
+    let baseline = &gap["baseline"][0];
+    assert_eq!(baseline["output"], "reading");
+    let gain = &baseline["parameters"]["axis[1].gain.gain"];
+    let value = gain["value"].as_f64().expect("a gain");
+    assert!((0.1..0.16).contains(&value) && gain["std"].as_f64().is_some(), "{baseline}");
+    assert!(
+        said.contains("a linear one is identified") && said.contains("axis[1].gain.gain"),
+        "{said}"
+    );
+    // What was made is a model as any other, and so is what is handed back.
+    let model = fs::read_to_string(at.join("linear.toml")).expect("the linear model");
+    assert!(model.contains("tolerance") && !model.contains("prandtl"), "{model}");
+    let simulate = |model: &str| {
+        let further =
+            ["--log", "a.csv", "--map", "command[1]=drive", "--map", "position[1]=reading"];
+        common::json(&[&["simulate", model][..], &further[..]].concat(), at)["fits"][0]["rmse"]
+            .as_f64()
+            .expect("a figure")
+    };
+    assert!(simulate("repaired.toml") < 0.3 * simulate("linear.toml"));
+    let message = refuse(&["diagnose", "--log", "a.csv"], at);
+    assert!(message.contains("--model"), "{message}");
+    let message = refuse(&["diagnose", "--log", "a.csv", "--input", "drive"], at);
+    assert!(message.contains("--output"), "{message}");
+    let message =
+        refuse(&["diagnose", "--log", "a.csv", "--input", "none", "--output", "reading"], at);
+    assert!(message.contains("none") && message.contains("drive"), "{message}");
+}

@@ -1,5 +1,7 @@
 //! `piezoloop diagnose`: where a model and its machine differ, which effect it is, what it is worth.
 
+mod baseline;
+
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -15,7 +17,7 @@ use serde::Serialize;
 use crate::answer::{Answer, STANDARD_OUTPUT, Screen};
 use crate::commands::pack::{self, Binary};
 use crate::fmus::Isolation;
-use crate::inputs::{self, LogOptions};
+use crate::inputs::{self, BlueprintText, LogOptions};
 use crate::pages::{self, PageOptions, Pages};
 use crate::{libraries, progress, ranges, wrapped};
 
@@ -24,15 +26,35 @@ use crate::{libraries, progress, ranges, wrapped};
 /// The model is a blueprint (.toml, effects go in at their physical place) or any co-simulation FMU
 /// (effects go in before and behind it, and before its mode where its answer to a step shows one).
 /// Parameters are re-tuned under their tolerance first; what is named must hold on rows that were not
-/// used.
+/// used. Without a model a linear one is identified from the logs, shown and diagnosed.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop diagnose --model plant.toml --log a.csv --log b.csv --map u=u1 --json gap.json --report gap.html\n  piezoloop diagnose --model plant.fmu --log a.csv --holdout b.csv --tune '*.frequency=0.02' --rest idle.csv\n  piezoloop diagnose --model plant.toml --log a.csv --repair repaired.toml"
+    after_help = "Examples:\n  piezoloop diagnose --model plant.toml --log a.csv --log b.csv --map u=u1 --json gap.json --report gap.html\n  piezoloop diagnose --model plant.fmu --log a.csv --holdout b.csv --tune '*.frequency=0.02' --rest idle.csv\n  piezoloop diagnose --model plant.toml --log a.csv --repair repaired.toml\n  piezoloop diagnose --log a.csv --input u --output y --baseline linear.toml"
 )]
 pub(crate) struct Diagnose {
     /// The model: a blueprint, the name of a rig, or an FMU
-    #[arg(long, value_name = "MODEL")]
-    model: PathBuf,
+    #[arg(long, value_name = "MODEL", required_unless_present = "inputs")]
+    model: Option<PathBuf>,
+    /// Without a model: column of the command of the linear model that is identified from the logs; once per axis
+    #[arg(
+        long = "input",
+        value_name = "COLUMN",
+        conflicts_with = "model",
+        requires = "output_columns"
+    )]
+    inputs: Vec<String>,
+    /// Without a model: column of the position; once per axis, in the order of the inputs
+    #[arg(
+        id = "output_columns",
+        long = "output",
+        value_name = "COLUMN",
+        conflicts_with = "model",
+        requires = "inputs"
+    )]
+    output_columns: Vec<String>,
+    /// Write the linear model that is made of the logs, a blueprint
+    #[arg(long, value_name = "FILE", requires = "inputs")]
+    baseline: Option<PathBuf>,
     /// A measured log, CSV (may be given several times)
     #[arg(long = "log", value_name = "FILE", required = true)]
     logs: Vec<PathBuf>,
@@ -43,10 +65,19 @@ pub(crate) struct Diagnose {
     /// machine was moving already
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = ranges::time())]
     drop: f64,
-    /// What the command does between two rows of the logs: zoh (held), line, band-limited [default: held; the
-    /// others are tried before a mode of a blueprint is named near half the sample rate]
+    /// What the command does between two rows of the logs: zoh (held), line, band-limited [default: held,
+    /// unless the logs say otherwise of a blueprint]
     #[arg(long, value_name = "BETWEEN", value_parser = ["zoh", "line", "band-limited"])]
     between: Option<String>,
+    /// When the reading of a row is taken: before its command acts, with it at one instant, after it has
+    /// acted [default: before a held command, with one that moves, unless the logs say otherwise of a
+    /// blueprint]
+    #[arg(long, value_name = "READING", value_parser = ["before", "with", "after"])]
+    reading: Option<String>,
+    /// What is good enough, as a root mean square over the range of the output, as 0.01: less counts as
+    /// nothing left [default: the noise]
+    #[arg(long, value_name = "REL", default_value_t = 0.0, hide_default_value = true, value_parser = ranges::from(0.0, 1.0))]
+    accuracy: f64,
     #[command(flatten)]
     options: LogOptions,
     /// Outputs to look at [default: all that the logs have]
@@ -102,6 +133,24 @@ pub(crate) struct Diagnose {
     fail_above: Option<f64>,
 }
 
+/// The model that is diagnosed.
+enum Source {
+    Fmu(PathBuf),
+    Blueprint(BlueprintText),
+    /// Made of the logs.
+    Made(Box<baseline::Made>),
+}
+
+impl Source {
+    fn blueprint(&self) -> anyhow::Result<&BlueprintText> {
+        match self {
+            Self::Blueprint(text) => Ok(text),
+            Self::Made(made) => Ok(&made.text),
+            Self::Fmu(path) => bail!("{} is no blueprint", path.display()),
+        }
+    }
+}
+
 /// The gap, and what was written.
 #[derive(Serialize)]
 #[serde(transparent)]
@@ -134,19 +183,35 @@ impl Diagnose {
 
     fn execute(&self, screen: &Screen) -> anyhow::Result<(Diagnosed, Pages)> {
         let (picture, repair) = (self.picture.as_deref(), self.repair.as_deref());
-        let outputs = [self.json_file(), picture, repair, self.next_experiment.as_deref()];
+        let outputs = [
+            self.json_file(),
+            picture,
+            repair,
+            self.next_experiment.as_deref(),
+            self.baseline.as_deref(),
+        ];
         self.page.can_write()?;
         for output in outputs.into_iter().flatten() {
             inputs::can_write(output)?;
         }
         self.check_repair()?;
-        let libraries = self.libraries()?;
-        let request = self.request()?;
+        let source = self.source(screen)?;
+        let libraries = self.libraries(&source)?;
+        let request = self.request(&source)?;
         let mut bar = Bar(progress::bar(screen, "diagnose", 1));
         let diagnosis = diagnose::examine(&request, &mut bar);
         bar.0.finish_and_clear();
         let mut diagnosis = diagnosis?;
         let mut written = Vec::new();
+        if let Source::Made(made) = &source {
+            diagnosis.gap.baseline.clone_from(&made.baselines);
+            let told = std::mem::take(&mut diagnosis.gap.warnings);
+            diagnosis.gap.warnings = made.notes.iter().cloned().chain(told).collect();
+            if let Some(file) = &self.baseline {
+                made.text.blueprint.write(file)?;
+                written.push(file.clone());
+            }
+        }
         // Before the answer, which speaks of the model that is handed back; where that cannot be
         // written the answer is there all the same.
         let is_repaired = matches!(diagnosis.gap.verdict, Verdict::Effects | Verdict::Retune);
@@ -154,7 +219,7 @@ impl Diagnose {
             .repair
             .as_deref()
             .filter(|_| is_repaired)
-            .map(|file| self.write_repair(&mut diagnosis, file, &libraries));
+            .map(|file| self.write_repair(&mut diagnosis, (&source, file), &libraries));
         if let Some(file) = self.json_file() {
             let text = serde_json::to_string_pretty(&diagnosis.gap)? + "\n";
             WholeFile::write_all_of(file, text.as_bytes())
@@ -214,19 +279,57 @@ impl Diagnose {
 
     /// All files that are read.
     fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        let model = Some(&self.model).filter(|model| model.exists());
+        let model = self.model.as_ref().filter(|model| model.exists());
         model.into_iter().chain(&self.logs).chain(&self.holdout).chain(&self.rest)
     }
 
-    fn request(&self) -> anyhow::Result<Request> {
+    /// The model as it was given, or as it is made of the logs.
+    fn source(&self, screen: &Screen) -> anyhow::Result<Source> {
+        match &self.model {
+            Some(model) if self.is_fmu() => Ok(Source::Fmu(model.clone())),
+            Some(model) => Ok(Source::Blueprint(inputs::blueprint(model)?)),
+            None => {
+                let asked = baseline::Asked {
+                    logs: &self.logs,
+                    inputs: &self.inputs,
+                    outputs: &self.output_columns,
+                    options: &self.options,
+                    drop: Some(self.drop).filter(|drop| *drop > 0.0),
+                };
+                Ok(Source::Made(Box::new(baseline::made(&asked, screen)?)))
+            }
+        }
+    }
+
+    fn request(&self, source: &Source) -> anyhow::Result<Request> {
         let logs = |paths: &[PathBuf]| {
             paths.iter().map(|p| self.options.read(p)).collect::<anyhow::Result<Vec<_>>>()
         };
-        let mut request = Request::new(self.model()?, logs(&self.logs)?);
+        let model = match source {
+            Source::Fmu(path) => Model::Fmu(path.clone()),
+            Source::Blueprint(_) | Source::Made(_) => {
+                let blueprint = source.blueprint()?.blueprint.clone();
+                Model::Blueprint(Box::new(blueprint.check(learned::COMPONENTS)?))
+            }
+        };
+        let mut request = Request::new(model, logs(&self.logs)?);
         request.holdout = logs(&self.holdout)?;
         request.drop = self.drop;
         request.between = self.between.as_deref().and_then(diagnose::Between::find);
+        request.reading = self.reading.as_deref().and_then(diagnose::Reading::find);
+        request.accuracy = self.accuracy;
         request.names = self.options.names()?;
+        if let Source::Made(made) = source {
+            request.drop = made.run_in;
+            // Those of --input and --output are in the map of the model that was made.
+            let is_own = |pair: &&String| {
+                let name = pair.split_once('=').map_or(pair.as_str(), |(name, _)| name.trim());
+                self.inputs.iter().chain(&self.output_columns).any(|own| own == name)
+            };
+            let given = self.options.map.iter().filter(|pair| !is_own(pair));
+            let all: Vec<&String> = given.chain(&made.map).collect();
+            request.names = data::NameMap::parse(&all)?;
+        }
         request.outputs.clone_from(&self.outputs);
         request.tolerances =
             self.tune.iter().map(|t| Tolerance::parse(t)).collect::<Result<_, _>>()?;
@@ -241,15 +344,8 @@ impl Diagnose {
     }
 
     fn is_fmu(&self) -> bool {
-        self.model.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu"))
-    }
-
-    fn model(&self) -> anyhow::Result<Model> {
-        if self.is_fmu() {
-            return Ok(Model::Fmu(self.model.clone()));
-        }
-        let checked = inputs::blueprint(&self.model)?.blueprint.check(learned::COMPONENTS)?;
-        Ok(Model::Blueprint(Box::new(checked)))
+        let extension = self.model.as_deref().and_then(Path::extension);
+        extension.is_some_and(|e| e.eq_ignore_ascii_case("fmu"))
     }
 
     fn noise(&self) -> anyhow::Result<Noise> {
@@ -295,11 +391,11 @@ impl Diagnose {
     }
 
     /// The libraries of other platforms, where they were given.
-    fn libraries(&self) -> anyhow::Result<Vec<Binary>> {
+    fn libraries(&self, source: &Source) -> anyhow::Result<Vec<Binary>> {
         let Some(folder) = &self.libraries else { return Ok(Vec::new()) };
         let kind = match self.is_fmu() {
             true => "wrap",
-            false => pack::kind_of(&inputs::blueprint(&self.model)?.blueprint),
+            false => pack::kind_of(&source.blueprint()?.blueprint),
         };
         let mut all = pack::binaries_in(folder, kind)?;
         all.retain(|binary| Some(binary.platform) != Platform::from_name(libraries::PLATFORM));
@@ -310,16 +406,16 @@ impl Diagnose {
     fn write_around(
         &self,
         diagnosis: &Diagnosis,
-        file: &Path,
+        (model, file): (&Path, &Path),
         others: &[Binary],
     ) -> anyhow::Result<Vec<String>> {
         let mut carried = vec![(libraries::PLATFORM, libraries::WRAP.bytes)];
         carried
             .extend(others.iter().map(|b| (b.platform.folder(FmiVersion::V3), b.bytes.as_slice())));
         let names = self.options.names()?;
-        let mut repaired = diagnosis.repair_fmu(&self.model, &names, &carried)?;
+        let mut repaired = diagnosis.repair_fmu(model, &names, &carried)?;
         others.iter().try_for_each(|binary| binary.check_platform(&repaired.description))?;
-        let original = modeldescription::Package::open(&self.model)?;
+        let original = modeldescription::Package::open(model)?;
         wrapped::finish(&mut repaired, &original, file, self.isolation.worker()?.as_ref())?;
         Ok(repaired.notes)
     }
@@ -328,20 +424,19 @@ impl Diagnose {
     fn write_repair(
         &self,
         diagnosis: &mut Diagnosis,
-        file: &Path,
+        (source, file): (&Source, &Path),
         others: &[Binary],
     ) -> anyhow::Result<Vec<String>> {
-        if self.is_fmu() {
-            return self.write_around(diagnosis, file, others);
+        if let Source::Fmu(model) = source {
+            return self.write_around(diagnosis, (model, file), others);
         }
-        let source = inputs::blueprint(&self.model)?;
-        let (repaired, notes) = diagnosis.repair(&source.blueprint);
+        let (repaired, notes) = diagnosis.repair(&source.blueprint()?.blueprint);
         repaired.check(learned::COMPONENTS).with_context(|| {
             format!("{} is not written: the repaired blueprint breaks a rule", file.display())
         })?;
         if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {
             let text = repaired.to_toml();
-            let source = inputs::BlueprintText { text, blueprint: repaired };
+            let source = BlueprintText { text, blueprint: repaired };
             pack::pack(&source, pack::PACKED_WITH, others, file)?;
             return Ok(notes);
         }

@@ -102,6 +102,9 @@ pub(crate) struct Identified {
     pub(crate) blueprint: PathBuf,
     pub(crate) axes: Vec<AxisResult>,
     pub(crate) notes: Vec<String>,
+    /// Run-in in s, the longest of all axes.
+    #[serde(skip)]
+    pub(crate) run_in: f64,
 }
 
 /// One axis.
@@ -124,8 +127,39 @@ impl Identify {
         self.page.finish(screen, &result, || pages::identification(&result, &logs))
     }
 
-    /// Identifies, and writes the blueprint.
-    pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Identified> {
+    /// A search for one model, for a command that writes no plant: the run-in (none: that of the first rows) and the
+    /// part that is held out.
+    pub(crate) fn one_model(
+        model: &str,
+        logs: &[PathBuf],
+        (inputs, outputs): (&[String], &[String]),
+        options: &LogOptions,
+        (drop, hold_out): (Option<f64>, f64),
+    ) -> Self {
+        Self {
+            logs: logs.to_vec(),
+            inputs: inputs.to_vec(),
+            outputs: outputs.to_vec(),
+            models: vec![model.to_owned()],
+            all: None,
+            rest: None,
+            swarm: false,
+            seed: 1,
+            threads: 1,
+            plays: 30,
+            drop,
+            hold_out,
+            is_static: false,
+            name: Some("linear".to_owned()),
+            options: options.clone(),
+            out: PathBuf::new(),
+            picture: None,
+            page: PageOptions::default(),
+        }
+    }
+
+    /// The plant, and what was found out; nothing is written.
+    pub(crate) fn plant(&self, screen: &Screen) -> anyhow::Result<(CheckedBlueprint, Identified)> {
         if self.inputs.len() != self.outputs.len() {
             bail!(
                 "{} --input and {} --output columns: give one of each per axis, in the same order",
@@ -133,10 +167,15 @@ impl Identify {
                 self.outputs.len()
             );
         }
+        self.work(screen)
+    }
+
+    /// Identifies, and writes the blueprint.
+    pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Identified> {
         inputs::can_write(&self.out)?;
         self.page.can_write()?;
         let all = self.all.as_deref().map(candidates::Folder::open).transpose()?;
-        let (plant, result) = self.work(screen)?;
+        let (plant, result) = self.plant(screen)?;
         inputs::write_blueprint(&plant, &self.out)?;
         if let Some(all) = all {
             all.write(&result)?;
@@ -177,9 +216,10 @@ impl Identify {
             let drop = self.begin(&mut records, &command_unit, &mut notes);
             tasks.push(Task { name: output.clone(), records, target, command_unit, drop });
         }
+        let run_in = tasks.iter().map(|task| task.drop).fold(0.0, f64::max);
         let axes = self.identify_all(tasks, screen)?;
         let plant = join(&axes)?;
-        Ok((plant, Identified { blueprint: self.out.clone(), axes, notes }))
+        Ok((plant, Identified { blueprint: self.out.clone(), axes, notes, run_in }))
     }
 
     /// Finds out how the records begin and says it in a note. The run-in in s.

@@ -8,8 +8,8 @@ use crate::belief::{self, Sight};
 use crate::chain::{Chain, Parameter};
 use crate::experiment;
 use crate::gap::{
-    Estimate, Gap, Leftover, NamedEffect, OutputGap, Partial, Provenance, Retuned, SCHEMA, Shrink,
-    Tried, Verdict,
+    Discrepancy, Estimate, Gap, Leftover, NamedEffect, OutputGap, Partial, Provenance, Retuned,
+    SCHEMA, Shrink, Tried, Verdict,
 };
 use crate::outcome::Outcome;
 use crate::place::Maps;
@@ -56,6 +56,7 @@ pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> 
         candidates: outcomes.iter().flat_map(tried).collect(),
         outputs,
         provenance: provenance(request, simulations),
+        baseline: Vec::new(),
         warnings,
     };
     gap.sentence = crate::sentence::of(&gap);
@@ -114,7 +115,8 @@ fn output(o: &Outcome, seed: u64) -> OutputGap {
         effects: named(o).into_iter().map(|e| e.effect).collect(),
         shrink,
         noise: o.problem.noise.clone(),
-        between: o.problem.between,
+        between: o.problem.course.between,
+        reading: o.problem.course.reading,
     }
 }
 
@@ -377,7 +379,31 @@ fn leftover(o: &Outcome, maps: &Maps<'_>) -> Leftover {
             None
         },
         bands: if is_there { left.bands() } else { Vec::new() },
+        discrepancy: is_there.then(|| discrepancy(o)).flatten(),
+        looks_like: looks_like(o).filter(|_| is_there),
     }
+}
+
+/// Size and time of what is left beside the noise, where it is more than the noise.
+fn discrepancy(o: &Outcome) -> Option<Discrepancy> {
+    let left = o.judge.discrepancy(&o.found.last.judged, &o.problem.data);
+    let rms = left.size * o.sigma / o.problem.factor;
+    let range = 2.0 * o.problem.data.output_span.half / o.problem.factor;
+    (left.size > 0.0 && range > 0.0).then(|| Discrepancy {
+        rms,
+        of_range: rms / range,
+        time: left.time,
+    })
+}
+
+/// The effect that would take most of what the named ones leave, on rows that were not used.
+fn looks_like(o: &Outcome) -> Option<String> {
+    /// Part of it.
+    const MUCH: f64 = 0.3;
+    let beyond = o.found.beyond.as_ref()?;
+    let (family, _) = beyond.picks.iter().find(|pick| !o.found.last.picks.contains(pick))?;
+    let part = explained(&o.found.last.judged, &beyond.judged);
+    (part > MUCH).then(|| o.library[*family].effect.name.to_owned())
 }
 
 fn tried(o: &Outcome) -> Vec<Tried> {

@@ -51,6 +51,7 @@ pub(crate) struct Standing {
 }
 
 /// The model as it came.
+#[derive(Clone)]
 pub(crate) struct Base {
     pub(crate) nodes: Vec<Node>,
     pub(crate) parameters: Vec<BaseParameter>,

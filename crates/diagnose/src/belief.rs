@@ -51,16 +51,18 @@ pub(crate) struct Sight<'a> {
     pub(crate) base_excess: f64,
     /// Mean square over the noise's up to which nothing is left.
     pub(crate) adequate: f64,
+    /// What the user calls good enough, in powers of the noise: less of a difference tells no names apart.
+    pub(crate) fine: f64,
 }
 
 impl<'a> Sight<'a> {
     /// With this re-tuned model.
-    pub(crate) fn new(library: &'a [Family], base: &Candidate, adequate: f64) -> Self {
-        Self { library, base_excess: (base.judged.held_out - 1.0).max(0.0), adequate }
+    pub(crate) fn new(library: &'a [Family], base: &Candidate, adequate: f64, fine: f64) -> Self {
+        Self { library, base_excess: (base.judged.held_out - 1.0).max(0.0), adequate, fine }
     }
 
     pub(crate) fn of(outcome: &'a Outcome) -> Self {
-        Self::new(&outcome.library, &outcome.found.base, outcome.adequate)
+        Self::new(&outcome.library, &outcome.found.base, outcome.adequate, outcome.fine)
     }
 }
 
@@ -78,9 +80,10 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
     };
     // The noise is the same in all of them: by how much one leaves more than the best is known far better
     // than how far either is above the noise.
-    let times = |c: &Candidate| 1.0 + (left(c) - left(best)).max(0.0) / (excess(best) + SEEN);
+    let seen = excess(best) + SEEN + sight.fine;
+    let times = |c: &Candidate| 1.0 + (left(c) - left(best)).max(0.0) / seen;
     // Rows that no fit has seen must not tell them apart either.
-    let held_out = |c: &Candidate| (c.judged.held_out - 1.0).max(0.0) + SEEN;
+    let held_out = |c: &Candidate| (c.judged.held_out - 1.0).max(0.0) + SEEN + sight.fine;
     let least = fitted.iter().map(|(_, c)| held_out(c)).fold(f64::INFINITY, f64::min);
     let is_alike = |c: &Candidate| {
         times(c) < ALIKE && (held_out(c) < ALIKE * least || held_out(c) < sight.adequate - 1.0)
@@ -108,7 +111,7 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
         .map(|((family, c), w)| Belief {
             family: *family,
             probability: known * w / total,
-            left: excess(c) + SEEN,
+            left: excess(c) + SEEN + sight.fine,
         })
         .collect();
     all.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.family.cmp(&b.family)));

@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use surround::Span;
 
+use crate::between::Course;
+
 /// Most rows that enter the normal equations; more are thinned evenly (all are simulated).
 const MOST_FIT_ROWS: usize = 8_000;
 
@@ -26,6 +28,19 @@ pub(crate) struct RecordData {
     pub(crate) fit: Range<usize>,
     /// Inputs of a black box beside the one that is driven, row by row from the run-in on, in the model's units.
     pub(crate) others: Vec<Vec<f64>>,
+    /// Command of each row as it was logged, row by row from the run-in on.
+    pub(crate) logged: Vec<f64>,
+    /// Hit of each of these rows, counted from the record's first.
+    pub(crate) hit_of_row: Vec<u32>,
+    /// Command under which the machine rests before the first row; none: that of the first row.
+    pub(crate) rest: Option<f64>,
+}
+
+impl RecordData {
+    /// Number of rows from the begin of the record with the command of the first one.
+    pub(crate) fn still(&self) -> usize {
+        self.logged.iter().take_while(|u| **u == self.logged[0]).count()
+    }
 }
 
 /// An auxiliary column.
@@ -157,7 +172,27 @@ impl DataSet {
             training_hits_end,
             fit: 0..0,
             others: record.others,
+            logged: record.command,
+            hit_of_row: hits.iter().map(|h| *h as u32).collect(),
+            rest: None,
         });
+    }
+
+    /// The same with the command that the log stands for when it is read so, each record from its own rest.
+    pub(crate) fn played(&self, course: Course) -> Self {
+        let mut all = self.clone();
+        for ((_, times), record) in self.times().zip(&self.records) {
+            let held = course.held(&times, &record.logged);
+            let command = &mut all.command[record.hits.clone()];
+            for (pair, value) in record.hit_of_row.windows(2).zip(&held) {
+                command[pair[0] as usize + 1..=pair[1] as usize].fill(*value);
+            }
+            if let (Some(first), Some(rest)) = (command.first_mut(), record.logged.first()) {
+                *first = record.rest.unwrap_or(*rest);
+            }
+        }
+        all.command_span = Span::of(all.command.iter().copied());
+        all
     }
 
     fn choose_fit_rows(&mut self) {

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::between::Between;
+use crate::between::{Between, Reading};
 
 /// Name and version of the schema.
 pub const SCHEMA: &str = "piezoloop.gap/1";
@@ -42,6 +42,9 @@ pub struct Gap {
     pub outputs: Vec<OutputGap>,
     /// What it was made from.
     pub provenance: Provenance,
+    /// The linear models that were identified from the logs, one per output, where no model was given.
+    #[serde(default)]
+    pub baseline: Vec<Baseline>,
     /// What the reader must know before trusting the rest.
     pub warnings: Vec<String>,
 }
@@ -105,6 +108,20 @@ pub struct Estimate {
     pub std: Option<f64>,
     /// Unit.
     pub unit: String,
+}
+
+/// The linear model of one output, made from the logs of the diagnosis themselves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Baseline {
+    /// Output.
+    pub output: String,
+    /// Components in the order of the signal path.
+    pub structure: String,
+    /// Their fitted parameters by the names of the model; `std` is the tolerance (1 σ) that the diagnosis gives them.
+    pub parameters: BTreeMap<String, Estimate>,
+    /// Root mean square that it leaves on the rows it was fitted to and on the others, over their range; null where
+    /// there is none.
+    pub nrmse: [Option<f64>; 2],
 }
 
 /// Where the gap lies, after the re-tune and before any effect is added.
@@ -244,6 +261,23 @@ pub struct Leftover {
     pub input_driven: Option<bool>,
     /// Bands where it lies.
     pub bands: Vec<BandShare>,
+    /// Its size and how long it lasts; null where nothing is left.
+    #[serde(default)]
+    pub discrepancy: Option<Discrepancy>,
+    /// The effect that it looks like, though that is not named; null where it looks like none.
+    #[serde(default)]
+    pub looks_like: Option<String>,
+}
+
+/// What no formula of the answer foretells beside the noise: how accurate the answer is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Discrepancy {
+    /// Root mean square in the output's unit.
+    pub rms: f64,
+    /// The same over the range of the measured output.
+    pub of_range: f64,
+    /// Time in s after which it is another one: its correlation falls as exp(−t/T).
+    pub time: f64,
 }
 
 /// What to measure next.
@@ -309,6 +343,9 @@ pub struct OutputGap {
     /// What the command was taken to do between the rows.
     #[serde(default)]
     pub between: Between,
+    /// When the readings of rows were taken to be taken.
+    #[serde(default)]
+    pub reading: Reading,
 }
 
 /// The noise of an output.

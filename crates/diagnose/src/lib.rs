@@ -15,7 +15,9 @@ mod between;
 mod black_box;
 mod chain;
 mod converter;
+mod course;
 mod data_set;
+mod discrepancy;
 mod error;
 mod experiment;
 pub mod figures;
@@ -42,20 +44,23 @@ mod score;
 mod second;
 mod select;
 mod sentence;
+mod setting;
 mod shrink;
 mod spectrum;
 mod stand_in;
+mod start;
 mod steps;
 mod tap;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use around::{Repaired, preset};
-pub use between::Between;
+pub use between::{Between, Reading};
 pub use error::Error;
 pub use gap::{
-    BandShare, Estimate, Gap, HeldOut, Leftover, NamedEffect, NextExperiment, NoiseFloor,
-    OutputGap, Partial, Place, Provenance, RecordShare, Retuned, SCHEMA, Shrink, Tried, Verdict,
+    BandShare, Baseline, Discrepancy, Estimate, Gap, HeldOut, Leftover, NamedEffect,
+    NextExperiment, NoiseFloor, OutputGap, Partial, Place, Provenance, RecordShare, Retuned,
+    SCHEMA, Shrink, Tried, Verdict,
 };
 pub use identify::{Observer, Silent};
 pub use request::{Deviation, Model, Noise, Request, Tolerance};
@@ -177,7 +182,7 @@ pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnos
     for (number, problem) in problems.into_iter().enumerate() {
         observer.progress("diagnose", number, total);
         let boxes = problem.base.black_boxes();
-        let outcome = pool.install(|| outcome::settled(problem, request, number, &count));
+        let outcome = pool.install(|| course::settled(problem, request, &count));
         // Without its FMU a search finds nothing; what it says of that is no answer.
         boxes.iter().try_for_each(black_box::BlackBox::is_alive)?;
         outcomes.push(

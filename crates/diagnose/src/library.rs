@@ -137,6 +137,9 @@ pub(crate) struct Formula {
     pub(crate) releases: Vec<usize>,
     /// Force on the mode, with centre and half range of its displacement.
     pub(crate) force: Option<(Force, f64, f64)>,
+    /// Whether it changes what the model's own parameters do so much that their sensitivities without it lead
+    /// nowhere.
+    pub(crate) is_fitted_anew: bool,
     /// Whether it is no candidate and only stands in for one that no component of a blueprint can be.
     pub(crate) is_stand_in: bool,
 }
@@ -152,6 +155,7 @@ impl Formula {
             nuisance: None,
             releases: Vec::new(),
             force: None,
+            is_fitted_anew: false,
             is_stand_in: false,
         }
     }

@@ -6,11 +6,15 @@ use surround::Span;
 
 use crate::data_set::DataSet;
 use crate::gap::{BandShare, Place, RecordShare};
+use crate::noise::Repeats;
 use crate::score::mean_square;
 use crate::spectrum::{self, Bands};
 
 /// Bands that are listed.
 const LISTED: usize = 5;
+/// Part of the gap's power that differs between periods of the command, of an answer to it at most, and of what is
+/// none at least.
+const DIFFERS: (f64, f64) = (0.3, 0.8);
 
 /// Residuals before and after, in standard deviations, and where they are from.
 pub(crate) struct Maps<'a> {
@@ -235,8 +239,9 @@ impl Maps<'_> {
         Some(text.to_owned())
     }
 
-    /// Whether functions of the command (its value, rate, square and direction) are coherent with a
-    /// residual.
+    /// Whether the command causes a residual: it does where functions of it (its value, square, cube and
+    /// direction) are coherent with it, or where the command repeats and the residual with it. That it does
+    /// not is seen only where the command repeats and the residual does not; else nobody knows.
     pub(crate) fn is_input_driven(&self, residual: &[f64], command: &[f64]) -> Option<bool> {
         let span = Span::of(command.iter().copied());
         let shapes: [fn(f64, f64) -> f64; 4] = [
@@ -277,6 +282,59 @@ impl Maps<'_> {
                 best = Some(f64::max(best.unwrap_or(0.0), sum / weight));
             }
         }
-        best.map(|c| c > 0.25)
+        if best.is_some_and(|c| c > 0.25) {
+            return Some(true);
+        }
+        let rows = self.data.records.iter().map(|r| r.rows.clone());
+        let differs = Repeats::of(command, residual, rows)?.sigma()?;
+        let part = (differs * differs - 1.0).max(0.0) / (mean_square(residual) - 1.0).max(0.1);
+        match part {
+            p if p < DIFFERS.0 => Some(true),
+            p if p > DIFFERS.1 => Some(false),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data_set::RecordRows;
+    use crate::random::Random;
+
+    const ROWS: usize = 6000;
+    const SEED: u64 = 7;
+
+    /// What is said of a residual in noise of 1 under a command.
+    fn driven(command: impl Fn(usize) -> f64, residual: impl Fn(usize) -> f64) -> Option<bool> {
+        let mut random = Random::new(SEED);
+        let mut noise = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;
+        let u: Vec<f64> = (0..ROWS).map(command).collect();
+        let r: Vec<f64> = (0..ROWS).map(|k| residual(k) + noise()).collect();
+        let record = RecordRows {
+            name: "a".to_owned(),
+            time: (0..ROWS).map(|k| 1e-3 * k as f64).collect(),
+            command: u.clone(),
+            y: r.clone(),
+            aux: Vec::new(),
+            others: Vec::new(),
+            run_in: 0,
+            training: 1.0,
+        };
+        let data = DataSet::new(vec![record], &[], None);
+        Maps { data: &data, before: &r, after: &r, sigma: 1.0 }.is_input_driven(&r, &u)
+    }
+
+    #[test]
+    fn that_it_does_not_follow_is_said_where_the_command_repeats_and_the_gap_does_not() {
+        let phase = |k: usize| (k % 1500) as f64 / 1500.0 * std::f64::consts::TAU;
+        let repeats = |k: usize| phase(k).sin();
+        let runs_up = |k: usize| (1e-6 * (k * k) as f64).sin();
+        // Lines that no function of the command has; the second fits into its period.
+        let own = |k: usize| 10.0 * (0.3785 * k as f64).sin();
+        let of_it = |k: usize| 10.0 * (37.0 * phase(k)).sin();
+        assert_eq!(driven(repeats, own), Some(false), "seed {SEED}");
+        assert_eq!(driven(repeats, of_it), Some(true), "seed {SEED}");
+        assert_eq!(driven(runs_up, own), None, "seed {SEED}");
     }
 }

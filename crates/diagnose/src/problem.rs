@@ -5,7 +5,7 @@ use data::{CheckedBlueprint, Log, NameMap, inner_steps};
 use model::{Causality, Unit};
 
 use crate::base::Base;
-use crate::between::Between;
+use crate::between::Course;
 use crate::data_set::{DataSet, RecordRows};
 use crate::error::Error;
 use crate::gap::NoiseFloor;
@@ -18,6 +18,7 @@ use crate::tap;
 pub(crate) const HELD_OUT: f64 = 0.3;
 
 /// One output, ready to be diagnosed.
+#[derive(Clone)]
 pub(crate) struct Problem {
     /// Name in reports: the short name where there is one.
     pub(crate) output: String,
@@ -41,8 +42,8 @@ pub(crate) struct Problem {
     /// Least and greatest command that may be played, in its unit.
     pub(crate) command_range: (f64, f64),
     pub(crate) warnings: Vec<String>,
-    /// What the command does between the rows.
-    pub(crate) between: Between,
+    /// How the logs are read.
+    pub(crate) course: Course,
 }
 
 /// An input or output of the model.
@@ -94,6 +95,10 @@ fn check(request: &Request) -> Result<(), Error> {
     if !(request.gain_tolerance.is_finite() && request.gain_tolerance > 0.0) {
         let value = request.gain_tolerance.to_string();
         return option("--gain-tolerance", value, "must be above zero, as in 0.01");
+    }
+    if !(request.accuracy.is_finite() && (0.0..1.0).contains(&request.accuracy)) {
+        let value = request.accuracy.to_string();
+        return option("--accuracy", value, "must be a part of the range from 0 to 1, as in 0.01");
     }
     for name in &request.without {
         if components::effects::find(name).is_none() {
@@ -206,7 +211,7 @@ pub(crate) fn assemble(
     let (u, y) = (&inputs[input], &outputs[output]);
     let aux = auxiliaries(request, inputs, outputs, input);
     let names: Vec<(String, bool)> = aux.iter().map(|a| (a.column.clone(), a.is_command)).collect();
-    let between = request.between.unwrap_or_default();
+    let course = Course::said(request.between, request.reading);
     let mut records = Vec::new();
     let mut warnings = Vec::new();
     let logs = request.logs.iter().map(|log| (log, false));
@@ -250,7 +255,7 @@ pub(crate) fn assemble(
             records.push(RecordRows {
                 name,
                 time: log.time()[rows.clone()].to_vec(),
-                command: between.held(&log.time()[rows.clone()], si(&u.si, &command)),
+                command: si(&u.si, &command),
                 y: si(&y.si, &measured),
                 aux: aux.iter().map(|a| part(a)).collect(),
                 others: others.iter().map(|o| part(o)).collect(),
@@ -266,7 +271,7 @@ pub(crate) fn assemble(
     if let Some(step) = step {
         check_steps(&records, step)?;
     }
-    let data = DataSet::new(records, &names, step);
+    let data = DataSet::new(records, &names, step).played(course);
     let is_asked = !request.without.iter().any(|name| name == SENSOR_QUANTISATION.name);
     let steps = Steps::of(&data).filter(|_| is_asked);
     let (noise, rest_corner, steps) = floor(request, y, &data, steps)?;
@@ -285,7 +290,7 @@ pub(crate) fn assemble(
         steps,
         command_range: u.range,
         warnings,
-        between,
+        course,
     })
 }
 

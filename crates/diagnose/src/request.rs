@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use data::{CheckedBlueprint, Log, NameMap};
 
-use crate::between::Between;
+use crate::between::{Between, Reading};
 use crate::error::Error;
 
 /// The model that does not match.
@@ -58,9 +58,13 @@ pub struct Request {
     pub holdout: Vec<Log>,
     /// Run-in in s from the start of each record: simulated, neither fitted nor judged.
     pub drop: f64,
-    /// What the commands do between the rows; none: held, and the others
-    /// are tried before a mode of a white box is named near half the sample rate.
+    /// What the commands do between the rows; none: held, unless the logs of a white box say otherwise.
     pub between: Option<Between>,
+    /// When the readings of rows are taken; none: before a held command acts, at the instant of one that moves,
+    /// unless the logs of a white box say otherwise.
+    pub reading: Option<Reading>,
+    /// What is good enough, as a root mean square over the range of the output; 0: the noise.
+    pub accuracy: f64,
     /// Which variable of the model reads which column.
     pub names: NameMap,
     /// Outputs that are looked at; empty: all that the logs have a column for.
@@ -94,6 +98,8 @@ impl Request {
             holdout: Vec::new(),
             drop: 0.0,
             between: None,
+            reading: None,
+            accuracy: 0.0,
             names: NameMap::default(),
             outputs: Vec::new(),
             tolerances: Vec::new(),

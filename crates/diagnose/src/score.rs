@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicU64;
 
 use crate::chain::{Bench, Chain, Failed, Horizon};
 use crate::data_set::DataSet;
+use crate::discrepancy::{self, Discrepancy};
 use crate::noise::Shape;
 use crate::nuisance::Projector;
 use crate::spectrum::{self, Bands};
@@ -188,6 +189,12 @@ impl Judge {
         let log_band = self.level(&residual, data.sample_time());
         let blocks = self.blocks.iter().map(|b| square(&b.rows)).collect();
         Judged { held_out, training, log_band, blocks, residual }
+    }
+
+    /// What is left beside the noise.
+    pub(crate) fn discrepancy(&self, judged: &Judged, data: &DataSet) -> Discrepancy {
+        let records = data.records.iter().map(|r| r.rows.clone());
+        discrepancy::of(&judged.residual, records, self.shape, data.sample_time())
     }
 
     /// Held-out score between the re-tuned model (0) and the noise (1).

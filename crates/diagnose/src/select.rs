@@ -20,6 +20,8 @@ const FITTED: usize = 7;
 const FITTED_BESIDE: usize = 5;
 /// Families whose best formula is fitted thoroughly.
 const REFINED: usize = 4;
+/// Part of the best promise from which a formula that needs a thorough fit gets one.
+const PROMISING: f64 = 0.7;
 /// Weight of the training rows in the rank; the rest is that of the held-out ones.
 const TRAINING: f64 = 0.5;
 /// What must be left without the effect, over what is left with it.
@@ -86,15 +88,25 @@ pub(crate) struct Found {
     pub(crate) first: Vec<Looked>,
     /// For each effect of `last`, the part of the held-out gap that comes back without it.
     pub(crate) alone: Vec<f64>,
+    /// The effects of `last` with the best further one, which is not named.
+    pub(crate) beyond: Option<Candidate>,
 }
 
 impl Found {
+    /// Where nothing is looked for.
+    pub(crate) fn nothing(base: Candidate) -> Self {
+        let last = base.clone();
+        let (rivals, first, alone) = (Vec::new(), Vec::new(), Vec::new());
+        Self { base, last, rivals, first, alone, beyond: None }
+    }
+
     /// Changes all candidates that were fitted.
     pub(crate) fn each(&mut self, mut change: impl FnMut(&mut Candidate)) {
         change(&mut self.base);
         change(&mut self.last);
         let looked = self.rivals.iter_mut().flatten().chain(&mut self.first);
-        looked.filter_map(|l| l.best.as_mut()).for_each(change);
+        let fitted = looked.filter_map(|l| l.best.as_mut());
+        fitted.chain(&mut self.beyond).for_each(change);
     }
 }
 
@@ -107,6 +119,8 @@ pub(crate) struct Search<'a> {
     pub(crate) sigma: f64,
     /// Mean square over the noise's up to which nothing is left to explain.
     pub(crate) adequate: f64,
+    /// What the user calls good enough, in powers of the noise.
+    pub(crate) fine: f64,
     pub(crate) count: &'a AtomicU64,
     pub(crate) max_effects: usize,
 }
@@ -191,10 +205,16 @@ impl<'a> Search<'a> {
                 kept.contains(&family) || releases
             })
             .collect();
+        // A thorough fit is for what promises most: a formula of which that is not so is taken as it comes.
+        let greatest = families.first().map_or(0.0, |(_, promise)| *promise);
         let fitted: Vec<Option<Candidate>> = to_fit
             .par_iter()
             .with_max_len(1)
-            .map(|k| self.fit_one(from, &fixed, jobs[*k], &screened[*k].1, &linear).ok())
+            .map(|k| {
+                let (promise, start) = &screened[*k];
+                let is_promising = *promise > PROMISING * greatest;
+                self.fit_one(from, &fixed, (jobs[*k], start, is_promising), &linear).ok()
+            })
             .collect();
         let mut looked: Vec<Looked> = families
             .iter()
@@ -253,15 +273,21 @@ impl<'a> Search<'a> {
         linear: &Linear,
         as_gain: f64,
     ) {
-        let Some(best) = &entry.best else { return };
-        let own = 0.5 * (best.fit.mean_square + best.judged.held_out);
+        let own = |best: &Candidate| 0.5 * (best.fit.mean_square + best.judged.held_out);
+        let Some(mut left) = entry.best.as_ref().map(own) else { return };
         let family = &self.library[entry.family];
         let is_gain = family.effect.name == effects::ACTUATOR_GAIN.name;
-        let explains = |left: f64| left < NULL * own;
-        if (!is_gain && explains(as_gain))
-            || family.nulls.iter().any(|null| explains(self.left_by(from, fixed, null, linear)))
-        {
-            (entry.best, entry.why) = (None, Some(Why::AsNull));
+        let nulls = family.nulls.iter().map(|null| self.left_by(from, fixed, null, linear));
+        for null in std::iter::once(if is_gain { f64::INFINITY } else { as_gain }).chain(nulls) {
+            // What promised far more than it came to was not fitted to its end.
+            if null < NULL * left && (1.0 - entry.screening) * from.fit.mean_square < null / NULL {
+                self.refine(entry);
+                left = entry.best.as_ref().map_or(left, own);
+            }
+            if null < NULL * left {
+                (entry.best, entry.why) = (None, Some(Why::AsNull));
+                return;
+            }
         }
     }
 
@@ -316,8 +342,7 @@ impl<'a> Search<'a> {
         &self,
         from: &Candidate,
         fixed: &[&Formula],
-        (family, number): (usize, usize),
-        start: &[f64],
+        ((family, number), start, is_promising): ((usize, usize), &[f64], bool),
         linear: &Linear,
     ) -> Result<Candidate, Failed> {
         let formula = &self.library[family].formulas[number];
@@ -325,7 +350,10 @@ impl<'a> Search<'a> {
         with.push(formula);
         let chain = self.base.compose(&with);
         let theta = self.carry(from, &chain, formula, start);
-        let fit = self.fitter().fit_quickly(&chain, &theta, linear)?;
+        let fit = match formula.is_fitted_anew && is_promising {
+            true => self.fitter().fit(&chain, &theta)?,
+            false => self.fitter().fit_quickly(&chain, &theta, linear)?,
+        };
         let mut picks = from.picks.clone();
         picks.push((family, number));
         self.candidate(picks, chain, fit)
@@ -400,7 +428,7 @@ impl<'a> Search<'a> {
         let linear = self.fitter().linearise(&rest.chain, &rest.fit.theta)?;
         let fitted = others.par_iter().with_max_len(1).map(|k| {
             let (_, start) = self.screen(&rest, &fixed, (family, *k), &linear);
-            self.fit_one(&rest, &fixed, (family, *k), &start, &linear).ok()
+            self.fit_one(&rest, &fixed, ((family, *k), &start, true), &linear).ok()
         });
         let fitted: Vec<Option<Candidate>> = fitted.collect();
         let best = fitted.into_iter().flatten().min_by(|a, b| a.rank.total_cmp(&b.rank));
@@ -423,7 +451,7 @@ impl<'a> Search<'a> {
         let fixed = self.formulas(&rest.picks);
         let linear = self.fitter().linearise(&rest.chain, &rest.fit.theta)?;
         let (_, start) = self.screen(&rest, &fixed, job, &linear);
-        let quick = self.fit_one(&rest, &fixed, job, &start, &linear)?;
+        let quick = self.fit_one(&rest, &fixed, (job, &start, true), &linear)?;
         let fit = self.fitter().fit(&quick.chain, &quick.fit.theta)?;
         self.candidate(quick.picks, quick.chain, fit)
     }

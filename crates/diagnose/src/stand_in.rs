@@ -24,6 +24,7 @@ pub(crate) fn stand_in(
         library: &o.library,
         sigma: o.sigma,
         adequate: o.adequate,
+        fine: o.fine,
         count: &count,
         max_effects: 0,
     };

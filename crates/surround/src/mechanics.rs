@@ -22,6 +22,9 @@ pub enum Force {
     SpeedDamping,
     /// Coulomb friction `size·tanh(x′/(ω·smooth))`, over the stiffness.
     Coulomb,
+    /// Hysteresis of the spring (Bouc-Wen): `stiffness·z + straight·x`, with
+    /// `z′ = x′·(1 − (sign(x′)·z + shape·|z|)/distance)`.
+    BoucWen,
 }
 
 impl Force {
@@ -31,6 +34,7 @@ impl Force {
         match self {
             Self::Cubic | Self::SpeedDamping => 1,
             Self::Uneven | Self::Friction | Self::Coulomb => 2,
+            Self::BoucWen => 4,
         }
     }
 
@@ -42,7 +46,7 @@ impl Force {
         const FRICTION: f64 = 0.25;
         match self {
             Self::Cubic | Self::Uneven => (angle / STIFFNESS).ceil().clamp(1.0, 64.0) as u8,
-            Self::Friction | Self::SpeedDamping | Self::Coulomb => {
+            Self::Friction | Self::SpeedDamping | Self::Coulomb | Self::BoucWen => {
                 (angle / FRICTION).ceil().clamp(1.0, 3.0) as u8
             }
         }
@@ -53,11 +57,12 @@ impl Force {
     /// # Errors
     /// [`WrongCount`] where [`count`](Self::count) is another.
     pub fn acting(self, p: &[f64], far: f64) -> Result<Acting, WrongCount> {
-        let [first, second] = match self.count() {
-            1 => exactly(p).map(|[first]| [first, 0.0])?,
+        let p = match self.count() {
+            1 => exactly(p).map(|[first]| [first, 0.0, 0.0, 0.0])?,
+            2 => exactly(p).map(|[first, second]| [first, second, 0.0, 0.0])?,
             _ => exactly(p)?,
         };
-        Ok(Acting { force: self, first, second, far })
+        Ok(Acting { force: self, p, far })
     }
 }
 
@@ -65,8 +70,8 @@ impl Force {
 #[derive(Clone, Copy, Debug)]
 pub struct Acting {
     force: Force,
-    first: f64,
-    second: f64,
+    /// Its parameters, with zeros behind them.
+    p: [f64; 4],
     far: f64,
 }
 
@@ -81,7 +86,7 @@ impl Acting {
     /// one, with the rate over ω; z is the state of the friction, which stays where it does not go on.
     #[inline]
     pub fn pull(&self, (x, way, rate): (f64, f64, f64), z: &mut f64, goes_on: bool) -> f64 {
-        let Self { force, first, second, far } = *self;
+        let Self { force, p: [first, second, third, fourth], far } = *self;
         // The flexure is straight where the position is zero.
         let e = x / far;
         match force {
@@ -97,8 +102,28 @@ impl Acting {
             }
             Force::SpeedDamping => first * rate * rate.abs() / far,
             Force::Coulomb => first * tanh(rate / second),
+            Force::BoucWen => {
+                let [distance, shape, straight] = [second, third, fourth];
+                let own = bouc_wen((distance, shape), way, *z);
+                if goes_on {
+                    *z = own;
+                }
+                first * own + straight * x
+            }
         }
     }
+}
+
+/// The state z of `z′ = x′·(1 − (sign(x′)·z + shape·|z|)/distance)` after a way of constant direction:
+/// linear in z while z keeps its sign, so that the exponential is exact there.
+fn bouc_wen((distance, shape): (f64, f64), way: f64, z: f64) -> f64 {
+    let sign = way.signum();
+    let rate = (1.0 + shape * sign * z.signum()) / distance;
+    let x = rate * way.abs();
+    let decay = libm::exp(-x);
+    // (1 − e^−x)/x.
+    let mean = if x.abs() < 1e-6 { 1.0 - 0.5 * x } else { (1.0 - decay) / x };
+    z * decay + way * mean
 }
 
 /// `exp(−x)` for x ≥ 0 within 2e-11 of 1: friction needs it in every part of a step, and no more digits.
@@ -312,6 +337,8 @@ mod tests {
             (Force::Friction, &[0.1, 0.02], 0.01),
             (Force::SpeedDamping, &[0.4], 0.01),
             (Force::Coulomb, &[0.05, 0.1], 0.01),
+            (Force::BoucWen, &[0.5, 0.3, -0.5, -0.3], 0.01),
+            (Force::BoucWen, &[0.4, 1.2, -1.4, -0.6], 0.01),
         ] {
             let run = |force: Force, p: &[f64], parts: usize| {
                 let mode = ForcedMode::new((400.0, 0.02), [force], ROW / parts as f64);
@@ -328,6 +355,22 @@ mod tests {
             let effect = rms(&fine, &run(Force::Cubic, &[0.0], 1));
             let part = rms(&whole, &fine) / effect;
             assert!(part < bound, "{force:?} {p:?}: {part} of what the force does");
+        }
+    }
+
+    /// Without a shape Bouc-Wen's law is Dahl's: `stiffness·distance` is the size of the friction.
+    #[test]
+    fn hysteresis_of_the_spring_without_a_shape_is_friction() {
+        let (mut slide, mut z, mut before) = (0.0, 0.0, 0.0_f64);
+        let friction = Force::Friction.acting(&[0.12, 0.3], 1.0).unwrap();
+        let spring = Force::BoucWen.acting(&[0.4, 0.3, 0.0, 0.0], 1.0).unwrap();
+        for n in 0..500 {
+            let x = (0.05 * f64::from(n)).sin() * (1.0 + 0.002 * f64::from(n));
+            let at = (x, x - before, 0.0);
+            before = x;
+            let dahl = friction.pull(at, &mut slide, true);
+            let own = spring.pull(at, &mut z, true);
+            assert!((own - dahl).abs() < 1e-9, "{n}: {own} and {dahl}");
         }
     }
 

@@ -34,6 +34,7 @@ fn all() -> Vec<(Block, Vec<f64>)> {
         (mode(Force::Friction), vec![0.05, 0.1]),
         (mode(Force::SpeedDamping), vec![0.4]),
         (mode(Force::Coulomb), vec![0.05, 0.02]),
+        (mode(Force::BoucWen), vec![0.4, 0.1, -0.5, -0.3]),
         (Block::Slew, vec![200.0]),
         (Block::UnevenSlew, vec![250.0, 0.6]),
         (Block::SoftSlew, vec![900.0, 500.0]),

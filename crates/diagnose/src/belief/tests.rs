@@ -30,7 +30,7 @@ fn looked(family: usize, best: Option<Candidate>) -> Looked {
 
 /// A large gap of the re-tuned model, of which nothing need be left.
 fn sight(library: &[Family]) -> Sight<'_> {
-    Sight { library, base_excess: 10.0, adequate: 1.1 }
+    Sight { library, base_excess: 10.0, adequate: 1.1, fine: 0.0 }
 }
 
 /// Families of no group.
@@ -200,10 +200,10 @@ fn what_takes_little_beside_others_may_only_repair_their_formulas() {
 
 #[test]
 fn the_gap_is_what_the_retuned_model_leaves_over_the_noise() {
-    let sight = Sight::new(&[], &candidate((9.0, 4.0), 0.0, 0), 1.2);
+    let sight = Sight::new(&[], &candidate((9.0, 4.0), 0.0, 0), 1.2, 0.0);
     close(sight.base_excess, 4.0);
     close(sight.adequate, 1.2);
-    assert_eq!(Sight::new(&[], &candidate((9.0, -0.3), 0.0, 0), 1.2).base_excess, 0.0);
+    assert_eq!(Sight::new(&[], &candidate((9.0, -0.3), 0.0, 0), 1.2, 0.0).base_excess, 0.0);
 }
 
 fn library() -> Vec<Family> {
@@ -237,6 +237,20 @@ fn the_set_is_the_smallest_that_reaches_95_per_cent_of_what_is_known() {
     // Exactly 0.95 is enough.
     assert_eq!(set(&believe(&[(7, 0.95), (1, 0.05)])), [7]);
     assert!(set(&[]).is_empty());
+}
+
+#[test]
+fn what_is_good_enough_tells_no_names_apart() {
+    let library = ungrouped();
+    let near = candidate((0.09, 0.09), 0.0, 1);
+    let rivals = [looked(0, Some(near.clone())), looked(1, Some(candidate((0.19, 0.19), 1e3, 1)))];
+    let odds_with = |fine: f64| {
+        let sight = Sight { fine, ..sight(&library) };
+        let found = beliefs(&sight, &rivals, &near);
+        found[1].probability / found[0].probability
+    };
+    close(odds_with(0.0), 1.0 / 64.0);
+    close(odds_with(0.9), 1.1_f64.powi(-6));
 }
 
 #[test]

@@ -22,6 +22,12 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     let mut family = Family::new(&effects::HYSTERESIS, hysteresis(s));
     // A loop of the same width at every amplitude is a clearance, and no memory.
     family.nulls = super::mechanics::backlash(s);
+    if let Some(spring) = super::mechanics::hysteresis_of_the_spring(s) {
+        family.formulas.push(spring);
+        // What brakes or yields alike at every amplitude and speed is another damping or frequency.
+        let own = [&effects::DAMPING, &effects::RESONANCE_SHIFT];
+        family.nulls.extend(own.iter().filter_map(|e| super::mechanics::released(s, e)));
+    }
     all.push(family);
     let mut family = Family::new(&effects::ASYMMETRY, asymmetry(s, &memory));
     // A play of the same width along the whole range is hysteresis or clearance.

@@ -38,7 +38,7 @@ fn own(s: &Setting<'_>, effect: &Effect) -> Vec<usize> {
 }
 
 /// Those without their tolerance, and nothing else.
-fn released(s: &Setting<'_>, effect: &Effect) -> Option<Formula> {
+pub(super) fn released(s: &Setting<'_>, effect: &Effect) -> Option<Formula> {
     let releases = own(s, effect);
     let formula = Formula::new("the model's own parameter").start(&[]);
     (!releases.is_empty()).then_some(Formula { releases, ..formula })
@@ -215,6 +215,27 @@ fn friction(s: &Setting<'_>) -> Vec<Formula> {
     coulomb.force = Some((Force::Coulomb, s.position.centre, h));
     // In series it would be a memory of the actuator.
     vec![inside, coulomb]
+}
+
+/// A spring whose own force has memory: a part of it, of a stiffness of its own, yields or hardens with the
+/// way since the last reversal (Bouc-Wen). It bends over a good part of the range; what slides after a short
+/// way is friction.
+pub(super) fn hysteresis_of_the_spring(s: &Setting<'_>) -> Option<Formula> {
+    s.base.mode?;
+    let (c, h) = (s.position.centre, s.position.half);
+    let mut formula = Formula::new("Bouc-Wen in the mode").screened(4);
+    formula.parameters = vec![
+        Free::log("stiffness of the part with memory", "1", 1e-3, 10.0),
+        Free::log("distance", "{position}", 0.1 * h, 30.0 * h),
+        Free::linear("part that depends on the size", "1", -3.0, 3.0).step(0.02),
+        Free::linear("stiffness beside the model's", "1", -0.9, 3.0).step(2e-3),
+    ];
+    formula.starts = [(0.1, 0.3), (0.3, 0.5), (0.3, 1.5)]
+        .map(|(stiffness, d)| vec![stiffness, d * h, 0.0, -0.6 * stiffness])
+        .to_vec();
+    formula.force = Some((Force::BoucWen, c, h));
+    formula.is_fitted_anew = true;
+    Some(formula)
 }
 
 fn periodic(s: &Setting<'_>) -> Vec<Formula> {

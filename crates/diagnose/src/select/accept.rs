@@ -67,6 +67,7 @@ impl Search<'_> {
         let mut best = base.clone();
         let mut first = Vec::new();
         let mut rivals: Vec<Vec<Looked>> = Vec::new();
+        let mut beyond = None;
         while best.picks.len() < self.max_effects && has_gap(&best, self.adequate) {
             // Without a first one nothing can be said; a further one that cannot be simulated ends no diagnosis.
             let looked = match self.expand(&best) {
@@ -80,6 +81,7 @@ impl Search<'_> {
             let Some(next) = looked.iter().find_map(|l| l.best.clone()) else { break };
             let next = self.with_best_formulas(next);
             if !self.is_worth_it(&base, &best, &next) {
+                beyond = Some(next);
                 break;
             }
             rivals.push(looked);
@@ -96,8 +98,7 @@ impl Search<'_> {
             (best, is_last_resort) = (pair, true);
         }
         if self.is_hopeless(&base, &best) {
-            let last = base.clone();
-            return Ok(Found { base, last, rivals, first, alone: Vec::new() });
+            return Ok(Found { rivals, first, ..Found::nothing(base) });
         }
         if best.picks.len() > 1 {
             best = self.reconsider(best, &mut rivals);
@@ -113,7 +114,13 @@ impl Search<'_> {
         if last.picks.is_empty() && has_several && !is_last_resort {
             (last, alone) = self.first_alone(&base, &first, &mut rivals);
         }
-        Ok(Found { base, last, rivals, first, alone })
+        let goes_on = |next: &Candidate| {
+            !last.picks.is_empty()
+                && next.picks.len() == last.picks.len() + 1
+                && last.picks.iter().all(|pick| next.picks.contains(pick))
+        };
+        let beyond = beyond.filter(goes_on);
+        Ok(Found { base, last, rivals, first, alone, beyond })
     }
 
     /// The best single effect as if no other had been looked for beside it: several that cannot be named
@@ -340,7 +347,7 @@ impl Search<'_> {
 
     /// What beliefs are formed from.
     fn sight(&self, base: &Candidate) -> Sight<'_> {
-        Sight::new(self.library, base, self.adequate)
+        Sight::new(self.library, base, self.adequate, self.fine)
     }
 
     /// Whether one more effect is believed.

@@ -137,6 +137,7 @@ impl Made {
             library: &self.library,
             sigma: 1.0,
             adequate: 1.3,
+            fine: 0.0,
             count: &self.count,
             max_effects: self.max_effects,
         }

@@ -11,7 +11,7 @@ fn next(made: &Made, from: &Candidate, job: (usize, usize)) -> Candidate {
     let linear = search.fitter().linearise(&from.chain, &from.fit.theta).unwrap();
     let fixed = search.formulas(&from.picks);
     let (_, start) = search.screen(from, &fixed, job, &linear);
-    search.fit_one(from, &fixed, job, &start, &linear).unwrap()
+    search.fit_one(from, &fixed, (job, &start, true), &linear).unwrap()
 }
 
 /// Weights and times that nothing depends on, with these starts.
@@ -364,13 +364,14 @@ fn a_change_reaches_every_candidate_that_was_fitted() {
         rivals: vec![vec![entry(2.0), none()], vec![entry(3.0), entry(4.0)]],
         first: vec![none(), entry(5.0)],
         alone: Vec::new(),
+        beyond: Some(Candidate { rank: 6.0, ..fitted.clone() }),
     };
     let mut seen = Vec::new();
     found.each(|c| {
         seen.push(c.rank);
         c.rank += 10.0;
     });
-    assert_eq!(seen, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    assert_eq!(seen, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     assert_eq!(found.base.rank, 10.0);
     assert_eq!(found.rivals[1][1].best.as_ref().unwrap().rank, 14.0);
     assert_eq!(found.first[1].best.as_ref().unwrap().rank, 15.0);

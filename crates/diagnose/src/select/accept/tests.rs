@@ -339,7 +339,8 @@ fn a_name_may_change_once_the_noise_is_known_better() {
     let looked = alike(&told, &[(0, -100.0, 9), (1, -99.0, 1)]);
     let last = looked[0].best.clone().unwrap();
     let rivals = vec![looked.clone()];
-    let mut found = Found { base: told.base(), last, rivals, first: looked, alone: vec![0.5] };
+    let found = Found { last, rivals, first: looked, ..Found::nothing(told.base()) };
+    let mut found = Found { alone: vec![0.5], ..found };
     told.made.search().name_again(&mut found);
     assert_eq!(found.last.picks, [(1, 0)]);
     assert!((found.alone[0] - 0.99).abs() < 1e-12);

@@ -1,0 +1,162 @@
+//! How the logs are read, where nobody says and they do: what the command does between rows, and when
+//! readings are taken.
+
+use std::sync::atomic::AtomicU64;
+
+use components::effects;
+use rayon::prelude::*;
+
+use crate::between::{Between, Course};
+use crate::error::Error;
+use crate::fit::Fitter;
+use crate::gap::Verdict;
+use crate::outcome::{self, Outcome};
+use crate::problem::Problem;
+use crate::request::Request;
+use crate::select::{Candidate, has_gap};
+
+/// What another reading of the logs must leave, over what the usual one leaves.
+const LESS: f64 = 0.7;
+
+/// Diagnoses one output. Where something is left, the other readings of the logs are tried with what was found:
+/// one that leaves clearly less is taken, and the search made anew. A mode near half the sample rate is what a
+/// command looks like that moves between the rows: before it is named the search is made with those at any rate,
+/// and the one is taken that leaves less with fewer effects.
+pub(crate) fn settled(
+    problem: Problem,
+    request: &Request,
+    count: &AtomicU64,
+) -> Result<Outcome, Error> {
+    let open = Course::open(request.between, request.reading);
+    if open.is_empty() || !problem.base.is_white {
+        return outcome::of(problem, request, count);
+    }
+    let fresh = problem.clone();
+    let mut outcome = outcome::of(problem, request, count)?;
+    let usual = outcome.problem.course;
+    let mode = mode_near_nyquist(&outcome);
+    let courses = match mode {
+        Some(_) => {
+            open.into_iter().filter(|c| c.between != Between::Zoh && is_usual(*c)).rev().collect()
+        }
+        None => promising(&outcome, &open, count).into_iter().collect::<Vec<_>>(),
+    };
+    let first = outcome.left();
+    for course in courses {
+        let data = fresh.data.played(course);
+        let Ok(other) = outcome::of(Problem { course, data, ..fresh.clone() }, request, count)
+        else {
+            continue;
+        };
+        let is_better = match mode {
+            Some(_) => {
+                let count = |o: &Outcome| o.found.last.picks.len();
+                // With fewer effects it stands for the mode: what counts is what is left without that.
+                let stands_for_it = count(&other) < count(&outcome)
+                    && without_mode(&outcome).is_some_and(|left| held_out(&other) < LESS * left);
+                let leaves_less = count(&other) <= count(&outcome) && other.left() < outcome.left();
+                other.verdict == Verdict::Effects
+                    && mode_near_nyquist(&other).is_none()
+                    && (stands_for_it || leaves_less)
+            }
+            None => other.left() < LESS * outcome.left(),
+        };
+        if is_better {
+            outcome = other;
+            if !has_gap(&outcome.found.last, outcome.adequate) {
+                break;
+            }
+        }
+    }
+    let (output, course) = (outcome.problem.output.clone(), outcome.problem.course);
+    let said = |what: String| {
+        format!(
+            "{output}: the logs are read with {}: with {} {what} (--between {} --reading {} says otherwise)",
+            course.words(),
+            usual.words(),
+            usual.between.name(),
+            usual.reading.name()
+        )
+    };
+    let warning = match mode {
+        Some(frequency) if course == usual => Some(format!(
+            "{output}: the mode at {frequency:.4} Hz lies within 10 % of half the sample rate; it stays whatever the \
+             command does between the rows"
+        )),
+        Some(frequency) => Some(said(format!(
+            "a mode would be missing at {frequency:.4} Hz, within 10 % of half the sample rate"
+        ))),
+        None if course == usual => None,
+        None => Some(said(format!(
+            "the best answer would leave {:.1} times as much",
+            (first / outcome.left()).sqrt()
+        ))),
+    };
+    outcome.problem.warnings.extend(warning);
+    Ok(outcome)
+}
+
+fn is_usual(course: Course) -> bool {
+    course == Course::said(Some(course.between), None)
+}
+
+/// The one of these with which the model, or the best that was found, leaves least, where that is clearly less.
+fn promising(o: &Outcome, open: &[Course], count: &AtomicU64) -> Option<Course> {
+    let both = [&o.found.base, o.best()];
+    if !has_gap(&o.found.base, o.adequate) {
+        return None;
+    }
+    let tried: Vec<(Course, f64)> = open
+        .par_iter()
+        .with_max_len(1)
+        .filter_map(|course| {
+            let data = o.problem.data.played(*course);
+            let left = |c: &Candidate| {
+                let fitter = Fitter { data: &data, sigma: o.sigma, count, weights: None };
+                let theta = fitter.fit_again(&c.chain, &c.fit.theta).ok()?.theta;
+                let judged = o.judge.judge(&c.chain, &theta, &data, o.sigma, count).ok()?;
+                let before = c.judged.training + c.judged.held_out;
+                Some((judged.training + judged.held_out, before))
+            };
+            let part = |c: &Candidate| {
+                // What leaves next to nothing needs no other reading.
+                let is_open = has_gap(c, o.adequate);
+                left(c).filter(|_| is_open).map(|(after, before)| after / before)
+            };
+            let parts = both.iter().filter_map(|c| part(c));
+            Some((*course, parts.min_by(f64::total_cmp)?))
+        })
+        .collect();
+    let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (best.1 < LESS).then_some(best.0)
+}
+
+/// Mean square in SI of what the answer leaves on held-out rows.
+fn held_out(o: &Outcome) -> f64 {
+    o.found.last.judged.held_out * o.sigma.powi(2)
+}
+
+/// The same without the mode of the answer.
+fn without_mode(o: &Outcome) -> Option<f64> {
+    let is_mode =
+        |(family, _): &(usize, usize)| o.library[*family].effect.name == effects::EXTRA_MODE.name;
+    let slot = o.found.last.picks.iter().position(is_mode)?;
+    let gap = (o.found.base.judged.held_out - 1.0).max(0.0) * o.sigma.powi(2);
+    Some(held_out(o) + o.found.alone.get(slot)? * gap)
+}
+
+/// Frequency of a mode that was found within 10 % of half the sample rate, in Hz.
+fn mode_near_nyquist(o: &Outcome) -> Option<f64> {
+    /// In parts of the sample rate.
+    const NEAR: f64 = 0.45;
+    let last = &o.found.last;
+    let is_mode =
+        |(family, _): &(usize, usize)| o.library[*family].effect.name == effects::EXTRA_MODE.name;
+    if !last.picks.iter().any(is_mode) {
+        return None;
+    }
+    let own = last.chain.parameters.iter().zip(&last.fit.theta).filter(|(p, _)| !p.is_base);
+    let frequencies = own.filter(|(p, _)| p.unit == "Hz").map(|(p, q)| p.value(*q));
+    let sample = o.problem.data.sample_time();
+    frequencies.filter(|f| f * sample >= NEAR).reduce(f64::max)
+}

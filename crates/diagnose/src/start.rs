@@ -1,0 +1,120 @@
+//! Where the machine rested before a log begins.
+//!
+//! A log often begins with the row whose command sets the machine in motion. Its readings then move though the
+//! logged command stands still, which no model does that rests under the first row's command. The machine
+//! rested under another one, u₀, which follows from how far the reading moves until it stands still itself:
+//! `rest(u₀) = rest(u₁) + y₁ − y_still`, with the re-tuned model's `rest`.
+
+use std::sync::atomic::AtomicU64;
+
+use crate::chain::{Bench, Horizon};
+use crate::data_set::{DataSet, RecordRows};
+use crate::problem::Problem;
+use crate::select::Candidate;
+
+/// Least way of the reading while the command stands, over its range and over the noise.
+const MOVES: (f64, f64) = (0.05, 10.0);
+/// How far the reading may be from where it comes to stand, over the way: it swings, and goes nowhere else.
+const SWINGS: f64 = 1.5;
+/// Rows for which the command stands.
+const ROWS: usize = 4;
+/// Where u₀ is looked for, in half ranges of the command about its centre.
+const FAR: f64 = 3.0;
+const HALVINGS: usize = 50;
+
+/// Takes each record from the rest that its first readings show, and says so; whether any is another one than
+/// that of the first row's command.
+pub(crate) fn find(problem: &mut Problem, base: &Candidate, count: &AtomicU64) -> bool {
+    if !problem.base.is_white {
+        return false;
+    }
+    let sigma = problem.noise.sigma * problem.factor;
+    let found: Vec<(usize, f64, f64)> = (0..problem.data.records.len())
+        .filter_map(|record| {
+            let (first, way) = moved(&problem.data, record, sigma)?;
+            Some((record, rest_before(&problem.data, base, first, way, count)?, way))
+        })
+        .collect();
+    for (record, rest, way) in &found {
+        let data = &mut problem.data.records[*record];
+        data.rest = Some(*rest);
+        problem.warnings.push(format!(
+            "{}: {} moves by {} {} before {} first changes: the machine is taken to have rested under {} {} before \
+             the first row (--drop S leaves the begin out)",
+            data.name,
+            problem.output,
+            report::format_number(-way / problem.factor, 3),
+            problem.unit,
+            problem.input,
+            report::format_number(rest / problem.command_factor, 4),
+            problem.command_unit
+        ));
+    }
+    if !found.is_empty() {
+        problem.data = problem.data.played(problem.course);
+    }
+    !found.is_empty()
+}
+
+/// The first command of a record, and where its first reading is beside that at which it stands while the
+/// command does; none where it does not move, or is moved by a command of the log.
+fn moved(data: &DataSet, record: usize, sigma: f64) -> Option<(f64, f64)> {
+    let record = &data.records[record];
+    let still = record.still();
+    if !record.run_in.is_empty() || still < ROWS || still >= record.rows.len() {
+        return None;
+    }
+    // The reading of a row is taken before its command acts.
+    let y = &data.y[record.rows.start..=record.rows.start + still];
+    let (first, stands) = (y[0], y[still]);
+    let way = first - stands;
+    let is_seen = way.abs() > MOVES.0 * 2.0 * data.output_span.half && way.abs() > MOVES.1 * sigma;
+    let is_one_way = y.iter().all(|y| (y - stands).abs() <= SWINGS * way.abs());
+    let first_command = data.command[record.hits.start];
+    (is_seen && is_one_way).then_some((first_command, way))
+}
+
+/// The command under which the model rests this far from where it rests under `first`.
+fn rest_before(
+    data: &DataSet,
+    base: &Candidate,
+    first: f64,
+    way: f64,
+    count: &AtomicU64,
+) -> Option<f64> {
+    let target = rest(data, base, first, count)? + way;
+    let beside = |u: f64| rest(data, base, u, count).map(|y| y - target);
+    let span = data.command_span;
+    let (mut low, mut high) = (span.centre - FAR * span.half, span.centre + FAR * span.half);
+    let (at_low, at_high) = (beside(low)?, beside(high)?);
+    if at_low * at_high > 0.0 || at_low == at_high {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if beside(middle)? * at_low > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
+}
+
+/// Where the re-tuned model rests under a command.
+fn rest(data: &DataSet, base: &Candidate, command: f64, count: &AtomicU64) -> Option<f64> {
+    let rows = RecordRows {
+        name: String::new(),
+        time: vec![0.0, data.step],
+        command: vec![command; 2],
+        y: vec![0.0; 2],
+        aux: vec![vec![0.0; 2]; data.aux.len()],
+        others: Vec::new(),
+        run_in: 0,
+        training: 1.0,
+    };
+    let names: Vec<_> = data.aux.iter().map(|a| (a.name.clone(), a.is_command)).collect();
+    let still = DataSet::new(vec![rows], &names, Some(data.step));
+    let mut bench = Bench::new(&base.chain, &still, Horizon::All, count);
+    bench.keep(&base.fit.theta).ok()?.first().copied()
+}
