@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use data::WholeFile;
-use diagnose::{Diagnosis, Files, Gap, Model, Noise, Observer, Request, Tolerance, Verdict};
+use diagnose::{
+    Diagnosis, Discrepancy, Files, Gap, Model, Noise, Observer, Request, Tolerance, Verdict,
+};
 use indicatif::ProgressBar;
 use modeldescription::FmiVersion;
 use modeldescription::package::Platform;
@@ -457,6 +459,21 @@ impl Answer for Diagnosed {
                 let deviation = p.std.map_or(String::new(), |s| format!(" ± {s:.2e}"));
                 writeln!(out, "  {name} = {:.6}{deviation} {}", p.value, p.unit)?;
             }
+        }
+        let more = |left: &&Discrepancy| left.rms > gap.shrink.noise_floor;
+        if let Some(left) = gap.leftover.discrepancy.as_ref().filter(more) {
+            let what = match &gap.leftover.looks_like {
+                Some(name) => {
+                    format!("looks like {} but may be something else", name.replace('_', " "))
+                }
+                None => "looks like no other candidate".to_owned(),
+            };
+            let part = report::format_number(100.0 * left.of_range, 2);
+            writeln!(
+                out,
+                "Left beside the noise: {part} % of the range of {}; it {what}.",
+                gap.place.output
+            )?;
         }
         if let Some(next) = &gap.next_experiment {
             writeln!(out, "Next: {}.", next.sentence)?;

@@ -1,6 +1,6 @@
 //! The answer in one sentence.
 
-use crate::gap::{Discrepancy, Gap, NamedEffect, Partial, Verdict};
+use crate::gap::{Gap, NamedEffect, Partial, Verdict};
 
 /// The one effect that no model foretells.
 const NOISE: &str = components::effects::SENSOR_NOISE.name;
@@ -90,29 +90,14 @@ fn effects(gap: &Gap) -> String {
         _ => "shrinks the gap".to_owned(),
     };
     format!(
-        "The model lacks {missing}: adding {} {how}, from {} to {} {} rms of {}; the noise is {} {}{}.",
+        "The model lacks {missing}: adding {} {how}, from {} to {} {} rms of {}; the noise is {} {}.",
         if gap.effects.len() > 1 { "them" } else { "it" },
         number(s.rms_before),
         number(s.rms_after),
         s.unit,
         gap.place.output,
         number(s.noise_floor),
-        s.unit,
-        left(gap)
-    )
-}
-
-/// What is left where it is more than the noise.
-fn left(gap: &Gap) -> String {
-    let more = |d: &&Discrepancy| d.rms > gap.shrink.noise_floor;
-    let Some(left) = gap.leftover.discrepancy.as_ref().filter(more) else { return String::new() };
-    let what = match &gap.leftover.looks_like {
-        Some(name) => format!("looks like {} but may be something else", name.replace('_', " ")),
-        None => "looks like no other candidate".to_owned(),
-    };
-    format!(
-        "; what is left, {} % of the range, {what}",
-        report::format_number(100.0 * left.of_range, 2)
+        s.unit
     )
 }
 
