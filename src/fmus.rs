@@ -96,6 +96,7 @@ pub(crate) struct Addresses {
     /// Short name, variable.
     short: Vec<(String, String)>,
     inputs: Vec<String>,
+    all: Vec<String>,
 }
 
 impl Addresses {
@@ -112,7 +113,33 @@ impl Addresses {
             })
             .unwrap_or_default();
         let inputs = fmu.names(Causality::Input);
-        Self { short, inputs }
+        let all = fmu.description().variables.iter().map(|v| v.name.clone()).collect();
+        Self { short, inputs, all }
+    }
+
+    /// Whether every variable that a map names is there.
+    ///
+    /// # Errors
+    /// The first one that is not, with the one that was probably meant.
+    pub(crate) fn check(&self, names: &NameMap) -> anyhow::Result<()> {
+        let known = || {
+            let short = self.short.iter().map(|(short, _)| short.as_str());
+            self.all
+                .iter()
+                .map(String::as_str)
+                .chain(self.inputs.iter().map(String::as_str))
+                .chain(short)
+        };
+        let unknown = |name: &str| name != "time" && known().all(|known| known != name);
+        if let Some((name, column)) = names.iter().find(|(name, _)| unknown(name)) {
+            let near = data::nearest(name, known())
+                .map_or_else(String::new, |near| format!("; did you mean {near}={column}?"));
+            bail!(
+                "--map {name}={column}: {name} is no variable of the FMU{near}; its inputs are {}",
+                self.inputs.join(", ")
+            );
+        }
+        Ok(())
     }
 
     /// The variable that a user means.

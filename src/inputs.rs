@@ -67,13 +67,13 @@ impl LogOptions {
             options.add_unit(unit)?;
         }
         let read = Log::read(path, &options);
-        // A column of the log that is called time is its time; a variable may have that name too.
-        match (read, self.names()?.column("time")) {
-            (Err(_), Some(column)) => {
+        // A column of the log that is called time is its time; a variable may have that name too, and then it has a column.
+        match self.names()?.column("time") {
+            Some(column) if !read.as_ref().is_ok_and(|log| log.column(column).is_some()) => {
                 options.time = Some(column.to_owned());
                 Ok(Log::read(path, &options)?)
             }
-            (read, _) => Ok(read?),
+            _ => Ok(read?),
         }
     }
 
@@ -111,7 +111,12 @@ pub(crate) fn blueprint(what: &Path) -> anyhow::Result<BlueprintText> {
         (false, Some(rig)) => (format!("rig {}", rig.name), rig.blueprint.to_owned()),
         (false, None) if what.extension().is_none() => {
             let known: Vec<_> = rigs::RIGS.iter().map(|rig| rig.name).collect();
-            bail!("{name}: no such file, and no rig of this name; rigs are {}", known.join(", "))
+            let near = data::nearest(&name, known.iter().copied())
+                .map_or_else(String::new, |near| format!("did you mean {near}? "));
+            bail!(
+                "{name}: no such file, and no rig of this name; {near}rigs are {}",
+                known.join(", ")
+            )
         }
         _ => {
             let text = files::read_text(what).with_context(|| {

@@ -51,6 +51,14 @@ fn files_that_are_not_there_or_not_what_they_should_be() {
     refuses(at, &["simulate", "none.fmu", "--log", "log.csv", "-o", "x.csv"], &["none.fmu"]);
     refuses(at, &["simulate", "plant.fmu", "--log", "none.csv", "-o", "x.csv"], &["none.csv"]);
     refuses(at, &["invert", "controller.toml", "-o", "x.toml"], &["controller", "plant"]);
+    // One kind of file in the place of another.
+    refuses(at, &["invert", "plant.fmu", "-o", "x.toml"], &["FMU", "blueprint", ".toml"]);
+    refuses(at, &["log", "controller.toml"], &["is a blueprint, no log"]);
+    refuses(at, &["log", "plant.fmu"], &["is an FMU, no log"]);
+    let rows: String = (0..100).map(|k| format!("{k},{k}\n")).collect();
+    write(at, "rows.csv", &rows);
+    let message = refuse(&["pack", "rows.csv", "-o", "x.fmu"], at);
+    assert!(message.lines().count() < 12 && message.contains("further places"), "{message}");
     refuses(at, &["pack", "evc", "-o", "no/such/folder/x.fmu"], &["no/such/folder"]);
 }
 
@@ -71,7 +79,17 @@ fn names_that_do_not_exist() {
     refuses(at, &drive(&["--unit", "command[1]=furlong"]), &["furlong"]);
     refuses(at, &drive(&["--unit", "command[1]=um"]), &["um", "V"]);
     refuses(at, &drive(&["--rows", "9..2"]), &["9..2"]);
+    refuses(at, &drive(&["--map", "comand[1]=command[1]"]), &["did you mean command[1]="]);
+    refuses(at, &drive(&["--map", "time=tiem"]), &["log.csv", "tiem"]);
     refuses(at, &["list", "rigs", "--show", "hubble"], &["hubble", "evc"]);
+    refuses(at, &["list", "rigs", "--show", "evc-truht"], &["did you mean evc-truth?"]);
+    refuses(at, &["pack", "evc-truht", "-o", "x.fmu"], &["did you mean evc-truth?"]);
+    refuses(at, &["signal", "trianle", "-o", "x.csv"], &["did you mean triangle?"]);
+    let identify = |input: &'static str, output: &'static str| {
+        vec!["identify", "--log", "log.csv", "--input", input, "--output", output, "-o", "x.toml"]
+    };
+    refuses(at, &identify("comand", "command[2]"), &["did you mean \"command[1]\"?"]);
+    refuses(at, &identify("command[1]", "command[1]"), &["input and output"]);
     refuses(at, &["pack", "evc", "--binary", "amiga=x.so"], &["amiga", "linux64"]);
     refuses(at, &["pack", "evc", "--binary", "win64=none.dll"], &["none.dll"]);
 }
@@ -119,6 +137,7 @@ fn loops_that_cannot_be_closed() {
     };
     refuses(at, &close(&["plant.fmu"], &[]), &["two FMUs"]);
     refuses(at, &close(&["plant.fmu", "plant.fmu"], &[]), &["controller"]);
+    refuses(at, &close(&["controller.fmu", "plant.fmu"], &[]), &["give the plant first"]);
     refuses(at, &close(&["plant.fmu", "controller.fmu"], &["--step", "-1"]), &["step"]);
     refuses(
         at,

@@ -92,7 +92,12 @@ pub(crate) struct Diagnose {
     #[arg(long, value_name = "REL", default_value_t = 0.01, value_parser = ranges::above(0.0, 1e3))]
     gain_tolerance: f64,
     /// Standard deviation of the noise, in the log's unit [default: estimated]
-    #[arg(long, value_name = "[OUTPUT=]SIGMA", conflicts_with = "rest")]
+    #[arg(
+        long,
+        value_name = "[OUTPUT=]SIGMA",
+        conflicts_with = "rest",
+        allow_hyphen_values = true
+    )]
     noise: Vec<String>,
     /// A record of the machine at rest
     #[arg(long, value_name = "FILE")]

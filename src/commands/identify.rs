@@ -167,6 +167,11 @@ impl Identify {
                 self.outputs.len()
             );
         }
+        if let Some((column, _)) = self.inputs.iter().zip(&self.outputs).find(|(u, y)| u == y) {
+            bail!(
+                "{column} is input and output of one axis; --input is the command, --output the measured position"
+            );
+        }
         self.work(screen)
     }
 
@@ -193,6 +198,15 @@ impl Identify {
         let logs = logs.collect::<anyhow::Result<Vec<_>>>()?;
         let names = self.options.names()?;
         let mut notes = Vec::new();
+        for (k, log) in
+            self.logs.iter().enumerate().filter(|(k, log)| self.logs[..*k].contains(log))
+        {
+            notes.push(format!(
+                "--log {} is given more than once and counts as often (no. {})",
+                log.display(),
+                k + 1
+            ));
+        }
         let mut tasks = Vec::new();
         for (k, (input, output)) in self.inputs.iter().zip(&self.outputs).enumerate() {
             let input_column = names.column(input).unwrap_or(input);

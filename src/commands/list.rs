@@ -116,7 +116,9 @@ impl List {
             (What::Rigs, Some(name)) => {
                 let rig = rigs::find(name).with_context(|| {
                     let known: Vec<_> = rigs::RIGS.iter().map(|r| r.name).collect();
-                    format!("no rig is named \"{name}\"; known are {}", known.join(", "))
+                    let near = data::nearest(name, known.iter().copied())
+                        .map_or_else(String::new, |near| format!("did you mean {near}? "));
+                    format!("no rig is named \"{name}\"; {near}known are {}", known.join(", "))
                 })?;
                 Listing::Text { name: rig.name, blueprint: rig.blueprint }
             }

@@ -95,7 +95,15 @@ impl Signal {
             }
             return screen.show(&Generated::List(list()));
         };
-        let kind = signals::lookup(name)?;
+        let kind = signals::lookup(name).map_err(|unknown| {
+            match data::nearest(name, signals::all().map(|signal| signal.name)) {
+                None => anyhow::Error::from(unknown),
+                Some(near) => anyhow::anyhow!(
+                    "no signal is named `{name}`; did you mean {near}? known are {}",
+                    unknown.known
+                ),
+            }
+        })?;
         if self.about {
             return screen.show(&Generated::About(about(kind)));
         }

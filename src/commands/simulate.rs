@@ -188,6 +188,7 @@ impl Simulate {
         let log = self.options.read(log_path)?;
         let names = self.options.names()?;
         let addresses = Addresses::of(&opened.fmu);
+        addresses.check(&names)?;
         let map = addresses.columns(&names, &log)?;
         let matched = Matched::of(&opened.fmu, &addresses, &names, &map, &log)?;
         let records = signals(&log);

@@ -100,6 +100,12 @@ impl Wiring {
                 references.push((input.clone(), input.clone()));
             }
         }
+        let fits = |from: &[String], to: &[String]| from.iter().any(|name| to.contains(name));
+        if commands.is_empty() && measurements.is_empty() && fits(&positions, &controlled) {
+            let swapped = "the first FMU looks like the controller and the second like the plant: its outputs are called as \
+                           the second one's inputs; give the plant first";
+            return Err(Problem::Loop(swapped.to_owned()).into());
+        }
         let wiring = Wiring { commands, measurements, references };
         let mut problems = wiring.gaps(&outputs, &inputs, &positions, &controlled);
         if wiring.references.is_empty() {

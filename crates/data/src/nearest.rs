@@ -1,15 +1,26 @@
 //! The known word that somebody probably meant.
 
 /// The word of `known` with the smallest edit distance to `word`, if it is close enough to be a
-/// slip: at most a third of the word's letters (at least one, not all) differ, upper and lower case aside.
+/// slip: at most a third of the word's letters (at least one, not all) differ, upper and lower case aside. Where none is,
+/// an index that is missing is no difference: `positon` is near `position[1]`.
 #[must_use]
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let known: Vec<&str> = known.into_iter().collect();
+    let stem = |name: &'a str| name.split_once('[').map_or(name, |(stem, _)| stem);
+    nearest_by(word, &known, |name| name).or_else(|| nearest_by(word, &known, stem))
+}
+
+fn nearest_by<'a>(
+    word: &str,
+    known: &[&'a str],
+    part: impl Fn(&'a str) -> &'a str,
+) -> Option<&'a str> {
     let lower = word.to_lowercase();
     let letters = lower.chars().count();
     let most = (letters / 3).max(1).min(letters.saturating_sub(1));
     known
-        .into_iter()
-        .map(|candidate| (distance(&lower, &candidate.to_lowercase()), candidate))
+        .iter()
+        .map(|candidate| (distance(&lower, &part(candidate).to_lowercase()), *candidate))
         .filter(|(distance, _)| *distance <= most)
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)
@@ -49,6 +60,7 @@ mod tests {
         assert_eq!(nearest("Gian", ["gain", "frequency"]), Some("gain"));
         assert_eq!(nearest("W", ["w", "r"]), Some("w"));
         assert_eq!(nearest("temperature", ["gain", "frequency"]), None);
+        assert_eq!(nearest("positon", ["command[1]", "position[1]"]), Some("position[1]"));
         assert_eq!(nearest("x", []), None);
         assert_eq!(nearest("x", ["u", "y"]), None);
     }

@@ -19,10 +19,13 @@ impl Lines {
     }
 }
 
+/// Places that are no TOML and are told one by one.
+const MOST_TOLD: usize = 8;
+
 /// A text as TOML.
 ///
 /// # Errors
-/// Every place that is no TOML.
+/// The places that are no TOML: the first [`MOST_TOLD`], and how many more there are.
 pub(crate) fn parse<'i>(text: &'i str, file: &str) -> Result<Spanned<DeTable<'i>>, Problems> {
     let (document, errors) = DeTable::parse_recoverable(text);
     if errors.is_empty() {
@@ -35,7 +38,12 @@ pub(crate) fn parse<'i>(text: &'i str, file: &str) -> Result<Spanned<DeTable<'i>
         problem.line = error.span().map(|span| lines.at(span.start));
         problem
     };
-    Err(Problems::new(errors.iter().map(tell).collect()))
+    let mut problems: Vec<Problem> = errors.iter().take(MOST_TOLD).map(tell).collect();
+    if errors.len() > MOST_TOLD {
+        let rule = format!("is no TOML in {} further places", errors.len() - MOST_TOLD);
+        problems.push(Problem::new(file, rule, "is this the file that you meant?"));
+    }
+    Err(Problems::new(problems))
 }
 
 /// A number, whether it is written as a whole one or not.

@@ -189,8 +189,14 @@ pub fn read_text_within(path: &Path, longest: u64) -> io::Result<String> {
         let rule = format!("it is longer than {longest} bytes");
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, rule));
     }
+    let is_archive = bytes.starts_with(b"PK\x03\x04");
     String::from_utf8(bytes).map_err(|_| {
-        io::Error::new(io::ErrorKind::InvalidData, "stream did not contain valid UTF-8")
+        let rule = if is_archive {
+            "it is an FMU or another zip archive, no text"
+        } else {
+            "it is no text in UTF-8"
+        };
+        io::Error::new(io::ErrorKind::InvalidData, rule)
     })
 }
 

@@ -203,7 +203,9 @@ impl Context<'_> {
     /// The column of time.
     fn time_at(&self, named: &[(&str, Option<&str>)]) -> Option<usize> {
         let exact = named.iter().position(|(name, _)| *name == self.time_name());
-        if exact.is_some() || self.datasets.iter().any(|dataset| dataset.time_column.is_some()) {
+        let is_said = self.options.time.is_some()
+            || self.datasets.iter().any(|dataset| dataset.time_column.is_some());
+        if exact.is_some() || is_said {
             return exact;
         }
         // Who gives a rate means it; only a column of the exact name goes before that of a dataset.

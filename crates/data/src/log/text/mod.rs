@@ -365,7 +365,19 @@ fn check_is_text(head: &[u8], source: &Source<'_>) -> Result<(), Problems> {
     let refuse =
         |rule: &str| Err(source.problem(rule, "save the log as CSV in UTF-8, with commas").into());
     if let [b'P', b'K', 3, 4, ..] = head {
+        if source.origin.to_lowercase().ends_with(".fmu") {
+            let rule = "is an FMU, no log";
+            return Err(source
+                .problem(rule, "give measured data; a model goes to --model or stands first")
+                .into());
+        }
         return refuse("is a zip archive or a workbook");
+    }
+    if head.starts_with(b"piezoloop = ") {
+        let rule = "is a blueprint, no log";
+        return Err(source
+            .problem(rule, "give measured data; a model goes to --model or stands first")
+            .into());
     }
     if head.contains(&0) {
         return refuse("is no text but binary data");
