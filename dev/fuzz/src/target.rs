@@ -61,6 +61,7 @@ pub const TARGETS: &[Target] = &[
     target("log-hdf5", Kind::Binary, "mat", log),
     target("log-mf4", Kind::Binary, "mf4", log),
     target("log-tdms", Kind::Binary, "tdms", log),
+    target("log-uff", Kind::Binary, "uff", log),
     target("log-npy", Kind::Binary, "npy", log),
     target("log-npz", Kind::Zip, "npz", log),
     #[cfg(feature = "gap")]

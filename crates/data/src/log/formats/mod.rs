@@ -16,6 +16,8 @@ mod parquet;
 mod table;
 #[cfg(feature = "formats")]
 mod tdms;
+#[cfg(feature = "formats")]
+mod universal;
 
 use std::path::Path;
 
@@ -50,6 +52,12 @@ pub(super) enum Format {
     Parquet,
     /// National Instruments' TDMS.
     Tdms,
+    /// Universal file of modal testing.
+    #[cfg_attr(
+        not(feature = "formats"),
+        expect(dead_code, reason = "told by its contents, with its reader")
+    )]
+    Universal,
 }
 
 impl Format {
@@ -67,6 +75,8 @@ impl Format {
             [b'P', b'K', 3 | 5, 4 | 6, ..] if is_npz => Some(Self::Npz),
             [b'P', b'A', b'R', b'1', ..] => Some(Self::Parquet),
             [b'T', b'D', b'S', b'm', ..] => Some(Self::Tdms),
+            #[cfg(feature = "formats")]
+            _ if universal::is_begin(start) => Some(Self::Universal),
             #[cfg(feature = "formats")]
             _ if matlab::v4::is_begin(start) => Some(Self::Mat4),
             _ => None,
@@ -100,6 +110,7 @@ impl Format {
                 Self::Npz => numpy::archive(path, budget).map(Found::from),
                 Self::Parquet => parquet::read(path, budget).map(Found::from),
                 Self::Tdms => tdms::read(path, budget, is_timed),
+                Self::Universal => universal::read(path, budget),
             }
         });
         let damaged = || ("is damaged: its reader gave up".to_owned(), "write it again".to_owned());
