@@ -281,7 +281,14 @@ fn effect_of(
     let family = candidate.picks[slot].0;
     let effect = o.library[family].effect;
     let sight = Sight::of(o);
-    let beliefs = belief::beliefs(&sight, rivals, candidate);
+    // Rivals were looked at beside effects that may have been dropped since, its own formula before it was chosen.
+    let mut rivals = rivals.to_vec();
+    for own in rivals.iter_mut().filter(|l| l.family == family) {
+        if own.best.as_ref().is_none_or(|best| candidate.rank < best.rank) {
+            own.best = Some(candidate.clone());
+        }
+    }
+    let beliefs = belief::beliefs(&sight, &rivals, candidate);
     let is_effect = match candidate.picks.len() {
         1 => 1.0,
         _ => belief::is_effect(&sight, candidate, explained),
