@@ -130,7 +130,13 @@ impl Addresses {
                 .chain(self.inputs.iter().map(String::as_str))
                 .chain(short)
         };
-        let unknown = |name: &str| name != "time" && known().all(|known| known != name);
+        // A map's names stand without the blanks around them, which a variable may have.
+        let is = |known: &str, name: &str| {
+            let known = known.trim();
+            // An element of an array is named too.
+            known == name || name.strip_prefix(known).is_some_and(|rest| rest.starts_with('['))
+        };
+        let unknown = |name: &str| name != "time" && !known().any(|known| is(known, name));
         if let Some((name, column)) = names.iter().find(|(name, _)| unknown(name)) {
             let near = data::nearest(name, known())
                 .map_or_else(String::new, |near| format!("; did you mean {near}={column}?"));

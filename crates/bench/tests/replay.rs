@@ -120,7 +120,7 @@ fn script(seed: u64, rows: usize) -> Script {
 
 fn write(rows: &[f64], folder: &Path, name: &str, format: Format) -> Recording {
     let columns = columns_here();
-    let provenance = serde_json::json!({ "replay": recipe().to_toml().unwrap(), "a<b": "\"&\n" });
+    let provenance = serde_json::json!({ "tool": "piezoloop", "replay": recipe().to_toml().unwrap(), "a<b": "\"&\n" });
     let width = columns.len();
     let about = About { columns, provenance: provenance.as_object().unwrap().clone() };
     let mut journal = Journal::create(&folder.join("run.journal"), &about).unwrap();

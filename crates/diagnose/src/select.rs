@@ -20,6 +20,9 @@ const FITTED: usize = 7;
 const FITTED_BESIDE: usize = 5;
 /// Families whose best formula is fitted thoroughly.
 const REFINED: usize = 4;
+/// Most numbers of a model that are fitted thoroughly while effects are still compared: each takes a simulation
+/// for every step of the fit.
+const MOST_FITTED_ANEW: usize = 24;
 /// Part of the best promise from which a formula that needs a thorough fit gets one.
 const PROMISING: f64 = 0.7;
 /// Weight of the training rows in the rank; the rest is that of the held-out ones.
@@ -280,7 +283,10 @@ impl<'a> Search<'a> {
         let nulls = family.nulls.iter().map(|null| self.left_by(from, fixed, null, linear));
         for null in std::iter::once(if is_gain { f64::INFINITY } else { as_gain }).chain(nulls) {
             // What promised far more than it came to was not fitted to its end.
-            if null < NULL * left && (1.0 - entry.screening) * from.fit.mean_square < null / NULL {
+            let is_small =
+                entry.best.as_ref().is_some_and(|c| c.fit.theta.len() <= MOST_FITTED_ANEW);
+            let has_promised = (1.0 - entry.screening) * from.fit.mean_square < null / NULL;
+            if null < NULL * left && has_promised && is_small {
                 self.refine(entry);
                 left = entry.best.as_ref().map_or(left, own);
             }
@@ -350,7 +356,8 @@ impl<'a> Search<'a> {
         with.push(formula);
         let chain = self.base.compose(&with);
         let theta = self.carry(from, &chain, formula, start);
-        let fit = match formula.is_fitted_anew && is_promising {
+        let is_small = theta.len() <= MOST_FITTED_ANEW;
+        let fit = match formula.is_fitted_anew && is_promising && is_small {
             true => self.fitter().fit(&chain, &theta)?,
             false => self.fitter().fit_quickly(&chain, &theta, linear)?,
         };

@@ -108,8 +108,9 @@ fn conforms(
     {
         errors.push(format!("{place}: {value} is none of {all:?}"));
     }
+    // As the standard has it, of objects only: what may be null has no fields then.
     for name in schema["required"].as_array().into_iter().flatten().filter_map(|n| n.as_str()) {
-        if value.get(name).is_none() {
+        if value.is_object() && value.get(name).is_none() {
             errors.push(format!("{place}.{name} is missing"));
         }
     }

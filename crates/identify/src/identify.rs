@@ -23,9 +23,6 @@ use crate::record::{Record, Rows};
 use crate::settings::{Dynamics, Plan, Settings, Target};
 use crate::structure;
 
-/// Of a model with no more than this many numbers over the best one, a parameter may be uncertain: so few do not fit
-/// held-out rows by chance.
-const FEW_MORE: usize = 2;
 /// Relative fall of the held-out error from which a linear part is kept.
 pub const SIGNIFICANT_FALL: f64 = 0.10;
 /// Part of the measured range that a model must move by.
@@ -421,16 +418,14 @@ impl<'a> Session<'a> {
                 best.method.unwrap_or(STATIC),
                 100.0 * SIGNIFICANT_FALL
             );
-            let more = tried.count().saturating_sub(best.count());
             if !open.is_empty() {
                 reason += &format!("; the records do not determine {}", open.join(", "));
             }
-            let excused = open.is_empty() || more <= FEW_MORE;
             candidates.push(self.candidate(&tried, &reason));
             if first || self.plan.named && fall > 0.0 {
                 *best = tried;
                 first = false;
-            } else if excused && fall >= SIGNIFICANT_FALL {
+            } else if open.is_empty() && fall >= SIGNIFICANT_FALL {
                 *best = tried;
             }
         }

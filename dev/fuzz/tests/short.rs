@@ -13,9 +13,10 @@ const EXECUTIONS: u64 = 3000;
 
 #[test]
 fn no_reader_panics_hangs_or_takes_memory_without_bound() {
-    let folder = tempfile::tempdir().unwrap();
     let mut wrong = Vec::new();
     for target in TARGETS {
+        // What one reader has beside its file is none of the next one's.
+        let folder = tempfile::tempdir().unwrap();
         let inputs = corpus(target).unwrap().len();
         assert!(inputs > 0, "{} has no inputs", target.name);
         match campaign::run(target, EXECUTIONS, 20_261, folder.path()).unwrap() {
