@@ -143,7 +143,7 @@ pub(crate) struct Diagnose {
 /// The model that is diagnosed.
 enum Source {
     Fmu(PathBuf),
-    Blueprint(BlueprintText),
+    Blueprint(Box<BlueprintText>),
     /// Made of the logs.
     Made(Box<baseline::Made>),
 }
@@ -294,7 +294,7 @@ impl Diagnose {
     fn source(&self, screen: &Screen) -> anyhow::Result<Source> {
         match &self.model {
             Some(model) if self.is_fmu() => Ok(Source::Fmu(model.clone())),
-            Some(model) => Ok(Source::Blueprint(inputs::blueprint(model)?)),
+            Some(model) => Ok(Source::Blueprint(Box::new(inputs::blueprint(model)?))),
             None => {
                 let asked = baseline::Asked {
                     logs: &self.logs,

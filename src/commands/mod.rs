@@ -48,7 +48,7 @@ pub(crate) enum Command {
     Demo(demo::Demo),
     #[command(hide = true)]
     EffectsDocs(effects_docs::EffectsDocs),
-    Diagnose(diagnose::Diagnose),
+    Diagnose(Box<diagnose::Diagnose>),
     GapBench(gap_bench::GapBench),
     Reproduce(reproduce::Reproduce),
     Completions(shell::Completions),
