@@ -111,8 +111,7 @@ pub(crate) fn blueprint(what: &Path) -> anyhow::Result<BlueprintText> {
         (false, Some(rig)) => (format!("rig {}", rig.name), rig.blueprint.to_owned()),
         (false, None) if what.extension().is_none() => {
             let known: Vec<_> = rigs::RIGS.iter().map(|rig| rig.name).collect();
-            let near = data::nearest(&name, known.iter().copied())
-                .map_or_else(String::new, |near| format!("did you mean {near}? "));
+            let near = meant(&name, known.iter().copied());
             bail!(
                 "{name}: no such file, and no rig of this name; {near}rigs are {}",
                 known.join(", ")
@@ -131,6 +130,11 @@ pub(crate) fn blueprint(what: &Path) -> anyhow::Result<BlueprintText> {
     // A text that is carried away must not need a record.
     let text = if blueprint.records().is_empty() { text } else { blueprint.to_toml() };
     Ok(BlueprintText { text, blueprint })
+}
+
+/// `did you mean W? ` with the known word that is like `word`, or nothing.
+pub(crate) fn meant<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    data::nearest(word, known).map_or_else(String::new, |near| format!("did you mean {near}? "))
 }
 
 /// The file to write: as asked, else `name` with this ending beside the caller.

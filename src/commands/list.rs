@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::commands::signal;
-use crate::{progress, ranges, usage};
+use crate::{inputs, progress, ranges, usage};
 
 /// Lists the rigs, records, effects, models, signals or options that the tool knows
 #[derive(Args, Debug)]
@@ -116,8 +116,7 @@ impl List {
             (What::Rigs, Some(name)) => {
                 let rig = rigs::find(name).with_context(|| {
                     let known: Vec<_> = rigs::RIGS.iter().map(|r| r.name).collect();
-                    let near = data::nearest(name, known.iter().copied())
-                        .map_or_else(String::new, |near| format!("did you mean {near}? "));
+                    let near = inputs::meant(name, known.iter().copied());
                     format!("no rig is named \"{name}\"; {near}known are {}", known.join(", "))
                 })?;
                 Listing::Text { name: rig.name, blueprint: rig.blueprint }

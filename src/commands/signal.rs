@@ -96,13 +96,8 @@ impl Signal {
             return screen.show(&Generated::List(list()));
         };
         let kind = signals::lookup(name).map_err(|unknown| {
-            match data::nearest(name, signals::all().map(|signal| signal.name)) {
-                None => anyhow::Error::from(unknown),
-                Some(near) => anyhow::anyhow!(
-                    "no signal is named `{name}`; did you mean {near}? known are {}",
-                    unknown.known
-                ),
-            }
+            let near = inputs::meant(name, signals::all().map(|signal| signal.name));
+            anyhow::anyhow!("no signal is named `{name}`; {near}known are {}", unknown.known)
         })?;
         if self.about {
             return screen.show(&Generated::About(about(kind)));

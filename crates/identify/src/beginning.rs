@@ -145,33 +145,40 @@ mod tests {
     const THRESHOLDS: [f64; 4] = [0.0, 4.0, 10.0, 20.0];
     const WEIGHTS: [f64; 4] = [0.06, 0.02, 0.02, 0.03];
 
+    /// What a machine of plays answers that rested at `rest`.
+    fn answers(input: &[f64], rest: f64, thresholds: &[f64], weights: &[f64]) -> Vec<f64> {
+        let mut plays: Vec<f64> = thresholds.iter().map(|r| play(rest, *r, 0.0)).collect();
+        let mut held = rest;
+        let mut answer = |u: &f64| {
+            let mut y = 0.0;
+            for ((p, r), w) in plays.iter_mut().zip(thresholds).zip(weights) {
+                *p = play(held, *r, *p);
+                y += w * *p;
+            }
+            held = *u;
+            y
+        };
+        input.iter().map(&mut answer).collect()
+    }
+
+    fn record_of(input: &[f64], output: &[f64]) -> Record {
+        let time: Vec<f64> = (0..input.len()).map(|k| k as f64 * PERIOD).collect();
+        let (input_name, output_name) = ("u", "y");
+        Record::new(Columns { name: "a", time: &time, input_name, input, output_name, output })
+            .unwrap()
+    }
+
     /// A sine from 20 to 80 V on a machine of four plays that rested at `rest`, and drifts by `settling` (um) at first.
     fn record(rest: f64, settling: f64) -> Record {
         let input: Vec<f64> = (0..8000)
             .map(|k| 50.0 + 30.0 * (2.0 * std::f64::consts::PI * f64::from(k) * PERIOD).sin())
             .collect();
-        let mut plays = THRESHOLDS.map(|r| play(rest, r, 0.0));
-        let mut output = Vec::new();
-        let mut held = rest;
-        for (k, u) in input.iter().enumerate() {
-            let mut y = settling * (-(k as f64) * PERIOD / 0.2).exp();
-            for ((p, r), w) in plays.iter_mut().zip(THRESHOLDS).zip(WEIGHTS) {
-                *p = play(held, r, *p);
-                y += w * *p;
-            }
-            output.push(y + 2e-3 * ((k * 7919 % 1013) as f64 / 1013.0 - 0.5));
-            held = *u;
+        let mut output = answers(&input, rest, &THRESHOLDS, &WEIGHTS);
+        for (k, y) in output.iter_mut().enumerate() {
+            *y += settling * (-(k as f64) * PERIOD / 0.2).exp();
+            *y += 2e-3 * ((k * 7919 % 1013) as f64 / 1013.0 - 0.5);
         }
-        let time: Vec<f64> = (0..8000).map(|k| f64::from(k) * PERIOD).collect();
-        Record::new(Columns {
-            name: "a",
-            time: &time,
-            input_name: "u",
-            input: &input,
-            output_name: "y",
-            output: &output,
-        })
-        .unwrap()
+        record_of(&input, &output)
     }
 
     fn found(record: Record) -> Beginning {
@@ -194,28 +201,8 @@ mod tests {
             |k: u32| [100.0, 60.0, 55.0, 50.0].get(k as usize / 1000).copied().unwrap_or(90.0);
         let triangle = |k: u32| 1.0 - (f64::from(k % 1000) / 500.0 - 1.0).abs();
         let input: Vec<f64> = (0..8000).map(|k| high(k) * triangle(k)).collect();
-        let (mut plays, mut held) = ([0.0; 5], 0.0);
-        let output: Vec<f64> = (input.iter())
-            .map(|u| {
-                let mut y = 0.0;
-                for ((p, r), w) in plays.iter_mut().zip(thresholds).zip(weights) {
-                    *p = play(held, r, *p);
-                    y += w * *p;
-                }
-                held = *u;
-                y
-            })
-            .collect();
-        let time: Vec<f64> = (0..8000).map(|k| f64::from(k) * PERIOD).collect();
-        let columns = Columns {
-            name: "a",
-            time: &time,
-            input_name: "u",
-            input: &input,
-            output_name: "y",
-            output: &output,
-        };
-        assert_eq!(found(Record::new(columns).unwrap()), Beginning { rest: 0.0, run_in: 0.0 });
+        let played = record_of(&input, &answers(&input, 0.0, &thresholds, &weights));
+        assert_eq!(found(played), Beginning { rest: 0.0, run_in: 0.0 });
     }
 
     #[test]

@@ -151,7 +151,10 @@ pub fn open(
         Address::SharedMemory(_) => {
             failed("shared memory", "this build has none", "build with the feature `shared-memory`")
         }
-        Address::Ethercat(_) | Address::Plugin { .. } | Address::Gcs { .. }
+        Address::Ethercat(_)
+        | Address::Plugin { .. }
+        | Address::Gcs { .. }
+        | Address::Nv200 { .. }
             if end == End::Machine =>
         {
             failed(
@@ -169,34 +172,20 @@ pub fn open(
                 Ok(Box::new(plugin::PluginDevice::open(&library, &options, channels, period)?))
             })
         }
-        Address::Gcs { at, options } => {
-            let (at, safe) = (*at, site.safe.clone());
-            let options = match line::Options::parse(options, site.period) {
-                Ok(options) => options,
-                Err(rule) => {
-                    return failed("its options", &rule, "give them as in gcs://IP?axes=1,2");
-                }
-            };
-            let way_out = "check power, cable, address and that no other program is connected";
-            open_device(address, way_out, site, move || {
-                let line = Box::new(line::TcpLine::new(at));
-                Ok(Box::new(gcs::GcsDevice::open(line, options, &safe)?))
-            })
-        }
-        Address::Nv200 { at, options } => {
-            let (at, safe) = (*at, site.safe.clone());
-            let options = match line::Options::parse(options, site.period) {
-                Ok(options) => options,
-                Err(rule) => {
-                    return failed("its options", &rule, "give them as in nv200://IP?mode=open");
-                }
-            };
-            let way_out = "check power, cable, address and that no other program is connected";
-            open_device(address, way_out, site, move || {
-                let line = Box::new(line::TcpLine::new(at));
-                Ok(Box::new(nv200::Nv200Device::open(line, options, &safe)?))
-            })
-        }
+        Address::Gcs { at, options } => open_instrument(
+            address,
+            (*at, options),
+            "gcs://IP?axes=1,2",
+            site,
+            |line, options, safe| Ok(Box::new(gcs::GcsDevice::open(line, options, safe)?)),
+        ),
+        Address::Nv200 { at, options } => open_instrument(
+            address,
+            (*at, options),
+            "nv200://IP?mode=open",
+            site,
+            |line, options, safe| Ok(Box::new(nv200::Nv200Device::open(line, options, safe)?)),
+        ),
         Address::Ethercat(interface) => match site.ethercat {
             None => failed(
                 "the process data",
@@ -242,6 +231,34 @@ fn open_device(
     let address = address.to_string();
     let gateway = device::DeviceGateway::open(&address, way_out, &site.safe, heartbeat, make)?;
     Ok(Box::new(gateway))
+}
+
+/// An instrument that is spoken to by lines of text; `example`: an address with options.
+fn open_instrument(
+    address: &Address,
+    (at, options): (std::net::SocketAddr, &str),
+    example: &str,
+    site: &Site<'_>,
+    make: impl FnOnce(
+        Box<dyn line::Line>,
+        line::Options,
+        &[f64],
+    ) -> Result<Box<dyn device::Device>, String>
+    + Send
+    + 'static,
+) -> Result<Box<dyn Gateway>, GatewayError> {
+    let options =
+        line::Options::parse(options, site.period).map_err(|error| GatewayError::Open {
+            address: address.to_string(),
+            what: "its options".to_owned(),
+            error,
+            way_out: format!("give them as in {example}"),
+        })?;
+    let safe = site.safe.clone();
+    let way_out = "check power, cable, address and that no other program is connected";
+    open_device(address, way_out, site, move || {
+        make(Box::new(line::TcpLine::new(at)), options, &safe)
+    })
 }
 
 #[cfg(not(unix))]

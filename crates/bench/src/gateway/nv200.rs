@@ -256,8 +256,7 @@ impl Device for Nv200Device {
             }
             Err(Broken::Said(text)) => Exchanged::Failed(text),
             Err(Broken::Late | Broken::Garbage(_)) => {
-                self.line.close();
-                self.is_open = false;
+                self.close();
                 Exchanged::Nothing
             }
         }

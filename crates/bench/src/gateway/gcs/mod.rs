@@ -223,8 +223,7 @@ impl Device for GcsDevice {
             // The instrument speaks, and says no: the line is good.
             Err(Broken::Said(text)) => Exchanged::Failed(text),
             Err(Broken::Late | Broken::Garbage(_)) => {
-                self.line.close();
-                self.is_open = false;
+                self.close();
                 Exchanged::Nothing
             }
         }
