@@ -97,6 +97,7 @@ def invert(
     feedforward: str | None = None,
     feedback: str | None = None,
     sensitivity: float | None = None,
+    command_acts: str | None = None,
     force: bool = False,
     name: str | None = None,
 ) -> Controller:
@@ -107,6 +108,7 @@ def invert(
         period: sample time of the controller in s.
         feedforward, feedback: ways by name; ``piezoloop invert PLANT --list`` shows what suits a plant.
         sensitivity: greatest peak of the sensitivity function.
+        command_acts: ``at-once`` or ``next-period``, where that is known: the margins hold for this case only.
         force: return a controller that errs more than feedback alone, too.
 
     Raises:
@@ -116,7 +118,7 @@ def invert(
         out = Path(folder) / "controller.toml"
         answer = run(
             "invert", Files(folder).model(_model(plant)), "--out", out,
-            *options(period=period, feedforward=feedforward, feedback=feedback, sensitivity=sensitivity, force=force, name=name),
+            *options(period=period, feedforward=feedforward, feedback=feedback, sensitivity=sensitivity, command_acts=command_acts, force=force, name=name),
         )
         return Controller(Blueprint(out.read_text(encoding="utf-8")), answer.axes, answer)
 

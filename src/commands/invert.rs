@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::Args;
 use clap::builder::PossibleValue;
-use control::{Along, ControlSettings, Coordinator, Feedback, Feedforward, LoopFigures};
+use control::{
+    Along, CommandActs, ControlSettings, Coordinator, Feedback, Feedforward, LoopFigures,
+};
 use data::CheckedBlueprint;
 use serde::Serialize;
 
@@ -53,6 +55,10 @@ pub(crate) struct Invert {
     /// The law that acts on the error
     #[arg(long, value_name = "LAW", value_parser = feedbacks(), default_value = "pid")]
     feedback: String,
+    /// When a command acts on the plant. Where it acts at once for certain, the gains may be greater; a loop that was
+    /// designed so may become unstable where it acts later
+    #[arg(long, value_name = "WHEN", value_parser = acts(), default_value = "either")]
+    command_acts: String,
     /// Leave the feedforward out: --feedforward none
     #[arg(long, conflicts_with = "feedforward")]
     feedback_only: bool,
@@ -85,6 +91,11 @@ fn feedforwards() -> clap::builder::PossibleValuesParser {
 
 fn feedbacks() -> clap::builder::PossibleValuesParser {
     let values = Feedback::ALL.map(|law| PossibleValue::new(law.name()).help(law.summary()));
+    values.to_vec().into()
+}
+
+fn acts() -> clap::builder::PossibleValuesParser {
+    let values = CommandActs::ALL.map(|acts| PossibleValue::new(acts.name()).help(acts.summary()));
     values.to_vec().into()
 }
 
@@ -167,6 +178,10 @@ impl Invert {
             noise: self.noise,
             feedforward,
             feedback,
+            acts: CommandActs::ALL
+                .into_iter()
+                .find(|acts| acts.name() == self.command_acts)
+                .unwrap_or_default(),
             independent: self.system == Some(1),
             force: self.force,
         }

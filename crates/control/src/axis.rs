@@ -61,7 +61,7 @@ pub(crate) fn axis_design(
         period,
     };
     let limits = Limits { sensitivity: settings.sensitivity, noise: settings.noise };
-    let shaped = design(&linear, settings.feedback, limits).ok_or_else(|| {
+    let shaped = design(&linear, settings.feedback, settings.acts, limits).ok_or_else(|| {
         vec![
             "no feedback gain keeps the margins; allow a larger sensitivity or a shorter period"
                 .to_owned(),

@@ -61,6 +61,45 @@ impl Feedback {
     }
 }
 
+/// When a command acts that the law has computed from a reading.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CommandActs {
+    /// Not known: the margins hold for both.
+    #[default]
+    Either,
+    /// In the period of the reading, as on the bench and where the controller is stepped before the plant.
+    AtOnce,
+    /// One period later, as in masters that exchange signals once per period and where computing takes one.
+    NextPeriod,
+}
+
+impl CommandActs {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Either, Self::AtOnce, Self::NextPeriod];
+
+    /// Its name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Either => "either",
+            Self::AtOnce => "at-once",
+            Self::NextPeriod => "next-period",
+        }
+    }
+
+    /// One sentence.
+    #[must_use]
+    pub const fn summary(self) -> &'static str {
+        match self {
+            Self::Either => "the loop keeps its margins in both cases",
+            Self::AtOnce => {
+                "in the period of the reading, as on the bench and in `simulate --loop`"
+            }
+            Self::NextPeriod => "one period later, as in masters that step all FMUs at once",
+        }
+    }
+}
+
 /// The linear part that a loop is closed around.
 pub(crate) struct Linear<'a> {
     /// Impulse responses with the modes at their frequencies and shifted, the first as given.
@@ -73,9 +112,13 @@ pub(crate) struct Linear<'a> {
     pub(crate) period: f64,
 }
 
-/// The loop with the largest integral gain that keeps the limits, whether the command acts at once or a period
-/// later.
-pub(crate) fn design(linear: &Linear<'_>, law: Feedback, limits: Limits) -> Option<Shaped> {
+/// The loop with the largest integral gain that keeps the limits wherever the command may act.
+pub(crate) fn design(
+    linear: &Linear<'_>,
+    law: Feedback,
+    acts: CommandActs,
+    limits: Limits,
+) -> Option<Shaped> {
     let period = linear.period;
     let mut variants = Vec::new();
     for (impulse, shift) in linear.impulses.iter().zip(SHIFTS) {
@@ -83,7 +126,11 @@ pub(crate) fn design(linear: &Linear<'_>, law: Feedback, limits: Limits) -> Opti
         variants.push(Response::new(impulse, period, &modes));
     }
     let at_once: Vec<Response> = variants.iter().map(Response::at_once).collect();
-    variants.extend(at_once);
+    match acts {
+        CommandActs::Either => variants.extend(at_once),
+        CommandActs::AtOnce => variants = at_once,
+        CommandActs::NextPeriod => {}
+    }
     let allowed = |shape: &Shape| match law {
         Feedback::Pid | Feedback::None => true,
         Feedback::IncrementalPid => shape.filter == 0.0,

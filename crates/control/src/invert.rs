@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::analysis::analyse;
 use crate::axis::axis_design;
 use crate::check::Check;
-use crate::design::Feedback;
+use crate::design::{CommandActs, Feedback};
 use crate::feedforward::Feedforward;
 use crate::learned_axis::sample_time;
 use crate::linearised::setting;
@@ -39,6 +39,8 @@ pub struct ControlSettings {
     pub feedforward: Feedforward,
     /// The law that acts on the error.
     pub feedback: Feedback,
+    /// When a command acts: what the margins allow for.
+    pub acts: CommandActs,
     /// Whether coupled axes are controlled in pairs (two a mirror), each by its own sensor only.
     pub independent: bool,
     /// Whether a controller that errs more than feedback alone on its own plant is given all the same.
@@ -55,6 +57,7 @@ impl Default for ControlSettings {
             noise: 10.0,
             feedforward: Feedforward::Automatic,
             feedback: Feedback::Pid,
+            acts: CommandActs::Either,
             independent: false,
             force: false,
         }
@@ -89,7 +92,8 @@ pub struct Coordinator {
 
 /// The loop of one axis, on the plant linearised at its steepest slope with all its linear components. Margins
 /// and sensitivity are the worst over the plant as given and with the modes' frequencies 10 % lower and higher,
-/// with the command acting at once and one period later, and hold for every smaller slope of the hysteresis.
+/// with the command acting at once and one period later ([`CommandActs`]), and hold for every smaller slope of
+/// the hysteresis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoopFigures {
     /// Name of the axis.

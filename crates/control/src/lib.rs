@@ -31,7 +31,7 @@ pub use along::{Along, along};
 pub use calibration::{Calibration, CalibrationRecord, CoordinateFit, calibrate};
 pub use check::Check;
 pub use closed_loop::{LoopRun, simulate_loop};
-pub use design::Feedback;
+pub use design::{CommandActs, Feedback};
 pub use feedforward::Feedforward;
 pub use identify::learned::InverseFigures;
 pub use identify::{Error, NotInvertible, SettingsProblem};
