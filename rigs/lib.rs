@@ -1,10 +1,11 @@
 //! Blueprints of known machines. Each is a file of its own beside this one; this is their list.
 //!
-//! A machine of a paper is there twice. The *nominal* rig is what a controller may know; the *truth* is
-//! richer and, P3 apart (its file says why), of another hysteresis family than the models that
-//! controllers invert; it was matched to what the paper tells of the machine without its method
-//! (`piezoloop list rigs --match`). Since then it is frozen by its hash: nothing
-//! may tune it to a method.
+//! A machine of a paper is there three times. The *nominal* rig is what a controller may know. The *machine*
+//! is one that could exist: hysteresis after Rayleigh's law in the shape of a measured loop, creep, modes, amplifier,
+//! sensor, from physics, makers' data and what the paper tells of its rig, and not from its tables of errors; the
+//! papers' tables are reproduced on it, and `piezoloop list rigs --match` says how far it is from what the paper's
+//! baselines leave. The *truth* is an earlier stand-in that was fitted to those errors; examples run on it. Both are
+//! frozen by their hash: nothing may tune them to a method.
 
 /// A machine by name.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +16,7 @@ pub struct Rig {
     pub summary: &'static str,
     /// The blueprint's text.
     pub blueprint: &'static str,
-    /// SHA-256 of the text, in hexadecimal digits, of a truth that has been matched.
+    /// SHA-256 of the text, in hexadecimal digits, of a machine or truth.
     pub frozen: Option<&'static str>,
 }
 
@@ -34,6 +35,12 @@ pub const RIGS: &[Rig] = &[
         frozen: Some("8febc01aeec122fe255c9486822dd4ebd4007501929bf3d9bd1613160d2005ff"),
     },
     Rig {
+        name: "p0-machine",
+        summary: "Laser beam steering as it could be: Rayleigh hysteresis, creep, modes, detectors with noise",
+        blueprint: include_str!("p0-machine.toml"),
+        frozen: Some("6105182b62b40d84217a9fcb1f0b985a80e051747302f817441a380dc0e14b64"),
+    },
+    Rig {
         name: "p1",
         summary: "PI P-752.21C nanopositioning stage, linear",
         blueprint: include_str!("p1.toml"),
@@ -44,6 +51,12 @@ pub const RIGS: &[Rig] = &[
         summary: "The same as a machine: Kuhnen hysteresis, creep, 40 Hz low-pass",
         blueprint: include_str!("p1-truth.toml"),
         frozen: Some("e8f273e072c3f99e9fc4472c402c5872ced46d3b21a4010b4643e26c0d8663a0"),
+    },
+    Rig {
+        name: "p1-machine",
+        summary: "P-752.21C as it could be: Rayleigh hysteresis of a measured stack, creep, 40 Hz low-pass",
+        blueprint: include_str!("p1-machine.toml"),
+        frozen: Some("12b36e3f63e4d22a4e8e66718047089153c74330455869036666410f6bffa934"),
     },
     Rig {
         name: "p2",
@@ -58,6 +71,12 @@ pub const RIGS: &[Rig] = &[
         frozen: Some("83e5f879dedb17cc8fc83d32ba71815b4d8f6a46e9d87a1617f4926b673140ad"),
     },
     Rig {
+        name: "p2-machine",
+        summary: "Piezo bimorph as it could be: Rayleigh hysteresis, creep, a light mode, laser sensor",
+        blueprint: include_str!("p2-machine.toml"),
+        frozen: Some("46d0a3406274e2a5973c111cbb57c5a0baf9b9983c7ca3d160c6dc3959f82c6c"),
+    },
+    Rig {
         name: "p3",
         summary: "P66X30 nanopositioning stage, linear",
         blueprint: include_str!("p3.toml"),
@@ -68,6 +87,12 @@ pub const RIGS: &[Rig] = &[
         summary: "The same as a machine: plays that widen with the rate, creep, strain gauge",
         blueprint: include_str!("p3-truth.toml"),
         frozen: Some("bca9710b7a7943078e3ca3ab7e496bf784953181cf44e452af3c1720bea065fd"),
+    },
+    Rig {
+        name: "p3-machine",
+        summary: "P66X30 as it could be: Rayleigh hysteresis, material loss, strain gauge",
+        blueprint: include_str!("p3-machine.toml"),
+        frozen: Some("e8b305cbb4e012b2b21d6da2fe8688aba6c757d0e4621a6c235694da12c3e1e2"),
     },
     Rig {
         name: "evc",
@@ -86,6 +111,12 @@ pub const RIGS: &[Rig] = &[
         summary: "The same device with smoother loops, to be identified: another hysteresis family, noise",
         blueprint: include_str!("evc-truth.toml"),
         frozen: Some("0041c5cd88a645d4dd33f38b1230c4c45c287c9c7f05c0f277926e7832762abc"),
+    },
+    Rig {
+        name: "p4-machine",
+        summary: "The device as it could be: Rayleigh hysteresis, creep, the finite elements' modes",
+        blueprint: include_str!("p4-machine.toml"),
+        frozen: Some("373faf690765e4a80574edd977345327b700c9f140cbb94e7ed545cb50a961db"),
     },
     Rig {
         name: "p885",
@@ -134,17 +165,12 @@ mod tests {
     use sha2::{Digest, Sha256};
 
     #[test]
-    fn matched_truths_are_frozen() {
+    fn machines_and_truths_are_frozen() {
         for rig in RIGS {
             let hash: String =
                 Sha256::digest(rig.blueprint).iter().map(|byte| format!("{byte:02x}")).collect();
-            if rig.name.ends_with("-truth") {
-                assert_eq!(
-                    rig.frozen,
-                    Some(&*hash),
-                    "{} was changed after it was matched",
-                    rig.name
-                );
+            if rig.name.ends_with("-truth") || rig.name.ends_with("-machine") {
+                assert_eq!(rig.frozen, Some(&*hash), "{} was changed", rig.name);
             } else {
                 assert_eq!(rig.frozen, None, "{}", rig.name);
             }

@@ -4,6 +4,7 @@
 //! [`reproduce`] runs the methods: the models here, the controllers through packed FMUs, which a [`Tool`]
 //! packs; [`page`] shows both.
 
+pub mod machines;
 pub mod matching;
 pub mod page;
 pub mod reproduce;
