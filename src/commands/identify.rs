@@ -8,8 +8,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, Log, SignalBlueprint};
+use identify::learned::{Seek, Selection};
 use identify::{
-    Dynamics, Identification, Methods, Observer, Record, Search, Settings, Swarm, Target,
+    Dynamics, Identification, Learning, Methods, Observer, Record, Search, Settings, Swarm, Target,
+    Told,
 };
 use serde::Serialize;
 
@@ -60,6 +62,20 @@ pub(crate) struct Identify {
     /// Number of plays
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = ranges::count(1, 10_000))]
     plays: usize,
+    /// What a learned machine is told: of lssvm-stops the command's rate too, of gp the number of inputs
+    #[arg(long, value_enum, value_name = "INPUTS")]
+    features: Option<Features>,
+    /// What the settings of an LS-SVM are judged by [default: lssvm-stops by the evidence, lssvm-narx by the last third
+    /// of what is fitted]
+    #[arg(long, value_enum, value_name = "WAY")]
+    select: Option<Select>,
+    /// How these settings are sought, with --select
+    #[arg(long, value_enum, value_name = "WAY", default_value_t = Sought::Grid, requires = "select")]
+    search: Sought,
+    /// Prune an LS-SVM to this many support vectors by Algorithm 1 of the laser beam paper [default: the fewest centres
+    /// that err hardly more, by projection]
+    #[arg(long, value_name = "N", value_parser = ranges::count(2, 10_000))]
+    prune: Option<usize>,
     /// Run-in in s from the start of each record: simulated, neither fitted nor judged [default: as
     /// long as the first rows differ from what the rest of the record foretells]
     #[arg(long, value_name = "S", value_parser = ranges::time())]
@@ -83,6 +99,47 @@ pub(crate) struct Identify {
     picture: Option<PathBuf>,
     #[command(flatten)]
     page: PageOptions,
+}
+
+/// What a learned machine may be told.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Features {
+    /// Of lssvm-stops: stop operators, the command and its rate, one width
+    Rate,
+    /// Of gp: the command and its rate
+    #[value(name = "2")]
+    Two,
+    /// Of gp: both a sample before, now and a sample later
+    #[value(name = "6")]
+    Six,
+    /// Of gp: also the acceleration
+    #[value(name = "9")]
+    Nine,
+    /// Of gp: also the jerk
+    #[value(name = "12")]
+    Twelve,
+}
+
+/// What settings are judged by.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Select {
+    /// Ten blocks of rows, each left out once and simulated
+    CrossValidation,
+    /// Each row left out once, one step ahead
+    LeaveOneOut,
+    /// The last third, simulated
+    HeldOut,
+}
+
+/// How settings are sought.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Sought {
+    /// A particle swarm of 30 over 100 iterations
+    Pso,
+    /// Coupled simulated annealing, then a simplex
+    Csa,
+    /// A grid, then a simplex
+    Grid,
 }
 
 /// Part of what is fitted on that a run-in may take: where the first rows are off for longer, it is the model that is
@@ -147,6 +204,10 @@ impl Identify {
             seed: 1,
             threads: 1,
             plays: 30,
+            features: None,
+            select: None,
+            search: Sought::Grid,
+            prune: None,
             drop,
             hold_out,
             is_static: false,
@@ -175,8 +236,28 @@ impl Identify {
         self.work(screen)
     }
 
+    /// Refuses options of learned machines where none is fitted.
+    fn check_learning(&self) -> anyhow::Result<()> {
+        let given = [
+            ("--features", self.features.is_some()),
+            ("--select", self.select.is_some()),
+            ("--prune", self.prune.is_some()),
+        ];
+        let is_learned = |name: &String| identify::is_learned(name);
+        if let Some((option, _)) = given.iter().find(|(_, given)| *given)
+            && !self.models.iter().any(is_learned)
+        {
+            bail!(
+                "{option} is for learned machines, and none is fitted; name one, --model lssvm-stops, lssvm-narx or gp, or \
+                 leave {option} out"
+            );
+        }
+        Ok(())
+    }
+
     /// Identifies, and writes the blueprint.
     pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Identified> {
+        self.check_learning()?;
         inputs::can_write(&self.out)?;
         self.page.can_write()?;
         let all = self.all.as_deref().map(candidates::Folder::open).transpose()?;
@@ -325,10 +406,33 @@ impl Identify {
             methods,
             search: if self.swarm { Search::ParticleSwarm(swarm) } else { Search::default() },
             plays: self.plays,
+            learning: self.learning(),
             hold_out: self.hold_out,
             dynamics: if self.is_static { Dynamics::Static } else { Dynamics::Automatic },
             ..Settings::default()
         }
+    }
+
+    fn learning(&self) -> Learning {
+        let seek = match self.search {
+            Sought::Pso => Seek::Swarm,
+            Sought::Csa => Seek::Annealing,
+            Sought::Grid => Seek::Grid,
+        };
+        let selection = self.select.map(|way| match way {
+            Select::CrossValidation => Selection::CrossValidation(10),
+            Select::LeaveOneOut => Selection::LeaveOneOut,
+            Select::HeldOut => Selection::HeldOut,
+        });
+        let features = match self.features {
+            None => Told::Usual,
+            Some(Features::Rate) => Told::Rate,
+            Some(Features::Two) => Told::Inputs(2),
+            Some(Features::Six) => Told::Inputs(6),
+            Some(Features::Nine) => Told::Inputs(9),
+            Some(Features::Twelve) => Told::Inputs(12),
+        };
+        Learning { selection: selection.map(|way| (way, seek)), prune: self.prune, features }
     }
 
     fn model_name(&self) -> String {

@@ -22,7 +22,7 @@ pub(crate) struct List {
     /// Print the blueprint of this rig, or this record
     #[arg(long, value_name = "NAME")]
     show: Option<String>,
-    /// Compare the truth rigs with what the papers publish of their machines
+    /// Say how far the machines are from what the papers publish of theirs
     #[arg(long = "match", conflicts_with = "show")]
     matching: bool,
 }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use clap::{Args, Parser};
 use papers::Tool;
-use papers::reproduce::{self, Reproduction, Verdict};
+use papers::reproduce::{self, Aim, Reproduction, Verdict};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
@@ -12,10 +12,11 @@ use crate::bed;
 use crate::commands::Command;
 use crate::pages::{self, PageOptions};
 
-/// Reproduces the tables of a paper: paper | ours | verdict
+/// Reproduces the tables of a paper: paper | its method here | ours | another way | verdict
 ///
-/// The machine is our matched one (`piezoloop list rigs --match`), the signals are the paper's. Control
-/// experiments run through packed FMUs; their match table comes first, and printed gains are tried first.
+/// The machine is one that could be the paper's (`piezoloop list rigs --match` says how far it is from it), the signals are
+/// the paper's. A method is judged by its ratio to the one that the paper compares with, or by its figure. Control
+/// experiments run through packed FMUs, and printed gains are tried first.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop reproduce p0\n  piezoloop reproduce p4 --part control --report p4.html\n  piezoloop reproduce all"
@@ -108,7 +109,11 @@ fn write_one(one: &Reproduction, out: &mut dyn Write) -> io::Result<()> {
     for line in matched {
         writeln!(out, "{line}")?;
     }
-    writeln!(out, "\n{:66} {:>8} {:>8}  verdict", "figure", "paper", "ours")?;
+    writeln!(
+        out,
+        "\n{:58} {:>8} {:>8} {:>8} {:>8} {:>13}  verdict",
+        "figure", "paper", "its way", "ours", "other", "of baseline"
+    )?;
     for row in &one.rows {
         let verdict = match row.verdict {
             Verdict::Reached => "reached",
@@ -119,7 +124,17 @@ fn write_one(one: &Reproduction, out: &mut dyn Write) -> io::Result<()> {
         };
         let what = format!("{} {} [{}]", row.paper_id, row.what, row.unit);
         let paper = if row.paper.is_nan() { "-".to_owned() } else { row.paper.to_string() };
-        writeln!(out, "{what:66} {paper:>8} {:>8.4}  {verdict}", row.ours)?;
+        let told = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));
+        let ratio = match row.aim {
+            Aim::Ratio { paper, own } => format!("{paper:.2} > {own:.2}"),
+            _ => String::new(),
+        };
+        let (ours, other) = (told(row.ours), told(row.other));
+        let own = row.own;
+        writeln!(
+            out,
+            "{what:58} {paper:>8} {own:>8.4} {ours:>8} {other:>8} {ratio:>13}  {verdict}"
+        )?;
     }
     for order in &one.orders {
         let verdict = if order.holds { "holds" } else { "does not hold" };

@@ -522,6 +522,7 @@ impl<'a> Session<'a> {
             period: self.plan.period,
             known,
             stops: self.plan.thresholds.len(),
+            learning: self.plan.learning,
             dynamic: self.plan.dynamics == Dynamics::Automatic,
         };
         let file = format!("{}.npy", self.target.axis.name);

@@ -37,7 +37,7 @@ pub use identification::{
 };
 pub use identify::{SIGNIFICANT_FALL, identify};
 pub use judge::{Figures, compare, simulate, simulate_axes};
-pub use methods::methods;
+pub use methods::{is_learned, methods};
 pub use observer::{Observer, Silent};
 pub use record::{Columns, Record, Rows, records_of};
-pub use settings::{Dynamics, Methods, Settings, Target};
+pub use settings::{Dynamics, Learning, Methods, Settings, Target, Told};

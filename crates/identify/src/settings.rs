@@ -4,6 +4,7 @@ use data::AxisBlueprint;
 
 use crate::error::{Error, Problem, SettingsProblem};
 use crate::fit::operator::Search;
+use crate::learned::{Seek, Selection};
 use crate::methods::{self, LINEAR, METHODS, Way};
 use crate::record::{Record, Rows, common_period};
 
@@ -32,6 +33,32 @@ pub struct Settings {
     pub levels: usize,
     /// How the shape of a hysteresis is searched.
     pub search: Search,
+    /// What is chosen about learned machines.
+    pub learning: Learning,
+}
+
+/// Choices about learned machines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Learning {
+    /// What their settings are judged by, and how these are sought; none: by the evidence (stop operators), in
+    /// simulation of the last third (past outputs), by the likelihood (processes).
+    pub selection: Option<(Selection, Seek)>,
+    /// Support vectors that pruning leaves; none: the fewest centres on which a projection errs hardly more.
+    pub prune: Option<usize>,
+    /// What a machine is told.
+    pub features: Told,
+}
+
+/// What a learned machine is told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Told {
+    /// What its family takes by itself.
+    #[default]
+    Usual,
+    /// The command's rate too, beside stop operators and the command.
+    Rate,
+    /// So many inputs of a process: 2, 6, 9 or 12.
+    Inputs(usize),
 }
 
 /// Which hysteresis models are tried.
@@ -69,6 +96,7 @@ impl Default for Settings {
             methods: Methods::PrandtlIshlinskii,
             levels: 20,
             search: Search::LevenbergMarquardt,
+            learning: Learning::default(),
         }
     }
 }
@@ -116,6 +144,7 @@ pub(crate) struct Plan {
     pub(crate) linear: bool,
     pub(crate) levels: usize,
     pub(crate) search: Search,
+    pub(crate) learning: Learning,
 }
 
 impl Settings {
@@ -163,6 +192,7 @@ impl Settings {
             },
             levels: self.levels,
             search: self.search,
+            learning: self.learning,
         })
     }
 

@@ -7,9 +7,10 @@ mod common;
 use common::{Random, target};
 use components::COMPONENTS;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint};
+use identify::learned::{Seek, Selection};
 use identify::{
-    Columns, Dynamics, Error, Identification, Methods, Observer, Record, Search, Settings, Silent,
-    Swarm, Verdict, identify, methods, simulate,
+    Columns, Dynamics, Error, Identification, Learning, Methods, Observer, Record, Search,
+    Settings, Silent, Swarm, Told, Verdict, identify, methods, simulate,
 };
 use model::Kind;
 
@@ -248,6 +249,51 @@ fn past_outputs_and_derivatives_are_learned_and_run_as_written() {
         assert!(found.ends_with(kinds), "{found:?}");
         let again = simulate(&id.plant, &record).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(again, candidate.simulations[0]);
+    }
+}
+
+#[test]
+fn inputs_selection_and_pruning_are_as_asked_for() {
+    let record = lagging_loop();
+    let run = |method: &str, learning: Learning| {
+        let methods = Methods::Named(vec![method.to_owned()]);
+        let settings = Settings { plays: 20, methods, learning, ..Settings::default() };
+        identify(std::slice::from_ref(&record), &target("found"), &settings, &mut Silent)
+    };
+    let cross = Selection::CrossValidation(5);
+    let pruned =
+        Learning { selection: Some((cross, Seek::Grid)), prune: Some(80), ..Learning::default() };
+    let rate = Learning { features: Told::Rate, ..Learning::default() };
+    let twelve = Learning { features: Told::Inputs(12), ..Learning::default() };
+    for (method, learning) in [("lssvm-narx", pruned), ("lssvm-stops", rate), ("gp", twelve)] {
+        let id = run(method, learning).unwrap_or_else(|e| panic!("{method}: {e}"));
+        let fit = &id.records[0];
+        let (held, line) = (fit.held_out.nrmse, fit.baseline_held_out.nrmse);
+        println!("{method}: held out {:.3} %, a line {:.2} %", 100.0 * held, 100.0 * line);
+        assert!(held < 0.02 && held < 0.5 * line, "{method}: {held} {line}");
+        let plant = id.plant.blueprint();
+        let kind = if method == "gp" { "gaussian-process" } else { method };
+        let component = plant.axes[0].components.iter().find(|c| c.kind == kind);
+        let component = component.unwrap_or_else(|| panic!("{method}"));
+        let number = |name: &str| match component.get(name) {
+            Some(data::Value::Number(x)) => *x,
+            other => panic!("{method}: {name} is {other:?}"),
+        };
+        let rows = plant.tables.values().next().map_or(0, model::Table::rows);
+        match method {
+            // Bias and widths in one row.
+            "lssvm-narx" => assert!((80..=84).contains(&(rows - 1)), "{rows}"),
+            "lssvm-stops" => assert!(number("rate_scale") < 1e6),
+            _ => assert_eq!(number("inputs"), 12.0),
+        }
+    }
+    for (method, learning, said) in [
+        ("gp", pruned, "is not pruned"),
+        ("lssvm-narx", rate, "the rate belongs to lssvm-stops"),
+        ("lssvm-stops", twelve, "belong to gp"),
+    ] {
+        let error = run(method, learning).map(|id| id.method).expect_err("refused").to_string();
+        assert!(error.contains(said), "{error}");
     }
 }
 

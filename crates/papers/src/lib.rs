@@ -1,4 +1,4 @@
-//! The papers' tables on our matched machines.
+//! The papers' tables on machines that could be theirs.
 //!
 //! [`matching`] compares the machines with what the papers print of theirs, without the papers' methods;
 //! [`reproduce`] runs the methods: the models here, the controllers through packed FMUs, which a [`Tool`]

@@ -3,7 +3,7 @@
 use data::Blueprint;
 use report::{KeyFigure, Outcome, Provenance, Report, Section, Table, Value, Verdict as Word};
 
-use crate::reproduce::{Reproduction, Verdict, stand_ins};
+use crate::reproduce::{Aim, Reproduction, Row, Verdict, stand_ins};
 
 /// The page of some reproductions.
 ///
@@ -17,7 +17,7 @@ pub fn reproduction(all: &[Reproduction], provenance: Provenance) -> anyhow::Res
     let held = orders().filter(|order| order.holds).count();
     let judged = reached + missed;
     let sentence = match (judged, orders().count()) {
-        (0, 0) => "No figure is judged: the machine is not matched to the paper's.".to_owned(),
+        (0, 0) => "No figure is judged.".to_owned(),
         (_, orders) => format!(
             "{reached} of {judged} figures that the papers report are reached or beaten on our machines, and {held} of {orders} orders of methods hold."
         ),
@@ -65,13 +65,27 @@ fn figures(one: &Reproduction) -> Section {
     let paper = one.paper.to_uppercase();
     let mut table = Table::new(
         format!("Figures of {paper}, {}", one.part),
-        ["figure", "paper", "ours", "verdict", "rests most on"],
+        [
+            "figure",
+            "paper",
+            "its method here",
+            "ours",
+            "another way",
+            "of its baseline: paper",
+            "here",
+            "verdict",
+            "rests most on",
+        ],
     );
     for row in &one.rows {
         table = table.row([
             Value::from(in_unit(&row.what, row.unit)),
             row.paper.into(),
-            row.ours.into(),
+            row.own.into(),
+            told(row.ours),
+            told(row.other),
+            told(ratio(row).map(|ratio| ratio[0])),
+            told(ratio(row).map(|ratio| ratio[1])),
             word(row.verdict).into(),
             stand_ins::rests_on(row.paper_id, &row.what).into(),
         ]);
@@ -83,8 +97,9 @@ fn figures(one: &Reproduction) -> Section {
     let remarks: Vec<&String> =
         one.remarks.iter().filter(|remark| !remark.starts_with("match")).collect();
     let mut section = Section::new(format!("{paper}: {}", one.part)).paragraph(
-        "“Ours” is measured on the rig that stands in for the paper's machine; the last column names the \
-         assumed parts that decide a figure most.",
+        "All but the paper's figures are measured on a machine that could be the paper's. A row is judged by its own figure, or by \
+         its ratio to the method that the paper compares with, which may be a quarter more than in the paper; the last column \
+         names the assumed parts that decide a figure most.",
     );
     section = section.table(table);
     if !one.orders.is_empty() {
@@ -94,6 +109,17 @@ fn figures(one: &Reproduction) -> Section {
         section = section.list(remarks);
     }
     if one.matched.is_empty() { section } else { section.table(matched(one)) }
+}
+
+fn told(value: Option<f64>) -> Value {
+    value.map_or_else(|| Value::from(""), Value::from)
+}
+
+fn ratio(row: &Row) -> Option<[f64; 2]> {
+    match row.aim {
+        Aim::Ratio { paper, own } => Some([paper, own]),
+        _ => None,
+    }
 }
 
 /// `greatest error [µm]`.
@@ -144,8 +170,7 @@ fn assumptions(one: &Reproduction) -> anyhow::Result<Section> {
     }
     Ok(Section::new(format!("{paper}: what stands in, {}", one.part))
         .paragraph(
-            "The paper does not describe these parts of its machine. They were assumed, or matched to what \
-             it prints of the machine without its own method; values are in the units of the blueprint.",
+            "The paper does not describe these parts of its machine. They were assumed; values are in the units of the blueprint.",
         )
         .table(table))
 }

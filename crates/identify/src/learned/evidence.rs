@@ -48,6 +48,9 @@ pub fn weigh(
     Ok(weigh_samples(frame, &frame.samples(records)?, group, (start, gamma), (evaluations, most)))
 }
 
+/// Where γ is larger, as a record with little noise asks for, the kernel matrix of a training cannot be solved exactly.
+const GREATEST_GAMMA: f64 = 3e8;
+
 /// The same for the samples of the frame that are given.
 #[must_use]
 pub fn weigh_samples(
@@ -63,8 +66,11 @@ pub fn weigh_samples(
     // ln of the factors within 1000, of γ within 10⁶.
     let middle: Vec<f64> = start.iter().chain([&gamma]).map(|x| x.ln()).collect();
     let reach = |k: usize| if k < start.len() { 1e3_f64.ln() } else { 1e6_f64.ln() };
-    let bounds: Vec<(f64, f64)> =
+    let mut bounds: Vec<(f64, f64)> =
         middle.iter().enumerate().map(|(k, x)| (x - reach(k), x + reach(k))).collect();
+    if let Some((low, high)) = bounds.last_mut() {
+        *high = high.min(GREATEST_GAMMA.ln()).max(*low);
+    }
     let mut lack = |p: &[f64]| evidence(&few, group, p).map_or(f64::INFINITY, |value| -value);
     let simplex = Simplex { edge: 0.04, evaluations, tolerance: 1e-6 };
     // The evidence has more than one summit: a coarse grid about the start says where to go up.

@@ -13,6 +13,7 @@ pub(crate) mod plant;
 mod process;
 mod projection;
 mod rehearsal;
+mod selection;
 mod series;
 mod spline;
 mod weighed;
@@ -24,6 +25,7 @@ pub use machine::{Frame, Machine, Recipe, Span};
 pub use plant::learned_inverse;
 pub use process::{Search, by_likelihood};
 pub use rehearsal::{Rehearsal, SEED, Waves};
+pub use selection::{BOUNDS, Records, Seek, Selected, Selection, held_out, select, sought};
 pub use series::{Run, Series, Teaches, Turns};
 pub use weighed::Widths;
 

@@ -11,11 +11,15 @@ mod stops;
 use data::ComponentBlueprint;
 use model::Table;
 
+use learned::lssvm::{Pruning, Settings, prune};
+
+use super::series::rows;
 use super::{Arx, Frame, Machine, Run, Series, Span, Teaches, Turns};
 use crate::error::Error;
 use crate::fit::response::LinearPart;
 use crate::observer::Observer;
 use crate::record::{Record, Rows};
+use crate::settings::{Learning, Told};
 
 /// Most samples that a machine is trained on.
 const SAMPLES: usize = 1500;
@@ -81,6 +85,7 @@ pub(crate) struct Lesson<'a> {
     /// begins.
     pub(crate) known: LinearPart,
     pub(crate) stops: usize,
+    pub(crate) learning: Learning,
     /// Whether there is a linear part behind.
     pub(crate) dynamic: bool,
 }
@@ -103,6 +108,7 @@ struct Scene<'a> {
     position: Span,
     period: f64,
     stops: usize,
+    learning: Learning,
     dynamic: bool,
     /// Where D begins.
     first: Arx,
@@ -172,6 +178,7 @@ pub fn learned_inverse(
         position: Span::of(command),
         period,
         stops: 0,
+        learning: Learning::default(),
         dynamic: false,
         first: none(),
         bandwidth: 0.0,
@@ -214,16 +221,29 @@ impl Lesson<'_> {
                 position: Span::of(&positions.concat()),
                 period: self.period,
                 stops: self.stops,
+                learning: self.learning,
                 dynamic: self.dynamic,
                 first: if self.dynamic { sampled(&self.known, self.period) } else { none() },
                 bandwidth: self.bandwidth(*late),
             })
             .collect();
         let last = &scenes[scenes.len() - 1];
-        let (number, series) = match self.family {
-            Family::Stops => stops::learn(&scenes, &mut stage)?,
-            Family::Narx => (scenes.len() - 1, narx::learn(last, &mut stage)?),
-            Family::Process => (scenes.len() - 1, process::learn(last, &mut stage)?),
+        self.check_learning()?;
+        let at = scenes.len() - 1;
+        let (number, series, settings) = match self.family {
+            Family::Stops => {
+                let (number, series, settings) = stops::learn(&scenes, &mut stage)?;
+                (number, series, Some(settings))
+            }
+            Family::Narx => {
+                let (series, settings) = narx::learn(last, &mut stage)?;
+                (at, series, Some(settings))
+            }
+            Family::Process => (at, process::learn(last, &mut stage)?, None),
+        };
+        let series = match (self.learning.prune, settings) {
+            (Some(most), Some(settings)) => pruned(&series, settings, &all_runs[number], most)?,
+            _ => series,
         };
         let (runs, commands) = (&all_runs[number], &commands[number]);
         let error = series.error(runs);
@@ -232,7 +252,10 @@ impl Lesson<'_> {
             runs.iter().map(|run| machine.simulate(run.command, run.start)).collect();
         let own: Vec<(&[f64], &[f64])> =
             commands.iter().zip(&simulated).map(|(u, h)| (&u[..], &h[..])).collect();
-        let machine = machine.compress(&own, CENTRES.0, CENTRES.1 * error).unwrap_or(machine);
+        let machine = match self.learning.prune {
+            Some(_) => machine,
+            None => machine.compress(&own, CENTRES.0, CENTRES.1 * error).unwrap_or(machine),
+        };
         let table = machine.table().map_err(|message| Error::Learned { message })?;
         let mut chain = vec![machine.component(false, name, self.period)];
         if linear != none() {
@@ -245,6 +268,27 @@ impl Lesson<'_> {
         }
         let of_d = if linear == none() { 0 } else { linear.b.len() + linear.a.len() };
         Ok(Learned { chain, late: late[number], numbers: table.values().len() + of_d, table })
+    }
+
+    /// Refuses choices that the family has not.
+    fn check_learning(&self) -> Result<(), Error> {
+        let name = self.family.name();
+        let refused = |what: &str| Err(Error::Learned { message: format!("{name} {what}") });
+        match (self.family, self.learning.features) {
+            (Family::Stops | Family::Narx, Told::Inputs(_)) => {
+                refused("takes no number of inputs; 2, 6, 9 and 12 belong to gp")
+            }
+            (Family::Narx | Family::Process, Told::Rate) => {
+                refused("takes no rate beside its inputs; the rate belongs to lssvm-stops")
+            }
+            (Family::Process, _) if self.learning.prune.is_some() => refused(
+                "is not pruned: each of its samples has a weight of its own; leave --prune out",
+            ),
+            (Family::Process, _) if self.learning.selection.is_some() => {
+                refused("finds its hyperparameters by the marginal likelihood; leave --select out")
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Whole periods of delay that may stand in front of the hysteresis. What is none or little is rather a lag.
@@ -281,6 +325,26 @@ impl Lesson<'_> {
         };
         commands.iter().zip(positions).zip(self.fitted).map(of).collect()
     }
+}
+
+/// The series with so many support vectors, by Algorithm 1 of the laser beam paper: judged by what the machine simulates of
+/// the hysteresis' share of the records.
+fn pruned(
+    series: &Series,
+    settings: Settings,
+    runs: &[Run<'_>],
+    most: usize,
+) -> Result<Series, Error> {
+    let targets = series.targets(runs);
+    let records: Vec<(&[f64], &[f64])> =
+        runs.iter().zip(&targets).map(|(run, target)| (run.command, &target[..])).collect();
+    let frame = &series.machine.frame;
+    let samples = frame.samples(&records).map_err(failed)?.subset(&rows(runs, SAMPLES));
+    let pruning = Pruning { least_count: most, ..Pruning::default() };
+    let judge = |machine: &learned::lssvm::LsSvm| frame.error(machine, &records);
+    let found = prune(&samples, settings, pruning, judge).map_err(failed)?;
+    let machine = Machine { frame: frame.clone(), machine: found.model };
+    Ok(Series { machine, linear: series.linear.clone() })
 }
 
 /// Lag and mode under commands that are held over a sample, each sampled exactly by itself.

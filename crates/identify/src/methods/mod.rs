@@ -234,6 +234,12 @@ impl Way {
     }
 }
 
+/// Whether the method of this name learns a machine.
+#[must_use]
+pub fn is_learned(name: &str) -> bool {
+    matches!(find(name), Some(Way::Learned(_)))
+}
+
 /// Name and sentence of every method that can be identified.
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
     let learned = Family::ALL.into_iter().map(|f| (f.name(), f.summary()));

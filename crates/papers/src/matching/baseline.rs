@@ -18,6 +18,8 @@ pub(crate) struct Baseline<'a> {
     pub(crate) thresholds: Vec<f64>,
     /// Levels of a Preisach model.
     pub(crate) levels: usize,
+    /// Whether delay, lag and mode are fitted too.
+    pub(crate) dynamic: bool,
 }
 
 impl Baseline<'_> {
@@ -27,8 +29,8 @@ impl Baseline<'_> {
         let settings = Settings {
             thresholds: Some(self.thresholds.clone()),
             hold_out: HELD_OUT,
-            longest_delay: Some(0.0),
-            dynamics: Dynamics::Static,
+            longest_delay: if self.dynamic { None } else { Some(0.0) },
+            dynamics: if self.dynamic { Dynamics::Automatic } else { Dynamics::Static },
             methods: match self.method {
                 None => Methods::PrandtlIshlinskii,
                 Some(name) => Methods::Named(vec![name.to_owned()]),

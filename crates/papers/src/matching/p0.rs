@@ -5,9 +5,10 @@ use learned::features::{Features, Narx};
 use learned::lssvm::Settings;
 
 use super::{Figure, extremes, response, rest, rig, signal};
+use crate::machines;
 use crate::reproduce::{self, Response};
 
-const RIG: &str = "p0-truth";
+const RIG: &str = machines::P0;
 
 /// P0: the greatest |u/150 V − θ| on the training signal, axis by axis, and the ranges on the PSDs.
 pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
@@ -38,7 +39,9 @@ pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
             }
         }
         let range = (span[0].1 - span[0].0).hypot(span[1].1 - span[1].0);
-        all.push(Figure::new(RIG, format!("range on {psd}, diagonal"), "um", paper, range));
+        all.push(
+            Figure::new(RIG, format!("range on {psd}, diagonal"), "um", paper, range).of_rig(),
+        );
     }
     let what = "LS-SVM without D, frequency-varying signal";
     all.push(Figure::new(RIG, what, "%", 2.25, narx()?));

@@ -3,10 +3,11 @@
 use model::System;
 
 use super::{Figure, extremes, response, rig, rms, signal};
+use crate::machines;
 
 /// P2: range, resonance, and the Bouc–Wen model with the printed parameters beside the rig.
 pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
-    const RIG: &str = "p2-truth";
+    const RIG: &str = machines::P2;
     let mut system = rig(RIG)?;
     let mut all = Vec::new();
     for (name, paper, note) in [
@@ -19,7 +20,7 @@ pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
         let model = response(&mut rig("p2")?, 1, &u, period)?;
         let (min, max) = extremes(&y);
         if name == "p2-train" {
-            all.push(Figure::new(RIG, "range, training signal", "um", 236.0, max - min));
+            all.push(Figure::new(RIG, "range, training signal", "um", 236.0, max - min).of_rig());
         }
         let start = y[0] - model[0];
         let error = rms(y.iter().zip(&model).map(|(y, m)| y - m - start));
@@ -27,7 +28,7 @@ pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
         let figure = Figure::new(RIG, what, "%", paper, 100.0 * error / (max - min));
         all.push(figure.note(note));
     }
-    all.insert(1, Figure::new(RIG, "resonance", "Hz", 404.0, ringing(&mut system)?));
+    all.insert(1, Figure::new(RIG, "resonance", "Hz", 404.0, ringing(&mut system)?).of_rig());
     Ok(all)
 }
 

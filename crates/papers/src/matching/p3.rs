@@ -6,9 +6,9 @@ use model::System;
 
 use super::baseline::{Baseline, error};
 use super::{Figure, command, extremes, position, rest, rig, rms};
-use crate::reproduce;
+use crate::{machines, reproduce};
 
-const RIG: &str = "p3-truth";
+const RIG: &str = machines::P3;
 /// Amplifier of the rig: the paper's volts are at the actuator.
 const AMPLIFIER: f64 = 15.0;
 /// Greatest command of the chirp, in V.
@@ -20,6 +20,8 @@ pub(crate) type Printed = (&'static str, &'static str, &'static [(&'static str, 
 /// Table 1's column of the MPI model.
 pub(crate) const MPI: &[Printed] = &[
     ("100 Hz", "p3-sine", &[("frequency", 100.0)], 0.6497),
+    ("200 Hz", "p3-sine", &[("frequency", 200.0)], 1.1673),
+    ("300 Hz", "p3-sine", &[("frequency", 300.0)], 2.9334),
     ("500 Hz", "p3-sine", &[("frequency", 500.0)], 3.2692),
     ("1 kHz", "p3-sine", &[("frequency", 1000.0)], 4.9547),
     ("120 + 180 Hz", "p3-two-tone", &[], 2.1251),
@@ -30,15 +32,16 @@ pub(crate) const MPI: &[Printed] = &[
 /// The paper's baseline, fitted to the chirp.
 pub(crate) fn mpi(chirp: &reproduce::Response) -> anyhow::Result<CheckedBlueprint> {
     let thresholds = (0..11).map(|i| f64::from(i) * 0.5 * TOP / 11.0).collect();
-    Baseline { method: Some("mpi"), thresholds, levels: 2 }.fit(&[chirp])
+    Baseline { method: Some("mpi"), thresholds, levels: 2, dynamic: false }.fit(&[chirp])
 }
 
 /// P3: the loop closed by the printed PI alone, rms of the error in percent of the reference's range.
 pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
     let mut system = rig(RIG)?;
     let (low, high) = (rest(&mut system, &[0.0])?[0], rest(&mut system, &[10.0])?[0]);
-    let mut all =
-        vec![Figure::new(RIG, "range, 0 to 150 V at the actuator", "um", 26.52, high - low)];
+    let mut all = vec![
+        Figure::new(RIG, "range, 0 to 150 V at the actuator", "um", 26.52, high - low).of_rig(),
+    ];
     for (frequency, paper) in [(100.0, 1.10), (500.0, 5.39), (1000.0, 11.1)] {
         let error = pi_loop(&mut system, frequency)?;
         let what = format!("PI alone, sine of {frequency} Hz, rms of range");

@@ -2,12 +2,10 @@
 
 use super::baseline::{Baseline, error};
 use super::{Figure, extremes, response, rig, signal};
+use crate::machines;
 use crate::reproduce::Response;
 
-const RIG: &str = "p4-truth";
-/// The same device with smoother loops, which has the paper's strokes and widths alone.
-const SMOOTH: &str = "evc-truth";
-
+const RIG: &str = machines::P4;
 /// P4: stroke and loop width of the third 1 Hz loop of 0 to 120 V, and the static model fitted at 1 Hz.
 pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
     let mut all = strokes_and_widths(RIG)?;
@@ -15,14 +13,14 @@ pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
     let printed = [(1, "Y", [0.0881, 0.0991, 0.1075]), (2, "Z", [0.1432, 0.1406, 0.1513])];
     for (axis, name, paper) in printed {
         let slow = loops(axis, "1")?;
-        let model = Baseline { method: None, thresholds: thresholds.clone(), levels: 2 };
+        let model =
+            Baseline { method: None, thresholds: thresholds.clone(), levels: 2, dynamic: false };
         let model = model.fit(&[&slow])?;
         for (frequency, paper) in ["1", "10", "100"].into_iter().zip(paper) {
             let what = format!("{name}: static model of 1 Hz at {frequency} Hz, rms");
             all.push(Figure::new(RIG, what, "um", paper, error(&model, &loops(axis, frequency)?)?));
         }
     }
-    all.extend(strokes_and_widths(SMOOTH)?);
     Ok(all)
 }
 
@@ -37,9 +35,11 @@ fn strokes_and_widths(name: &'static str) -> anyhow::Result<Vec<Figure>> {
         let (u, y) = (&u[last..], &y[last..]);
         let (min, max) = extremes(y);
         let what = format!("{of}: stroke, 0 to 120 V at 1 Hz");
-        all.push(Figure::new(name, what, "um", stroke, max - min));
+        all.push(Figure::new(name, what, "um", stroke, max - min).of_rig());
         let what = format!("{of}: greatest width of the loop");
-        all.push(Figure::new(name, what, "%", width, 100.0 * loop_width(u, y) / (max - min)));
+        all.push(
+            Figure::new(name, what, "%", width, 100.0 * loop_width(u, y) / (max - min)).of_rig(),
+        );
     }
     Ok(all)
 }

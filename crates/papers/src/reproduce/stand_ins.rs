@@ -2,7 +2,7 @@
 
 use data::{Blueprint, ComponentBlueprint, Value};
 
-/// A part of the truth rig that is assumed or matched.
+/// A part of the rig that is assumed.
 pub(crate) struct StandIn {
     pub(crate) axes: Vec<String>,
     pub(crate) component: String,
@@ -70,24 +70,19 @@ const P0: [Rest; 6] = [
     (&["system 3", "system 4"], "hysteresis, creep; delay, order of the low-pass"),
     (&["|J|"], "the detectors' pincushion, the coupling of the mirrors"),
     (&["with D", "without D", "frequency-varying"], "order of the low-pass, creep, driver"),
-    (&["H"], "hysteresis (matched), noise"),
+    (&["H"], "hysteresis, noise"),
 ];
 const P1: [Rest; 3] = [
     (&["beyond", "learning"], "sensor noise; converter"),
     (&["PID"], "order of the low-pass; damping of the mode; unit of the printed gains"),
-    (&[""], "hysteresis (matched), creep, order of the low-pass; signals C, F, G"),
+    (&[""], "hysteresis, creep, order of the low-pass; signals C, F, G"),
 ];
-const P2: [Rest; 2] = [
-    (&["beyond"], "sensor noise (0.05 um)"),
-    (&[""], "hysteresis (matched), creep; the test signals"),
-];
+const P2: [Rest; 2] =
+    [(&["beyond"], "sensor noise (0.025 um)"), (&[""], "hysteresis, creep; the test signals")];
 const P3: [Rest; 3] = [
-    (
-        &["PI alone", "closed loop"],
-        "modes (what the printed PI and the MPI model at 500 Hz allow), gauge",
-    ),
-    (&["open loop"], "hysteresis (matched), creep, noise of the gauge; preview"),
-    (&[""], "hysteresis (matched), creep, noise of the gauge"),
+    (&["PI alone", "closed loop"], "the mode (what the printed PI allows), gauge"),
+    (&["open loop"], "hysteresis, creep, noise of the gauge; preview"),
+    (&[""], "hysteresis, creep, noise of the gauge"),
 ];
 const P4: [Rest; 3] = [
     (&["beyond"], "sensor noise (3 nm), creep"),
@@ -112,15 +107,16 @@ pub(crate) fn rests_on(paper_id: &str, what: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machines;
 
     #[test]
-    fn every_truth_rig_says_what_is_assumed() {
-        for name in ["p0-truth", "p1-truth", "p2-truth", "p3-truth", "p4-truth", "evc-truth"] {
+    fn every_machine_says_what_is_assumed() {
+        for name in [machines::P0, machines::P1, machines::P2, machines::P3, machines::P4] {
             let rig = rigs::find(name).expect("a rig");
             let blueprint = Blueprint::parse(rig.blueprint, name).expect("a blueprint");
             let all = of(&blueprint);
             assert!(all.iter().any(|one| one.component == "creep"), "{name}: creep");
-            assert!(all.iter().any(|one| one.component == "noise") || name == "p1-truth", "{name}");
+            assert!(all.iter().any(|one| one.component == "hysteresis"), "{name}: hysteresis");
         }
     }
 }

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! N, σ² and γ are those of least error in simulation mode, the own outputs fed back, on the last third of what is
-//! fitted by a machine that was trained on the rest.
+//! fitted by a machine that was trained on the rest, or by the selection that was asked for.
 //!
 //! Source: laser beam pointing with LS-SVM models of four piezo axes, eqs. (1)-(8), (11), (12).
 
@@ -13,7 +13,7 @@ use learned::features::{Features, Narx};
 use learned::lssvm::Settings;
 
 use super::super::series::rows;
-use super::super::{Frame, Machine, Recipe, Series};
+use super::super::{BOUNDS, Frame, Machine, Recipe, Series, select};
 use super::{Scene, Stage, failed, none};
 use crate::error::Error;
 
@@ -25,7 +25,7 @@ const GAMMA: [f64; 4] = [1e2, 1e4, 1e6, 1e8];
 const TRIED: usize = 600;
 const ROUNDS: usize = 12;
 
-pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, Error> {
+pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<(Series, Settings), Error> {
     let pairs = scene.pairs();
     let (some, rest) = scene.parts();
     let mut best: Option<(f64, Frame, Settings)> = None;
@@ -35,6 +35,15 @@ pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, 
         let frame = Frame::new(features, scene.command, scene.position, Recipe::Plain, &pairs);
         let early: Vec<_> = some.iter().map(|run| (run.command, run.position)).collect();
         let samples = frame.samples(&early).map_err(failed)?.subset(&rows(&some, TRIED));
+        if let Some((selection, seek)) = scene.learning.selection {
+            stage(k * SIGMA2.len(), total)?;
+            let found =
+                select(&frame, &pairs, selection, (seek, &BOUNDS), TRIED).map_err(failed)?;
+            if best.as_ref().is_none_or(|(least, ..)| found.error < *least) {
+                best = Some((found.error, frame.clone(), found.settings));
+            }
+            continue;
+        }
         for (j, sigma2) in SIGMA2.into_iter().enumerate() {
             stage(k * SIGMA2.len() + j, total)?;
             for gamma in GAMMA {
@@ -62,5 +71,5 @@ pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, 
     let series = scene.in_turn(&frame, settings, ROUNDS)?;
     let error = series.error(scene.runs);
     let span = scene.position.high - scene.position.low;
-    if error < span { Ok(series) } else { Err(runaway()) }
+    if error < span { Ok((series, settings)) } else { Err(runaway()) }
 }

@@ -18,6 +18,7 @@ use super::super::series::rows;
 use super::super::{Frame, Machine, Recipe, Run, Series};
 use super::{SAMPLES, Scene, Stage, failed, none};
 use crate::error::Error;
+use crate::settings::Told;
 
 const INPUTS: [usize; 3] = [2, 6, 9];
 /// Half lengths of the low-pass.
@@ -36,8 +37,12 @@ pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, 
     let pairs = scene.pairs();
     let (some, rest) = scene.parts();
     let mut best: Option<(f64, Frame)> = None;
-    let total = INPUTS.len() * HALF.len() + 1;
-    let each = INPUTS.into_iter().flat_map(|inputs| HALF.map(|half| (inputs, half)));
+    let inputs: Vec<usize> = match scene.learning.features {
+        Told::Inputs(count) => vec![count],
+        _ => INPUTS.to_vec(),
+    };
+    let total = inputs.len() * HALF.len() + 1;
+    let each = inputs.into_iter().flat_map(|inputs| HALF.map(|half| (inputs, half)));
     for (k, (inputs, half)) in each.enumerate() {
         stage(k, total)?;
         let Some(features) = Derivatives::new(inputs, half, CUTOFF, [1.0; 4]) else { continue };

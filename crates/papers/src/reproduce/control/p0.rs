@@ -12,12 +12,12 @@ use super::inverse::{Linear, arx_component, learned_inverse, linear};
 use super::learning::{Learning, learn as learn_passes};
 use super::{Aim, Order, Reproduction, Row, rms_of};
 use crate::Tool;
+use crate::machines;
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
 use crate::reproduce::p0::stops;
 
 const ID: &str = "P0";
-const RIG: &str = "p0-truth";
 const PERIOD: f64 = 5e-3;
 const AXES: usize = 4;
 const NAMES: [&str; AXES] = ["M1x", "M1y", "M2x", "M2y"];
@@ -221,7 +221,7 @@ fn errors(run: &Tracked, from: usize) -> [f64; 2] {
 }
 
 pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = (tool.open)(Path::new(RIG))?;
+    let mut bed = (tool.open)(Path::new(machines::P0))?;
     let mut answer = Reproduction::default();
     let mut inverses = Vec::new();
     for (axis, name) in NAMES.iter().enumerate() {

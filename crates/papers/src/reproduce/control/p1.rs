@@ -13,12 +13,12 @@ use super::learning::{Learning, learn};
 use super::single::{Design, impulse, is_unstable, rmse, ultimate, with_rest};
 use super::{Aim, Order, Reproduction, Row};
 use crate::Tool;
+use crate::machines;
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
 use crate::reproduce::p1::{STOPS, is_command, series};
 
 const ID: &str = "P1";
-const RIG: &str = "p1-truth";
 const PERIOD: f64 = 2e-3;
 /// Greatest command of the paper, in V.
 const GREATEST: f64 = 8.5;
@@ -43,10 +43,11 @@ const OBSERVED: f64 = 30.0;
 const PASSES: usize = 8;
 
 pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = (tool.open)(Path::new(RIG))?;
+    let mut bed = (tool.open)(Path::new(machines::P1))?;
     let mut answer = Reproduction::default();
     let mut record = |letter: char| -> anyhow::Result<(Vec<f64>, Vec<f64>)> {
-        let (u, _) = matching::signal(&format!("p1-{letter}"), &[])?;
+        let (name, given) = machines::p1(letter);
+        let (u, _) = matching::signal(&name, given)?;
         let y = bed.response(0, &u, 0.0, PERIOD)?;
         Ok((u, y))
     };
@@ -132,7 +133,8 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
         let upper = letter.to_ascii_uppercase();
         say(&format!("signal {upper}"));
         let (u, y) = {
-            let (u, _) = matching::signal(&format!("p1-{letter}"), &[])?;
+            let (name, given) = machines::p1(letter);
+            let (u, _) = matching::signal(&name, given)?;
             let y = bed.response(0, &u, 0.0, PERIOD)?;
             (u, y)
         };

@@ -13,11 +13,11 @@ use super::learning::{Learning, learn};
 use super::single::{Design, Notch, impulse, ringing, rmse, ultimate, with_rest};
 use super::{Aim, Order, Reproduction, Row};
 use crate::Tool;
+use crate::machines;
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
 
 const ID: &str = "P2";
-const RIG: &str = "p2-truth";
 const PERIOD: f64 = 4e-3;
 const COMMAND: (f64, f64) = (-2.0, 12.0);
 /// 2ξ/ω, 1/ω² and d/ω² of the printed G(s).
@@ -54,7 +54,7 @@ fn trained(u: &[f64], y: &[f64], zero: f64) -> anyhow::Result<Machine> {
 }
 
 pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = (tool.open)(Path::new(RIG))?;
+    let mut bed = (tool.open)(Path::new(machines::P2))?;
     let mut answer = Reproduction::default();
     say("hysteresis term by an LS-SVM");
     let (u, _) = matching::signal("p2-train", &[("sample_time", PERIOD)])?;

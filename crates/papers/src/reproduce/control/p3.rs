@@ -17,13 +17,13 @@ use super::learning::{Learning, learn};
 use super::single::{Design, is_unstable};
 use super::{Aim, Order, Reproduction, Row};
 use crate::Tool;
+use crate::machines;
 use crate::matching;
 use crate::reproduce::Response;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
 use crate::reproduce::p3::{COUNT, SEARCH, group, series, top};
 
 const ID: &str = "P3";
-const RIG: &str = "p3-truth";
 const PERIOD: f64 = 50e-6;
 const COMMAND: (f64, f64) = (-1.0, 10.0);
 const AMPLIFIER: f64 = 15.0;
@@ -124,7 +124,7 @@ fn control(tables: &Blueprint, start: f64, inverse: Option<&Inverse>, gains: &Ga
 }
 
 pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = (tool.open)(Path::new(RIG))?;
+    let mut bed = (tool.open)(Path::new(machines::P3))?;
     let mut answer = Reproduction::default();
     let (u, _) = matching::signal("p3-chirp", &[])?;
     let u: Vec<f64> = u.iter().map(|u| u / AMPLIFIER).collect();
