@@ -332,14 +332,12 @@ mod tests {
         let rows: Vec<Vec<f64>> =
             (3..record.h.len()).map(|k| [vec![1.0], inputs(k)].concat()).collect();
         let count = rows[0].len();
-        let mut weights = vec![0.0; count];
         let mut errors: Vec<f64> = record.h[3..].to_vec();
         // Projections in turn, until they end.
         for _ in 0..20_000 {
             for i in 0..count {
                 let norm: f64 = rows.iter().map(|row| row[i] * row[i]).sum();
                 let step = rows.iter().zip(&errors).map(|(row, e)| row[i] * e).sum::<f64>() / norm;
-                weights[i] += step;
                 errors.iter_mut().zip(&rows).for_each(|(e, row)| *e -= step * row[i]);
             }
         }

@@ -116,18 +116,23 @@ impl Form {
                 let left = run.position[k + 1] - fixed[k + 1];
                 form.rest += weight * left * left;
                 position += weight * run.position[k + 1].powi(2);
-                for i in 0..8 {
-                    form.slope[i] += weight * parts[i] * left;
-                    for j in 0..8 {
-                        form.matrix[i][j] += weight * parts[i] * parts[j];
-                    }
-                }
+                form.add(parts, left, weight);
             }
         }
         for i in 0..8 {
             form.scale[i] = (position / form.matrix[i][i].max(f64::MIN_POSITIVE)).sqrt();
         }
         Ok(form)
+    }
+
+    /// Adds a row of parts that are to make up what is left.
+    fn add(&mut self, parts: &Rates, left: f64, weight: f64) {
+        for (i, one) in parts.iter().enumerate() {
+            self.slope[i] += weight * one * left;
+            for (cell, other) in self.matrix[i].iter_mut().zip(parts) {
+                *cell += weight * one * other;
+            }
+        }
     }
 
     /// At scaled coefficients.
@@ -334,12 +339,7 @@ mod tests {
         for row in &parts {
             let left: f64 = row.iter().zip(truth).map(|(p, t)| p * t).sum();
             form.rest += left * left;
-            for i in 0..8 {
-                form.slope[i] += row[i] * left;
-                for j in 0..8 {
-                    form.matrix[i][j] += row[i] * row[j];
-                }
-            }
+            form.add(row, left, 1.0);
         }
         let (found, error) = form.least();
         assert!(error < 1e-3 * form.rest.sqrt(), "{error}");
