@@ -130,11 +130,8 @@ fn write_one(one: &Reproduction, out: &mut dyn Write) -> io::Result<()> {
             _ => String::new(),
         };
         let (ours, other) = (told(row.ours), told(row.other));
-        let own = row.own;
-        writeln!(
-            out,
-            "{what:58} {paper:>8} {own:>8.4} {ours:>8} {other:>8} {ratio:>13}  {verdict}"
-        )?;
+        let own = told((!row.own.is_nan()).then_some(row.own));
+        writeln!(out, "{what:58} {paper:>8} {own:>8} {ours:>8} {other:>8} {ratio:>13}  {verdict}")?;
     }
     for order in &one.orders {
         let verdict = if order.holds { "holds" } else { "does not hold" };

@@ -26,7 +26,7 @@ pub struct Row {
     pub unit: &'static str,
     /// The paper's number; not a number where it prints none.
     pub paper: f64,
-    /// That of the paper's own method on our machine.
+    /// That of the paper's own method on our machine; not a number in a row of one of our ways alone.
     pub own: f64,
     /// The best of this project's own ways.
     pub ours: Option<f64>,
@@ -182,6 +182,17 @@ impl Row {
     ) -> Self {
         let aim = Aim::Ratio { paper: paper / paper_baseline, own: own / own_baseline };
         Self::new(paper_id, what, unit, paper, own, aim)
+    }
+
+    /// A row of one of our ways alone, which is not judged as the paper's.
+    fn of_ours(
+        paper_id: &'static str,
+        what: impl Into<String>,
+        unit: &'static str,
+        paper: f64,
+        ours: f64,
+    ) -> Self {
+        Self::new(paper_id, what, unit, paper, f64::NAN, Aim::Told).ours(ours)
     }
 
     fn ours(self, ours: f64) -> Self {

@@ -415,11 +415,10 @@ fn table(
         }
         errors.push(of);
     }
-    if method.name == OWN {
-        for test in 0..2 {
-            let [few, many] = [errors[0][test], errors[1][test]];
+    if let ([few, many], OWN) = (&errors[..], method.name) {
+        for ((few, many), number) in few.iter().zip(many).zip(1..) {
             let mut order = |what: &str, holds: bool| {
-                let what = format!("test {}: {what}", test + 1);
+                let what = format!("test {number}: {what}");
                 answer.orders.push(Order { paper_id: ID, what, holds });
             };
             order("proposed better than plain", few[0] < few[1] && many[0] < many[1]);

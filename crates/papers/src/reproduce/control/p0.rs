@@ -278,8 +278,11 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
                 let what = format!("rate {rate}, system {name}, PSD {}", psd + 1);
                 let relative = 100.0 * error / RANGES[psd];
                 let paper = if is_best { paper } else { f64::NAN };
-                let aim = if is_best { Aim::Reach } else { Aim::Told };
-                answer.rows.push(Row::new(ID, what, "%", paper, relative, aim));
+                // The inverses are ours, over stop operators.
+                answer.rows.push(match design.feedforward {
+                    Some(_) => Row::of_ours(ID, what, "%", paper, relative),
+                    None => Row::new(ID, what, "%", paper, relative, Aim::Told),
+                });
             }
             found.push(error);
             runs.push((*name, run));

@@ -185,21 +185,19 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
             .figure(seen.loops(format!("Position over command, signal {upper}"), 0))
             .figure(seen.tracking(format!("Signal {upper}"), 0)),
         );
-        let mut row = |what: &str, paper: f64, ours: f64, aim: Aim| {
-            answer.rows.push(Row::new(ID, format!("{what}, {upper}"), "um", paper, ours, aim));
+        // The inverse is ours, over stop operators with the linear part undone in front: none of its rows is the paper's.
+        let mut row = |what: &str, paper: f64, ours: f64| {
+            answer.rows.push(Row::of_ours(ID, format!("{what}, {upper}"), "um", paper, ours));
         };
-        row("inverse LS-SVM alone", paper_ff[k], feedforward, Aim::Reach);
-        row(
-            "inverse LS-SVM and incremental PID, printed gains",
-            paper_both[k],
-            rmse(&tried, part),
-            Aim::Told,
-        );
-        row("incremental PID alone, re-tuned", f64::NAN, feedback, Aim::Told);
-        row("inverse LS-SVM and incremental PID, re-tuned", paper_both[k], both, Aim::Reach);
+        row("inverse LS-SVM alone", paper_ff[k], feedforward);
+        let printed_error = rmse(&tried, part);
+        row("inverse LS-SVM and incremental PID, printed gains", paper_both[k], printed_error);
+        row("inverse LS-SVM and incremental PID, re-tuned", paper_both[k], both);
+        let what = format!("incremental PID alone, re-tuned, {upper}");
+        answer.rows.push(Row::new(ID, what, "um", f64::NAN, feedback, Aim::Told));
         let what = format!("beyond: inverse LS-SVM and disturbance observer, {upper}");
         let watched = rmse(&watched, part);
-        answer.rows.push(Row::new(ID, what, "um", paper_both[k], watched, Aim::Told));
+        answer.rows.push(Row::of_ours(ID, what, "um", paper_both[k], watched));
         let mut order = |what: &str, holds: bool| {
             answer.orders.push(Order { paper_id: ID, what: format!("{what}, {upper}"), holds });
         };
@@ -230,7 +228,7 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
         answer.remarks.push(run.told(&format!("signal {upper}")));
         let learned = run.errors[run.errors.len() - 1];
         let what = format!("beyond: with learning over passes, {upper}");
-        answer.rows.push(Row::new(ID, what, "um", paper_both[k], learned, Aim::Reach));
+        answer.rows.push(Row::of_ours(ID, what, "um", paper_both[k], learned));
         answer.orders.push(Order {
             paper_id: ID,
             what: format!(
