@@ -132,6 +132,8 @@ pub(crate) struct Formula {
     pub(crate) starts: Vec<Vec<f64>>,
     /// Number of leading parameters that the first-order test varies.
     pub(crate) screened: usize,
+    /// The parameter that is the frequency of a resonance, which may be seen in what is left.
+    pub(crate) resonance: Option<usize>,
     pub(crate) nuisance: Option<Nuisance>,
     /// Parameters of the model that lose their tolerance.
     pub(crate) releases: Vec<usize>,
@@ -152,6 +154,7 @@ impl Formula {
             parameters: Vec::new(),
             starts: Vec::new(),
             screened: usize::MAX,
+            resonance: None,
             nuisance: None,
             releases: Vec::new(),
             force: None,
@@ -202,6 +205,27 @@ impl Formula {
     pub(crate) fn screened(mut self, count: usize) -> Self {
         self.screened = count;
         self
+    }
+
+    /// With the frequency of a resonance as parameter number `at`.
+    pub(crate) fn resonates(mut self, at: usize) -> Self {
+        self.resonance = Some(at);
+        self
+    }
+
+    /// Values to start from, with these frequencies of resonances beside its own.
+    pub(crate) fn starts_with(&self, frequencies: &[f64]) -> Vec<Vec<f64>> {
+        let mut all = self.starts.clone();
+        if let (Some(at), Some(first)) = (self.resonance, self.starts.first()) {
+            let free = &self.parameters[at];
+            let inside = frequencies.iter().filter(|f| **f > free.low && **f < free.high);
+            all.extend(inside.map(|f| {
+                let mut start = first.clone();
+                start[at] = *f;
+                start
+            }));
+        }
+        all
     }
 
     /// As a formula that only stands in for others.

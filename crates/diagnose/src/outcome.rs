@@ -13,7 +13,7 @@ use crate::offset::Offset;
 use crate::problem::Problem;
 use crate::request::Request;
 use crate::score::{Judge, Judged};
-use crate::select::{Candidate, Found, Search, has_gap};
+use crate::select::{Candidate, Found, Memo, Search, has_gap};
 use crate::setting::{setting, simulated_span};
 use crate::steps::Steps;
 use crate::{louder, offset, robust, second, shrink, start};
@@ -107,15 +107,16 @@ pub(crate) fn of(
     let louder = (is_asked && is_stated)
         .then(|| louder::factor(&base.judged.residual, &problem.data))
         .flatten();
+    let memo = Memo::default();
     let found = if louder.is_none() && has_gap(&base, scale.adequate) {
-        let search = search_in(&problem, &library, &scale, request, count);
+        let search = search_in((&problem, &library, &scale), request, count, &memo);
         search.run(base).map_err(|_| cannot_run(&problem))?
     } else {
         Found::nothing(base)
     };
     let with = (found, given, scale);
     let (found, given, scale) =
-        with_quieter_noise(&mut problem, &library, with, sure, request, count);
+        with_quieter_noise(&mut problem, (&library, &memo), with, sure, request, count);
     let has_gap = has_gap(&found.base, scale.adequate);
     problem.steps = problem.steps.filter(|steps| steps.share(&found.last, scale.sigma) > STEPS);
     let has_one = !found.last.picks.is_empty() || louder.is_some() || problem.steps.is_some();
@@ -130,7 +131,7 @@ pub(crate) fn of(
     } else {
         Verdict::Adequate
     };
-    let fitter = search_in(&problem, &library, &scale, request, count).fitter();
+    let fitter = search_in((&problem, &library, &scale), request, count, &memo).fitter();
     let robust = (has_gap && louder.is_none())
         .then(|| robust::residual(fitter, &scale.judge, &found.base))
         .flatten();
@@ -185,6 +186,7 @@ fn grounded(
 ) -> Result<(Candidate, Judged, Scale, f64), Error> {
     let retuned = |problem: &Problem, judge: &Judge, sigma: f64| {
         let (base, data) = (&problem.base, &problem.data);
+        let memo = Memo::default();
         let search = Search {
             base,
             data,
@@ -195,6 +197,7 @@ fn grounded(
             fine: 0.0,
             count,
             max_effects: 0,
+            memo: &memo,
         };
         search.retune().map_err(|_| cannot_run(problem))
     };
@@ -218,7 +221,7 @@ fn grounded(
 /// to see.
 fn with_quieter_noise(
     problem: &mut Problem,
-    library: &[Family],
+    (library, memo): (&[Family], &Memo),
     (mut found, given, scale): (Found, Judged, Scale),
     sure: f64,
     request: &Request,
@@ -227,15 +230,10 @@ fn with_quieter_noise(
     let Some((ratio, shape)) = quieter(problem, &found) else { return (found, given, scale) };
     let judge = Judge::new(&problem.data, shape);
     let scale = Scale::new(problem, judge, ratio * scale.sigma, sure, request);
-    let search = search_in(problem, library, &scale, request, count);
+    let search = search_in((problem, library, &scale), request, count, memo);
     let judge = &scale.judge;
     let given = judge.figures(scaled(&given.residual, ratio), &problem.data);
-    let rows = search.fitter().effective();
-    found.each(|c| {
-        c.judged = judge.figures(scaled(&c.judged.residual, ratio), &problem.data);
-        c.fit.mean_square /= ratio * ratio;
-        c.rank -= 2.0 * rows * ratio.ln();
-    });
+    found.each(|c| *c = search.in_units(c.clone(), ratio));
     if has_gap(&found.last, scale.adequate) {
         let base = found.base.clone();
         // What was found stands where it cannot be looked for again.
@@ -256,16 +254,15 @@ fn scaled(residual: &[f64], ratio: f64) -> Vec<f64> {
 }
 
 fn search_in<'a>(
-    problem: &'a Problem,
-    library: &'a [Family],
-    scale: &'a Scale,
+    (problem, library, scale): (&'a Problem, &'a [Family], &'a Scale),
     request: &Request,
     count: &'a AtomicU64,
+    memo: &'a Memo,
 ) -> Search<'a> {
     let (base, data, max_effects) = (&problem.base, &problem.data, request.max_effects);
     let Scale { judge, sigma, adequate, fine } = scale;
     let (sigma, adequate, fine) = (*sigma, *adequate, *fine);
-    Search { base, data, judge, library, sigma, adequate, fine, count, max_effects }
+    Search { base, data, judge, library, sigma, adequate, fine, count, max_effects, memo }
 }
 
 /// Where the noise was estimated from residuals that held the gap: the noise over it and its shape,

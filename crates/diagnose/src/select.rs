@@ -1,18 +1,24 @@
 //! Which effects are missing: candidates for a slot, screened, fitted and ranked.
 
 mod accept;
+mod away;
+mod formulas;
+mod memo;
 
 use std::sync::atomic::AtomicU64;
 
 use components::effects;
 use rayon::prelude::*;
 
+pub(crate) use self::memo::Memo;
+use self::memo::Part;
 use crate::base::Base;
 use crate::chain::{Chain, Failed};
 use crate::data_set::DataSet;
 use crate::fit::{Fit, Fitter, Linear};
 use crate::library::{Family, Formula, Slot, gain};
 use crate::score::{Judge, Judged};
+use crate::spectrum;
 
 /// Families that are fitted after screening.
 const FITTED: usize = 7;
@@ -126,6 +132,8 @@ pub(crate) struct Search<'a> {
     pub(crate) fine: f64,
     pub(crate) count: &'a AtomicU64,
     pub(crate) max_effects: usize,
+    /// What was made already.
+    pub(crate) memo: &'a Memo,
 }
 
 impl<'a> Search<'a> {
@@ -152,6 +160,17 @@ impl<'a> Search<'a> {
         fit: Fit,
     ) -> Result<Candidate, Failed> {
         let judged = self.judge.judge(&chain, &fit.theta, self.data, self.sigma, self.count)?;
+        Ok(self.ranked(picks, chain, fit, judged))
+    }
+
+    /// A fit that was judged, with its rank.
+    fn ranked(
+        &self,
+        picks: Vec<(usize, usize)>,
+        chain: Chain,
+        fit: Fit,
+        judged: Judged,
+    ) -> Candidate {
         let records = self.data.records.len();
         let freedom: usize = self.formulas(&picks).iter().map(|f| f.freedom(records)).sum();
         let rows = self.fitter().effective();
@@ -162,7 +181,7 @@ impl<'a> Search<'a> {
         let prior: f64 =
             chain.parameters.iter().zip(&fit.theta).map(|(p, q)| p.prior * q * q).sum();
         let rank = rows * data + prior + freedom as f64 * rows.ln();
-        Ok(Candidate { picks, chain, fit, judged, training, rank, freedom })
+        Candidate { picks, chain, fit, judged, training, rank, freedom }
     }
 
     /// Coordinates for `chain` that say what `from` says, with the start of a new effect at the end.
@@ -177,6 +196,10 @@ impl<'a> Search<'a> {
 
     /// All families as the next effect beside those of `from`, best first.
     pub(crate) fn expand(&self, from: &Candidate) -> Result<Vec<Looked>, Failed> {
+        self.once(Part::Expansion, from, || self.expand_anew(from))
+    }
+
+    fn expand_anew(&self, from: &Candidate) -> Result<Vec<Looked>, Failed> {
         let linear = self.fitter().linearise(&from.chain, &from.fit.theta)?;
         let fixed = self.formulas(&from.picks);
         let jobs: Vec<(usize, usize)> = (0..self.library.len())
@@ -184,11 +207,12 @@ impl<'a> Search<'a> {
             .flat_map(|family| (0..self.library[family].formulas.len()).map(move |k| (family, k)))
             .filter(|(family, k)| !self.library[*family].formulas[*k].is_stand_in)
             .collect();
+        let peaks = self.peaks(from);
         // One by one, here and below: some take many times as long as others.
         let screened: Vec<(f64, Vec<f64>)> = jobs
             .par_iter()
             .with_max_len(1)
-            .map(|job| self.screen(from, &fixed, *job, &linear))
+            .map(|job| self.screen(from, &fixed, *job, &linear, &peaks))
             .collect();
         let best_of = |family: usize| {
             let own = jobs.iter().zip(&screened).filter(|((f, _), _)| *f == family);
@@ -243,9 +267,10 @@ impl<'a> Search<'a> {
             true => self.left_by(from, &fixed, &gain(), &linear),
             false => f64::INFINITY,
         };
-        for entry in &mut looked {
-            self.hold_against_nulls(from, &fixed, entry, &linear, as_gain);
-        }
+        looked
+            .par_iter_mut()
+            .with_max_len(1)
+            .for_each(|entry| self.hold_against_nulls(from, &fixed, entry, &linear, as_gain));
         sort(&mut looked);
         looked.par_iter_mut().take(REFINED).with_max_len(1).for_each(|entry| self.refine(entry));
         sort(&mut looked);
@@ -280,8 +305,7 @@ impl<'a> Search<'a> {
         let Some(mut left) = entry.best.as_ref().map(own) else { return };
         let family = &self.library[entry.family];
         let is_gain = family.effect.name == effects::ACTUATOR_GAIN.name;
-        let nulls = family.nulls.iter().map(|null| self.left_by(from, fixed, null, linear));
-        for null in std::iter::once(if is_gain { f64::INFINITY } else { as_gain }).chain(nulls) {
+        let mut holds = |null: f64, entry: &mut Looked| {
             // What promised far more than it came to was not fitted to its end.
             let is_small =
                 entry.best.as_ref().is_some_and(|c| c.fit.theta.len() <= MOST_FITTED_ANEW);
@@ -290,10 +314,16 @@ impl<'a> Search<'a> {
                 self.refine(entry);
                 left = entry.best.as_ref().map_or(left, own);
             }
-            if null < NULL * left {
-                (entry.best, entry.why) = (None, Some(Why::AsNull));
-                return;
-            }
+            null >= NULL * left
+        };
+        let nulls = || {
+            let all = family.nulls.par_iter().with_max_len(1);
+            all.map(|null| self.left_by(from, fixed, null, linear)).collect::<Vec<f64>>()
+        };
+        let is_more = holds(if is_gain { f64::INFINITY } else { as_gain }, entry)
+            && nulls().into_iter().all(|null| holds(null, &mut *entry));
+        if !is_more {
+            (entry.best, entry.why) = (None, Some(Why::AsNull));
         }
     }
 
@@ -314,8 +344,17 @@ impl<'a> Search<'a> {
             let judged = self.judge.judge(&chain, &fit.theta, self.data, self.sigma, self.count)?;
             Ok(0.5 * (fit.mean_square + judged.held_out))
         };
-        let all = formula.starts.iter().filter_map(|start| left(start).ok());
-        all.fold(f64::INFINITY, f64::min)
+        let all = formula.starts.par_iter().with_max_len(1).filter_map(|start| left(start).ok());
+        all.reduce(|| f64::INFINITY, f64::min)
+    }
+
+    /// Frequencies at which what is left answers to what is simulated.
+    fn peaks(&self, from: &Candidate) -> Vec<f64> {
+        let residual = &from.judged.residual;
+        let simulated: Vec<f64> =
+            self.data.y.iter().zip(residual).map(|(y, r)| y - self.sigma * r).collect();
+        let rows = self.data.records.iter().map(|record| record.training.clone());
+        spectrum::resonances(&simulated, residual, rows, self.data.sample_time())
     }
 
     /// First-order promise of a formula and its best start.
@@ -325,16 +364,18 @@ impl<'a> Search<'a> {
         fixed: &[&Formula],
         (family, number): (usize, usize),
         linear: &Linear,
+        peaks: &[f64],
     ) -> (f64, Vec<f64>) {
         let formula = &self.library[family].formulas[number];
+        let all = formula.starts_with(peaks);
         let mut with = fixed.to_vec();
         with.push(formula);
         let chain = self.base.compose(&with);
         let starts: Vec<Vec<f64>> =
-            formula.starts.iter().map(|start| self.carry(from, &chain, formula, start)).collect();
+            all.iter().map(|start| self.carry(from, &chain, formula, start)).collect();
         let promises = self.fitter().promises(&chain, linear, &starts, formula.screened);
-        let mut best = (f64::NEG_INFINITY, formula.starts.first().cloned().unwrap_or_default());
-        for (promise, start) in promises.into_iter().zip(&formula.starts) {
+        let mut best = (f64::NEG_INFINITY, all.first().cloned().unwrap_or_default());
+        for (promise, start) in promises.into_iter().zip(&all) {
             if let Some(promise) = promise
                 && promise > best.0
             {
@@ -379,9 +420,11 @@ impl<'a> Search<'a> {
 
     /// A set of effects of which all are in `from`, fitted from its values.
     fn refit(&self, from: &Candidate, picks: Vec<(usize, usize)>) -> Result<Candidate, Failed> {
-        let (chain, theta) = self.carried(from, &picks)?;
-        let fit = self.fitter().fit(&chain, &theta)?;
-        self.candidate(picks, chain, fit)
+        self.once_one(Part::Refit(picks.clone()), from, || {
+            let (chain, theta) = self.carried(from, &picks)?;
+            let fit = self.fitter().fit(&chain, &theta)?;
+            self.candidate(picks, chain, fit)
+        })
     }
 
     /// The chain of a set of effects of which all are in `from`, with its values.
@@ -412,55 +455,6 @@ impl<'a> Search<'a> {
             theta.extend(values(pick).ok_or(Failed)?);
         }
         Ok((chain, theta))
-    }
-
-    /// The same effects with the best other formula of the family of effect `slot`, where that is better.
-    pub(crate) fn with_another_formula(
-        &self,
-        from: &Candidate,
-        slot: usize,
-    ) -> Result<Option<Candidate>, Failed> {
-        let (family, own) = from.picks[slot];
-        let formulas = &self.library[family].formulas;
-        let others: Vec<usize> =
-            (0..formulas.len()).filter(|k| *k != own && !formulas[*k].is_stand_in).collect();
-        if others.is_empty() {
-            return Ok(None);
-        }
-        // The others as they are beside it: alone they would take its part, and not find back.
-        let mut rest = from.clone();
-        rest.picks.remove(slot);
-        (rest.chain, rest.fit.theta) = self.carried(from, &rest.picks)?;
-        let fixed = self.formulas(&rest.picks);
-        let linear = self.fitter().linearise(&rest.chain, &rest.fit.theta)?;
-        let fitted = others.par_iter().with_max_len(1).map(|k| {
-            let (_, start) = self.screen(&rest, &fixed, (family, *k), &linear);
-            self.fit_one(&rest, &fixed, ((family, *k), &start, true), &linear).ok()
-        });
-        let fitted: Vec<Option<Candidate>> = fitted.collect();
-        let best = fitted.into_iter().flatten().min_by(|a, b| a.rank.total_cmp(&b.rank));
-        let Some(best) = best else { return Ok(None) };
-        let mut picks = from.picks.clone();
-        picks[slot] = *best.picks.last().unwrap_or(&picks[slot]);
-        let better = self.refit(&best, picks).ok().filter(|c| c.rank < from.rank - 1.0);
-        Ok(better)
-    }
-
-    /// The same effects with another formula (number `number` of its family) for the effect `slot`.
-    pub(crate) fn exchange(
-        &self,
-        from: &Candidate,
-        slot: usize,
-        number: usize,
-    ) -> Result<Candidate, Failed> {
-        let job = (from.picks[slot].0, number);
-        let rest = self.refit_without(from, slot)?;
-        let fixed = self.formulas(&rest.picks);
-        let linear = self.fitter().linearise(&rest.chain, &rest.fit.theta)?;
-        let (_, start) = self.screen(&rest, &fixed, job, &linear);
-        let quick = self.fit_one(&rest, &fixed, (job, &start, true), &linear)?;
-        let fit = self.fitter().fit(&quick.chain, &quick.fit.theta)?;
-        self.candidate(quick.picks, quick.chain, fit)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Spectra of residuals: powers in bands, lines, coherence.
 
+use std::ops::Range;
+
 use numerics::Complex;
 use numerics::fft::Fft;
 use numerics::spectrum::windowed;
@@ -97,6 +99,70 @@ pub(crate) fn band_powers(signal: &[f64], bands: &Bands, sample: f64) -> Vec<f64
         }
     }
     sums.iter().zip(&counts).map(|(s, c)| if *c > 0.0 { s / c } else { f64::NAN }).collect()
+}
+
+/// Frequencies at which what is left answers to what is simulated more than beside them, those first at which the
+/// answer holds the most power: Welch's estimate over segments of all stretches.
+pub(crate) fn resonances(
+    simulated: &[f64],
+    left: &[f64],
+    stretches: impl Iterator<Item = Range<usize>>,
+    sample: f64,
+) -> Vec<f64> {
+    /// Longest and shortest segment.
+    const LONGEST: usize = 4096;
+    const SHORTEST: usize = 256;
+    /// Segments of the longest stretch at least.
+    const SEGMENTS: usize = 8;
+    /// Frequencies at most.
+    const MOST: usize = 4;
+    /// Lines beside a peak that are lower, and part of the frequency within which the median is taken.
+    const BESIDE: usize = 2;
+    const AROUND: f64 = 0.2;
+    /// Least answer over the median around it.
+    const ABOVE: f64 = 1.5;
+    let stretches: Vec<Range<usize>> = stretches.collect();
+    let most = stretches.iter().map(Range::len).max().unwrap_or(0) / SEGMENTS;
+    let length = (SHORTEST..=LONGEST).rev().find(|n| n.is_power_of_two() && *n <= most);
+    let Some(length) = length else { return Vec::new() };
+    let half = length / 2;
+    let (mut cross, mut drive, mut power) =
+        (vec![Complex::default(); half], vec![0.0; half], vec![0.0; half]);
+    let mut segments = 0.0;
+    for rows in stretches {
+        let mut from = rows.start;
+        while from + length <= rows.end {
+            let [x, r] = [simulated, left].map(|signal| windowed(&signal[from..from + length]));
+            for k in 0..half {
+                cross[k] += r[k] * x[k].conj();
+                drive[k] += x[k].norm_sqr();
+                power[k] += r[k].norm_sqr();
+            }
+            (from, segments) = (from + half, segments + 1.0);
+        }
+    }
+    let answer = |k: usize| cross[k].norm() / drive[k].max(f64::MIN_POSITIVE);
+    let explained = |k: usize| cross[k].norm() * answer(k);
+    let answers: Vec<f64> = (0..half).map(answer).collect();
+    let mut peaks: Vec<(f64, usize)> = Vec::new();
+    for k in 4..half.saturating_sub(BESIDE) {
+        let beside = &answers[k - BESIDE..=k + BESIDE];
+        let is_peak = beside.iter().all(|a| *a <= answers[k]);
+        // Noise alone is coherent by one over the segments.
+        if !is_peak || explained(k) < 5.0 / segments * power[k] {
+            continue;
+        }
+        let width = ((AROUND * k as f64) as usize).max(2 * BESIDE);
+        let mut around = answers[k.saturating_sub(width).max(1)..(k + width).min(half)].to_vec();
+        let middle = around.len() / 2;
+        let median = *around.select_nth_unstable_by(middle, f64::total_cmp).1;
+        if answers[k] > ABOVE * median {
+            peaks.push(((k - BESIDE..=k + BESIDE).map(explained).sum(), k));
+        }
+    }
+    peaks.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let step = 1.0 / (length as f64 * sample);
+    peaks.iter().take(MOST).map(|(_, k)| step * *k as f64).collect()
 }
 
 /// Frequencies of the lines that stand out of their surroundings most, strongest first.
@@ -233,5 +299,29 @@ mod tests {
         let driven: Vec<f64> = u.windows(2).map(|w| w[0] - 0.5 * w[1]).collect();
         assert!(coherence(&driven, &u).unwrap() > 0.9);
         assert!(coherence(&other, &u).unwrap() < 0.2);
+    }
+
+    #[test]
+    fn a_resonance_is_found_where_what_is_left_answers_and_not_in_noise() {
+        use surround::{Block, Signals};
+
+        use crate::random::Random;
+
+        let (seed, rows, sample) = (3, 20_000, 1e-3);
+        let mut random = Random::new(seed);
+        let mut noise = || (0..rows).map(|_| random.uniform() - 0.5).collect::<Vec<f64>>();
+        let (simulated, other) = (noise(), noise());
+        let found = |left: &[f64]| {
+            resonances(&simulated, left, [0..rows / 2, rows / 2..rows].into_iter(), sample)
+        };
+        for frequency in [31.0, 120.0, 260.0] {
+            let mut mode = vec![0.0; rows];
+            let block = Block::SecondOrder.prepare(&[frequency, 0.02], sample).unwrap();
+            block.run(Signals::path(&simulated), &mut mode);
+            let left: Vec<f64> = mode.iter().zip(&other).map(|(m, n)| 0.1 * m + 0.3 * n).collect();
+            let first = found(&left)[0];
+            assert!((first / frequency - 1.0).abs() < 0.03, "seed {seed}: {frequency} {first}");
+        }
+        assert!(found(&other).len() <= 1, "seed {seed}: {:?}", found(&other));
     }
 }

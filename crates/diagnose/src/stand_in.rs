@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicU64;
 use crate::library::Formula;
 use crate::outcome::Outcome;
 use crate::score::explained;
-use crate::select::{Candidate, Search};
+use crate::select::{Candidate, Memo, Search};
 
 /// Part of the gap's power that another formula must take, beside that of the other effects.
 const WORTH: f64 = 0.02;
@@ -16,7 +16,7 @@ pub(crate) fn stand_in(
     o: &Outcome,
     is_written: &dyn Fn(&str, &Formula, &[f64]) -> bool,
 ) -> (Candidate, Vec<String>) {
-    let count = AtomicU64::new(0);
+    let (count, memo) = (AtomicU64::new(0), Memo::default());
     let search = Search {
         base: &o.problem.base,
         data: &o.problem.data,
@@ -27,6 +27,7 @@ pub(crate) fn stand_in(
         fine: o.fine,
         count: &count,
         max_effects: 0,
+        memo: &memo,
     };
     let mut last = o.found.last.clone();
     let mut notes = Vec::new();

@@ -89,6 +89,8 @@ pub enum Block {
     },
     /// Smooth upper limit: limit, width of the bend.
     SoftLimitAbove,
+    /// `k + a·tanh((x − k)/a)` above a knee k: k, a.
+    KneeAbove,
     /// `c + a·tanh((x − c)/a)`: a over the half range.
     Tanh(Span),
     /// S-curve that flattens to both ends: size, shift of the centre.
@@ -146,8 +148,8 @@ pub enum Block {
         #[serde(flatten)]
         span: Span,
     },
-    /// Plays between the envelopes `v + half·(a·z + b·z²) − r` and `v + half·(c·z + d·z²) + r` of the drive v
-    /// with its place z in the range: a, b, c, d.
+    /// Plays between the envelopes `v + half·(a·z + b·z² + c·z³ − w) − r` and `v + half·(d·z + e·z² + f·z³ + w) + r`
+    /// of the drive v with its place z in the range: a, b, c, d, e, f, w.
     BentPlays {
         /// Plays of the original.
         #[serde(flatten)]
@@ -319,6 +321,7 @@ impl Block {
             Self::SoftLimitAbove => {
                 exactly(p).map(|[limit, width]| map::soft_limit_above(limit, width))
             }
+            Self::KneeAbove => exactly(p).map(|[knee, width]| map::knee_above(knee, width)),
             Self::Tanh(span) => exactly(p).map(|[size]| map::hyperbolic_tangent(*span, size)),
             Self::SCurve(span) => exactly(p).map(|[size, shift]| map::s_curve(*span, size, shift)),
             Self::Gain => {
@@ -359,8 +362,7 @@ impl Block {
                 banked(memory::CurvedPlays { span: *span, curvature }, memory.plays(), dt)
             }
             Self::BentPlays { memory, span } => {
-                let bends = exactly(p)?;
-                banked(memory::BentPlays { span: *span, bends }, memory.plays(), dt)
+                banked(memory::BentPlays { span: *span, bends: exactly(p)? }, memory.plays(), dt)
             }
             Self::RatePlays(memory) => {
                 let [time] = exactly(p)?;

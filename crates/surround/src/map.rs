@@ -61,6 +61,11 @@ pub(crate) fn soft_limit_above(limit: f64, width: f64) -> Kernel {
     })
 }
 
+/// Straight below a knee, above it `knee + width·tanh((x − knee)/width)`.
+pub(crate) fn knee_above(knee: f64, width: f64) -> Kernel {
+    kernel(move |x| if x > knee { knee + width * tanh((x - knee) / width) } else { x })
+}
+
 pub(crate) fn hyperbolic_tangent(span: Span, size: f64) -> Kernel {
     let (centre, a) = (span.centre, size * span.half);
     kernel(move |x| centre + a * tanh((x - centre) / a))

@@ -88,13 +88,13 @@ impl Bank<0, 2> for CurvedPlays {
     }
 }
 
-/// `Σ w·(P′[v] − P_r[v])` with P′ between the envelopes `v + half·(a·z + b·z²) − r` and
-/// `v + half·(c·z + d·z²) + r`.
+/// `Σ weight·(P′[v] − P_r[v])` with P′ between the envelopes `v + half·(a·z + b·z² + c·z³ − w) − r` and
+/// `v + half·(d·z + e·z² + f·z³ + w) + r`.
 #[derive(Clone)]
 pub(crate) struct BentPlays {
     pub(crate) span: Span,
-    /// a, b, c, d.
-    pub(crate) bends: [f64; 4],
+    /// a to f, w.
+    pub(crate) bends: [f64; 7],
 }
 
 impl Bank<0, 2> for BentPlays {
@@ -104,9 +104,10 @@ impl Bank<0, 2> for BentPlays {
 
     #[inline]
     fn shared(&self, w: Wires, _: &[f64; 0]) -> [f64; 3] {
-        let (u, half, [a, b, c, d]) = (w.drive, self.span.half, self.bends);
-        let place = self.span.unit(u);
-        [u, u + half * place * (a + b * place), u + half * place * (c + d * place)]
+        let (u, half, [a, b, c, d, e, f, wider]) = (w.drive, self.span.half, self.bends);
+        let z = self.span.unit(u);
+        let (low, high) = (z * (a + z * (b + z * c)), z * (d + z * (e + z * f)));
+        [u, u + half * (low - wider), u + half * (high + wider)]
     }
 
     #[inline]

@@ -42,6 +42,7 @@ fn all() -> Vec<(Block, Vec<f64>)> {
         (Block::LimitBelow, vec![-0.2]),
         (Block::Limits { centre: span.centre }, vec![0.9]),
         (Block::SoftLimitAbove, vec![1.2, 0.2]),
+        (Block::KneeAbove, vec![1.0, 0.3]),
         (Block::Tanh(span), vec![0.8]),
         (Block::SCurve(span), vec![0.1, 0.2]),
         (Block::Gain, vec![0.13]),
@@ -57,7 +58,10 @@ fn all() -> Vec<(Block, Vec<f64>)> {
         (Block::Plays { r: r(), slope: true }, vec![0.4, 0.3, -0.1, 0.2, 0.05, 0.1]),
         (Block::SkewedPlays { r: r(), span }, vec![0.3, -0.1, 0.2, 0.05, 0.1]),
         (Block::CurvedPlays { memory: memory.clone(), span }, vec![0.4]),
-        (Block::BentPlays { memory: memory.clone(), span }, vec![0.1, -0.2, 0.05, 0.3]),
+        (
+            Block::BentPlays { memory: memory.clone(), span },
+            vec![0.1, -0.2, 0.04, 0.05, 0.3, -0.1, 0.02],
+        ),
         (Block::RatePlays(memory.clone()), vec![1e-3]),
         (growing(&memory, Growth::Limited, Some(3.0 * STEP)), vec![0.8, 0.4]),
         (growing(&memory, Growth::Logarithmic, None), vec![0.5, 0.2, 7.0 * STEP]),
@@ -122,6 +126,7 @@ fn takes(block: &Block, given: usize) -> bool {
         | Block::UnevenSlew
         | Block::AgeingGain
         | Block::SoftLimitAbove
+        | Block::KneeAbove
         | Block::SCurve(_)
         | Block::DeadZones(_)
         | Block::LogCreep { .. }
@@ -134,7 +139,8 @@ fn takes(block: &Block, given: usize) -> bool {
         | Block::FeedThrough { .. } => 2,
         Block::Sine(_) | Block::ParallelMode | Block::ModalAuxiliary { .. } | Block::BoucWen => 3,
         Block::GrowingPlays { smoothing, .. } => 2 + usize::from(smoothing.is_none()),
-        Block::PoleZero | Block::GeneralisedPlay(_) | Block::BentPlays { .. } => 4,
+        Block::PoleZero | Block::GeneralisedPlay(_) => 4,
+        Block::BentPlays { .. } => 7,
     };
     given == count
 }

@@ -181,10 +181,18 @@ fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     let bend = |name| Free::linear(name, "1", -0.5, 0.5).step(1e-3);
     let bent = own.map(|memory| {
         let block = Block::BentPlays { memory: memory.clone(), span: s.command };
-        let names = ["slope, rising", "bend, rising", "slope, falling", "bend, falling"];
+        let names = [
+            "slope, rising",
+            "square, rising",
+            "cube, rising",
+            "slope, falling",
+            "square, falling",
+            "cube, falling",
+            "wider on both sides",
+        ];
         Formula::new("envelopes that bend each by itself")
             .block(slot, block, names.map(bend).to_vec())
-            .start(&[0.0; 4])
+            .start(&[0.0; 7])
     });
     let all = vec![
         skewed("loop width that grows along the range", 2),

@@ -164,6 +164,8 @@ fn saturation(s: &Setting<'_>) -> Vec<Formula> {
     let limit = || Free::linear("limit", "{command}", c - h, c + h).step(2e-3 * h);
     let parts = [0.95, 0.9, 0.8, 0.65, 0.5];
     let width = Free::log("width of the bend", "{command}", 1e-3 * h, h);
+    let knee = Free::linear("knee", "{command}", c - h, c + h).step(2e-3 * h);
+    let height = Free::log("height of the bend", "{command}", 1e-3 * h, h);
     let half = Free::log("half width", "{command}", 0.02 * h, h).step(2e-3);
     let size = || Free::log("size over the half range", "1", 0.3, 30.0);
     vec![
@@ -179,6 +181,9 @@ fn saturation(s: &Setting<'_>) -> Vec<Formula> {
         Formula::new("soft limit at the top")
             .block(Slot::Amplifier, Block::SoftLimitAbove, vec![limit(), width])
             .starts(parts.map(|k| vec![c + k * h, 0.05 * h])),
+        Formula::new("bend above a knee, up to a limit")
+            .block(Slot::Amplifier, Block::KneeAbove, vec![knee, height])
+            .starts(parts.map(|k| vec![c + (k - 0.1) * h, 0.1 * h])),
         Formula::new("soft limits at both ends")
             .block(Slot::Amplifier, Block::Tanh(s.command), vec![size()])
             .start(&[5.0])

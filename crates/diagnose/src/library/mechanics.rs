@@ -135,7 +135,8 @@ fn extra_mode(s: &Setting<'_>) -> Vec<Formula> {
                     vec![gain, frequency(), damping("damping")],
                 )
                 .starts(starts.iter().map(|f| vec![0.02, *f, 0.03]))
-                .screened(2),
+                .screened(2)
+                .resonates(1),
         );
         all.push(
             Formula::new("pair of pole and zero")
@@ -145,7 +146,8 @@ fn extra_mode(s: &Setting<'_>) -> Vec<Formula> {
                     vec![frequency(), damping("damping"), ratio, damping("damping of the zero")],
                 )
                 .starts(starts.iter().map(|f| vec![*f, 0.02, 1.01, 0.02]))
-                .screened(3),
+                .screened(3)
+                .resonates(0),
         );
     }
     all.retain(|f| !f.starts.is_empty());

@@ -113,6 +113,11 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
             .value("low", -far / u)
             .value("high", limit / u)
             .value("softness", PI * width / u)),
+        // The same with a hyperbolic tangent above the knee: 1/2 − ln cosh 1 + ln(1 + e⁻²) = 0.1931 of width².
+        (Block::KneeAbove, &[knee, width]) => one(new("amplifier-clamp")
+            .value("low", -far / u)
+            .value("high", (knee + width) / u)
+            .value("softness", (6.0 * 0.1931_f64).sqrt() * width / u)),
         (Block::Limits { centre }, &[half]) => one(new("amplifier-clamp")
             .value("low", (centre - half) / u)
             .value("high", (centre + half) / u)),

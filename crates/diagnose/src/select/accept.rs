@@ -79,7 +79,7 @@ impl Search<'_> {
                 first.clone_from(&looked);
             }
             let Some(next) = looked.iter().find_map(|l| l.best.clone()) else { break };
-            let next = self.with_best_formulas(next);
+            let next = self.away(&base, self.with_best_formulas(next));
             if !self.is_worth_it(&base, &best, &next) {
                 beyond = Some(next);
                 break;

@@ -140,6 +140,7 @@ impl Made {
             fine: 0.0,
             count: &self.count,
             max_effects: self.max_effects,
+            memo: Box::leak(Box::default()),
         }
     }
 

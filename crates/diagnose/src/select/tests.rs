@@ -10,7 +10,7 @@ fn next(made: &Made, from: &Candidate, job: (usize, usize)) -> Candidate {
     let search = made.search();
     let linear = search.fitter().linearise(&from.chain, &from.fit.theta).unwrap();
     let fixed = search.formulas(&from.picks);
-    let (_, start) = search.screen(from, &fixed, job, &linear);
+    let (_, start) = search.screen(from, &fixed, job, &linear, &[]);
     search.fit_one(from, &fixed, (job, &start, true), &linear).unwrap()
 }
 
@@ -112,7 +112,7 @@ fn a_formula_is_screened_from_each_of_its_starts_and_fitted_from_the_best() {
     let linear = search.fitter().linearise(&base.chain, &base.fit.theta).unwrap();
     let promise = |made: &Made| {
         let search = made.search();
-        search.screen(&base, &[], (0, 0), &linear)
+        search.screen(&base, &[], (0, 0), &linear, &[])
     };
     // The command must not be lagged: the faster the better, wherever the fastest stands.
     let mut seen = Vec::new();

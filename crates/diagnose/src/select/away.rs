@@ -1,0 +1,137 @@
+//! Away from a fit that is only the best one nearby.
+
+use rayon::prelude::*;
+
+use super::memo::Part;
+use super::{Candidate, MOST_FITTED_ANEW, Search, has_gap};
+use crate::score::explained;
+
+/// Factors by which a parameter starts elsewhere.
+const FACTORS: [f64; 4] = [1.3, 1.0 / 1.3, 1.8, 1.0 / 1.8];
+/// Moves at most.
+const ROUNDS: usize = 4;
+/// Most parameters that are moved.
+const MOVED: usize = 3;
+/// Part of the gap that the effect must explain: what explains little is not near.
+const NEAR: f64 = 0.8;
+
+impl Search<'_> {
+    /// A better fit of the last effect, where one of its times, rates or widths starts from elsewhere: plays whose
+    /// thresholds move shift what they do from row to row, and such fits end on the way.
+    pub(super) fn away(&self, base: &Candidate, best: Candidate) -> Candidate {
+        let is_near =
+            has_gap(&best, self.adequate) && explained(&base.judged, &best.judged) >= NEAR;
+        let moved = self.moved(&best);
+        if !is_near || moved.is_empty() || best.fit.theta.len() > MOST_FITTED_ANEW {
+            return best;
+        }
+        let moved_away = self.once_one(Part::Away, &best, || {
+            let mut best = best.clone();
+            for _ in 0..ROUNDS {
+                match self.elsewhere(&best, &moved) {
+                    Some(other) if other.rank < best.rank - 1.0 => best = other,
+                    _ => break,
+                }
+                if !has_gap(&best, self.adequate) {
+                    break;
+                }
+            }
+            Ok(best)
+        });
+        moved_away.unwrap_or(best)
+    }
+
+    /// Numbers of the parameters of the last effect that are fitted on a logarithmic scale and act in the simulation.
+    fn moved(&self, best: &Candidate) -> Vec<usize> {
+        let Some((family, number)) = best.picks.last() else { return Vec::new() };
+        let formula = &self.library[*family].formulas[*number];
+        if formula.nuisance.is_some() || formula.parameters.iter().any(|p| p.jumps) {
+            return Vec::new();
+        }
+        let first = best.chain.parameters.len() - formula.parameters.len();
+        let own = (first..best.chain.parameters.len()).filter(|k| best.chain.parameters[*k].log);
+        let own: Vec<usize> = own.collect();
+        if own.len() > MOVED { Vec::new() } else { own }
+    }
+
+    fn elsewhere(&self, best: &Candidate, moved: &[usize]) -> Option<Candidate> {
+        let starts: Vec<(usize, f64)> =
+            moved.iter().flat_map(|k| FACTORS.map(|factor| (*k, factor.ln()))).collect();
+        let tried: Vec<Option<Candidate>> = starts
+            .par_iter()
+            .with_max_len(1)
+            .map(|(k, by)| {
+                let mut theta = best.fit.theta.clone();
+                theta[*k] += by;
+                let fit = self.fitter().fit_again(&best.chain, &theta).ok()?;
+                self.candidate(best.picks.clone(), best.chain.clone(), fit).ok()
+            })
+            .collect();
+        tried.into_iter().flatten().min_by(|a, b| a.rank.total_cmp(&b.rank))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use components::effects;
+    use surround::Block;
+
+    use crate::data_set::{DataSet, RecordRows};
+    use crate::library::{Family, Formula, Free, Slot};
+    use crate::noise::Shape;
+    use crate::random::Random;
+    use crate::score::Judge;
+    use crate::select::made::Made;
+
+    const SAMPLE: f64 = 1e-3;
+    const SEED: u64 = 5;
+
+    /// Two tones that are read six rows late, in noise of 0.1; a delay that starts from `start` in s.
+    fn late(start: f64) -> Made {
+        let tone = |k: f64, row: f64| (TAU * k * row / 40.0).sin();
+        let command = |row: f64| 10.0 * tone(11.0, row) + 2.0 * tone(3.0, row);
+        let mut random = Random::new(SEED);
+        let mut noise = || 0.1 * ((0..12).map(|_| random.uniform()).sum::<f64>() - 6.0);
+        let rows = 600;
+        let record = RecordRows {
+            name: "a".to_owned(),
+            time: (0..rows).map(|k| SAMPLE * f64::from(k)).collect(),
+            command: (0..rows).map(|k| command(f64::from(k))).collect(),
+            y: (0..rows).map(|k| command(f64::from(k) - 7.0) + noise()).collect(),
+            aux: Vec::new(),
+            others: Vec::new(),
+            run_in: 0,
+            training: 0.7,
+        };
+        let mut made = Made::new(&[], &[]);
+        made.data = DataSet::new(vec![record], &[], None);
+        made.judge = Judge::new(&made.data, Shape::WHITE);
+        let delay = Free::log("delay", "s", 0.1 * SAMPLE, 30.0 * SAMPLE).step(0.01);
+        let formula =
+            Formula::new("delay").block(Slot::Reading, Block::Delay, vec![delay]).start(&[start]);
+        made.library = vec![Family::new(&effects::DELAY, vec![formula])];
+        made
+    }
+
+    #[test]
+    fn a_fit_that_is_the_best_one_nearby_is_left_for_a_better_one() {
+        let made = late(9.7e-3);
+        let (search, base, near) = (made.search(), made.retuned(), made.families(&[0]));
+        let delay = |c: &crate::select::Candidate| c.fit.theta.last().unwrap().exp() / SAMPLE;
+        assert!((delay(&near) - 9.6).abs() < 0.4, "seed {SEED}: {}", delay(&near));
+        let best = search.away(&base, near);
+        assert!((delay(&best) - 6.0).abs() < 0.1, "seed {SEED}: {}", delay(&best));
+    }
+
+    #[test]
+    fn what_leaves_nothing_stays_where_it_is() {
+        let made = late(6.1e-3);
+        let (search, base, best) = (made.search(), made.retuned(), made.families(&[0]));
+        let before = made.count.load(std::sync::atomic::Ordering::Relaxed);
+        let theta = best.fit.theta.clone();
+        assert_eq!(search.away(&base, best).fit.theta, theta);
+        assert_eq!(made.count.load(std::sync::atomic::Ordering::Relaxed), before, "no simulation");
+    }
+}

@@ -1,0 +1,135 @@
+//! What the parts of a search gave, so that none is made twice: a search that is made anew with another noise, or
+//! comes to the same effects on another way, goes on from there.
+
+use std::sync::{Mutex, PoisonError};
+
+use super::{Candidate, Looked, Search};
+use crate::chain::Failed;
+use crate::fit::Fit;
+
+/// Parts that are kept.
+const MOST: usize = 40;
+/// Relative difference of the mean squares up to which two fits of the same effects are one.
+const SAME: f64 = 1e-3;
+
+/// A part of the search.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    /// All families as the next effect.
+    Expansion,
+    /// The fit with these effects only.
+    Refit(Vec<(usize, usize)>),
+    /// Another formula for the effect of this number.
+    Formula(usize),
+    /// Another start for the last effect.
+    Away,
+}
+
+/// One that was made.
+struct Made {
+    part: Part,
+    from: Candidate,
+    sigma: f64,
+    gave: Vec<Looked>,
+}
+
+/// What was made, the oldest first.
+#[derive(Default)]
+pub(crate) struct Memo {
+    all: Mutex<Vec<Made>>,
+}
+
+impl Search<'_> {
+    /// What a part of the search gives from here: as it was made before, or made now.
+    pub(super) fn once(
+        &self,
+        part: Part,
+        from: &Candidate,
+        make: impl FnOnce() -> Result<Vec<Looked>, Failed>,
+    ) -> Result<Vec<Looked>, Failed> {
+        let lock = || self.memo.all.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = lock()
+            .iter()
+            .find(|made| made.part == part && self.is_same(made, from))
+            .map(|made| (made.gave.clone(), made.sigma));
+        if let Some((gave, sigma)) = known {
+            return Ok(gave.into_iter().map(|looked| self.rescaled(looked, sigma)).collect());
+        }
+        let gave = make()?;
+        let mut all = lock();
+        if all.len() >= MOST {
+            all.remove(0);
+        }
+        all.push(Made { part, from: from.clone(), sigma: self.sigma, gave: gave.clone() });
+        Ok(gave)
+    }
+
+    /// As [`Self::once`] for one candidate.
+    pub(super) fn once_one(
+        &self,
+        part: Part,
+        from: &Candidate,
+        make: impl FnOnce() -> Result<Candidate, Failed>,
+    ) -> Result<Candidate, Failed> {
+        let gave = self.once(part, from, || {
+            let best = Some(make()?);
+            Ok(vec![Looked { family: 0, screening: 0.0, best, why: None }])
+        })?;
+        gave.into_iter().find_map(|looked| looked.best).ok_or(Failed)
+    }
+
+    fn is_same(&self, made: &Made, from: &Candidate) -> bool {
+        let square = |c: &Candidate, sigma: f64| c.fit.mean_square * sigma * sigma;
+        let (a, b) = (square(&made.from, made.sigma), square(from, self.sigma));
+        made.from.picks == from.picks && (a - b).abs() <= SAME * a.max(b)
+    }
+
+    /// The same in standard deviations of this search's noise.
+    fn rescaled(&self, mut looked: Looked, sigma: f64) -> Looked {
+        if sigma.to_bits() != self.sigma.to_bits() {
+            looked.best = looked.best.map(|best| self.in_units(best, self.sigma / sigma));
+        }
+        looked
+    }
+
+    /// A candidate whose figures are over a noise that is 1/`ratio` of this search's.
+    pub(crate) fn in_units(&self, c: Candidate, ratio: f64) -> Candidate {
+        let residual = c.judged.residual.iter().map(|r| r / ratio).collect();
+        let fit = Fit { mean_square: c.fit.mean_square / (ratio * ratio), ..c.fit };
+        self.ranked(c.picks, c.chain, fit, self.judge.figures(residual, self.data))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::Ordering;
+
+    use crate::select::Search;
+    use crate::select::made::{Made, close, listed, names};
+
+    #[test]
+    fn no_part_is_made_twice_and_each_is_told_in_the_noise_of_its_search() {
+        let made = Made::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
+        let (search, base) = (made.search(), made.retuned());
+        let first = search.expand(&base).unwrap();
+        let count = || made.count.load(Ordering::Relaxed);
+        let before = count();
+        let again = search.expand(&base).unwrap();
+        assert_eq!((listed(&first), count()), (listed(&again), before));
+        // Half the noise: four times the figures, and the same fits.
+        let quieter = Search { sigma: 0.5, ..made.search() };
+        let quieter = Search { memo: search.memo, ..quieter };
+        let same = quieter.in_units(base.clone(), 0.5);
+        close(same.judged.held_out, 4.0 * base.judged.held_out, 1e-9);
+        let scaled = quieter.expand(&same).unwrap();
+        assert_eq!((listed(&first), count()), (listed(&scaled), before));
+        let best = |looked: &[crate::select::Looked]| looked[0].best.clone().unwrap();
+        assert_eq!(best(&first).fit.theta, best(&scaled).fit.theta);
+        close(best(&scaled).fit.mean_square, 4.0 * best(&first).fit.mean_square, 1e-9);
+        close(best(&scaled).judged.held_out, 4.0 * best(&first).judged.held_out, 1e-9);
+        // From other effects it is another part.
+        let pair = search.expand(&best(&first)).unwrap();
+        assert!(count() > before);
+        assert_eq!(names(pair[0].best.as_ref().unwrap()), [0, 1]);
+    }
+}
