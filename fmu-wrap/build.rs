@@ -9,6 +9,16 @@ fn main() {
         // otherwise reach somebody else's.
         println!("cargo:rustc-cdylib-link-arg=-Wl,-Bsymbolic");
     }
+    if target("CARGO_CFG_TARGET_OS") == "linux"
+        && target("CARGO_CFG_TARGET_ENV") == "gnu"
+        && target("CARGO_CFG_TARGET_ARCH") == "x86_64"
+    {
+        // Where the functions of the loader are until glibc 2.34, and an empty library afterwards; nothing that
+        // is linked here needs it by name, so it is named by its file.
+        println!(
+            "cargo:rustc-cdylib-link-arg=-Wl,--push-state,--no-as-needed,-l:libdl.so.2,--pop-state"
+        );
+    }
     if target("CARGO_CFG_TARGET_OS") == "windows" && target("CARGO_CFG_TARGET_ENV") == "gnu" {
         // zig as linker is not given rustc's list of exports, and without one exports everything.
         let list = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/fmi-bindings/fmi.def");

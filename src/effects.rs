@@ -91,7 +91,7 @@ fn name_of(component: &ComponentBlueprint) -> Option<String> {
 
 /// Where on an axis an effect belongs: behind the last component of its stage or an earlier one; in
 /// front of the one that makes a position of the command where it acts on the voltage.
-fn place(axis: &AxisBlueprint, effect: &Declaration) -> anyhow::Result<usize> {
+pub(crate) fn place(axis: &AxisBlueprint, effect: &Declaration) -> anyhow::Result<usize> {
     let turns = |c: &ComponentBlueprint| {
         declaration(&c.kind).is_ok_and(|d| d.conversion == model::Conversion::CommandToPosition)
     };

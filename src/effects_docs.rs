@@ -156,6 +156,12 @@ const CATALOGUE: &[(&str, &[&str], &str)] = &[
         "",
     ),
     ("voltage, charge and current of the actuator", &["piezo-charge"], "outputs; changes nothing"),
+    ("position and velocity of the tip", &["mechanical-port"], "outputs; changes nothing"),
+    (
+        "temperature from a thermal network, heat into it",
+        &["thermal-port"],
+        "input `actuator_temperature[i]`, output `heat[i]`",
+    ),
     ("hysteresis", &["prandtl-ishlinskii", "preisach", "bouc-wen", "duhem", "dahl"], ""),
     (
         "asymmetric hysteresis",

@@ -14,6 +14,7 @@ mod interrupt;
 mod libraries;
 mod messages;
 mod pages;
+mod ports;
 mod progress;
 mod ranges;
 mod records;

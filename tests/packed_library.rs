@@ -32,6 +32,52 @@ fn tool(program: &str, arguments: &[&str], file: &std::path::Path) -> String {
     String::from_utf8(output.stdout).expect("UTF-8")
 }
 
+/// Versions of glibc that a library asks for, by its table of needed versions.
+fn glibc_versions(file: &str) -> Vec<(u32, u32, u32)> {
+    use object::read::elf::{ElfFile64, FileHeader as _};
+    let data = std::fs::read(file).expect("a library");
+    let elf = ElfFile64::<object::Endianness>::parse(&*data).expect("ELF of 64 bits");
+    let endian = elf.endian();
+    let sections = elf.elf_header().sections(endian, &*data).expect("sections");
+    let (mut needs, link) =
+        sections.gnu_verneed(endian, &*data).expect("is read").expect("it needs versions");
+    let names = sections.strings(endian, &*data, link).expect("names");
+    let mut found = Vec::new();
+    while let Some((_, mut versions)) = needs.next().expect("is read") {
+        while let Some(version) = versions.next().expect("is read") {
+            let name = version.name(endian, names).expect("a name");
+            let name = std::str::from_utf8(name).expect("UTF-8");
+            if let Some(number) = name.strip_prefix("GLIBC_") {
+                let mut parts = number.split('.').map(|part| part.parse().expect("a number"));
+                let mut part = || parts.next().unwrap_or(0);
+                found.push((part(), part(), part()));
+            }
+        }
+    }
+    found
+}
+
+/// The libraries that the tool carries run where glibc is that of 2012, whatever machine they are built on.
+#[test]
+#[cfg(all(target_env = "gnu", target_arch = "x86_64"))]
+fn no_library_needs_a_newer_glibc_than_2_17() {
+    for file in [
+        env!("PIEZOLOOP_PLANT_LIBRARY"),
+        env!("PIEZOLOOP_CONTROLLER_LIBRARY"),
+        env!("PIEZOLOOP_WRAP_LIBRARY"),
+    ] {
+        let versions = glibc_versions(file);
+        let newest = versions.iter().max().expect("some version");
+        println!("{file}: needs glibc {}.{}", newest.0, newest.1);
+        assert!(*newest <= (2, 17, 0), "{file}: {versions:?}");
+    }
+    // What is linked without this needs a newer one, where the machine has one: the test can fail.
+    println!(
+        "this test: {:?}",
+        glibc_versions(&std::env::args().next().expect("its name")).iter().max()
+    );
+}
+
 /// All functions of FMI 2.0 and 3.0 and no other symbol; no library but the C library's, the
 /// loader, and the compiler's unwinder.
 #[test]

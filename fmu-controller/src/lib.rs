@@ -8,6 +8,7 @@ use data::Blueprint;
 use fmi_bindings::export;
 use model::{Kind, System};
 
+fmi_bindings::old_glibc!();
 fmi_bindings::export_fmi2!(crate::controller);
 fmi_bindings::export_fmi3!(crate::controller);
 

@@ -3,5 +3,7 @@
 //! It is the same for every repair; `repair.toml` in the FMU's resources says what is put around the
 //! original, which lies unpacked beside it in `inner/`.
 
+fmi_bindings::old_glibc!();
+fmi_bindings::old_glibc_loader!();
 fmi_bindings::wrap_fmi2!();
 fmi_bindings::wrap_fmi3!();

@@ -265,6 +265,28 @@ package Mechanics "Moving mass, flexures, guides and load"
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-4},{-71,57},{-68,67},{-66,67},{-53,10},{-49,8},{-42,16},{-38,11},{-27,-59},{-22,-70},{-7,-4},{-4,0},{4,-8},{7,-2},{18,60},{22,70},{27,59},{37,-4},{41,-9},{48,-2},{52,-4},{66,-69},{68,-69},{71,-59},{80,-1}}, color={0,0,127}, thickness=0.5)}),
       Documentation(info="<html><p>Component <code>vibration</code>. Vibration at fixed frequencies.</p><p><code>y = x + sum(amplitude[i]*sin(2*pi*frequency[i]*t + phase[i]))</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>lines` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>64</td><td>Number of lines</td></tr><tr><td>frequency</td><td>Hz</td><td>must be given</td><td>0</td><td></td><td>Frequency of each line</td></tr><tr><td>amplitude</td><td>{position}</td><td>must be given</td><td></td><td></td><td>Amplitude of each line</td></tr><tr><td>phase</td><td>rad</td><td>must be given</td><td></td><td></td><td>Phase of each line at time 0</td></tr></table><p>Source: sum of sines.</p><p>Effect: <code>periodic_disturbance</code>.</p><p>In the residual: lines at the disturbance's frequency and its harmonics; a cutting force only while in cut.</p><p>Looks like: <code>hysteresis</code>, <code>mains_hum</code>.</p><p>Told apart by: air cut against cut; record at zero command.</p></html>"));
   end Vibration;
+
+  block MechanicalPort "Mechanical port of the axis: position and velocity of its tip as outputs, in SI"
+    extends Interfaces.PositionFilter;
+    Interfaces.PositionOutput tip "Position of the tip behind the mechanics" annotation(Placement(transformation(extent={{100,40},{120,60}})));
+    output Types.Velocity tip_velocity "Velocity of the tip, mean of the step";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    discrete Types.Position last(start = 0, fixed = true) "Position at the last sample";
+    discrete Types.Velocity v(start = 0, fixed = true) "Mean velocity of the last step";
+    discrete Boolean on(start = false, fixed = true) "The first sample is past";
+  equation
+    when sample(0, step) then
+      on = true;
+      last = u;
+      v = if pre(on) then (last - pre(last))/step else 0;
+    end when;
+    y_um = u_um;
+    tip = u;
+    tip_velocity = v;
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,0},{20,0}}, color={0,127,0}, thickness=0.5), Rectangle(extent={{20,-30},{40,30}}, lineColor={0,127,0}, fillColor={0,127,0}, fillPattern=FillPattern.Solid), Line(points={{40,0},{80,0},{66,10},{80,0},{66,-10}}, color={0,127,0})}),
+      Documentation(info="<html><p>Component <code>mechanical-port</code>. Mechanical port of the axis: position and velocity of its tip as outputs, in SI.</p><p><code>tip = x; tip_velocity = dx/dt</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr></table><p>Source: F. E. Cellier, Continuous System Modeling, Springer 1991, ch. 7.</p></html>"));
+  end MechanicalPort;
   package Translational "Components with flanges: plug-compatible with Modelica.Mechanics.Translational"
     extends Icons.Package;
 

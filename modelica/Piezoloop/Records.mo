@@ -40,6 +40,7 @@ package Records "Measured and printed values of specimens"
     parameter Real bouc_wen_gamma(unit="1/V") = -2.8526 "Decay of h that depends on the direction (printed, fitted by a particle swarm; per volt)";
     parameter Real mode_frequency(unit="Hz") = 405.06 "Undamped natural frequency (sqrt(K/M)/2pi of the printed M = 1.8e-3 kg, K = 1.1659e4 N/m)";
     parameter Real mode_damping(unit="1") = 0.00036 "Damping ratio; 1 is critical (B/(2 sqrt(K M)) of the printed B = 3.3e-3 N.s/m)";
+    parameter Real load_force_stiffness(unit="N/m") = 11659.0 "Stiffness of the actuator with its flexure (printed K = 1.1659e4 N/m, of the second-order model of the tip)";
     annotation(Documentation(info="<html><p>Record <code>t434-a4-201</code> of the tool; the source stands at each value.</p></html>"));
   end T434A4201;
   annotation(Documentation(info="<html><p>Records of parameters. Pass their fields to the blocks: <code>Mechanics.Mode(frequency = specimen.mode_frequency)</code>.</p></html>"));

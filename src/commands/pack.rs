@@ -14,14 +14,14 @@ use sha2::{Digest as _, Sha256};
 
 use crate::answer::{Answer, Screen};
 use crate::reference::{self, Reference};
-use crate::{documentation, fmus, inputs, libraries};
+use crate::{documentation, fmus, inputs, libraries, ports};
 
 /// Packs a blueprint as an FMI co-simulation FMU
 ///
 /// The shared library inside the FMU is carried by this tool; no compiler is needed.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_plant.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu\n  piezoloop pack evc --sources=only -o evc.fmu"
+    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_plant.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu\n  piezoloop pack p1 --fmi 3 --ports mechanical,electrical --port-value 'capacitance=2.1 uF' -o p1.fmu\n  piezoloop pack evc --sources=only -o evc.fmu"
 )]
 pub(crate) struct Pack {
     /// A blueprint file, or the name of a rig
@@ -39,6 +39,15 @@ pub(crate) struct Pack {
     /// such as axis[1].backlash.enabled=true brings it in
     #[arg(long)]
     all_effects: bool,
+    /// Offer ports to a simulator of a whole system: mechanical (force, position and velocity of the tip, in
+    /// N, m and m/s), electrical (voltage, current, charge), thermal (temperature, heat); AXIS.mechanical is
+    /// that of one axis
+    #[arg(long, value_name = "PORTS", value_delimiter = ',', value_parser = ports::wish)]
+    ports: Vec<ports::Wish>,
+    /// What a port needs and the blueprint does not state, as 'stiffness=20 N/um' or 'AXIS.capacitance=3.1 uF'
+    /// (may be given several times)
+    #[arg(long = "port-value", value_name = "QUANTITY=VALUE", requires = "ports", value_parser = ports::given)]
+    port_values: Vec<ports::Given>,
     /// A shared library of this tool for a further platform, or for this one in the place of that
     /// which the tool carries (may be given several times)
     #[arg(long = "binary", value_name = "PLATFORM=FILE")]
@@ -95,6 +104,8 @@ pub(crate) struct Packed {
     /// Whether it can be compiled from its sources.
     sources: bool,
     bytes: usize,
+    /// The ports that were added.
+    ports: Vec<ports::Offered>,
 }
 
 impl Pack {
@@ -111,6 +122,11 @@ impl Pack {
         }
         if self.all_effects {
             crate::effects::add_all(&mut source.blueprint)?;
+            source.text = source.blueprint.to_toml();
+        }
+        let mut offered = Vec::new();
+        if !self.ports.is_empty() {
+            offered = ports::add(&mut source.blueprint, &self.ports, &self.port_values)?;
             source.text = source.blueprint.to_toml();
         }
         let output = inputs::output(self.out.clone(), &source.blueprint.name, "fmu");
@@ -135,7 +151,7 @@ impl Pack {
             Version::Two => FmiVersion::V2,
             Version::Three => FmiVersion::V3,
         };
-        pack_with(&source, version, &binaries, self.sources, &output)
+        pack_with(&source, version, &binaries, self.sources, offered, &output)
     }
 }
 
@@ -146,18 +162,19 @@ pub(crate) fn pack(
     given: &[Binary],
     output: &Path,
 ) -> anyhow::Result<Packed> {
-    pack_with(source, version, given, None, output)
+    pack_with(source, version, given, None, Vec::new(), output)
 }
 
-/// As [`pack`], with C sources where they are wanted.
+/// As [`pack`], with C sources where they are wanted, and ports that were added.
 fn pack_with(
     source: &inputs::BlueprintText,
     version: FmiVersion,
     given: &[Binary],
     sources: Option<Sources>,
+    ports: Vec<ports::Offered>,
     output: &Path,
 ) -> anyhow::Result<Packed> {
-    let mut assembled = assemble(source, version, given, sources.is_some())?;
+    let mut assembled = assemble(source, version, given, sources.is_some(), &ports)?;
     let Assembled { package, description, .. } = &mut assembled;
     // What this platform's library computes; without one there is nothing to hold another against.
     let reference = match Platform::from_name(libraries::PLATFORM) {
@@ -188,13 +205,14 @@ fn pack_with(
         platforms,
         sources: sources.is_some(),
         bytes,
+        ports,
     })
 }
 
 /// Writes the FMU of a blueprint for a run of our own: nobody reads it, so it has no page and no
 /// reference results.
 pub(crate) fn pack_to_run(source: &inputs::BlueprintText, output: &Path) -> anyhow::Result<()> {
-    assemble(source, PACKED_WITH, &[], false)?.package.write(output)?;
+    assemble(source, PACKED_WITH, &[], false, &[])?.package.write(output)?;
     Ok(())
 }
 
@@ -213,6 +231,7 @@ fn assemble(
     version: FmiVersion,
     given: &[Binary],
     with_sources: bool,
+    ports: &[ports::Offered],
 ) -> anyhow::Result<Assembled> {
     let checked = source.blueprint.check(learned::COMPONENTS)?;
     let system = checked.build();
@@ -254,7 +273,10 @@ fn assemble(
     if with_sources {
         put_sources(&mut package, version, &checked)?;
     }
-    put_icon(&mut package, version, icon)?;
+    put_pictures(&mut package, version, icon, &ports::terminals(system.variables(), ports))?;
+    if version == FmiVersion::V3 {
+        put_icons_of_terminals(&mut package, ports)?;
+    }
     package.resource("blueprint.toml", source.text.clone().into_bytes())?;
     for (name, bytes) in checked.table_files() {
         package.resource(&name, bytes)?;
@@ -312,13 +334,38 @@ pub(crate) fn put_icon(
     version: FmiVersion,
     icon: &[u8],
 ) -> anyhow::Result<()> {
+    put_pictures(package, version, icon, "")
+}
+
+/// The icon, and in FMI 3.0 the terminals.
+fn put_pictures(
+    package: &mut PackageBuilder,
+    version: FmiVersion,
+    icon: &[u8],
+    terminals: &str,
+) -> anyhow::Result<()> {
     if version == FmiVersion::V2 {
         package.entry("model.png", icon.to_vec())?;
         return Ok(());
     }
     package.entry("terminalsAndIcons/icon.png", icon.to_vec())?;
-    let xml = include_bytes!("../icons/terminalsAndIcons.xml");
-    package.entry("terminalsAndIcons/terminalsAndIcons.xml", xml.to_vec())?;
+    let end = "</fmiTerminalsAndIcons>";
+    let xml = include_str!("../icons/terminalsAndIcons.xml");
+    let xml = xml.replace(end, &format!("{terminals}{end}"));
+    package.entry("terminalsAndIcons/terminalsAndIcons.xml", xml.into_bytes())?;
+    Ok(())
+}
+
+/// What the terminals look like.
+fn put_icons_of_terminals(
+    package: &mut PackageBuilder,
+    offered: &[ports::Offered],
+) -> anyhow::Result<()> {
+    for (name, icon) in ports::ICONS {
+        if offered.iter().any(|port| port.port.name() == *name) {
+            package.entry(format!("terminalsAndIcons/{name}.png"), icon.to_vec())?;
+        }
+    }
     Ok(())
 }
 
@@ -476,6 +523,7 @@ impl Answer for Packed {
             self.internal_step_s,
             self.targets(),
             self.bytes.div_ceil(1000)
-        )
+        )?;
+        self.ports.iter().flat_map(ports::Offered::sentences).try_for_each(|s| writeln!(out, "{s}"))
     }
 }

@@ -202,6 +202,7 @@ def verdict(kind, apart, bound):
 
 
 COLUMNS = {"temperature": ("temperature", lambda x: 0.1 * x), "force": ("force[1]", lambda x: 0.5 * x),
+           "actuator_temperature": ("actuator_temperature[1]", lambda x: 273.15 + 0.1 * x),
            "disturbance": ("disturbance[1]", lambda x: 0.01 * x)}
 
 

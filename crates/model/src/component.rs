@@ -108,7 +108,7 @@ pub struct DemandedInput {
 }
 
 /// All inputs that plants have on demand, in the order of the variables.
-pub const DEMANDED_INPUTS: [DemandedInput; 3] = [
+pub const DEMANDED_INPUTS: [DemandedInput; 4] = [
     DemandedInput {
         name: "force",
         unit: "N",
@@ -129,6 +129,13 @@ pub const DEMANDED_INPUTS: [DemandedInput; 3] = [
         description: "Temperature of the surroundings",
         start: 20.0,
         per_axis: false,
+    },
+    DemandedInput {
+        name: "actuator_temperature",
+        unit: "K",
+        description: "Temperature of the actuator",
+        start: 293.15,
+        per_axis: true,
     },
 ];
 
@@ -156,7 +163,7 @@ pub struct Output {
 /// How an output port appears outside.
 #[derive(Clone, Copy, Debug)]
 pub struct Published {
-    /// Unit, with `{command}` and `{position}` for the axis' own.
+    /// Unit, with `{command}` and `{position}` for the axis' own, `{si_position}` for that of SI.
     pub unit: &'static str,
     /// One sentence.
     pub description: &'static str,

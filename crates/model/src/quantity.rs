@@ -2,7 +2,7 @@
 
 use alloc::string::String;
 
-use crate::Effect;
+use crate::{Effect, Unit};
 
 /// When a value may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -247,9 +247,9 @@ impl Structural {
     }
 }
 
-/// A unit text with `{command}` and `{position}` replaced by the units of an axis, in a form that
-/// [`Unit::parse`](crate::Unit::parse) reads: a compound unit in a denominator is inverted, and
-/// factors of 1 are dropped.
+/// A unit text with `{command}` and `{position}` replaced by the units of an axis, and `{si_position}` by
+/// the SI unit of its position, in a form that [`Unit::parse`](crate::Unit::parse) reads: a compound unit
+/// in a denominator is inverted, and factors of 1 are dropped.
 #[must_use]
 pub fn unit_on_axis(unit: &str, command: &str, position: &str) -> String {
     let mut text = String::new();
@@ -260,6 +260,7 @@ pub fn unit_on_axis(unit: &str, command: &str, position: &str) -> String {
         let symbol = match &rest[..end] {
             "{command}" => command,
             "{position}" => position,
+            "{si_position}" => in_si(position),
             other => other,
         };
         append(&mut text, sign, symbol);
@@ -267,6 +268,15 @@ pub fn unit_on_axis(unit: &str, command: &str, position: &str) -> String {
         rest = rest.get(end + 1..).unwrap_or("");
     }
     if text.is_empty() { String::from("1") } else { text }
+}
+
+/// The SI unit of a length, an angle or a ratio; another unit is kept.
+fn in_si(unit: &str) -> &str {
+    let is_like = |si: &&&str| match (Unit::parse(unit), Unit::parse(si)) {
+        (Ok(unit), Ok(si)) => unit.is_compatible(&si),
+        _ => false,
+    };
+    ["m", "rad", "1"].iter().find(is_like).unwrap_or(&unit)
 }
 
 /// Appends `symbol`, whose own factors change sides where `sign` is a `/`.
@@ -303,6 +313,10 @@ mod tests {
         assert_eq!(unit_on_axis("{position}", "V", "mm/m"), "mm/m");
         assert_eq!(unit_on_axis("{command}/{position}", "V", "mm/m"), "V/mm.m");
         assert_eq!(unit_on_axis("Hz", "V", "um"), "Hz");
+        assert_eq!(unit_on_axis("{si_position}/s", "V", "um"), "m/s");
+        assert_eq!(unit_on_axis("{si_position}", "V", "urad"), "rad");
+        assert_eq!(unit_on_axis("{si_position}", "V", "%"), "1");
+        assert_eq!(unit_on_axis("{si_position}", "V", "kg"), "kg");
         assert_eq!(unit_on_axis("1/s", "V", "um"), "1/s");
     }
 }

@@ -81,6 +81,38 @@ package Actuator "The actuator apart from its memory"
       Documentation(info="<html><p>Component <code>self-heating</code>. Warming of the actuator by its own losses: gain and length.</p><p><code>time_constant*T' = resistance*P - T; P = pi/2*loss*capacitance*|(v - mean(v))*v'|; y = x*(1 + coefficient*T) + growth*T</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>loss</td><td>1</td><td>must be given</td><td>0</td><td></td><td>Loss tangent</td></tr><tr><td>capacitance</td><td>F</td><td>must be given</td><td>0</td><td></td><td>Capacitance</td></tr><tr><td>resistance</td><td>K/W</td><td>must be given</td><td>0</td><td></td><td>Thermal resistance to the surroundings</td></tr><tr><td>time_constant</td><td>s</td><td>must be given</td><td>0</td><td></td><td>Thermal time constant</td></tr><tr><td>coefficient</td><td>1/K</td><td>0</td><td></td><td></td><td>Relative change of the gain per kelvin</td></tr><tr><td>growth</td><td>{position}/K</td><td>0</td><td></td><td></td><td>Change of the position per kelvin</td></tr><tr><td>amplification</td><td>1</td><td>1</td><td></td><td></td><td>Voltage per command</td></tr><tr><td>averaging</td><td>s</td><td>1</td><td>0</td><td></td><td>Time over which the mean voltage is taken</td></tr></table><p>Source: K. Uchino, S. Hirose, IEEE Trans. UFFC 48 (2001) 307-321.</p><p>Effect: <code>self_heating</code>.</p><p>In the residual: slow drift that depends on the power of the drive (frequency times voltage squared).</p><p>Looks like: <code>thermal_drift</code>, <code>creep</code>.</p><p>Told apart by: alternate high and low power at the same mean.</p></html>"));
   end SelfHeating;
 
+  block ThermalPort "Thermal port of the actuator: temperature from outside, heat of its losses as output"
+    extends Interfaces.PositionFilter;
+    parameter Real growth(unit="um/K") "Change of the position per kelvin";
+    parameter Real loss(unit="1", min = 0) "Loss tangent";
+    parameter Real capacitance(unit="C/V", min = 0) "Capacitance";
+    parameter Real coefficient(unit="1/K") = 0 "Relative change of the gain per kelvin";
+    parameter Real reference(unit="K", min = 0) = 293.15 "Temperature without change";
+    parameter Real averaging(unit="s", min = 0) = 1 "Time over which the mean voltage is taken";
+    Interfaces.TemperatureInput actuator_temperature "Temperature of the actuator" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    Interfaces.CommandInput voltage "Voltage at the actuator" annotation(Placement(transformation(extent={{40,-120},{80,-80}})));
+    output Real heat(unit="W", quantity="Power") "Heat that flows out of the actuator";
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    discrete Real last(start = 0, fixed = true, unit="V") "Voltage at the last sample";
+    discrete Real mean(start = 0, fixed = true, unit="V") "Mean voltage";
+    discrete Real middle(start = 0, fixed = true, unit="V") "Alternating voltage in the middle of the step";
+    discrete Real P(start = 0, fixed = true, unit="W") "Loss";
+    discrete Boolean on(start = false, fixed = true) "The first sample is past";
+  equation
+    when sample(0, step) then
+      on = true;
+      last = voltage;
+      middle = if pre(on) then 0.5*(last + pre(last)) - pre(mean) else 0;
+      P = if pre(on) then Constants.pi/2*loss*capacitance*abs(middle*(last - pre(last)))/step else 0;
+      mean = if pre(on) then pre(mean) + (1 - exp(-step/averaging))*(last - pre(mean)) else last;
+    end when;
+    y_um = u_um*(1 + coefficient*(actuator_temperature - reference)) + growth*(actuator_temperature - reference);
+    heat = P;
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-20,-60},{-20,40},{0,60},{20,40},{20,-60},{0,-80},{-20,-60}}, color={191,0,0}, thickness=0.5), Line(points={{0,-60},{0,20}}, color={191,0,0}, thickness=1), Line(points={{30,0},{80,0},{66,10},{80,0},{66,-10}}, color={191,0,0})}),
+      Documentation(info="<html><p>Component <code>thermal-port</code>. Thermal port of the actuator: temperature from outside, heat of its losses as output.</p><p><code>y = x*(1 + coefficient*(T - reference)) + growth*(T - reference); heat = pi/2*loss*capacitance*|(v - mean(v))*v'|</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>growth</td><td>{position}/K</td><td>must be given</td><td></td><td></td><td>Change of the position per kelvin</td></tr><tr><td>loss</td><td>1</td><td>must be given</td><td>0</td><td></td><td>Loss tangent</td></tr><tr><td>capacitance</td><td>C/{command}</td><td>must be given</td><td>0</td><td></td><td>Capacitance</td></tr><tr><td>coefficient</td><td>1/K</td><td>0</td><td></td><td></td><td>Relative change of the gain per kelvin</td></tr><tr><td>reference</td><td>K</td><td>293.15</td><td>0</td><td></td><td>Temperature without change</td></tr><tr><td>averaging</td><td>s</td><td>1</td><td>0</td><td></td><td>Time over which the mean voltage is taken</td></tr></table><p>Source: K. Uchino, S. Hirose, IEEE Trans. UFFC 48 (2001) 307-321.</p></html>"));
+  end ThermalPort;
+
   block Remanence "What an unknown past leaves in the position until the command has wiped it out"
     extends Interfaces.PositionFilter;
     parameter Real remanence(unit="um") "Difference at the start";

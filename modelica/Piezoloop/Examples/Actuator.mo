@@ -54,6 +54,20 @@ package Actuator "Examples of single blocks: Actuator"
       Documentation(info="<html><p>Block Piezoloop.Blocks.Actuator.SelfHeating as it is compared with the FMU.</p></html>"));
   end SelfHeating;
 
+  model ThermalPort "Thermal port of the actuator: temperature from outside, heat of its losses as output"
+    extends Icons.Example;
+    Piezoloop.Blocks.Actuator.ThermalPort device(growth = 0.05, loss = 0.05, capacitance = 5e-06, coefficient = 0.01, averaging = 0.05, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
+    Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
+    Sources.Wave actuator_temperature(offset = 273.15, scale = 0.1, amplitude = {30.0}, frequency = {90.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,20},{-60,40}})));
+    Sources.Wave voltage(scale = 1.0, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,-10},{-60,10}})));
+  equation
+    connect(wave.y, device.u) annotation(Line(points={{-59,60},{-40,60},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(actuator_temperature.y, device.actuator_temperature) annotation(Line(points={{-59,30},{-40,30},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(voltage.y, device.voltage) annotation(Line(points={{-59,0},{-40,0},{-40,0},{-24,0}}, color={0,0,127}));
+    annotation(experiment(StartTime=0, StopTime=0.0299, Interval=0.0001, Tolerance=1e-9),
+      Documentation(info="<html><p>Block Piezoloop.Blocks.Actuator.ThermalPort as it is compared with the FMU.</p></html>"));
+  end ThermalPort;
+
   model Remanence "What an unknown past leaves in the position until the command has wiped it out"
     extends Icons.Example;
     Piezoloop.Blocks.Actuator.Remanence device(remanence = 0.7, reach = 60.0, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));

@@ -133,5 +133,15 @@ package Mechanics "Examples of single blocks: Mechanics"
     annotation(experiment(StartTime=0, StopTime=0.0299, Interval=0.0001, Tolerance=1e-9),
       Documentation(info="<html><p>Block Piezoloop.Mechanics.Vibration as it is compared with the FMU.</p></html>"));
   end Vibration;
+
+  model MechanicalPort "Mechanical port of the axis: position and velocity of its tip as outputs, in SI"
+    extends Icons.Example;
+    Piezoloop.Mechanics.MechanicalPort device(step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
+    Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
+  equation
+    connect(wave.y, device.u) annotation(Line(points={{-59,60},{-40,60},{-40,0},{-24,0}}, color={0,0,127}));
+    annotation(experiment(StartTime=0, StopTime=0.0299, Interval=0.0001, Tolerance=1e-9),
+      Documentation(info="<html><p>Block Piezoloop.Mechanics.MechanicalPort as it is compared with the FMU.</p></html>"));
+  end MechanicalPort;
   annotation(Documentation(info="<html><p>One model per block; the numbers are those of the comparison with the FMU.</p></html>"));
 end Mechanics;

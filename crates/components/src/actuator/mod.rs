@@ -1,4 +1,4 @@
-//! The actuator apart from its memory: gain, temperature, polarisation.
+//! The actuator apart from its memory: gain, temperature, polarisation, thermal port.
 
 mod ageing;
 mod gain;
@@ -6,6 +6,7 @@ mod polarisation_saturation;
 mod remanence;
 mod self_heating;
 mod temperature;
+mod thermal_port;
 
 pub use ageing::ActuatorAgeing;
 pub use gain::ACTUATOR_GAIN;
@@ -13,3 +14,4 @@ pub use polarisation_saturation::PolarisationSaturation;
 pub use remanence::Remanence;
 pub use self_heating::SelfHeating;
 pub use temperature::ActuatorTemperature;
+pub use thermal_port::ThermalPort;

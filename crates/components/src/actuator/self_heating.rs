@@ -62,6 +62,15 @@ static DECLARATION: Declaration = Declaration {
     ],
 };
 
+/// |ṽ·Δv| over a step that ends at v; the mean and the last v follow.
+pub(super) fn alternating(v: f64, mean: &mut f64, last: &mut f64, forget: f64) -> f64 {
+    let middle = 0.5 * (v + *last) - *mean;
+    let product = middle * (v - *last);
+    *mean += forget * (v - *mean);
+    *last = v;
+    fabs(product)
+}
+
 impl Component for SelfHeating {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
@@ -133,12 +142,8 @@ impl Component for SelfHeating {
         else {
             return;
         };
-        let v = factor * command;
-        let middle = 0.5 * (v + *last) - *mean;
-        let target = heat * fabs(middle * (v - *last));
+        let target = heat * alternating(factor * command, mean, last, forget);
         *theta += warming * (target - *theta);
-        *mean += forget * (v - *mean);
-        *last = v;
         *y = x * (1.0 + gain * *theta) + length * *theta;
     }
 }

@@ -28,6 +28,7 @@ pub const EXAMPLES: &[Example] = &[
     ("actuator-temperature", &[], &[0.002, 35.0, 20.0]),
     ("actuator-ageing", &[], &[0.03, 10.0]),
     ("self-heating", &[], &[0.02, 1e-6, 50.0, 20.0, 1e-3, 0.01, 1.0, 1.0]),
+    ("thermal-port", &[], &[0.2, 0.02, 1.8e-6, 1e-3, 293.15, 1.0]),
     ("prandtl-ishlinskii", &[3.0], &[0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.3]),
     (
         "modified-prandtl-ishlinskii",
@@ -80,6 +81,7 @@ pub const EXAMPLES: &[Example] = &[
     ("backlash", &[], &[0.05, 0.2]),
     ("cutting-force", &[], &[0.1, 100.0, 0.3, 0.5]),
     ("vibration", &[2.0], &[30.0, 70.0, 0.02, 0.01, 0.5, 1.0]),
+    ("mechanical-port", &[], &[]),
     ("command-coupling", &[2.0, 4.0], &[0.0, 1e-3, 2e-3, 0.0]),
     ("displacement-coupling", &[2.0, 4.0], &[0.0, 0.02, -0.03, 0.0]),
     ("mode-coupling", &[2.0, 4.0], &[0.0, 1e-3, 2e-3, 0.0, 480.0, 290.0, 0.02, 0.03]),

@@ -37,7 +37,9 @@ fn power_of_ten(unit: &Unit, target: &Unit) -> Option<i32> {
     }
     let ratio = unit.factor / target.factor;
     let power = ratio.log10().round();
-    let is_power = power.abs() < 300.0 && (ratio / 10f64.powf(power) - 1.0).abs() < 1e-12;
+    // Read as a number, it is the nearest one on each platform.
+    let exact: f64 = format!("1e{}", power as i32).parse().ok()?;
+    let is_power = power.abs() < 300.0 && (ratio / exact - 1.0).abs() < 1e-12;
     is_power.then_some(power as i32)
 }
 

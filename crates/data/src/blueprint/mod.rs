@@ -303,6 +303,17 @@ impl Blueprint {
         &self.origin.records
     }
 
+    /// What the records that it took say of components of this type: the name of each such record, and its
+    /// values.
+    #[must_use]
+    pub fn recorded(&self, kind: &str) -> Vec<(String, Vec<RecordValue>)> {
+        let found = self.origin.records.iter().filter_map(|name| {
+            let record = record::find(name, &self.origin.file).ok()?;
+            Some((record.name.clone(), record.values(kind)?.to_vec()))
+        });
+        found.collect()
+    }
+
     /// Checks everything that is said against the components of `registry`.
     ///
     /// # Errors

@@ -127,7 +127,7 @@ fn values(reader: &mut Reader, section: &Spanned<DeValue<'_>>, place: &Place) ->
 }
 
 /// A record by name, or from a file beside the blueprint `origin`.
-fn find(name: &str, origin: &str) -> Result<ParameterRecord, Problems> {
+pub(super) fn find(name: &str, origin: &str) -> Result<ParameterRecord, Problems> {
     if Path::new(name).extension().is_some_and(|ending| ending == "toml") {
         let folder = Path::new(origin).parent().unwrap_or(Path::new(""));
         let path = folder.join(name);

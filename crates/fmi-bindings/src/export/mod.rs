@@ -20,6 +20,7 @@ mod guard;
 mod host;
 mod instance;
 mod log;
+mod old_glibc;
 mod phase;
 mod resources;
 mod saved;

@@ -1,6 +1,6 @@
 //! Where the FMU's resources lie: where the importer says, else beside this library.
 
-#[cfg(any(unix, windows))]
+#[cfg(any(all(unix, not(target_os = "linux")), windows))]
 use std::ffi::c_void;
 use std::path::{Path, PathBuf};
 
@@ -134,8 +134,91 @@ fn beside(library: &Path) -> Option<PathBuf> {
 /// The file of the library that this code is in.
 #[cfg(unix)]
 fn library() -> Option<PathBuf> {
-    use std::ffi::{CStr, OsStr, c_char, c_int};
+    use std::ffi::{CStr, OsStr};
     use std::os::unix::ffi::OsStrExt;
+
+    let name = name_of(library as fn() -> Option<PathBuf> as usize)?;
+    // SAFETY: the name ends with a zero, and lives as long as the library is loaded.
+    let name = unsafe { CStr::from_ptr(name.as_ptr()) };
+    // It is as the host gave it to dlopen; lexically absolute, since a link to the library is
+    // meant to stand for an FMU of its own.
+    std::path::absolute(OsStr::from_bytes(name.to_bytes())).ok()
+}
+
+/// The name of the loaded object that has this address, as the loader keeps it.
+///
+/// glibc's `dladdr` would do, but since glibc 2.34 it is linked by a version that older ones do not have.
+#[cfg(target_os = "linux")]
+fn name_of(address: usize) -> Option<std::ptr::NonNull<std::ffi::c_char>> {
+    use std::ffi::{c_char, c_int};
+    use std::ptr::NonNull;
+
+    const LOADED: u32 = 1;
+
+    /// `ElfN_Phdr` of `elf.h`.
+    #[repr(C)]
+    struct Segment {
+        kind: u32,
+        #[cfg(target_pointer_width = "64")]
+        _flags: u32,
+        _offset: usize,
+        address: usize,
+        _physical: usize,
+        _size_in_file: usize,
+        size: usize,
+        #[cfg(target_pointer_width = "32")]
+        _flags: u32,
+        _align: usize,
+    }
+
+    /// The beginning of `dl_phdr_info` of `link.h`.
+    #[repr(C)]
+    struct Object {
+        base: usize,
+        name: *const c_char,
+        segments: *const Segment,
+        count: u16,
+    }
+
+    /// Address, name of the object that has it.
+    #[repr(C)]
+    struct Search {
+        address: usize,
+        name: *const c_char,
+    }
+
+    unsafe extern "C" {
+        fn dl_iterate_phdr(
+            each: unsafe extern "C" fn(*const Object, usize, *mut Search) -> c_int,
+            data: *mut Search,
+        ) -> c_int;
+    }
+
+    unsafe extern "C" fn each(object: *const Object, _: usize, search: *mut Search) -> c_int {
+        // SAFETY: the loader gives an object with its segments, and the search that it was given.
+        let (object, search) = unsafe { (&*object, &mut *search) };
+        for k in 0..usize::from(object.count) {
+            // SAFETY: there are as many segments as are counted.
+            let segment = unsafe { &*object.segments.add(k) };
+            let begin = object.base.wrapping_add(segment.address);
+            if segment.kind == LOADED && search.address.wrapping_sub(begin) < segment.size {
+                search.name = object.name;
+                return 1;
+            }
+        }
+        0
+    }
+
+    let mut search = Search { address, name: std::ptr::null() };
+    // SAFETY: the search lives during the call.
+    unsafe { dl_iterate_phdr(each, &raw mut search) };
+    NonNull::new(search.name.cast_mut())
+}
+
+/// The name of the loaded object that has this address, as the loader keeps it.
+#[cfg(all(unix, not(target_os = "linux")))]
+fn name_of(address: usize) -> Option<std::ptr::NonNull<std::ffi::c_char>> {
+    use std::ffi::{c_char, c_int};
 
     /// `Dl_info` of `dlfcn.h`.
     #[repr(C)]
@@ -150,21 +233,13 @@ fn library() -> Option<PathBuf> {
     }
 
     let mut info = std::mem::MaybeUninit::<DlInfo>::uninit();
-    // SAFETY: the address is one of this library's; the structure is filled where the result is
-    // not zero, and its file name lives as long as the library is loaded.
-    let name = unsafe {
-        if dladdr(library as fn() -> Option<PathBuf> as *const c_void, info.as_mut_ptr()) == 0 {
+    // SAFETY: the address is one of a loaded object; the structure is filled where the result is not zero.
+    unsafe {
+        if dladdr(address as *const c_void, info.as_mut_ptr()) == 0 {
             return None;
         }
-        let name = info.assume_init().file_name;
-        if name.is_null() {
-            return None;
-        }
-        CStr::from_ptr(name)
-    };
-    // It is as the host gave it to dlopen; lexically absolute, since a link to the library is
-    // meant to stand for an FMU of its own.
-    std::path::absolute(OsStr::from_bytes(name.to_bytes())).ok()
+        std::ptr::NonNull::new(info.assume_init().file_name.cast_mut())
+    }
 }
 
 /// The file of the library that this code is in.
