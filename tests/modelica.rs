@@ -57,5 +57,5 @@ fn a_voltage_at_an_input_for_a_position_is_refused() {
 #[test]
 fn the_rigs_move_as_their_fmus() {
     let Some(said) = run("rig") else { return };
-    assert_eq!(said.lines().filter(|line| line.starts_with("rig ")).count(), 12, "{said}");
+    assert_eq!(said.lines().filter(|line| line.starts_with("rig ")).count(), 17, "{said}");
 }

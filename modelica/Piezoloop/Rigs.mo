@@ -195,6 +195,123 @@ package Rigs "Known machines, as the tool's blueprints have them"
     annotation(Documentation(info="<html><p>Rig <code>p0-truth</code>. Without disturbances: M1x.floor, M1x.noise, M1x.hum, M1y.floor, M1y.noise, M1y.hum, M2x.floor, M2x.noise, M2x.hum, M2y.floor, M2y.noise, M2y.hum left out. Blocks that run once per step answer a step later than in the FMU: y[i] is the FMU's position [3, 3, 3, 3] steps later.</p><p>Source: Laser beam pointing with four piezo axes and LS-SVM models; sections IV and V.</p></html>"));
   end P0Truth;
 
+  block P0Machine "Laser beam steering as it could be: Rayleigh hysteresis, creep, modes, detectors with noise"
+    extends Icons.Rig;
+    Interfaces.CommandInput u[4] "Commands" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
+    Interfaces.PositionOutput y[4] "Positions" annotation(Placement(transformation(extent={{100,-10},{120,10}})));
+    parameter Real step(unit="s", min = 0) = 0.00025 "Time between samples: the step of the blueprint";
+    Piezoloop.Blocks.Timing.Delay delay1(delay_ = 0.0005, longest = 0.01, cells = 42, step = step) annotation(Placement(transformation(extent={{-88,32},{-72,48}})));
+    Piezoloop.Blocks.Timing.DacQuantisation dac1(resolution = 0.00229) annotation(Placement(transformation(extent={{-58,32},{-42,48}})));
+    Piezoloop.Electrical.AmplifierLag driver1(bandwidth = 500.0, gain = 1.0) annotation(Placement(transformation(extent={{-28,32},{-12,48}})));
+    Piezoloop.Hysteresis.GeneralisedPlay hysteresis1(r = {0.0, 0.625, 1.875, 3.125, 4.375, 5.625, 6.875, 8.125, 9.375, 10.625, 11.875, 13.125, 14.375, 15.625, 16.875, 18.125, 19.375, 20.625, 21.875, 23.125, 24.375, 25.625, 26.875, 28.125, 29.375, 30.625, 31.875, 33.125, 34.375, 35.625, 36.875, 38.125, 39.375, 40.625, 41.875, 43.125, 44.375, 45.625, 46.875, 48.125, 49.375, 50.625, 51.875, 53.125, 54.375, 55.625, 56.875, 58.125, 59.375, 60.625, 61.875, 63.125, 64.375, 65.625, 66.875, 68.125, 69.375, 70.625, 71.875, 73.125, 74.375}, w = {0.00493333, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05}, offset = 0.0, left_a0 = 255.424, left_a1 = 0.00412, left_a2 = -0.161, left_a3 = 40.7716, right_a0 = 255.424, right_a1 = 0.00412, right_a2 = -0.161, right_a3 = 40.7716, plays = 61, step = step) annotation(Placement(transformation(extent={{2,32},{18,48}})));
+    Piezoloop.Blocks.Creep.KelvinVoigtCreep creep1(share = {0.015, 0.015, 0.015, 0.015}, time_constant = {0.01, 0.1, 1.0, 10.0}, elements = 4) annotation(Placement(transformation(extent={{32,32},{48,48}})));
+    Hold mirror1_hold(u_start = 4.640115542065857e-14, step = step) annotation(Placement(transformation(extent={{52,34},{64,46}})));
+    Piezoloop.Mechanics.Mode mirror1(frequency = 620.0, damping = 0.03, gain = 1.0) annotation(Placement(transformation(extent={{62,32},{78,48}})));
+    Piezoloop.Blocks.Timing.Delay delay2(delay_ = 0.0005, longest = 0.01, cells = 42, step = step) annotation(Placement(transformation(extent={{-88,-28},{-72,-12}})));
+    Piezoloop.Blocks.Timing.DacQuantisation dac2(resolution = 0.00229) annotation(Placement(transformation(extent={{-58,-28},{-42,-12}})));
+    Piezoloop.Electrical.AmplifierLag driver2(bandwidth = 485.0, gain = 1.0) annotation(Placement(transformation(extent={{-28,-28},{-12,-12}})));
+    Piezoloop.Hysteresis.GeneralisedPlay hysteresis2(r = {0.0, 0.625, 1.875, 3.125, 4.375, 5.625, 6.875, 8.125, 9.375, 10.625, 11.875, 13.125, 14.375, 15.625, 16.875, 18.125, 19.375, 20.625, 21.875, 23.125, 24.375, 25.625, 26.875, 28.125, 29.375, 30.625, 31.875, 33.125, 34.375, 35.625, 36.875, 38.125, 39.375, 40.625, 41.875, 43.125, 44.375, 45.625, 46.875, 48.125, 49.375, 50.625, 51.875, 53.125, 54.375, 55.625, 56.875, 58.125, 59.375, 60.625, 61.875, 63.125, 64.375, 65.625, 66.875, 68.125, 69.375, 70.625, 71.875, 73.125, 74.375}, w = {0.00493333, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05}, offset = 0.0, left_a0 = 255.424, left_a1 = 0.00412, left_a2 = -0.161, left_a3 = 40.7716, right_a0 = 255.424, right_a1 = 0.00412, right_a2 = -0.161, right_a3 = 40.7716, plays = 61, step = step) annotation(Placement(transformation(extent={{2,-28},{18,-12}})));
+    Piezoloop.Blocks.Creep.KelvinVoigtCreep creep2(share = {0.015, 0.015, 0.015, 0.015}, time_constant = {0.01, 0.1, 1.0, 10.0}, elements = 4) annotation(Placement(transformation(extent={{32,-28},{48,-12}})));
+    Hold mirror2_hold(u_start = 4.640115542065857e-14, step = step) annotation(Placement(transformation(extent={{52,-26},{64,-14}})));
+    Piezoloop.Mechanics.Mode mirror2(frequency = 601.4, damping = 0.03, gain = 1.0) annotation(Placement(transformation(extent={{62,-28},{78,-12}})));
+    Piezoloop.Blocks.Timing.Delay delay3(delay_ = 0.0005, longest = 0.01, cells = 42, step = step) annotation(Placement(transformation(extent={{-88,-88},{-72,-72}})));
+    Piezoloop.Blocks.Timing.DacQuantisation dac3(resolution = 0.00229) annotation(Placement(transformation(extent={{-58,-88},{-42,-72}})));
+    Piezoloop.Electrical.AmplifierLag driver3(bandwidth = 515.0, gain = 1.0) annotation(Placement(transformation(extent={{-28,-88},{-12,-72}})));
+    Piezoloop.Hysteresis.GeneralisedPlay hysteresis3(r = {0.0, 0.625, 1.875, 3.125, 4.375, 5.625, 6.875, 8.125, 9.375, 10.625, 11.875, 13.125, 14.375, 15.625, 16.875, 18.125, 19.375, 20.625, 21.875, 23.125, 24.375, 25.625, 26.875, 28.125, 29.375, 30.625, 31.875, 33.125, 34.375, 35.625, 36.875, 38.125, 39.375, 40.625, 41.875, 43.125, 44.375, 45.625, 46.875, 48.125, 49.375, 50.625, 51.875, 53.125, 54.375, 55.625, 56.875, 58.125, 59.375, 60.625, 61.875, 63.125, 64.375, 65.625, 66.875, 68.125, 69.375, 70.625, 71.875, 73.125, 74.375}, w = {0.00493333, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05}, offset = 0.0, left_a0 = 255.424, left_a1 = 0.00412, left_a2 = -0.161, left_a3 = 40.7716, right_a0 = 255.424, right_a1 = 0.00412, right_a2 = -0.161, right_a3 = 40.7716, plays = 61, step = step) annotation(Placement(transformation(extent={{2,-88},{18,-72}})));
+    Piezoloop.Blocks.Creep.KelvinVoigtCreep creep3(share = {0.015, 0.015, 0.015, 0.015}, time_constant = {0.01, 0.1, 1.0, 10.0}, elements = 4) annotation(Placement(transformation(extent={{32,-88},{48,-72}})));
+    Hold mirror3_hold(u_start = 4.640115542065857e-14, step = step) annotation(Placement(transformation(extent={{52,-86},{64,-74}})));
+    Piezoloop.Mechanics.Mode mirror3(frequency = 638.6, damping = 0.03, gain = 1.0) annotation(Placement(transformation(extent={{62,-88},{78,-72}})));
+    Piezoloop.Blocks.Timing.Delay delay4(delay_ = 0.0005, longest = 0.01, cells = 42, step = step) annotation(Placement(transformation(extent={{-88,-148},{-72,-132}})));
+    Piezoloop.Blocks.Timing.DacQuantisation dac4(resolution = 0.00229) annotation(Placement(transformation(extent={{-58,-148},{-42,-132}})));
+    Piezoloop.Electrical.AmplifierLag driver4(bandwidth = 492.5, gain = 1.0) annotation(Placement(transformation(extent={{-28,-148},{-12,-132}})));
+    Piezoloop.Hysteresis.GeneralisedPlay hysteresis4(r = {0.0, 0.625, 1.875, 3.125, 4.375, 5.625, 6.875, 8.125, 9.375, 10.625, 11.875, 13.125, 14.375, 15.625, 16.875, 18.125, 19.375, 20.625, 21.875, 23.125, 24.375, 25.625, 26.875, 28.125, 29.375, 30.625, 31.875, 33.125, 34.375, 35.625, 36.875, 38.125, 39.375, 40.625, 41.875, 43.125, 44.375, 45.625, 46.875, 48.125, 49.375, 50.625, 51.875, 53.125, 54.375, 55.625, 56.875, 58.125, 59.375, 60.625, 61.875, 63.125, 64.375, 65.625, 66.875, 68.125, 69.375, 70.625, 71.875, 73.125, 74.375}, w = {0.00493333, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05, 5.77778e-05}, offset = 0.0, left_a0 = 255.424, left_a1 = 0.00412, left_a2 = -0.161, left_a3 = 40.7716, right_a0 = 255.424, right_a1 = 0.00412, right_a2 = -0.161, right_a3 = 40.7716, plays = 61, step = step) annotation(Placement(transformation(extent={{2,-148},{18,-132}})));
+    Piezoloop.Blocks.Creep.KelvinVoigtCreep creep4(share = {0.015, 0.015, 0.015, 0.015}, time_constant = {0.01, 0.1, 1.0, 10.0}, elements = 4) annotation(Placement(transformation(extent={{32,-148},{48,-132}})));
+    Hold mirror4_hold(u_start = 4.640115542065857e-14, step = step) annotation(Placement(transformation(extent={{52,-146},{64,-134}})));
+    Piezoloop.Mechanics.Mode mirror4(frequency = 610.7, damping = 0.03, gain = 1.0) annotation(Placement(transformation(extent={{62,-148},{78,-132}})));
+    Piezoloop.Blocks.Coupling.DisplacementCoupling gimbal(matrix = {0.0, 0.004, 0.0, 0.0, 0.006, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.005, 0.0, 0.0, 0.003, 0.0}, entries = 16, axes = 4) annotation(Placement(transformation(extent={{90,-10},{110,10}})));
+    Piezoloop.Blocks.Coupling.OpticsJacobian optics(matrix = {504.693, 3.33402, 0.0, 0.0, 14.4123, -515.344, 0.0, 0.0, 210.358, -12.0015, -129.337, 7.85753, 1.1847, 217.263, -3.04729, -142.002}, offset = {-261.625, 272.281, -46.6467, -39.121}, entries = 16, axes = 4) annotation(Placement(transformation(extent={{120,-10},{140,10}})));
+    Piezoloop.Blocks.Coupling.PsdPincushion psd1(distortion = 0.01, half_size = 5000.0, axes = 2) annotation(Placement(transformation(extent={{150,-10},{170,10}})));
+    Piezoloop.Blocks.Coupling.PsdPincushion psd2(distortion = 0.01, half_size = 5000.0, axes = 2) annotation(Placement(transformation(extent={{180,-10},{200,10}})));
+    Piezoloop.Blocks.Environment.ThermalDrift drift1(rate = 0.002, settling = 0.0, time_constant = 1000.0, expansion = 0.0, temperature_change = 0.0) annotation(Placement(transformation(extent={{212,32},{228,48}})));
+    Hold filter1_hold(u_start = -0.0002616398978050515, step = step) annotation(Placement(transformation(extent={{232,34},{244,46}})));
+    Piezoloop.Sensors.SensorButterworth filter1(bandwidth = 50.0, order = 2) annotation(Placement(transformation(extent={{242,32},{258,48}})));
+    Piezoloop.Sensors.SensorQuantisation adc1(resolution = 0.153) annotation(Placement(transformation(extent={{272,32},{288,48}})));
+    Piezoloop.Blocks.Environment.ThermalDrift drift2(rate = -0.0015, settling = 0.0, time_constant = 1000.0, expansion = 0.0, temperature_change = 0.0) annotation(Placement(transformation(extent={{212,-28},{228,-12}})));
+    Hold filter2_hold(u_start = 0.00027229650584052186, step = step) annotation(Placement(transformation(extent={{232,-26},{244,-14}})));
+    Piezoloop.Sensors.SensorButterworth filter2(bandwidth = 50.0, order = 2) annotation(Placement(transformation(extent={{242,-28},{258,-12}})));
+    Piezoloop.Sensors.SensorQuantisation adc2(resolution = 0.153) annotation(Placement(transformation(extent={{272,-28},{288,-12}})));
+    Piezoloop.Blocks.Environment.ThermalDrift drift3(rate = 0.001, settling = 0.0, time_constant = 1000.0, expansion = 0.0, temperature_change = 0.0) annotation(Placement(transformation(extent={{212,-88},{228,-72}})));
+    Hold filter3_hold(u_start = -4.664676558193215e-05, step = step) annotation(Placement(transformation(extent={{232,-86},{244,-74}})));
+    Piezoloop.Sensors.SensorButterworth filter3(bandwidth = 50.0, order = 2) annotation(Placement(transformation(extent={{242,-88},{258,-72}})));
+    Piezoloop.Sensors.SensorQuantisation adc3(resolution = 0.153) annotation(Placement(transformation(extent={{272,-88},{288,-72}})));
+    Piezoloop.Blocks.Environment.ThermalDrift drift4(rate = -0.002, settling = 0.0, time_constant = 1000.0, expansion = 0.0, temperature_change = 0.0) annotation(Placement(transformation(extent={{212,-148},{228,-132}})));
+    Hold filter4_hold(u_start = -3.9121054552698635e-05, step = step) annotation(Placement(transformation(extent={{232,-146},{244,-134}})));
+    Piezoloop.Sensors.SensorButterworth filter4(bandwidth = 50.0, order = 2) annotation(Placement(transformation(extent={{242,-148},{258,-132}})));
+    Piezoloop.Sensors.SensorQuantisation adc4(resolution = 0.153) annotation(Placement(transformation(extent={{272,-148},{288,-132}})));
+  equation
+    connect(u[1], delay1.u) annotation(Line(points={{-104,40},{-90,40}}, color={0,0,127}));
+    connect(delay1.y, dac1.u) annotation(Line(points={{-74,40},{-60,40}}, color={0,0,127}));
+    connect(dac1.y, driver1.u) annotation(Line(points={{-44,40},{-30,40}}, color={0,0,127}));
+    connect(driver1.y, hysteresis1.u) annotation(Line(points={{-14,40},{0,40}}, color={0,0,127}));
+    connect(hysteresis1.y, creep1.u) annotation(Line(points={{16,40},{30,40}}, color={0,0,127}));
+    connect(creep1.y, mirror1_hold.u) annotation(Line(points={{46,40},{52,40}}, color={0,0,127}));
+    connect(mirror1_hold.y, mirror1.u) annotation(Line(points={{46,40},{60,40}}, color={0,0,127}));
+    connect(u[2], delay2.u) annotation(Line(points={{-104,-20},{-90,-20}}, color={0,0,127}));
+    connect(delay2.y, dac2.u) annotation(Line(points={{-74,-20},{-60,-20}}, color={0,0,127}));
+    connect(dac2.y, driver2.u) annotation(Line(points={{-44,-20},{-30,-20}}, color={0,0,127}));
+    connect(driver2.y, hysteresis2.u) annotation(Line(points={{-14,-20},{0,-20}}, color={0,0,127}));
+    connect(hysteresis2.y, creep2.u) annotation(Line(points={{16,-20},{30,-20}}, color={0,0,127}));
+    connect(creep2.y, mirror2_hold.u) annotation(Line(points={{46,-20},{52,-20}}, color={0,0,127}));
+    connect(mirror2_hold.y, mirror2.u) annotation(Line(points={{46,-20},{60,-20}}, color={0,0,127}));
+    connect(u[3], delay3.u) annotation(Line(points={{-104,-80},{-90,-80}}, color={0,0,127}));
+    connect(delay3.y, dac3.u) annotation(Line(points={{-74,-80},{-60,-80}}, color={0,0,127}));
+    connect(dac3.y, driver3.u) annotation(Line(points={{-44,-80},{-30,-80}}, color={0,0,127}));
+    connect(driver3.y, hysteresis3.u) annotation(Line(points={{-14,-80},{0,-80}}, color={0,0,127}));
+    connect(hysteresis3.y, creep3.u) annotation(Line(points={{16,-80},{30,-80}}, color={0,0,127}));
+    connect(creep3.y, mirror3_hold.u) annotation(Line(points={{46,-80},{52,-80}}, color={0,0,127}));
+    connect(mirror3_hold.y, mirror3.u) annotation(Line(points={{46,-80},{60,-80}}, color={0,0,127}));
+    connect(u[4], delay4.u) annotation(Line(points={{-104,-140},{-90,-140}}, color={0,0,127}));
+    connect(delay4.y, dac4.u) annotation(Line(points={{-74,-140},{-60,-140}}, color={0,0,127}));
+    connect(dac4.y, driver4.u) annotation(Line(points={{-44,-140},{-30,-140}}, color={0,0,127}));
+    connect(driver4.y, hysteresis4.u) annotation(Line(points={{-14,-140},{0,-140}}, color={0,0,127}));
+    connect(hysteresis4.y, creep4.u) annotation(Line(points={{16,-140},{30,-140}}, color={0,0,127}));
+    connect(creep4.y, mirror4_hold.u) annotation(Line(points={{46,-140},{52,-140}}, color={0,0,127}));
+    connect(mirror4_hold.y, mirror4.u) annotation(Line(points={{46,-140},{60,-140}}, color={0,0,127}));
+    connect(mirror1.y, gimbal.u[1]) annotation(Line(points={{80,40},{88,0}}, color={0,0,127}));
+    connect(mirror2.y, gimbal.u[2]) annotation(Line(points={{80,-20},{88,0}}, color={0,0,127}));
+    connect(mirror3.y, gimbal.u[3]) annotation(Line(points={{80,-80},{88,0}}, color={0,0,127}));
+    connect(mirror4.y, gimbal.u[4]) annotation(Line(points={{80,-140},{88,0}}, color={0,0,127}));
+    connect(gimbal.y[1], optics.u[1]) annotation(Line(points={{110,40},{118,0}}, color={0,0,127}));
+    connect(gimbal.y[2], optics.u[2]) annotation(Line(points={{110,-20},{118,0}}, color={0,0,127}));
+    connect(gimbal.y[3], optics.u[3]) annotation(Line(points={{110,-80},{118,0}}, color={0,0,127}));
+    connect(gimbal.y[4], optics.u[4]) annotation(Line(points={{110,-140},{118,0}}, color={0,0,127}));
+    connect(optics.y[1], psd1.u[1]) annotation(Line(points={{140,40},{148,0}}, color={0,0,127}));
+    connect(optics.y[2], psd1.u[2]) annotation(Line(points={{140,-20},{148,0}}, color={0,0,127}));
+    connect(optics.y[3], psd2.u[1]) annotation(Line(points={{170,-80},{178,0}}, color={0,0,127}));
+    connect(optics.y[4], psd2.u[2]) annotation(Line(points={{170,-140},{178,0}}, color={0,0,127}));
+    connect(psd1.y[1], drift1.u) annotation(Line(points={{196,40},{210,40}}, color={0,0,127}));
+    connect(drift1.y, filter1_hold.u) annotation(Line(points={{226,40},{232,40}}, color={0,0,127}));
+    connect(filter1_hold.y, filter1.u) annotation(Line(points={{226,40},{240,40}}, color={0,0,127}));
+    connect(filter1.y, adc1.u) annotation(Line(points={{256,40},{270,40}}, color={0,0,127}));
+    connect(psd1.y[2], drift2.u) annotation(Line(points={{196,-20},{210,-20}}, color={0,0,127}));
+    connect(drift2.y, filter2_hold.u) annotation(Line(points={{226,-20},{232,-20}}, color={0,0,127}));
+    connect(filter2_hold.y, filter2.u) annotation(Line(points={{226,-20},{240,-20}}, color={0,0,127}));
+    connect(filter2.y, adc2.u) annotation(Line(points={{256,-20},{270,-20}}, color={0,0,127}));
+    connect(psd2.y[1], drift3.u) annotation(Line(points={{196,-80},{210,-80}}, color={0,0,127}));
+    connect(drift3.y, filter3_hold.u) annotation(Line(points={{226,-80},{232,-80}}, color={0,0,127}));
+    connect(filter3_hold.y, filter3.u) annotation(Line(points={{226,-80},{240,-80}}, color={0,0,127}));
+    connect(filter3.y, adc3.u) annotation(Line(points={{256,-80},{270,-80}}, color={0,0,127}));
+    connect(psd2.y[2], drift4.u) annotation(Line(points={{196,-140},{210,-140}}, color={0,0,127}));
+    connect(drift4.y, filter4_hold.u) annotation(Line(points={{226,-140},{232,-140}}, color={0,0,127}));
+    connect(filter4_hold.y, filter4.u) annotation(Line(points={{226,-140},{240,-140}}, color={0,0,127}));
+    connect(filter4.y, adc4.u) annotation(Line(points={{256,-140},{270,-140}}, color={0,0,127}));
+    connect(adc1.y, y[1]) annotation(Line(points={{100,40},{110,40}}, color={0,0,127}));
+    connect(adc2.y, y[2]) annotation(Line(points={{100,-20},{110,-20}}, color={0,0,127}));
+    connect(adc3.y, y[3]) annotation(Line(points={{100,-80},{110,-80}}, color={0,0,127}));
+    connect(adc4.y, y[4]) annotation(Line(points={{100,-140},{110,-140}}, color={0,0,127}));
+    annotation(Documentation(info="<html><p>Rig <code>p0-machine</code>. Without disturbances: M1x.floor, M1x.noise, M1x.hum, M1y.floor, M1y.noise, M1y.hum, M2x.floor, M2x.noise, M2x.hum, M2y.floor, M2y.noise, M2y.hum left out. Blocks that run once per step answer a step later than in the FMU: y[i] is the FMU's position [3, 3, 3, 3] steps later.</p><p>Source: Laser beam pointing with four piezo axes and LS-SVM models, sections IV and V; makers' data; the shape of the loop measured on a P-885.91.</p></html>"));
+  end P0Machine;
+
   block P1 "P-752.21C nanopositioning stage, linear"
     extends Icons.Rig;
     Interfaces.CommandInput u[1] "Commands" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
@@ -251,6 +368,38 @@ package Rigs "Known machines, as the tool's blueprints have them"
     annotation(Documentation(info="<html><p>Rig <code>p1-truth</code>. Without disturbances: x.noise left out. Blocks that run once per step answer a step later than in the FMU: y[i] is the FMU's position [4] steps later.</p><p>Source: LS-SVM with stop operators tuned by particle swarm, piezo stage P-752.21C; parameters not in the paper are matched to its do-nothing errors.</p></html>"));
   end P1Truth;
 
+  block P1Machine "P-752.21C stage as it could be: Rayleigh hysteresis of a measured PICMA stack, creep, 40 Hz low-pass"
+    extends Icons.Rig;
+    Interfaces.CommandInput u[1] "Commands" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
+    Interfaces.PositionOutput y[1] "Positions" annotation(Placement(transformation(extent={{100,-10},{120,10}})));
+    parameter Real step(unit="s", min = 0) = 0.0002 "Time between samples: the step of the blueprint";
+    Piezoloop.Blocks.Timing.DacQuantisation dac1(resolution = 0.000305) annotation(Placement(transformation(extent={{-88,32},{-72,48}})));
+    Piezoloop.Electrical.AmplifierLag amplifier1(bandwidth = 3000.0, gain = 10.0) annotation(Placement(transformation(extent={{-58,32},{-42,48}})));
+    Piezoloop.Hysteresis.GeneralisedPlay hysteresis1(r = {0.0, 0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 9.5, 10.5, 11.5, 12.5, 13.5, 14.5, 15.5, 16.5, 17.5, 18.5, 19.5, 20.5, 21.5, 22.5, 23.5, 24.5, 25.5, 26.5, 27.5, 28.5, 29.5, 30.5, 31.5, 32.5, 33.5, 34.5, 35.5, 36.5, 37.5, 38.5, 39.5, 40.5, 41.5, 42.5, 43.5, 44.5, 45.5, 46.5, 47.5, 48.5, 49.5, 50.5, 51.5, 52.5, 53.5, 54.5, 55.5, 56.5, 57.5, 58.5, 59.5}, w = {0.19, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002, 0.002}, offset = 0.0, left_a0 = 204.339, left_a1 = 0.00515, left_a2 = -0.161, left_a3 = 32.6173, right_a0 = 204.339, right_a1 = 0.00515, right_a2 = -0.161, right_a3 = 32.6173, plays = 61, step = step) annotation(Placement(transformation(extent={{-28,32},{-12,48}})));
+    Piezoloop.Blocks.Creep.KelvinVoigtCreep creep1(share = {0.015, 0.015, 0.015, 0.015}, time_constant = {0.01, 0.1, 1.0, 10.0}, elements = 4) annotation(Placement(transformation(extent={{2,32},{18,48}})));
+    Hold mechanics1_hold(u_start = 1.1887279877447554e-11, step = step) annotation(Placement(transformation(extent={{22,34},{34,46}})));
+    Piezoloop.Mechanics.Mode mechanics1(frequency = 2100.0, damping = 0.02, gain = 1.0) annotation(Placement(transformation(extent={{32,32},{48,48}})));
+    Hold sensor1_hold(u_start = 1.1887279877447554e-11, step = step) annotation(Placement(transformation(extent={{52,34},{64,46}})));
+    Piezoloop.Sensors.SensorLag sensor1(bandwidth = 10000.0) annotation(Placement(transformation(extent={{62,32},{78,48}})));
+    Hold filter1_hold(u_start = 1.1887279877447554e-11, step = step) annotation(Placement(transformation(extent={{82,34},{94,46}})));
+    Piezoloop.Sensors.SensorButterworth filter1(bandwidth = 40.0, order = 1) annotation(Placement(transformation(extent={{92,32},{108,48}})));
+    Piezoloop.Sensors.SensorQuantisation adc1(resolution = 0.00107) annotation(Placement(transformation(extent={{122,32},{138,48}})));
+  equation
+    connect(u[1], dac1.u) annotation(Line(points={{-104,40},{-90,40}}, color={0,0,127}));
+    connect(dac1.y, amplifier1.u) annotation(Line(points={{-74,40},{-60,40}}, color={0,0,127}));
+    connect(amplifier1.y, hysteresis1.u) annotation(Line(points={{-44,40},{-30,40}}, color={0,0,127}));
+    connect(hysteresis1.y, creep1.u) annotation(Line(points={{-14,40},{0,40}}, color={0,0,127}));
+    connect(creep1.y, mechanics1_hold.u) annotation(Line(points={{16,40},{22,40}}, color={0,0,127}));
+    connect(mechanics1_hold.y, mechanics1.u) annotation(Line(points={{16,40},{30,40}}, color={0,0,127}));
+    connect(mechanics1.y, sensor1_hold.u) annotation(Line(points={{46,40},{52,40}}, color={0,0,127}));
+    connect(sensor1_hold.y, sensor1.u) annotation(Line(points={{46,40},{60,40}}, color={0,0,127}));
+    connect(sensor1.y, filter1_hold.u) annotation(Line(points={{76,40},{82,40}}, color={0,0,127}));
+    connect(filter1_hold.y, filter1.u) annotation(Line(points={{76,40},{90,40}}, color={0,0,127}));
+    connect(filter1.y, adc1.u) annotation(Line(points={{106,40},{120,40}}, color={0,0,127}));
+    connect(adc1.y, y[1]) annotation(Line(points={{100,40},{110,40}}, color={0,0,127}));
+    annotation(Documentation(info="<html><p>Rig <code>p1-machine</code>. Without disturbances: x.noise left out. Blocks that run once per step answer a step later than in the FMU: y[i] is the FMU's position [4] steps later.</p><p>Source: maker's data of P-752.21C and the loop measured on a P-885.91; the paper's tables 1 and 2 for amplifier, filter and converters.</p></html>"));
+  end P1Machine;
+
   block P2 "Piezo bimorph, Bouc-Wen hysteresis in front of a lightly damped mode, as printed"
     extends Icons.Rig;
     Interfaces.CommandInput u[1] "Commands" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
@@ -288,6 +437,34 @@ package Rigs "Known machines, as the tool's blueprints have them"
     connect(sensor1.y, y[1]) annotation(Line(points={{100,40},{110,40}}, color={0,0,127}));
     annotation(Documentation(info="<html><p>Rig <code>p2-truth</code>. Without disturbances: tip.noise left out. Blocks that run once per step answer a step later than in the FMU: y[i] is the FMU's position [3] steps later.</p><p>Source: LS-SVM hysteresis model without an inverse, piezo bimorph T434-A4-201; parameters not in the paper are matched to its Bouc-Wen errors.</p></html>"));
   end P2Truth;
+
+  block P2Machine "Piezo bimorph as it could be: Rayleigh hysteresis, creep, a light mode, laser sensor"
+    extends Icons.Rig;
+    Interfaces.CommandInput u[1] "Commands" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
+    Interfaces.PositionOutput y[1] "Positions" annotation(Placement(transformation(extent={{100,-10},{120,10}})));
+    parameter Real step(unit="s", min = 0) = 0.0001 "Time between samples: the step of the blueprint";
+    Piezoloop.Blocks.Timing.DacQuantisation dac1(resolution = 0.000305) annotation(Placement(transformation(extent={{-88,32},{-72,48}})));
+    Piezoloop.Electrical.AmplifierLag amplifier1(bandwidth = 1000.0, gain = 1.0) annotation(Placement(transformation(extent={{-58,32},{-42,48}})));
+    Piezoloop.Hysteresis.GeneralisedPlay hysteresis1(r = {0.0, 0.0416667, 0.125, 0.208333, 0.291667, 0.375, 0.458333, 0.541667, 0.625, 0.708333, 0.791667, 0.875, 0.958333, 1.04167, 1.125, 1.20833, 1.29167, 1.375, 1.45833, 1.54167, 1.625, 1.70833, 1.79167, 1.875, 1.95833, 2.04167, 2.125, 2.20833, 2.29167, 2.375, 2.45833, 2.54167, 2.625, 2.70833, 2.79167, 2.875, 2.95833, 3.04167, 3.125, 3.20833, 3.29167, 3.375, 3.45833, 3.54167, 3.625, 3.70833, 3.79167, 3.875, 3.95833, 4.04167, 4.125, 4.20833, 4.29167, 4.375, 4.45833, 4.54167, 4.625, 4.70833, 4.79167, 4.875, 4.95833}, w = {18.7856, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048, 0.16048}, offset = 0.0, left_a0 = 17.0283, left_a1 = 0.0618, left_a2 = -0.161, left_a3 = 2.7181, right_a0 = 17.0283, right_a1 = 0.0618, right_a2 = -0.161, right_a3 = 2.7181, plays = 61, step = step) annotation(Placement(transformation(extent={{-28,32},{-12,48}})));
+    Piezoloop.Blocks.Creep.KelvinVoigtCreep creep1(share = {0.02, 0.02, 0.02, 0.02}, time_constant = {0.01, 0.1, 1.0, 10.0}, elements = 4) annotation(Placement(transformation(extent={{2,32},{18,48}})));
+    Hold mechanics1_hold(u_start = -2.3120490691352926e-10, step = step) annotation(Placement(transformation(extent={{22,34},{34,46}})));
+    Piezoloop.Mechanics.Mode mechanics1(frequency = 404.0, damping = 0.000363, gain = 1.0) annotation(Placement(transformation(extent={{32,32},{48,48}})));
+    Hold sensor1_hold(u_start = -2.3120490691352926e-10, step = step) annotation(Placement(transformation(extent={{52,34},{64,46}})));
+    Piezoloop.Sensors.SensorLag sensor1(bandwidth = 5000.0) annotation(Placement(transformation(extent={{62,32},{78,48}})));
+    Piezoloop.Sensors.SensorQuantisation adc1(resolution = 0.015) annotation(Placement(transformation(extent={{92,32},{108,48}})));
+  equation
+    connect(u[1], dac1.u) annotation(Line(points={{-104,40},{-90,40}}, color={0,0,127}));
+    connect(dac1.y, amplifier1.u) annotation(Line(points={{-74,40},{-60,40}}, color={0,0,127}));
+    connect(amplifier1.y, hysteresis1.u) annotation(Line(points={{-44,40},{-30,40}}, color={0,0,127}));
+    connect(hysteresis1.y, creep1.u) annotation(Line(points={{-14,40},{0,40}}, color={0,0,127}));
+    connect(creep1.y, mechanics1_hold.u) annotation(Line(points={{16,40},{22,40}}, color={0,0,127}));
+    connect(mechanics1_hold.y, mechanics1.u) annotation(Line(points={{16,40},{30,40}}, color={0,0,127}));
+    connect(mechanics1.y, sensor1_hold.u) annotation(Line(points={{46,40},{52,40}}, color={0,0,127}));
+    connect(sensor1_hold.y, sensor1.u) annotation(Line(points={{46,40},{60,40}}, color={0,0,127}));
+    connect(sensor1.y, adc1.u) annotation(Line(points={{76,40},{90,40}}, color={0,0,127}));
+    connect(adc1.y, y[1]) annotation(Line(points={{100,40},{110,40}}, color={0,0,127}));
+    annotation(Documentation(info="<html><p>Rig <code>p2-machine</code>. Without disturbances: tip.noise left out. Blocks that run once per step answer a step later than in the FMU: y[i] is the FMU's position [3] steps later.</p><p>Source: the paper's G(s), range and instruments; maker's data; the shape of the loop measured on a P-885.91.</p></html>"));
+  end P2Machine;
 
   block P3 "P66X30 nanopositioning stage, linear"
     extends Icons.Rig;
@@ -330,6 +507,34 @@ package Rigs "Known machines, as the tool's blueprints have them"
     connect(gauge1.y, y[1]) annotation(Line(points={{100,40},{110,40}}, color={0,0,127}));
     annotation(Documentation(info="<html><p>Rig <code>p3-truth</code>. Without disturbances: x.noise left out. Blocks that run once per step answer a step later than in the FMU: y[i] is the FMU's position [3] steps later.</p><p>Source: Gaussian process with high-dimensional input, piezo stage P66X30; parameters not in the paper are matched to its PI loop.</p></html>"));
   end P3Truth;
+
+  block P3Machine "P66X30 stage as it could be: Rayleigh hysteresis, material loss, strain gauge"
+    extends Icons.Rig;
+    Interfaces.CommandInput u[1] "Commands" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
+    Interfaces.PositionOutput y[1] "Positions" annotation(Placement(transformation(extent={{100,-10},{120,10}})));
+    parameter Real step(unit="s", min = 0) = 2.5e-05 "Time between samples: the step of the blueprint";
+    Piezoloop.Blocks.Timing.DacQuantisation dac1(resolution = 0.000305) annotation(Placement(transformation(extent={{-88,32},{-72,48}})));
+    Piezoloop.Electrical.AmplifierLag amplifier1(bandwidth = 10000.0, gain = 15.0) annotation(Placement(transformation(extent={{-58,32},{-42,48}})));
+    Piezoloop.Hysteresis.GeneralisedPlay hysteresis1(r = {0.0, 0.625, 1.875, 3.125, 4.375, 5.625, 6.875, 8.125, 9.375, 10.625, 11.875, 13.125, 14.375, 15.625, 16.875, 18.125, 19.375, 20.625, 21.875, 23.125, 24.375, 25.625, 26.875, 28.125, 29.375, 30.625, 31.875, 33.125, 34.375, 35.625, 36.875, 38.125, 39.375, 40.625, 41.875, 43.125, 44.375, 45.625, 46.875, 48.125, 49.375, 50.625, 51.875, 53.125, 54.375, 55.625, 56.875, 58.125, 59.375, 60.625, 61.875, 63.125, 64.375, 65.625, 66.875, 68.125, 69.375, 70.625, 71.875, 73.125, 74.375}, w = {0.134368, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144, 0.0014144}, offset = 0.0, left_a0 = 255.424, left_a1 = 0.00412, left_a2 = -0.161, left_a3 = 40.7716, right_a0 = 255.424, right_a1 = 0.00412, right_a2 = -0.161, right_a3 = 40.7716, plays = 61, step = step) annotation(Placement(transformation(extent={{-28,32},{-12,48}})));
+    Piezoloop.Blocks.Creep.KelvinVoigtCreep creep1(share = {0.015, 0.015, 0.015, 0.015, 0.015, 0.015}, time_constant = {0.0001, 0.001, 0.01, 0.1, 1.0, 10.0}, elements = 6) annotation(Placement(transformation(extent={{2,32},{18,48}})));
+    Hold mechanics1_hold(u_start = 1.2995862667150436e-12, step = step) annotation(Placement(transformation(extent={{22,34},{34,46}})));
+    Piezoloop.Mechanics.Mode mechanics1(frequency = 3000.0, damping = 0.5, gain = 1.0) annotation(Placement(transformation(extent={{32,32},{48,48}})));
+    Hold gauge1_hold(u_start = 1.2995862667150436e-12, step = step) annotation(Placement(transformation(extent={{52,34},{64,46}})));
+    Piezoloop.Sensors.SensorLag gauge1(bandwidth = 28000.0) annotation(Placement(transformation(extent={{62,32},{78,48}})));
+    Piezoloop.Sensors.SensorQuantisation adc1(resolution = 0.00081) annotation(Placement(transformation(extent={{92,32},{108,48}})));
+  equation
+    connect(u[1], dac1.u) annotation(Line(points={{-104,40},{-90,40}}, color={0,0,127}));
+    connect(dac1.y, amplifier1.u) annotation(Line(points={{-74,40},{-60,40}}, color={0,0,127}));
+    connect(amplifier1.y, hysteresis1.u) annotation(Line(points={{-44,40},{-30,40}}, color={0,0,127}));
+    connect(hysteresis1.y, creep1.u) annotation(Line(points={{-14,40},{0,40}}, color={0,0,127}));
+    connect(creep1.y, mechanics1_hold.u) annotation(Line(points={{16,40},{22,40}}, color={0,0,127}));
+    connect(mechanics1_hold.y, mechanics1.u) annotation(Line(points={{16,40},{30,40}}, color={0,0,127}));
+    connect(mechanics1.y, gauge1_hold.u) annotation(Line(points={{46,40},{52,40}}, color={0,0,127}));
+    connect(gauge1_hold.y, gauge1.u) annotation(Line(points={{46,40},{60,40}}, color={0,0,127}));
+    connect(gauge1.y, adc1.u) annotation(Line(points={{76,40},{90,40}}, color={0,0,127}));
+    connect(adc1.y, y[1]) annotation(Line(points={{100,40},{110,40}}, color={0,0,127}));
+    annotation(Documentation(info="<html><p>Rig <code>p3-machine</code>. Without disturbances: x.noise left out. Blocks that run once per step answer a step later than in the FMU: y[i] is the FMU's position [3] steps later.</p><p>Source: the paper's range, gain and converters; makers' data; the shape of the loop measured on a P-885.91.</p></html>"));
+  end P3Machine;
 
   block Evc "Elliptical vibration cutting device with two parallel-flexure axes"
     extends Icons.Rig;
@@ -440,6 +645,45 @@ package Rigs "Known machines, as the tool's blueprints have them"
     annotation(Documentation(info="<html><p>Rig <code>evc-truth</code>. Without disturbances: Y.noise, Z.noise left out. Blocks that run once per step answer a step later than in the FMU: y[i] is the FMU's position [3, 3] steps later.</p><p>Source: C. Zhang, Z. Shu, Y. Yuan, X. Gan, F. Yu: Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated Elliptical Vibration Cutting Device; parameters not in the paper are assumed.</p></html>"));
   end EvcTruth;
 
+  block P4Machine "Elliptical vibration cutting device as it could be: Rayleigh hysteresis, creep, the finite elements' modes"
+    extends Icons.Rig;
+    Interfaces.CommandInput u[2] "Commands" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
+    Interfaces.PositionOutput y[2] "Positions" annotation(Placement(transformation(extent={{100,-10},{120,10}})));
+    parameter Real step(unit="s", min = 0) = 2e-05 "Time between samples: the step of the blueprint";
+    Piezoloop.Electrical.AmplifierLag amplifier1(bandwidth = 2600.0, gain = 1.0) annotation(Placement(transformation(extent={{-88,32},{-72,48}})));
+    Piezoloop.Hysteresis.GeneralisedPlay hysteresis1(r = {0.0, 0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 9.5, 10.5, 11.5, 12.5, 13.5, 14.5, 15.5, 16.5, 17.5, 18.5, 19.5, 20.5, 21.5, 22.5, 23.5, 24.5, 25.5, 26.5, 27.5, 28.5, 29.5, 30.5, 31.5, 32.5, 33.5, 34.5, 35.5, 36.5, 37.5, 38.5, 39.5, 40.5, 41.5, 42.5, 43.5, 44.5, 45.5, 46.5, 47.5, 48.5, 49.5, 50.5, 51.5, 52.5, 53.5, 54.5, 55.5, 56.5, 57.5, 58.5, 59.5}, w = {0.0318897, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122, 0.000473122}, offset = 0.0, left_a0 = 204.339, left_a1 = 0.00515, left_a2 = -0.161, left_a3 = 32.6173, right_a0 = 204.339, right_a1 = 0.00515, right_a2 = -0.161, right_a3 = 32.6173, plays = 61, step = step) annotation(Placement(transformation(extent={{-58,32},{-42,48}})));
+    Piezoloop.Blocks.Creep.KelvinVoigtCreep creep1(share = {0.015, 0.015, 0.015, 0.015, 0.015}, time_constant = {0.001, 0.01, 0.1, 1.0, 10.0}, elements = 5) annotation(Placement(transformation(extent={{-28,32},{-12,48}})));
+    Hold mechanics1_hold(u_start = 2.0234008107791813e-12, step = step) annotation(Placement(transformation(extent={{-8,34},{4,46}})));
+    Piezoloop.Mechanics.Mode mechanics1(frequency = 482.6, damping = 0.02, gain = 1.0) annotation(Placement(transformation(extent={{2,32},{18,48}})));
+    Piezoloop.Electrical.AmplifierLag amplifier2(bandwidth = 2600.0, gain = 1.0) annotation(Placement(transformation(extent={{-88,-28},{-72,-12}})));
+    Piezoloop.Hysteresis.GeneralisedPlay hysteresis2(r = {0.0, 0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 9.5, 10.5, 11.5, 12.5, 13.5, 14.5, 15.5, 16.5, 17.5, 18.5, 19.5, 20.5, 21.5, 22.5, 23.5, 24.5, 25.5, 26.5, 27.5, 28.5, 29.5, 30.5, 31.5, 32.5, 33.5, 34.5, 35.5, 36.5, 37.5, 38.5, 39.5, 40.5, 41.5, 42.5, 43.5, 44.5, 45.5, 46.5, 47.5, 48.5, 49.5, 50.5, 51.5, 52.5, 53.5, 54.5, 55.5, 56.5, 57.5, 58.5, 59.5}, w = {0.0574548, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617, 0.000437617}, offset = 0.0, left_a0 = 204.339, left_a1 = 0.00515, left_a2 = -0.161, left_a3 = 32.6173, right_a0 = 204.339, right_a1 = 0.00515, right_a2 = -0.161, right_a3 = 32.6173, plays = 61, step = step) annotation(Placement(transformation(extent={{-58,-28},{-42,-12}})));
+    Piezoloop.Blocks.Creep.KelvinVoigtCreep creep2(share = {0.015, 0.015, 0.015, 0.015, 0.015}, time_constant = {0.001, 0.01, 0.1, 1.0, 10.0}, elements = 5) annotation(Placement(transformation(extent={{-28,-28},{-12,-12}})));
+    Hold mechanics2_hold(u_start = 3.64550588130825e-12, step = step) annotation(Placement(transformation(extent={{-8,-26},{4,-14}})));
+    Piezoloop.Mechanics.Mode mechanics2(frequency = 290.7, damping = 0.02, gain = 1.0) annotation(Placement(transformation(extent={{2,-28},{18,-12}})));
+    Hold sensor1_hold(u_start = 2.0234008107791813e-12, step = step) annotation(Placement(transformation(extent={{22,34},{34,46}})));
+    Piezoloop.Sensors.SensorLag sensor1(bandwidth = 8000.0) annotation(Placement(transformation(extent={{32,32},{48,48}})));
+    Hold sensor2_hold(u_start = 3.64550588130825e-12, step = step) annotation(Placement(transformation(extent={{22,-26},{34,-14}})));
+    Piezoloop.Sensors.SensorLag sensor2(bandwidth = 8000.0) annotation(Placement(transformation(extent={{32,-28},{48,-12}})));
+  equation
+    connect(u[1], amplifier1.u) annotation(Line(points={{-104,40},{-90,40}}, color={0,0,127}));
+    connect(amplifier1.y, hysteresis1.u) annotation(Line(points={{-74,40},{-60,40}}, color={0,0,127}));
+    connect(hysteresis1.y, creep1.u) annotation(Line(points={{-44,40},{-30,40}}, color={0,0,127}));
+    connect(creep1.y, mechanics1_hold.u) annotation(Line(points={{-14,40},{-8,40}}, color={0,0,127}));
+    connect(mechanics1_hold.y, mechanics1.u) annotation(Line(points={{-14,40},{0,40}}, color={0,0,127}));
+    connect(u[2], amplifier2.u) annotation(Line(points={{-104,-20},{-90,-20}}, color={0,0,127}));
+    connect(amplifier2.y, hysteresis2.u) annotation(Line(points={{-74,-20},{-60,-20}}, color={0,0,127}));
+    connect(hysteresis2.y, creep2.u) annotation(Line(points={{-44,-20},{-30,-20}}, color={0,0,127}));
+    connect(creep2.y, mechanics2_hold.u) annotation(Line(points={{-14,-20},{-8,-20}}, color={0,0,127}));
+    connect(mechanics2_hold.y, mechanics2.u) annotation(Line(points={{-14,-20},{0,-20}}, color={0,0,127}));
+    connect(mechanics1.y, sensor1_hold.u) annotation(Line(points={{16,40},{22,40}}, color={0,0,127}));
+    connect(sensor1_hold.y, sensor1.u) annotation(Line(points={{16,40},{30,40}}, color={0,0,127}));
+    connect(mechanics2.y, sensor2_hold.u) annotation(Line(points={{16,-20},{22,-20}}, color={0,0,127}));
+    connect(sensor2_hold.y, sensor2.u) annotation(Line(points={{16,-20},{30,-20}}, color={0,0,127}));
+    connect(sensor1.y, y[1]) annotation(Line(points={{100,40},{110,40}}, color={0,0,127}));
+    connect(sensor2.y, y[2]) annotation(Line(points={{100,-20},{110,-20}}, color={0,0,127}));
+    annotation(Documentation(info="<html><p>Rig <code>p4-machine</code>. Without disturbances: Y.noise, Z.noise left out. Blocks that run once per step answer a step later than in the FMU: y[i] is the FMU's position [3, 3] steps later.</p><p>Source: C. Zhang, Z. Shu, Y. Yuan, X. Gan, F. Yu: Compound Control of Trajectory Errors in a Non-Resonant Piezo-Actuated Elliptical Vibration Cutting Device, Tables 2 and 3, Figure 1; the shape of the loop measured on a P-885.91.</p></html>"));
+  end P4Machine;
+
   block P885 "PI P-885.91 stack in an amplified flexure: delay, curved Prandtl-Ishlinskii hysteresis, creep"
     extends Icons.Rig;
     Interfaces.CommandInput u[1] "Commands" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
@@ -459,5 +703,5 @@ package Rigs "Known machines, as the tool's blueprints have them"
     connect(linearity1.y, y[1]) annotation(Line(points={{100,40},{110,40}}, color={0,0,127}));
     annotation(Documentation(info="<html><p>Rig <code>p885</code>. Blocks that run once per step answer a step later than in the FMU: y[i] is the FMU's position [0] steps later.</p><p>Source: identified from model_1hz_3v6.csv; Y. N. Aye, W. T. Ang, ICSTSD Yangon 2018.</p></html>"));
   end P885;
-  annotation(Documentation(info="<html><p>Nominal and truth rigs of the tool.</p></html>"));
+  annotation(Documentation(info="<html><p>All rigs of the tool: nominal, truth, machine.</p></html>"));
 end Rigs;

@@ -381,12 +381,13 @@ def rigs(rows, written, read):
         models.append(example_)
         facts[kind] = (name, blueprint, inputs, delays)
     end = '  annotation(Documentation(info="<html><p>{}</p></html>"));\nend Rigs;\n'
-    plants = RIGS + "\n\n".join(blocks) + "\n" + end.format("Nominal and truth rigs of the tool.")
+    plants = RIGS + "\n\n".join(blocks) + "\n" + end.format("All rigs of the tool: nominal, truth, machine.")
     tried = 'within Piezoloop.Examples;\npackage Rigs "Each rig under waves"\n  extends Icons.ExamplesPackage;\n\n'
     return plants, tried + "\n\n".join(models) + "\n" + end.format("One model per rig."), facts
 
 
-KNOWN = ["p0", "p0-truth", "p1", "p1-truth", "p2", "p2-truth", "p3", "p3-truth", "evc", "p4-truth", "evc-truth", "p885"]
+KNOWN = ["p0", "p0-truth", "p0-machine", "p1", "p1-truth", "p1-machine", "p2", "p2-truth", "p2-machine", "p3", "p3-truth", "p3-machine", "evc", "p4-truth",
+         "evc-truth", "p4-machine", "p885"]
 
 
 UNITS = {"kHz": (1e3, "Hz"), "nm": (1e-3, "um"), "mV": (1e-3, "V")}
