@@ -152,6 +152,43 @@ pub(crate) fn can_write(output: &Path) -> anyhow::Result<()> {
     begun.map(drop).with_context(|| format!("{} cannot be written", output.display()))
 }
 
+/// Endings of what is written as CSV.
+pub(crate) const CSV: &[&str] = &["csv", "txt"];
+/// Endings of runs.
+pub(crate) const RUN: &[&str] = &["csv", "txt", "npy", "npz", "parquet"];
+/// Endings of blueprints.
+pub(crate) const BLUEPRINT: &[&str] = &["toml"];
+/// Endings of FMUs.
+pub(crate) const FMU: &[&str] = &["fmu"];
+/// Endings of sets of parameters.
+pub(crate) const PARAMETERS: &[&str] = &["ssv"];
+/// Endings of systems.
+pub(crate) const SYSTEM: &[&str] = &["ssp"];
+/// Endings of pages, and of the same as data.
+pub(crate) const REPORT: &[&str] = &["html", "htm", "json"];
+/// Endings of tables of many runs.
+pub(crate) const TABLE: &[&str] = &["parquet"];
+
+/// As [`can_write`], and whether its ending is one of these: by another one it would be read as what it is not.
+/// A name without an ending says nothing of the kind, and a pipe or device none.
+pub(crate) fn can_write_as(output: &Path, endings: &[&str]) -> anyhow::Result<()> {
+    can_write(output)?;
+    let is_other = std::fs::metadata(output).is_ok_and(|found| !found.is_file());
+    let ending = output.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    if let Some(ending) = ending.filter(|ending| !is_other && !endings.contains(&ending.as_str())) {
+        let (last, others) = endings.split_last().context("there is an ending")?;
+        let known = match others {
+            [] => format!(".{last}"),
+            others => format!(".{} or .{last}", others.join(", .")),
+        };
+        bail!(
+            "{}: .{ending} is not written here; give a name that ends in {known}",
+            output.display()
+        );
+    }
+    Ok(())
+}
+
 /// Writes a blueprint, and before it its learned tables, whose files are named after its own.
 pub(crate) fn write_blueprint(checked: &CheckedBlueprint, file: &Path) -> anyhow::Result<()> {
     let mut blueprint = checked.blueprint().clone();

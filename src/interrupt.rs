@@ -121,6 +121,7 @@ fn catch() -> io::Result<()> {
         for signal in signals.forever() {
             if ends() {
                 tidy();
+                exits::finished();
                 // As if it had not been caught, so that a shell sees what happened.
                 let _ = signal_hook::low_level::emulate_default_handler(signal);
                 std::process::exit(128 + signal);
@@ -144,6 +145,7 @@ fn catch() -> io::Result<()> {
     let caught = ctrlc::set_handler(|| {
         if ends() {
             tidy();
+            exits::finished();
             std::process::exit(130);
         }
     });

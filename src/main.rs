@@ -82,12 +82,13 @@ fn main() -> ExitCode {
     // A worker ends with its master; that one asks how far steps may go.
     data::inner_steps::allow(if is_worker { u64::MAX } else { cli.most_steps });
     let _tidy = (!is_worker).then(interrupt::begin);
+    // How a worker ends its master tells.
     if !is_worker {
-        cosim::guard_exit();
+        exits::guard(cosim::instances);
     }
     let kept = if json { answer::keep_standard_output() } else { Ok(()) };
     let outcome = kept.and_then(|()| cli.command.run(&screen));
-    cosim::finished();
+    exits::finished();
     match outcome {
         Ok(code) => ExitCode::from(code),
         Err(error) => {

@@ -72,12 +72,24 @@ fn write(memory: &Memory, columns: &[Column], out: &Path) -> std::io::Result<()>
     renew(columns, out)
 }
 
-/// What stands beside a record of this name is that of the new one.
+/// Whether what stands beside a record of this name can be replaced. To be asked when the logs are read, which
+/// the same file may describe.
+pub(crate) fn can_keep_beside(out: &Path) -> anyhow::Result<()> {
+    let beside = out.with_extension("dataset.toml");
+    data::check_sidecar(out).with_context(|| format!("{} cannot be written", beside.display()))
+}
+
+/// What stands beside a record of this name is that of the new one: units, which only Parquet has inside.
 pub(crate) fn renew(columns: &[Column], out: &Path) -> std::io::Result<()> {
     let header = |column: &Column| ColumnHeader {
         name: column.name.clone(),
         unit: column.unit.as_deref().and_then(|unit| ColumnUnit::parse(unit).ok()),
         description: String::new(),
     };
-    data::renew_sidecar(out, &columns.iter().map(header).collect::<Vec<_>>())
+    let columns: Vec<ColumnHeader> = columns.iter().map(header).collect();
+    let is_parquet = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"));
+    match is_parquet {
+        true => data::renew_sidecar(out, &columns),
+        false => data::write_sidecar(out, &columns),
+    }
 }

@@ -55,11 +55,39 @@ fn files_that_are_not_there_or_not_what_they_should_be() {
     refuses(at, &["invert", "plant.fmu", "-o", "x.toml"], &["FMU", "blueprint", ".toml"]);
     refuses(at, &["log", "controller.toml"], &["is a blueprint, no log"]);
     refuses(at, &["log", "plant.fmu"], &["is an FMU, no log"]);
+    refuses(
+        at,
+        &["bench", "run", "--plan", "controller.toml", "--gateway", "udp://127.0.0.1:9"],
+        &["controller.toml:", "is a blueprint, no plan of the bench"],
+    );
+    refuses(at, &["sweep", "controller.toml"], &["is a blueprint, no plan of a sweep"]);
+    refuses(at, &["system", "controller.toml"], &["is a blueprint, no system of FMUs"]);
     let rows: String = (0..100).map(|k| format!("{k},{k}\n")).collect();
     write(at, "rows.csv", &rows);
     let message = refuse(&["pack", "rows.csv", "-o", "x.fmu"], at);
     assert!(message.lines().count() < 12 && message.contains("further places"), "{message}");
     refuses(at, &["pack", "evc", "-o", "no/such/folder/x.fmu"], &["no/such/folder"]);
+}
+
+#[test]
+fn an_ending_says_what_is_written() {
+    let folder = prepared();
+    let at = folder.path();
+    let drive = ["simulate", "plant.fmu", "--log", "log.csv", "-o"];
+    for ending in ["xyz", "mf4", "mat", "CVS"] {
+        let out = format!("x.{ending}");
+        refuses(at, &[&drive[..], &[&out]].concat(), &[".csv, .txt, .npy, .npz or .parquet"]);
+        refuses(at, &["log", "log.csv", "-o", &out], &[".csv or .txt"]);
+        refuses(at, &["signal", "ellipse", "-o", &out], &[".csv or .txt"]);
+    }
+    refuses(at, &["log", "log.csv", "-o", "x.parquet"], &[".parquet is not written here"]);
+    refuses(at, &["pack", "evc", "-o", "x.toml"], &["ends in .fmu"]);
+    refuses(at, &["invert", "evc", "-o", "x.fmu"], &["ends in .toml"]);
+    refuses(at, &[&drive[..], &["x.csv", "--report", "x.pdf"]].concat(), &[".html, .htm or .json"]);
+    // What only looks like an ending of a pipe or device is none.
+    for out in ["/dev/null", "x.csv", "y"] {
+        succeed(&[&drive[..], &[out]].concat(), at);
+    }
 }
 
 #[test]
@@ -76,6 +104,9 @@ fn names_that_do_not_exist() {
     refuses(at, &drive(&["--start", "axis[1].mechanics.dampng=0.1"]), &["dampng"]);
     refuses(at, &drive(&["--start", "axis[1].mechanics.damping=high"]), &["damping", "high"]);
     refuses(at, &drive(&["--start", "axis[1].mechanics.damping=-3"]), &["damping", "-3"]);
+    let tune =
+        ["diagnose", "--model", "evc", "--log", "log.csv", "--tune", "*.mechanics.frequenzy=0.1"];
+    refuses(at, &tune, &["--tune *.mechanics.frequenzy", "no parameter of the model"]);
     refuses(at, &drive(&["--unit", "command[1]=furlong"]), &["furlong"]);
     refuses(at, &drive(&["--unit", "command[1]=um"]), &["um", "V"]);
     refuses(at, &drive(&["--rows", "9..2"]), &["9..2"]);

@@ -114,6 +114,13 @@ fn a_killed_runner_leaves_its_rows_and_the_machine_stops_itself() {
     let log = data::Log::read(&folder.path().join("run.csv"), &data::ReadOptions::default());
     // 18 columns of 8 bytes.
     assert!(log.unwrap().len() as u64 >= 60_000 / (8 * 18) - 40);
+    // What is there stays unless it is named; a file of another hand beside it in any case.
+    let said = refuse(&["bench", "recover", "run.csv.journal"], folder.path());
+    assert!(said.contains("run.csv: is there") && said.contains("-o FILE"), "{said}");
+    succeed(&["bench", "recover", "run.csv.journal", "-o", "run.csv"], folder.path());
+    std::fs::write(folder.path().join("mine.about.json"), "{}").unwrap();
+    let said = refuse(&["bench", "recover", "run.csv.journal", "-o", "mine.csv"], folder.path());
+    assert!(said.contains("mine.about.json") && !folder.path().join("mine.csv").exists(), "{said}");
     std::thread::sleep(Duration::from_millis(400));
     machine.signal("-TERM");
     let (said, _) = machine.end();

@@ -99,8 +99,9 @@ const BENCH: &str = r#"
 patience = 0.01
 [[axis]]
 command_limits = [-1, 1]
-[[step]]
-hold = 0.01
+[[sequence]]
+kind = "rest"
+seconds = 0.01
 "#;
 const CAMPAIGN: &str = r#"
 plan = "bench.toml"

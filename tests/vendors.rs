@@ -348,10 +348,23 @@ fn an_fmu_that_ends_the_program_is_no_success() {
         return;
     }
     let at = folder.path();
-    for fault in ["EXIT_STEP", "EXIT_GET", "EXIT_FREE", "QUICK_EXIT_STEP", "EXIT_LOAD"] {
+    for fault in [
+        "EXIT_STEP",
+        "EXIT_ONE_STEP",
+        "EXIT_GET",
+        "EXIT_FREE",
+        "QUICK_EXIT_STEP",
+        "EXIT_LOAD",
+        "AT_ONCE_STEP",
+        "AT_ONCE_LOAD",
+    ] {
         let fmu = build(at, fault, &[&format!("FAULT={fault}")], Lie::None);
         contains(&fails(&simulate(&fmu, &[]), at), &["has ended this program from inside (exit)"]);
     }
+    let fmu = build(at, "child", &["FAULT=AT_ONCE_CHILD"], Lie::None);
+    assert!(piezoloop(&simulate(&fmu, &[]), at).status.success());
+    let fmu = build(at, "isolated", &["FAULT=AT_ONCE_STEP"], Lie::None);
+    contains(&fails(&simulate(&fmu, &ISOLATED), at), &["because the FMU crashed"]);
     // The operating system says so itself.
     let fmu = build(at, "pipe", &["FAULT=SIGPIPE_STEP"], Lie::None);
     assert!(!piezoloop(&simulate(&fmu, &[]), at).status.success());

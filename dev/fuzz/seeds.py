@@ -4,6 +4,7 @@ Needs numpy, scipy, pandas, pyarrow, asammdf, h5py and npTDMS, and the FMUs and 
 seeds.py PIEZOLOOP FOLDER_WITH_GAP_JSON
 """
 
+import json
 import struct
 import subprocess
 import sys
@@ -230,66 +231,182 @@ TEXTS = {
     "headless.csv": "0,1,2\n0.001,2,3\n0.002,3,4\n",
     "gaps.csv": "timestamps,u,note\n0,1,a\n0.001,,b\n0.002,3,\n,,\n",
 }
-DATASET = """rate = 2000
+DATASETS = {
+    "all": '''rate = 2000
 time = { column = "t", unit = "ms" }
 [columns]
 u = { unit = "V", description = "Command" }
 y = { unit = "um" }
-"""
-OSP = """<?xml version="1.0" encoding="utf-8"?>
-<OspSystemStructure xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure" version="0.1">
-  <StartTime>0</StartTime><BaseStepSize>0.01</BaseStepSize>
-  <Simulators>
-    <Simulator name="plant" source="plant.fmu" stepSize="0.01">
-      <InitialValues><InitialValue variable="k"><Real value="2"/></InitialValue>
-        <InitialValue variable="on"><Boolean value="true"/></InitialValue></InitialValues>
-    </Simulator>
-    <Simulator name="law" source="proxyfmu://localhost?file=law.fmu"/>
-  </Simulators>
-  <Functions>
-    <LinearTransformation name="f" factor="2" offset="1"/>
-    <Sum name="s" inputCount="2"/>
-    <VectorSum name="v" inputCount="2" numericType="real" dimension="2"/>
-  </Functions>
-  <Connections>
-    <VariableConnection><Variable simulator="law" name="u"/><Variable simulator="plant" name="u"/></VariableConnection>
-    <SignalConnection><Variable simulator="plant" name="y"/><Signal function="f" name="in"/></SignalConnection>
-    <VariableGroupConnection><VariableGroup simulator="law" name="g"/><VariableGroup simulator="plant" name="g"/></VariableGroupConnection>
-  </Connections>
+''',
+    "time": 'time.column = "y"\n[time]\nunit = "us"\n',
+    "names": '[columns."u [V]"]\nunit = "mV"\n[columns]\n"1" = {}\ny.unit = "°C"\n',
+    "rate": 'rate = 1_000.0 # Hz\ncolumns = { y = { unit = "-" } }\n',
+}
+OSP_HEAD = """<?xml version="1.0" encoding="utf-8"?>
+<OspSystemStructure xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure" version="0.1">"""
+OSPS = {
+    "loop": OSP_HEAD + """
+<StartTime>0</StartTime><EndTime>1</EndTime><BaseStepSize>0.01</BaseStepSize><Algorithm>fixedStep</Algorithm>
+<Simulators>
+<Simulator name="p" source="p.fmu" stepSize="0.01"><InitialValues>
+<InitialValue variable="k"><Real value="2"/></InitialValue><InitialValue variable="n"><Integer value="3"/></InitialValue>
+<InitialValue variable="on"><Boolean value="true"/></InitialValue><InitialValue variable="s"><String value="x"/></InitialValue>
+</InitialValues></Simulator>
+<Simulator name="c" source="a%20b/c.fmu"/>
+</Simulators>
+<Functions><LinearTransformation name="f" factor="2" offset="1"/></Functions>
+<Connections>
+<VariableConnection><Variable simulator="c" name="u"/><Variable simulator="p" name="u"/></VariableConnection>
+<SignalConnection><Variable simulator="p" name="y"/><Signal function="f" name="in"/></SignalConnection>
+<SignalConnection><Signal function="f" name="out"/><Variable simulator="c" name="y"/></SignalConnection>
+</Connections>
 </OspSystemStructure>
-"""
+""",
+    "short": OSP_HEAD + """<Simulators><Simulator name="a" source="file:///a.fmu"/></Simulators></OspSystemStructure>""",
+    "others": OSP_HEAD + """
+<Simulators><Simulator name="law" source="proxyfmu://localhost?file=law.fmu" stepSize="0"/></Simulators>
+<Functions><Sum name="s" inputCount="2"/><VectorSum name="v" inputCount="2" numericType="real" dimension="2"/></Functions>
+<Connections><VariableGroupConnection><VariableGroup simulator="law" name="g"/><VariableGroup simulator="law" name="h"/>
+</VariableGroupConnection><SignalGroupConnection><Signal function="v" name="in[0]"/><VariableGroup simulator="law" name="h"/>
+</SignalGroupConnection></Connections>
+</OspSystemStructure>
+""",
+    "prefixed": """<osp:OspSystemStructure xmlns:osp="urn:x" name="n"><!-- c --><osp:BaseStepSize>-1</osp:BaseStepSize>
+<osp:Simulators><osp:Simulator name="a" source="../a.fmu" stepSize="1e400"/><osp:Simulator name="a" source=""/></osp:Simulators>
+<osp:Connections><osp:VariableConnection><osp:Variable simulator="a" name="x"/></osp:VariableConnection></osp:Connections>
+</osp:OspSystemStructure>
+""",
+}
 TUNE = """mass=0.2,0.1..0.5
 axis[1].mechanics.damping=0.05
 A[1,2]=1e-3,-1..+1
 stiffness
 k = -2.5e6 , -1e7 .. 0
 """
-SWEEP = """runs = 10
+SWEEPS = {
+    "loop": """runs = 10
 seed = 7
 [loop]
 plant = "evc"
-controller = "controller.toml"
-reference = "reference.csv"
+controller = "c.toml"
+reference = "r.csv"
 from = 0.1
+map = { "reference[1]" = "y" }
+unit = { "y" = "um" }
+coupling = "side-by-side"
+step = 1e-4
+stop = 1
+all-effects = true
+start = { "plant.k" = 2.0 }
+new-instances = true
 [vary]
-"plant.*.mechanics.frequency" = { tolerance = 0.05 }
-"plant.axis[1].gain" = { uniform = [0.9, 1.1] }
-"plant.axis[2].gain" = { log-uniform = [0.1, 10.0] }
-"plant.axis[1].mechanics.damping" = { normal = [0.05, 0.01], within = [0.01, 0.1] }
-"controller.*.pid.kp" = { grid = [0.01, 0.02] }
-"controller.*.enabled" = { choice = [true, false] }
-"""
+"plant.*.frequency" = { tolerance = 0.05 }
+"plant.a[1].gain" = { uniform = [0.9, 1.1] }
+"plant.a[2].gain" = { log-uniform = [0.1, 10.0] }
+"plant.d" = { normal = [0.05, 0.01] }
+"controller.kp" = { grid = [0.01, 2] }
+"controller.on" = { choice = [true, "x"] }
+"plant.w" = { within = 0.05 }
+"plant.seed" = { whole = [1, 9] }
+""",
+    "system": """[system]
+file = "loop.ssp"
+input = "r.csv"
+parameters = ["n.ssv"]
+step = 2e-5
+stop = 1.0
+[measure]
+a = { column = "position[1]", minus = "reference[1]", take = "max" }
+b = { column = "u", take = "rms" }
+[vary]
+"p.k" = { choice = [1, 2] }
+""",
+    "identify": """runs = 3
+[identify]
+machine = "p1-truth"
+logs = ["t.csv"]
+options = ["--model", "linear"]
+[vary]
+"machine.*.seed" = { whole = [1, 1000000] }
+"option.plays" = { grid = ["5", "20"] }
+""",
+    "diagnose": """[diagnose]
+model = "a.fmu"
+logs = ["a.csv", "b.csv"]
+holdout = ["c.csv"]
+map = { u = "x" }
+[vary]
+"log" = { grid = ["m.csv", "t.csv"] }
+""",
+}
+# What instruments answer, one after the other, behind the address.
+GCS = ["PI, E-727.3CD, 12, 1.2\n", "0\n", "1 \n2\n", "1=-5 \n2=-5\n", "1=1e2 \n2=100\n", "1=0.1 \n2=0\n", "0\n"]
+LINES = {
+    "line-gcs": {
+        "two": ("gcs://10.0.0.1?axes=1,2&timeout=0.05", [*GCS, "1=1 \n2=2\n0\n", "1=1.5 \n2=+2\n0", "\n", "0\n",
+                                                       "1=1 \n2=2\n0\n", "1=1 \n2=3\n7\n", "1=1 \n2=2\n0\n"]),
+        "one": ("gcs://[::1]:50000", ["PI\n", "5\n", "A B\n", "A=0\n", "A=1\n", "A=0.5\n", "0\n", "A=1\n0\n", "",
+                                    "PI\n", "A=1\n0\n", "0\n", "A=2\n0\n", "A=2\n0\nA=3\n", "PI\n", "A=0\n"]),
+        "open": ("gcs://10.0.0.1?mode=open&axes=X", ["PI\n", "0\n", "X\n", "X=0\n", "X=1\n", "X=0\n", "0\n", "X=1\n0\n", "X=1\n0\n",
+                                                   "0\n", "X=1\n0\n", "", "Other\n"]),
+    },
+    "line-nv200": {
+        "closed": ("nv200://10.0.0.1", ["NV200/D_NET>\n", "posmin,0.0\r\n\x11", "posmax,80\r\n\x11", "desc,TRITOR 100\r\n\x11",
+                                      "meas,1.5\r\n\x11", "meas,1.5\r\n\x11", "\x11", "\x11", "\x11", "meas,2\r\n\x11",
+                                      "cl,1\r\n\x11", "\x11", "meas,3\r\n\x11", "cl,1\r\n\x11", "error,4\r\n\x11"]),
+        "open": ("nv200://10.0.0.1:23?mode=open&timeout=1", ["\xff\xfb\x01NV200\n", "avmin,-20\x11", "avmax,130\x11", "desc,x\x11", "meas,1\x11",
+                                                          "", "NV200\n", "meas,1\x11", "\x11", "\x11", "\x11", "meas,1\x11",
+                                                          "cl,0\x11", "", "NV200\n", "cl,1\x11", "set,2\x11"]),
+    },
+}
+DRIVERS = {
+    "good": "0|card 7|0 1 3 1|0 2 3 1 2|0 3 3 1 2 3|1 0 0|0 1 1 5|0 1 2 5",
+    "refuses": "-7|the cable is off",
+    "wrong": "0|-|5 0 0|0 2 3 1|0 1 255 1|0 1 3 nan|0 1 3 1 2 3 4|0 1 3 inf|2147483648 -1 0x7fffffff 1e400",
+}
 
+
+def journal() -> str:
+    """A record without a controller: its description and rows, between signs that separate records."""
+    names = ["time", "r", "p", "u", "bench.state", "bench.reason", "bench.missing", "bench.row", "bench.wake", "bench.work",
+             "bench.round_trip", "bench.skipped", "bench.lost", "bench.late", "bench.duplicate", "bench.reordered", "bench.corrupt"]
+    recipe = """version = 1
+period_ns = 1000000
+blend = 2
+[start]
+k = 0.5
+[[axis]]
+column = "r"
+reference = "r"
+position = "p"
+measured = "p"
+command = "u"
+command_limits = [-1.0, inf]
+command_rate = 100.0
+safe = 0.0
+safe_rate = 1e3
+"""
+    about = {"columns": [{"name": name, "unit": "um" if name == "p" else None, "description": ""} for name in names],
+             "provenance": {"tool": "piezoloop", "start_ns": 5, "replay": recipe}}
+    rows = [[k * 1e-3, 0.1 * k, 0.2, 0.0, state, 0, 0, k, 0, 0, 0, k == 4, 0, 0, 0, 0, 0]
+            for k, state in enumerate([1, 2, 2, 2, 3, 2, 4, 5])]
+    block = "\n".join(" ".join(f"{value:g}" for value in row) for row in rows)
+    return json.dumps(about) + "\x1e" + block + "\x1e" + block
 
 def texts() -> None:
     for name, text in TEXTS.items():
         into("log-text", name, text)
     into("log-text", "wide.csv", TEXTS["semicolons.csv"].encode("utf-16"))
     into("log-text", "latin.csv", TEXTS["semicolons.csv"].encode("latin-1"))
-    into("dataset", "all.toml", DATASET)
-    into("osp-system", "all.xml", OSP)
     into("estimate-options", "all.txt", TUNE)
-    into("sweep-plan", "loop.toml", SWEEP)
+    for target, ending, all_of in [("dataset", "toml", DATASETS), ("osp-system", "xml", OSPS), ("sweep-plan", "toml", SWEEPS),
+                                   ("driver", "txt", DRIVERS)]:
+        for name, text in all_of.items():
+            into(target, f"{name}.{ending}", text)
+    for target, lines in LINES.items():
+        for name, (address, answers) in lines.items():
+            into(target, f"{name}.txt", (address + "\n" + "\x1e".join(answers)).encode("latin-1"))
+    into("bench-record", "direct.txt", journal())
 
 
 def sources(work: Path) -> None:
@@ -300,7 +417,7 @@ def sources(work: Path) -> None:
                        check=True, capture_output=True)
         with zipfile.ZipFile(fmu) as archive:
             wanted = [name for name in archive.namelist() if name.startswith("sources/") and not name.endswith("/")]
-            entries = {name: archive.read(name)[:1200] for name in ["modelDescription.xml", *wanted]}
+            entries = {name: archive.read(name)[:260] for name in ["modelDescription.xml", *wanted]}
             entries["modelDescription.xml"] = archive.read("modelDescription.xml")
         into("fmu-sources", f"gain{version}.fmu", stored(entries, work / "d.zip"))
 

@@ -66,7 +66,7 @@ impl Calibrate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
         if let Some(out) = &self.out {
-            inputs::can_write(out)?;
+            inputs::can_write_as(out, inputs::BLUEPRINT)?;
         }
         self.page.can_write()?;
         let mut blueprint = self.blueprint.as_deref().map(inputs::blueprint).transpose()?;

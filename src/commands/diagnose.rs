@@ -12,8 +12,8 @@ use diagnose::{
     Diagnosis, Discrepancy, Files, Gap, Model, Noise, Observer, Request, Tolerance, Verdict,
 };
 use indicatif::ProgressBar;
-use modeldescription::FmiVersion;
 use modeldescription::package::Platform;
+use modeldescription::{FmiVersion, Package};
 use serde::Serialize;
 
 use crate::answer::{Answer, STANDARD_OUTPUT, Screen};
@@ -182,6 +182,45 @@ impl Observer for Bar {
     }
 }
 
+/// Whether each `--tune` names a parameter that can be re-tuned.
+fn check_tolerances(request: &Request) -> anyhow::Result<()> {
+    if request.tolerances.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<String> = match &request.model {
+        Model::Blueprint(checked) => {
+            let system = checked.build();
+            let variables = system.variables().as_slice().iter();
+            variables.filter(|v| v.fit && v.start != Some(0.0)).map(|v| v.name.clone()).collect()
+        }
+        Model::Fmu(path) => {
+            let package = Package::open(path)?;
+            let variables = package.description().variables.iter();
+            let is_tuned = |v: &&modeldescription::variable::Variable| {
+                v.causality == modeldescription::variable::Causality::Parameter
+                    && v.start.as_ref().is_some_and(|start| start.numbers().is_some())
+            };
+            variables.filter(is_tuned).map(|v| v.name.clone()).collect()
+        }
+    };
+    for tolerance in &request.tolerances {
+        if !names.iter().any(|name| tolerance.is_for(name)) {
+            let near = inputs::meant(&tolerance.name, names.iter().map(String::as_str));
+            let most = 12;
+            let more = match names.len().saturating_sub(most) {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            bail!(
+                "--tune {}: is no parameter of the model that can be re-tuned (its value is a number and not 0); {near}there are {}{more}",
+                tolerance.name,
+                names.iter().take(most).cloned().collect::<Vec<_>>().join(", ")
+            );
+        }
+    }
+    Ok(())
+}
+
 impl Diagnose {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let (answer, pages) = self.execute(screen)?;
@@ -205,6 +244,7 @@ impl Diagnose {
         let source = self.source(screen)?;
         let libraries = self.libraries(&source)?;
         let request = self.request(&source)?;
+        check_tolerances(&request)?;
         let mut bar = Bar(progress::bar(screen, "diagnose", 1));
         let diagnosis = diagnose::examine(&request, &mut bar);
         bar.0.finish_and_clear();

@@ -143,8 +143,8 @@ impl Estimate {
     }
 
     fn execute(&self) -> anyhow::Result<Estimated> {
-        for out in self.out.iter().chain(&self.fmu) {
-            inputs::can_write(out)?;
+        for (outs, endings) in [(&self.out, inputs::PARAMETERS), (&self.fmu, inputs::FMU)] {
+            outs.iter().try_for_each(|out| inputs::can_write_as(out, endings))?;
         }
         let mut opened = fmus::open_in(&self.model, self.isolation.worker()?.as_ref())?;
         simulate::configure(self.fixed.iter().map(String::as_str), &mut opened.fmu)?;

@@ -139,8 +139,8 @@ pub(crate) struct Fit {
 impl FrequencyResponse {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
-        for out in self.out.iter().chain(&self.plant) {
-            inputs::can_write(out)?;
+        for (outs, endings) in [(&self.out, inputs::CSV), (&self.plant, inputs::BLUEPRINT)] {
+            outs.iter().try_for_each(|out| inputs::can_write_as(out, endings))?;
         }
         self.page.can_write()?;
         let answer = self.execute()?;

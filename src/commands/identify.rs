@@ -258,7 +258,7 @@ impl Identify {
     /// Identifies, and writes the blueprint.
     pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Identified> {
         self.check_learning()?;
-        inputs::can_write(&self.out)?;
+        inputs::can_write_as(&self.out, inputs::BLUEPRINT)?;
         self.page.can_write()?;
         let all = self.all.as_deref().map(candidates::Folder::open).transpose()?;
         let (plant, result) = self.plant(screen)?;

@@ -190,7 +190,7 @@ impl Invert {
     /// Makes and writes the controller.
     pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Inverted> {
         interrupt::listen()?;
-        inputs::can_write(&self.out)?;
+        inputs::can_write_as(&self.out, inputs::BLUEPRINT)?;
         let plant = inputs::blueprint(&self.plant)?.blueprint.check(learned::COMPONENTS)?;
         let log =
             self.reference.as_deref().map(|file| LogOptions::default().read(file)).transpose()?;

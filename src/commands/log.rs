@@ -8,7 +8,7 @@ use data::{Log as Measured, SampleTime, UnitPlace};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
-use crate::inputs::LogOptions;
+use crate::inputs::{self, LogOptions};
 
 /// Findings that are printed per log; JSON has all of them.
 const MOST_SHOWN: usize = 20;
@@ -90,6 +90,9 @@ impl Log {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         if self.out.is_some() && self.logs.len() > 1 {
             anyhow::bail!("-o writes one log, {} are given; convert each alone", self.logs.len());
+        }
+        if let Some(out) = &self.out {
+            inputs::can_write_as(out, inputs::CSV)?;
         }
         let mut logs = Vec::new();
         for path in &self.logs {

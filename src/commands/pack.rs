@@ -130,7 +130,7 @@ impl Pack {
             source.text = source.blueprint.to_toml();
         }
         let output = inputs::output(self.out.clone(), &source.blueprint.name, "fmu");
-        inputs::can_write(&output)?;
+        inputs::can_write_as(&output, inputs::FMU)?;
         if self.sources == Some(Sources::Only)
             && !(self.binaries.is_empty() && self.libraries.is_none())
         {

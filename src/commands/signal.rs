@@ -122,6 +122,7 @@ impl Signal {
             name.clone_into(&mut channel.name);
         }
         let file = inputs::output(self.out.clone(), kind.name, "csv");
+        inputs::can_write_as(&file, inputs::CSV)?;
         let time = (0..signal.len()).map(|n| signal.time(n)).collect();
         let mut log = Log::new(&file.display().to_string(), time)?;
         let mut channels = Vec::new();

@@ -181,11 +181,12 @@ impl Simulate {
 
     fn drive(&self, what: &Path, log_path: &Path, screen: &Screen) -> anyhow::Result<Simulated> {
         if let Some(out) = &self.out {
-            inputs::can_write(out)?;
+            inputs::can_write_as(out, inputs::RUN)?;
         }
         let mut opened = fmus::open_in(what, self.isolation.worker()?.as_ref())?;
         configure(self.starts.iter().map(String::as_str), &mut opened.fmu)?;
         let log = self.options.read(log_path)?;
+        self.out.as_deref().map_or(Ok(()), records::can_keep_beside)?;
         let names = self.options.names()?;
         let addresses = Addresses::of(&opened.fmu);
         addresses.check(&names)?;
@@ -269,7 +270,7 @@ impl Simulate {
         reference: &Path,
     ) -> anyhow::Result<Simulated> {
         if let Some(out) = &self.out {
-            inputs::can_write(out)?;
+            inputs::can_write_as(out, inputs::RUN)?;
         }
         let worker = self.isolation.worker()?;
         let open = |what: &Path| fmus::open_in(what, worker.as_ref());
@@ -277,6 +278,7 @@ impl Simulate {
         configure(self.starts_of("plant."), &mut plant.fmu)?;
         configure(self.starts_of("controller."), &mut controller.fmu)?;
         let log = self.options.read(reference)?;
+        self.out.as_deref().map_or(Ok(()), records::can_keep_beside)?;
         let [_] = log.records() else {
             bail!(
                 "{}: a reference has one record, this file has {}; give them one by one",

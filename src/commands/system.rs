@@ -195,7 +195,7 @@ impl System {
     }
 
     fn export(&self, plan: &Plan, ssp: &Path) -> anyhow::Result<Exported> {
-        inputs::can_write(ssp)?;
+        inputs::can_write_as(ssp, inputs::SYSTEM)?;
         let packages = plan
             .fmus
             .iter()
@@ -216,6 +216,7 @@ impl System {
         let descriptions: Vec<&ModelDescription> =
             fmus.iter().map(|fmu| fmu.description()).collect();
         let log = self.input.as_deref().map(|path| self.options.read(path)).transpose()?;
+        self.out.as_deref().map_or(Ok(()), records::can_keep_beside)?;
         let (columns, names) = (plan.columns(), self.options.names()?);
         if log.is_none() && !columns.is_empty() {
             bail!(

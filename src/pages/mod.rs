@@ -55,7 +55,7 @@ impl PageOptions {
 
     /// Whether the pages can be written, told before the work.
     pub(crate) fn can_write(&self) -> anyhow::Result<()> {
-        self.reports.iter().try_for_each(|file| inputs::can_write(file))
+        self.reports.iter().try_for_each(|file| inputs::can_write_as(file, inputs::REPORT))
     }
 
     /// Writes what was asked for; `page` is made only then.

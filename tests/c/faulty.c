@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 enum {
@@ -15,7 +16,7 @@ enum {
     ERROR_STEP, FATAL_STEP, DISCARD_STEP, LEAK, PRINT, ROUNDING, FOLDER, FOLDER_ERROR, NO_NUMBER, INFINITE, MANY, ROUNDING_GET,
     CRASH_TUNED, ERROR_TUNED, ERROR_HIGH, ERROR_SOMETIMES,
     CRASH_SOMETIMES, LEAK_MUCH, END, END_UNTOLD, WARN, TALK, FLOOD, EXIT_FREE, EXIT_GET, SIGPIPE_STEP, QUICK_EXIT_STEP,
-    EXIT_LOAD
+    EXIT_LOAD, AT_ONCE_STEP, AT_ONCE_LOAD, AT_ONCE_CHILD, EXIT_ONE_STEP
 };
 /* Time that it says it has reached when it ends the run. */
 #ifndef REACHED
@@ -50,6 +51,7 @@ static void say(struct faulty *it, Status status, const char *text) {
 __attribute__((constructor)) static void loaded(void) {
     if (FAULT == CRASH_LOAD) crash();
     if (FAULT == EXIT_LOAD) exit(0);
+    if (FAULT == AT_ONCE_LOAD) _Exit(0);
 }
 
 const char *fmi2GetTypesPlatform(void) { return "default"; }
@@ -124,6 +126,16 @@ static Status strike(struct faulty *it) {
     switch (FAULT) {
     case CRASH_STEP: crash(); break;
     case EXIT_STEP: exit(0);
+    case EXIT_ONE_STEP: exit(1);
+    case AT_ONCE_STEP: _exit(0);
+    case AT_ONCE_CHILD: {
+        /* A child may end as it likes. */
+        int status = 1;
+        pid_t child = fork();
+        if (child == 0) _exit(0);
+        if (waitpid(child, &status, 0) != child || status != 0) return ERROR;
+        break;
+    }
     case QUICK_EXIT_STEP: quick_exit(0);
     case SIGPIPE_STEP: signal(SIGPIPE, SIG_DFL); raise(SIGPIPE); break;
     case HANG_STEP: hang(); break;

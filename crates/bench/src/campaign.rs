@@ -120,7 +120,8 @@ impl Campaign {
     pub fn parse(text: &str, origin: &str) -> Result<Self, CampaignError> {
         let mut campaign: Campaign = toml::from_str(text).map_err(|error| {
             let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            CampaignError::Text(vec![format!("{origin}:{line}: {}", error.message())])
+            let other = data::of_another_kind(text, "a campaign of the bench");
+            CampaignError::Text(vec![format!("{origin}:{line}: {other}{}", error.message())])
         })?;
         let mut problems = Vec::new();
         if campaign.cases.is_empty() {

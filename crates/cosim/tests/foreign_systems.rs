@@ -264,6 +264,13 @@ fn the_file_of_the_open_simulation_platform_is_read() {
         ),
         ("LinearTransformation", "VectorSum", "only LinearTransformation"),
         ("<BaseStepSize>1<", "<BaseStepSize>fast<", "\"fast\" is no finite number"),
+        ("<BaseStepSize>1<", "<BaseStepSize>-1<", "a step of -1 s cannot be made"),
+        ("stepSize=\"1\"", "stepSize=\"-1e-3\"", "a step of -0.001 s cannot be made"),
+        (
+            "<Signal function=\"half\" name=\"out\"",
+            "<Signal function=\"half\" name=\"in\"",
+            "two variables go into",
+        ),
         ("../../plant.fmu", "proxy-fmu://there", "proxy-fmu:// is not loaded"),
         ("name=\"in\"", "name=\"inn\"", "there is no signal \"inn\""),
     ] {
@@ -271,4 +278,28 @@ fn the_file_of_the_open_simulation_platform_is_read() {
         let said = run(&file).unwrap_err();
         assert!(said.contains(words) && said.contains("OspSystemStructure.xml"), "{said}");
     }
+}
+
+/// Twenty thousand of everything, and as many mistakes: each look-up is one.
+#[test]
+fn a_large_file_of_the_open_simulation_platform_takes_no_time() {
+    let count = 20_000;
+    let mut text = "<OspSystemStructure><Simulators>".to_owned();
+    (0..count).for_each(|k| text += &format!("<Simulator name=\"s{k}\" source=\"s.fmu\"/>"));
+    text += "</Simulators><Functions>";
+    (0..count).for_each(|k| text += &format!("<LinearTransformation name=\"f{k}\"/>"));
+    text += "</Functions><Connections>";
+    for k in 0..count {
+        text += &format!(
+            "<SignalConnection><Variable simulator=\"s{k}\" name=\"y\"/><Signal function=\"f{k}\" name=\"in\"/>\
+             </SignalConnection><VariableConnection><Variable simulator=\"s{k}\" name=\"u\"/>\
+             <Variable simulator=\"t{k}\" name=\"y\"/></VariableConnection>"
+        );
+    }
+    text += "</Connections></OspSystemStructure>";
+    let begin = std::time::Instant::now();
+    let said = cosim::Plan::parse_osp(&text, Path::new("large.xml")).unwrap_err().to_string();
+    assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
+    assert!(said.contains("\"t0\"") && said.contains("s0, s1, s10") && said.contains("19980 more"));
+    assert!(said.len() < 10_000_000, "{} bytes", said.len());
 }

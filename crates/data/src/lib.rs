@@ -16,8 +16,10 @@ mod log;
 mod name_map;
 mod nearest;
 mod number_text;
+mod pattern;
 mod problem;
 mod resample;
+mod toml_kind;
 mod toml_text;
 
 pub use blueprint::{
@@ -30,11 +32,13 @@ pub use fit::{Fit, FitError};
 pub use log::ParquetLogWriter;
 pub use log::{
     Column, ColumnHeader, ColumnUnit, Finding, LeftOut, Log, LogWriter, Mf4About, Mf4Writer,
-    Quality, ReadOptions, Record, Resample, Rounded, SampleTime, UnitPlace, renew_sidecar,
-    sidecar_of,
+    Quality, ReadOptions, Record, Resample, Rounded, SampleTime, UnitPlace, check_sidecar,
+    renew_sidecar, sidecar_of, write_sidecar,
 };
 pub use name_map::NameMap;
 pub use nearest::nearest;
 pub use number_text::push_number;
+pub use pattern::fits_pattern;
 pub use problem::{Problem, Problems};
 pub use resample::{Hold, ResampleError, Uniform};
+pub use toml_kind::{of_another_kind, toml_kind};

@@ -148,18 +148,7 @@ impl Tolerance {
     /// Whether this is about the parameter of this name.
     #[must_use]
     pub fn is_for(&self, name: &str) -> bool {
-        matches(self.name.as_bytes(), name.as_bytes())
-    }
-}
-
-/// Whether `pattern`, with `*` for any text, matches the whole of `text`.
-fn matches(pattern: &[u8], text: &[u8]) -> bool {
-    match pattern.split_first() {
-        None => text.is_empty(),
-        Some((b'*', rest)) => (0..=text.len()).any(|at| matches(rest, &text[at..])),
-        Some((byte, rest)) => {
-            text.split_first().is_some_and(|(t, tail)| t == byte && matches(rest, tail))
-        }
+        data::fits_pattern(&self.name, name)
     }
 }
 

@@ -4,6 +4,7 @@
 //! Rust calls C here and is never called back, so no panic crosses the edge. What a library writes is
 //! checked: version, number of positions, positions that it left out, numbers beyond the last one.
 
+use std::error::Error as _;
 use std::ffi::{CString, c_char, c_void};
 use std::path::{Path, PathBuf};
 use std::ptr;
@@ -115,7 +116,9 @@ impl Plugin {
         // The system would look for a name without a folder elsewhere.
         let file = path.canonicalize().map_err(|error| load(error.to_string()))?;
         // SAFETY: the user names this library to be run; its initialisers are as trusted as itself.
-        let library = unsafe { Library::new(&file) }.map_err(|error| load(error.to_string()))?;
+        let library = unsafe { Library::new(&file) }.map_err(|error| {
+            load(error.source().map_or_else(|| error.to_string(), ToString::to_string))
+        })?;
         let version: VersionFn = function(&library, &path, "piezoloop_gateway_version")?;
         let open: OpenFn = function(&library, &path, "piezoloop_gateway_open")?;
         let describe = function(&library, &path, "piezoloop_gateway_describe")?;

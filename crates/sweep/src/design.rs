@@ -72,10 +72,8 @@ impl Design {
         let (mut variables, mut problems) = (Vec::<Variable>::new(), Vec::new());
         for (name, line, law) in &plan.vary {
             let place = format!("vary.\"{name}\"");
-            let found: Vec<&Target> = targets
-                .iter()
-                .filter(|target| fits(name.as_bytes(), target.name.as_bytes()))
-                .collect();
+            let found: Vec<&Target> =
+                targets.iter().filter(|target| data::fits_pattern(name, &target.name)).collect();
             if found.is_empty() || found.len() > MOST_NAMED {
                 let near = nearest(name, targets.iter().map(|target| target.name.as_str()));
                 let some = targets.iter().take(3).map(|target| target.name.as_str());
@@ -319,30 +317,6 @@ fn check(law: &Law, target: &Target) -> Result<Checked, Refusal> {
         Law::Choice(values) => Checked::Choice(cells(values)?),
         Law::Grid(values) => Checked::Grid(cells(values)?),
     })
-}
-
-/// Whether a name fits a pattern, in which `*` stands for any characters.
-fn fits(pattern: &[u8], name: &[u8]) -> bool {
-    let (mut p, mut n, mut star) = (0, 0, None);
-    while n < name.len() {
-        match pattern.get(p) {
-            Some(b'*') => {
-                star = Some((p, n));
-                p += 1;
-            }
-            Some(byte) if *byte == name[n] => {
-                p += 1;
-                n += 1;
-            }
-            _ => {
-                let Some((at, from)) = star else { return false };
-                star = Some((at, from + 1));
-                p = at + 1;
-                n = from + 1;
-            }
-        }
-    }
-    pattern[p..].iter().all(|byte| *byte == b'*')
 }
 
 impl Target {

@@ -267,11 +267,14 @@ impl Plan {
     /// What is wrong with the text, with its line.
     pub fn parse(text: &str, origin: &Path) -> Result<Self, Problems> {
         let file = origin.display().to_string();
-        let line = |byte: usize| 1 + text[..byte.min(text.len())].matches('\n').count();
+        let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
+        let line = |byte: usize| 1 + ends.partition_point(|end| *end < byte);
         let read: Text = toml::from_str(text).map_err(|error| {
             let way_out = "docs/sweep.md and `piezoloop sweep --help` have a plan with every key";
             let at = error.span().map_or(1, |span| line(span.start));
-            Problems::from(Problem::new(&file, error.message(), way_out).line(at))
+            let other = data::of_another_kind(text, "a plan of a sweep");
+            let rule = format!("{other}{}", error.message());
+            Problems::from(Problem::new(&file, rule, way_out).line(at))
         })?;
         let kinds = [
             read.closed_loop.map(Kind::Loop),
@@ -281,7 +284,10 @@ impl Plan {
         ];
         let mut kinds: Vec<Kind> = kinds.into_iter().flatten().collect();
         let (Some(kind), true) = (kinds.pop(), kinds.is_empty()) else {
-            let rule = "a plan has one of the tables [loop], [system], [identify], [diagnose]";
+            let other = data::of_another_kind(text, "a plan of a sweep");
+            let rule = format!(
+                "{other}a plan has one of the tables [loop], [system], [identify], [diagnose]"
+            );
             return Err(Problem::new(&file, rule, "say what a run is").into());
         };
         if let Some(runs) = read.runs.as_ref().filter(|runs| *runs.get_ref() == 0) {

@@ -10,10 +10,12 @@
 //! same targets and mutations to libFuzzer, which keeps what reaches new code.
 
 pub mod campaign;
+mod instrument;
 pub mod mutate;
 mod random;
 mod target;
 mod zip;
 
+pub use instrument::NO_COMPILER;
 pub use random::Random;
 pub use target::{Kind, Scratch, TARGETS, Target, corpus};

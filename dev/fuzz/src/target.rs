@@ -5,6 +5,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use crate::instrument;
 use bench::campaign::Campaign;
 use bench::emulate::Script;
 use cosim::Plan;
@@ -64,6 +65,10 @@ pub const TARGETS: &[Target] = &[
     target("log-uff", Kind::Binary, "uff", log),
     target("log-npy", Kind::Binary, "npy", log),
     target("log-npz", Kind::Zip, "npz", log),
+    target("bench-record", Kind::Text, "journal", instrument::record),
+    target("line-gcs", Kind::Text, "txt", instrument::gcs),
+    target("line-nv200", Kind::Text, "txt", instrument::nv200),
+    target("driver", Kind::Text, "txt", instrument::driver),
     #[cfg(feature = "gap")]
     target("gap-json", Kind::Text, "json", gap_json),
 ];
@@ -265,13 +270,9 @@ fn sweep_plan(input: &[u8], file: &Path) -> String {
     said(sweep::Plan::parse(text, file))
 }
 
-/// It is known by its name.
 fn osp_system(input: &[u8], file: &Path) -> String {
-    let file = file.with_file_name("OspSystemStructure.xml");
-    match fs::write(&file, input) {
-        Ok(()) => said(Plan::read(&file)),
-        Err(error) => error.to_string(),
-    }
+    let Ok(text) = std::str::from_utf8(input) else { return "is no UTF-8".into() };
+    said(Plan::parse_osp(text, file))
 }
 
 /// What `estimate` is asked to find, an option a line.

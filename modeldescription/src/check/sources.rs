@@ -136,7 +136,8 @@ impl Found<'_> {
         }
         for (_, interface) in description.interfaces() {
             let identifier = interface.model_identifier.as_str();
-            if !built.contains(identifier) {
+            // Told once, where two interfaces have it.
+            if built.insert(identifier) {
                 let found = format!("no <BuildConfiguration> has modelIdentifier=\"{identifier}\"");
                 self.error(
                     BUILD,

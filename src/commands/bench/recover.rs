@@ -9,6 +9,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
+use crate::inputs;
 
 /// Makes a log of the journal that a killed run left behind
 #[derive(Args, Debug)]
@@ -27,8 +28,18 @@ struct Recovered(Converted);
 
 impl Recover {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        let out = self.out.unwrap_or_else(|| self.journal.with_extension(""));
+        let (out, is_named) = match self.out {
+            Some(out) => (out, true),
+            None => (self.journal.with_extension(""), false),
+        };
         let format = Format::of(&out).map_err(anyhow::Error::msg)?;
+        inputs::can_write(&out)?;
+        if !is_named && out.symlink_metadata().is_ok() {
+            bail!(
+                "{}: is there; name the log with -o FILE, also where it is to take the place of this one",
+                out.display()
+            );
+        }
         if JournalReader::open(&self.journal)?.block()?.is_none() {
             let journal = self.journal.display();
             bail!("{journal}: has no row; the run was killed before its first: delete it");

@@ -92,7 +92,7 @@ impl Sweep {
         let plan = self.plan.as_deref().context("give the plan of the sweep")?;
         let materials = Materials::gather(plan, self.seed)?;
         let out = self.out.clone().unwrap_or_else(|| default_out(plan, self.shard));
-        inputs::can_write(&out)?;
+        inputs::can_write_as(&out, inputs::TABLE)?;
         self.page.can_write()?;
         let job = Job::new(&materials, self.isolation.worker()?)?;
         let part = self.shard.map_or(0..job.design.runs(), |shard| shard.range(job.design.runs()));

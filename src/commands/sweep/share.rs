@@ -92,7 +92,7 @@ impl Share {
 
 impl Merge {
     fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        inputs::can_write(&self.out)?;
+        inputs::can_write_as(&self.out, inputs::TABLE)?;
         let read = self.parts.iter().map(|path| Ok((path.clone(), Table::read(path)?)));
         let table = Table::merge(read.collect::<Result<_, sweep::Error>>()?)?;
         table.write(&self.out)?;

@@ -145,7 +145,8 @@ impl Script {
     pub fn parse(text: &str, origin: &str) -> Result<Self, ScriptError> {
         let script: Script = toml::from_str(text).map_err(|error| {
             let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            ScriptError(vec![format!("{origin}:{line}: {}", error.message())])
+            let other = data::of_another_kind(text, "a script of faults");
+            ScriptError(vec![format!("{origin}:{line}: {other}{}", error.message())])
         })?;
         let mut problems = unknown_keys(text, origin, &script);
         problems.extend(script.problems(origin));

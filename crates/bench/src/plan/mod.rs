@@ -165,7 +165,8 @@ impl Plan {
     pub fn parse(text: &str, origin: &str) -> Result<Self, PlanError> {
         toml::from_str(text).map_err(|error| {
             let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            PlanError::one(format!("{origin}:{line}: {}", error.message()))
+            let other = data::of_another_kind(text, "a plan of the bench");
+            PlanError::one(format!("{origin}:{line}: {other}{}", error.message()))
         })
     }
 

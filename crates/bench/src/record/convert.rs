@@ -1,6 +1,7 @@
 //! From a journal to a log file.
 
-use std::io;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use data::{
@@ -85,7 +86,17 @@ pub fn convert(
     let mut reader = JournalReader::open(journal)?;
     let mut about = reader.about().clone();
     about.provenance.extend(more.clone());
-    let failed = |error| ConvertError::Io { path: file.to_owned(), error };
+    let beside = file.with_extension("about.json");
+    if format == Format::Csv {
+        let is_ours = || {
+            let mut there = String::new();
+            let found = File::open(&beside).map(|file| file.take(files::LONGEST_TEXT));
+            let read = found.and_then(|mut file| file.read_to_string(&mut there));
+            read.is_ok() && there.contains("\"tool\": \"piezoloop")
+        };
+        let may = files::check_beside(&beside, is_ours);
+        may.map_err(|error| ConvertError::Io { path: beside.clone(), error })?;
+    }
     let mut sink = Sink::create(file, format, &about, rows)?;
     let width = about.columns.len();
     while let Some(block) = reader.block()? {
@@ -96,13 +107,8 @@ pub fn convert(
     sink.finish().map_err(|error| error.at(file))?;
     if format == Format::Csv {
         let text = serde_json::to_vec_pretty(&about.provenance).map_err(io::Error::from);
-        let beside = file.with_extension("about.json");
-        let is_ours = || {
-            let there = std::fs::read_to_string(&beside).unwrap_or_default();
-            there.contains("\"tool\": \"piezoloop")
-        };
-        let may = files::check_beside(&beside, is_ours);
-        may.and(text).and_then(|text| WholeFile::write_all_of(&beside, &text)).map_err(failed)?;
+        let written = text.and_then(|text| WholeFile::write_all_of(&beside, &text));
+        written.map_err(|error| ConvertError::Io { path: beside, error })?;
     }
     Ok(Converted { file: file.to_owned(), rows, cut_off_bytes: reader.broken() })
 }

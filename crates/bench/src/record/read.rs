@@ -129,7 +129,7 @@ type About = Result<BTreeMap<String, String>, String>;
 
 /// What stands beside a CSV.
 fn beside(path: &Path) -> About {
-    let text = std::fs::read_to_string(path).map_err(|error| {
+    let text = files::read_text(path).map_err(|error| {
         format!("what the bench wrote beside it, {}, cannot be read: {error}", path.display())
     })?;
     let all: serde_json::Map<String, serde_json::Value> = serde_json::from_str(&text)

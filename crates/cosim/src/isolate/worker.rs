@@ -10,8 +10,6 @@ use std::io;
 #[cfg(unix)]
 pub fn serve() -> io::Result<()> {
     use std::os::fd::AsFd;
-    // The master tells how this process ends.
-    fmi_bindings::import::finished();
     let socket = std::os::unix::net::UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
     end_with_parent();
     unix::Server::new(socket)?.run()

@@ -20,6 +20,7 @@
 //!
 //! All slaves exchange values side by side (Jacobi), as libcosim's fixed-step algorithm does.
 
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use data::{Problem, Problems};
@@ -32,18 +33,29 @@ use crate::diagram::Port;
 use crate::error::Error;
 use crate::unit::Way;
 
+/// Names that a message lists.
+const MOST_NAMED: usize = 20;
 /// Name of the file.
 pub(super) const FILE: &str = "OspSystemStructure.xml";
 
 impl Plan {
     pub(super) fn read_osp(path: &Path) -> Result<Self, Error> {
         let refused = |reason: String| Error::Package { path: path.to_path_buf(), reason };
-        let bytes = files::read_text(path)
+        let text = files::read_text(path)
             .map_err(|error| refused(format!("it cannot be read: {error}")))?;
-        let document = xml::parse(bytes.as_bytes(), &XmlLimits::default())
+        Self::parse_osp(&text, path)
+    }
+
+    /// Reads the text of an `OspSystemStructure.xml`; `path` is its file, from which paths start.
+    ///
+    /// # Errors
+    /// Everything that is wrong in it, with its lines.
+    pub fn parse_osp(text: &str, path: &Path) -> Result<Self, Error> {
+        let refused = |reason: String| Error::Package { path: path.to_path_buf(), reason };
+        let document = xml::parse(text.as_bytes(), &XmlLimits::default())
             .map_err(|error| refused(error.to_string()))?;
         let (file, texts) = (path.display().to_string(), document.texts);
-        let mut reader = Reader { file, texts, problems: Vec::new() };
+        let mut reader = Reader { file, texts, simulators: BTreeSet::new(), problems: Vec::new() };
         let plan = reader.plan(&document.root, path);
         if reader.problems.is_empty() {
             return Ok(plan);
@@ -75,6 +87,8 @@ enum End {
 struct Reader {
     file: String,
     texts: Vec<(usize, String)>,
+    /// Names of the simulators.
+    simulators: BTreeSet<String>,
     problems: Vec<Problem>,
 }
 
@@ -98,6 +112,16 @@ impl Reader {
             self.report(element, format!("\"{text}\" is no finite number"), "correct it");
         }
         number
+    }
+
+    /// A step; none where it is left to the FMU or its base step, which is written as 0.
+    fn step(&mut self, element: &Element, text: &str) -> Option<f64> {
+        let step = self.number(element, text)?;
+        if step < 0.0 {
+            let rule = format!("a step of {step} s cannot be made");
+            self.report(element, rule, "give a positive one, or 0 for the FMU's own");
+        }
+        (step > 0.0).then_some(step)
     }
 
     fn plan(&mut self, root: &Element, path: &Path) -> Plan {
@@ -128,7 +152,7 @@ impl Reader {
             match local(element) {
                 "StartTime" => plan.master.start = text(self),
                 "EndTime" | "StopTime" => plan.master.stop = text(self),
-                "BaseStepSize" => plan.master.step = text(self).filter(|step| *step > 0.0),
+                "BaseStepSize" => plan.master.step = self.step(element, &content),
                 "Simulators" | "Functions" | "Connections" => {}
                 "Algorithm" if content == "fixedStep" => {}
                 _ => plan.notes.push(format!(
@@ -152,7 +176,7 @@ impl Reader {
 
     fn simulator(&mut self, plan: &mut Plan, folder: &Path, element: &Element) {
         let name = self.required(element, "name");
-        if plan.fmus.iter().any(|fmu| fmu.name == name) {
+        if !self.simulators.insert(name.clone()) {
             self.report(element, format!("two are called \"{name}\""), "rename one of them");
         }
         let source = self.required(element, "source");
@@ -161,7 +185,7 @@ impl Reader {
             Err(rule) => return self.report(element, rule, "write a path to an FMU's file"),
         };
         let stated = element.attribute("stepSize").filter(|text| !text.is_empty());
-        let step = stated.and_then(|text| self.number(element, text)).filter(|step| *step > 0.0);
+        let step = stated.and_then(|text| self.step(element, text));
         plan.fmus.push(PlannedFmu { name: name.clone(), path, step });
         for value in listed(element, "InitialValues") {
             let variable = self.required(value, "variable");
@@ -197,7 +221,7 @@ impl Reader {
     }
 
     fn connections(&mut self, plan: &mut Plan, root: &Element) {
-        let mut functions = Vec::new();
+        let mut functions = HashMap::new();
         for function in listed(root, "Functions") {
             let name = self.required(function, "name");
             if local(function) != "LinearTransformation" {
@@ -210,10 +234,14 @@ impl Reader {
                 let text = function.attribute(name).filter(|text| !text.is_empty());
                 text.map_or(Some(default), |text| self.number(function, text)).unwrap_or(default)
             };
-            functions.push((name, number("factor", 1.0), number("offset", 0.0)));
+            let scale = (number("factor", 1.0), number("offset", 0.0));
+            if functions.insert(name.clone(), scale).is_some() {
+                let rule = format!("two functions are called \"{name}\"");
+                self.report(function, rule, "rename one of them");
+            }
         }
         // What goes into a function and what comes out of it.
-        let (mut into, mut out_of) = (Vec::new(), Vec::new());
+        let (mut into, mut out_of) = (HashMap::new(), Vec::new());
         for connection in listed(root, "Connections") {
             if !matches!(local(connection), "VariableConnection" | "SignalConnection") {
                 let way_out =
@@ -221,15 +249,14 @@ impl Reader {
                 self.report(connection, "cannot be carried out", way_out);
                 continue;
             }
-            let ends: Vec<End> =
-                connection.children.iter().map(|end| self.end(plan, end)).collect();
+            let ends: Vec<End> = connection.children.iter().map(|end| self.end(end)).collect();
             match <[End; 2]>::try_from(ends) {
                 Ok([End::Variable(from), End::Variable(to)]) => {
                     plan.connections.push(PlannedConnection { from, to, way: Way::default() });
                 }
                 Ok([End::Signal(function, signal), End::Variable(port)])
                 | Ok([End::Variable(port), End::Signal(function, signal)]) => {
-                    if !functions.iter().any(|(name, ..)| *name == function) {
+                    if !functions.contains_key(&function) {
                         self.report(
                             connection,
                             format!("there is no function \"{function}\""),
@@ -237,7 +264,16 @@ impl Reader {
                         );
                     }
                     match signal.as_str() {
-                        "in" => into.push((function, port)),
+                        "in" => {
+                            if into.contains_key(&function) {
+                                self.report(
+                                    connection,
+                                    format!("two variables go into function \"{function}\""),
+                                    "a LinearTransformation has one: take one away",
+                                );
+                            }
+                            into.entry(function).or_insert(port);
+                        }
                         "out" => out_of.push((function, port)),
                         _ => self.report(
                             connection,
@@ -259,9 +295,9 @@ impl Reader {
             }
         }
         for (function, to) in out_of {
-            let scale = functions.iter().find(|(name, ..)| *name == function);
-            let from = into.iter().find(|(name, _)| *name == function);
-            let (Some((_, factor, offset)), Some((_, from))) = (scale, from) else {
+            let (Some((factor, offset)), Some(from)) =
+                (functions.get(&function), into.get(&function))
+            else {
                 self.report(
                     root,
                     format!("nothing goes into function \"{function}\""),
@@ -274,15 +310,19 @@ impl Reader {
         }
     }
 
-    fn end(&mut self, plan: &Plan, element: &Element) -> End {
+    fn end(&mut self, element: &Element) -> End {
         if local(element) == "Signal" {
             return End::Signal(self.required(element, "function"), self.required(element, "name"));
         }
         let simulator = self.required(element, "simulator");
-        if !simulator.is_empty() && !plan.fmus.iter().any(|fmu| fmu.name == simulator) {
-            let there: Vec<&str> = plan.fmus.iter().map(|fmu| fmu.name.as_str()).collect();
-            let rule =
-                format!("there is no simulator \"{simulator}\"; there are: {}", there.join(", "));
+        if !simulator.is_empty() && !self.simulators.contains(&simulator) {
+            let there = self.simulators.iter().take(MOST_NAMED).map(String::as_str);
+            let there = there.collect::<Vec<_>>().join(", ");
+            let more = match self.simulators.len().saturating_sub(MOST_NAMED) {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            let rule = format!("there is no simulator \"{simulator}\"; there are: {there}{more}");
             self.report(element, rule, "correct the name");
         }
         let name = self.required(element, "name");

@@ -28,18 +28,28 @@ impl Plan {
     pub fn parse_toml(text: &str, origin: &Path) -> Result<Self, Error> {
         let mut reader = Reader::new(text, origin);
         let (document, errors) = DeTable::parse_recoverable(text);
-        for error in &errors {
+        for error in errors.iter().take(MOST_TOLD) {
             let rule = format!("is no TOML: {}", error.message());
             let at = error.span().map_or(0, |span| span.start);
             reader.report(at, "", "", &rule, "mend this line");
+        }
+        if errors.len() > MOST_TOLD {
+            let rule = format!("is no TOML in {} further places", errors.len() - MOST_TOLD);
+            reader.report(0, "", "", &rule, "is this the file that you meant?");
         }
         let plan = reader.plan(document.get_ref(), origin);
         if reader.problems.is_empty() {
             return Ok(plan);
         }
+        if let Some(first) = reader.problems.first_mut() {
+            first.rule.insert_str(0, &data::of_another_kind(text, "a system of FMUs"));
+        }
         Err(Error::File(Problems::new(reader.problems)))
     }
 }
+
+/// Places that are no TOML and are told one by one.
+const MOST_TOLD: usize = 8;
 
 type Value<'i> = Spanned<DeValue<'i>>;
 

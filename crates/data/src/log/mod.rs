@@ -61,7 +61,7 @@ pub use parquet::ParquetLogWriter;
 pub use quality::{Finding, Quality};
 pub use rounded::Rounded;
 pub use rows::SampleTime;
-pub use write::{ColumnHeader, LogWriter, UnitPlace, renew_sidecar};
+pub use write::{ColumnHeader, LogWriter, UnitPlace, check_sidecar, renew_sidecar, write_sidecar};
 
 use crate::{Problem, Problems, nearest};
 

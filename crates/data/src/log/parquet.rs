@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use parquet::basic::{Repetition, Type as Physical};
 use parquet::data_type::DoubleType;
+use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::writer::SerializedFileWriter;
@@ -49,7 +50,7 @@ impl ParquetLogWriter {
                 field.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
             })
             .collect::<Result<Vec<_>, _>>()
-            .map_err(io::Error::other)?;
+            .map_err(system)?;
         let count = fields.len();
         let schema = Type::group_type_builder("log").with_fields(fields).build();
         let units = columns.iter().filter_map(|(name, unit)| {
@@ -63,9 +64,9 @@ impl ParquetLogWriter {
             .set_key_value_metadata(Some(time.chain(units).chain(more).collect()))
             .build();
         let file = WholeFile::create(path)?;
-        let schema = Arc::new(schema.map_err(io::Error::other)?);
+        let schema = Arc::new(schema.map_err(system)?);
         let writer = SerializedFileWriter::new(file, schema, Arc::new(properties));
-        let writer = writer.map_err(io::Error::other)?;
+        let writer = writer.map_err(system)?;
         Ok(ParquetLogWriter { writer, columns: vec![Vec::new(); count] })
     }
 
@@ -87,15 +88,15 @@ impl ParquetLogWriter {
         if self.columns[0].is_empty() {
             return Ok(());
         }
-        let mut group = self.writer.next_row_group().map_err(io::Error::other)?;
+        let mut group = self.writer.next_row_group().map_err(system)?;
         for values in &mut self.columns {
-            let Some(mut column) = group.next_column().map_err(io::Error::other)? else { break };
+            let Some(mut column) = group.next_column().map_err(system)? else { break };
             let typed = column.typed::<DoubleType>();
-            typed.write_batch(values, None, None).map_err(io::Error::other)?;
-            column.close().map_err(io::Error::other)?;
+            typed.write_batch(values, None, None).map_err(system)?;
+            column.close().map_err(system)?;
             values.clear();
         }
-        group.close().map_err(io::Error::other)?;
+        group.close().map_err(system)?;
         Ok(())
     }
 
@@ -105,7 +106,18 @@ impl ParquetLogWriter {
     /// The disk is full; nothing remains then.
     pub fn finish(mut self) -> io::Result<()> {
         self.write_group()?;
-        self.writer.into_inner().map_err(io::Error::other)?.commit()
+        self.writer.into_inner().map_err(system)?.commit()
+    }
+}
+
+/// What the system said, where it was that: a full disk is one.
+fn system(error: ParquetError) -> io::Error {
+    match error {
+        ParquetError::External(inner) => match inner.downcast::<io::Error>() {
+            Ok(own) => *own,
+            Err(other) => io::Error::other(other),
+        },
+        other => io::Error::other(other),
     }
 }
 

@@ -138,23 +138,28 @@ fn outliers(values: &[f64], note: &mut impl FnMut(Range<usize>, Quality)) {
 }
 
 fn stays(values: &[f64], note: &mut impl FnMut(Range<usize>, Quality)) {
-    let runs: Vec<Range<usize>> = {
-        let mut start = 0;
-        let same = values.chunk_by(|left, right| left == right).map(|run| {
-            start += run.len();
-            start - run.len()..start
-        });
-        same.collect()
+    let runs = || {
+        values.chunk_by(|left, right| left == right).scan(0, |start, run| {
+            *start += run.len();
+            Some(*start - run.len()..*start)
+        })
     };
     // Equal neighbours outside of long runs: with quantisation or a held command they are common.
-    let short = runs.iter().filter(|run| run.len() < STAYS);
-    let (equal, rows) = short.fold((0, 0), |(e, n), run| (e + run.len() - 1, n + run.len()));
-    if rows < STAYS || equal as f64 > RARE * rows as f64 {
+    let (mut equal, mut rows, mut has_long) = (0, 0, false);
+    for run in runs() {
+        if run.len() < STAYS {
+            equal += run.len() - 1;
+            rows += run.len();
+        } else {
+            has_long = true;
+        }
+    }
+    if !has_long || rows < STAYS || equal as f64 > RARE * rows as f64 {
         return;
     }
     let (least, most) =
         values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-    for run in runs.into_iter().filter(|run| run.len() >= STAYS) {
+    for run in runs().filter(|run| run.len() >= STAYS) {
         let value = values[run.start];
         let is_extreme = value == least || value == most;
         note(run, if is_extreme { Quality::Saturated } else { Quality::Stuck });

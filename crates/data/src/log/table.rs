@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::cell::Cell;
 use super::header::{Head, Role, SECOND};
 use super::lines::Lines;
 use super::notes::{LeftOut, Remarks};
@@ -161,7 +162,7 @@ impl<'a> Table<'a> {
     /// Takes a row of text.
     pub(super) fn row<'c>(
         &mut self,
-        row: impl ExactSizeIterator<Item = &'c [u8]> + Clone,
+        row: impl ExactSizeIterator<Item = impl Cell<'c>> + Clone,
         place: Place,
     ) {
         if row.len() != self.heads.len() {
@@ -171,16 +172,16 @@ impl<'a> Table<'a> {
     }
 
     /// A row of another length: cells of columns that are not read may be missing or follow.
-    fn other_length<'c>(
+    fn other_length<'c, C: Cell<'c>>(
         &mut self,
-        row: impl ExactSizeIterator<Item = &'c [u8]> + Clone,
+        row: impl ExactSizeIterator<Item = C> + Clone,
         place: Place,
     ) {
         let (found, wanted) = (row.len(), self.heads.len());
         let missing = found < wanted && (found..wanted).all(|at| self.is_skipped(at));
         // A remark behind the last cell, where the header has none.
         let is_loose = !self.skipped.is_empty() || self.part > 0;
-        let behind: Vec<&[u8]> = row.clone().skip(wanted).collect();
+        let behind: Vec<&[u8]> = row.clone().skip(wanted).map(C::bytes).collect();
         let extra = found > wanted
             && (behind.iter().all(|cell| cell.is_empty())
                 || is_loose && behind.iter().all(|cell| cell::parse(cell).is_err()));
@@ -189,21 +190,23 @@ impl<'a> Table<'a> {
             return;
         }
         self.remarks += usize::from(behind.iter().any(|cell| !cell.is_empty()));
-        let mut cells: Vec<&[u8]> = row.take(wanted).collect();
-        cells.resize(wanted, &[]);
+        let mut cells: Vec<C> = row.take(wanted).collect();
+        cells.resize(wanted, C::EMPTY);
         self.cells_of(cells.into_iter(), place);
     }
 
-    fn cells_of<'c>(&mut self, row: impl Iterator<Item = &'c [u8]> + Clone, place: Place) {
+    fn cells_of<'c>(&mut self, row: impl Iterator<Item = impl Cell<'c>> + Clone, place: Place) {
         self.cells.clear();
         let mut is_good = true;
-        for (column, bytes) in row.clone().enumerate() {
+        for (column, cell) in row.clone().enumerate() {
             if self.is_skipped(column) {
                 self.cells.push(0.0);
                 continue;
             }
-            let number =
-                if self.has_commas { cell::parse_with_comma(bytes) } else { cell::parse(bytes) };
+            let number = match self.has_commas {
+                true => cell::parse_with_comma(cell.bytes()),
+                false => cell.number(),
+            };
             let number = number.unwrap_or_else(|(rule, way_out)| {
                 // What is no counter of rows is not needed: the rate says the times.
                 if self.heads.get(column).is_some_and(|head| head.role == Role::Index) {
@@ -212,6 +215,7 @@ impl<'a> Table<'a> {
                 is_good = false;
                 self.note(|table| {
                     let problem = place.of(Problem::new(table.origin, rule, way_out));
+                    let bytes = cell.bytes();
                     let shown = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]);
                     problem.at(table.name(column)).value(format!("\"{shown}\""))
                 });
@@ -222,7 +226,7 @@ impl<'a> Table<'a> {
         if let Some((at, Role::Instant(day))) =
             self.time_at.and_then(|at| Some((at, &self.heads.get(at)?.role)))
         {
-            let mut row = row;
+            let mut row = row.map(Cell::bytes);
             let day = *day;
             let day = day.and_then(|day| row.clone().nth(day));
             let cell = row.nth(at).unwrap_or_default();

@@ -70,26 +70,10 @@ impl LogWriter {
         let mut file = WholeFile::create(path).map_err(|error| unwritable(path, &error))?;
         let head = header_line(columns, is_numbered, units);
         file.write_all(head.as_bytes()).map_err(|error| unwritable(path, &error))?;
-        // A pipe has nothing beside it.
-        let is_pipe = std::fs::metadata(path).is_ok_and(|found| !found.is_file());
-        let sidecar = if units == UnitPlace::Sidecar && !is_pipe {
-            let path = dataset::sidecar_of(path);
-            let text = sidecar_text(columns);
-            // One that says the same already stays: it may describe what is read.
-            if std::fs::read_to_string(&path).is_ok_and(|there| there == text) {
-                None
-            } else {
-                let begun = files::check_beside(&path, || true)
-                    .and_then(|()| keep_foreign(&path))
-                    .and_then(|()| WholeFile::create(&path));
-                let begun = begun.and_then(|mut sidecar| {
-                    sidecar.write_all(text.as_bytes())?;
-                    Ok(sidecar)
-                });
-                Some(begun.map_err(|error| unwritable(&path, &error))?)
-            }
-        } else {
-            None
+        let sidecar = match units {
+            UnitPlace::Sidecar => begin_sidecar(path, columns)
+                .map_err(|error| unwritable(&dataset::sidecar_of(path), &error))?,
+            UnitPlace::Header | UnitPlace::Nowhere => None,
         };
         let names = columns.iter().map(|column| column.name.clone()).collect();
         let (rows, last, line) = (0, None, String::new());
@@ -194,8 +178,8 @@ fn header_line(columns: &[ColumnHeader], is_numbered: bool, units: UnitPlace) ->
     line
 }
 
-/// Brings the companion of a record that was written otherwise up to date, where an earlier log of this name
-/// has left one of ours; it would be taken for the new one's.
+/// Brings the companion of a record that has its units inside up to date, where an earlier log of this name has
+/// left one of ours; it would be taken for the new one's.
 ///
 /// # Errors
 /// It cannot be written.
@@ -205,6 +189,53 @@ pub fn renew_sidecar(path: &Path, columns: &[ColumnHeader]) -> io::Result<()> {
         return Ok(());
     }
     WholeFile::write_all_of(&sidecar, sidecar_text(columns).as_bytes())
+}
+
+/// Writes the companion of a record that holds no units, where there are any or an earlier log has left one.
+///
+/// # Errors
+/// It cannot be written, or one of another hand is there.
+pub fn write_sidecar(path: &Path, columns: &[ColumnHeader]) -> io::Result<()> {
+    let is_empty = |column: &ColumnHeader| column.unit.is_none() && column.description.is_empty();
+    if columns.iter().all(is_empty) && !dataset::sidecar_of(path).exists() {
+        return Ok(());
+    }
+    begin_sidecar(path, columns)?.map_or(Ok(()), WholeFile::commit)
+}
+
+/// Whether the companion of a log can be written; told before the work.
+///
+/// # Errors
+/// One is there that this program did not write, or that this call reads.
+pub fn check_sidecar(path: &Path) -> io::Result<()> {
+    let sidecar = dataset::sidecar_of(path);
+    if is_pipe(path) || !sidecar.exists() {
+        return Ok(());
+    }
+    may_replace(&sidecar)?;
+    WholeFile::create(&sidecar).map(drop)
+}
+
+/// A pipe or a device has nothing beside it.
+fn is_pipe(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|found| !found.is_file())
+}
+
+fn may_replace(sidecar: &Path) -> io::Result<()> {
+    files::check_beside(sidecar, || true)?;
+    keep_foreign(sidecar)
+}
+
+/// Begins the companion; none where one that says the same is there: it may describe what is read.
+fn begin_sidecar(path: &Path, columns: &[ColumnHeader]) -> io::Result<Option<WholeFile>> {
+    let (sidecar, text) = (dataset::sidecar_of(path), sidecar_text(columns));
+    if is_pipe(path) || std::fs::read_to_string(&sidecar).is_ok_and(|there| there == text) {
+        return Ok(None);
+    }
+    may_replace(&sidecar)?;
+    let mut file = WholeFile::create(&sidecar)?;
+    file.write_all(text.as_bytes())?;
+    Ok(Some(file))
 }
 
 /// Refuses to replace a companion that was not written here: it says of another log what nobody can

@@ -2,7 +2,6 @@
 //! the working folder, the standard output. The first two are put back and told of.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::error::Status;
 use super::log::{Log, Message};
@@ -111,56 +110,6 @@ impl Folder {
 fn tell(log: &Log, text: String) {
     log.push(Message { status: Status::Warning, category: HOST.to_owned(), text });
 }
-
-/// From now on `exit(0)` and `quick_exit` are no success of this program until [`finished`] was called:
-/// an FMU has called them, perhaps while it was loaded, and what was asked for is not done. The exit code
-/// is then 2, with a line on standard error. Only glibc tells of exits with their code; `_exit` nobody
-/// tells.
-pub fn guard_exit() {
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    {
-        use std::ffi::{c_int, c_void};
-        unsafe extern "C" {
-            fn on_exit(handler: extern "C" fn(c_int, *mut c_void), argument: *mut c_void) -> c_int;
-            fn at_quick_exit(handler: extern "C" fn()) -> c_int;
-            fn _exit(code: c_int) -> !;
-        }
-        extern "C" fn left(code: c_int, _: *mut c_void) {
-            if code == 0 {
-                left_quickly();
-            }
-        }
-        extern "C" fn left_quickly() {
-            use std::io::Write;
-            if FINISHED.load(Ordering::Relaxed) {
-                return;
-            }
-            let names = match super::registry::names().join(", ") {
-                names if names.is_empty() => String::new(),
-                names => format!(" ({names})"),
-            };
-            let _ = writeln!(
-                std::io::stderr(),
-                "error: an FMU{names} has ended this program from inside (exit); run it in a process \
-                 of its own, with --isolate, which keeps what is done"
-            );
-            // SAFETY: it only ends the process.
-            unsafe { _exit(2) }
-        }
-        // SAFETY: the handlers are functions of this program, and take no argument.
-        unsafe {
-            on_exit(left, std::ptr::null_mut());
-            at_quick_exit(left_quickly);
-        }
-    }
-}
-
-/// The program ends of its own will; see [`guard_exit`].
-pub fn finished() {
-    FINISHED.store(true, Ordering::Relaxed);
-}
-
-static FINISHED: AtomicBool = AtomicBool::new(false);
 
 /// The standard output, which from now on nobody else writes to: what FMUs print goes to standard
 /// error. To be called once, before anything is printed.

@@ -24,9 +24,10 @@ pub mod v3;
 
 pub use binary::Binary;
 pub use error::{CallError, Error, Status};
+pub use host::HOST;
 #[cfg(unix)]
 pub use host::keep_standard_output;
-pub use host::{HOST, finished, guard_exit};
 pub use log::{Log, Message, NameOf, OnMessage};
+pub use registry::names as instances;
 pub use state::SavedState;
 pub use step::{Experiment, StepResult};

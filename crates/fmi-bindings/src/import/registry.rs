@@ -123,8 +123,9 @@ impl Drop for Called {
     }
 }
 
-/// The instances that there are, without waiting for anybody.
-pub(super) fn names() -> Vec<String> {
+/// The names of the instances that there are, without waiting for anybody.
+#[must_use]
+pub fn names() -> Vec<String> {
     let registry = REGISTRY.try_lock();
     registry.map(|r| r.live.values().map(|k| k.name.clone()).collect()).unwrap_or_default()
 }

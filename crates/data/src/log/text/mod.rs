@@ -11,7 +11,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
-use csv::{ByteRecord, Reader, ReaderBuilder};
+use csv::{ByteRecord, Reader, ReaderBuilder, StringRecord};
 
 pub(super) use cells::Kind;
 pub(super) use instant::Since;
@@ -264,7 +264,17 @@ impl Rows<'_> {
                     continue;
                 }
             }
-            self.table.row(row.iter(), place);
+            // As text, which is looked through once, numbers are read faster than as bytes.
+            match StringRecord::from_byte_record(row) {
+                Ok(text) => {
+                    self.table.row((0..text.len()).map(|at| &text[at]), place);
+                    row = text.into_byte_record();
+                }
+                Err(error) => {
+                    row = error.into_byte_record();
+                    self.table.row(row.iter(), place);
+                }
+            }
         }
         self.finish()
     }
