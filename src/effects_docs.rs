@@ -200,7 +200,11 @@ const CATALOGUE: &[(&str, &[&str], &str)] = &[
         "one on each axis, with its own values",
     ),
     ("static cross-coupling", &["command-coupling", "displacement-coupling"], ""),
-    ("dynamic cross-coupling, shared mode", &["mode-coupling", "modal-matrix"], ""),
+    (
+        "dynamic cross-coupling, shared mode",
+        &["mode-coupling", "modal-matrix", "softening-modes"],
+        "the last one with frequencies and damping that follow the amplitude",
+    ),
     ("optics: coordinates from several axes", &["optics-jacobian"], ""),
     (
         "Abbe, rotation and cosine error",

@@ -219,6 +219,83 @@ fn two_axes_that_couple_become_a_plant_that_moves_as_they_do() {
     assert!(error.contains("mirror.csv") && error.contains("named twice in this call"), "{error}");
 }
 
+/// A mode that softens with the square root of the amplitude, moved by one multisine at these amplitudes.
+fn measure_softening(at: &Path, amplitudes: &[f64]) {
+    let text = "piezoloop = 1\nkind = \"plant\"\nname = \"soft\"\nstep = 1e-3\n\n[[axis]]\nname = \"x\"\n\
+                command = { name = \"u\", unit = \"V\" }\nposition = { name = \"x\", unit = \"um\" }\n\n\
+                [[axis.component]]\ntype = \"actuator-gain\"\ngain = -2\n\n[[coupling]]\ntype = \
+                \"softening-modes\"\naxes = [\"x\"]\ndirect = [[0.1]]\nfrequency = [90, 210]\ndamping = \
+                [0.02, 0.05]\nfrequency_shift = [-0.04, -0.02]\ndamping_growth = [0.5, 0.0]\nresidue = [[0.6], \
+                [0.3]]\nrate_residue = [[0.0], [0.1]]\namplitude = [4]\nexponent = 0.5\ntime_constant = 0.2\n";
+    fs::write(at.join("soft-truth.toml"), text).expect("a file");
+    const PERIOD: usize = 1000;
+    let sine = |n: usize, k: usize| {
+        let angle = std::f64::consts::TAU * ((n * k) % PERIOD) as f64 / PERIOD as f64;
+        (angle + (k * k % 997) as f64).cos()
+    };
+    let signal: Vec<f64> =
+        (0..PERIOD).map(|n| (1..450).map(|k| sine(n, k)).sum::<f64>() / 15.0).collect();
+    let mut rows = String::from("record,time,u\n");
+    for (record, amplitude) in amplitudes.iter().enumerate() {
+        for n in 0..6 * PERIOD {
+            rows += &format!("{record},{},{}\n", n as f64 * 1e-3, amplitude * signal[n % PERIOD]);
+        }
+    }
+    fs::write(at.join("u.csv"), rows).expect("a log");
+    let run = ["simulate", "soft-truth.toml", "--log", "u.csv", "--map", "command[1]=u"];
+    succeed(&[&run[..], &["-o", "soft.csv"]].concat(), at);
+}
+
+#[test]
+fn modes_that_follow_the_amplitude_are_found_from_records_of_several_levels() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    measure_softening(at, &[0.5, 1.0, 2.0]);
+    let call =
+        ["frequency-response", "soft.csv", "--input", "command[1]", "--output", "position[1]"];
+    let more = ["--skip", "2", "--modes", "3", "--plant", "found.toml", "--softening"];
+    let answer = json(&[&call[..], &more].concat(), at);
+    let softening = &answer["plant"]["softening"];
+    println!("{softening}");
+    assert_eq!(softening["exponent"], 0.5, "{softening}");
+    let levels = softening["levels"].as_array().expect("levels");
+    assert_eq!(levels.len(), 3, "{softening}");
+    // The changes are those at the greatest level: 2 V of rms 1 by 2 um/V, relative to 4 um.
+    let rms = levels[2]["rms"][0].as_f64().expect("an rms");
+    let top = (2.0 * rms / 4.0).sqrt();
+    let modes = softening["modes"].as_array().expect("modes");
+    for (f, d, shift, growth) in [(90.0, 0.02, -0.04, 0.5), (210.0, 0.05, -0.02, 0.0)] {
+        let near = |mode: &&serde_json::Value| {
+            (mode["frequency"].as_f64().expect("a frequency") / f - 1.0).abs() < 2e-3
+        };
+        let mode = modes.iter().find(near).unwrap_or_else(|| panic!("{f}: {softening}"));
+        let value = |name: &str| mode[name].as_f64().expect("a number");
+        assert!((value("frequency_shift") / (shift * top) - 1.0).abs() < 0.05, "{mode}");
+        assert!((value("damping") / d - 1.0).abs() < 0.05, "{mode}");
+        assert!((value("damping_growth") - growth * top).abs() < 0.05, "{mode}");
+    }
+    for error in answer["plant"]["errors"].as_array().expect("errors") {
+        assert!(error["relative"].as_f64().expect("a number") < 0.02, "{error}");
+    }
+    // A linear plant of all levels is far off.
+    let linear = json(&[&call[..], &more[..4], &["--plant", "linear.toml"]].concat(), at);
+    let worst = linear["plant"]["errors"].as_array().expect("errors").iter();
+    let worst = worst.map(|e| e["relative"].as_f64().expect("a number")).fold(0.0, f64::max);
+    assert!(worst > 0.1, "{worst}");
+
+    succeed(&["pack", "found.toml", "-o", "found.fmu"], at);
+    let again = json(&["simulate", "found.fmu", "--log", "soft.csv", "-o", "again.csv"], at);
+    for fit in again["fits"].as_array().expect("fits") {
+        assert!(fit["nrmse_percent"].as_f64().expect("a number") < 1.0, "{fit}");
+    }
+
+    measure_softening(at, &[1.0, 1.1]);
+    let error = refuse(&[&call[..], &more].concat(), at);
+    assert!(error.contains("--softening") && error.contains("20 %"), "{error}");
+    let error = refuse(&[&call[..], &["--softening"]].concat(), at);
+    assert!(error.contains("--plant"), "{error}");
+}
+
 #[test]
 fn what_cannot_be_measured_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -9,8 +9,8 @@ use anyhow::{Context, bail};
 use clap::Args;
 use data::{Log, SampleTime, WholeFile};
 use identify::frequency::{
-    self, Choice, Domain, Experiment, FrequencyResponse as Response, Levels, MeasureSettings, Mode,
-    RationalSettings,
+    self, Choice, Domain, Experiment, FrequencyResponse as Response, Level, Levels,
+    MeasureSettings, Mode, RationalSettings,
 };
 use serde::Serialize;
 
@@ -24,6 +24,9 @@ use crate::ranges;
 /// coherence tells how good such a line is.
 const BAND: f64 = 1e-4;
 
+/// Ratio of the inputs' rms up to which records are of one level.
+const SAME_LEVEL: f64 = 1.2;
+
 /// Measures a frequency response, with coherence, noise and distortion
 ///
 /// From multisines, swept sines or any other rich signal, of one axis or of several that move together
@@ -33,7 +36,7 @@ const BAND: f64 = 1e-4;
 /// --plant they become a plant of as many axes, to be packed, simulated and diagnosed.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop frequency-response sweep.csv --input u --output y --report page.html\n  piezoloop frequency-response mirror-*.csv --input u1 --input u2 --output x --output y --modes 4 -o response.csv\n  piezoloop frequency-response mirror.csv --input u1 --input u2 --output y1 --output y2 --modes 4 --plant mirror.toml"
+    after_help = "Examples:\n  piezoloop frequency-response sweep.csv --input u --output y --report page.html\n  piezoloop frequency-response mirror-*.csv --input u1 --input u2 --output x --output y --modes 4 -o response.csv\n  piezoloop frequency-response mirror.csv --input u1 --input u2 --output y1 --output y2 --modes 4 --plant mirror.toml\n  piezoloop frequency-response low.csv high.csv --input u --output y --modes 4 --plant stage.toml --softening"
 )]
 pub(crate) struct FrequencyResponse {
     /// Logs; each record of each is an experiment
@@ -71,6 +74,14 @@ pub(crate) struct FrequencyResponse {
     /// Also write the fit as this plant: an axis per input and output, and the modes that they share
     #[arg(long, value_name = "FILE")]
     plant: Option<PathBuf>,
+    /// Refine the modes of the plant to the least error of its simulated outputs, all lines alike, instead of the
+    /// likeliest by each line's scatter
+    #[arg(long, requires = "plant")]
+    refine: bool,
+    /// Modes of the plant whose frequency and damping follow the amplitude: records of several levels of
+    /// excitation, told apart by the rms of their inputs, are fitted together
+    #[arg(long, requires = "plant")]
+    softening: bool,
     #[command(flatten)]
     page: PageOptions,
 }
@@ -170,8 +181,21 @@ impl FrequencyResponse {
             band: BAND,
             ..MeasureSettings::new(sample_time)
         };
-        let response = frequency::measure(&experiments, &settings)?;
         let mut notes = Vec::new();
+        let (levels, response) = if self.softening {
+            let levels = self.levels(&experiments, &settings)?;
+            // That in the middle is nearest to all others.
+            let (count, middle) = &levels[levels.len() / 2];
+            notes.push(format!(
+                "the response is that of level {} of {}, {count} records",
+                levels.len() / 2 + 1,
+                levels.len()
+            ));
+            let response = middle.response.clone();
+            (levels, response)
+        } else {
+            (Vec::new(), frequency::measure(&experiments, &settings)?)
+        };
         let outputs = signals.split_off(self.inputs.len());
         let (plant, model) = match &self.plant {
             None => (None, self.fit(&response, &mut notes)),
@@ -186,6 +210,8 @@ impl FrequencyResponse {
                     experiments: &experiments,
                     sample_time,
                     response: &response,
+                    levels: &levels,
+                    refine: self.refine,
                     inputs: &signals,
                     outputs: &outputs,
                     logs: &self.logs,
@@ -224,6 +250,39 @@ impl FrequencyResponse {
             outputs,
             model,
         })
+    }
+
+    /// The experiments by the rms of their inputs, from the least on: how many, and what they measure.
+    fn levels(
+        &self,
+        experiments: &[Experiment],
+        settings: &MeasureSettings,
+    ) -> anyhow::Result<Vec<(usize, Level)>> {
+        let size = |e: &Experiment| {
+            plant::rms_of(std::slice::from_ref(e)).iter().map(|r| r * r).sum::<f64>().sqrt()
+        };
+        let mut sorted: Vec<(f64, &Experiment)> =
+            experiments.iter().map(|e| (size(e), e)).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let groups: Vec<&[(f64, &Experiment)]> =
+            sorted.chunk_by(|a, b| b.0 <= SAME_LEVEL * a.0).collect();
+        if groups.len() < 2 {
+            bail!(
+                "--softening needs records of two levels of excitation or more, whose inputs differ in rms by more \
+                 than {:.0} %; the {} given have one",
+                100.0 * (SAME_LEVEL - 1.0),
+                experiments.len()
+            );
+        }
+        let measured = groups.iter().map(|group| {
+            let own: Vec<Experiment> = group.iter().map(|(_, e)| (*e).clone()).collect();
+            let response = frequency::measure(&own, settings).with_context(|| {
+                let names: Vec<&str> = own.iter().map(|e| e.name.as_str()).collect();
+                format!("the level of {}", names.join("; "))
+            })?;
+            Ok((own.len(), Level { response, rms: plant::rms_of(&own) }))
+        });
+        measured.collect()
     }
 
     /// The records of all logs as experiments on one grid.
@@ -409,6 +468,9 @@ impl Answer for Measured {
             writeln!(out, "note: {note}")?;
         }
         if let Some(plant) = &self.plant {
+            if let Some(softening) = &plant.softening {
+                softening.write(out)?;
+            }
             for error in &plant.errors {
                 writeln!(
                     out,

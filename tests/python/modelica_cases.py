@@ -95,6 +95,8 @@ COUPLING = {
     "displacement-coupling": ({"matrix": [[0.0, 0.1], [-0.2, 0.0]]}, EXACT),
     "mode-coupling": ({"matrix": [[0.0, 0.01], [0.02, 0.0]], "frequency": [300.0, 250.0], "damping": [0.05, 0.1]}, SOLVED),
     "modal-matrix": ({"direct": [[0.2, 0.0], [0.1, 0.3]], "frequency": [300.0, 150.0], "damping": [0.05, 1.2], "residue": [[0.5, 0.1], [-0.2, 0.6], [0.3, 0.0], [0.1, 0.2]], "rate_residue": [[0.02, 0.0], [0.0, -0.01], [0.0, 0.03], [0.0, 0.0]]}, SOLVED),
+    # The FMU holds the amplitude over a step.
+    "softening-modes": ({"direct": [[0.2, 0.0], [0.1, 0.3]], "frequency": [300.0, 150.0], "damping": [0.05, 1.2], "frequency_shift": [-0.1, -0.05], "damping_growth": [0.5, 0.2], "residue": [[0.5, 0.1], [-0.2, 0.6], [0.3, 0.0], [0.1, 0.2]], "rate_residue": [[0.02, 0.0], [0.0, -0.01], [0.0, 0.03], [0.0, 0.0]], "amplitude": [3.0, 3.0], "exponent": 2.0}, 2e-4),
     "optics-jacobian": ({"matrix": [[1.0, 0.1], [-0.2, 0.9]], "offset": [0.5, -0.5]}, EXACT),
     "psd-pincushion": ({"distortion": 0.03, "half_size": 12.0}, EXACT),
 }

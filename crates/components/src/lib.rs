@@ -85,6 +85,7 @@ pub static COMPONENTS: model::Registry = &[
     &coupling::DisplacementCoupling,
     &coupling::ModeCoupling,
     &coupling::ModalMatrix,
+    &coupling::SofteningModes,
     &coupling::OpticsJacobian,
     &coupling::PsdPincushion,
     &environment::ThermalDrift,

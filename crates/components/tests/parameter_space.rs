@@ -79,7 +79,7 @@ fn drawn(dice: &mut Dice, component: &dyn Component) -> (Vec<f64>, Vec<f64>) {
         }
         _ if declaration.is_coupling() && structure.len() == 1 => vec![2.0],
         // A matrix per mode.
-        [_, _, modes, _] if declaration.kind == "modal-matrix" => {
+        [_, _, modes, _] if matches!(declaration.kind, "modal-matrix" | "softening-modes") => {
             vec![2.0, 4.0, *modes, 4.0 * modes]
         }
         _ => structure,

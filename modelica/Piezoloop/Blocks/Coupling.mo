@@ -155,5 +155,71 @@ package Coupling "Several axes at once"
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Polygon(points={{-70,-70},{0,-55},{70,-70},{55,0},{70,70},{0,55},{-70,70},{-55,0},{-70,-70}}, lineColor={0,0,127}, smooth=Smooth.Bezier)}),
       Documentation(info="<html><p>Component <code>psd-pincushion</code>. Pincushion distortion of a position-sensitive detector.</p><p><code>q[i] = p[i]*(1 + distortion*(p[1]^2 + p[2]^2)/half_size^2)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>axes` (structure)</td><td>1</td><td>by its lists</td><td>2</td><td>2</td><td>Number of axes, 2</td></tr><tr><td>distortion</td><td>1</td><td>must be given</td><td></td><td></td><td>Relative shift at half_size on an axis</td></tr><tr><td>half_size</td><td>{position}</td><td>must be given</td><td>0</td><td></td><td>Half the edge of the detector</td></tr></table><p>Source: W. Wang, I. J. Busch-Vishniac, Applied Optics 28 (1989) 4504.</p><p>Effect: <code>sensor_nonlinearity</code>.</p><p>In the residual: a polynomial of the position, the same on both branches and at every rate.</p><p>Looks like: <code>asymmetry</code>, <code>polarisation_saturation</code>, <code>amplifier_saturation</code>.</p><p>Told apart by: interferometer as reference; shift the working range.</p><p>In <code>p0-truth</code>: 0.030 % at most, 0.005 % rms.</p></html>"));
   end PsdPincushion;
+
+  block SofteningModes "Modes that all axes share, with frequency and damping that follow the amplitude"
+    extends Icons.Block;
+    parameter Integer axes(min = 1, max = 8) "Number of coupled axes";
+    parameter Integer entries(min = 1, max = 64) "Number of entries of a matrix";
+    parameter Integer modes(min = 1, max = 64) "Number of modes";
+    parameter Integer residues(min = 1, max = 4096) "Entries of all modes' matrices";
+    parameter Real direct[entries](each unit="1") "Motion per motion of what has no mode here, row by row";
+    parameter Real frequency[modes](each unit="Hz", each min = 0) "Undamped natural frequency of each mode, small motion";
+    parameter Real damping[modes](each unit="1", each min = 0) "Damping ratio of each mode, small motion";
+    parameter Real frequency_shift[modes](each unit="1") "Relative change of each mode's frequency at `amplitude`, negative where it softens";
+    parameter Real damping_growth[modes](each unit="1") "Relative change of each mode's damping ratio at `amplitude`";
+    parameter Real residue[residues](each unit="1") "Static motion per motion through each mode, row by row, mode after mode";
+    parameter Real rate_residue[residues](each unit="1") "Motion per rate of each mode over its angular frequency, row by row, mode after mode";
+    parameter Real amplitude[axes](each unit="um", each min = 0) "Rms of each axis' motion in front at which shift and growth are given";
+    parameter Real exponent(unit="1", min = 0) = 1.0 "Power of the amplitude that shift and growth follow";
+    parameter Real time_constant(unit="s", min = 0) = 0.1 "Of the running rms";
+    Interfaces.PositionInput u[axes] "Position of each axis in front" annotation(Placement(transformation(extent={{-120,-20},{-80,20}})));
+    Interfaces.PositionOutput y[axes] "Position of each axis behind" annotation(Placement(transformation(extent={{100,-10},{120,10}})));
+  protected
+    Real u_um[axes](each unit="um") = u/Constants.um "u in um";
+    Real y_um[axes](each unit="um") "y in um";
+    Real z[modes,axes](each unit="um") "Each mode under each axis";
+    Real v[modes,axes](each unit="um") "Its rate over its angular frequency";
+    Real total[modes + 1,axes](each unit="um") "Direct motion and the modes up to each";
+    Real mean[axes](each unit="um") "Running mean of each axis in front";
+    Real power(unit="1", start = 0, fixed = true) "Running mean square about it, over that of the amplitude";
+    Real way[axes](each unit="1") "Distance from the mean over the amplitude";
+    Real s(unit="1") "What shift and growth are multiplied by";
+    Real w[modes](each unit="rad/s") "Angular frequency of each mode";
+  initial equation
+    for j in 1:axes loop
+      der(mean[j]) = 0;
+    end for;
+    for k in 1:modes loop
+      for j in 1:axes loop
+        der(z[k,j]) = 0;
+        der(v[k,j]) = 0;
+      end for;
+    end for;
+  equation
+    y = Constants.um*y_um;
+    for j in 1:axes loop
+      time_constant*der(mean[j]) = u_um[j] - mean[j];
+      way[j] = (u_um[j] - mean[j])/amplitude[j];
+    end for;
+    time_constant*der(power) = Functions.rowProduct(way, 1, way)/axes - power;
+    s = min(max(power, 0)^(0.5*exponent), 1.5);
+    for k in 1:modes loop
+      w[k] = 2*Constants.pi*frequency[k]*(1 + frequency_shift[k]*s);
+      for j in 1:axes loop
+        der(z[k,j]) = w[k]*v[k,j];
+        der(v[k,j]) = w[k]*(u_um[j] - z[k,j] - 2*damping[k]*(1 + damping_growth[k]*s)*v[k,j]);
+      end for;
+    end for;
+    for i in 1:axes loop
+      total[1,i] = Functions.rowProduct(direct, i, u_um);
+      for k in 1:modes loop
+        total[k + 1,i] = total[k,i] + Functions.rowProduct(residue, (k - 1)*axes + i, z[k,:])
+          + Functions.rowProduct(rate_residue, (k - 1)*axes + i, v[k,:]);
+      end for;
+      y_um[i] = total[modes + 1,i];
+    end for;
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-65,47},{-61,67},{-49,-9},{-37,70},{-25,9},{-22,15},{-13,64},{0,18},{11,57},{14,54},{24,24},{35,53},{38,51},{48,28},{51,30},{60,49},{63,47},{72,31},{75,32},{80,41}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>softening-modes</code>. Modes that all axes share, with frequency and damping that follow the amplitude.</p><p><code>y[i] = sum(direct[i,j]*x[j]) + sum(residue[k,i,j]*z[k,j] + rate_residue[k,i,j]*z[k,j]'/w[k]); z'' + 2*d*w*z' + w^2*z = w^2*x; w = 2*pi*frequency*(1 + frequency_shift*s); d = damping*(1 + damping_growth*s); s = min(a^exponent, 1.5); a^2 = mean(v[j]/amplitude[j]^2); time_constant*m' = x - m; time_constant*v' = (x - m)^2 - v</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>axes` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>8</td><td>Number of coupled axes</td></tr><tr><td>entries` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>64</td><td>Number of entries of a matrix</td></tr><tr><td>modes` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>64</td><td>Number of modes</td></tr><tr><td>residues` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>4096</td><td>Entries of all modes' matrices</td></tr><tr><td>direct</td><td>1</td><td>must be given</td><td></td><td></td><td>Motion per motion of what has no mode here, row by row</td></tr><tr><td>frequency</td><td>Hz</td><td>must be given</td><td>0</td><td></td><td>Undamped natural frequency of each mode, small motion</td></tr><tr><td>damping</td><td>1</td><td>must be given</td><td>0</td><td></td><td>Damping ratio of each mode, small motion</td></tr><tr><td>frequency_shift</td><td>1</td><td>must be given</td><td></td><td></td><td>Relative change of each mode's frequency at `amplitude`, negative where it softens</td></tr><tr><td>damping_growth</td><td>1</td><td>must be given</td><td></td><td></td><td>Relative change of each mode's damping ratio at `amplitude</td></tr><tr><td>residue</td><td>1</td><td>must be given</td><td></td><td></td><td>Static motion per motion through each mode, row by row, mode after mode</td></tr><tr><td>rate_residue</td><td>1</td><td>must be given</td><td></td><td></td><td>Motion per rate of each mode over its angular frequency, row by row, mode after mode</td></tr><tr><td>amplitude</td><td>{position}</td><td>must be given</td><td>0</td><td></td><td>Rms of each axis' motion in front at which shift and growth are given</td></tr><tr><td>exponent</td><td>1</td><td>1</td><td>0</td><td></td><td>Power of the amplitude that shift and growth follow</td></tr><tr><td>time_constant</td><td>s</td><td>0.1</td><td>0</td><td></td><td>Of the running rms</td></tr></table><p>Source: L. Gaul, R. Nitsche, Appl. Mech. Rev. 54 (2001) 93-106.</p></html>"));
+  end SofteningModes;
   annotation(Documentation(info="<html><p>Several axes at once.</p></html>"));
 end Coupling;

@@ -58,6 +58,18 @@ package Coupling "Examples of single blocks: Coupling"
       Documentation(info="<html><p>Block Piezoloop.Blocks.Coupling.ModalMatrix as it is compared with the FMU.</p></html>"));
   end ModalMatrix;
 
+  model SofteningModes "Modes that all axes share, with frequency and damping that follow the amplitude"
+    extends Icons.Example;
+    Piezoloop.Blocks.Coupling.SofteningModes device(direct = {0.2, 0.0, 0.1, 0.3}, frequency = {300.0, 150.0}, damping = {0.05, 1.2}, frequency_shift = {-0.1, -0.05}, damping_growth = {0.5, 0.2}, residue = {0.5, 0.1, -0.2, 0.6, 0.3, 0.0, 0.1, 0.2}, rate_residue = {0.02, 0.0, 0.0, -0.01, 0.0, 0.03, 0.0, 0.0}, amplitude = {3.0, 3.0}, exponent = 2.0, modes = 2, residues = 8, entries = 4, axes = 2) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
+    Sources.Wave wave1(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
+    Sources.Wave wave2(scale = 1e-07, amplitude = {30.0}, frequency = {90.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,20},{-60,40}})));
+  equation
+    connect(wave1.y, device.u[1]) annotation(Line(points={{-59,60},{-40,60},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(wave2.y, device.u[2]) annotation(Line(points={{-59,30},{-40,30},{-40,0},{-24,0}}, color={0,0,127}));
+    annotation(experiment(StartTime=0, StopTime=0.0299, Interval=0.0001, Tolerance=1e-9),
+      Documentation(info="<html><p>Block Piezoloop.Blocks.Coupling.SofteningModes as it is compared with the FMU.</p></html>"));
+  end SofteningModes;
+
   model OpticsJacobian "From the angles of several mirrors to the coordinates of the spots on the sensors"
     extends Icons.Example;
     Piezoloop.Blocks.Coupling.OpticsJacobian device(matrix = {1.0, 0.1, -0.2, 0.9}, offset = {0.5, -0.5}, entries = 4, axes = 2) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));

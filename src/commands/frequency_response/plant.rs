@@ -1,11 +1,13 @@
 //! The plant of a measured response: fitted over held inputs, and judged in simulation.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use data::CheckedBlueprint;
 use identify::frequency::{
-    Choice, Experiment, FrequencyResponse as Response, PlantNames, RationalSettings, choose_held,
+    Choice, Experiment, FrequencyResponse as Response, HeldPlant, Level, PlantNames,
+    RationalSettings, choose_held, refined, relative, softened,
 };
 use identify::simulate_axes;
 use serde::Serialize;
@@ -19,10 +21,71 @@ pub(crate) struct Plant {
     pub(crate) blueprint: PathBuf,
     pub(crate) modes: usize,
     pub(crate) delay_s: f64,
+    /// How the modes follow the amplitude; `null` where they do not.
+    pub(crate) softening: Option<PlantSoftening>,
     /// Per record and output.
     pub(crate) errors: Vec<PlantError>,
     #[serde(skip)]
     pub(crate) checked: CheckedBlueprint,
+}
+
+/// How the modes of a plant follow the amplitude.
+#[derive(Serialize)]
+pub(crate) struct PlantSoftening {
+    /// Power of the amplitude.
+    pub(crate) exponent: f64,
+    /// Levels of the records, from the least on.
+    pub(crate) levels: Vec<PlantLevel>,
+    /// Per mode.
+    pub(crate) modes: Vec<SofteningMode>,
+}
+
+impl PlantSoftening {
+    pub(super) fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        for (number, level) in (1..).zip(&self.levels) {
+            let rms: Vec<String> = level.rms.iter().map(|r| format!("{r:.4}")).collect();
+            let PlantLevel { experiments, .. } = level;
+            writeln!(
+                out,
+                "level {number}: {experiments} records, rms of inputs {}",
+                rms.join(", ")
+            )?;
+        }
+        writeln!(
+            out,
+            "modes follow the amplitude to the power of {}; changes at level {}:",
+            self.exponent,
+            self.levels.len()
+        )?;
+        for mode in &self.modes {
+            writeln!(
+                out,
+                "mode of small motion {:.3} Hz, damping {:.4}: frequency {:+.2} %, damping {:+.0} %",
+                mode.frequency,
+                mode.damping,
+                100.0 * mode.frequency_shift,
+                100.0 * mode.damping_growth
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// A level of excitation.
+#[derive(Serialize)]
+pub(crate) struct PlantLevel {
+    pub(crate) experiments: usize,
+    /// Per input, about its mean.
+    pub(crate) rms: Vec<f64>,
+}
+
+/// A mode of small motion and its relative changes at the greatest level.
+#[derive(Serialize)]
+pub(crate) struct SofteningMode {
+    pub(crate) frequency: f64,
+    pub(crate) damping: f64,
+    pub(crate) frequency_shift: f64,
+    pub(crate) damping_growth: f64,
 }
 
 /// How far the plant is from a record that it was fitted to, driven by its inputs alone.
@@ -44,6 +107,10 @@ pub(super) struct Source<'a> {
     pub(super) experiments: &'a [Experiment],
     pub(super) sample_time: f64,
     pub(super) response: &'a Response,
+    /// All levels, where the modes are to follow the amplitude.
+    pub(super) levels: &'a [(usize, Level)],
+    /// Whether the modes of one level are refined.
+    pub(super) refine: bool,
     pub(super) inputs: &'a [Signal],
     pub(super) outputs: &'a [Signal],
     pub(super) logs: &'a [PathBuf],
@@ -57,8 +124,13 @@ pub(super) fn fitted(
     most: usize,
     notes: &mut Vec<String>,
 ) -> anyhow::Result<(Plant, Choice)> {
-    let (held, choice) = choose_held(source.response, source.sample_time, settings, most)
+    let (held, mut choice) = choose_held(source.response, source.sample_time, settings, most)
         .context("no plant can be fitted")?;
+    let held = if source.refine || !source.levels.is_empty() {
+        last_fit(source, held, &mut choice, notes)?
+    } else {
+        held
+    };
     let mut unit = |signal: &Signal, usual: &str| {
         signal.unit.clone().unwrap_or_else(|| usual_unit(&signal.name, usual, notes))
     };
@@ -108,7 +180,76 @@ pub(super) fn fitted(
         }
     }
     let (modes, delay_s) = (held.modes.len(), held.delay);
-    Ok((Plant { blueprint: file.to_owned(), modes, delay_s, errors, checked }, choice))
+    let softening = softening_of(&held, source.levels);
+    Ok((Plant { blueprint: file.to_owned(), modes, delay_s, softening, errors, checked }, choice))
+}
+
+/// The plant of least output error from one whose poles were found: at the level, or following the amplitude.
+fn last_fit(
+    source: &Source<'_>,
+    held: HeldPlant,
+    choice: &mut Choice,
+    notes: &mut Vec<String>,
+) -> anyhow::Result<HeldPlant> {
+    let rms = rms_of(source.experiments);
+    let plant = if source.levels.is_empty() {
+        let level = Level { response: source.response.clone(), rms };
+        refined(&level, &held).unwrap_or_else(|error| {
+            notes.push(format!("the modes are those found first, not refined: {error}"));
+            held
+        })
+    } else {
+        let levels: Vec<Level> = source.levels.iter().map(|(_, level)| level.clone()).collect();
+        if levels.len() == 2 {
+            notes.push(
+                "two levels do not tell by which power of the amplitude the modes follow it: 1 is taken"
+                    .to_owned(),
+            );
+        }
+        softened(&levels, &held).context("no modes that follow the amplitude can be fitted")?
+    };
+    // The model that is reported is that of the response that is reported.
+    let amplitude = plant.softening.as_ref().map_or(1.0, |softening| {
+        let shown = source.levels.iter().find(|(_, level)| level.response == *source.response);
+        shown.map_or(1.0, |(_, level)| relative(&level.rms, &softening.rms))
+    });
+    choice.model = plant.at_amplitude(amplitude).rational();
+    choice.misfit = source.response.misfit(&choice.model);
+    Ok(plant)
+}
+
+fn softening_of(held: &HeldPlant, levels: &[(usize, Level)]) -> Option<PlantSoftening> {
+    let softening = held.softening.as_ref()?;
+    let laws = softening.shift.iter().zip(&softening.growth);
+    Some(PlantSoftening {
+        exponent: softening.exponent,
+        levels: levels
+            .iter()
+            .map(|(experiments, level)| PlantLevel {
+                experiments: *experiments,
+                rms: level.rms.clone(),
+            })
+            .collect(),
+        modes: held
+            .modes
+            .iter()
+            .zip(laws)
+            .map(|(mode, (shift, growth))| SofteningMode {
+                frequency: mode.frequency,
+                damping: mode.damping,
+                frequency_shift: *shift,
+                damping_growth: *growth,
+            })
+            .collect(),
+    })
+}
+
+/// Rms of each input about its mean, over all experiments.
+pub(super) fn rms_of(experiments: &[Experiment]) -> Vec<f64> {
+    let inputs = experiments.first().map_or(0, |e| e.inputs.len());
+    let count = experiments.len().max(1) as f64;
+    let of = |k: usize| experiments.iter().map(|e| deviation(&e.inputs[k]).powi(2)).sum::<f64>();
+    (0..inputs).map(|k| (of(k) / count).sqrt()).collect()
 }
 
 /// Root mean square about the mean.

@@ -10,6 +10,7 @@ pub(crate) mod matrix;
 mod modal_matrix;
 mod mode;
 mod pincushion;
+mod softening_modes;
 
 pub use command::CommandCoupling;
 pub use displacement::DisplacementCoupling;
@@ -17,3 +18,4 @@ pub use jacobian::OpticsJacobian;
 pub use modal_matrix::ModalMatrix;
 pub use mode::ModeCoupling;
 pub use pincushion::PsdPincushion;
+pub use softening_modes::SofteningModes;

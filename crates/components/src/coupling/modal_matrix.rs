@@ -32,6 +32,14 @@ pub struct ModalMatrix;
 const AXES: usize = 8;
 const MODES: usize = 64;
 
+/// Settings of components with matrices of modes.
+pub(super) const STRUCTURE: [Structural; 4] = [
+    Structural::count("axes", "Number of coupled axes", 1, AXES),
+    Structural::count("entries", "Number of entries of a matrix", 1, AXES * AXES),
+    Structural::count("modes", "Number of modes", 1, MODES),
+    Structural::count("residues", "Entries of all modes' matrices", 1, MODES * AXES * AXES),
+];
+
 static DECLARATION: Declaration = Declaration {
     kind: "modal-matrix",
     name: "modes",
@@ -44,12 +52,7 @@ static DECLARATION: Declaration = Declaration {
     effect: None,
     inputs: &[Input::EACH_PATH],
     outputs: &[Output::PATH],
-    structure: &[
-        Structural::count("axes", "Number of coupled axes", 1, AXES),
-        Structural::count("entries", "Number of entries of a matrix", 1, AXES * AXES),
-        Structural::count("modes", "Number of modes", 1, MODES),
-        Structural::count("residues", "Entries of all modes' matrices", 1, MODES * AXES * AXES),
-    ],
+    structure: &STRUCTURE,
     parameters: &[
         Quantity::new("direct", "1", "Motion per motion of what has no mode here, row by row")
             .per(1)
@@ -84,13 +87,29 @@ static DECLARATION: Declaration = Declaration {
 };
 
 /// Numbers of axes and modes.
-fn counts(structure: &[f64]) -> (usize, usize) {
+pub(super) fn counts(structure: &[f64]) -> (usize, usize) {
     (matrix::axes(structure), structure.get(2).map_or(0, |n| *n as usize))
 }
 
+/// Refuses a direct matrix that is not square, and residues that are not a matrix per mode.
+pub(super) fn has_matrices(structure: &[f64]) -> Result<(), Violation> {
+    matrix::is_square(structure)?;
+    let (n, modes) = counts(structure);
+    let residues = structure.get(3).copied().unwrap_or(0.0);
+    require(
+        residues == (modes * n * n) as f64,
+        "residue",
+        residues,
+        "entries: each mode has a matrix with a row and a column per axis; give them all, mode after mode",
+    )
+}
+
+/// Coefficients of a mode's transition.
+const TRANSITION: usize = 3;
+
 /// Coefficients of a mode: those of its transition, R and Q.
 fn per_mode(axes: usize) -> usize {
-    3 + 2 * axes * axes
+    TRANSITION + 2 * axes * axes
 }
 
 impl Component for ModalMatrix {
@@ -112,14 +131,7 @@ impl Component for ModalMatrix {
     ) -> Result<(), Violation> {
         let (n, modes) = counts(structure);
         let entries = n * n;
-        matrix::is_square(structure)?;
-        let residues = structure.get(3).copied().unwrap_or(0.0);
-        require(
-            residues == (modes * entries) as f64,
-            "residue",
-            residues,
-            "entries: each mode has a matrix with a row and a column per axis; give them all, mode after mode",
-        )?;
+        has_matrices(structure)?;
         if parameters.len() != entries + 2 * modes * (1 + entries)
             || coefficients.len() != entries + modes * per_mode(n)
         {
@@ -138,7 +150,7 @@ impl Component for ModalMatrix {
         {
             second_order(*f, *d, period).map_err(|v| Violation { index: Some(index), ..v })?;
             let Transition { same, cross, rate } = Transition::new(*f, *d, period);
-            let (transition, matrices) = slot.split_at_mut(3);
+            let (transition, matrices) = slot.split_at_mut(TRANSITION);
             transition.copy_from_slice(&[same, cross, rate]);
             let (own_r, own_q) = matrices.split_at_mut(entries);
             own_r.copy_from_slice(r);
@@ -154,7 +166,7 @@ impl Component for ModalMatrix {
             z.copy_from_slice(inputs);
             v.fill(0.0);
         }
-        read(inputs.len(), coefficients, inputs, state, outputs);
+        read(inputs.len(), TRANSITION, coefficients, inputs, state, outputs);
     }
 
     fn step(
@@ -179,7 +191,7 @@ impl Component for ModalMatrix {
 #[inline(always)]
 fn step_of(n: usize, coefficients: &[f64], state: &mut [f64], inputs: &[f64], outputs: &mut [f64]) {
     advance(n, coefficients, state, inputs);
-    read(n, coefficients, inputs, state, outputs);
+    read(n, TRANSITION, coefficients, inputs, state, outputs);
 }
 
 /// Moves the states on by a step.
@@ -198,15 +210,22 @@ fn advance(n: usize, coefficients: &[f64], state: &mut [f64], inputs: &[f64]) {
     }
 }
 
-/// What the states and the inputs make of the paths.
+/// What the states and the inputs make of the paths; each mode has `head` coefficients in front of R and Q.
 #[inline(always)]
-fn read(n: usize, coefficients: &[f64], inputs: &[f64], state: &[f64], outputs: &mut [f64]) {
+pub(super) fn read(
+    n: usize,
+    head: usize,
+    coefficients: &[f64],
+    inputs: &[f64],
+    state: &[f64],
+    outputs: &mut [f64],
+) {
     let n = n.max(1);
     let entries = n * n;
     let Some((direct, modes)) = coefficients.split_at_checked(entries) else { return };
     matrix::product(direct, core::iter::repeat_n(&0.0, n), inputs, outputs);
-    for (slot, mode) in modes.chunks_exact(per_mode(n)).zip(state.chunks_exact(2 * n)) {
-        let Some((r, q)) = slot.get(3..).and_then(|both| both.split_at_checked(entries)) else {
+    for (slot, mode) in modes.chunks_exact(head + 2 * entries).zip(state.chunks_exact(2 * n)) {
+        let Some((r, q)) = slot.get(head..).and_then(|both| both.split_at_checked(entries)) else {
             return;
         };
         let (z, v) = mode.split_at(n);

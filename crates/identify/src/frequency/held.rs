@@ -16,6 +16,11 @@ use super::modes::{Choice, RationalSettings, choose};
 use super::rational::{Domain, Rational};
 use crate::error::Error;
 
+/// Time constant in s of the running rms that softening modes follow.
+const TIME_CONSTANT: f64 = 0.1;
+/// Least half distance of the two poles of a mode in z.
+const NEAREST: f64 = 1e-7;
+
 /// One mode with its matrices, outputs × inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeldMode {
@@ -29,7 +34,21 @@ pub struct HeldMode {
     pub rate_residue: DMatrix<f64>,
 }
 
-/// A linear plant over inputs that are held for a sample.
+/// How modes follow the amplitude: relative changes of frequency and damping, `shift·a^exponent` and
+/// `growth·a^exponent`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Softening {
+    /// Per mode: relative change of its frequency at the amplitude `rms`.
+    pub shift: Vec<f64>,
+    /// Per mode: relative change of its damping ratio there.
+    pub growth: Vec<f64>,
+    /// Power of the amplitude that they follow.
+    pub exponent: f64,
+    /// Rms of each input at which a = 1.
+    pub rms: Vec<f64>,
+}
+
+/// A plant over inputs that are held for a sample; linear at one amplitude.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeldPlant {
     /// Sample time in s.
@@ -40,6 +59,8 @@ pub struct HeldPlant {
     pub modes: Vec<HeldMode>,
     /// Delay beyond the hold, in s; whole samples.
     pub delay: f64,
+    /// How the modes follow the amplitude, where they do; they themselves are those of small motion then.
+    pub softening: Option<Softening>,
 }
 
 /// How a plant is named.
@@ -142,7 +163,55 @@ impl HeldPlant {
             modes.push(mode((p, &r), (q, &s), period)?);
         }
         modes.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
-        Ok(Self { period, direct, modes, delay: (samples - 1.0) * period })
+        Ok(Self { period, direct, modes, delay: (samples - 1.0) * period, softening: None })
+    }
+
+    /// The linear plant at an amplitude relative to that of the softening.
+    #[must_use]
+    pub fn at_amplitude(&self, amplitude: f64) -> Self {
+        let mut own = Self { softening: None, ..self.clone() };
+        if let Some(softening) = &self.softening {
+            let s = amplitude.powf(softening.exponent);
+            let laws = softening.shift.iter().zip(&softening.growth);
+            for (mode, (shift, growth)) in own.modes.iter_mut().zip(laws) {
+                mode.frequency *= 1.0 + shift * s;
+                mode.damping *= 1.0 + growth * s;
+            }
+        }
+        own
+    }
+
+    /// The discrete model with the same outputs at the samples; of small motion.
+    #[must_use]
+    pub fn rational(&self) -> Rational {
+        // r/(z − p) = z⁻¹·(r + r·p/(z − p)).
+        let mut direct = self.direct.clone();
+        let (mut poles, mut residues) = (Vec::new(), Vec::new());
+        for mode in &self.modes {
+            let t = Transition::new(mode.frequency, mode.damping, self.period);
+            let (middle, half) = (0.5 * (t.same + t.rate), 0.5 * (t.same - t.rate));
+            // Two poles that are one have no residues of their own.
+            let square = half * half - t.cross * t.cross;
+            let root = Complex::new(square, 0.0).sqrt();
+            let root = if root.norm() < NEAREST { Complex::new(NEAREST, 0.0) } else { root };
+            let rest = 1.0 - t.same;
+            let residue = |p: Complex, other: Complex| {
+                let slow = ((p - t.rate) * rest + t.cross * t.cross) / (p - other);
+                let fast = ((p - t.same) * t.cross - t.cross * rest) / (p - other);
+                mode.residue.zip_map(&mode.rate_residue, |r, q| slow * r + fast * q)
+            };
+            let (p, q) = (middle + root, middle - root);
+            let all = if root.im == 0.0 { vec![(p, q), (q, p)] } else { vec![(p, q)] };
+            let twice = if root.im == 0.0 { 1.0 } else { 2.0 };
+            for (pole, other) in all {
+                let own = residue(pole, other);
+                direct += own.map(|r| twice * r.re);
+                residues.push(own.map(|r| r * pole));
+                poles.push(pole);
+            }
+        }
+        let domain = Domain::Discrete(self.period);
+        Rational { domain, poles, residues, direct, delay: self.delay + self.period }
     }
 
     /// The static gain, outputs × inputs.
@@ -195,12 +264,23 @@ impl HeldPlant {
             self.modes.iter().flat_map(|mode| rows(of(mode))).collect()
         };
         let each = |of: fn(&HeldMode) -> f64| -> Vec<f64> { self.modes.iter().map(of).collect() };
-        let matrix = ComponentBlueprint::new("modal-matrix")
+        let kind = if self.softening.is_some() { "softening-modes" } else { "modal-matrix" };
+        let mut matrix = ComponentBlueprint::new(kind)
             .value("direct", rows(&self.direct))
             .value("frequency", each(|mode| mode.frequency))
             .value("damping", each(|mode| mode.damping))
             .value("residue", all(|mode| &mode.residue))
             .value("rate_residue", all(|mode| &mode.rate_residue));
+        if let Some(softening) = &self.softening {
+            // The component sees the inputs behind the axes' gains.
+            let seen = softening.rms.iter().zip(&own).map(|(rms, gain)| rms * gain.abs());
+            matrix = matrix
+                .value("frequency_shift", softening.shift.clone())
+                .value("damping_growth", softening.growth.clone())
+                .value("amplitude", seen.collect::<Vec<f64>>())
+                .value("exponent", softening.exponent)
+                .value("time_constant", TIME_CONSTANT);
+        }
         let coupled: Vec<&str> = names.outputs.iter().map(|(name, _)| name.as_str()).collect();
         blueprint = blueprint.coupling(&coupled, matrix);
         blueprint.check(components::COMPONENTS).map_err(|problems| refused(problems.to_string()))
@@ -242,6 +322,7 @@ fn mode(
 
 #[cfg(test)]
 mod tests {
+    use super::super::refine::functions;
     use super::*;
 
     /// Response of the plant in z, from its modes as they stand.
@@ -249,12 +330,8 @@ mod tests {
         let z = Domain::Discrete(plant.period).variable(frequency);
         let mut sum = plant.direct.map(|d| Complex::new(d, 0.0) / z);
         for mode in &plant.modes {
-            let t = Transition::new(mode.frequency, mode.damping, plant.period);
-            let determinant = (z - t.same) * (z - t.rate) + t.cross * t.cross;
-            let displacement = ((z - t.rate) * (1.0 - t.same) + t.cross * t.cross) / determinant;
-            let speed = ((z - t.same) * t.cross - t.cross * (1.0 - t.same)) / determinant;
-            sum += mode.residue.map(|r| displacement * r);
-            sum += mode.rate_residue.map(|q| speed * q);
+            let (slow, fast) = functions(z, mode.frequency, mode.damping, plant.period);
+            sum += mode.residue.zip_map(&mode.rate_residue, |r, q| slow * r + fast * q);
         }
         sum * Complex::from_polar(1.0, -TAU * frequency * plant.delay)
     }
@@ -292,6 +369,8 @@ mod tests {
                 let (own, wanted) = (response(&plant, frequency), model.response(frequency));
                 let error = (&own - &wanted).norm() / wanted.norm();
                 assert!(error < 1e-10, "{frequency} Hz: {error:.1e} of {model:?}");
+                let error = (plant.rational().response(frequency) - &wanted).norm() / wanted.norm();
+                assert!(error < 1e-10, "{frequency} Hz: {error:.1e} of {:?}", plant.rational());
             }
         }
     }

@@ -66,6 +66,18 @@ pub struct Line {
     pub total: Vec<f64>,
     /// Per output: amplitude of the noise, over the mean of all periods; `None` without periods.
     pub noise: Option<Vec<f64>>,
+    /// What this line says alone, without its neighbours; `None` without periods.
+    pub alone: Option<Alone>,
+}
+
+/// The response of one line by itself: it scatters more than that of the local polynomials, and no resonance is
+/// too narrow for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alone {
+    /// Outputs × inputs, in output units per input unit.
+    pub response: DMatrix<Complex>,
+    /// How strongly the inputs act, all together.
+    pub strength: f64,
 }
 
 /// A measured frequency response.
@@ -286,7 +298,25 @@ impl Window<'_> {
             noise: self
                 .noise(window, outputs)
                 .map(|n| n.iter().map(|v| amplitude * v.sqrt()).collect()),
+            alone: if self.transient { None } else { self.alone(line) },
         })
+    }
+
+    /// Least squares over the experiments at one line.
+    fn alone(&self, line: usize) -> Option<Alone> {
+        let (inputs, outputs) = (self.spectra[0].inputs.len(), self.spectra[0].outputs.len());
+        let count = self.spectra.len();
+        if count < inputs {
+            return None;
+        }
+        let u = DMatrix::from_fn(inputs, count, |i, e| self.spectra[e].inputs[i][line]);
+        let y = DMatrix::from_fn(outputs, count, |o, e| self.spectra[e].outputs[o][line]);
+        let inverse = (&u * u.adjoint()).try_inverse()?;
+        let spread = inverse.diagonal().iter().map(|c| c.re).sum::<f64>() / inputs.max(1) as f64;
+        let response = y * u.adjoint() * inverse;
+        let sound = response.iter().all(|g| g.re.is_finite() && g.im.is_finite());
+        (sound && spread.is_finite() && spread > 0.0)
+            .then(|| Alone { response, strength: 1.0 / spread.sqrt() })
     }
 
     /// Variance of the noise per output, mean over the window.

@@ -3,6 +3,7 @@
 //! * [`measure`]: the frequency response matrix from multisines, swept sines or any other rich signal,
 //!   with coherence, noise level and nonlinear distortion.
 //! * [`Rational`]: a common-denominator fit of all its elements, with modes and delay.
+//! * [`refined`], [`softened`]: its modes as a plant of least output error, at one level or following the amplitude.
 
 mod excitation;
 mod held;
@@ -10,14 +11,16 @@ mod levels;
 mod local;
 mod modes;
 mod rational;
+mod refine;
 mod relocate;
 
 pub use excitation::{Experiment, period_of};
-pub use held::{HeldMode, HeldPlant, PlantNames, choose_held};
+pub use held::{HeldMode, HeldPlant, PlantNames, Softening, choose_held};
 pub use levels::{Distortion, Levels};
-pub use local::{FrequencyResponse, Line, MeasureSettings, measure};
+pub use local::{Alone, FrequencyResponse, Line, MeasureSettings, measure};
 pub use modes::{Choice, Mode, RationalSettings, choose, fit_with_delay};
 pub use rational::{Domain, Rational};
+pub use refine::{Level, refined, relative, softened};
 
 /// A complex number.
 pub type Complex = nalgebra::Complex<f64>;

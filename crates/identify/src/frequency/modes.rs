@@ -64,6 +64,23 @@ pub struct Choice {
     pub length: f64,
 }
 
+impl FrequencyResponse {
+    /// Mean square of what a model leaves of the response, over the response's own variance.
+    #[must_use]
+    pub fn misfit(&self, model: &Rational) -> f64 {
+        let greatest = self.lines.iter().map(|l| l.deviation.max()).fold(0.0, f64::max);
+        // A response without any scatter would count without limit.
+        let floor = (1e-6 * greatest).max(1e-150);
+        let square = |line: &super::local::Line| {
+            let rest = &line.response - model.response(line.frequency);
+            let each = rest.iter().zip(&line.deviation);
+            each.map(|(rest, d)| rest.norm_sqr() / d.max(floor).powi(2)).sum::<f64>()
+        };
+        let count = self.lines.iter().map(|l| l.response.len()).sum::<usize>().max(1);
+        self.lines.iter().map(square).sum::<f64>() / count as f64
+    }
+}
+
 impl Rational {
     /// The modes, by frequency.
     #[must_use]
