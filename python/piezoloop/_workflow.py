@@ -131,6 +131,8 @@ def pack(
     step: float | None = None,
     all_effects: bool = False,
     libraries: PathLike | None = None,
+    ports: Iterable[str] | None = None,
+    port_value: Mapping[str, float | str] | None = None,
 ) -> Path:
     """Packs a plant or a controller as a co-simulation FMU and returns its path.
 
@@ -141,11 +143,14 @@ def pack(
         step: internal step in s.
         all_effects: every effect of the library is in the FMU, switched off.
         libraries: folder with the libraries of further platforms.
+        ports: ``mechanical``, ``electrical``, ``thermal``: what a simulator of a whole system connects, in SI units.
+        port_value: what the ports need and the blueprint does not state, such as ``{"capacitance": "2.1 uF"}``.
     """
     with tempfile.TemporaryDirectory() as folder:
         answer = run(
             "pack", Files(folder).model(_model(blueprint)), "--out", out,
-            *options(fmi=fmi, step=step, all_effects=all_effects, libraries=libraries),
+            *options(fmi=fmi, step=step, all_effects=all_effects, libraries=libraries,
+                     ports=None if ports is None else list(ports), port_value=port_value),
         )
     return Path(answer.fmu)
 

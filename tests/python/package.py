@@ -2,6 +2,7 @@
 
 import os
 import sys
+import zipfile
 
 import fmpy
 import numpy as np
@@ -76,6 +77,8 @@ result = piezoloop.loop(stage, controller, {"time": time[:1000], "reference[1]":
 error = (result["position[1]"] - wanted)[100:]
 assert np.sqrt(np.mean(error**2)) < 1e-3 * (high - low), np.sqrt(np.mean(error**2))
 assert piezoloop.pack(controller, "controller.fmu", fmi=3).stat().st_size > 1000
+piezoloop.pack("p1", "ported.fmu", fmi=3, ports=["electrical"], port_value={"capacitance": "2.1 uF"})
+assert b"current" in zipfile.ZipFile("ported.fmu").read("modelDescription.xml")
 found = piezoloop.estimate("p1", {"time": time, "command[1]": command, "position[1]": measured["y"]},
                            {"axis[1].actuator.gain": 3.0}, unit={"position[1]": "um"})
 assert found.parameters[0].name == "axis[1].actuator.gain", found.parameters
