@@ -10,6 +10,7 @@ use components::hysteresis::rate;
 use data::{AxisBlueprint, CheckedBlueprint, ComponentBlueprint, Value};
 use identify::learned::rms_difference;
 use learned::tune::{Swarm, particle_swarm};
+use model::NodeSpec;
 
 use super::figures::{self, Chapter};
 use super::{Aim, Order, Reproduction, Response, Row, response_of};
@@ -171,8 +172,14 @@ impl Form {
 fn dynamic(fixed: &CheckedBlueprint, rates: &Rates) -> anyhow::Result<CheckedBlueprint> {
     let mut blueprint = fixed.blueprint().clone();
     let axis: &mut AxisBlueprint = blueprint.axes.first_mut().context("an axis")?;
-    let play = axis.components.iter_mut().find(|c| c.kind == "prandtl-ishlinskii");
-    let play: &mut ComponentBlueprint = play.context("plays")?;
+    let nodes = fixed.spec().axes.first().map_or(&[][..], |axis| &axis.components);
+    let has_plays = |node: &NodeSpec| {
+        let mut any = false;
+        node.component.plays(&node.structure, &node.values, &mut |_, _| any = true);
+        any
+    };
+    let at = nodes.iter().position(has_plays).context("plays")?;
+    let play: &mut ComponentBlueprint = axis.components.get_mut(at).context("plays")?;
     play.kind = "dynamic-prandtl-ishlinskii".into();
     let list = |x: &[f64]| Value::List(x.iter().map(|x| Value::Number(*x)).collect());
     play.set("alpha", list(&rates[..4]));
