@@ -140,6 +140,10 @@ fn library() -> Option<PathBuf> {
     let name = name_of(library as fn() -> Option<PathBuf> as usize)?;
     // SAFETY: the name ends with a zero, and lives as long as the library is loaded.
     let name = unsafe { CStr::from_ptr(name.as_ptr()) };
+    if name.is_empty() {
+        // The program itself, which the loader keeps without a name.
+        return std::env::current_exe().ok();
+    }
     // It is as the host gave it to dlopen; lexically absolute, since a link to the library is
     // meant to stand for an FMU of its own.
     std::path::absolute(OsStr::from_bytes(name.to_bytes())).ok()

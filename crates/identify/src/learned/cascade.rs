@@ -143,8 +143,14 @@ impl Series {
         let every = (end - begin).div_ceil(measured.len().max(1)).max(1);
         let taken: Vec<usize> = measured.into_iter().chain((begin..end).step_by(every)).collect();
         let samples = found.frame.samples(&pairs)?.subset(&taken);
-        let weighed =
-            weigh_samples(&found.frame, &samples, widths.group, widths.stiff, widths.search);
+        let weighed = weigh_samples(
+            &found.frame,
+            &samples,
+            widths.group,
+            widths.stiff,
+            widths.search,
+            widths.greatest,
+        );
         let samples = weighed.frame.samples(&pairs)?.subset(&taken);
         let (machine, _) = Machine::train_on(weighed.frame.clone(), &samples, weighed.settings)?;
         Ok(Some((Self { machine, linear: found.linear }, weighed)))
@@ -352,7 +358,12 @@ mod tests {
         let runs: Vec<Run<'_>> = each.map(run).collect();
         let frame = frame(&pairs);
         let group = |input: usize| usize::from(input >= 15);
-        let widths = Widths { group: &group, stiff: (&[40.0, 0.1], 1e5), search: (40, 500) };
+        let widths = Widths {
+            group: &group,
+            stiff: (&[40.0, 0.1], 1e5),
+            search: (40, 500),
+            greatest: f64::INFINITY,
+        };
         // From a lag that is half as fast, and from one that is twice as fast.
         for bandwidth in [20.0, 80.0] {
             let (series, _) =
@@ -397,7 +408,12 @@ mod tests {
             })
             .collect();
         let group = |input: usize| usize::from(input >= 15);
-        let widths = Widths { group: &group, stiff: (&[40.0, 0.1], 1e5), search: (40, 500) };
+        let widths = Widths {
+            group: &group,
+            stiff: (&[40.0, 0.1], 1e5),
+            search: (40, 500),
+            greatest: f64::INFINITY,
+        };
         let (series, _) = Series::train_cascade(&frame(&pairs), widths, &runs, (40.0, PERIOD), 600)
             .unwrap()
             .unwrap();

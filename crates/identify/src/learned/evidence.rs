@@ -34,7 +34,8 @@ pub struct Weighed {
 const COARSE: (f64, f64) = (4.0, 10.0);
 
 /// Seeks the widths of groups of inputs and γ from `start`: a factor on the frame's widths for each
-/// group, and γ. `group` is the group of an input. Every k-th sample, at most `most`, is looked at.
+/// group, and γ, which stays below `greatest`. `group` is the group of an input. Every k-th sample, at most `most`,
+/// is looked at.
 ///
 /// # Errors
 /// As [`Samples::new`].
@@ -44,12 +45,15 @@ pub fn weigh(
     group: &dyn Fn(usize) -> usize,
     (start, gamma): (&[f64], f64),
     (evaluations, most): (usize, usize),
+    greatest: f64,
 ) -> Result<Weighed, learned::Error> {
-    Ok(weigh_samples(frame, &frame.samples(records)?, group, (start, gamma), (evaluations, most)))
+    let samples = frame.samples(records)?;
+    Ok(weigh_samples(frame, &samples, group, (start, gamma), (evaluations, most), greatest))
 }
 
-/// Where γ is larger, as a record with little noise asks for, the kernel matrix of a training cannot be solved exactly.
-const GREATEST_GAMMA: f64 = 3e8;
+/// Where γ is larger, as long records with little noise ask for, the kernel matrix of a training on thousands of samples
+/// cannot be solved exactly.
+pub const GREATEST_GAMMA: f64 = 3e8;
 
 /// The same for the samples of the frame that are given.
 #[must_use]
@@ -59,6 +63,7 @@ pub fn weigh_samples(
     group: &dyn Fn(usize) -> usize,
     (start, gamma): (&[f64], f64),
     (evaluations, most): (usize, usize),
+    greatest: f64,
 ) -> Weighed {
     let every = whole.count().div_ceil(most.max(2)).max(1);
     let some: Vec<usize> = (0..whole.count()).step_by(every).collect();
@@ -69,7 +74,7 @@ pub fn weigh_samples(
     let mut bounds: Vec<(f64, f64)> =
         middle.iter().enumerate().map(|(k, x)| (x - reach(k), x + reach(k))).collect();
     if let Some((low, high)) = bounds.last_mut() {
-        *high = high.min(GREATEST_GAMMA.ln()).max(*low);
+        *high = high.min(greatest.ln()).max(*low);
     }
     let mut lack = |p: &[f64]| evidence(&few, group, p).map_or(f64::INFINITY, |value| -value);
     let simplex = Simplex { edge: 0.04, evaluations, tolerance: 1e-6 };
@@ -144,7 +149,8 @@ mod tests {
         let frame =
             Frame::new(Features::Stops(features), Span::UNIT, Span::UNIT, Recipe::Plain, &records);
         let group = |k: usize| usize::from(k >= 8);
-        let found = weigh(&frame, &records, &group, (&[3.0, 1.0], 1e4), (80, 480)).unwrap();
+        let found =
+            weigh(&frame, &records, &group, (&[3.0, 1.0], 1e4), (80, 480), f64::INFINITY).unwrap();
         let error = |frame: Frame, settings: Settings| {
             let (machine, _) = Machine::train(frame, &records, settings).unwrap();
             super::super::rms_difference(&machine.simulate(&test, 0.0), &truth(&test))

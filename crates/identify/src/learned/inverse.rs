@@ -104,7 +104,8 @@ pub fn learn(
     let features = Features::Stops(stops);
     let (position, whole) = (Span::of(&heights), Span { low: range[0], high: range[1] });
     let frame = Frame::new(features, position, whole, Recipe::Plain, &pairs).on_a_line(&pairs);
-    let found = weigh(&frame, &pairs, &group, (&START.0, START.1), SEARCH).map_err(fail)?;
+    let found =
+        weigh(&frame, &pairs, &group, (&START.0, START.1), SEARCH, f64::INFINITY).map_err(fail)?;
     stage(1)?;
     let every = |rows: usize, most: usize| rows.div_ceil(most).max(1);
     let steps = (every(slow.len(), SAMPLES.1), every(waves.count * rows, SAMPLES.0));

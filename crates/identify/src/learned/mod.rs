@@ -19,7 +19,7 @@ mod spline;
 mod weighed;
 
 pub use arx::Arx;
-pub use evidence::{Weighed, weigh, weigh_samples};
+pub use evidence::{GREATEST_GAMMA, Weighed, weigh, weigh_samples};
 pub use inverse::InverseFigures;
 pub use machine::{Frame, Machine, Recipe, Span};
 pub use plant::learned_inverse;

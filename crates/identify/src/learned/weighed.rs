@@ -22,6 +22,8 @@ pub struct Widths<'a> {
     pub stiff: (&'a [f64], f64),
     /// Evaluations of the evidence behind its grid, and most samples it looks at.
     pub search: (usize, usize),
+    /// Greatest γ.
+    pub greatest: f64,
 }
 
 impl Series {
@@ -44,7 +46,7 @@ impl Series {
                 runs.iter().zip(targets).map(|(run, target)| (run.command, &target[..])).collect();
             let frame = frame.projected(&pairs, &fitted);
             let samples = frame.samples(&pairs)?.subset(&fitted);
-            Ok(weigh_samples(&frame, &samples, widths.group, start, widths.search))
+            Ok(weigh_samples(&frame, &samples, widths.group, start, widths.search, widths.greatest))
         };
         if orders.is_empty() {
             let targets: Vec<Vec<f64>> = runs.iter().map(|run| run.position.to_vec()).collect();
@@ -120,11 +122,11 @@ mod tests {
         let nothing = Arx { b: vec![1.0], a: vec![] };
         let start = (&nothing, &[(2, 2)][..]);
         let stiff: (&[f64], f64) = (&[100.0, 10.0, 20.0], 1e5);
-        let widths = Widths { group: &group, stiff, search: (40, 300) };
+        let widths = Widths { group: &group, stiff, search: (40, 300), greatest: f64::INFINITY };
         let (series, found) =
             Series::train_weighed(&frame, widths, &[run], start, usize::MAX).unwrap();
         let error = |series: &Series| rms_difference(&series.simulate(&test, 0.0), &truth(&test));
-        let weighed = weigh(&frame, &pairs, &group, stiff, (40, 300)).unwrap();
+        let weighed = weigh(&frame, &pairs, &group, stiff, (40, 300), f64::INFINITY).unwrap();
         let loose =
             Series::train(&weighed.frame, weighed.settings, &[run], start, Turns::of(40)).unwrap();
         let (ours, theirs) = (error(&series), error(&loose));

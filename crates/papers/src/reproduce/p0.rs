@@ -2,8 +2,8 @@
 
 use anyhow::Context;
 use identify::learned::{
-    Arx, Frame, Machine, Recipe, Rehearsal, Run, SEED, Selection, Series, Span, Teaches, Turns,
-    Waves, held_out, rms_difference, weigh,
+    Arx, Frame, GREATEST_GAMMA, Machine, Recipe, Rehearsal, Run, SEED, Selection, Series, Span,
+    Teaches, Turns, Waves, held_out, rms_difference, weigh,
 };
 use learned::features::{Features, Narx, Stops};
 use learned::lssvm::{LsSvm, Pruning, Settings, prune};
@@ -190,7 +190,7 @@ pub(super) fn stops(
     let stops = Stops::new(COUNT, 1.0, PERIOD);
     let frame = Frame::new(Features::Stops(stops), command, output, Recipe::Plain, pairs);
     let group = |input: usize| usize::from(input >= COUNT);
-    let found = weigh(&frame, pairs, &group, (&[10.0, 0.3], 1e4), (60, 800))?;
+    let found = weigh(&frame, pairs, &group, (&[10.0, 0.3], 1e4), (60, 800), GREATEST_GAMMA)?;
     Ok((found.frame, found.settings))
 }
 

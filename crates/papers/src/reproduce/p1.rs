@@ -2,8 +2,8 @@
 
 use anyhow::Context as _;
 use identify::learned::{
-    Frame, Machine, Recipe, Run, Seek, Selected, Selection, Series, Span, Teaches, Widths,
-    rms_difference, select, sought,
+    Frame, GREATEST_GAMMA, Machine, Recipe, Run, Seek, Selected, Selection, Series, Span, Teaches,
+    Widths, rms_difference, select, sought,
 };
 use learned::features::{Features, Narx, Stops};
 use learned::lssvm::{Folds, Validation};
@@ -129,7 +129,12 @@ pub(super) fn series(
         train.iter().map(|run| (run.command, run.position)).collect();
     let frame = stops_frame(period, &pairs);
     say("projection, curve and linear part; widths by the evidence");
-    let widths = Widths { group: &is_command, stiff: (&START.0, START.1), search: (70, 750) };
+    let widths = Widths {
+        group: &is_command,
+        stiff: (&START.0, START.1),
+        search: (70, 750),
+        greatest: GREATEST_GAMMA,
+    };
     let found = Series::train_cascade(&frame, widths, train, (FILTER, period), usize::MAX)?;
     let (series, found) = found.context("no linear part follows the training signals")?;
     let told = format!(

@@ -3,8 +3,8 @@
 use anyhow::Context;
 use data::CheckedBlueprint;
 use identify::learned::{
-    Arx, Frame, Machine, Recipe, Run, Search, Series, Span, Teaches, Widths, by_likelihood,
-    rms_difference,
+    Arx, Frame, GREATEST_GAMMA, Machine, Recipe, Run, Search, Series, Span, Teaches, Widths,
+    by_likelihood, rms_difference,
 };
 use learned::features::{Derivatives, Features, Stops};
 
@@ -148,7 +148,12 @@ pub(crate) fn series(chirp: &Response) -> anyhow::Result<(Series, String)> {
         first: 0,
         teaches: Teaches::Both,
     };
-    let widths = Widths { group: &group, stiff: (&[100.0, 10.0, 20.0], 1e5), search: (80, 800) };
+    let widths = Widths {
+        group: &group,
+        stiff: (&[100.0, 10.0, 20.0], 1e5),
+        search: (80, 800),
+        greatest: GREATEST_GAMMA,
+    };
     let nothing = Arx { b: vec![1.0], a: vec![] };
     let start = (&nothing, &[(3, 3), (4, 4), (5, 5)][..]);
     let (series, found) = Series::train_weighed(&frame, widths, &[run], start, usize::MAX)?;

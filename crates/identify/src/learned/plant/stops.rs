@@ -90,7 +90,12 @@ fn selected(scene: &Scene<'_>) -> Result<(Series, Settings), Error> {
 
 fn together(scene: &Scene<'_>, runs: &[Run<'_>]) -> Result<Option<(Series, Settings)>, Error> {
     let (frame, group) = framed(scene);
-    let widths = Widths { group: &group, stiff: (&STIFF.0, STIFF.1), search: SEARCH };
+    let widths = Widths {
+        group: &group,
+        stiff: (&STIFF.0, STIFF.1),
+        search: SEARCH,
+        greatest: f64::INFINITY,
+    };
     let sampled = (scene.bandwidth, scene.period);
     let found = Series::train_cascade(&frame, widths, runs, sampled, SAMPLES).map_err(failed)?;
     Ok(found.map(|(series, found)| (series, found.settings)))
@@ -98,7 +103,12 @@ fn together(scene: &Scene<'_>, runs: &[Run<'_>]) -> Result<Option<(Series, Setti
 
 fn in_turn(scene: &Scene<'_>, runs: &[Run<'_>]) -> Result<(Series, Settings), Error> {
     let (frame, group) = framed(scene);
-    let widths = Widths { group: &group, stiff: (&STIFF.0, STIFF.1), search: SEARCH };
+    let widths = Widths {
+        group: &group,
+        stiff: (&STIFF.0, STIFF.1),
+        search: SEARCH,
+        greatest: f64::INFINITY,
+    };
     let first = (&scene.first, scene.orders());
     let found = Series::train_weighed(&frame, widths, runs, first, SAMPLES).map_err(failed)?;
     Ok((found.0, found.1.settings))

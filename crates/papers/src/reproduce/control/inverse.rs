@@ -2,7 +2,7 @@
 
 use data::{Blueprint, ComponentBlueprint, Value};
 use identify::learned::{
-    Arx, Frame, Machine, Recipe, Rehearsal, Span, Waves, rms_difference, weigh,
+    Arx, Frame, GREATEST_GAMMA, Machine, Recipe, Rehearsal, Span, Waves, rms_difference, weigh,
 };
 use learned::features::{Features, Stops};
 
@@ -53,7 +53,7 @@ pub(super) fn hysteresis_inverse(
     let features = Features::Stops(Stops { range, ..wanted.stops.clone() });
     let frame = Frame::new(features, Span::UNIT, wanted.span, Recipe::Plain, &pairs);
     let frame = frame.on_a_line(&pairs);
-    let found = weigh(&frame, &pairs, wanted.group, wanted.begin, SEARCH)?;
+    let found = weigh(&frame, &pairs, wanted.group, wanted.begin, SEARCH, GREATEST_GAMMA)?;
     let samples = rehearsal.samples(&found.frame, 1, EVERY)?;
     Ok(Machine::train_on(found.frame, &samples, found.settings)?.0)
 }
