@@ -60,6 +60,8 @@ fn all_flags_work_as_documented_and_every_answer_is_valid() {
         "--tune",
         "*.bandwidth=0.02",
         "--tune",
+        "*.stiffnes=0.1",
+        "--tune",
         "axis[1].mechanics.frequency=+-6",
         "--gain-tolerance",
         "0.02",
@@ -95,6 +97,8 @@ fn all_flags_work_as_documented_and_every_answer_is_valid() {
     let gap: serde_json::Value = serde_json::from_str(&gap).expect("JSON");
     assert_eq!(gap["provenance"]["seed"], 3);
     assert_eq!(gap["provenance"]["without"], serde_json::json!(["friction", "backlash"]));
+    let warnings = gap["warnings"].to_string();
+    assert!(warnings.contains("--tune *.stiffnes: no parameter of the model"), "{warnings}");
     // The other spelling, and other data: the same bytes whatever the number of threads.
     let black = ["--map", "command[1]=u", "--map", "position[1]=x"];
     for (threads, file) in [("1", "--json=one.json"), ("2", "--json=two.json")] {

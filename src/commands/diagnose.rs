@@ -182,10 +182,11 @@ impl Observer for Bar {
     }
 }
 
-/// Whether each `--tune` names a parameter that can be re-tuned.
-fn check_tolerances(request: &Request) -> anyhow::Result<()> {
+/// Whether each `--tune` names a parameter that can be re-tuned. Of several, a pattern may be for another
+/// model of a series: what matches nothing is given back to be said.
+fn check_tolerances(request: &Request) -> anyhow::Result<Vec<String>> {
     if request.tolerances.is_empty() {
-        return Ok(());
+        return Ok(Vec::new());
     }
     let names: Vec<String> = match &request.model {
         Model::Blueprint(checked) => {
@@ -203,8 +204,18 @@ fn check_tolerances(request: &Request) -> anyhow::Result<()> {
             variables.filter(is_tuned).map(|v| v.name.clone()).collect()
         }
     };
+    let matches = |tolerance: &Tolerance| names.iter().any(|name| tolerance.is_for(name));
+    let any = request.tolerances.iter().any(matches);
+    let mut unmatched = Vec::new();
     for tolerance in &request.tolerances {
-        if !names.iter().any(|name| tolerance.is_for(name)) {
+        if !matches(tolerance) {
+            if any && tolerance.name.contains('*') {
+                unmatched.push(format!(
+                    "--tune {}: no parameter of the model has such a name; it changes nothing",
+                    tolerance.name
+                ));
+                continue;
+            }
             let near = inputs::meant(&tolerance.name, names.iter().map(String::as_str));
             let most = 12;
             let more = match names.len().saturating_sub(most) {
@@ -218,7 +229,7 @@ fn check_tolerances(request: &Request) -> anyhow::Result<()> {
             );
         }
     }
-    Ok(())
+    Ok(unmatched)
 }
 
 impl Diagnose {
@@ -244,11 +255,12 @@ impl Diagnose {
         let source = self.source(screen)?;
         let libraries = self.libraries(&source)?;
         let request = self.request(&source)?;
-        check_tolerances(&request)?;
+        let unmatched = check_tolerances(&request)?;
         let mut bar = Bar(progress::bar(screen, "diagnose", 1));
         let diagnosis = diagnose::examine(&request, &mut bar);
         bar.0.finish_and_clear();
         let mut diagnosis = diagnosis?;
+        diagnosis.gap.warnings.extend(unmatched);
         let mut written = Vec::new();
         if let Source::Made(made) = &source {
             diagnosis.gap.baseline.clone_from(&made.baselines);
