@@ -196,6 +196,11 @@ impl Answer for OfReal {
 }
 
 impl Answer for Benchmarked {
+    /// A wrong answer is a figure; no answer is a failed check.
+    fn exit_code(&self) -> u8 {
+        u8::from(!self.scores.failed.is_empty())
+    }
+
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         if self.stopped {
             writeln!(
