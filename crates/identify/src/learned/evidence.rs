@@ -65,9 +65,7 @@ pub fn weigh_samples(
     (evaluations, most): (usize, usize),
     greatest: f64,
 ) -> Weighed {
-    let every = whole.count().div_ceil(most.max(2)).max(1);
-    let some: Vec<usize> = (0..whole.count()).step_by(every).collect();
-    let few = whole.subset(&some);
+    let few = whole.subset(&whole.rows_at_most(most.max(2)));
     // ln of the factors within 1000, of γ within 10⁶.
     let middle: Vec<f64> = start.iter().chain([&gamma]).map(|x| x.ln()).collect();
     let reach = |k: usize| if k < start.len() { 1e3_f64.ln() } else { 1e6_f64.ln() };

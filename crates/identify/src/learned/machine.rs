@@ -29,7 +29,7 @@ impl Span {
         if high > low { Self { low, high } } else { Self::UNIT }
     }
 
-    fn inward(self, x: f64) -> f64 {
+    pub(super) fn inward(self, x: f64) -> f64 {
         (x - self.low) / (self.high - self.low)
     }
 

@@ -73,8 +73,7 @@ impl<'a> Judge<'a> {
         most: usize,
     ) -> Result<Self, learned::Error> {
         let all = frame.samples(records)?;
-        let every = all.count().div_ceil(most.max(1)).max(1);
-        let rows: Vec<usize> = (0..all.count()).step_by(every).collect();
+        let rows = all.rows_at_most(most);
         let samples = all.subset(&rows);
         let validation = match selection {
             Selection::CrossValidation(parts) => {
@@ -170,12 +169,11 @@ impl Frame {
             let all = self.simulate(machine, &command[..rows.end], first);
             return all.get(rows).unwrap_or(&[]).to_vec();
         }
-        let inward = |span: super::Span, x: f64| (x - span.low) / (span.high - span.low);
-        let u: Vec<f64> = command[..rows.end].iter().map(|u| inward(self.command, *u)).collect();
-        let y: Vec<f64> = output[..rows.start].iter().map(|y| inward(self.output, *y)).collect();
+        let u: Vec<f64> = command[..rows.end].iter().map(|u| self.command.inward(*u)).collect();
+        let y: Vec<f64> = output[..rows.start].iter().map(|y| self.output.inward(*y)).collect();
         let mut memory = vec![0.0; self.features.memory()];
         let mut z = vec![0.0; self.features.dimension()];
-        let start = output.first().map_or(0.0, |y| inward(self.output, *y));
+        let start = output.first().map_or(0.0, |y| self.output.inward(*y));
         self.features.rest(u.first().copied().unwrap_or(0.0), start, &mut memory);
         for (u, y) in u.iter().zip(&y) {
             self.features.step(*u, &mut memory, &mut z);
@@ -270,9 +268,7 @@ impl Machine {
         most: usize,
     ) -> Result<Self, learned::Error> {
         let all = frame.samples(records)?;
-        let every = all.count().div_ceil(most.max(1)).max(1);
-        let rows: Vec<usize> = (0..all.count()).step_by(every).collect();
-        Ok(Self::train_on(frame, &all.subset(&rows), settings)?.0)
+        Ok(Self::train_on(frame, &all.subset(&all.rows_at_most(most)), settings)?.0)
     }
 }
 

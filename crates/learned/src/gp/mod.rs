@@ -125,9 +125,7 @@ impl GaussianProcess {
     /// # Errors
     /// As [`train`](Self::train).
     pub fn learn(samples: &Samples, search: &Search) -> Result<(Self, Likelihood), Error> {
-        let every = samples.count().div_ceil(search.most_samples.max(2)).max(1);
-        let some: Vec<usize> = (0..samples.count()).step_by(every).collect();
-        let few = samples.subset(&some);
+        let few = samples.subset(&samples.rows_at_most(search.most_samples.max(2)));
         let found = ascent::ascend(&few, &search.start, search.evaluations)?;
         Ok((Self::train(samples, &found.parameters)?, found))
     }

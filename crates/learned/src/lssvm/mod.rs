@@ -81,6 +81,13 @@ impl Samples {
         &self.outputs
     }
 
+    /// Rows of every k-th sample, at most `most` of them.
+    #[must_use]
+    pub fn rows_at_most(&self, most: usize) -> Vec<usize> {
+        let every = self.count().div_ceil(most.max(1)).max(1);
+        (0..self.count()).step_by(every).collect()
+    }
+
     /// The samples with these indices, in this order.
     #[must_use]
     pub fn subset(&self, indices: &[usize]) -> Self {
