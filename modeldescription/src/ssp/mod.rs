@@ -7,8 +7,8 @@
 //! * [`Ssp`] is an opened `.ssp`, with the parameter files loaded; [`SspBuilder`] packs one.
 //! * [`Flat`] is a system without hierarchy: which variable of which component feeds which.
 //!
-//! Version 1.0 is written. Of 2.0 everything is read that 1.0 has too, and its numeric types; its
-//! arrays of connectors, clocks and variants are not.
+//! Version 1.0 is written. Of 2.0 everything is read that 1.0 has too, its numeric types, and its arrays of
+//! connectors; its clocks and variants are not.
 
 mod dictionary;
 mod flat;
