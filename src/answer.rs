@@ -113,6 +113,11 @@ fn sentence(error: &anyhow::Error) -> String {
     })
 }
 
+/// A number for the screen, rounded to nine significant digits.
+pub(crate) fn rounded(x: f64) -> f64 {
+    format!("{x:.8e}").parse().unwrap_or(x)
+}
+
 /// The file beside an absent one that was probably meant.
 fn meant(absent: &Path, said: &str) -> Option<PathBuf> {
     let is_it = said.to_lowercase().contains("no such file")

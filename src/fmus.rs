@@ -27,10 +27,10 @@ const LEAST_MEMORY: f64 = 32.0;
 /// In which process FMUs run.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct Isolation {
-    /// Each FMU in a process of its own: one that crashes or hangs is an error that names it
+    /// Run each FMU in a separate process: if one crashes or hangs, the error names it
     #[arg(long)]
     pub(crate) isolate: bool,
-    /// Longest time of one call to an FMU in s
+    /// Time limit of one call to an FMU in s
     #[arg(
         long,
         value_name = "S",
@@ -39,7 +39,7 @@ pub(crate) struct Isolation {
         value_parser = ranges::above(0.0, ranges::LONGEST)
     )]
     timeout: f64,
-    /// Most memory of each FMU's process in MB; one that asks for more gets none
+    /// Memory limit of each FMU's process in MB; requests beyond it fail
     #[arg(long, value_name = "MB", requires = "isolate", value_parser = ranges::from(LEAST_MEMORY, 1e9))]
     memory: Option<f64>,
 }
@@ -138,10 +138,14 @@ impl Addresses {
         };
         let unknown = |name: &str| name != "time" && !known().any(|known| is(known, name));
         if let Some((name, column)) = names.iter().find(|(name, _)| unknown(name)) {
-            let near = data::nearest(name, known())
-                .map_or_else(String::new, |near| format!("; did you mean {near}={column}?"));
+            let near = if known().any(|known| is(known, column)) {
+                format!("; the order is VARIABLE=COLUMN: did you mean {column}={name}?")
+            } else {
+                data::nearest(name, known())
+                    .map_or_else(String::new, |near| format!("; did you mean {near}={column}?"))
+            };
             bail!(
-                "--map {name}={column}: {name} is no variable of the FMU{near}; its inputs are {}",
+                "--map {name}={column}: {name} is no variable of the FMU, whose inputs are {}{near}",
                 self.inputs.join(", ")
             );
         }

@@ -11,27 +11,28 @@ use crate::{answer, ranges};
 /// How the columns of a log are read.
 #[derive(Args, Debug, Clone, Default)]
 pub(crate) struct LogOptions {
-    /// A variable of the model reads this column; time=COLUMN: the times of a log that has no column
+    /// Assign a column to a variable of the model; time=COLUMN names the time column of a log that has no column
     /// called time (may be given several times)
     #[arg(long = "map", value_name = "FMU_NAME=COLUMN")]
     pub(crate) map: Vec<String>,
-    /// Unit of a column, before what the header or dataset.toml says (may be given several times)
+    /// Unit of a column; overrides the header and dataset.toml (may be given several times)
     #[arg(long = "unit", value_name = "COLUMN=UNIT")]
     pub(crate) unit: Vec<String>,
-    /// Sample rate in Hz, for logs without a time column or with an index in its place
+    /// Sample rate in Hz, for logs without a time column or with a row index instead
     #[arg(long, value_name = "HZ", value_parser = ranges::above(0.0, 1e12))]
     pub(crate) rate: Option<f64>,
-    /// The group of a measurement file (MDF, TDMS), or the length of arrays (MAT, npz), to read
+    /// The group of a measurement file (MDF, TDMS) to read, or the length of the arrays (MAT, npz)
     #[arg(long, value_name = "NAME")]
     pub(crate) group: Option<String>,
-    /// Most memory in MB that the numbers of a binary log may take; without it 268, or 100 times the file
-    /// where that is more
+    /// Memory limit in MB for the numbers of a binary log [default: 268, or 100 times the size of the file if that is
+    /// more]
     #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub(crate) log_memory: Option<u64>,
-    /// Names of the columns of a text without a header, units as in 'y [um]'
+    /// Column names of a text file without a header, with units as in 'y [um]'
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
-    /// Bring the log onto uniform times and join groups with different times; without HZ those of the fastest one
+    /// Resample the log to uniform times, and join groups with different times; without HZ at the times of the
+    /// fastest group
     #[arg(long, value_name = "HZ", num_args = 0..=1, require_equals = true, default_missing_value = "fastest", value_parser = resample)]
     pub(crate) resample: Option<Resample>,
 }
@@ -42,7 +43,10 @@ fn resample(text: &str) -> Result<Resample, String> {
         return Ok(Resample::Fastest);
     }
     let rate = text.parse().ok().filter(|rate: &f64| rate.is_finite() && *rate > 0.0);
-    rate.map(Resample::Rate).ok_or_else(|| "give a positive rate in Hz, or no value at all".into())
+    rate.map(Resample::Rate).ok_or_else(|| {
+        "must be a positive rate in Hz; without a value the rate of the fastest group is used"
+            .into()
+    })
 }
 
 impl LogOptions {

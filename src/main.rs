@@ -29,7 +29,7 @@ use std::process::ExitCode;
 
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser};
 
-/// Closes the loop between a piezo-actuated machine and its model.
+/// Closes the loop between a piezo-actuated machine and its model: identify, invert, pack as FMU, simulate, diagnose.
 #[derive(Parser, Debug)]
 #[command(name = "piezoloop", version = VERSION, about, long_about = None, arg_required_else_help = true)]
 #[command(
@@ -38,18 +38,22 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser};
 struct Cli {
     /// Print the result as JSON
     // A path like that of `diagnose --json FILE`, which takes the place of this one there.
-    #[arg(long, global = true, num_args = 0, default_missing_value = answer::STANDARD_OUTPUT)]
+    #[arg(long, global = true, help_heading = COMMON, num_args = 0, default_missing_value = answer::STANDARD_OUTPUT)]
     json: Option<PathBuf>,
-    /// Print nothing but errors
-    #[arg(long, short, global = true)]
+    /// Print errors only
+    #[arg(long, short, global = true, help_heading = COMMON)]
     quiet: bool,
-    /// Most inner steps of a model between two rows, before its time is taken to be in another unit
-    #[arg(long, global = true, value_name = "N", default_value_t = data::inner_steps::MOST, hide_short_help = true)]
+    /// Greatest number of internal steps between two rows of a log; beyond it the log's time is taken to be in a
+    /// wrong unit
+    #[arg(long, global = true, help_heading = COMMON, value_name = "N", default_value_t = data::inner_steps::MOST, hide_short_help = true)]
     #[arg(value_parser = ranges::whole(1_u64, 1_000_000_000_000))]
     most_steps: u64,
     #[command(subcommand)]
     command: commands::Command,
 }
+
+/// Heading of the options that every command has.
+const COMMON: &str = "Options of every command";
 
 /// Version and commit.
 const VERSION: &str = match env!("PIEZOLOOP_COMMIT").as_bytes() {

@@ -16,11 +16,11 @@ const KINDS: usize = 100;
 /// Which messages of FMUs are shown or written.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct MessageOptions {
-    /// Least severe message of an FMU that is shown; `info` switches the FMUs' logging on
+    /// Lowest severity of FMU messages that are shown; `info` switches the FMUs' logging on
     #[arg(long, value_name = "LEVEL", default_value = "warning")]
     log_level: Level,
-    /// Write every message of the FMUs to this file as it comes, a line each (status, FMU, category
-    /// and text between tabs); switches the FMUs' logging on
+    /// Write every message of the FMUs to this file as it arrives, one per line (status, FMU, category and text,
+    /// separated by tabs); switches the FMUs' logging on
     #[arg(long, value_name = "FILE")]
     fmu_log: Option<PathBuf>,
 }

@@ -118,7 +118,7 @@ where
                 Within::From(low, high) => low <= value && value <= high,
                 Within::Any => true,
             };
-            read(text.trim()).filter(is_within).ok_or_else(|| format!("give {range}"))
+            read(text.trim()).filter(is_within).ok_or_else(|| format!("must be {range}"))
         };
         parse.parse_ref(command, argument, value)
     }

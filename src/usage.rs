@@ -20,7 +20,7 @@ pub(crate) fn matches() -> ArgMatches {
             && let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg)
             && let Some(place) = place_of(&command(), option, &arguments)
         {
-            let place = vec![format!("it stands behind the command: {place}").into()];
+            let place = vec![format!("write it after the command: {place}").into()];
             error.insert(ContextKind::Suggested, ContextValue::StyledStrs(place));
         }
         error.exit()

@@ -8,10 +8,10 @@ use clap::Args;
 /// Which rows are judged.
 #[derive(Args, Debug, Clone, Default)]
 pub(crate) struct Window {
-    /// Judge these rows only, counted from 1 without the header, both included
+    /// Judge these rows only, counted from 1 without the header, both ends included
     #[arg(long, value_name = "FIRST..LAST")]
     rows: Option<RowRange>,
-    /// Judge from this time in s after the start of each record
+    /// Judge from this time in s after the start of each record on
     #[arg(long = "drop", value_name = "S", value_parser = crate::ranges::time())]
     drop: Option<f64>,
 }

@@ -258,6 +258,18 @@ fn links_lead_to_files_of_the_project() {
 }
 
 #[test]
+fn every_page_is_on_the_map_and_in_the_site() {
+    let [map, site] = ["docs/index.md", "mkdocs.yml"]
+        .map(|file| fs::read_to_string(root().join(file)).expect("a file of the project"));
+    for page in pages("docs") {
+        let name = page.file_name().and_then(|name| name.to_str()).expect("a name").to_owned();
+        let is_linked = name == "index.md" || map.contains(&format!("]({name})"));
+        assert!(is_linked, "docs/index.md has no link to {name}");
+        assert!(site.contains(&format!(": {name}\n")), "mkdocs.yml has no line for {name}");
+    }
+}
+
+#[test]
 fn the_site_builds_without_a_warning() {
     let Some(python) = foreign::environment("docs") else { return };
     let folder = tempfile::tempdir().expect("a folder");

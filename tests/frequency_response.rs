@@ -308,7 +308,7 @@ fn what_cannot_be_measured_is_refused() {
         }
     };
     with(&["--skip", "9"], &["--skip 9", "record 0", "s long"]);
-    with(&["--skip", "-1"], &["'-1' for '--skip", "give 0 to"]);
+    with(&["--skip", "-1"], &["'-1' for '--skip", "must be 0 to"]);
     with(&["--output", "nothing"], &["log.csv", "nothing"]);
     with(&["-o", "log.csv"], &["log.csv", "named twice in this call"]);
     // Another sample time in a second log.

@@ -265,5 +265,5 @@ fn ranges_stand_in_the_help_and_in_the_refusal() {
     let help = succeed(&["tune", "--help"], folder.path());
     assert!(help.contains("(1 to 1000000)") && help.contains("(above 1, up to 100)"), "{help}");
     let said = refuse(&["simulate", "plant.fmu", "--log", "in.csv", "--rate=-1"], folder.path());
-    assert!(said.contains("give above 0, up to 1e12"), "{said}");
+    assert!(said.contains("must be above 0, up to 1e12"), "{said}");
 }

@@ -177,7 +177,7 @@ fn the_column_of_time_is_named_by_map() {
     let said = refuse(&["log", "tt.csv"], at);
     assert!(said.contains("did you mean t.csv?"), "{said}");
     let said = refuse(&["--rate", "5", "log", "t.csv"], at);
-    assert!(said.contains("behind the command: piezoloop log"), "{said}");
+    assert!(said.contains("after the command: piezoloop log"), "{said}");
 }
 
 #[test]

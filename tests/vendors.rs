@@ -122,7 +122,7 @@ fn memory_beyond_the_limit_is_not_given_and_the_limit_told() {
     succeed(&simulate(&fmu, &[&ISOLATED[..], &["--memory", "32"]].concat()), at);
     holds_rows(at, ROWS);
     let said = fails(&simulate(&fmu, &[&ISOLATED[..], &["--memory", "1"]].concat()), at);
-    contains(&said, &["'1' for '--memory <MB>'", "give 32 to"]);
+    contains(&said, &["'1' for '--memory <MB>'", "must be 32 to"]);
 }
 
 #[test]

@@ -16,9 +16,9 @@ use crate::pages::{self, PageOptions};
 
 /// Calibrates the Jacobian of coupled axes from a log of their simultaneous motion
 ///
-/// p = J·theta + p0: the motions theta of all axes are known (they were driven through inverse models)
-/// or measured, the coordinates p are measured. Least squares, row by row; structural zeros stay 0. Motion
-/// that does not determine every column is refused, and the axis named.
+/// p = J·theta + p0: the motions theta of all axes are known (commanded through inverse models) or measured, and the
+/// coordinates p are measured. Least squares, row by row; structural zeros stay 0. If the motion does not determine
+/// every column, the error names the axis.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop calibrate log.csv --motion theta1 --motion theta2 --position x1 --position y1\n  piezoloop calibrate log.csv --motion theta1 --motion theta2 --motion theta3 --motion theta4 --position x1 --position y1 --position x2 --position y2 --blueprint controller.toml -o calibrated.toml"
@@ -33,20 +33,20 @@ pub(crate) struct Calibrate {
     /// Column of a coordinate, in the order of the rows (once per coordinate)
     #[arg(long = "position", required = true, value_name = "COLUMN")]
     positions: Vec<String>,
-    /// A coordinate that does not see an axis, as in x1:theta3 (may be given several times)
+    /// A coordinate that does not depend on an axis, as in x1:theta3 (may be given several times)
     #[arg(long = "zero", value_name = "POSITION:MOTION")]
     zeros: Vec<String>,
-    /// Blueprint with a jacobian-coordinator or optics-jacobian, whose entries that are 0 are
-    /// structural zeros, and whose values are replaced; or a controller of the motions, which
-    /// gets a jacobian-coordinator: its axes then are those of the coordinates
+    /// Blueprint with a jacobian-coordinator or optics-jacobian: its entries 0 are structural zeros, and its values
+    /// are replaced. Or a controller of the motions: it gets a jacobian-coordinator, and its axes become those of the
+    /// coordinates
     #[arg(long, value_name = "FILE")]
     blueprint: Option<PathBuf>,
-    /// Longest delay of the sensors in s; where it is above 0 the delay is fitted
+    /// Longest delay of the sensors in s; the delay is fitted if this is above 0
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = crate::ranges::time())]
     longest_delay: f64,
     #[command(flatten)]
     options: LogOptions,
-    /// The blueprint to write, with J and p0 in it
+    /// Write the blueprint with J and p0 to this file
     #[arg(short = 'o', long = "out", value_name = "FILE", requires = "blueprint")]
     out: Option<PathBuf>,
     #[command(flatten)]

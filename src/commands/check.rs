@@ -14,24 +14,23 @@ use serde::Serialize;
 use crate::answer::{Answer, Screen};
 use crate::reference::{self, Replay};
 
-/// Checks FMUs of any vendor against the letter of FMI 2.0 or 3.0
+/// Checks FMUs of any vendor strictly against FMI 2.0 or 3.0
 ///
-/// Prints every problem with file, line, value, rule, way out and the section of the standard. The
-/// exit code is 1 where there are errors, and 2 where something could not be checked. No code of an FMU
-/// is run but with --replay.
+/// Prints every problem with file, line, value, rule, how to fix it, and the section of the standard. The exit code
+/// is 1 if there are errors, and 2 if something could not be checked. The code of an FMU runs only with --replay.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  piezoloop check plant.fmu")]
 pub(crate) struct Check {
     /// FMUs: .fmu files or unpacked folders
     #[arg(required = true, value_name = "FMU")]
     fmus: Vec<PathBuf>,
-    /// Let warnings count as errors
+    /// Treat warnings as errors
     #[arg(long)]
     strict: bool,
-    /// Repeat the reference results that travel with an FMU: runs its code, in a process of its own
+    /// Repeat the reference run that an FMU contains: runs its code in a separate process
     #[arg(long)]
     replay: bool,
-    /// Longest time of the repetition of one FMU's results in s
+    /// Time limit of the reference run of one FMU in s
     #[arg(
         long,
         value_name = "S",

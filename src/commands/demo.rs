@@ -19,15 +19,15 @@ use crate::pages::PageOptions;
 
 mod page;
 
-/// Identify, pack and close the loop on an embedded machine: figures and one page
+/// Runs the complete chain on a built-in machine: identify, pack, close the loop; prints figures and writes one page
 ///
-/// The machine is the rig evc-truth: two axes with asymmetric hysteresis, creep and sensor noise,
-/// none of which the identified model has. The demo measures a log on it, identifies a plant, makes
-/// its controller, packs both, and closes the loop on the machine with and without feedforward.
+/// The machine is the rig evc-truth: two axes with asymmetric hysteresis, creep and sensor noise, which the
+/// identified model lacks. The demo records a log of it, identifies a plant, designs its controller, packs both, and
+/// closes the loop on the machine with and without feedforward.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  piezoloop demo -o my-demo")]
 pub(crate) struct Demo {
-    /// Folder for everything that is made
+    /// Folder for all results
     #[arg(short = 'o', long = "out", value_name = "FOLDER", default_value = "piezoloop-demo")]
     out: PathBuf,
     #[command(flatten)]

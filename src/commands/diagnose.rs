@@ -23,12 +23,12 @@ use crate::inputs::{self, BlueprintText, LogOptions};
 use crate::pages::{self, PageOptions, Pages};
 use crate::{libraries, progress, ranges, wrapped};
 
-/// Says which effect a model lacks, where the gap lies and how far it shrinks
+/// Finds the effect that a model lacks, where the gap lies, and how much of it the effect explains
 ///
-/// The model is a blueprint (.toml, effects go in at their physical place) or any co-simulation FMU
-/// (effects go in before and behind it, and before its mode where its answer to a step shows one).
-/// Parameters are re-tuned under their tolerance first; what is named must hold on rows that were not
-/// used. Without a model a linear one is identified from the logs, shown and diagnosed.
+/// The model is a blueprint (.toml; effects are inserted at their physical place) or any co-simulation FMU (effects
+/// act before and behind it, and inside it before its mode if the step response shows one). Parameters are first
+/// re-tuned within their tolerance. A named effect must hold on rows that were not fitted. Without --model, a linear
+/// model is identified from the logs, shown and diagnosed.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop diagnose --model plant.toml --log a.csv --log b.csv --map u=u1 --json gap.json --report gap.html\n  piezoloop diagnose --model plant.fmu --log a.csv --holdout b.csv --tune '*.frequency=0.02' --rest idle.csv\n  piezoloop diagnose --model plant.toml --log a.csv --repair repaired.toml\n  piezoloop diagnose --log a.csv --input u --output y --baseline linear.toml"
@@ -37,7 +37,7 @@ pub(crate) struct Diagnose {
     /// The model: a blueprint, the name of a rig, or an FMU
     #[arg(long, value_name = "MODEL", required_unless_present = "inputs")]
     model: Option<PathBuf>,
-    /// Without a model: column of the command of the linear model that is identified from the logs; once per axis
+    /// Without --model: column of the command of the linear model that is identified from the logs; once per axis
     #[arg(
         long = "input",
         value_name = "COLUMN",
@@ -45,7 +45,7 @@ pub(crate) struct Diagnose {
         requires = "output_columns"
     )]
     inputs: Vec<String>,
-    /// Without a model: column of the position; once per axis, in the order of the inputs
+    /// Without --model: column of the position; once per axis, in the order of the inputs
     #[arg(
         id = "output_columns",
         long = "output",
@@ -54,38 +54,37 @@ pub(crate) struct Diagnose {
         requires = "inputs"
     )]
     output_columns: Vec<String>,
-    /// Write the linear model that is made of the logs, a blueprint
+    /// Write the linear model that was identified from the logs, a blueprint
     #[arg(long, value_name = "FILE", requires = "inputs")]
     baseline: Option<PathBuf>,
-    /// A measured log, CSV (may be given several times)
+    /// A measured log (may be given several times)
     #[arg(long = "log", value_name = "FILE", required = true)]
     logs: Vec<PathBuf>,
-    /// A log that is only used to judge [default: the last 30 % of each record]
+    /// A log that is not fitted, only judged [default: the last 30 % of each record]
     #[arg(long, value_name = "FILE")]
     holdout: Vec<PathBuf>,
-    /// Run-in in s from the start of each record: simulated, neither fitted nor judged, as where the
-    /// machine was moving already
+    /// Run-in in s at the start of each record: simulated, but neither fitted nor judged; for logs that begin during
+    /// a motion
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = ranges::time())]
     drop: f64,
-    /// What the command does between two rows of the logs: zoh (held), line, band-limited [default: held,
-    /// unless the logs say otherwise of a blueprint]
+    /// Command between two rows of the logs: zoh (held), line, band-limited [default: held, unless the logs of a
+    /// blueprint show otherwise]
     #[arg(long, value_name = "BETWEEN", value_parser = ["zoh", "line", "band-limited"])]
     between: Option<String>,
-    /// When the reading of a row is taken: before its command acts, with it at one instant, after it has
-    /// acted [default: before a held command, with one that moves, unless the logs say otherwise of a
-    /// blueprint]
+    /// Instant of a row's reading: before its command acts, with it, or after it has acted [default: before a held
+    /// command, with one that moves, unless the logs of a blueprint show otherwise]
     #[arg(long, value_name = "READING", value_parser = ["before", "with", "after"])]
     reading: Option<String>,
-    /// What is good enough, as a root mean square over the range of the output, as 0.01: less counts as
-    /// nothing left [default: the noise]
+    /// Accuracy that is good enough, as rms divided by the range of the output, for example 0.01; a smaller error
+    /// counts as none [default: the noise]
     #[arg(long, value_name = "REL", default_value_t = 0.0, hide_default_value = true, value_parser = ranges::from(0.0, 1.0))]
     accuracy: f64,
     #[command(flatten)]
     options: LogOptions,
-    /// Outputs to look at [default: all that the logs have]
+    /// Outputs to diagnose [default: all that the logs have]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     outputs: Vec<String>,
-    /// Parameters that may be off, with their tolerance (1 σ): GLOB=REL or NAME=+-ABS
+    /// Parameters that may deviate, with their tolerance (1 σ): GLOB=REL or NAME=+-ABS
     #[arg(long, value_name = "NAME=TOLERANCE")]
     tune: Vec<String>,
     /// Relative tolerance (1 σ) of each output's gain
@@ -102,19 +101,19 @@ pub(crate) struct Diagnose {
     /// A record of the machine at rest
     #[arg(long, value_name = "FILE")]
     rest: Option<PathBuf>,
-    /// Most effects that are named per output
+    /// Greatest number of effects to name per output
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = ranges::count(0, 100))]
     max_effects: usize,
-    /// Take an effect out of the library (may be given several times)
+    /// Exclude an effect from the library (may be given several times)
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
-    /// Write the answer as JSON; without FILE to the standard output
+    /// Write the answer as JSON; without FILE to standard output
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = STANDARD_OUTPUT)]
     json: Option<PathBuf>,
     #[command(flatten)]
     page: PageOptions,
-    /// Write the gap of the first output over its command in the slowest record, before and after,
-    /// as an SVG picture
+    /// Write an SVG picture of the first output's gap over its command, in the slowest record, before and after the
+    /// repair
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
     /// Write the repaired model, .toml or .fmu
@@ -124,7 +123,7 @@ pub(crate) struct Diagnose {
     /// it: a repaired FMU runs wherever the original does
     #[arg(long, value_name = "FOLDER", requires = "repair")]
     libraries: Option<PathBuf>,
-    /// Write the signal of the next experiment, CSV to be played, where one is proposed
+    /// Write the signal of the next experiment, if one is proposed, as a CSV that can be played
     #[arg(long, value_name = "FILE")]
     next_experiment: Option<PathBuf>,
     #[command(flatten)]
@@ -135,7 +134,7 @@ pub(crate) struct Diagnose {
     /// Seed of the resampling
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = ranges::seed())]
     seed: u64,
-    /// Exit with 1 where the gap's rms over the output's range is larger
+    /// Exit with code 1 if the gap's rms divided by the output's range is larger
     #[arg(long, value_name = "REL", value_parser = ranges::from(0.0, 1e15))]
     fail_above: Option<f64>,
 }
@@ -528,7 +527,7 @@ impl Answer for Diagnosed {
             let part = report::format_number(100.0 * left.of_range, 2);
             writeln!(
                 out,
-                "Left beside the noise: {part} % of the range of {}; it {what}.",
+                "Remaining error beyond the noise: {part} % of the range of {}; it {what}.",
                 gap.place.output
             )?;
         }

@@ -29,9 +29,9 @@ use tuned::{Series, Weights};
 
 /// Estimates parameters of an FMU from measurements
 ///
-/// Any vendor's FMI co-simulation FMU, a blueprint (.toml) or a rig. The FMU is driven by the logs'
-/// inputs; the parameters are those with which its outputs come nearest to the measured ones (least
-/// squares). Says 95 % intervals, correlation, and what the logs do not determine.
+/// Takes a co-simulation FMU of any vendor, a blueprint (.toml) or a rig. The logs' inputs drive the FMU, and the
+/// parameters are fitted to the measured outputs by least squares. Reports 95 % intervals, correlations, and
+/// parameters that the logs do not determine.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop estimate plant.fmu --log a.csv --log b.csv --tune 'mass=0.2' --tune 'damping=1,0.1..10' -o set.ssv\n  piezoloop estimate mirror.fmu --log a.csv --tune damping --initial 'tilt=0,-1..1' --fmu tuned.fmu\n  piezoloop estimate plant.toml --log a.csv --held-out c.csv --tune 'axis[1].mechanics.damping=0.05'"
@@ -43,24 +43,24 @@ pub(crate) struct Estimate {
     /// A log with inputs and measured outputs (may be given several times)
     #[arg(long, value_name = "FILE", required = true)]
     log: Vec<PathBuf>,
-    /// A log that only judges what was found (may be given several times)
+    /// A log that is not fitted, only judged (may be given several times)
     #[arg(long, value_name = "FILE")]
     held_out: Vec<PathBuf>,
-    /// A parameter to find, with the value to begin with and, if there are some, its bounds, as in
-    /// mass=0.2,0.1..0.5; without a value it begins with the FMU's (may be given several times)
+    /// A parameter to estimate, with start value and bounds (both optional), as in mass=0.2,0.1..0.5; the default is
+    /// the FMU's start value (may be given several times)
     #[arg(long, value_name = "NAME[=START[,LOW..HIGH]]", required = true)]
     tune: Vec<String>,
-    /// An initial value that every record of a log has its own of, such as a state's start; held-out logs
-    /// find theirs with the parameters held (may be given several times)
+    /// An initial value that is estimated separately for every record, such as the start of a state; for held-out
+    /// logs it is fitted with the parameters fixed (may be given several times)
     #[arg(long, value_name = "NAME[=START[,LOW..HIGH]]")]
     initial: Vec<String>,
-    /// Compare this output only (may be given several times) [default: all that a log measures]
+    /// Compare this output only (may be given several times) [default: all measured outputs]
     #[arg(long = "output", value_name = "NAME")]
     outputs: Vec<String>,
-    /// A start value that stays, as in stiffness=2e5 (may be given several times)
+    /// A fixed start value, as in stiffness=2e5 (may be given several times)
     #[arg(long = "start", value_name = "NAME=VALUE")]
     fixed: Vec<String>,
-    /// Starts of the search: the given one, and others about it
+    /// Number of starting points of the search: the given one, and others around it
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = crate::ranges::whole(1_u64, 1000))]
     starts: u64,
     #[command(flatten)]
@@ -71,11 +71,10 @@ pub(crate) struct Estimate {
     isolation: Isolation,
     #[command(flatten)]
     messages: MessageOptions,
-    /// Write what was found as a parameter set (SSV), which `system --parameters` and other tools take
+    /// Write the estimates as a parameter set (SSV), for `system --parameters` and other tools
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the FMU with what was found: one with the original inside, which begins with these values
-    /// whatever the importer does
+    /// Write an FMU that contains the original and starts with the estimates, whatever the importer sets
     #[arg(long, value_name = "FILE.fmu")]
     fmu: Option<PathBuf>,
     #[command(flatten)]

@@ -15,7 +15,7 @@ use identify::frequency::{
 use serde::Serialize;
 
 use self::plant::Plant;
-use crate::answer::{Answer, Screen};
+use crate::answer::{Answer, Screen, rounded};
 use crate::inputs::{self, LogOptions};
 use crate::pages::{self, PageOptions};
 use crate::ranges;
@@ -29,11 +29,11 @@ const SAME_LEVEL: f64 = 1.2;
 
 /// Measures a frequency response, with coherence, noise and distortion
 ///
-/// From multisines, swept sines or any other rich signal, of one axis or of several that move together
-/// (then at least as many experiments as inputs; each record of a log is one). Local polynomial method;
-/// where the records consist of whole periods noise and distortion are told apart, and lines that a
-/// multisine leaves out show even and odd nonlinearities. Modes and a delay are fitted to the response. With
-/// --plant they become a plant of as many axes, to be packed, simulated and diagnosed.
+/// Takes multisines, swept sines or any other broadband signal, for one axis or several coupled ones. (Several axes
+/// need at least as many experiments as inputs; each record of a log is one experiment.) Uses the local polynomial
+/// method. If the records consist of complete periods, noise and distortion are separated, and lines that a multisine
+/// omits show even and odd nonlinearities. Modes and a delay are fitted to the response. With --plant they are
+/// written as a plant that can be packed, simulated and diagnosed.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop frequency-response sweep.csv --input u --output y --report page.html\n  piezoloop frequency-response mirror-*.csv --input u1 --input u2 --output x --output y --modes 4 -o response.csv\n  piezoloop frequency-response mirror.csv --input u1 --input u2 --output y1 --output y2 --modes 4 --plant mirror.toml\n  piezoloop frequency-response low.csv high.csv --input u --output y --modes 4 --plant stage.toml --softening"
@@ -48,38 +48,38 @@ pub(crate) struct FrequencyResponse {
     /// Column of an output (once per output)
     #[arg(long = "output", required = true, value_name = "COLUMN")]
     outputs: Vec<String>,
-    /// Samples of one period [default: looked for; a record that does not repeat has none]
+    /// Samples of one period [default: detected, if the record repeats]
     #[arg(long, value_name = "SAMPLES", value_parser = ranges::count(2, 1_000_000_000))]
     period: Option<usize>,
-    /// Leave out the beginning of each record, in s: the transient before a steady state
+    /// Omit the first S seconds of each record: the transient before steady state
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = ranges::time())]
     skip: f64,
-    /// Most lines at which the response is computed
+    /// Greatest number of lines at which the response is computed
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = ranges::count(1, 1_000_000))]
     lines: usize,
-    /// Most modes that are fitted; as many are taken as the response supports; 0: no fit
+    /// Greatest number of modes to fit; fewer are used if the response does not support them; 0: no fit
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = ranges::count(0, 100))]
     modes: usize,
-    /// Real poles that are fitted beside the modes, such as an amplifier's
+    /// Number of real poles to fit in addition to the modes, such as that of an amplifier
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = ranges::count(0, 100))]
     lags: usize,
-    /// Longest delay that is tried in the fit, in s
+    /// Longest delay to try in the fit, in s
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = ranges::time())]
     longest_delay: f64,
     #[command(flatten)]
     options: LogOptions,
-    /// Also write the response as this CSV file, a row per line
+    /// Also write the response to this CSV file, one row per line
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Also write the fit as this plant: an axis per input and output, and the modes that they share
+    /// Also write the fit as a plant: one axis per input and output, and their common modes
     #[arg(long, value_name = "FILE")]
     plant: Option<PathBuf>,
-    /// Refine the modes of the plant to the least error of its simulated outputs, all lines alike, instead of the
-    /// likeliest by each line's scatter
+    /// Refine the modes of the plant to the least error of its simulated outputs, with equal weight for all lines,
+    /// instead of weights from the scatter of each line
     #[arg(long, requires = "plant")]
     refine: bool,
-    /// Modes of the plant whose frequency and damping follow the amplitude: records of several levels of
-    /// excitation, told apart by the rms of their inputs, are fitted together
+    /// Fit modes whose frequency and damping depend on the amplitude: records of several levels of excitation,
+    /// distinguished by the rms of their inputs, are fitted together
     #[arg(long, requires = "plant")]
     softening: bool,
     #[command(flatten)]
@@ -328,7 +328,7 @@ impl FrequencyResponse {
                 "--skip {} leaves nothing of record {}, which is {} s long",
                 self.skip,
                 record.id,
-                time.last().copied().unwrap_or_default() - start
+                rounded(time.last().copied().unwrap_or_default() - start)
             );
         }
         Ok(skipped)

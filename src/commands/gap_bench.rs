@@ -13,11 +13,11 @@ use crate::answer::{Answer, Screen};
 use crate::pages::{self, PageOptions};
 use crate::{interrupt, progress, ranges};
 
-/// How well does diagnose name what a machine does and its model does not?
+/// Measures how well diagnose finds effects that were withheld from the model
 ///
-/// Machines with withheld effects are drawn, measured and diagnosed, each by a call of this program
-/// that sees the model and the logs and not the label. Ctrl-C ends it after the cases that are under way and scores
-/// what is answered, in a random order of the plan; the same command goes on where it was.
+/// Random machines with withheld effects are generated, measured and diagnosed. Each diagnosis is a call of this
+/// program that gets the model and the logs, but not the label. Ctrl-C finishes the current cases and scores the
+/// answers so far (the plan is in random order); the same command resumes.
 #[derive(Args, Debug)]
 #[command(
     args_conflicts_with_subcommands = true,
@@ -29,17 +29,17 @@ pub(crate) struct GapBench {
     /// Fewer cases and shorter records
     #[arg(long)]
     short: bool,
-    /// A number of cases, families with or without an effect and a number, or names of cases; the full benchmark
-    /// takes hours
+    /// A number of cases, families (with an optional effect and number), or names of cases; the full benchmark takes
+    /// hours
     #[arg(long, value_name = "N|FAMILY[/EFFECT][:N]|CASE,…")]
     cases: Option<String>,
     /// Seed of the machines
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = ranges::seed())]
     seed: u64,
-    /// Cases at the same time; 0: one per processor
+    /// Number of cases in parallel; 0: one per processor
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = ranges::threads())]
     threads: usize,
-    /// Also repair by a diagnosis that is told the effect, to compare with
+    /// Also repair with a diagnosis that gets the true effect, for comparison
     #[arg(long)]
     oracle: bool,
     /// Keep the logs of all cases (a full benchmark needs tens of GB)
@@ -61,11 +61,12 @@ enum Of {
     Real(Documented),
 }
 
-/// How well does diagnose name what measured machines are documented to do?
+/// Measures how well diagnose names the documented effects of measured machines
 ///
-/// Each folder in FOLDER that has a machine.toml is a machine: model (a blueprint or an FMU), logs, holdout, drop, options
-/// of diagnose, right (documented effects; none: no name is right) and also (names that may stand beside it). Paths are
-/// seen from the machine's folder. Exit code 1: an invented name has a probability of 0.8 or more, or there is no answer.
+/// Each subfolder with a machine.toml is a machine. Keys: model (a blueprint or an FMU), logs, holdout, drop, options
+/// of diagnose, right (documented effects; empty: every name is wrong) and also (names that may be given in
+/// addition). Paths are relative to the subfolder. Exit code 1: a wrong name has a probability of 0.8 or more, or
+/// there is no answer.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop gap-bench real machines\n  piezoloop gap-bench real machines --only silverbox -o one"

@@ -22,15 +22,15 @@ use crate::{interrupt, progress, ranges};
 
 /// Identifies a plant from a measured log
 ///
-/// Every hysteresis model is fitted on the first part of each record, with delay, offset, and amplifier
-/// lag and mode where the data show them; the best on the rest is written. All figures are of plants
-/// as they are written, in simulation mode. Ctrl-C ends the search; the best so far is written.
+/// Every hysteresis model is fitted to the first part of each record, with delay and offset, and with amplifier lag
+/// and mode if the data show them. The model with the smallest error on the rest is written. All figures belong to
+/// the plants as written, in simulation mode. Ctrl-C ends the search and writes the best model so far.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop identify --log model_1hz_3v6.csv --input u --output y --model prandtl-ishlinskii --drop 2 -o plant.toml\n  piezoloop identify --log stage.csv --input u_y --output y --input u_z --output z --unit y=um --unit z=um -o stage.toml --report stage.html"
 )]
 pub(crate) struct Identify {
-    /// A measured log, CSV (may be given several times)
+    /// A measured log (may be given several times)
     #[arg(long = "log", value_name = "FILE", required = true)]
     logs: Vec<PathBuf>,
     /// Column of the command; once per axis
@@ -39,51 +39,51 @@ pub(crate) struct Identify {
     /// Column of the position; once per axis, in the order of the inputs
     #[arg(long = "output", value_name = "COLUMN", required = true)]
     outputs: Vec<String>,
-    /// What is fitted (may be given several times) [default: every hysteresis model but the
-    /// learned ones, and the best is written]
+    /// Model to fit (may be given several times) [default: all hysteresis models except the learned ones; the best is
+    /// written]
     #[arg(long = "model", value_name = "MODEL", value_parser = model_names())]
     models: Vec<String>,
-    /// Write the plant of every model that was tried to this folder, one file each
+    /// Write the plants of all models to this folder, one file each
     #[arg(long, value_name = "FOLDER")]
     all: Option<PathBuf>,
-    /// The command under which the machine rested before each record [default: the record's first, or 0 where
-    /// its first rows say so]
+    /// Command at which the machine rested before each record [default: the record's first command, or 0 if its first
+    /// rows indicate that]
     #[arg(long, value_name = "COMMAND", value_parser = ranges::signal())]
     rest: Option<f64>,
-    /// Search the shapes by particle swarm and not by Levenberg-Marquardt
+    /// Search the shape parameters with a particle swarm instead of Levenberg-Marquardt
     #[arg(long)]
     swarm: bool,
     /// Seed of the particle swarm
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = ranges::seed())]
     seed: u64,
-    /// Threads of the particle swarm; the result does not depend on it
+    /// Threads of the particle swarm; they do not change the result
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = ranges::threads())]
     threads: usize,
     /// Number of plays
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = ranges::count(1, 10_000))]
     plays: usize,
-    /// What a learned machine is told: of lssvm-stops the command's rate too, of gp the number of inputs
+    /// Inputs of a learned model: for lssvm-stops add the command's rate; for gp the number of inputs
     #[arg(long, value_enum, value_name = "INPUTS")]
     features: Option<Features>,
-    /// What the settings of an LS-SVM are judged by [default: lssvm-stops by the evidence, lssvm-narx by the last third
-    /// of what is fitted]
+    /// Criterion for the settings of an LS-SVM [default: for lssvm-stops the evidence, for lssvm-narx the error on
+    /// the last third of the fitted rows]
     #[arg(long, value_enum, value_name = "WAY")]
     select: Option<Select>,
-    /// How these settings are sought, with --select
+    /// Search method for these settings, with --select
     #[arg(long, value_enum, value_name = "WAY", default_value_t = Sought::Grid, requires = "select")]
     search: Sought,
-    /// Prune an LS-SVM to this many support vectors by Algorithm 1 of the laser beam paper [default: the fewest centres
-    /// that err hardly more, by projection]
+    /// Prune an LS-SVM to this number of support vectors by Algorithm 1 of the laser beam paper [default: projection
+    /// on the fewest centres with almost the same error]
     #[arg(long, value_name = "N", value_parser = ranges::count(2, 10_000))]
     prune: Option<usize>,
-    /// Run-in in s from the start of each record: simulated, neither fitted nor judged [default: as
-    /// long as the first rows differ from what the rest of the record foretells]
+    /// Run-in in s at the start of each record: simulated, but neither fitted nor judged [default: as long as the
+    /// first rows differ from the prediction of the rest of the record]
     #[arg(long, value_name = "S", value_parser = ranges::time())]
     drop: Option<f64>,
-    /// Part of each record's time, at its end, that is held out to judge the fit
+    /// Last part of each record's time, which is held out to judge the fit
     #[arg(long, value_name = "PART", default_value_t = 0.5, value_parser = ranges::above(0.0, 0.99))]
     hold_out: f64,
-    /// Fit no amplifier lag and no mode
+    /// Do not fit amplifier lag and mode
     #[arg(long = "static")]
     is_static: bool,
     /// Name of the model [default: that of the file to write]
@@ -104,18 +104,18 @@ pub(crate) struct Identify {
 /// What a learned machine may be told.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 enum Features {
-    /// Of lssvm-stops: stop operators, the command and its rate, one width
+    /// For lssvm-stops: stop operators, the command and its rate, one width
     Rate,
-    /// Of gp: the command and its rate
+    /// For gp: the command and its rate
     #[value(name = "2")]
     Two,
-    /// Of gp: both a sample before, now and a sample later
+    /// For gp: both, one sample earlier, now and one sample later
     #[value(name = "6")]
     Six,
-    /// Of gp: also the acceleration
+    /// For gp: also the acceleration
     #[value(name = "9")]
     Nine,
-    /// Of gp: also the jerk
+    /// For gp: also the jerk
     #[value(name = "12")]
     Twelve,
 }
@@ -343,7 +343,7 @@ impl Identify {
             let run_in = if longest <= MOST_RUN_IN * fitted { longest } else { 0.0 };
             if longest > run_in {
                 notes.push(format!(
-                    "the first {longest:.4} s differ from what the rest of the record foretells, more than {:.0} % of \
+                    "the first {longest:.4} s differ from the prediction of the rest of the record, more than {:.0} % of \
                      the {fitted:.4} s that are fitted on: nothing is dropped, as the model may be what is off \
                      (--drop {longest:.4} leaves them out)",
                     100.0 * MOST_RUN_IN
@@ -352,7 +352,7 @@ impl Identify {
             if run_in > 0.0 {
                 notes.push(format!(
                     "a run-in of {run_in:.4} s is neither fitted nor judged: the first rows differ from what \
-                     the rest of the record foretells (--drop 0 keeps them)"
+                     the rest of the record predicts (--drop 0 keeps them)"
                 ));
             }
             run_in
@@ -566,7 +566,7 @@ impl Answer for Identified {
                 let percent = |part: Option<f64>| {
                     part.map_or_else(|| "failed".to_owned(), |e| format!("{:.3} %", 100.0 * e))
                 };
-                let mark = if candidate.accepted { "taken: " } else { "" };
+                let mark = if candidate.accepted { "selected: " } else { "" };
                 writeln!(
                     out,
                     "  {:48} {:>9} {:>9} {:>7}  {mark}{}",

@@ -22,12 +22,12 @@ const NOTED: f64 = 0.01;
 /// Most samples of a reference.
 const MOST_POINTS: f64 = 1e6;
 
-/// Makes the controller of a plant: inverse feedforward and PID
+/// Designs the controller of a plant: inverse feedforward and PID
 ///
-/// The feedforward undoes what the plant does: hysteresis, creep, amplifier and sensor, each as its component
-/// declares, or by a model that is fitted to the plant; the one that errs least on the plant itself is taken.
-/// The PID gains are the largest that keep the sensitivity of the linearised loop below its limit. Axes that are
-/// coupled get a coordinator. The controller is run on the plant before it is written.
+/// The feedforward inverts hysteresis, creep, amplifier and sensor, each with the inverse that its component declares
+/// or with a model fitted to the plant. The kind of feedforward with the least error on the plant itself is used. The
+/// PID gains are the largest that keep the sensitivity of the linearised loop below its limit. Coupled axes get a
+/// coordinator. The controller is tested on the plant before it is written.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop invert plant.toml -o controller.toml\n  piezoloop invert evc --period 2e-5 -o controller.toml\n  piezoloop invert p2 --list\n  piezoloop invert p2 --feedforward inverse-free --feedback pi -o controller.toml\n  piezoloop invert p0 --period 5e-3 --system 2 -o coordinated.toml\n  piezoloop invert p0 --period 5e-3 --reference path.csv -o controller.toml"
@@ -35,48 +35,48 @@ const MOST_POINTS: f64 = 1e6;
 pub(crate) struct Invert {
     /// The plant's blueprint, or the name of a rig
     plant: PathBuf,
-    /// Sample time of the controller in s [default: the learned model's, else the plant's internal
-    /// step]
+    /// Sample time of the controller in s [default: that of a learned model, otherwise the plant's internal step]
     #[arg(long, value_name = "S", value_parser = ranges::step())]
     period: Option<f64>,
-    /// Greatest frequency in Hz of the waves that the inverse of a learned plant is learned from
-    /// [default: the bandwidth of its linear part, at most 1/50 of its sample rate]
+    /// Highest frequency in Hz of the waves from which the inverse of a learned plant is learned [default: the
+    /// bandwidth of its linear part, at most 1/50 of its sample rate]
     #[arg(long, value_name = "HZ", value_parser = ranges::above(0.0, 1e12))]
     band: Option<f64>,
-    /// Largest sensitivity |1/(1+L)| that the loop may have
+    /// Largest allowed sensitivity |1/(1+L)| of the loop
     #[arg(long, value_name = "M", value_parser = ranges::above(1.0, 100.0), default_value_t = ControlSettings::default().sensitivity)]
     sensitivity: f64,
-    /// Most that sensor noise may be amplified on its way to the command, seen as position
+    /// Largest allowed amplification of sensor noise by the controller (command noise, converted to position,
+    /// relative to the sensor noise)
     #[arg(long, value_name = "RATIO", value_parser = ranges::above(0.0, 1e9), default_value_t = ControlSettings::default().noise)]
     noise: f64,
-    /// How the feedforward is made
+    /// Kind of feedforward
     #[arg(long, value_name = "WAY", value_parser = feedforwards(), default_value = "automatic")]
     feedforward: String,
-    /// The law that acts on the error
+    /// Control law
     #[arg(long, value_name = "LAW", value_parser = feedbacks(), default_value = "pid")]
     feedback: String,
-    /// When a command acts on the plant. Where it acts at once for certain, the gains may be greater; a loop that was
-    /// designed so may become unstable where it acts later
+    /// When a command acts on the plant. at-once allows larger gains, but the loop may become unstable if the command
+    /// acts later
     #[arg(long, value_name = "WHEN", value_parser = acts(), default_value = "either")]
     command_acts: String,
-    /// Leave the feedforward out: --feedforward none
+    /// No feedforward; the same as --feedforward none
     #[arg(long, conflicts_with = "feedforward")]
     feedback_only: bool,
-    /// One of the four control systems of coupled axes, two a mirror: 1 PID, each mirror by its own sensor; 2 PID,
-    /// coordinated; 3 feedforward, coordinated; 4 both, coordinated
-    #[arg(long, value_name = "1..4", value_parser = clap::value_parser!(u8).range(1..=4), conflicts_with_all = ["feedforward", "feedback", "feedback_only"])]
+    /// One of the four control systems for two mirrors with two axes each: 1 PID, each mirror uses its own sensor; 2
+    /// PID, coordinated; 3 feedforward, coordinated; 4 both, coordinated
+    #[arg(long, value_name = "N", value_parser = ranges::whole(1_u8, 4), conflicts_with_all = ["feedforward", "feedback", "feedback_only"])]
     system: Option<u8>,
-    /// Run the controller on the plant along this reference too, a log with the columns reference[i] or the axes' own
-    /// names, and say where it asks for more than the commands' bounds allow
+    /// Also run the controller on the plant along this reference (a log with the columns reference[i] or the axes'
+    /// own names), and report where it needs commands beyond their limits
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
-    /// Show what each way of feedforward does on this plant; nothing is written
+    /// Show the result of each kind of feedforward on this plant; write nothing
     #[arg(long)]
     list: bool,
-    /// Write a controller that errs more than feedback alone on its own plant all the same
+    /// Write the controller even if its error on its own plant is larger than that of feedback alone
     #[arg(long)]
     force: bool,
-    /// Name of the controller [default: the plant's with _controller behind it]
+    /// Name of the controller [default: the plant's name with _controller appended]
     #[arg(long)]
     name: Option<String>,
     /// The blueprint to write
@@ -307,12 +307,12 @@ fn write_axis(axis: &LoopFigures, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "  feedforward: {}", axis.feedforward)?;
     writeln!(
         out,
-        "  kp {:.6} ki {:.6} kd {:.6} (command per position, per second, times second)",
+        "  kp {:.6} ki {:.6} kd {:.6} (in command per position; ki also per second, kd times second)",
         axis.kp, axis.ki, axis.kd
     )?;
     writeln!(
         out,
-        "  bandwidth {:.2} Hz, gain margin {:.2}, phase margin {:.1}°, sensitivity {:.2}, delay {:.3} ms, reach {:.4} to {:.4}",
+        "  bandwidth {:.2} Hz, gain margin {:.2}, phase margin {:.1}°, sensitivity {:.2}, delay {:.3} ms, reachable positions {:.4} to {:.4}",
         axis.bandwidth,
         axis.gain_margin,
         axis.phase_margin,
@@ -328,8 +328,8 @@ fn write_axis(axis: &LoopFigures, out: &mut dyn Write) -> io::Result<()> {
     let Some(inverse) = &axis.inverse else { return Ok(()) };
     writeln!(
         out,
-        "  inverse: {} support vectors, learned from {} waves of {:.4} to {:.4} Hz; on {} others the \
-         position that it leads to errs by {:.3} % of the range, at most {:.2} %",
+        "  inverse: {} support vectors, learned from {} waves of {:.4} to {:.4} Hz; on {} other waves the \
+         position error is {:.3} % of the range, at most {:.2} %",
         inverse.centres,
         inverse.waves,
         inverse.band[0],

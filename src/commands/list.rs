@@ -11,7 +11,7 @@ use crate::answer::{Answer, Screen};
 use crate::commands::signal;
 use crate::{inputs, progress, ranges, usage};
 
-/// Lists the rigs, records, effects, models, signals or options that the tool knows
+/// Lists rigs, records, effects, models, signals or options
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop list rigs\n  piezoloop list rigs --show evc > evc.toml\n  piezoloop list models --json"
@@ -22,7 +22,7 @@ pub(crate) struct List {
     /// Print the blueprint of this rig, or this record
     #[arg(long, value_name = "NAME")]
     show: Option<String>,
-    /// Say how far the machines are from what the papers publish of theirs
+    /// Compare the machines with the figures that the papers publish of theirs
     #[arg(long = "match", conflicts_with = "show")]
     matching: bool,
 }

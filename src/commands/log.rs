@@ -7,28 +7,28 @@ use clap::Args;
 use data::{Log as Measured, SampleTime, UnitPlace};
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
+use crate::answer::{Answer, Screen, rounded};
 use crate::inputs::{self, LogOptions};
 
 /// Findings that are printed per log; JSON has all of them.
 const MOST_SHOWN: usize = 20;
 
-/// Says what logs hold and which samples are doubtful, and converts them to CSV
+/// Shows what logs contain, flags doubtful samples, and converts logs to CSV
 ///
-/// Reads CSV and other texts as instruments write them, Parquet, NumPy (.npy, .npz), MATLAB (.mat), HDF5, MDF 4
-/// (.mf4) and TDMS; says what it recognised, assumed and left out. Looks for missing rows, outliers, saturation and stuck readings, and names their lines. Nothing is repaired. The
-/// exit code is 1 where samples are doubtful.
+/// Reads CSV and other text files of instruments, Parquet, NumPy (.npy, .npz), MATLAB (.mat), HDF5, MDF 4 (.mf4),
+/// TDMS and universal files; reports what it recognised, assumed and left out. Detects missing rows, outliers,
+/// saturation and stuck readings, with their lines. Nothing is repaired. The exit code is 1 if samples are doubtful.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop log measured.csv\n  piezoloop log bench.mf4 --group Scope --unit y=um -o measured.csv\n  piezoloop log bench.mf4 --resample=1000 -o joined.csv"
 )]
 pub(crate) struct Log {
-    /// Logs of any format that is read
+    /// Logs of any supported format
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
     #[command(flatten)]
     options: LogOptions,
-    /// Also write the log as this CSV file, with units beside it
+    /// Also write the log to this CSV file, with its units in FILE.dataset.toml
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -153,14 +153,15 @@ impl Answer for Described {
             for record in &log.records {
                 let Record { record, rows, start_s, end_s, sample_rate_hz } = record;
                 let rate = match sample_rate_hz {
-                    Some(rate) => format!("{rate} Hz"),
+                    Some(rate) => format!("{} Hz", rounded(*rate)),
                     None => "not equally spaced".to_owned(),
                 };
-                writeln!(out, "  record {record}: {rows} rows, {start_s} s to {end_s} s, {rate}")?;
+                let (start, end) = (rounded(*start_s), rounded(*end_s));
+                writeln!(out, "  record {record}: {rows} rows, {start} s to {end} s, {rate}")?;
             }
             for Column { name, unit, min, max } in &log.columns {
                 let unit = unit.as_deref().unwrap_or("(no unit)");
-                writeln!(out, "  {name}: {min} to {max} {unit}")?;
+                writeln!(out, "  {name}: {} to {} {unit}", rounded(*min), rounded(*max))?;
             }
             for note in &log.notes {
                 writeln!(out, "  note: {note}")?;

@@ -18,7 +18,7 @@ use crate::{documentation, fmus, inputs, libraries, ports};
 
 /// Packs a blueprint as an FMI co-simulation FMU
 ///
-/// The shared library inside the FMU is carried by this tool; no compiler is needed.
+/// The tool contains the shared library of the FMU; no compiler is needed.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_plant.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu\n  piezoloop pack p1 --fmi 3 --ports mechanical,electrical --port-value 'capacitance=2.1 uF' -o p1.fmu\n  piezoloop pack evc --sources=only -o evc.fmu"
@@ -29,34 +29,33 @@ pub(crate) struct Pack {
     /// The FMU to write [default: the model's name with .fmu]
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Internal step in s in the place of the blueprint's; linear parts are exact at any step
+    /// Internal step in s, instead of the blueprint's; linear parts are exact at any step
     #[arg(long, value_name = "S", value_parser = crate::ranges::step())]
     step: Option<f64>,
     /// Version of the standard: 2 or 3
     #[arg(long, value_name = "VERSION", default_value = "2")]
     fmi: Version,
-    /// Add every effect of the library that the plant does not have, switched off: a start value
-    /// such as axis[1].backlash.enabled=true brings it in
+    /// Add every effect of the library that the plant lacks, disabled; a start value such as
+    /// axis[1].backlash.enabled=true enables it
     #[arg(long)]
     all_effects: bool,
-    /// Offer ports to a simulator of a whole system: mechanical (force, position and velocity of the tip, in
-    /// N, m and m/s), electrical (voltage, current, charge), thermal (temperature, heat); AXIS.mechanical is
-    /// that of one axis
+    /// Add ports for system simulation: mechanical (force, position and velocity of the tip, in N, m and m/s),
+    /// electrical (voltage, current, charge), thermal (temperature, heat); AXIS.mechanical adds one to a single axis
     #[arg(long, value_name = "PORTS", value_delimiter = ',', value_parser = ports::wish)]
     ports: Vec<ports::Wish>,
-    /// What a port needs and the blueprint does not state, as 'stiffness=20 N/um' or 'AXIS.capacitance=3.1 uF'
-    /// (may be given several times)
+    /// A value that a port needs and the blueprint does not state, as in 'stiffness=20 N/um' or 'AXIS.capacitance=3.1
+    /// uF' (may be given several times)
     #[arg(long = "port-value", value_name = "QUANTITY=VALUE", requires = "ports", value_parser = ports::given)]
     port_values: Vec<ports::Given>,
-    /// A shared library of this tool for a further platform, or for this one in the place of that
-    /// which the tool carries (may be given several times)
+    /// Add a shared library of this tool for a further platform, or replace the built-in one (may be given several
+    /// times)
     #[arg(long = "binary", value_name = "PLATFORM=FILE")]
     binaries: Vec<String>,
     /// A folder with a folder of this tool's shared libraries per platform, as dev/tools/portable makes
     /// it: all of them go in
     #[arg(long, value_name = "FOLDER")]
     libraries: Option<PathBuf>,
-    /// Add the FMU as C99, for targets that no library is for; with =only, no library goes in
+    /// Add the FMU as C99 sources, for targets without a library; with =only, no library is included
     #[arg(
         long,
         value_name = "only",

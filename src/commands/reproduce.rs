@@ -14,9 +14,9 @@ use crate::pages::{self, PageOptions};
 
 /// Reproduces the tables of a paper: paper | its method here | ours | another way | verdict
 ///
-/// The machine is one that could be the paper's (`piezoloop list rigs --match` says how far it is from it), the signals are
-/// the paper's. A method is judged by its ratio to the one that the paper compares with, or by its figure. Control
-/// experiments run through packed FMUs, and printed gains are tried first.
+/// The machine is built after the paper's (`piezoloop list rigs --match` shows how closely), the signals are the
+/// paper's. A method is judged by its ratio to the paper's reference method, or by its figure. Control experiments
+/// run with packed FMUs; the printed gains are tried first.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop reproduce p0\n  piezoloop reproduce p4 --part control --report p4.html\n  piezoloop reproduce all"
@@ -29,7 +29,7 @@ pub(crate) struct Reproduce {
     part: Part,
     #[command(flatten)]
     page: PageOptions,
-    /// Run the papers' own searches too (3000 trainings of a swarm), beside the default one
+    /// Also run the papers' own searches (3000 trainings of a particle swarm), in addition to the default one
     #[arg(long)]
     searches: bool,
 }

@@ -12,7 +12,7 @@ use serde::Serialize;
 use crate::answer::{Answer, Screen};
 use crate::usage;
 
-/// Prints a script by which a shell completes the tool's commands and options
+/// Prints a script with which a shell completes commands and options
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop completions bash > ~/.local/share/bash-completion/completions/piezoloop\n  piezoloop completions zsh > ~/.zfunc/_piezoloop\n  piezoloop completions powershell >> $PROFILE"
@@ -28,7 +28,7 @@ pub(crate) struct Completions {
     after_help = "Example:\n  piezoloop man -o ~/.local/share/man/man1\n  man piezoloop-identify"
 )]
 pub(crate) struct Man {
-    /// The folder to write to; made where it is absent
+    /// The folder to write to; created if it does not exist
     #[arg(short = 'o', long = "out", value_name = "FOLDER")]
     out: PathBuf,
 }

@@ -9,15 +9,15 @@ use data::{Log, UnitPlace};
 use serde::Serialize;
 use signals::SignalType;
 
-use crate::answer::{Answer, Screen};
+use crate::answer::{Answer, Screen, rounded};
 use crate::inputs;
 
-/// Writes a test signal as a log: those of the papers, and the general ones of the field
+/// Writes a test signal as a log: signals of the papers, and general ones
 ///
-/// Without a name it lists them. --about shows the parameters of one.
+/// Without a name it lists the signals. --about shows the parameters of one.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop signal\n  piezoloop signal p0-train-h -o train.csv\n  piezoloop signal ellipse --about\n  piezoloop signal multisine-odd --set lowest=1 --set highest=200 -o excitation.csv"
+    after_help = "Examples:\n  piezoloop signal\n  piezoloop signal p0-train-h -o train.csv\n  piezoloop signal ellipse --about\n  piezoloop signal multisine-odd --set lowest_frequency=1 --set highest_frequency=200 -o excitation.csv"
 )]
 pub(crate) struct Signal {
     /// Name of the signal; none: list all
@@ -25,7 +25,7 @@ pub(crate) struct Signal {
     /// A parameter of the signal, in its unit (may be given several times)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// Another name for a channel, so that the log fits a plant (may be given several times)
+    /// Rename a channel, so that the log fits a plant (may be given several times)
     #[arg(long = "rename", value_name = "CHANNEL=NAME")]
     renames: Vec<String>,
     /// Print equation, source and parameters of the signal, and write nothing
@@ -221,7 +221,8 @@ impl Answer for Generated {
                     file.display()
                 )?;
                 for c in channels {
-                    writeln!(out, "  {}: {} to {} {}", c.name, c.min, c.max, c.unit)?;
+                    let (min, max) = (rounded(c.min), rounded(c.max));
+                    writeln!(out, "  {}: {min} to {max} {}", c.name, c.unit)?;
                 }
                 Ok(())
             }

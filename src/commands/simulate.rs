@@ -11,7 +11,7 @@ use data::Log;
 use modeldescription::description::Unit;
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
+use crate::answer::{Answer, Screen, rounded};
 use crate::fmus::{self, Addresses, Isolation};
 use crate::inputs::{self, LogOptions};
 use crate::messages::{MessageOptions, Said};
@@ -29,10 +29,10 @@ pub(crate) use matched::list;
 pub(crate) use output_fit::OutputFit;
 pub(crate) use starts::{configure, starts};
 
-/// Drives an FMU with a log's inputs, or closes the loop of a plant and a controller
+/// Simulates an FMU with the inputs of a log, or the closed loop of a plant and a controller
 ///
-/// Any vendor's FMI co-simulation FMU will do; a blueprint (.toml) or the name of a rig is packed
-/// first. Where the log has a column for an output, the fit is printed.
+/// Takes co-simulation FMUs of any vendor; a blueprint (.toml) or the name of a rig is packed first. If the log has a
+/// column for an output, the fit is printed.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop simulate plant.fmu --log test_ff.csv --map u=u1 -o run.csv\n  piezoloop simulate plant.fmu --log test_ff.csv --map u=u1 --rows 5051..6050\n  piezoloop simulate --loop plant.fmu controller.fmu --reference ref.csv -o run.csv"
@@ -44,7 +44,7 @@ pub(crate) struct Simulate {
     /// Close the loop of a plant and a controller
     #[arg(long = "loop", requires = "reference")]
     closed: bool,
-    /// The log that drives the FMU
+    /// The log with the inputs of the FMU
     #[arg(
         long,
         value_name = "FILE",
@@ -55,15 +55,15 @@ pub(crate) struct Simulate {
     /// The references of the loop, a log with the columns reference[i] (or named by --map)
     #[arg(long, value_name = "FILE", requires = "closed")]
     reference: Option<PathBuf>,
-    /// Who steps first in a loop
+    /// Order of the steps in a loop
     #[arg(long, value_name = "ORDER", default_value = "controller-first", requires = "closed")]
     coupling: Order,
     /// Communication step of the loop in s [default: the smaller of the reference's sample time and
     /// the controller's step]
     #[arg(long, value_name = "S", requires = "closed", value_parser = crate::ranges::above(0.0, crate::ranges::LONGEST))]
     step: Option<f64>,
-    /// A start value or parameter, as in axis[1].mechanics.damping=0.05 (may be given several times;
-    /// in a loop plant.NAME or controller.NAME)
+    /// A start value or parameter, as in axis[1].mechanics.damping=0.05; in a loop plant.NAME or controller.NAME (may
+    /// be given several times)
     #[arg(long = "start", value_name = "NAME=VALUE")]
     starts: Vec<String>,
     #[command(flatten)]
@@ -77,10 +77,10 @@ pub(crate) struct Simulate {
     /// A variable to record (may be given several times) [default: driven inputs and all outputs]
     #[arg(long = "record", value_name = "NAME", conflicts_with = "closed")]
     record: Vec<String>,
-    /// Do not tell the FMU when the run ends, for FMUs that refuse to step to that time
+    /// Initialise the FMU without a stop time, for FMUs that refuse to step up to it
     #[arg(long)]
     no_stop_time: bool,
-    /// Record the run in this file: .npy, .npz, .parquet, else as CSV
+    /// Record the run in this file: .npy, .npz, .parquet, or otherwise CSV
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -525,8 +525,8 @@ impl Answer for Simulated {
             self.rows,
             self.records,
             if self.records == 1 { "" } else { "s" },
-            self.start_s,
-            self.stop_s
+            rounded(self.start_s),
+            rounded(self.stop_s)
         )?;
         for fit in &self.fits {
             writeln!(out, "  {fit}")?;

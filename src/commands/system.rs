@@ -14,7 +14,7 @@ use modeldescription::ModelDescription;
 use serde::Serialize;
 
 use super::simulate;
-use crate::answer::{Answer, Screen};
+use crate::answer::{Answer, Screen, rounded};
 use crate::fmus::{self, Isolation};
 use crate::inputs::{self, LogOptions};
 use crate::messages::{MessageOptions, Said};
@@ -22,10 +22,10 @@ use crate::pages::{self, PageOptions};
 use crate::times::{self, RunTimes};
 use crate::{progress, records};
 
-/// Runs any number of FMUs together, connected by a short TOML or by an SSP
+/// Runs a system of connected FMUs, described by a short TOML file or an SSP
 ///
-/// The FMUs may be any vendor's, of FMI 2.0 and 3.0. An input table (a log) feeds the system's
-/// inputs; what is recorded goes to .csv, .npy, .npz or .parquet.
+/// The FMUs may come from any vendor, of FMI 2.0 and 3.0. An input table (a log) feeds the system's inputs; the
+/// record is written to .csv, .npy, .npz or .parquet.
 #[derive(Args, Debug)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct System {
@@ -34,29 +34,29 @@ pub(crate) struct System {
     /// The input table, a log with a column for each input of the system
     #[arg(long, value_name = "FILE")]
     input: Option<PathBuf>,
-    /// Start values from a parameter set (SSV) with names `fmu.variable`, in place of the system's
-    /// (may be given several times)
+    /// Start values from a parameter set (SSV) with names `fmu.variable`; they override the system's (may be given
+    /// several times)
     #[arg(long, value_name = "FILE")]
     parameters: Vec<PathBuf>,
-    /// Communication step in s [default: the system's, else the smallest that an FMU prefers or the
-    /// input table has]
+    /// Communication step in s [default: the system's; otherwise the smallest of the FMUs' preferred steps and the
+    /// input table's sample time]
     #[arg(long, value_name = "S", value_parser = crate::ranges::above(0.0, crate::ranges::LONGEST))]
     step: Option<f64>,
-    /// End of the run in s [default: the system's, else that of the input table,
-    /// else the latest that an FMU prefers]
+    /// End of the run in s [default: the system's; otherwise that of the input table; otherwise the latest that an
+    /// FMU prefers]
     #[arg(long, value_name = "S", value_parser = crate::ranges::from(-crate::ranges::LONGEST, crate::ranges::LONGEST))]
     stop: Option<f64>,
-    /// Who steps when [default: the system's, else gauss-seidel]
+    /// Order of the steps [default: the system's, else gauss-seidel]
     #[arg(long, value_name = "NAME")]
     algorithm: Option<Algorithm>,
     #[command(flatten)]
     isolation: Isolation,
     #[command(flatten)]
     messages: MessageOptions,
-    /// Do not tell the FMUs when the run ends, for FMUs that refuse to step to that time
+    /// Initialise the FMUs without a stop time, for FMUs that refuse to step up to it
     #[arg(long)]
     no_stop_time: bool,
-    /// Seconds to simulate in a second on the clock: 1 runs in real time [default: as fast as it goes]
+    /// Simulated seconds per second of real time: 1 runs in real time [default: as fast as possible]
     #[arg(long, value_name = "X", conflicts_with = "export", allow_negative_numbers = true)]
     pace: Option<f64>,
     #[command(flatten)]
@@ -64,7 +64,7 @@ pub(crate) struct System {
     /// Record the run in this file: .csv, .npy, .npz or .parquet
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the system as an SSP 1.0 with its FMUs, and do not run it
+    /// Write the system with its FMUs as an SSP 1.0, without running it
     #[arg(long, value_name = "FILE", conflicts_with_all = ["out", "input", "reports", "plot"])]
     export: Option<PathBuf>,
     #[command(flatten)]
@@ -474,9 +474,9 @@ impl Answer for Ran {
             shown(&self.fmus),
             self.algorithm,
             self.rows,
-            self.start_s,
-            self.stop_s,
-            self.step_s
+            rounded(self.start_s),
+            rounded(self.stop_s),
+            rounded(self.step_s)
         )?;
         match &self.run {
             Some(run) => writeln!(out, "{}: written", run.display()),

@@ -13,11 +13,11 @@ use crate::fmus::Isolation;
 use crate::pages::{self, PageOptions};
 use crate::{bed, ranges};
 
-/// Finds PID gains by experiments on a plant FMU: Ziegler-Nichols, and a robust default
+/// Finds PID gains by experiments on a plant FMU: Ziegler-Nichols gains and robust gains
 ///
-/// The experiment about --middle gives the ultimate gain K_u and period T_u, by a relay or by proportional
-/// control; Ziegler and Nichols' rules follow from them. A step gives the linear response, on which the
-/// robust gains are shaped and the margins of both are judged.
+/// An experiment around --middle, with a relay or proportional control, gives the ultimate gain K_u and period T_u;
+/// the Ziegler-Nichols rules follow from them. A step response gives the linear response, for which the robust gains
+/// are designed and the margins of both are computed.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop tune plant.fmu --period 5e-3 --middle 75 --amplitude 10\n  piezoloop tune p1-truth --period 2e-3 --middle 5 --amplitude 0.5 --experiment gain"
@@ -25,19 +25,19 @@ use crate::{bed, ranges};
 pub(crate) struct Tune {
     /// The plant: an FMU, a blueprint, or the name of a rig
     plant: PathBuf,
-    /// Axis that is tuned, from 1; the others rest at --middle
+    /// Axis to tune, from 1; the others stay at --middle
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = ranges::count(1, 1000))]
     axis: usize,
     /// Period of the controller in s
     #[arg(long, value_name = "S", value_parser = ranges::step())]
     period: f64,
-    /// Command about which the experiments are made
+    /// Command around which the experiments are made
     #[arg(long, value_name = "COMMAND", value_parser = ranges::signal())]
     middle: f64,
-    /// Greatest distance of the command from it
+    /// Greatest deviation of the command from --middle
     #[arg(long, value_name = "COMMAND", value_parser = ranges::above(0.0, 1e15))]
     amplitude: f64,
-    /// How the ultimate gain is found
+    /// Experiment that finds the ultimate gain
     #[arg(long, value_enum, default_value_t = Experiment::Relay)]
     experiment: Experiment,
     /// Largest sensitivity |1/(1+L)| of the robust gains

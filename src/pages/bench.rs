@@ -87,9 +87,9 @@ pub(crate) fn run(outcome: &Outcome, rows: &Rows, provenance: Provenance) -> Rep
         (true, true) => Verdict::caution(sentence),
         (true, false) => Verdict::pass(sentence),
     };
-    let mut page = Report::new("bench", "A run in real time", verdict).provenance(provenance);
+    let mut page = Report::new("bench", "Real-time run", verdict).provenance(provenance);
     if let Some(failure) = &outcome.failure {
-        page = page.warning(format!("The controller said: {failure}"));
+        page = page.warning(format!("The controller failed: {failure}"));
     }
     if let Some(refused) = &outcome.refused {
         page = page.warning(format!("Packets were refused: {refused}"));
@@ -99,7 +99,7 @@ pub(crate) fn run(outcome: &Outcome, rows: &Rows, provenance: Provenance) -> Rep
     }
     if rows.left_out > 0 {
         page = page.warning(format!(
-            "The figures leave out the first {} rows; the counts and percentiles are of all.",
+            "The figures omit the first {} rows; counts and percentiles include all rows.",
             rows.left_out
         ));
     }
@@ -111,10 +111,10 @@ pub(crate) fn run(outcome: &Outcome, rows: &Rows, provenance: Provenance) -> Rep
         }
         let errors = differences(wanted, got);
         let label = format!("{name}: rms error");
-        let note = format!("greatest {} {unit}", report::format_number(greatest(&errors), 4));
+        let note = format!("largest {} {unit}", report::format_number(greatest(&errors), 4));
         page = page.key_figure(KeyFigure::new(label, rms(&errors), unit).note(note));
     }
-    let share = |p: &Percentiles| format!("99 %: {:.0} µs, greatest {:.0} µs", p.p99_us, p.max_us);
+    let share = |p: &Percentiles| format!("99 %: {:.0} µs, largest {:.0} µs", p.p99_us, p.max_us);
     page = page
         .key_figure(
             KeyFigure::new("Wake-up after the deadline, median", outcome.wake.p50_us, "us")
@@ -259,8 +259,8 @@ fn events(rows: &Rows) -> Section {
 pub(crate) fn campaign(trials: &[Trial], provenance: Provenance) -> Report {
     let failed = trials.iter().filter(|trial| !trial.problems.is_empty()).count();
     let sentence = match failed {
-        0 => format!("All {} trials ended as they should.", trials.len()),
-        _ => format!("{failed} of {} trials ended otherwise than they should.", trials.len()),
+        0 => format!("All {} trials ended as expected.", trials.len()),
+        _ => format!("{failed} of {} trials did not end as expected.", trials.len()),
     };
     let verdict = if failed == 0 { Verdict::pass(sentence) } else { Verdict::fail(sentence) };
     let columns = [
@@ -283,7 +283,7 @@ pub(crate) fn campaign(trials: &[Trial], provenance: Provenance) -> Report {
         ]);
     }
     let mark = if failed == 0 { Mark::Pass } else { Mark::Fail };
-    Report::new("bench campaign", "A campaign of faults in virtual time", verdict)
+    Report::new("bench campaign", "Fault campaign in virtual time", verdict)
         .key_figure(KeyFigure::new("Trials", trials.len(), ""))
         .key_figure(KeyFigure::new("Ended otherwise", failed, "").outcome(mark))
         .section(Section::new("Trials").table(table))

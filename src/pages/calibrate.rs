@@ -30,14 +30,13 @@ pub(crate) fn calibration(
             .provenance(provenance)
             .key_figure(
                 KeyFigure::new("Condition number of the motions", found.motion_condition, "")
-                    .note("1: as independent as can be"),
+                    .note("1: fully independent motions"),
             );
     if let Some(condition) = found.condition {
         page = page.key_figure(KeyFigure::new("Condition number of J", condition, ""));
     }
     if record.longest_delay > 0.0 {
-        page =
-            page.key_figure(KeyFigure::new("The positions are late by", found.delay * period, "s"));
+        page = page.key_figure(KeyFigure::new("Delay of the positions", found.delay * period, "s"));
     }
     let mut section = Section::new("Coordinates").table(table(found, record));
     for (k, (name, measured)) in record.positions.iter().enumerate() {
@@ -48,7 +47,7 @@ pub(crate) fn calibration(
         section = section
             .figure(
                 XyLoop::new(
-                    format!("{name}: computed over measured"),
+                    format!("{name}: computed against measured"),
                     axis("measured"),
                     axis("computed"),
                 )
@@ -61,7 +60,7 @@ pub(crate) fn calibration(
                 &[(Role::Residual, "measured − computed", &residual)],
             ))
             .figure(
-                TimeSeries::new(format!("{name}, all records one behind the other"), &time)
+                TimeSeries::new(format!("{name}, all records in sequence"), &time)
                     .panel(name)
                     .measured("measured", "", measured)
                     .model("J·θ + p0", "", &computed)
@@ -77,7 +76,7 @@ fn table(found: &Calibration, record: &CalibrationRecord) -> Table {
     let motions = record.motions.iter().map(|(name, _)| Column::new(name.as_str()));
     let last = ["p0", "rms residual"].map(Column::new);
     let columns = first.chain(motions).chain(last);
-    let mut table = Table::new("J and p0, with half widths of the 95 % intervals", columns);
+    let mut table = Table::new("J and p0, with half-widths of the 95 % intervals", columns);
     let number = |x: f64| report::format_number(x, 5);
     for fit in &found.coordinates {
         let entries = fit.row.iter().zip(&fit.row_ci95).map(|(value, width)| match *value {

@@ -25,7 +25,7 @@ pub(crate) fn estimation(result: &Estimated, files: &[(&str, &Path)]) -> anyhow:
     for found in &result.parameters {
         let note = match found.interval {
             Some([low, high]) => format!(
-                "95 % within {} to {}; began with {}",
+                "95 % interval {} to {}; start value {}",
                 report::format_number(low, 6),
                 report::format_number(high, 6),
                 report::format_number(found.start, 6)

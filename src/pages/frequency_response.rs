@@ -54,7 +54,7 @@ fn simulation(plant: &Plant) -> Section {
         Column::new("rms error"),
         Column::new("of the output's rms").unit("%").decimals(2),
     ];
-    let mut table = Table::new("Simulated with the inputs of the records", columns);
+    let mut table = Table::new("Plant simulated with the inputs of the records", columns);
     for error in &plant.errors {
         table = table.row([
             Value::from(error.record.as_str()),
@@ -65,7 +65,7 @@ fn simulation(plant: &Plant) -> Section {
         ]);
     }
     let text = format!(
-        "{}: {} modes that all axes share, over inputs that are held for a sample. The plant starts at rest and \
+        "{}: {} modes common to all axes, for inputs held between samples. The plant starts at rest and \
          sees the inputs alone; records with periods are judged from the second one on, means taken out. It was \
          fitted to these records.",
         plant.blueprint.display(),
@@ -77,7 +77,7 @@ fn simulation(plant: &Plant) -> Section {
 fn verdict(measured: &Measured) -> Verdict {
     let least = measured.levels.iter().map(|one| one.mean_coherence).fold(1.0, f64::min);
     let sentence = format!(
-        "{} lines from {} to {} Hz; the commands explain {} % of the outputs' power linearly.",
+        "{} lines from {} to {} Hz; the commands explain {} % of the outputs' power by a linear response.",
         measured.lines,
         report::format_number(measured.from_hz, 4),
         report::format_number(measured.to_hz, 4),

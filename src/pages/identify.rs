@@ -36,14 +36,17 @@ fn verdict(result: &Identified) -> Verdict {
         .flat_map(|axis| axis.identification.records.iter().map(move |record| (axis, record)))
         .map(|(axis, record)| {
             format!(
-                "axis {}: {:.2} % of range on rows that the fit did not see, where a straight line leaves {:.2} %",
-                axis.name,
+                "{:.2} % of range for axis {} (a straight line: {:.2} %)",
                 100.0 * record.held_out.nrmse,
+                axis.name,
                 100.0 * record.baseline_held_out.nrmse
             )
         })
         .collect();
-    Verdict::neutral(format!("The identified plant, simulated, leaves {}.", parts.join("; ")))
+    Verdict::neutral(format!(
+        "The simulated plant has an error on held-out rows of {}.",
+        parts.join("; ")
+    ))
 }
 
 fn key_figures(mut page: Report, axis: &AxisResult) -> Report {
@@ -98,7 +101,7 @@ pub(crate) fn sections(axis: &AxisResult) -> Vec<Section> {
         Column::new("taken"),
         Column::new("why"),
     ];
-    let mut table = Table::new("Structures that were tried", columns);
+    let mut table = Table::new("Structures tried", columns);
     for candidate in &id.candidates {
         let percent = |part: Option<f64>| -> report::Value {
             part.map_or("failed".into(), |part| (100.0 * part).into())

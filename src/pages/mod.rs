@@ -31,11 +31,11 @@ use crate::{inputs, interrupt};
 /// Where a result goes as a page.
 #[derive(Args, Debug, Clone, Default)]
 pub(crate) struct PageOptions {
-    /// Write the result as a page, one HTML file with everything inside; FILE.json: what stands on it,
-    /// as JSON (may be given several times)
+    /// Write the result as one self-contained HTML page; FILE.json: the content of the page as JSON (may be given
+    /// several times)
     #[arg(long = "report", value_name = "FILE")]
     reports: Vec<PathBuf>,
-    /// Show the page in the browser
+    /// Open the page in the browser
     #[arg(long)]
     plot: bool,
 }

@@ -32,7 +32,7 @@ pub(crate) fn tuning(result: &Tuned, provenance: Provenance) -> Report {
             verdict.gain_margin, verdict.phase_margin
         );
         let bandwidth = KeyFigure::new(
-            format!("{name}: disturbances fall up to"),
+            format!("{name}: disturbances are attenuated up to"),
             Some(verdict.rejection_bandwidth).filter(|_| verdict.stable),
             "Hz",
         );
@@ -77,7 +77,7 @@ fn machine(result: &Tuned) -> Section {
         .panel("position per command")
         .measured("measured", "1", &steps);
     Section::new("The machine").figure(figure.caption(
-        "Mean of repeated small steps about --middle: the linear response that the gains are judged on.",
+        "Mean of repeated small steps around --middle: the linear response on which the gains are judged.",
     ))
 }
 
@@ -87,7 +87,7 @@ fn loops(result: &Tuned) -> Section {
     };
     let mut open = Bode::new("Machine and open loops", "1");
     let mut back =
-        Spectrum::new("Disturbance of the position that is left", Axis::new("|1/(1 + L)|", "1"));
+        Spectrum::new("Remaining disturbance of the position", Axis::new("|1/(1 + L)|", "1"));
     for (k, tuned) in result.loops.iter().enumerate() {
         let found = curves(tuned);
         let f = &found.frequency;
@@ -115,7 +115,7 @@ fn loops(result: &Tuned) -> Section {
         Column::new("up to").unit("Hz"),
         Column::new("stable"),
     ];
-    let mut table = Table::new("Gains, in command per position, and what they do", columns);
+    let mut table = Table::new("Gains, in command per position, and their effect", columns);
     for tuned in &result.loops {
         let (gains, verdict) = (&tuned.gains, &tuned.verdict);
         table = table.row([

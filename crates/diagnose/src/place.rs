@@ -199,7 +199,7 @@ impl Maps<'_> {
             if half_sum / cells > 0.5 * (squares / rows - 1.0_f64).max(0.0) {
                 "the same on rising and falling commands: a static map"
             } else {
-                "the mean is the same on rising and falling commands, but holds less than half of the gap"
+                "the mean gap is the same on rising and falling commands, but explains less than half of the gap"
             }
         } else {
             "different on rising and falling commands"
@@ -228,7 +228,7 @@ impl Maps<'_> {
             return None;
         }
         let text = if slow > 0.5 * all {
-            "slow: most of it is a drift over the record"
+            "slow: most of it changes over eighths of the record or longer"
         } else if early > 4.0 * late {
             "mostly at the start of the records"
         } else if late > 4.0 * early {

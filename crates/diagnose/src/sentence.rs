@@ -30,7 +30,7 @@ pub(crate) fn of(gap: &Gap) -> String {
             number(s.rms_as_given)
         ),
         Verdict::InsufficientExcitation => format!(
-            "These logs cannot tell: the command hardly moves {output} above its noise of {floor} {unit}."
+            "These logs are not sufficient: the command hardly moves {output} above its noise of {floor} {unit}."
         ),
         Verdict::Unknown => format!(
             "Something is missing that none of the candidates explains: {output} is off by {before} {unit} rms where the noise is {floor} {unit}{}{}.",
@@ -42,7 +42,7 @@ pub(crate) fn of(gap: &Gap) -> String {
             partial(gap)
         ),
         Verdict::Effects if gap.effects.iter().all(|e| e.effect == NOISE) => format!(
-            "The readings are noisier than stated, and nothing else is missing (sensor noise): {output} is off by {before} {unit} rms that no model foretells, the noise was said to be {floor} {unit}."
+            "The readings are noisier than stated, and nothing else is missing (sensor noise): {output} is off by {before} {unit} rms that no model predicts; the noise was given as {floor} {unit}."
         ),
         Verdict::Effects => effects(gap),
     }

@@ -19,11 +19,11 @@ use crate::answer::{Answer, Screen};
 use crate::fmus::{self, Opened};
 use crate::pages::{self, PageOptions};
 
-/// Tries a campaign of faults in virtual time: does each end as it should?
+/// Runs a campaign of faults in virtual time, and checks the end of each trial
 ///
-/// The campaign (TOML) names a bench plan, a plant and cases: faults, the cycles at which they come,
-/// and the state, reason and deadline that are expected. Runner, safety, packets and faults are those
-/// of `bench run` and `bench emulate`; only the clock is not. Exit code 1: a case ended otherwise.
+/// The campaign (TOML) contains a bench plan, a plant and cases: faults, the cycles at which they occur, and the
+/// expected state, reason and deadline. Runner, safety, packets and faults are those of `bench run` and `bench
+/// emulate`; only the clock is virtual. Exit code 1: a case ended otherwise.
 #[derive(Args, Debug)]
 #[command(
     name = "campaign",
@@ -38,13 +38,13 @@ pub(crate) struct Run {
     /// The plant: an FMU, a blueprint or the name of a rig [default: the campaign's]
     #[arg(long, value_name = "PLANT")]
     plant: Option<PathBuf>,
-    /// The controller FMU [default: the plan's; none: the plan's sequence is the commands]
+    /// The controller FMU [default: the plan's; without one, the plan's sequence is the command]
     #[arg(long, value_name = "FMU")]
     controller: Option<PathBuf>,
-    /// A folder for the record of each trial, NUMBER.parquet; `bench replay` reads them
+    /// Folder for the records of the trials, NUMBER.parquet, which `bench replay` reads
     #[arg(long, value_name = "FOLDER")]
     records: Option<PathBuf>,
-    /// Kind of these records
+    /// Format of these records
     #[arg(long, value_name = "KIND", default_value = "parquet", requires = "records")]
     records_as: RecordKind,
     #[command(flatten)]

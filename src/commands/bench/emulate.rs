@@ -19,16 +19,16 @@ use super::{KeyOptions, channels};
 use crate::answer::{Answer, Screen};
 use crate::{fmus, interrupt, ranges};
 
-/// Plays the machine in real time from any plant FMU, and injects faults
+/// Emulates the machine in real time with any plant FMU, and injects faults
 ///
-/// Faults come from a script (TOML) or from --inject, as in loss,probability=0.01,from=1,to=2. Kinds:
-/// delay, jitter (seconds); loss, duplicate, corrupt (probability); reorder (probability, seconds);
-/// stuck, nan (axis); saturation (axis, min, max); quantisation (axis, step); offset (axis, value);
-/// invalid; power-loss; restart. All take from and to in s of the machine's time; those of packets
-/// direction=measurement, command or both.
+/// Faults come from a script (TOML) or from --inject, as in loss,probability=0.01,from=1,to=2. Kinds: delay, jitter
+/// (seconds); loss, duplicate, corrupt (probability); reorder (probability, seconds); stuck, nan (axis); saturation
+/// (axis, min, max); quantisation (axis, step); offset (axis, value); invalid; power-loss; restart. All take from and
+/// to in s of the machine's time; faults of packets also take direction=measurement, command or both.
 ///
-/// --protocol gcs plays an instrument of PI instead (General Command Set 2.0 over TCP), nv200 one of piezosystem jena: a digital
-/// servo before the plant; without faults, key and heartbeat, which the protocols have not.
+/// --protocol gcs emulates an instrument of PI instead (General Command Set 2.0 over TCP), nv200 one of piezosystem
+/// jena: a digital servo in front of the plant. Both work without faults, key and heartbeat, which these protocols
+/// lack.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop bench emulate plant.fmu --gateway udp://127.0.0.1:9000 --rate 1k\n  piezoloop bench emulate evc-truth --gateway shm://stage --rate 2k --inject delay,seconds=1e-3 --inject quantisation,step=0.02\n  piezoloop bench emulate p1 --protocol gcs --rate 1k"
@@ -36,16 +36,17 @@ use crate::{fmus, interrupt, ranges};
 pub(crate) struct Emulate {
     /// The plant: an FMU, a blueprint or the name of a rig
     plant: PathBuf,
-    /// Where the machine listens: udp://IP:PORT, shm://NAME, gcs://IP:PORT or nv200://IP:PORT [default of --protocol gcs: gcs://127.0.0.1:50000, of nv200: nv200://127.0.0.1:50023]
+    /// Address of the machine: udp://IP:PORT, shm://NAME, gcs://IP:PORT or nv200://IP:PORT [default for --protocol
+    /// gcs: gcs://127.0.0.1:50000, for nv200: nv200://127.0.0.1:50023]
     #[arg(long, value_name = "ADDRESS", required_unless_present = "protocol")]
     gateway: Option<Address>,
-    /// What it speaks [default: as the address says]
+    /// Protocol [default: that of the address]
     #[arg(long, value_name = "NAME")]
     protocol: Option<Protocol>,
-    /// Voltages of an instrument, where the plant's inputs have no bounds
+    /// Voltage range of an instrument, if the plant's inputs have no bounds
     #[arg(long, value_name = "MIN..MAX", value_parser = ranges::limits())]
     volts: Option<[f64; 2]>,
-    /// The runner's address; nobody else is listened to [default: 127.0.0.1 and the next port]
+    /// The runner's address; packets from others are ignored [default: 127.0.0.1 and the next port]
     #[arg(long, value_name = "IP:PORT")]
     peer: Option<SocketAddr>,
     /// Steps per second, as in 10k
@@ -60,24 +61,24 @@ pub(crate) struct Emulate {
     /// A fault: KIND,KEY=VALUE,… (may be given several times)
     #[arg(long, value_name = "FAULT")]
     inject: Vec<String>,
-    /// Seed of all that is random [default: the script's]
+    /// Seed of all random numbers [default: the script's]
     #[arg(long, value_name = "S", value_parser = ranges::seed())]
     seed: Option<u64>,
     /// Steps without a command after which the machine stops itself
     #[arg(long, value_name = "STEPS", default_value_t = 100, value_parser = ranges::whole(1, u32::MAX))]
     heartbeat: u32,
-    /// Commands while it is stopped [default: the plant's start values]
+    /// Safe values: commands while the machine is stopped [default: the plant's start values]
     #[arg(long, value_name = "VALUES", value_delimiter = ',', value_parser = ranges::signal())]
     safe: Vec<f64>,
-    /// The plant's inputs [default: command…, else all]
+    /// The plant's inputs [default: command…, otherwise all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     commands: Vec<String>,
-    /// The plant's outputs, one for each input [default: position…, else all]
+    /// The plant's outputs, one for each input [default: position…, otherwise all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     positions: Vec<String>,
     #[command(flatten)]
     key: KeyOptions,
-    /// End after this time in s [default: when it is stopped]
+    /// End after this time in s [default: run until stopped]
     #[arg(long, value_name = "S", value_parser = ranges::above(0.0, ranges::LONGEST))]
     duration: Option<f64>,
 }
@@ -96,9 +97,9 @@ enum Protocol {
 /// When the machine steps.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 enum When {
-    /// At its own deadlines, as a machine does
+    /// At its own deadlines, like a real machine
     Clock,
-    /// Once per command: free of this computer's jitter, so that a log is the same each time
+    /// Once per command: independent of this computer's jitter, so that the log is the same each time
     Commands,
 }
 

@@ -17,9 +17,9 @@ use modeldescription::variable::Causality;
 
 use crate::answer::Screen;
 
-/// Runs a controller FMU in real time next to a machine, or plays the machine
+/// Runs a controller FMU in real time with a machine, or emulates the machine
 ///
-/// docs/gateway.md describes the packet that both exchange.
+/// docs/gateway.md describes the packets between runner and machine.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Example, in two terminals:\n  piezoloop bench emulate plant.fmu --gateway udp://127.0.0.1:9000 --rate 1k\n  piezoloop bench run controller.fmu --gateway udp://127.0.0.1:9000 --rate 1k --reference ref.csv --record run.parquet"
@@ -36,9 +36,9 @@ enum Command {
     Campaign(campaign::Run),
     Recover(recover::Recover),
     Replay(replay::Replay),
-    /// Print the packet's table of offsets
+    /// Prints the packet's table of offsets
     Packet,
-    /// Print gateway.h, the C interface of plugin://FILE
+    /// Prints gateway.h, the C interface of plugin://FILE
     Header,
 }
 
@@ -82,8 +82,8 @@ fn journal_of(record: &Path) -> PathBuf {
 /// The key of a gateway on a network that others are on.
 #[derive(Args, Debug, Clone, Default)]
 pub(super) struct KeyOptions {
-    /// A file of 16 to 4096 bytes that runner and machine both hold: packets carry a tag that it
-    /// makes, others are refused, and so is what was recorded (udp:// only)
+    /// Key file of 16 to 4096 bytes, the same for runner and machine: packets carry an authentication tag; packets
+    /// with a wrong tag and replayed packets are refused (udp:// only)
     #[arg(long, value_name = "FILE")]
     key: Option<PathBuf>,
 }

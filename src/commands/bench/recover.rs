@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::answer::{Answer, Screen};
 use crate::inputs;
 
-/// Makes a log of the journal that a killed run left behind
+/// Recovers a log from the journal of a killed run
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  piezoloop bench recover run.parquet.journal -o run.parquet")]
 pub(crate) struct Recover {

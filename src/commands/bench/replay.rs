@@ -14,12 +14,12 @@ use sha2::{Digest, Sha256};
 use crate::answer::{Answer, Screen, note_on_log};
 use crate::fmus;
 
-/// Steps the controller through a record again and compares every output by the bit
+/// Steps the controller through a record again and compares every command bit by bit
 ///
-/// A record of `bench run` or `bench campaign` carries the hash and path of its controller FMU, the
-/// plan, limits and start values. References, positions and states are the record's; what the controller
-/// computes and what was sent must be the same bits. The first difference is named with cycle, signal and
-/// both values. Exit code 1: something differs.
+/// A record of `bench run` or `bench campaign` contains the hash and path of its controller FMU, the plan, limits and
+/// start values. References, positions and states are taken from the record; the computed and the sent commands must
+/// have the same bits. The first difference is reported with cycle, signal and both values. Exit code 1: something
+/// differs.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop bench replay run.parquet\n  piezoloop bench replay run.mf4 --fmu moved/controller.fmu --json"
@@ -28,10 +28,10 @@ pub(crate) struct Replay {
     /// Records: .parquet, .csv (with its .about.json), .mf4, or the .journal of a killed run
     #[arg(required = true, value_name = "RECORD")]
     records: Vec<PathBuf>,
-    /// The controller FMU, where it is no longer where the record says
+    /// The controller FMU, if it has moved since the recording
     #[arg(long, value_name = "FILE")]
     fmu: Option<PathBuf>,
-    /// Step an FMU with another hash than the recorded one
+    /// Accept an FMU with another hash than the recorded one
     #[arg(long)]
     any_fmu: bool,
 }

@@ -20,24 +20,25 @@ use crate::answer::{Answer, Screen};
 use crate::pages::{self, PageOptions, Rows};
 use crate::{fmus, inputs, interrupt, ranges};
 
-/// Runs a controller FMU in real time next to a machine, and records it
+/// Runs a controller FMU in real time with a machine, and records it
 ///
-/// The machine answers over the gateway. Ctrl-C, SIGTERM and every fault lead the command to its
-/// safe value, the third Ctrl-C ends the run before it is there; exit code 0 means that the plan has ended or somebody stopped it, 1 a fault.
+/// The machine answers over the gateway. Ctrl-C, SIGTERM and every fault ramp the command to its safe value; the
+/// third Ctrl-C ends the run immediately. Exit code 0: the plan has ended or the run was stopped; 1: a fault.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop bench run controller.fmu --gateway udp://10.0.0.2:9000 --bind 10.0.0.1:9001 --rate 10k --reference ref.csv --record run.parquet\n  piezoloop bench run --plan bench.toml --live\n  piezoloop bench run --plan identify.toml --record measured.csv --web 8000"
 )]
 pub(crate) struct Run {
-    /// The controller FMU [default: the plan's; none: the plan's sequence is the commands]
+    /// The controller FMU [default: the plan's; without one, the plan's sequence is the command]
     controller: Option<PathBuf>,
-    /// A bench plan (TOML); options given here go before it
+    /// A bench plan (TOML); options on the command line override it
     #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
-    /// Where the machine is: udp://IP:PORT, shm://NAME, ethercat://INTERFACE, gcs://IP:PORT, nv200://IP:PORT or plugin://FILE?OPTIONS
+    /// Address of the machine: udp://IP:PORT, shm://NAME, ethercat://INTERFACE, gcs://IP:PORT, nv200://IP:PORT or
+    /// plugin://FILE?OPTIONS
     #[arg(long, value_name = "ADDRESS")]
     gateway: Option<Address>,
-    /// Own address, for a machine beyond this computer [default: 127.0.0.1 and the next port]
+    /// Own address, for a machine on another computer [default: 127.0.0.1 and the next port]
     #[arg(long, value_name = "IP:PORT")]
     bind: Option<SocketAddr>,
     #[command(flatten)]
@@ -51,7 +52,7 @@ pub(crate) struct Run {
     /// Record of the run: .parquet, .csv or .mf4
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Limits of all commands that the plan does not limit
+    /// Limits of all commands that have none in the plan
     #[arg(long, value_name = "MIN..MAX", value_parser = ranges::limits())]
     command_limits: Option<[f64; 2]>,
     /// Show the run on the terminal

@@ -63,7 +63,7 @@ impl Matched {
             let example = columns().next().unwrap_or_default();
             anyhow::bail!(
                 "{}: no column feeds an input of the FMU, and none measures an output: the columns are {}, the \
-                 inputs {}; say which belong together, as in {}",
+                 inputs {}; assign a column with {}",
                 log.origin(),
                 list(&matched.unused_columns),
                 list(&inputs),
@@ -80,14 +80,17 @@ impl Matched {
             let (s, keep) =
                 if self.unfed_inputs.len() == 1 { ("", "keeps its") } else { ("s", "keep their") };
             notes.push(format!(
-                "no column feeds the input{s} {}, which {keep} start value{s}; --map INPUT=COLUMN does",
+                "no column feeds the input{s} {}, which {keep} start value{s}; assign a column with --map INPUT=COLUMN",
                 list(&self.unfed_inputs)
             ));
         }
         if !self.unused_columns.is_empty() {
             let (s, feed) =
                 if self.unused_columns.len() == 1 { ("", "feeds") } else { ("s", "feed") };
-            notes.push(format!("the column{s} {} {feed} nothing", list(&self.unused_columns)));
+            notes.push(format!(
+                "the column{s} {} {feed} no input and no output",
+                list(&self.unused_columns)
+            ));
         }
         notes
     }

@@ -28,11 +28,11 @@ use results::Swept;
 
 /// Runs a plan of many runs: Monte Carlo, grids, campaigns
 ///
-/// Tolerances, gains and effects vary over closed loops and systems of FMUs; logs, machines and options
-/// over identifications and diagnoses.
+/// Varies tolerances, gains and effects in closed loops and systems of FMUs, or logs, machines and options in
+/// identifications and diagnoses.
 ///
-/// The results go to one Parquet table, a row per run. A sweep that was stopped or killed goes on
-/// where it was when it is called again. Threads, shards and pauses change no bit of the table.
+/// The results are one Parquet table with a row per run. If a sweep was stopped or killed, the same command resumes
+/// it. The table has the same bytes for any number of threads and shards, and after interruptions.
 #[derive(Args, Debug)]
 #[command(after_help = AFTER_HELP, args_conflicts_with_subcommands = true)]
 #[command(subcommand_negates_reqs = true)]
@@ -42,10 +42,10 @@ pub(crate) struct Sweep {
     /// The plan
     #[arg(required = true)]
     plan: Option<PathBuf>,
-    /// Run part I of N only, counted from 1; `sweep merge` puts the parts together
+    /// Run only part I of N, counted from 1; `sweep merge` combines the parts
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Seed in the place of the plan's
+    /// Seed, instead of the plan's
     #[arg(long, value_name = "S", value_parser = crate::ranges::seed())]
     seed: Option<u64>,
     /// Number of threads; 0: one per processor

@@ -23,9 +23,9 @@ pub(super) enum Share {
     Serve(Serve),
 }
 
-/// Puts the tables of all shards together
+/// Combines the tables of all shards
 ///
-/// The result has the bytes of the table that one process would have written.
+/// The result has the same bytes as the table of a single process.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  piezoloop sweep merge plan.*-of-8.parquet -o plan.parquet")]
 pub(super) struct Merge {
@@ -37,7 +37,7 @@ pub(super) struct Merge {
     out: PathBuf,
 }
 
-/// Puts a plan and all that it names into one file, for workers on other machines
+/// Packs a plan and all its files into one file, for workers on other machines
 ///
 /// Says which runs of the table are still to be done. The Python package uses it for Dask.
 #[derive(Args, Debug)]

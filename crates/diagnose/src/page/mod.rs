@@ -82,7 +82,7 @@ fn place(gap: &Gap, o: &Outcome) -> Section {
             Column::new("from").unit("Hz"),
             Column::new("to").unit("Hz"),
             Column::new("share of the gap").unit("%"),
-            Column::new("over the noise before").unit("dB"),
+            Column::new("above the noise before").unit("dB"),
             Column::new("after").unit("dB"),
         ];
         let mut table = Table::new("Bands where the gap lies", columns);
@@ -101,7 +101,7 @@ fn which(gap: &Gap) -> Section {
         section = section.paragraph("No effect is named.");
         for p in &gap.partial {
             section = section.paragraph(format!(
-                "The best partial answer for {}: {} would remove {:.0} % of the gap's power on held-out rows and leave {} {} rms of {} {}.",
+                "The best single candidate for {}, {}, would remove {:.0} % of the gap's power on held-out rows and leave {} {} rms of {} {}.",
                 p.effect.output,
                 p.effect.effect,
                 100.0 * p.effect.explained,
@@ -126,9 +126,9 @@ fn which(gap: &Gap) -> Section {
         );
         section = section.paragraph(text);
         if let Some(k) = known {
-            let mut items = vec![format!("To be sure: {}", k.experiment)];
+            let mut items = vec![format!("Confirm with: {}", k.experiment)];
             if !k.confused_with.is_empty() {
-                items.push(format!("Easily taken for it: {}", k.confused_with.join(", ")));
+                items.push(format!("Easily confused with: {}", k.confused_with.join(", ")));
             }
             section = section.list(items);
         }
@@ -168,17 +168,17 @@ fn stretches(title: String, unit: &str, all: &[HeldOut]) -> Table {
 
 fn how_much(gap: &Gap) -> Section {
     let unit = gap.shrink.unit.as_str();
-    let title = format!("Rows that were not used: {}", gap.provenance.split);
+    let title = format!("Held-out rows: {}", gap.provenance.split);
     let mut section = Section::new("How much").table(stretches(title, unit, &gap.shrink.holdout));
     if let Some(second) = &gap.shrink.second_opinion {
         let title = format!("Second opinion: {}", second.split);
         section = section.table(stretches(title, unit, &second.records)).paragraph(format!(
-            "In records that were left out, {:.0} % of the gap's power is removed.",
+            "On the records that were left out, {:.0} % of the gap's power is removed.",
             100.0 * second.fraction
         ));
     }
     let mut tuned = Table::new(
-        "Parameters re-tuned under their tolerance",
+        "Parameters re-tuned within their tolerance",
         ["parameter", "from", "to", "tolerance (1 σ)", "unit", "at its limit"],
     );
     for (name, r) in &gap.retuned {
@@ -194,11 +194,11 @@ fn how_much(gap: &Gap) -> Section {
     let left = &gap.leftover;
     let text = if left.present {
         format!(
-            "Left: {:.2} times the noise's power. The formula of an effect is never quite the machine's; or something small is still missing.",
-            left.over_noise
+            "Remaining error: {} times the noise's power. The formula of an effect never matches the machine exactly, or a further small effect is missing.",
+            report::format_number(left.over_noise, 3)
         )
     } else {
-        format!("Nothing is left: {:.2} times the noise's power.", left.over_noise)
+        format!("No error above the noise: {:.2} times the noise's power.", left.over_noise)
     };
     section.paragraph(text).table(tuned)
 }
@@ -252,15 +252,15 @@ fn next(diagnosis: &Diagnosis, files: &Files<'_>) -> Section {
     let gap = &diagnosis.gap;
     let section = Section::new("What to do next");
     let Some(e) = &gap.next_experiment else {
-        let check = "Nothing is undecided that a measurement could decide. Record the machine once more \
-                     under another signal, and hold the repaired model against that log.";
+        let check = "No candidates remain that a measurement could separate. Record the machine once more \
+                     with another signal, and compare the repaired model with that log.";
         return section.paragraph(check);
     };
     let mut section = section.paragraph(format!("{}.", e.sentence));
     if let Some(gain) = e.predicted_gain {
         section = section.paragraph(format!(
-            "Predicted gain: the wrong one of {} would be off by {} noise variances in sum, with its \
-             own parameters, an offset and whatever else belongs to each record fitted anew.",
+            "Predicted gain: the wrong one of {} would have a total misfit of {} noise variances, after a \
+             new fit of its parameters, of an offset and of all coefficients of each record.",
             e.separates.join(" and "),
             report::format_number(gain, 3)
         ));
@@ -286,7 +286,7 @@ fn next(diagnosis: &Diagnosis, files: &Files<'_>) -> Section {
 fn use_it(gap: &Gap, files: &Files<'_>) -> Section {
     let mut section = Section::new("The repaired model");
     if gap.effects.is_empty() && gap.verdict != crate::gap::Verdict::Retune {
-        return section.paragraph("There is nothing to repair.");
+        return section.paragraph("No effect is named, so there is no repaired model.");
     }
     let Some(file) = files.repair else {
         return section
@@ -301,9 +301,9 @@ fn use_it(gap: &Gap, files: &Files<'_>) -> Section {
     {
         section = section
             .paragraph(format!(
-                "{name} takes the original FMU's place: the same inputs, outputs and parameters, and \
-                 the original inside, untouched. Each effect can be switched off before the \
-                 simulation starts; with all of them off the outputs are the original's, bit by bit."
+                "{name} replaces the original FMU: it has the same inputs, outputs and parameters, and \
+                 contains the unchanged original. Each effect can be disabled before the \
+                 simulation starts; with all of them disabled the outputs have the original's bits."
             ))
             .code(format!(
                 "from fmpy import simulate_fmu\nsimulate_fmu(\"{name}\", start_values={{{}}})",
@@ -311,15 +311,15 @@ fn use_it(gap: &Gap, files: &Files<'_>) -> Section {
             ));
     } else {
         section = section.paragraph(format!(
-            "{name} has the effects in place, as components whose names begin with found_, or in the \
-             component that they change."
+            "{name} contains the effects, as components whose names begin with found_, or in the \
+             components that they change."
         ));
     }
     if !files.notes.is_empty() {
         section = section.list(files.notes.iter().cloned());
     }
     section
-        .paragraph("Hold it against a log that was not used here before you trust it:")
+        .paragraph("Before you trust it, compare it with a log that was not used here:")
         .code(format!("piezoloop diagnose --model {name} --log new.csv"))
 }
 
