@@ -577,6 +577,21 @@ impl Answer for Identified {
                     candidate.reason
                 )?;
             }
+            for candidate in &id.candidates {
+                let Some(predicted) = &candidate.predicted else { continue };
+                writeln!(
+                    out,
+                    "  {}: its own standard deviation on {} rows held out: median {:.5} {u}, at most {:.5} {u} (noise {:.5} {u}); {:.0} % of the errors \
+                     lie within 1.96 of it (95 % where it knows what it does not know)",
+                    candidate.structure,
+                    predicted.rows,
+                    predicted.median,
+                    predicted.greatest,
+                    predicted.noise,
+                    100.0 * predicted.within,
+                    u = id.unit
+                )?;
+            }
             if id.stopped {
                 writeln!(out, "  stopped: the best of what was finished is taken")?;
             }

@@ -1,16 +1,22 @@
 //! `piezoloop reproduce`: the papers' tables on our machines.
 
+use std::fs;
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
+use anyhow::Context;
 use clap::{Args, Parser};
+use data::UnitPlace;
 use papers::Tool;
-use papers::reproduce::{self, Aim, Reproduction, Verdict};
+use papers::reproduce::{self, Aim, Effort, Reproduction, Verdict};
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
-use crate::bed;
-use crate::commands::Command;
+use crate::commands::{Command, pack};
 use crate::pages::{self, PageOptions};
+use crate::{bed, inputs};
 
 /// Reproduces the tables of a paper: paper | its method here | ours | another way | verdict
 ///
@@ -30,8 +36,14 @@ pub(crate) struct Reproduce {
     #[command(flatten)]
     page: PageOptions,
     /// Also run the papers' own searches (3000 trainings of a particle swarm), in addition to the default one
-    #[arg(long)]
+    #[arg(long, conflicts_with = "quick")]
     searches: bool,
+    /// Only the papers' own methods and what they are judged by; the answer says what is left out
+    #[arg(long)]
+    quick: bool,
+    /// Leave logs, blueprints, tables and FMUs in this folder, those of each paper in a folder of its name
+    #[arg(long, value_name = "FOLDER")]
+    keep: Option<PathBuf>,
 }
 
 /// Parts of a paper.
@@ -66,23 +78,127 @@ impl Reproduce {
         const ALL: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
         let whole = self.papers.is_empty() || self.papers.iter().any(|paper| paper == "all");
         let papers = if whole { ALL.map(String::from).to_vec() } else { self.papers.clone() };
-        let mut all = Vec::new();
+        let effort = match (self.quick, self.searches) {
+            (true, _) => Effort::Quick,
+            (_, true) => Effort::Searches,
+            _ => Effort::Whole,
+        };
+        let mut jobs = Vec::new();
         for paper in &papers {
-            let say = |line: &str| screen.say(&format!("{paper}: {line}"));
             let (models, loops) = (
                 reproduce::PAPERS.contains(&paper.as_str()),
                 reproduce::control::PAPERS.contains(&paper.as_str()),
             );
             if self.part != Part::Control && (models || !loops) {
-                all.push(reproduce::run(paper, self.searches, &say)?);
+                jobs.push((paper.as_str(), Part::Modelling));
             }
             if self.part != Part::Modelling && (loops || self.part == Part::Control && !whole) {
-                all.push(reproduce::control::run(paper, &TOOL, &say)?);
+                jobs.push((paper.as_str(), Part::Control));
+            }
+        }
+        if let Some(folder) = &self.keep {
+            fs::create_dir_all(folder)
+                .with_context(|| format!("{} cannot be made", folder.display()))?;
+        }
+        let all = done(&jobs, effort, screen)?;
+        if let Some(folder) = &self.keep {
+            for one in &all {
+                keep(one, folder)?;
             }
         }
         let all = Reproductions(all);
         let page = || papers::page::reproduction(&all.0, pages::provenance(&[])?);
         self.page.finish(screen, &all, page)
+    }
+}
+
+/// Runs all jobs, as many at once as there are processors; the answers in the order of the jobs.
+fn done(
+    jobs: &[(&str, Part)],
+    effort: Effort,
+    screen: &Screen,
+) -> anyhow::Result<Vec<Reproduction>> {
+    let next = AtomicUsize::new(0);
+    let answers: Vec<Mutex<Option<anyhow::Result<Reproduction>>>> =
+        jobs.iter().map(|_| Mutex::new(None)).collect();
+    let work = || {
+        while let Some((number, (paper, part))) =
+            Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|n| Some((n, jobs.get(n)?)))
+        {
+            let say = |line: &str| screen.say(&format!("{paper}: {line}"));
+            let answer = match part {
+                Part::Control => reproduce::control::run(paper, effort, &TOOL, &say),
+                _ => reproduce::run(paper, effort, &say),
+            };
+            // Nothing more is begun where one has failed.
+            if answer.is_err() {
+                next.store(jobs.len(), Ordering::Relaxed);
+            }
+            if let Ok(mut place) = answers[number].lock() {
+                *place = Some(answer);
+            }
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(jobs.len());
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(work);
+        }
+    });
+    let mut all = Vec::new();
+    for answer in answers {
+        match answer.into_inner() {
+            Ok(Some(Ok(answer))) => all.push(answer),
+            Ok(Some(Err(error))) => return Err(error),
+            // Not begun: one behind it failed, and says so.
+            _ => {}
+        }
+    }
+    Ok(all)
+}
+
+/// Leaves what others may run in a folder of the paper's name: logs, blueprints with their tables, their FMUs, and the figures
+/// and orders as tables.
+fn keep(one: &Reproduction, folder: &Path) -> anyhow::Result<()> {
+    let folder = folder.join(one.paper);
+    fs::create_dir_all(&folder).with_context(|| format!("{} cannot be made", folder.display()))?;
+    for (name, log) in one.kept.logs() {
+        log.write(&folder.join(format!("{name}.csv")), UnitPlace::Sidecar)?;
+    }
+    for (name, blueprint) in one.kept.blueprints() {
+        let file = folder.join(format!("{name}.toml"));
+        inputs::write_blueprint(&blueprint.check(learned::COMPONENTS)?, &file)?;
+        let fmu = file.with_extension("fmu");
+        pack::pack(&inputs::blueprint(&file)?, pack::PACKED_WITH, &[], &fmu)?;
+    }
+    let mut figures = String::from("figure,unit,paper,its method here,ours,another way,verdict\n");
+    let number = |x: f64| if x.is_nan() { String::new() } else { x.to_string() };
+    for row in &one.rows {
+        let [ours, other] = [row.ours, row.other].map(|x| x.map_or_else(String::new, number));
+        let (paper, own) = (number(row.paper), number(row.own));
+        let verdict = word(row.verdict);
+        figures +=
+            &format!("\"{}\",{},{paper},{own},{ours},{other},{verdict}\n", row.what, row.unit);
+    }
+    let mut orders = String::from("order,holds\n");
+    for order in &one.orders {
+        orders += &format!("\"{}\",{}\n", order.what, order.holds);
+    }
+    for (name, text) in [("figures", figures), ("orders", orders)] {
+        let file = folder.join(format!("{}-{name}.csv", one.part));
+        data::WholeFile::write_all_of(&file, text.as_bytes())
+            .with_context(|| format!("{} cannot be written", file.display()))?;
+    }
+    Ok(())
+}
+
+fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Reached => "reached",
+        Verdict::NotReached => "not reached",
+        Verdict::Matched => "as the paper's",
+        Verdict::NotMatched => "not as the paper's",
+        Verdict::NotJudged => "-",
     }
 }
 
@@ -109,19 +225,16 @@ fn write_one(one: &Reproduction, out: &mut dyn Write) -> io::Result<()> {
     for line in matched {
         writeln!(out, "{line}")?;
     }
+    for what in &one.left_out {
+        writeln!(out, "{}, {}, left out by --quick: {what}", one.paper, one.part)?;
+    }
     writeln!(
         out,
         "\n{:58} {:>8} {:>8} {:>8} {:>8} {:>13}  verdict",
         "figure", "paper", "its way", "ours", "other", "of baseline"
     )?;
     for row in &one.rows {
-        let verdict = match row.verdict {
-            Verdict::Reached => "reached",
-            Verdict::NotReached => "not reached",
-            Verdict::Matched => "as the paper's",
-            Verdict::NotMatched => "not as the paper's",
-            Verdict::NotJudged => "-",
-        };
+        let verdict = word(row.verdict);
         let what = format!("{} {} [{}]", row.paper_id, row.what, row.unit);
         let paper = if row.paper.is_nan() { "-".to_owned() } else { row.paper.to_string() };
         let told = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));

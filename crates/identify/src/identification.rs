@@ -77,6 +77,8 @@ pub struct Candidate {
     pub parameters: usize,
     /// Time that the fit took, in s.
     pub seconds: f64,
+    /// What a Gaussian process says of its own errors; `None` for all others.
+    pub predicted: Option<Predicted>,
     /// Whether it is the plant that was returned.
     pub accepted: bool,
     /// Why, or why not.
@@ -87,6 +89,22 @@ pub struct Candidate {
     /// Simulated position of every row of each record, without offset; empty where the fit failed.
     #[serde(skip)]
     pub simulations: Vec<Vec<f64>>,
+}
+
+/// The standard deviations that a Gaussian process predicts on rows held out, √(variance of the mean + σ_n²), beside its errors
+/// there. It is the process before it is compressed. In the position's unit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Predicted {
+    /// Rows that were looked at, even over all that are held out.
+    pub rows: usize,
+    /// Median of the standard deviations.
+    pub median: f64,
+    /// The greatest one.
+    pub greatest: f64,
+    /// σ_n.
+    pub noise: f64,
+    /// Part of the errors, less their mean of each record, within 1.96 standard deviations: 0.95 where the process knows what it does not know.
+    pub within: f64,
 }
 
 /// A fitted parameter.
@@ -177,6 +195,7 @@ impl Candidate {
             fitted_nrmse: None,
             parameters: 0,
             seconds: 0.0,
+            predicted: None,
             accepted: false,
             reason: error.to_string(),
             plant: None,

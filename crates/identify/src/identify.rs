@@ -13,7 +13,7 @@ use crate::fit::linear_part::{self, Deviations, Structure};
 use crate::fit::operator::Operator;
 use crate::fit::response::LinearPart;
 use crate::fit::weights::{Fitted, Task, independent_samples, mean};
-use crate::identification::{Candidate, Estimate, Identification, Verdict};
+use crate::identification::{Candidate, Estimate, Identification, Predicted, Verdict};
 use crate::judge::simulate;
 use crate::learned::plant::{Family, Learned, Lesson};
 use crate::methods::{Chain, LINEAR, Method, Scene, Way};
@@ -138,6 +138,8 @@ struct Tried {
     parameters: Vec<Estimate>,
     /// Numbers that were fitted or learned, where these are not the parameters.
     numbers: Option<usize>,
+    /// Of a Gaussian process.
+    predicted: Option<Predicted>,
     seconds: f64,
 }
 
@@ -356,6 +358,7 @@ impl<'a> Session<'a> {
             linear,
             parameters,
             numbers: None,
+            predicted: None,
             seconds: 0.0,
         })
     }
@@ -518,6 +521,7 @@ impl<'a> Session<'a> {
             family,
             records: self.records,
             fitted: &self.plan.fitted,
+            judged: &self.plan.judged,
             offsets: &self.offsets,
             period: self.plan.period,
             known,
@@ -526,7 +530,8 @@ impl<'a> Session<'a> {
             dynamic: self.plan.dynamics == Dynamics::Automatic,
         };
         let file = format!("{}.npy", self.target.axis.name);
-        let Learned { chain, table, late, numbers } = lesson.learn(&file, &mut *self.observer)?;
+        let Learned { chain, table, late, numbers, predicted } =
+            lesson.learn(&file, &mut *self.observer)?;
         let chain = Chain { hysteresis: chain, reading: Vec::new() };
         let delay = late as f64 * self.plan.period;
         let plant = Plant {
@@ -541,7 +546,7 @@ impl<'a> Session<'a> {
         let structure = (late > 0).then_some("delay").into_iter().chain(kinds);
         let structure = structure.collect::<Vec<_>>().join(", ");
         let mut tried = self.written(Some(family.name()), structure, &plant)?;
-        tried.numbers = Some(numbers);
+        (tried.numbers, tried.predicted) = (Some(numbers), predicted);
         Ok(tried)
     }
 }

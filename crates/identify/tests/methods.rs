@@ -249,6 +249,16 @@ fn past_outputs_and_derivatives_are_learned_and_run_as_written() {
         assert!(found.ends_with(kinds), "{found:?}");
         let again = simulate(&id.plant, &record).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(again, candidate.simulations[0]);
+        // Only a process says how far off it may be.
+        assert_eq!(candidate.predicted.is_some(), method == "gp");
+        if let Some(predicted) = &candidate.predicted {
+            println!("{predicted:?}, rmse {}", fit.held_out.rmse);
+            assert!((100..=201).contains(&predicted.rows), "{predicted:?}");
+            assert!(predicted.noise > 0.0 && predicted.noise <= predicted.median, "{predicted:?}");
+            assert!(predicted.median <= predicted.greatest, "{predicted:?}");
+            let ratio = predicted.median / fit.held_out.rmse;
+            assert!((0.2..5.0).contains(&ratio) && predicted.within > 0.5, "{predicted:?}");
+        }
     }
 }
 

@@ -101,6 +101,10 @@ fn figures(one: &Reproduction) -> Section {
          its ratio to the method that the paper compares with, which may be a quarter more than in the paper; the last column \
          names the assumed parts that decide a figure most.",
     );
+    if !one.left_out.is_empty() {
+        let left_out = one.left_out.join("; ");
+        section = section.paragraph(format!("A quick reproduction, which leaves out: {left_out}."));
+    }
     section = section.table(table);
     if !one.orders.is_empty() {
         section = section.table(orders);

@@ -2,11 +2,12 @@
 
 use papers::machines;
 use papers::matching::{Figure, TABLES};
-use papers::reproduce::{self, Aim, Reproduction, Row, Verdict};
+use papers::reproduce::{self, Aim, Effort, Reproduction, Row, Verdict};
 use sha2::{Digest, Sha256};
 
 fn models(paper: &str) -> Reproduction {
-    reproduce::run(paper, false, &|_| ()).unwrap_or_else(|error| panic!("{paper}: {error:#}"))
+    reproduce::run(paper, Effort::Whole, &|_| ())
+        .unwrap_or_else(|error| panic!("{paper}: {error:#}"))
 }
 
 fn refuted(answer: &Reproduction) -> Vec<&str> {

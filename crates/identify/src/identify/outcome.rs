@@ -19,6 +19,7 @@ impl Session<'_> {
             fitted_nrmse: Some(worst(&self.plan.fitted)),
             parameters: tried.count(),
             seconds: tried.seconds,
+            predicted: tried.predicted.clone(),
             accepted: false,
             reason: reason.to_owned(),
             plant: Some(tried.plant.clone()),

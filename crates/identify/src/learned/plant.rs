@@ -17,6 +17,7 @@ use super::series::rows;
 use super::{Arx, Frame, Machine, Run, Series, Span, Teaches, Turns};
 use crate::error::Error;
 use crate::fit::response::LinearPart;
+use crate::identification::Predicted;
 use crate::observer::Observer;
 use crate::record::{Record, Rows};
 use crate::settings::{Learning, Told};
@@ -25,6 +26,8 @@ use crate::settings::{Learning, Told};
 const SAMPLES: usize = 1500;
 /// Most centres that stay, and the part of the error that this may add.
 const CENTRES: (usize, f64) = (1000, 0.02);
+/// Most rows whose deviation a process predicts: each costs as many operations as it has samples, squared.
+const PREDICTED: usize = 200;
 /// Zeros and poles of D.
 const ORDERS: [(usize, usize); 2] = [(2, 2), (3, 3)];
 
@@ -77,6 +80,7 @@ pub(crate) struct Lesson<'a> {
     pub(crate) family: Family,
     pub(crate) records: &'a [Record],
     pub(crate) fitted: &'a [Rows],
+    pub(crate) judged: &'a [Rows],
     /// Of each record, in position.
     pub(crate) offsets: &'a [f64],
     /// Of the records, in s.
@@ -98,6 +102,8 @@ pub(crate) struct Learned {
     pub(crate) late: usize,
     /// Numbers that were learned.
     pub(crate) numbers: usize,
+    /// Of a process: what it says of its own errors.
+    pub(crate) predicted: Option<Predicted>,
 }
 
 /// What a family sees of the records.
@@ -183,7 +189,7 @@ pub fn learned_inverse(
         first: none(),
         bandwidth: 0.0,
     };
-    Ok(process::learn(&scene, &mut stage)?.machine)
+    Ok(process::learn(&scene, &mut stage)?.0.machine)
 }
 
 fn none() -> Arx {
@@ -230,6 +236,7 @@ impl Lesson<'_> {
         let last = &scenes[scenes.len() - 1];
         self.check_learning()?;
         let at = scenes.len() - 1;
+        let mut predicted = None;
         let (number, series, settings) = match self.family {
             Family::Stops => {
                 let (number, series, settings) = stops::learn(&scenes, &mut stage)?;
@@ -239,7 +246,11 @@ impl Lesson<'_> {
                 let (series, settings) = narx::learn(last, &mut stage)?;
                 (at, series, Some(settings))
             }
-            Family::Process => (at, process::learn(last, &mut stage)?, None),
+            Family::Process => {
+                let (series, whole) = process::learn(last, &mut stage)?;
+                predicted = self.predicted(&whole, late[at], middle);
+                (at, series, None)
+            }
         };
         let series = match (self.learning.prune, settings) {
             (Some(most), Some(settings)) => pruned(&series, settings, &all_runs[number], most)?,
@@ -267,7 +278,42 @@ impl Lesson<'_> {
             );
         }
         let of_d = if linear == none() { 0 } else { linear.b.len() + linear.a.len() };
-        Ok(Learned { chain, late: late[number], numbers: table.values().len() + of_d, table })
+        let numbers = table.values().len() + of_d;
+        Ok(Learned { chain, late: late[number], numbers, table, predicted })
+    }
+
+    /// What a process says of its errors on the rows held out; `None` where there are none.
+    fn predicted(&self, whole: &process::Whole, late: usize, middle: f64) -> Option<Predicted> {
+        let count: usize = self.judged.iter().map(Rows::len).sum();
+        let every = count.div_ceil(PREDICTED).max(1);
+        let mut deviations = Vec::new();
+        let mut within = 0;
+        for ((record, rows), offset) in self.records.iter().zip(self.judged).zip(self.offsets) {
+            let command: Vec<f64> = std::iter::repeat_n(record.rest(), 1 + late)
+                .chain(record.input().iter().copied())
+                .take(rows.end)
+                .collect();
+            let position: Vec<f64> =
+                record.output()[..rows.end].iter().map(|y| y - (offset - middle)).collect();
+            let looked: Vec<usize> = (rows.first..rows.end).step_by(every).collect();
+            let found = whole.judged(&command, &position, &looked)?;
+            let mean =
+                found.iter().map(|(error, _)| error).sum::<f64>() / found.len().max(1) as f64;
+            within +=
+                found.iter().filter(|(e, deviation)| (e - mean).abs() <= 1.96 * deviation).count();
+            deviations.extend(found.into_iter().map(|(_, deviation)| deviation));
+        }
+        deviations.sort_by(f64::total_cmp);
+        let rows = deviations.len();
+        let greatest = *deviations.last()?;
+        let within = within as f64 / rows as f64;
+        Some(Predicted {
+            rows,
+            median: deviations[rows / 2],
+            greatest,
+            noise: whole.noise(),
+            within,
+        })
     }
 
     /// Refuses choices that the family has not.

@@ -7,12 +7,14 @@ pub(crate) mod p1;
 mod p2;
 mod p3;
 mod p4;
+pub(crate) mod relays;
 pub(crate) mod stand_ins;
 
 use serde::Serialize;
 
 use identify::learned::Arx;
 
+use crate::keep::Kept;
 use crate::{machines, matching};
 
 /// One number of a paper beside that of the same method on our machine.
@@ -87,6 +89,20 @@ pub struct Order {
     pub holds: bool,
 }
 
+impl Order {
+    /// That the first of two errors is the smaller one, or that it is not, as the paper's numbers have it.
+    fn of_numbers(
+        paper_id: &'static str,
+        what: String,
+        here: (f64, f64),
+        paper: (f64, f64),
+    ) -> Self {
+        let swapped = paper.0 > paper.1;
+        let what = if swapped { format!("{what}: not so in the paper") } else { what };
+        Self { paper_id, what, holds: (here.0 < here.1) != swapped }
+    }
+}
+
 /// What a paper's reproduction gives.
 #[derive(Serialize, Default)]
 pub struct Reproduction {
@@ -102,6 +118,11 @@ pub struct Reproduction {
     pub part: &'static str,
     /// The rig that stands in for the paper's machine.
     pub rig: &'static str,
+    /// What a quick reproduction leaves out, or does with less.
+    pub left_out: Vec<&'static str>,
+    /// Logs and blueprints.
+    #[serde(skip)]
+    pub kept: Kept,
     /// The machine beside the paper's, without the paper's method.
     #[serde(skip)]
     pub(crate) matched: Vec<matching::Figure>,
@@ -110,21 +131,37 @@ pub struct Reproduction {
     pub(crate) chapters: Vec<figures::Chapter>,
 }
 
+/// How much is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// The papers' own methods and what they are judged by, on smaller trainings where these are long.
+    Quick,
+    /// All rows.
+    Whole,
+    /// All rows, and the papers' own long searches beside the default one.
+    Searches,
+}
+
+impl Effort {
+    fn is_quick(self) -> bool {
+        self == Self::Quick
+    }
+}
+
 /// The papers with a reproduction of their modelling.
 pub const PAPERS: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
 
-/// Runs the reproduction of a paper's modelling; `searches`: also by the paper's own long searches; what
-/// it is at goes to `say`.
+/// Runs the reproduction of a paper's modelling; what it is at goes to `say`.
 ///
 /// # Errors
 /// For an unknown paper, and where a model cannot be found.
-pub fn run(paper: &str, searches: bool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub fn run(paper: &str, effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let answer = match paper {
-        "p0" => p0::run(say),
-        "p1" => p1::run(searches, say),
-        "p2" => p2::run(say),
-        "p3" => p3::run(say),
-        "p4" => p4::run(say),
+        "p0" => p0::run(effort, say),
+        "p1" => p1::run(effort, say),
+        "p2" => p2::run(effort, say),
+        "p3" => p3::run(effort, say),
+        "p4" => p4::run(effort, say),
         other => anyhow::bail!("no paper \"{other}\"; known are {}", PAPERS.join(", ")),
     };
     Ok(answer?.of(paper, "modelling"))
@@ -140,6 +177,14 @@ const RIGS: [(&str, &str); 5] = [
 ];
 
 impl Reproduction {
+    /// Leaves something out, or does it with less, where it is to be quick; whether it is.
+    fn leaves_out(&mut self, effort: Effort, what: &'static str) -> bool {
+        if effort.is_quick() {
+            self.left_out.push(what);
+        }
+        effort.is_quick()
+    }
+
     /// The same, of this part of a paper.
     fn of(mut self, paper: &str, part: &'static str) -> Self {
         if let Some((paper, rig)) = RIGS.iter().find(|(known, _)| *known == paper) {

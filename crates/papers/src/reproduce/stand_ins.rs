@@ -68,7 +68,7 @@ const P0: [Rest; 6] = [
     (&["beyond", "learning"], "noise, hum and floor of the detectors; drift"),
     (&["system 1", "system 2"], "delay, driver; order of the low-pass"),
     (&["system 3", "system 4"], "hysteresis, creep; delay, order of the low-pass"),
-    (&["|J|"], "the detectors' pincushion, the coupling of the mirrors"),
+    (&["calibrated"], "the detectors' pincushion, the coupling of the mirrors"),
     (&["with D", "without D", "frequency-varying"], "order of the low-pass, creep, driver"),
     (&["H"], "hysteresis, noise"),
 ];

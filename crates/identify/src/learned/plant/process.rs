@@ -12,6 +12,7 @@
 //! Source: Gaussian process with high-dimensional input, eqs. (8), (10), (13)-(19).
 
 use learned::features::{Derivatives, Features};
+use learned::gp::GaussianProcess;
 
 use super::super::process::{Search, by_likelihood};
 use super::super::series::rows;
@@ -33,7 +34,40 @@ const LEARN: Search = Search { signal: SIGNAL, evaluations: [40, 80], most_sampl
 /// Most samples of a process that is tried.
 const TRIED: usize = 600;
 
-pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, Error> {
+/// A process as it was trained, which knows its variance.
+pub(super) struct Whole {
+    process: GaussianProcess,
+    frame: Frame,
+}
+
+impl Whole {
+    /// σ_n in the position's unit.
+    pub(super) fn noise(&self) -> f64 {
+        self.process.parameters().noise * (self.frame.output.high - self.frame.output.low)
+    }
+
+    /// Errors at some rows of a record and the standard deviations that are predicted there.
+    pub(super) fn judged(
+        &self,
+        command: &[f64],
+        position: &[f64],
+        rows: &[usize],
+    ) -> Option<Vec<(f64, f64)>> {
+        let samples = self.frame.samples(&[(command, position)]).ok()?;
+        let (mean, d) = (self.process.kernel_sum(), samples.dimension());
+        let span = self.frame.output.high - self.frame.output.low;
+        let mut room = vec![0.0; d];
+        let of = |row: &usize| {
+            let z = samples.inputs().get(row * d..(row + 1) * d)?;
+            let error = samples.outputs().get(*row)? - mean.value(z, &mut room);
+            let variance = self.process.variance(z) + self.process.parameters().noise.powi(2);
+            Some((span * error, span * variance.sqrt()))
+        };
+        rows.iter().map(of).collect()
+    }
+}
+
+pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<(Series, Whole), Error> {
     let pairs = scene.pairs();
     let (some, rest) = scene.parts();
     let mut best: Option<(f64, Frame)> = None;
@@ -51,7 +85,8 @@ pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, 
             Frame::new(features, scene.command, scene.position, Recipe::Standardised, &pairs)
                 .on_a_line(&pairs);
         frame.causal = true;
-        let Ok(machine) = train(&frame, &some, &CHOOSE, TRIED) else { continue };
+        let Ok(process) = train(&frame, &some, &CHOOSE, TRIED) else { continue };
+        let machine = Machine::of_process(frame.clone(), &process);
         let error = Series { machine, linear: none() }.error(&rest);
         if best.as_ref().is_none_or(|(least, _)| error < *least) {
             best = Some((error, frame));
@@ -64,12 +99,18 @@ pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<Series, 
                   log to fewer samples"
                 .to_owned(),
     })?;
-    Ok(Series { machine: train(&frame, scene.runs, &LEARN, SAMPLES)?, linear: none() })
+    let process = train(&frame, scene.runs, &LEARN, SAMPLES)?;
+    let machine = Machine::of_process(frame.clone(), &process);
+    Ok((Series { machine, linear: none() }, Whole { process, frame }))
 }
 
-fn train(frame: &Frame, runs: &[Run<'_>], search: &Search, most: usize) -> Result<Machine, Error> {
+fn train(
+    frame: &Frame,
+    runs: &[Run<'_>],
+    search: &Search,
+    most: usize,
+) -> Result<GaussianProcess, Error> {
     let pairs: Vec<_> = runs.iter().map(|run| (run.command, run.position)).collect();
     let samples = frame.samples(&pairs).map_err(failed)?.subset(&rows(runs, most));
-    let process = by_likelihood(&samples, search).map_err(failed)?;
-    Ok(Machine::of_process(frame.clone(), &process))
+    by_likelihood(&samples, search).map_err(failed)
 }

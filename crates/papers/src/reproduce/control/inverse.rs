@@ -110,7 +110,7 @@ fn is_stable(arx: &Arx, period: f64) -> bool {
 }
 
 /// The component of a linear part.
-pub(super) fn arx_component(arx: &Arx, period: f64) -> ComponentBlueprint {
+pub(crate) fn arx_component(arx: &Arx, period: f64) -> ComponentBlueprint {
     let list = |values: &[f64]| Value::List(values.iter().map(|x| Value::Number(*x)).collect());
     ComponentBlueprint::new("arx")
         .value("sample_time", period)

@@ -11,11 +11,11 @@ mod p4;
 pub mod single;
 
 pub use bed::{Bed, Tracked};
-pub(crate) use inverse::{Linear, linear};
+pub(crate) use inverse::{Linear, arx_component, linear};
 
 use anyhow::Context;
 
-use super::{Aim, Order, Reproduction, Row};
+use super::{Aim, Effort, Order, Reproduction, Row};
 use crate::{Tool, matching};
 
 /// The papers with control experiments here.
@@ -25,13 +25,18 @@ pub const PAPERS: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
 ///
 /// # Errors
 /// For an unknown paper, and where an experiment fails.
-pub fn run(paper: &str, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub fn run(
+    paper: &str,
+    effort: Effort,
+    tool: &Tool,
+    say: &dyn Fn(&str),
+) -> anyhow::Result<Reproduction> {
     let mut answer = match paper {
-        "p0" => p0::run(tool, say)?,
-        "p1" => p1::run(tool, say)?,
-        "p2" => p2::run(tool, say)?,
-        "p3" => p3::run(tool, say)?,
-        "p4" => p4::run(tool, say)?,
+        "p0" => p0::run(effort, tool, say)?,
+        "p1" => p1::run(effort, tool, say)?,
+        "p2" => p2::run(effort, tool, say)?,
+        "p3" => p3::run(effort, tool, say)?,
+        "p4" => p4::run(effort, tool, say)?,
         other => {
             anyhow::bail!("no control experiments of \"{other}\"; there are {}", PAPERS.join(", "))
         }

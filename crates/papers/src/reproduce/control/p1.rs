@@ -4,19 +4,25 @@ use std::path::Path;
 
 use control::Gains;
 use data::{Blueprint, ComponentBlueprint};
-use identify::learned::{Arx, Machine, Run, SEED, Series, Span, Teaches, Waves, rms_difference};
-use learned::features::Stops;
+use identify::learned::{
+    Arx, Frame, Machine, Recipe, Run, SEED, Seek, Series, Span, Teaches, Waves, rms_difference,
+};
+use learned::features::{Features, Narx, Stops};
 use model::Kind;
 
+use super::bed::Bed;
 use super::inverse::{Wanted, arx_component, hysteresis_inverse, learned_inverse};
 use super::learning::{Learning, learn};
 use super::single::{Design, impulse, is_unstable, rmse, ultimate, with_rest};
-use super::{Aim, Order, Reproduction, Row};
+use super::{Aim, Effort, Order, Reproduction, Row};
 use crate::Tool;
 use crate::machines;
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
-use crate::reproduce::p1::{STOPS, is_command, series};
+use crate::reproduce::p1::{
+    Parts, RANGE, STOPS, is_command, milliseconds, series, stops_and_rate, tuned,
+};
+use crate::reproduce::relays::Relays;
 
 const ID: &str = "P1";
 const PERIOD: f64 = 2e-3;
@@ -42,9 +48,69 @@ const OBSERVED: f64 = 30.0;
 /// Passes of the references that learn.
 const PASSES: usize = 8;
 
-pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+/// The paper's own inverse: trained on the measured positions as inputs and the commands as outputs, settings as the
+/// model's.
+fn own_inverse(count: usize, runs: &[Run<'_>]) -> anyhow::Result<Machine> {
+    let pairs: Vec<(&[f64], &[f64])> = runs.iter().map(|run| (run.position, run.command)).collect();
+    let top = pairs.iter().flat_map(|(y, _)| *y).fold(0.0_f64, |top, y| top.max(y.abs()));
+    let volts = Span { low: 0.0, high: GREATEST };
+    let frame = stops_and_rate(count, (top, volts, PERIOD), &pairs);
+    Ok(tuned(&frame, &pairs, Seek::Grid, Parts::InTurn)?.0)
+}
+
+/// What else is played on E: how a reference becomes a command.
+type Feedforward<'a> = (String, f64, Box<dyn Fn(&[f64]) -> Vec<f64> + 'a>);
+
+/// Tables 6 and 7 on E: the inverse over fewer stop operators, that of NARX inputs, that of a Preisach model. Commands are played as
+/// they follow from the reference, a row ahead.
+fn on_e(
+    bed: &mut Bed,
+    (reference, part): (&[f64], f64),
+    runs: &[Run<'_>],
+    answer: &mut Reproduction,
+) -> anyhow::Result<()> {
+    let mut all: Vec<Feedforward<'_>> = Vec::new();
+    for (count, paper, time) in TABLE_6 {
+        let machine = own_inverse(count, runs)?;
+        let step = milliseconds(reference.len(), &|| machine.simulate(reference, 0.0));
+        let what = format!("time of a step of the inverse over {count} stop operators");
+        answer.rows.push(Row::new(ID, what, "ms", time, step, Aim::Told));
+        let what = format!("inverse LS-SVM alone, {count} stop operators, E");
+        all.push((what, paper, Box::new(move |r| machine.simulate(r, 0.0))));
+    }
+    let pairs: Vec<(&[f64], &[f64])> = runs.iter().map(|run| (run.position, run.command)).collect();
+    let narx = Features::Narx(Narx { commands: 3, outputs: 3 });
+    let volts = Span { low: 0.0, high: GREATEST };
+    let narx = Frame::new(narx, Span::UNIT, volts, Recipe::Standardised, &pairs);
+    let narx = tuned(&narx, &pairs, Seek::Grid, Parts::InTurn)?.0;
+    all.push(("inverse NARX alone, E".into(), 0.1572, Box::new(move |r| narx.simulate(r, 0.0))));
+    let forward: Vec<(&[f64], &[f64])> =
+        runs.iter().map(|run| (run.command, run.position)).collect();
+    let relays = Relays::fit(50, RANGE, &forward);
+    let what = format!("inverse Preisach alone, {} relays, E", relays.count());
+    all.push((what, 0.4981, Box::new(move |r| relays.inverse(r))));
+    let from = (reference.len() as f64 * (1.0 - part)) as usize;
+    for (what, paper, command) in all {
+        // The command of a row leads to the position at its end.
+        let ahead: Vec<f64> =
+            (1..=reference.len()).map(|k| reference[k.min(reference.len() - 1)]).collect();
+        let u: Vec<f64> =
+            command(&ahead).into_iter().map(|u| u.clamp(COMMAND.0, COMMAND.1)).collect();
+        let y = bed.response(0, &u, 0.0, PERIOD)?;
+        let error = rms_difference(&y[from..reference.len()], &reference[from..]);
+        answer.rows.push(Row::new(ID, what, "um", paper, error, Aim::Told));
+    }
+    Ok(())
+}
+
+/// Number of stop operators, error on E in um and time of a step in ms.
+const TABLE_6: [(usize, f64, f64); 3] =
+    [(21, 0.0483, 0.55), (28, 0.0456, 0.84), (36, 0.0413, 1.21)];
+
+pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let mut bed = (tool.open)(Path::new(machines::P1))?;
     let mut answer = Reproduction::default();
+    answer.kept.rig("plant", machines::P1)?;
     let mut record = |letter: char| -> anyhow::Result<(Vec<f64>, Vec<f64>)> {
         let (name, given) = machines::p1(letter);
         let (u, _) = matching::signal(&name, given)?;
@@ -72,21 +138,20 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
             teaches: Teaches::Both,
         })
         .collect();
-    let (forward, told) = series(&runs, PERIOD, say)?;
-    answer.remarks.push(told);
-    say("inverse LS-SVM over 55 stop operators");
-    let (machine, before) = inverted(&forward, &runs)?;
-    answer.remarks.push(format!(
-        "inverse: {} support vectors, trained on what the forward model simulates of the training signals and of {} \
-         waves of 1 to 20 Hz over its range; it errs {:.4} V on signal A. In front of it the linear part is undone. The reference runs one row ahead, so that the \
-         command of a row leads to the position at its end",
-        machine.machine.count(),
-        WAVES.count,
-        rms_difference(&machine.simulate(&forward.machine.simulate(runs[0].command, zero), 0.0), runs[0].command)
-    ));
+    let quick = answer.leaves_out(effort, "our inverse, tables 6 and 7 on E, learning over passes");
     let mut tables = Blueprint::new(Kind::Controller, "tables", PERIOD);
-    let inverse =
-        [arx_component(&before, PERIOD), learned_inverse(&mut tables, "inverse", &machine)?];
+    say("the paper's inverse, of measured positions");
+    let own = own_inverse(STOPS, &runs)?;
+    answer.remarks.push(format!(
+        "the paper's inverse: {} support vectors over stop operators of the position, the position and its rate, trained on \
+         the measured positions; its reference runs one row ahead too",
+        own.machine.count()
+    ));
+    let printed_inverse = [learned_inverse(&mut tables, "own", &own)?];
+    let inverse = match quick {
+        true => None,
+        false => Some(our_inverse(&runs, &mut tables, &mut answer, say)?),
+    };
     let design = Design {
         period: PERIOD,
         command: COMMAND,
@@ -95,7 +160,6 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
         law: "incremental-pid",
         notch: None,
     };
-    let observed = observed(&inverse);
     let response = impulse(&mut bed, [5.0, 0.5], PERIOD, 150, None)?;
     let gain: f64 = response.iter().sum();
     let printed = Gains { kp: 35.0, ki: 715.0, kd: 0.43, derivative_filter: 0.0 };
@@ -129,6 +193,7 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
     ));
     let paper_ff = [0.0258, 0.0361, 0.0236, 0.0415];
     let paper_both = [0.0214, 0.0267, 0.0195, 0.0250];
+    answer.kept.blueprint("controller", design.controller(&tables, &printed_inverse, &robust));
     for (k, letter) in ['d', 'e', 'f', 'g'].into_iter().enumerate() {
         let upper = letter.to_ascii_uppercase();
         say(&format!("signal {upper}"));
@@ -145,36 +210,38 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
         let reference = with_rest(&shape, REST);
         let part = shape.len() as f64 / reference.len() as f64;
         let none = Gains::default();
-        let of = |feedforward: bool, gains: &Gains| {
-            let parts = if feedforward { &inverse[..] } else { &[] };
+        let of = |parts: &[ComponentBlueprint], gains: &Gains| {
             let blueprint = design.controller(&tables, parts, gains);
             bed.track(&blueprint, std::slice::from_ref(&reference), PERIOD, design.preview)
         };
-        let inverse_alone = of(true, &none)?;
-        let feedforward = rmse(&inverse_alone, part);
-        let tried = of(true, &printed)?;
+        let own_alone = of(&printed_inverse, &none)?;
+        let own_compound = of(&printed_inverse, &robust)?;
+        let tried = of(&printed_inverse, &printed)?;
+        let own_printed = rmse(&tried, part);
         if is_unstable(&tried, COMMAND) && k == 0 {
             answer.remarks.push("printed gains, in V and um: unstable in the loop too".into());
         }
-        let feedback_alone = of(false, &robust)?;
-        let compound = of(true, &robust)?;
-        let watched = bed.track(
-            &design.controller(&tables, &observed, &none),
-            std::slice::from_ref(&reference),
-            PERIOD,
-            design.preview,
-        )?;
-        let (feedback, both) = (rmse(&feedback_alone, part), rmse(&compound, part));
-        let seen = Runs {
-            runs: vec![
-                ("inverse LS-SVM alone", &inverse_alone),
-                ("PID alone", &feedback_alone),
-                ("inverse and PID", &compound),
-            ],
-            period: PERIOD,
-            from: REST,
-            unit: "um",
+        let feedback_alone = of(&[], &robust)?;
+        let feedback = rmse(&feedback_alone, part);
+        // Alone, with the printed gains, re-tuned, and with a disturbance observer.
+        let ours = match &inverse {
+            None => None,
+            Some(inverse) => {
+                let (alone, tried) = (of(inverse, &none)?, of(inverse, &printed)?);
+                Some([alone, tried, of(inverse, &robust)?, of(&observed(inverse), &none)?])
+            }
         };
+        let our_errors = ours.as_ref().map(|runs| runs.each_ref().map(|run| rmse(run, part)));
+        let (own_ff, own_both) = (rmse(&own_alone, part), rmse(&own_compound, part));
+        answer.kept.run(&format!("{upper}-inverse-alone"), &own_alone, PERIOD)?;
+        answer.kept.run(&format!("{upper}-inverse-and-pid"), &own_compound, PERIOD)?;
+        let mut played = vec![
+            ("the paper's inverse alone", &own_alone),
+            ("the paper's inverse and PID", &own_compound),
+            ("PID alone", &feedback_alone),
+        ];
+        played.extend(ours.as_ref().map(|runs| ("our inverse and PID", &runs[2])));
+        let seen = Runs { runs: played, period: PERIOD, from: REST, unit: "um" };
         answer.chapters.push(
             Chapter::new(
                 format!("signal {upper}"),
@@ -185,24 +252,34 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
             .figure(seen.loops(format!("Position over command, signal {upper}"), 0))
             .figure(seen.tracking(format!("Signal {upper}"), 0)),
         );
-        // The inverse is ours, over stop operators with the linear part undone in front: none of its rows is the paper's.
-        let mut row = |what: &str, paper: f64, ours: f64| {
-            answer.rows.push(Row::of_ours(ID, format!("{what}, {upper}"), "um", paper, ours));
+        // Ours is over stop operators with the linear part undone in front.
+        let mut row = |what: &str, paper: f64, own: f64, number: usize, aim: Aim| {
+            let row = Row::new(ID, format!("{what}, {upper}"), "um", paper, own, aim);
+            answer.rows.push(Row { ours: our_errors.map(|errors| errors[number]), ..row });
         };
-        row("inverse LS-SVM alone", paper_ff[k], feedforward);
-        let printed_error = rmse(&tried, part);
-        row("inverse LS-SVM and incremental PID, printed gains", paper_both[k], printed_error);
-        row("inverse LS-SVM and incremental PID, re-tuned", paper_both[k], both);
+        row("inverse LS-SVM alone", paper_ff[k], own_ff, 0, Aim::Reach);
+        let what = "inverse LS-SVM and incremental PID, printed gains";
+        row(what, paper_both[k], own_printed, 1, Aim::Told);
+        let what = "inverse LS-SVM and incremental PID, re-tuned";
+        row(what, paper_both[k], own_both, 2, Aim::Reach);
         let what = format!("incremental PID alone, re-tuned, {upper}");
         answer.rows.push(Row::new(ID, what, "um", f64::NAN, feedback, Aim::Told));
-        let what = format!("beyond: inverse LS-SVM and disturbance observer, {upper}");
-        let watched = rmse(&watched, part);
-        answer.rows.push(Row::of_ours(ID, what, "um", paper_both[k], watched));
         let mut order = |what: &str, holds: bool| {
             answer.orders.push(Order { paper_id: ID, what: format!("{what}, {upper}"), holds });
         };
-        order("with PID better than the inverse alone", both < feedforward);
-        order("with the inverse better than PID alone", both < feedback);
+        order("with PID better than the inverse alone", own_both < own_ff);
+        order("with the inverse better than PID alone", own_both < feedback);
+        let (Some(inverse), Some([feedforward, _, both, watched])) = (&inverse, our_errors) else {
+            continue;
+        };
+        order("ours: with PID better than the inverse alone", both < feedforward);
+        order("ours: with the inverse better than PID alone", both < feedback);
+        let what = format!("beyond: inverse LS-SVM and disturbance observer, {upper}");
+        answer.rows.push(Row::of_ours(ID, what, "um", paper_both[k], watched));
+        if letter == 'e' {
+            say("tables 6 and 7 on E");
+            on_e(&mut bed, (&reference, part), &runs, &mut answer)?;
+        }
         // The shape again and again, joined where it ends.
         say(&format!("signal {upper}, beyond the paper: learning over {PASSES} passes"));
         let mut whole = shape.clone();
@@ -223,7 +300,7 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
             probe: 0.01,
             band: 200.0,
         };
-        let blueprint = design.controller(&tables, &inverse, &robust);
+        let blueprint = design.controller(&tables, inverse, &robust);
         let run = learn(&bed, &blueprint, &learning)?;
         answer.remarks.push(run.told(&format!("signal {upper}")));
         let learned = run.errors[run.errors.len() - 1];
@@ -235,7 +312,7 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
                 "learning at least halves the paper's best row, {upper} ({:.1} times less; {:.1} times less than \
                  the paper's way on this machine)",
                 paper_both[k] / learned,
-                both / learned
+                own_both / learned
             ),
             holds: paper_both[k] >= 2.0 * learned,
         });
@@ -246,6 +323,30 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
             .into(),
     );
     Ok(answer)
+}
+
+/// Our inverse: the linear part undone, then an inverse over stop operators.
+fn our_inverse(
+    runs: &[Run<'_>],
+    tables: &mut Blueprint,
+    answer: &mut Reproduction,
+    say: &dyn Fn(&str),
+) -> anyhow::Result<[ComponentBlueprint; 2]> {
+    let (forward, told) = series(runs, PERIOD, say)?;
+    answer.remarks.push(told);
+    say("inverse LS-SVM over 55 stop operators");
+    let (machine, before) = inverted(&forward, runs)?;
+    let first = runs[0].command;
+    let simulated = forward.machine.simulate(first, runs[0].start);
+    answer.remarks.push(format!(
+        "our inverse: {} support vectors, trained on what the forward model simulates of the training signals and of {} \
+         waves of 1 to 20 Hz over its range; it errs {:.4} V on signal A. In front of it the linear part is undone. The reference runs one row ahead, so that the \
+         command of a row leads to the position at its end",
+        machine.machine.count(),
+        WAVES.count,
+        rms_difference(&machine.simulate(&simulated, 0.0), first)
+    ));
+    Ok([arx_component(&before, PERIOD), learned_inverse(tables, "inverse", &machine)?])
 }
 
 /// A disturbance observer in front of the inverse, behind which the machine is a sample late.

@@ -9,7 +9,7 @@ use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Log, UnitPlace, Value};
 
 use super::bed::{Bed, Tracked};
 use super::learning::{Learned, Learning, learn};
-use super::{Aim, Order, Reproduction, Row};
+use super::{Aim, Effort, Order, Reproduction, Row};
 use crate::Tool;
 use crate::machines;
 use crate::reproduce::figures::{Chapter, Runs};
@@ -41,6 +41,8 @@ const CASES: [Case; 2] = [
 ];
 /// Greatest half spans on Y and Z in um: 1 to 5 and 1 to 8, as far as the printed weights go at 120 V.
 const MOST: [f64; 2] = [2.0, 3.5];
+/// Greatest half span of all ellipses in um.
+const GREATEST_HALF: f64 = 5.0;
 /// Part of the machine's own loop of 0 to 120 V that the ellipse takes.
 const PART: f64 = 0.85;
 /// Time between two parts of the excitation in s.
@@ -59,10 +61,10 @@ struct Spans {
     centre: [f64; 2],
 }
 
-/// What the machine's loops of 0 to 120 V at the ellipse's frequency leave room for.
-fn spans(bed: &mut Bed) -> anyhow::Result<Spans> {
+/// What the machine's loops of 0 to so many V at the ellipse's frequency leave room for.
+fn spans(bed: &mut Bed, greatest: f64) -> anyhow::Result<Spans> {
     let rows = (20.0 / FREQUENCY / PERIOD).round() as usize;
-    let wave = |k: usize| 0.5 * GREATEST * (1.0 - (TAU * FREQUENCY * PERIOD * k as f64).cos());
+    let wave = |k: usize| 0.5 * greatest * (1.0 - (TAU * FREQUENCY * PERIOD * k as f64).cos());
     let u: Vec<f64> = (0..rows).map(wave).collect();
     let mut spans = Spans { half: MOST, centre: [0.0; 2] };
     for (axis, most) in MOST.into_iter().enumerate() {
@@ -98,7 +100,7 @@ fn reference(case: &Case, spans: Spans, turns: usize) -> Vec<Vec<f64>> {
 
 /// Commands to identify on: decaying triangles, full loops of the ellipse's frequency, and loops of its size; once more, a little smaller, to judge on. Identification fits on the first half of
 /// a record, so each half has all of them.
-fn excitation() -> Vec<f64> {
+fn excitation(greatest: f64) -> Vec<f64> {
     let rows = |turns: f64, frequency: f64| (turns / frequency / PERIOD).round() as usize;
     let mut all: Vec<f64> = Vec::new();
     let join = |all: &mut Vec<f64>, part: Vec<f64>| {
@@ -110,13 +112,13 @@ fn excitation() -> Vec<f64> {
     };
     for scale in [1.0, 0.96] {
         let triangle = |turn: usize| {
-            let (top, rows) = (GREATEST * scale * (1.0 - 0.25 * turn as f64), rows(1.0, 10.0));
+            let (top, rows) = (greatest * scale * (1.0 - 0.25 * turn as f64), rows(1.0, 10.0));
             (0..rows).map(move |k| top * (1.0 - (2.0 * k as f64 / rows as f64 - 1.0).abs()))
         };
         join(&mut all, (0..4).flat_map(triangle).collect());
         for (frequency, turns, part) in [(FREQUENCY, 6.0, 1.0), (FREQUENCY, 6.0, PART)] {
-            let half = 0.5 * GREATEST * scale * part;
-            let middle = if part < 1.0 { 0.5 * GREATEST } else { half };
+            let half = 0.5 * greatest * scale * part;
+            let middle = if part < 1.0 { 0.5 * greatest } else { half };
             let wave = |k: usize| middle - half * (TAU * frequency * PERIOD * k as f64).cos();
             join(&mut all, (0..rows(turns, frequency)).map(wave).collect());
         }
@@ -154,11 +156,13 @@ fn identified(tool: &Tool, log: &Path, model: &str, plays: &str) -> anyhow::Resu
 }
 
 /// The parts of a controller that its rows differ in.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Parts<'a> {
     /// The plant whose inverse is the feedforward; `None`: no feedforward.
     model: Option<&'a Blueprint>,
     gains: [Gains; 2],
+    /// Greatest command in V.
+    greatest: f64,
 }
 
 /// A controller from the one that the static model was inverted to.
@@ -167,10 +171,10 @@ fn controller(inverted: &Blueprint, parts: Parts<'_>) -> anyhow::Result<Blueprin
     for (number, axis) in blueprint.axes.iter_mut().enumerate() {
         // The identified commands end where the excitation did.
         axis.command.min = Some(0.0.into());
-        axis.command.max = Some(GREATEST.into());
+        axis.command.max = Some(parts.greatest.into());
         let plant = parts.model.map(|plant| plant.axes.get(number).context("two axes"));
         let mut chain = match plant.transpose()? {
-            Some(plant) => feedforward(plant)?,
+            Some(plant) => feedforward(plant, parts.greatest)?,
             None => Vec::new(),
         };
         let Gains { kp, ki, kd, derivative_filter } = parts.gains[number];
@@ -181,7 +185,7 @@ fn controller(inverted: &Blueprint, parts: Parts<'_>) -> anyhow::Result<Blueprin
                 .value("kd", kd)
                 .value("derivative_filter", derivative_filter)
                 .value("output_min", 0.0)
-                .value("output_max", GREATEST),
+                .value("output_max", parts.greatest),
         );
         axis.components = chain;
     }
@@ -190,7 +194,7 @@ fn controller(inverted: &Blueprint, parts: Parts<'_>) -> anyhow::Result<Blueprin
 
 /// The inverse of an axis' hysteresis, and in front of it what makes up for the delay and the period until the position
 /// answers.
-fn feedforward(plant: &AxisBlueprint) -> anyhow::Result<Vec<ComponentBlueprint>> {
+fn feedforward(plant: &AxisBlueprint, greatest: f64) -> anyhow::Result<Vec<ComponentBlueprint>> {
     let delay = plant.components.iter().find(|c| c.kind == "delay");
     let delay = match delay.and_then(|c| c.get("delay")) {
         Some(Value::Number(delay)) => *delay,
@@ -200,7 +204,7 @@ fn feedforward(plant: &AxisBlueprint) -> anyhow::Result<Vec<ComponentBlueprint>>
     let lead = ComponentBlueprint::new("reference-lead")
         .value("lag", lag)
         .value("inertia", 0.5 * lag * lag)
-        .value("limit", MOST[1]);
+        .value("limit", GREATEST_HALF);
     let hysteresis = plant.components.iter().find(|c| c.kind != "delay");
     let mut inverse = hysteresis.context("the plant has a hysteresis")?.clone();
     inverse.kind = format!("inverse-{}", inverse.kind);
@@ -208,7 +212,7 @@ fn feedforward(plant: &AxisBlueprint) -> anyhow::Result<Vec<ComponentBlueprint>>
     inverse.tolerance.clear();
     if inverse.kind == "inverse-dynamic-prandtl-ishlinskii" {
         inverse.set("command_min", 0.0);
-        inverse.set("command_max", GREATEST);
+        inverse.set("command_max", greatest);
     }
     Ok(vec![lead, inverse])
 }
@@ -293,14 +297,23 @@ fn ellipses(case: &Case, runs: &[(&str, Tracked)], learned: &Learned) -> Chapter
     .figure(seen.loops("Position over command, Z", 1))
 }
 
-pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let folder = tempfile::tempdir()?;
-    let mut bed = (tool.open)(Path::new(machines::P4))?;
-    let mut answer = Reproduction::default();
-    let spans = spans(&mut bed)?;
-    say("identifying the static and the dynamic Prandtl-Ishlinskii model, and generalised plays");
-    let log = folder.path().join("measured.csv");
-    measured(&mut bed, &excitation(), &log)?;
+/// The models of a machine, and the controller that their inverses go into.
+struct Identified {
+    plain: Blueprint,
+    dynamic: Blueprint,
+    generalised: Blueprint,
+    inverted: Blueprint,
+}
+
+/// Identified from what the machine does under the excitation, whose log is kept in this folder.
+fn identified_in(
+    tool: &Tool,
+    bed: &mut Bed,
+    folder: &Path,
+    greatest: f64,
+) -> anyhow::Result<Identified> {
+    let log = folder.join("measured.csv");
+    measured(bed, &excitation(greatest), &log)?;
     let plain = identified(tool, &log, "prandtl-ishlinskii", "10")?;
     let dynamic = identified(tool, &log, "dynamic-prandtl-ishlinskii", "10")?;
     let generalised = identified(tool, &log, "generalised-play", "20")?;
@@ -308,43 +321,136 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
     let inversion =
         control::invert(&plain.check(learned::COMPONENTS)?, &settings, &mut identify::Silent)?;
     let inverted = inversion.controller.blueprint().clone();
-    say("gains by trial on case 1");
-    let first = reference(&CASES[0], spans, TURNS);
-    let gains = by_trial(&mut bed, &mut |bed, gains| {
-        let blueprint = controller(&inverted, Parts { model: Some(&dynamic), gains })?;
-        Ok(worst(&bed.track(&blueprint, &first, PERIOD, 0)?, TURNS - GROWING))
-    })?;
+    Ok(Identified { plain, dynamic, generalised, inverted })
+}
+
+/// Greatest command in V of the printed ellipses, and their half spans on Y and Z in um: 1 to 6 and 1 to 11, 1 to 5 and 1 to 9.
+const RAISED: f64 = 150.0;
+const PRINTED: [[f64; 2]; 2] = [[2.5, 5.0], [2.0, 4.0]];
+
+/// The ellipses as printed, 5 x 10 and 4 x 8 um, on the same machine whose commands may go up to 150 V, as the printed weights ask
+/// for 147.6 V.
+fn as_printed(
+    tool: &Tool,
+    gains: [Gains; 2],
+    answer: &mut Reproduction,
+    say: &dyn Fn(&str),
+) -> anyhow::Result<()> {
+    say("the printed ellipses, commands up to 150 V");
+    let folder = tempfile::tempdir()?;
+    let rig = rigs::find(machines::P4).context("a rig")?;
+    let mut raised = Blueprint::parse(rig.blueprint, rig.name)?;
+    for axis in &mut raised.axes {
+        axis.command.max = Some(RAISED.into());
+    }
+    let file = folder.path().join("raised.toml");
+    raised.write(&file)?;
+    let mut bed = (tool.open)(&file)?;
+    let models = identified_in(tool, &mut bed, folder.path(), RAISED)?;
+    let room = spans(&mut bed, RAISED)?;
+    for (case, half) in CASES.iter().zip(PRINTED) {
+        let references = reference(case, Spans { half, ..room }, TURNS);
+        let size = format!("{:.0} x {:.0} um", 2.0 * half[0], 2.0 * half[1]);
+        let mut found = Vec::new();
+        for (name, model) in [
+            (OWN, Some(&models.dynamic)),
+            ("inverse static PI and PID, printed gains", Some(&models.plain)),
+            ("PID alone, printed gains", None),
+        ] {
+            let parts = Parts { model, gains, greatest: RAISED };
+            let blueprint = controller(&models.inverted, parts)?;
+            let run = bed.track(&blueprint, &references, PERIOD, 0)?;
+            let errors = worst(&run, TURNS - GROWING);
+            let reach = name == OWN;
+            for ((axis, error), paper) in ["Y", "Z"].iter().zip(errors).zip(case.paper) {
+                let what = format!("{}, {size}, {name}, {axis}: greatest error", case.name);
+                let aim = if reach { Aim::Reach } else { Aim::Told };
+                answer.rows.push(Row::new(ID, what, "um", paper, error, aim));
+            }
+            if reach {
+                let relative =
+                    (0..2).map(|a| 100.0 * errors[a] / (2.0 * half[a])).fold(0.0, f64::max);
+                let what = format!("{}, {size}, {name}: greatest error of range", case.name);
+                answer.rows.push(Row::new(ID, what, "%", 6.2, relative, Aim::Reach));
+                let last = run.command.iter().flat_map(|u| &u[u.len() / 2..]);
+                let top = last.fold(0.0_f64, |top, u| top.max(*u));
+                answer.remarks.push(format!("{}, {size}: commands up to {top:.1} V", case.name));
+                answer.kept.run(&format!("{}-{size}", case.name), &run, PERIOD)?;
+            }
+            found.push(errors);
+        }
+        let holds = (0..2).all(|axis| found[0][axis] < found[1][axis]);
+        let what = format!(
+            "{}, {size}, printed gains: the dynamic model's inverse better than the static one's",
+            case.name
+        );
+        answer.orders.push(Order { paper_id: ID, what, holds });
+    }
+    Ok(())
+}
+
+pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+    let folder = tempfile::tempdir()?;
+    let mut bed = (tool.open)(Path::new(machines::P4))?;
+    let mut answer = Reproduction::default();
+    answer.kept.rig("plant", machines::P4)?;
+    let quick = answer.leaves_out(
+        effort,
+        "gains by trial and what they are for, the ellipses of 5 x 10 and 4 x 8 um, learning over passes",
+    );
+    let spans = spans(&mut bed, GREATEST)?;
+    say("identifying the static and the dynamic Prandtl-Ishlinskii model, and generalised plays");
+    let models = identified_in(tool, &mut bed, folder.path(), GREATEST)?;
+    let Identified { plain, dynamic, generalised, inverted } = &models;
+    let of = |kp, ki, kd| Gains { kp, ki, kd, ..Gains::default() };
+    let printed = [of(50.0, 300.0, 0.06), of(70.0, 450.0, 0.08)];
+    let compound = Parts { model: Some(dynamic), gains: printed, greatest: GREATEST };
+    answer.kept.blueprint("controller", controller(inverted, compound)?);
+    let gains = match quick {
+        true => printed,
+        false => {
+            say("gains by trial on case 1");
+            let first = reference(&CASES[0], spans, TURNS);
+            by_trial(&mut bed, &mut |bed, gains| {
+                let blueprint = controller(inverted, Parts { gains, ..compound })?;
+                Ok(worst(&bed.track(&blueprint, &first, PERIOD, 0)?, TURNS - GROWING))
+            })?
+        }
+    };
     for (axis, Gains { kp, ki, kd, .. }) in ["Y", "Z"].iter().zip(gains) {
+        if quick {
+            break;
+        }
         answer.remarks.push(format!(
             "{axis}: by trial on case 1, as the paper's own, kp {kp:.4}, ki {ki:.1}, kd {kd:.2e} (V, um, s), of the \
              gains for sensitivities of {SENSITIVITIES:?}; case 2 is played with them"
         ));
     }
-    let of = |kp, ki, kd| Gains { kp, ki, kd, ..Gains::default() };
-    let printed = [of(50.0, 300.0, 0.06), of(70.0, 450.0, 0.08)];
-    let compound = Parts { model: Some(&dynamic), gains };
+    let compound = Parts { gains, ..compound };
     for case in &CASES {
         say(case.name);
         let references = reference(case, spans, TURNS);
         let rows = [
-            ("PID alone, printed gains", Parts { model: None, gains: printed }),
+            ("PID alone, printed gains", Parts { model: None, gains: printed, ..compound }),
             (OWN, Parts { gains: printed, ..compound }),
             ("inverse dynamic PI alone", Parts { gains: <[Gains; 2]>::default(), ..compound }),
             (
                 "inverse static PI and PID, printed gains",
-                Parts { model: Some(&plain), gains: printed },
+                Parts { model: Some(plain), gains: printed, ..compound },
             ),
-            ("inverse static PI and PID, re-tuned", Parts { model: Some(&plain), gains }),
+            ("inverse static PI and PID, re-tuned", Parts { model: Some(plain), ..compound }),
             ("inverse dynamic PI and PID, re-tuned", compound),
             (
                 "beyond: inverse generalised plays and PID",
-                Parts { model: Some(&generalised), gains },
+                Parts { model: Some(generalised), ..compound },
             ),
         ];
+        // The first four have the printed gains.
+        let rows = if quick { &rows[..4] } else { &rows[..] };
         let mut found = Vec::new();
         let mut runs = Vec::new();
-        for (name, parts) in rows {
-            let run = bed.track(&controller(&inverted, parts)?, &references, PERIOD, 0)?;
+        for (name, parts) in rows.iter().copied() {
+            let run = bed.track(&controller(inverted, parts)?, &references, PERIOD, 0)?;
             let errors = worst(&run, TURNS - GROWING);
             let limits = run.command.iter().flatten().filter(|u| **u <= 0.0 || **u >= GREATEST);
             let part = 100.0 * limits.count() as f64 / (2 * run.command[0].len()) as f64;
@@ -368,6 +474,9 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
                 ));
             }
             found.push((errors, [rmse(&run, 0, 5), rmse(&run, 1, 5)]));
+            if reach {
+                answer.kept.run(case.name, &run, PERIOD)?;
+            }
             runs.push((name, run));
         }
         let mut order = |what: &str, than: usize| {
@@ -378,6 +487,9 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
         order("compound control, printed gains, better than PID alone", 0);
         order("compound control, printed gains, better than its feedforward alone", 2);
         order("printed gains: the dynamic model's inverse better than the static one's", 3);
+        if quick {
+            continue;
+        }
         say(&format!("{}, beyond the paper: learning over {PASSES} passes", case.name));
         let first = (GROWING as f64 / FREQUENCY / PERIOD).round() as usize;
         let (lead, pass): (Vec<_>, Vec<_>) =
@@ -393,8 +505,8 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
             probe: 0.01,
             band: 450.0,
         };
-        let beyond = Parts { model: Some(&generalised), gains };
-        let learned = learn(&bed, &controller(&inverted, beyond)?, &learning)?;
+        let beyond = Parts { model: Some(generalised), ..compound };
+        let learned = learn(&bed, &controller(inverted, beyond)?, &learning)?;
         let errors = worst(&learned.run, PASS);
         answer.remarks.push(learned.told(case.name));
         answer.chapters.push(ellipses(case, &runs, &learned));
@@ -415,6 +527,9 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
             });
         }
     }
+    if !quick {
+        as_printed(tool, printed, &mut answer, say)?;
+    }
     answer.remarks.push(format!(
         "the ellipse spans {:.2} um about {:.2} um on Y and {:.2} um about {:.2} um on Z, at most {:.0} % of the \
          loops of 0 to 120 V at 100 Hz",
@@ -426,7 +541,8 @@ pub(super) fn run(tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproductio
     ));
     answer.remarks.push(
         "the printed weights need 147.6 V for Z = 11 um and 120.7 V for Y = 6 um; here the references stay \
-         within the machine's own loops at 120 V. The paper gives no sample time: 50 us stands in. The \
+         within the machine's own loops at 120 V, and in rows of their own the printed ellipses are played on the same machine with commands up \
+         to 150 V. The paper gives no sample time: 50 us stands in. The \
          printed alpha and beta have no usable unit, so the dynamic model is identified anew. The machine's own \
          hysteresis is of the family of the generalised plays, which flatters the rows \"beyond\""
             .into(),

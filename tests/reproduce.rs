@@ -1,0 +1,124 @@
+//! `reproduce`: the quick one runs whole, says what it leaves out, and what it keeps runs elsewhere.
+
+#![allow(clippy::print_stdout)]
+
+mod common;
+
+use common::{piezoloop, python, refuse};
+use std::path::Path;
+
+/// All papers, quick, kept in the folder `kept`; the answer as JSON.
+fn quick(folder: &Path) -> serde_json::Value {
+    let arguments = ["--json", "reproduce", "all", "--quick", "--keep", "kept"];
+    let output = piezoloop(&arguments, folder);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    // 1: not every figure is reached.
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}: {errors}", output.status);
+    serde_json::from_slice(&output.stdout).expect("--json prints JSON")
+}
+
+/// The kept loops stepped by hand in fmpy are the kept logs; the models, where there is one, run.
+const IN_FMPY: &str = r#"
+import os, sys
+import numpy as np
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi2 import FMU2Slave
+from fmpy.util import read_csv
+
+# The loop of the kept controller.
+LOOPS = {
+    "p0": "rate-1-system-4-feedforward-and-pid",
+    "p1": "d-inverse-and-pid",
+    "p2": "feedforward-and-pid-ls-svm",
+    "p3": "closed-100-hz-12-inputs",
+    "p4": "case-1-0",
+}
+ROWS = 1500
+
+def instantiate(name):
+    folder, description = extract(name), read_model_description(name)
+    fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder,
+                    modelIdentifier=description.coSimulation.modelIdentifier, instanceName="one")
+    references = {v.name: v.valueReference for v in description.modelVariables}
+    fmu.instantiate()
+    fmu.setupExperiment(startTime=0.0)
+    fmu.enterInitializationMode()
+    return fmu, references
+
+def check(paper):
+    folder = f"kept/{paper}"
+    table = read_csv(f"{folder}/loop-{LOOPS[paper]}.csv")
+    axes = sum(name.startswith("command[") for name in table.dtype.names)
+    of = lambda name: [f"{name}[{axis}]" for axis in range(1, axes + 1)]
+    told = np.array([table[name] for name in of("reference")]).T[:ROWS]
+    want = np.array([table[name] for name in of("position")]).T[:ROWS]
+    time = table["time"]
+    plant, p = instantiate(f"{folder}/plant.fmu")
+    controller, c = instantiate(f"{folder}/controller.fmu")
+    r_in, y_in, u_out = ([c[n] for n in of(name)] for name in ("reference", "measured", "command"))
+    u_in, y_out = ([p[n] for n in of(name)] for name in ("command", "position"))
+    # Connected values as they stand, the controller first.
+    controller.setReal(r_in + y_in, list(told[0]) + plant.getReal(y_out))
+    plant.setReal(u_in, controller.getReal(u_out))
+    controller.setReal(y_in, plant.getReal(y_out))
+    controller.exitInitializationMode()
+    plant.exitInitializationMode()
+    run = []
+    for k in range(len(told)):
+        y = plant.getReal(y_out)
+        run.append(y)
+        step = time[1] * (k + 1) - time[1] * k
+        controller.setReal(r_in + y_in, list(told[k]) + y)
+        controller.doStep(time[1] * k, step)
+        plant.setReal(u_in, controller.getReal(u_out))
+        plant.doStep(time[1] * k, step)
+    difference = np.abs(np.array(run) - want).max(axis=0) / np.ptp(want, axis=0)
+    print(paper, "positions differ by", difference, "of their range")
+    assert (np.ptp(want, axis=0) > 1.0).all() and (difference <= 1e-9).all(), (paper, difference)
+    model = f"{folder}/model.fmu"
+    if os.path.exists(model):
+        position = simulate_fmu(model, stop_time=0.02)["position[1]"]
+        assert len(position) > 1 and np.isfinite(position).all(), paper
+
+for paper in sys.argv[1:]:
+    check(paper)
+"#;
+
+#[test]
+fn a_quick_reproduction_says_what_it_leaves_out_and_what_it_keeps_runs_in_fmpy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let all = quick(folder.path());
+    let all = all.as_array().expect("reproductions");
+    assert_eq!(all.len(), 10);
+    for one in all {
+        let (paper, part) = (&one["paper"], &one["part"]);
+        let count = |name: &str| one[name].as_array().map_or(0, Vec::len);
+        assert!(count("left_out") > 0, "{paper} {part}");
+        assert!(count("rows") > 0 && count("orders") > 0, "{paper} {part}");
+        let judged = one["rows"].as_array().into_iter().flatten();
+        let judged =
+            judged.filter(|row| row["verdict"] == "reached" || row["verdict"] == "not-reached");
+        for row in judged {
+            assert!(row["own"].as_f64().is_some_and(f64::is_finite), "{row}");
+        }
+        let folder = folder.path().join("kept").join(paper.as_str().expect("a name"));
+        let file = |name: String| assert!(folder.join(&name).is_file(), "{name}");
+        let part = part.as_str().expect("a name");
+        file(format!("{part}-figures.csv"));
+        file(format!("{part}-orders.csv"));
+        if part == "control" {
+            for name in ["plant.toml", "plant.fmu", "controller.toml", "controller.fmu"] {
+                file(name.to_owned());
+            }
+        }
+    }
+    let papers = ["p0", "p1", "p2", "p3", "p4"];
+    println!("{}", python::script(IN_FMPY, &papers, folder.path()));
+}
+
+#[test]
+fn quick_and_long_searches_are_not_asked_for_together() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = refuse(&["reproduce", "p4", "--quick", "--searches"], folder.path());
+    assert!(said.contains("--quick") && said.contains("--searches"), "{said}");
+}
