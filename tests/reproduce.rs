@@ -112,6 +112,39 @@ fn a_quick_reproduction_says_what_it_leaves_out_and_what_it_keeps_runs_in_fmpy()
             }
         }
     }
+    // What the page on the papers says of these holds in the quick one, too.
+    let of = |paper: &str, part: &str, list: &str, what: &str| -> Vec<&serde_json::Value> {
+        let ours = |one: &&serde_json::Value| one["paper"] == paper && one["part"] == part;
+        let one = all.iter().find(ours).unwrap_or_else(|| panic!("{paper} {part}"));
+        let has = |row: &&serde_json::Value| row["what"].as_str().is_some_and(|x| x.contains(what));
+        one[list].as_array().into_iter().flatten().filter(has).collect()
+    };
+    for (paper, part, what, count) in [
+        ("p0", "control", "PSD", 3),
+        ("p1", "modelling", "stops better than NARX, settings found alike", 4),
+        ("p1", "control", "with the inverse better than PID alone", 4),
+        ("p2", "control", "better than Bouc-Wen", 2),
+        ("p2", "control", "narrower loop with LS-SVM", 2),
+        ("p3", "control", "closed loop: 12 inputs better than PI alone", 3),
+        ("p4", "modelling", "dynamic better than static", 4),
+    ] {
+        let orders = of(paper, part, "orders", what);
+        assert_eq!(orders.len(), count, "{paper} {part}: {what}");
+        assert!(orders.iter().all(|order| order["holds"] == true), "{paper} {part}: {what}");
+    }
+    for (paper, what, count) in [
+        ("p0", "rate 1, system 4: feedforward and PID, PSD 1", 1),
+        ("p2", "feedforward and PID, LS-SVM", 1),
+        ("p3", "closed loop, 12 inputs", 6),
+        ("p4", "case 1 (0°), inverse dynamic PI and PID, printed gains", 3),
+    ] {
+        let rows: Vec<_> = of(paper, "control", "rows", what)
+            .into_iter()
+            .filter(|row| !row["what"].as_str().unwrap_or_default().starts_with("width"))
+            .collect();
+        assert_eq!(rows.len(), count, "{paper}: {what}");
+        assert!(rows.iter().all(|row| row["verdict"] == "reached"), "{paper}: {what}");
+    }
     let papers = ["p0", "p1", "p2", "p3", "p4"];
     println!("{}", python::script(IN_FMPY, &papers, folder.path()));
 }
