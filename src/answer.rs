@@ -100,8 +100,21 @@ fn way_out(error: &anyhow::Error) -> Option<&'static str> {
     }
 }
 
+/// The files that a call which fails has written, and those that it was to write and has not. Temporary ones
+/// are nobody's affair.
+fn files_of_the_call() -> (Vec<String>, Vec<String>) {
+    let temporary = tempfile::env::temp_dir();
+    let is_kept = |(file, _): &(PathBuf, bool)| !file.starts_with(&temporary);
+    let (written, missing): (Vec<_>, Vec<_>) =
+        files::wanted().into_iter().filter(is_kept).partition(|(_, is_written)| *is_written);
+    let names = |files: Vec<(PathBuf, bool)>| {
+        files.into_iter().map(|(file, _)| file.display().to_string()).collect()
+    };
+    (names(written), names(missing))
+}
+
 /// What an error says, from what was to be done to the cause: each text once.
-fn sentence(error: &anyhow::Error) -> String {
+pub(crate) fn sentence(error: &anyhow::Error) -> String {
     error.chain().map(ToString::to_string).fold(String::new(), |said, cause| {
         if said.is_empty() || cause.contains(&said) {
             cause
@@ -205,10 +218,23 @@ impl Screen {
             said = format!("{said}; did you mean {}?", meant.display());
         }
         let error = harmless(&said);
+        let (written, missing) = files_of_the_call();
         let _ = if self.json {
-            writeln!(io::stderr(), "{}", serde_json::json!({ "error": error }))
+            let mut told = serde_json::json!({ "error": error });
+            if !written.is_empty() {
+                told["written"] = written.into();
+                told["not_written"] = missing.into();
+            }
+            writeln!(io::stderr(), "{told}")
         } else {
-            writeln!(io::stderr(), "error: {error}")
+            let mut told = format!("error: {error}");
+            if !written.is_empty() {
+                told += &format!("\n  written before: {}", harmless(&written.join(", ")));
+                if !missing.is_empty() {
+                    told += &format!("; not written: {}", harmless(&missing.join(", ")));
+                }
+            }
+            writeln!(io::stderr(), "{told}")
         };
     }
 }

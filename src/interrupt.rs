@@ -23,6 +23,8 @@ static MANNER: Mutex<Manner> = Mutex::new(Manner::Ends);
 static ASKED: AtomicBool = AtomicBool::new(false);
 static COUNT: AtomicUsize = AtomicUsize::new(0);
 static IS_CAUGHT: AtomicBool = AtomicBool::new(false);
+/// A signal is ending the program.
+static IS_ENDING: AtomicBool = AtomicBool::new(false);
 /// The folder of all temporary files of this call.
 static FOLDER: Mutex<Option<TempDir>> = Mutex::new(None);
 
@@ -73,7 +75,7 @@ pub(crate) fn hand_over(to: impl Fn(usize) + Send + 'static) -> anyhow::Result<(
 fn instead(manner: Manner) -> anyhow::Result<()> {
     if !IS_CAUGHT.load(Ordering::Relaxed) {
         bail!(
-            "signals cannot be caught: the system gives no thread for that; allow more (ulimit -u)"
+            "signals cannot be caught: the system gives no thread for that; allow more (ulimit -u, a container's limit of processes)"
         );
     }
     *held(&MANNER) = manner;
@@ -89,10 +91,47 @@ fn held<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// At the end of the work, when nobody uses the temporary folder any more.
 fn tidy() {
     files::abandon();
     // A folder that cannot be removed is only untidy.
     drop(held(&FOLDER).take());
+}
+
+/// In the midst of the work: whoever unpacks or writes there would make anew what is removed. The folder
+/// goes by another name first, and a file takes the place of the old one until the end.
+fn tidy_at_work() {
+    IS_ENDING.store(true, Ordering::Relaxed);
+    files::abandon();
+    let Some(folder) = held(&FOLDER).take().map(TempDir::keep) else { return };
+    let mut gone = Vec::new();
+    for number in 0..10 {
+        let name = folder.with_extension(format!("gone{number}"));
+        if std::fs::rename(&folder, &name).is_ok() {
+            gone.push(name);
+        }
+        // Somebody may have made the folder again in between.
+        if std::fs::File::create_new(&folder).is_ok() {
+            break;
+        }
+    }
+    for place in gone.iter().chain([&folder]).filter(|place| place.is_dir()) {
+        // What is open there may yet get a file.
+        for _ in 0..10 {
+            match std::fs::remove_dir_all(place) {
+                Ok(()) => break,
+                Err(_) => std::thread::sleep(std::time::Duration::from_millis(5)),
+            }
+        }
+    }
+    let _ = std::fs::remove_file(&folder);
+}
+
+/// Where a signal is ending the program, waits for that: what fails meanwhile fails by it.
+pub(crate) fn wait_if_ending() {
+    while IS_ENDING.load(Ordering::Relaxed) {
+        std::thread::park();
+    }
 }
 
 /// A signal came; whether the program shall end now.
@@ -120,7 +159,7 @@ fn catch() -> io::Result<()> {
     std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
         for signal in signals.forever() {
             if ends() {
-                tidy();
+                tidy_at_work();
                 exits::finished();
                 // As if it had not been caught, so that a shell sees what happened.
                 let _ = signal_hook::low_level::emulate_default_handler(signal);
@@ -144,7 +183,7 @@ fn is_ignored(signal: i32) -> bool {
 fn catch() -> io::Result<()> {
     let caught = ctrlc::set_handler(|| {
         if ends() {
-            tidy();
+            tidy_at_work();
             exits::finished();
             std::process::exit(130);
         }

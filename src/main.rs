@@ -92,6 +92,7 @@ fn main() -> ExitCode {
     }
     let kept = if json { answer::keep_standard_output() } else { Ok(()) };
     let outcome = kept.and_then(|()| cli.command.run(&screen));
+    interrupt::wait_if_ending();
     exits::finished();
     match outcome {
         Ok(code) => ExitCode::from(code),

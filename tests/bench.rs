@@ -86,6 +86,21 @@ fn a_record_has_units_and_provenance_in_every_format() {
 }
 
 #[test]
+fn a_run_that_cannot_begin_leaves_nothing_to_recover() {
+    let (folder, port) = (stage(0.3), port());
+    // Nobody listens there.
+    let gateway = format!("gcs://127.0.0.1:{port}");
+    for _ in 0..2 {
+        let run = ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway];
+        let said = refuse(&[&run[..], &["--record", "run.csv"]].concat(), folder.path());
+        assert!(said.contains("the device"), "{said}");
+        let names = std::fs::read_dir(folder.path()).unwrap().flatten();
+        let names: Vec<_> = names.map(|entry| entry.file_name()).collect();
+        assert_eq!(names, ["plan.toml"]);
+    }
+}
+
+#[test]
 fn a_killed_runner_leaves_its_rows_and_the_machine_stops_itself() {
     let (folder, port) = (stage(60.0), port());
     let machine = machine(port, &["--heartbeat", "20"], folder.path());

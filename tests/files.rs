@@ -233,6 +233,47 @@ fn a_full_disk_is_told_and_loses_nothing() {
     }
 }
 
+/// Where one file of a call fits and the next one does not, the error names both.
+#[test]
+fn what_is_written_and_what_is_not_is_said() {
+    let Some(disk) = SmallDisk::new() else { return };
+    let mut said_both = 0;
+    for job in jobs().iter().filter(|job| job.files.len() > 1 && job.time < Duration::from_secs(8))
+    {
+        // Room for all of them but some kilobytes: a disk has blocks of four.
+        let total: usize = job.files.iter().map(|(_, bytes)| bytes.len().div_ceil(4096) * 4).sum();
+        for (name, _) in listing(disk.path()) {
+            fs::remove_file(disk.path().join(name)).expect("it is ours");
+        }
+        disk.remount(&format!("size={}k", (total - 4).max(4)));
+        let output = job.command(disk.path()).output().expect("the tool starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{}: {said}", job.name);
+        assert!(said.contains("No space left on device"), "{}: {said}", job.name);
+        let is_there = |name: &str| disk.path().join(name).exists();
+        let (there, absent): (Vec<&str>, Vec<&str>) =
+            job.files.iter().map(|(name, _)| name.as_str()).partition(|name| is_there(name));
+        if there.is_empty() {
+            continue;
+        }
+        let (before, written) = said.split_once("written before: ").unwrap_or((&said, ""));
+        let (written, missing) = written.split_once("; not written: ").unwrap_or((written, ""));
+        for name in there {
+            let path = disk.path().join(name).display().to_string();
+            assert!(written.contains(&path), "{}, {name}: {said}", job.name);
+        }
+        for name in absent {
+            let path = disk.path().join(name).display().to_string();
+            // A file that nobody named is told where it fails.
+            let is_told = missing.contains(&path) || before.contains(&path);
+            assert!(is_told && !written.contains(&path), "{}, {name}: {said}", job.name);
+        }
+        said_both += 1;
+    }
+    println!("{said_both} commands wrote some of their files");
+    assert!(said_both >= 4, "only {said_both}");
+}
+
 #[test]
 fn a_folder_that_is_read_only_is_told_before_the_work() {
     let Some(disk) = SmallDisk::new() else { return };

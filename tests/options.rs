@@ -32,7 +32,7 @@ const SMALL: [(&str, Option<&str>); 30] = [
     ("calibrate", Some("calibrate in.csv --motion u --position y")),
     ("frequency-response", Some("frequency-response in.csv --input u --output y --modes 1")),
     ("tune", Some("tune plant.fmu --period 1e-3 --middle 0 --amplitude 1 --samples 20")),
-    ("pack", Some("pack plant.toml")),
+    ("pack", Some("pack plant.toml --ports mechanical --port-value stiffness=20N/um")),
     ("simulate", Some("simulate plant.fmu --log in.csv --map u=u")),
     ("system", Some("system system.toml --step 1e-3 --stop 0.01")),
     (
@@ -66,7 +66,8 @@ const SMALL: [(&str, Option<&str>); 30] = [
 ];
 
 /// What goes before a number in an option that takes a pair.
-const PAIRS: [(&str, &str); 8] = [
+const PAIRS: [(&str, &str); 9] = [
+    ("--port-value", "stiffness="),
     ("--map", "u="),
     ("--unit", "y="),
     ("--tune", "axis[1].amplifier.bandwidth="),
@@ -84,7 +85,7 @@ name = "plant"
 step = 1e-4
 [[axis]]
 name = "x"
-command = { name = "u", unit = "V" }
+command = { name = "u", unit = "V", min = -2, max = 2 }
 position = { name = "y", unit = "um" }
 [[axis.component]]
 type = "prandtl-ishlinskii"

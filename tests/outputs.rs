@@ -233,6 +233,76 @@ fn temporary_files_go_with_a_signal() {
     }
 }
 
+/// An FMU that takes a while to unpack: with many files in folders of their own.
+fn with_many_files(from: &Path, to: &Path) {
+    let mut whole = zip::ZipArchive::new(fs::File::open(from).unwrap()).unwrap();
+    let mut packed = zip::ZipWriter::new(fs::File::create(to).unwrap());
+    for index in 0..whole.len() {
+        packed.raw_copy_file(whole.by_index_raw(index).unwrap()).unwrap();
+    }
+    let options = zip::write::SimpleFileOptions::default();
+    for number in 0..3000 {
+        packed.start_file(format!("extra/org.example/{number}/a.txt"), options).unwrap();
+    }
+    packed.finish().unwrap();
+}
+
+/// A signal while an FMU is unpacked and tried: the one who unpacks does not make anew what is removed.
+#[test]
+fn temporary_files_go_with_a_signal_during_preparation() {
+    use std::os::unix::process::ExitStatusExt as _;
+    use std::time::{Duration, Instant};
+    let folder = folder();
+    let at = folder.path();
+    measured(at);
+    succeed(&["pack", "p1-truth", "-o", "plant.fmu"], at);
+    with_many_files(&at.join("plant.fmu"), &at.join("many.fmu"));
+    let diagnose = ["diagnose", "--model", "many.fmu", "--log", "measured.csv", "--map"];
+    let diagnose = [&diagnose[..], &["command[1]=u", "--map", "position[1]=y"]].concat();
+    let isolated = [&diagnose[..], &["--isolate"]].concat();
+    let check = ["check", "many.fmu", "--replay"];
+    let mut ended = 0;
+    for call in [&diagnose[..], &isolated, &check] {
+        for (moment, (signal, number)) in
+            [("TERM", 15), ("HUP", 1), ("TERM", 15), ("INT", 2)].into_iter().enumerate()
+        {
+            let temporary = tempfile::tempdir().unwrap();
+            let mut child = Command::new(env!("CARGO_BIN_EXE_piezoloop"))
+                .args(call)
+                .current_dir(at)
+                .env("TMPDIR", temporary.path())
+                .stdout(std::process::Stdio::null())
+                .spawn()
+                .unwrap();
+            // Inside of the folder of this call lies that of the FMU.
+            let inside = || {
+                let own = fs::read_dir(temporary.path()).unwrap().flatten().next();
+                own.is_some_and(|own| {
+                    fs::read_dir(own.path()).is_ok_and(|mut e| e.next().is_some())
+                })
+            };
+            let begin = Instant::now();
+            while !inside() && begin.elapsed() < Duration::from_secs(60) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            std::thread::sleep(Duration::from_millis(10 * moment as u64));
+            let id = child.id().to_string();
+            let sent = Command::new("kill").args(["-s", signal, &id]).output().unwrap();
+            let begin = Instant::now();
+            let status = child.wait().unwrap();
+            assert!(begin.elapsed() < Duration::from_secs(10), "{call:?} {signal}");
+            // A busy machine may be late.
+            if sent.status.success() && status.signal().is_some() {
+                assert_eq!(status.signal(), Some(number), "{call:?}");
+                ended += 1;
+            }
+            let left = fs::read_dir(temporary.path()).unwrap().count();
+            assert_eq!(left, 0, "{call:?} {signal} after {moment}: {status}");
+        }
+    }
+    assert!(ended > 6, "only {ended} were ended by a signal");
+}
+
 /// A log on which a model can be fitted.
 fn measured(at: &Path) {
     let mut log = "time [s],u [V],y [um]\n".to_owned();

@@ -110,6 +110,12 @@ fn check(path: &Path, patience: Option<Duration>) -> Fmu {
                 problems.extend(differences(package, &done));
                 replay = Some(done);
             }
+            Err(error) if is_of_the_system(&error) => {
+                unchecked = Some(format!(
+                    "{}: its reference results are not repeated: {error:#}",
+                    path.display()
+                ));
+            }
             Err(error) => problems.push(not_repeated(package, &error)),
         }
     }
@@ -142,9 +148,18 @@ fn repeat(package: &Package, patience: Duration) -> anyhow::Result<Replay> {
         // Nobody waits any more where this comes too late.
         let _ = send.send(open.map_err(Into::into).and_then(|fmu| reference::replay(&fmu)));
     });
-    spawned.context("the system gives this program no more threads; allow more (ulimit -u)")?;
+    spawned.map_err(numerics::threads::refused)?;
     receive.recv_timeout(patience).unwrap_or_else(|_| {
         bail!("it takes longer than {} s; --timeout S allows it more", patience.as_secs_f64())
+    })
+}
+
+/// Whether the FMU has no part in an error: the system gives no thread or no process.
+fn is_of_the_system(error: &anyhow::Error) -> bool {
+    let is_limit = |cause: &std::io::Error| cause.kind() == io::ErrorKind::WouldBlock;
+    error.chain().any(|cause| {
+        cause.downcast_ref().is_some_and(is_limit)
+            || matches!(cause.downcast_ref(), Some(cosim::Error::NoProcess { .. }))
     })
 }
 

@@ -135,6 +135,16 @@ pub enum Error {
         /// What is wrong and the way out.
         reason: String,
     },
+    /// No process can be started for an FMU, which is no fault of the FMU.
+    #[error("no process can be started for the FMU `{fmu}` ({}): {error}", program.display())]
+    NoProcess {
+        /// Name of the FMU.
+        fmu: String,
+        /// What was to be started.
+        program: std::path::PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
     /// An FMU in a process of its own failed; the message names it.
     #[error("{0}")]
     Worker(String),

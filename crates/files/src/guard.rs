@@ -14,6 +14,8 @@ struct Call {
     twice: HashSet<PathBuf>,
     read: HashSet<PathBuf>,
     written: HashSet<PathBuf>,
+    /// What was to be written, as it was named, in that order.
+    wanted: Vec<(PathBuf, PathBuf)>,
 }
 
 /// Begins to guard the files of a call. `named` are the files of its command line: one that is named
@@ -91,6 +93,25 @@ pub(crate) fn may_write(target: &Path) -> io::Result<()> {
 pub(crate) fn unfinished() -> MutexGuard<'static, HashSet<PathBuf>> {
     static FILES: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
     FILES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The files that the call was to write so far, as it named them, and whether each is written.
+#[must_use]
+pub fn wanted() -> Vec<(PathBuf, bool)> {
+    let call = call();
+    let Some(call) = call.as_ref() else { return Vec::new() };
+    let file = |(path, named): &(PathBuf, PathBuf)| (named.clone(), call.written.contains(path));
+    call.wanted.iter().map(file).collect()
+}
+
+/// Says that the file `target` is to be written, which was named like this.
+pub(crate) fn note_wanted(target: &Path, named: &Path) {
+    if let Some(call) = call().as_mut() {
+        let path = identity(target);
+        if call.wanted.iter().all(|(other, _)| *other != path) {
+            call.wanted.push((path, named.to_owned()));
+        }
+    }
 }
 
 pub(crate) fn note_written(target: &Path) {

@@ -3,8 +3,8 @@
 
 mod guard;
 
-pub use guard::{check_beside, guard, note_read, note_read_below};
-use guard::{note_written, unfinished};
+pub use guard::{check_beside, guard, note_read, note_read_below, wanted};
+use guard::{note_wanted, note_written, unfinished};
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
@@ -33,6 +33,7 @@ impl WholeFile {
     /// # Errors
     /// The folder is absent or not writable, or `target` is a folder or write-protected.
     pub fn create(target: &Path) -> io::Result<Self> {
+        let named = target;
         // A symbolic link stays one: its file is replaced. The whole path, so that another working
         // folder, which a foreign FMU may bring about, does not move the file.
         let target = fs::canonicalize(target).or_else(|_| std::path::absolute(follow(target)?))?;
@@ -57,6 +58,7 @@ impl WholeFile {
             _ => {}
         }
         guard::may_write(&target)?;
+        note_wanted(&target, named);
         let name = target.file_name().ok_or_else(|| {
             io::Error::new(io::ErrorKind::InvalidInput, "has no file name; give one")
         })?;

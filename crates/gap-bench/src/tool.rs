@@ -86,7 +86,10 @@ impl Program {
             .stdout(create(out)?)
             .stderr(create(err)?)
             .spawn()
-            .map_err(|error| format!("{}: {error}", self.path.display()))?;
+            .map_err(|error| {
+                let error = numerics::threads::refused(error);
+                format!("{}: cannot be started: {error}", self.path.display())
+            })?;
         let status = self.wait(child)?;
         let read = |path| std::fs::read_to_string(path).unwrap_or_default();
         if status.success() {

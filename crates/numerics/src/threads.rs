@@ -1,5 +1,7 @@
 //! Threads for work that is shared out, as many as the system gives.
 
+use std::io;
+
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 /// A pool of `count` threads (0: one per processor). Where the system gives no more, in a container or
@@ -18,4 +20,33 @@ pub fn pool(count: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
         count /= 2;
     }
     ThreadPoolBuilder::new().num_threads(1).use_current_thread().build()
+}
+
+/// Of an error by which a thread or a process does not start: where the system gives no more of them, that and
+/// the way out; any other error stays as it is.
+#[must_use]
+pub fn refused(error: io::Error) -> io::Error {
+    match error.kind() {
+        // EAGAIN of fork and pthread_create.
+        io::ErrorKind::WouldBlock => io::Error::new(
+            io::ErrorKind::WouldBlock,
+            "the system gives this program no more threads and processes; allow more \
+             (ulimit -u, a container's limit of processes)",
+        ),
+        _ => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_limit_is_called_one() {
+        let limit = refused(io::Error::from(io::ErrorKind::WouldBlock));
+        assert!(limit.to_string().contains("ulimit -u"), "{limit}");
+        assert_eq!(limit.kind(), io::ErrorKind::WouldBlock);
+        let absent = refused(io::Error::from(io::ErrorKind::NotFound));
+        assert!(!absent.to_string().contains("ulimit"), "{absent}");
+    }
 }

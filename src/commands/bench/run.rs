@@ -74,9 +74,6 @@ const PAGE_ROWS: usize = 1_000_000;
 /// Rows that wait for the recorder: this many seconds.
 const RING_SECONDS: f64 = 2.0;
 
-/// Why nothing begins.
-const NO_THREAD: &str = "the system gives this program no more threads; allow more (ulimit -u)";
-
 /// What came of it.
 #[derive(Serialize)]
 struct Ran {
@@ -140,9 +137,10 @@ impl Run {
         };
         let own = folder.as_ref().map(|folder| folder.path().join("run"));
         let journal = self.journal(&prepared, record.as_deref().or(own.as_deref()))?;
+        let mut without_rows = WithoutRows(record.as_deref().map(journal_of));
         let depth = (RING_SECONDS * 1e9 / prepared.settings.period_ns as f64).max(16.0) as usize;
-        let (recorder, mut ring) =
-            Recorder::start(journal, prepared.columns.len(), depth).context(NO_THREAD)?;
+        let (recorder, mut ring) = Recorder::start(journal, prepared.columns.len(), depth)
+            .map_err(numerics::threads::refused)?;
         let dashboard = Dashboard::new(&prepared.columns);
         let web = match self.web {
             Some(port) => Some(Web::start(dashboard.clone(), recorder.view().clone(), port)?),
@@ -151,7 +149,7 @@ impl Run {
         let terminal = (self.live && !screen.json && !screen.quiet)
             .then(|| Terminal::start(dashboard, recorder.view().clone(), orders.clone()))
             .transpose()
-            .context(NO_THREAD)?;
+            .map_err(numerics::threads::refused)?;
         let site = Site {
             safe: prepared.cycle.limits().iter().map(|axis| axis.safe).collect(),
             period: prepared.settings.period_ns as f64 / 1e9,
@@ -172,6 +170,7 @@ impl Run {
             machine.iter().for_each(|line| screen.say(&format!("at {address}: {line}")));
             say_what_begins(screen, &address, &prepared, &realtime, web.as_ref());
         }
+        without_rows.0 = None;
         let Prepared { cycle, settings, .. } = &mut prepared;
         let outcome = bench::runner::run(cycle, &mut *gateway, &orders, settings, &mut ring);
         if let Some(terminal) = terminal {
@@ -255,6 +254,18 @@ impl Run {
         let columns = prepared.columns.clone();
         let about = About { columns, provenance: prepared.provenance.clone() };
         Ok(Some(Journal::create(&path, &about)?))
+    }
+}
+
+/// The journal of a run that has not begun; dropped, as where the machine is not there, it is removed.
+struct WithoutRows(Option<PathBuf>);
+
+impl Drop for WithoutRows {
+    fn drop(&mut self) {
+        if let Some(journal) = self.0.take() {
+            // The next run says that it is there.
+            let _ = std::fs::remove_file(journal);
+        }
     }
 }
 

@@ -261,6 +261,7 @@ impl CampaignRuns {
             .arg("--json")
             .stdin(Stdio::null())
             .output()
+            .map_err(numerics::threads::refused)
             .context("this program cannot be started again")?;
         if !matches!(output.status.code(), Some(0 | 1)) {
             let said = String::from_utf8_lossy(&output.stderr);

@@ -210,7 +210,7 @@ fn row_of(
     };
     let (values, error) = match outcome {
         Ok(values) => (values, Cell::Missing),
-        Err(error) => (Vec::new(), Cell::Text(error.to_string())),
+        Err(error) => (Vec::new(), Cell::Text(crate::answer::sentence(&error))),
     };
     let width = cells.len() + results;
     cells.extend(values);

@@ -226,7 +226,10 @@ mod thread {
                 error,
                 way_out: way_out.to_owned(),
             };
-            let trouble = |error: io::Error| failed("the bridge", error.to_string(), "try again");
+            let trouble = |error: io::Error| {
+                let error = numerics::threads::refused(error);
+                failed("the bridge", error.to_string(), "try again")
+            };
             let (socket, machine) = UnixDatagram::pair().map_err(trouble)?;
             socket.set_nonblocking(true).map_err(trouble)?;
             machine.set_nonblocking(true).map_err(trouble)?;

@@ -43,12 +43,11 @@ pub struct Web {
 
 /// A server that does not start.
 #[derive(Debug, Error)]
-#[error(
-    "the live page cannot be served at 127.0.0.1:{port}: {error}; choose another port with --web PORT, 0 for a free one"
-)]
+#[error("the live page cannot be served at 127.0.0.1:{port}: {error}{way_out}")]
 pub struct WebError {
     port: u16,
     error: io::Error,
+    way_out: &'static str,
 }
 
 /// What every connection knows.
@@ -102,7 +101,8 @@ impl Web {
     /// # Errors
     /// The port is taken.
     pub fn start(dashboard: Dashboard, view: View, port: u16) -> Result<Self, WebError> {
-        let failed = |error| WebError { port, error };
+        let way_out = "; choose another port with --web PORT, 0 for a free one";
+        let failed = |error| WebError { port, error, way_out };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
         listener.set_nonblocking(true).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
@@ -116,7 +116,11 @@ impl Web {
         });
         let all = Arc::clone(&shared);
         let thread = std::thread::Builder::new().spawn(move || listen(&listener, &all));
-        let thread = thread.map_err(failed)?;
+        let thread = thread.map_err(|error| WebError {
+            port,
+            error: numerics::threads::refused(error),
+            way_out: "",
+        })?;
         Ok(Web { shared, thread })
     }
 

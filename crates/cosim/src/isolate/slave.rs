@@ -44,12 +44,10 @@ impl IsolatedSlave {
         package: Arc<Package>,
         settings: Settings,
     ) -> Result<Self, Error> {
-        let failed = |error: io::Error| {
-            Error::Worker(format!(
-                "FMU `{}`: a process of its own cannot be started ({}): {error}",
-                settings.name,
-                worker.program.display()
-            ))
+        let failed = |error: io::Error| Error::NoProcess {
+            fmu: settings.name.clone(),
+            program: worker.program.clone(),
+            error: numerics::threads::refused(error),
         };
         let (socket, child) = start(worker).map_err(failed)?;
         let folder = package.folder().to_string_lossy().into_owned();
