@@ -154,10 +154,13 @@ fn objects_are_named_and_refused_alone() {
     let series = || ("ts", Value::Object("timeseries"));
     let log = of(&[("t", row(&T)), ("u", row(&U)), series()]);
     assert_columns(&log, &[("u", &U)]);
-    assert_eq!(log.left_out()[0].why, "is an object of class timeseries");
+    let why = "is an object of class timeseries: save time = ts.Time; y = ts.Data";
+    assert_eq!(log.left_out()[0].why, why);
     let error = read(&version_5(&[series()])).unwrap_err();
     assert!(error.contains("ts is an object of class timeseries"), "{error}");
-    assert!(error.contains("time = ts.Time; y = ts.Data"), "{error}");
+    assert!(error.contains("time = ts.Time; y = ts.Data; save(f"), "{error}");
+    let error = read(&version_5(&[("tt", Value::Object("timetable"))])).unwrap_err();
+    assert!(error.contains("y = tt.Variables; save(f"), "{error}");
 }
 
 #[test]

@@ -452,3 +452,49 @@ fn blanks_between_cells_do_not_make_commas_of_decimal_points() {
     let log = read_with("0 1.5\n1 2\n3 4\n", &options).unwrap();
     assert_eq!(log.column("y").unwrap().values, [1.5, 2.0, 4.0]);
 }
+
+/// An error names the line that an editor shows, by whatever lines end, with blank lines and lines of blanks
+/// between them.
+#[test]
+fn errors_name_the_line_that_an_editor_shows() {
+    let heads: [&[&str]; 5] = [
+        &["t,u,y"],
+        &["", "", "t,u,y"],
+        &["# by hand", "", "t,u,y"],
+        &["t,u,y", "s,V,um"],
+        &["t;u;y"],
+    ];
+    for end in ["\n", "\r\n", "\r"] {
+        for head in heads {
+            // With lone carriage returns blank lines between rows are not counted.
+            for blank in
+                [None, Some(""), Some("   ")].into_iter().filter(|b| b.is_none() || end != "\r")
+            {
+                for (is_last, is_behind) in
+                    [(false, false), (false, true), (true, false), (true, true)]
+                {
+                    let mut lines: Vec<String> = head.iter().map(|&line| line.to_owned()).collect();
+                    let separator = if head[0].contains(';') { ";" } else { "," };
+                    let row = |u: &str, k: usize| [&k.to_string(), u, "1"].join(separator);
+                    for k in 0..20 {
+                        lines.push(row("2.5", k));
+                        lines.extend(blank.filter(|_| k == 3 || k == 8).map(str::to_owned));
+                    }
+                    lines.extend(blank.filter(|_| is_behind).map(str::to_owned));
+                    lines.push(row("abc", 20));
+                    let wanted = lines.len();
+                    let behind =
+                        if is_last { String::new() } else { end.to_owned() + &row("1", 21) + end };
+                    let text = lines.join(end) + &behind;
+                    let problems = Log::parse(text.as_bytes(), "x.csv", &ReadOptions::default());
+                    let said = problems.expect_err("a word among numbers").to_string();
+                    let first = said.lines().next().unwrap_or_default();
+                    assert!(
+                        first.starts_with(&format!("x.csv:{wanted}:")),
+                        "{wanted}: {said}\n{text:?}"
+                    );
+                }
+            }
+        }
+    }
+}

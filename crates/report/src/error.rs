@@ -7,7 +7,7 @@ use std::path::PathBuf;
 pub enum ReportError {
     /// A file could not be written; nothing was left behind.
     #[error(
-        "{path}: cannot write the report: {source}; nothing was written, choose a folder that exists and is writable"
+        "{path}: cannot write the report: {source}; choose a folder that exists and is writable"
     )]
     Write {
         /// The file that was asked for.

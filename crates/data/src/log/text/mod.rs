@@ -2,6 +2,7 @@
 
 mod cells;
 mod decode;
+mod ends;
 mod instant;
 mod layout;
 mod pairs;
@@ -18,6 +19,7 @@ pub(super) use instant::Since;
 pub(super) use layout::Layout;
 
 use cells::{Dialect, blanks};
+use ends::Ends;
 use preamble::Preamble;
 
 use super::dataset::{self, Dataset};
@@ -110,10 +112,18 @@ fn read(
     check_is_text(&head, &source)?;
     let mut log = match plain_header(&head) {
         Some(cells) if options.columns.is_empty() => {
-            let mut rows = csv_rows(Dialect::PLAIN, Cursor::new(head).chain(rest));
+            let ends = Ends::of(&head);
+            // Blank lines count as lines where line feeds are counted.
+            let above = match ends {
+                Ends::CarriageReturn => head.iter().take_while(|byte| **byte == b'\r').count(),
+                _ => 0,
+            };
+            let mut rows =
+                csv_rows(Dialect::PLAIN, Cursor::new(head).chain(rest).chain(ends.behind()));
             let mut row = ByteRecord::new();
             rows.read_byte_record(&mut row).map_err(|error| source.broken(error))?;
-            table(&cells, &source, line_of(&row), None)?.csv(rows, &source, 0)
+            let line = above + ends.line(&row, rows.position());
+            table(&cells, &source, line, None)?.csv(rows, &source, ends, above)
         }
         _ => laid_out(head, rest, &source, &mut notes),
     }?;
@@ -166,6 +176,7 @@ fn laid_out(
     name_columns(&mut layout, source)?;
     notes.append(&mut layout.notes);
     let line = layout.line;
+    let ends = Ends::of(&head[layout.start..]);
     let bytes = Cursor::new(head[layout.start..].to_vec()).chain(rest);
     if time_column::has_several(&layout.header) {
         return pairs::read(bytes, &layout, source);
@@ -173,7 +184,9 @@ fn laid_out(
     let table = table(&layout.header, source, layout.header_line, Some(&layout))?;
     match layout.dialect.separator {
         b' ' => table.words(BufReader::with_capacity(BUFFER, bytes), source, line),
-        _ => table.csv(csv_rows(layout.dialect, bytes), source, line - 1),
+        _ => {
+            table.csv(csv_rows(layout.dialect, bytes.chain(ends.behind())), source, ends, line - 1)
+        }
     }
 }
 
@@ -253,11 +266,16 @@ impl Rows<'_> {
         mut self,
         mut rows: Reader<impl Read>,
         source: &Source<'_>,
+        ends: Ends,
         before: usize,
     ) -> Result<Log, Problems> {
         let mut row = ByteRecord::new();
         while rows.read_byte_record(&mut row).map_err(|error| source.broken(error))? {
-            let place = Place::Line(before + line_of(&row));
+            let place = Place::Line(before + ends.line(&row, rows.position()));
+            if row.len() == 1 && self.names.len() > 1 && row[0].trim_ascii().is_empty() {
+                // A line of blanks.
+                continue;
+            }
             if self.part.is_some() || may_be_none(row.get(0).unwrap_or_default()) {
                 let cells: Vec<&[u8]> = row.iter().collect();
                 if self.is_between(&cells) {
@@ -396,10 +414,6 @@ fn check_is_text(head: &[u8], source: &Source<'_>) -> Result<(), Problems> {
         return refuse("has no line end in its first mebibyte");
     }
     Ok(())
-}
-
-fn line_of(row: &ByteRecord) -> usize {
-    row.position().map_or(0, |position| usize::try_from(position.line()).unwrap_or(0))
 }
 
 fn cells_of(row: &ByteRecord) -> Vec<String> {

@@ -148,13 +148,30 @@ fn found(variables: Variables, is_timed: bool) -> Result<Found, Refusal> {
             left_out.iter().map(|(name, why)| format!("{name} {why}")).collect();
         let others = if others.is_empty() { "nothing".into() } else { shortened(&others) };
         let rule = format!("has no columns of real numbers, one value per time; it has: {others}");
-        let way_out = "save plain arrays, as in time = ts.Time; y = ts.Data; save(f, 'time', 'y')";
-        return Err((rule, way_out.into()));
+        let how = left_out.iter().find_map(|(name, why)| exported(name, why));
+        let how = how.unwrap_or_else(|| "time = ts.Time; y = ts.Data".to_owned());
+        return Err((rule, format!("save plain arrays, as in {how}; save(f, 'time', 'y')")));
     };
     for (name, why) in left_out {
+        let why = exported(&name, &why).map_or(why.clone(), |how| format!("{why}: save {how}"));
         first.leave_out(name, why);
     }
     Ok(found)
+}
+
+/// The commands that make plain arrays of an object of MATLAB, whose values stand in a form that is its own.
+fn exported(name: &str, why: &str) -> Option<String> {
+    match why.strip_prefix("is an object of class ")? {
+        "timeseries" => Some(format!("time = {name}.Time; y = {name}.Data")),
+        "timetable" => {
+            let times = format!("{name}.Properties.RowTimes");
+            Some(format!("time = seconds({times} - {times}(1)); y = {name}.Variables"))
+        }
+        "Simulink.SimulationData.Dataset" => {
+            Some(format!("ts = {name}.get(1).Values; time = ts.Time; y = ts.Data"))
+        }
+        _ => None,
+    }
 }
 
 /// A list, of which the first ones are shown.
