@@ -12,16 +12,16 @@ use report::{Axis, Figure, XyLoop};
 use crate::effects;
 
 const HEAD: &str = "# Effects and components\n\n\
-Written from the registry by `piezoloop effects-docs docs`; a test compares it.\n\n\
-A component with an *effect* can be switched off by its start value `enabled`. The figure of an \
-effect shows the position over the command of an axis of 0.1 um/V without (measured colour) and with it \
-at its default strength (`rigs/effects.toml`): the last of ten loops of 0 to 100 V at 20 Hz; of an \
-effect of less than 5 % of the stroke it shows the change of the position instead. \
-*Default strength* is the greatest and the rms change of the position over all ten loops, in percent \
-of the stroke of 10 um; for a hysteresis model that against the straight line through its stroke.\n\n\
-*In a rig* is the same at the strength that the effect has in the truth rig of a machine: the change of \
-axis 1 when it is left out, over ten loops of the whole command range of 500 internal steps each (the \
-other axes a quarter of a loop ahead), in percent of the stroke.\n";
+Generated from the registry by `piezoloop effects-docs docs`; a test compares it.\n\n\
+A component with an *effect* can be disabled by its start value `enabled`. The figure of an effect shows position over \
+command for an axis of 0.1 um/V, without the effect (measured colour) and with it at its default strength \
+(`rigs/effects.toml`): the last of ten loops of 0 to 100 V at 20 Hz. For an effect below 5 % of the stroke it shows \
+the change of the position instead. *Default strength* is the greatest and the rms change of the position over all ten \
+loops, in percent of the stroke of 10 um; for a hysteresis model it is the difference from the straight line through \
+its stroke.\n\n\
+*In a rig* is the same at the strength that the effect has in the truth rig of a machine: the change of axis 1 when the \
+effect is removed, over ten loops of the complete command range with 500 internal steps each (the other axes a quarter \
+of a loop ahead), in percent of the stroke.\n";
 
 /// Internal step, loops and hits of a loop of the trial.
 const PERIOD: f64 = 1e-4;
@@ -69,13 +69,16 @@ fn section(d: &Declaration) -> String {
         .map(|inverse| format!("[{0}](#{0}) ({1})", inverse.kind, inverse.undoing.name()))
         .collect();
     if !undone.is_empty() {
-        text.push_str(&format!("Undone in front of the machine by {}.\n\n", undone.join(", ")));
+        text.push_str(&format!(
+            "Compensated in front of the machine by {}.\n\n",
+            undone.join(", ")
+        ));
     }
     text.push_str(
         "| parameter | unit | start | least | greatest | meaning |\n|---|---|---|---|---|---|\n",
     );
     let bound = |x: f64| if x.is_finite() { x.to_string() } else { String::new() };
-    let start = |x: Option<f64>| x.map_or_else(|| "must be given".to_owned(), |x| x.to_string());
+    let start = |x: Option<f64>| x.map_or_else(|| "required".to_owned(), |x| x.to_string());
     for s in d.structure {
         let _ = writeln!(
             text,
@@ -112,7 +115,7 @@ fn section(d: &Declaration) -> String {
     if let Some(effect) = d.effect {
         let _ = writeln!(
             text,
-            "* Effect: `{}`.\n* In the residual: {}.\n* Looks like: {}.\n* Told apart by: {}.\n",
+            "* Effect: `{}`.\n* In the residual: {}.\n* Looks like: {}.\n* Distinguished by: {}.\n",
             effect.name,
             effect.signature,
             effect.confused_with.iter().map(|e| format!("`{e}`")).collect::<Vec<_>>().join(", "),

@@ -216,7 +216,10 @@ fn two_axes_that_couple_become_a_plant_that_moves_as_they_do() {
     let error = refuse(&[&columns[..8], &["--plant", "other.toml"]].concat(), at);
     assert!(error.contains("2 inputs and 1 outputs") && !at.join("other.toml").exists(), "{error}");
     let error = refuse(&[&columns[..], &["--plant", "mirror.csv"]].concat(), at);
-    assert!(error.contains("mirror.csv") && error.contains("named twice in this call"), "{error}");
+    assert!(
+        error.contains("mirror.csv") && error.contains("this command already uses the file"),
+        "{error}"
+    );
 }
 
 /// A mode that softens with the square root of the amplitude, moved by one multisine at these amplitudes.
@@ -310,7 +313,7 @@ fn what_cannot_be_measured_is_refused() {
     with(&["--skip", "9"], &["--skip 9", "record 0", "s long"]);
     with(&["--skip", "-1"], &["'-1' for '--skip", "must be 0 to"]);
     with(&["--output", "nothing"], &["log.csv", "nothing"]);
-    with(&["-o", "log.csv"], &["log.csv", "named twice in this call"]);
+    with(&["-o", "log.csv"], &["log.csv", "this command already uses the file"]);
     // Another sample time in a second log.
     let other = ["signal", "multisine-odd-random", "--set", "sample_time=2e-4", "-o", "other.csv"];
     succeed(&other, at);

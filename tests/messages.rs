@@ -125,7 +125,10 @@ fn messages_are_finished_texts_with_names() {
     assert_eq!(said.lines().nth(1), Some("Warning\tfaulty\tslip\tat 0 s position[1] slips"));
     // It is never written over an input.
     let said = refuse(&simulate(&fmu, &["--fmu-log", "log.csv"]), at);
-    assert!(said.contains("log.csv cannot be written: is named twice"), "{said}");
+    assert!(
+        said.contains("log.csv cannot be written: this command already uses the file"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -168,7 +168,7 @@ fn what_cannot_be_run_is_told() {
     assert!(said.contains("run.mat: records are written as .csv, .npy, .npz"), "{said}");
     let said = refuse(&[&table[..], &["-o", "reference.csv"]].concat(), folder);
     assert!(
-        said.contains("reference.csv cannot be written: is named twice in this call"),
+        said.contains("reference.csv cannot be written: this command already uses the file"),
         "{said}"
     );
     let text = fs::read_to_string(folder.join("loop.toml")).expect("the loop");
@@ -177,7 +177,7 @@ fn what_cannot_be_run_is_told() {
     let said = refuse(&table, folder);
     assert!(said.contains("did you mean `position[2]` or"), "{said}");
     fs::write(folder.join("bad.ssp"), b"no archive").expect("writable");
-    assert!(refuse(&["system", "bad.ssp"], folder).contains("no readable zip archive"));
+    assert!(refuse(&["system", "bad.ssp"], folder).contains("not a readable zip archive"));
     let help = piezoloop(&["system", "--help"], folder);
     let help = String::from_utf8_lossy(&help.stdout).into_owned();
     assert!(help.contains("[connections]") && !help.contains("fmu-worker"), "{help}");

@@ -411,7 +411,7 @@ fn defects_of_the_archive_are_found() {
     let found = with_bytes(|bytes| set_in_headers(bytes, ENTRY, (14, 16), 0x55));
     assert_found("damaged content", &found, "its content is damaged");
     let found = with_bytes(|bytes| bytes.truncate(bytes.len() / 2));
-    assert_found("cut off", &found, "no readable zip archive");
+    assert_found("cut off", &found, "not a readable zip archive");
     let duplicate = {
         let mut fmu = valid(&stage(FmiVersion::V2));
         fmu.resource("blueprint.tom2", Vec::new()).unwrap();

@@ -102,17 +102,16 @@ impl Wiring {
         }
         let fits = |from: &[String], to: &[String]| from.iter().any(|name| to.contains(name));
         if commands.is_empty() && measurements.is_empty() && fits(&positions, &controlled) {
-            let swapped = "the first FMU looks like the controller and the second like the plant: its outputs are called as \
-                           the second one's inputs; give the plant first";
+            let swapped = "the first FMU looks like the controller and the second like the plant: its outputs have the \
+                           names of the second one's inputs; give the plant first";
             return Err(Problem::Loop(swapped.to_owned()).into());
         }
         let wiring = Wiring { commands, measurements, references };
         let mut problems = wiring.gaps(&outputs, &inputs, &positions, &controlled);
         if wiring.references.is_empty() {
             problems.push(Problem::Loop(format!(
-                "no column of the reference table ({}) is called as an input of the controller \
-                 ({}); say which column is the reference of which input",
-                columns.join(", "),
+                "no column of the reference table has the name of an input of the controller ({}); \
+                 assign one with --map, as in --map 'reference[1]=COLUMN'",
                 controlled.join(", ")
             )));
         }

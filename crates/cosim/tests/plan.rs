@@ -100,7 +100,7 @@ fn every_problem_of_a_toml_is_told_with_its_line() {
         assert!(hit, "{place}{words} is not in\n{error}");
     }
     let broken = Plan::parse_toml("a = [\nb", Path::new("loop.toml")).unwrap_err().to_string();
-    assert!(broken.contains("loop.toml:2: ") && broken.contains("is no TOML"), "{broken}");
+    assert!(broken.contains("loop.toml:2: ") && broken.contains("is not valid TOML"), "{broken}");
     let empty = Plan::parse_toml("name = \"x\"", Path::new("x.toml")).unwrap_err().to_string();
     assert!(empty.contains("a system has FMUs"), "{empty}");
 }

@@ -33,14 +33,14 @@ pub(crate) fn parse<'i>(text: &'i str, file: &str) -> Result<Spanned<DeTable<'i>
     }
     let lines = Lines::new(text);
     let tell = |error: &toml::de::Error| {
-        let rule = format!("is no TOML: {}", error.message());
-        let mut problem = Problem::new(file, rule, "mend this line");
+        let rule = format!("is not valid TOML: {}", error.message());
+        let mut problem = Problem::new(file, rule, "correct this line");
         problem.line = error.span().map(|span| lines.at(span.start));
         problem
     };
     let mut problems: Vec<Problem> = errors.iter().take(MOST_TOLD).map(tell).collect();
     if errors.len() > MOST_TOLD {
-        let rule = format!("is no TOML in {} further places", errors.len() - MOST_TOLD);
+        let rule = format!("is not valid TOML in {} further places", errors.len() - MOST_TOLD);
         problems.push(Problem::new(file, rule, "is this the file that you meant?"));
     }
     Err(Problems::new(problems))

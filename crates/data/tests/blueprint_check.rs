@@ -367,7 +367,7 @@ fn what_is_no_toml_is_told_with_every_line() {
     let error = Blueprint::parse("piezoloop = \nname = \"a\nkind 3\n", "p.toml").unwrap_err();
     let lines: Vec<_> = error.as_slice().iter().map(|problem| problem.line).collect();
     assert_eq!(lines, [Some(1), Some(2), Some(3)], "{error}");
-    assert!(error.to_string().starts_with("p.toml:1: is no TOML: "), "{error}");
+    assert!(error.to_string().starts_with("p.toml:1: is not valid TOML: "), "{error}");
 }
 
 #[test]
@@ -391,7 +391,7 @@ fn sections_of_the_wrong_kind_are_told() {
             Ok(blueprint) => blueprint.check(REGISTRY).unwrap_err().to_string(),
             Err(error) => error.to_string(),
         };
-        let is_syntax = found.contains("is no TOML");
+        let is_syntax = found.contains("is not valid TOML");
         assert!(is_syntax || found.contains(wanted), "wanted {wanted}\nfound {found}");
     }
 }

@@ -80,11 +80,11 @@ pub(crate) fn may_write(target: &Path) -> io::Result<()> {
     let refuse = |rule: &str| Err(io::Error::new(io::ErrorKind::InvalidInput, rule));
     if call.twice.contains(&path) {
         return refuse(
-            "is named twice in this call; an output is no input and no other output: give another file, as with -o FILE",
+            "this command already uses the file; an output must differ from all inputs and other outputs: give another file, as with -o FILE",
         );
     }
     if call.read.contains(&path) && !call.written.contains(&path) {
-        return refuse("is also read by this command; give another file");
+        return refuse("this command also reads the file; give another file");
     }
     Ok(())
 }

@@ -71,9 +71,9 @@ impl Scores {
         }
         Section::new("Single effects")
             .paragraph(
-                "Size: root mean square of what the re-tuned model leaves of the noise-free reading, \
-                 over the noise. Right: the first name is the truth; a member of the groups lag, slow \
-                 and static_map counts as right when the set holds it and stays within its group.",
+                "Size: rms error of the re-tuned model on the noise-free reading, divided by the noise. \
+                 Right: the first name is the true effect; for an effect of the groups lag, slow and \
+                 static_map it suffices that the set contains it and has no name outside its group.",
             )
             .table(table)
             .table(effects)
@@ -154,7 +154,7 @@ impl Scores {
         .line(Role::Other, "lower end", &number, &column(&|pair| pair.ci95[0]))
         .line(Role::Other, "upper end", &number, &column(&|pair| pair.ci95[1]))
         .measured("realised", &number, &column(&|pair| pair.realised.max(-1.0)));
-        Section::new("Shrink on records that the diagnosis never saw")
+        Section::new("Error reduction on records that the diagnosis did not use")
             .paragraph(
                 "Realised: the repaired model against the re-tuned one, on noise-free records of the \
                  kinds held out. Effects that do not follow from the command are left out.",

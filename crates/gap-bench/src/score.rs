@@ -257,7 +257,7 @@ fn figures(
         ),
         Figure::value("single effect of 2 σ, mean set", mean(&sets), Goal::AtMost(1.4)),
         Figure::rate(
-            "no effect, alarm",
+            "no effect, false alarm",
             Rate::count(clean().map(|j| is_alarm(j.answer))),
             Goal::AtMost(0.01),
         ),

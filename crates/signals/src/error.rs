@@ -36,7 +36,7 @@ fn listed(problems: &[Problem]) -> String {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Problem {
     /// The signal has no such parameter.
-    #[error("there is no parameter `{name}` (given {value}); known are {known}")]
+    #[error("unknown parameter `{name}` (= {value}); the parameters are {known}")]
     Unknown {
         /// Name as given.
         name: String,

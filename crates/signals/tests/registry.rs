@@ -149,7 +149,7 @@ fn refusals_name_value_rule_and_way_out() {
     let text = |settings: &[(&str, f64)]| kind.generate(settings).unwrap_err().to_string();
     assert_eq!(
         text(&[("freq", 3.0)]),
-        "signal `p3-sine`: there is no parameter `freq` (given 3); known are frequency, top, \
+        "signal `p3-sine`: unknown parameter `freq` (= 3); the parameters are frequency, top, \
          sample_time, duration"
     );
     assert_eq!(

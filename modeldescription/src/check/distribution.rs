@@ -125,7 +125,7 @@ fn not_an_archive(path: &Path, error: &PackageError) -> Problem {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let found = match error {
         PackageError::NotAnArchive { message, .. } => {
-            format!("the file is no readable zip archive: {message}")
+            format!("the file is not a readable zip archive ({message})")
         }
         PackageError::Entry { defect, .. } => defect.to_string(),
         other => other.to_string(),

@@ -120,7 +120,7 @@ pub enum PackageError {
         source: io::Error,
     },
     /// The file is no zip archive, or its end is missing.
-    #[error("\"{}\" is no readable zip archive: {message}; if it was copied or downloaded, it may be cut off: fetch it again", archive.display())]
+    #[error("\"{}\" is not a readable zip archive ({message}); an FMU is a zip archive: is this the right file, or was the download or copy cut off?", archive.display())]
     NotAnArchive {
         /// The archive.
         archive: PathBuf,

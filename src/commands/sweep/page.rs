@@ -29,14 +29,13 @@ pub(super) fn page(
         _ => Verdict::caution(sentence),
     };
     let mut page = Report::new("sweep", "Many runs", verdict).provenance(pages::provenance(files)?);
-    page = page.section(answer.section());
     let mut distributions = Section::new("Distributions");
     for &at in results.iter().take(MOST_FIGURES) {
         if let Some(figure) = histogram(table, at) {
             distributions = distributions.figure(figure);
         }
     }
-    page = page.section(distributions);
+    page = page.section(distributions).section(answer.section());
     if let Some(section) = influence(table, &results) {
         page = page.section(section);
     }
@@ -115,7 +114,7 @@ fn influence(table: &Table, results: &[usize]) -> Option<Section> {
     }
     let bound = 1.96 / (table.rows.len() as f64).sqrt();
     Some(
-        Section::new("What goes with what")
+        Section::new("Correlations")
             .paragraph(format!(
                 "Near 1 or −1: the figure grows or falls with the varied value. Chance alone stays below \
                  {bound:.2} in 95 of 100 cases."

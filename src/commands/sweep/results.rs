@@ -126,7 +126,7 @@ impl Swept {
     /// The figures as a section of a page.
     pub(super) fn section(&self) -> Section {
         let headings = ["figure", "unit", "5 %", "median", "95 %", "greatest", "in run"];
-        let mut rows = Rows::new("Values that varied, and figures of the runs", headings);
+        let mut rows = Rows::new("Varied values, and figures of the runs", headings);
         for figure in &self.figures {
             let mut row: Vec<report::Value> = vec![figure.name.clone().into()];
             row.push(figure.unit.clone().unwrap_or_default().into());

@@ -34,7 +34,7 @@ impl Format {
             Some("parquet") => Ok(Format::Parquet),
             Some("mf4") => Ok(Format::Mf4),
             _ => Err(format!(
-                "{}: records are written as .parquet, .csv or .mf4; choose one of these endings",
+                "{}: records are written as .parquet, .csv or .mf4; choose one of these extensions",
                 path.display()
             )),
         }

@@ -130,7 +130,7 @@ type About = Result<BTreeMap<String, String>, String>;
 /// What stands beside a CSV.
 fn beside(path: &Path) -> About {
     let text = files::read_text(path).map_err(|error| {
-        format!("what the bench wrote beside it, {}, cannot be read: {error}", path.display())
+        format!("the description that `bench run` writes beside a CSV record, {}, cannot be read: {error}; only records of the bench can be replayed", path.display())
     })?;
     let all: serde_json::Map<String, serde_json::Value> = serde_json::from_str(&text)
         .map_err(|error| format!("{} is damaged: {error}", path.display()))?;

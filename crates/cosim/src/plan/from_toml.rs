@@ -29,12 +29,12 @@ impl Plan {
         let mut reader = Reader::new(text, origin);
         let (document, errors) = DeTable::parse_recoverable(text);
         for error in errors.iter().take(MOST_TOLD) {
-            let rule = format!("is no TOML: {}", error.message());
+            let rule = format!("is not valid TOML: {}", error.message());
             let at = error.span().map_or(0, |span| span.start);
-            reader.report(at, "", "", &rule, "mend this line");
+            reader.report(at, "", "", &rule, "correct this line");
         }
         if errors.len() > MOST_TOLD {
-            let rule = format!("is no TOML in {} further places", errors.len() - MOST_TOLD);
+            let rule = format!("is not valid TOML in {} further places", errors.len() - MOST_TOLD);
             reader.report(0, "", "", &rule, "is this the file that you meant?");
         }
         let plan = reader.plan(document.get_ref(), origin);

@@ -179,6 +179,7 @@ impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { place, column, value, rows, .. } = self;
         let count = rows.len();
+        let s = if count == 1 { "" } else { "s" };
         match self.quality {
             Quality::Missing(lost) => write!(
                 f,
@@ -187,8 +188,8 @@ impl fmt::Display for Finding {
             ),
             Quality::Outlier(by) => write!(
                 f,
-                "{place}: {column} = {value}: {count} samples lie {by:.0} standard deviations from \
-                 their neighbours; check the sensor, or leave the rows out"
+                "{place}: {column} = {value}: {count} sample{s} {by:.0} standard deviations away from \
+                 the neighbours; check the sensor, or leave the rows out"
             ),
             Quality::Saturated => write!(
                 f,
