@@ -155,3 +155,78 @@ fn the_four_control_systems_of_coupled_axes() {
     let message = refuse(&["invert", "p1", "--system", "2", "-o", "c.toml"], at);
     assert!(message.contains("coupled"), "{message}");
 }
+
+/// A stage with a lightly damped mode.
+const LIGHT: &str = "piezoloop = 1\nkind = \"plant\"\nname = \"light\"\nstep = 5e-5\n[[axis]]\nname = \"X\"\n\
+     command = { name = \"u\", unit = \"V\", min = -20, max = 120 }\nposition = { name = \"x\", unit = \"um\" }\n\
+     [[axis.component]]\ntype = \"amplifier-lag\"\nbandwidth = 5000\n\
+     [[axis.component]]\ntype = \"actuator-gain\"\nname = \"actuator\"\ngain = 0.8\n\
+     [[axis.component]]\ntype = \"mode\"\nname = \"mechanics\"\nfrequency = 400\ndamping = 0.01\n";
+
+#[test]
+fn a_damped_loop_is_printed_written_and_runs_in_the_fmu_to_the_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    fs::write(at.join("light.toml"), LIGHT).expect("a file");
+    let rows = 400;
+    let (period, wave) = (5e-5, |k: usize| 20.0 + 5.0 * (0.02 * (k * k) as f64 / 40.0).sin());
+    let mut table = String::from("time [s],reference[1] [um],measured[1] [um]");
+    for k in 0..rows {
+        use std::fmt::Write as _;
+        write!(table, "\n{},{},{}", k as f64 * period, wave(k), 0.9 * wave(k + 3)).expect("a text");
+    }
+    fs::write(at.join("in.csv"), table + "\n").expect("a file");
+    for (law, kind) in [
+        ("irc", "integral-resonant-control"),
+        ("ppf", "positive-position-feedback"),
+        ("nrc", "non-minimum-phase-damping"),
+        ("notch", "notch"),
+    ] {
+        let asked =
+            ["invert", "light.toml", "--damping", law, "--sensitivity", "2", "-o", "c.toml"];
+        let answer = json(&asked, at);
+        let found = &answer["axes"][0]["damping"];
+        assert_eq!(found["law"], law, "{answer}");
+        let number = |name: &str| found[name].as_f64().expect("a number");
+        assert!(answer["axes"][0]["sensitivity"].as_f64().is_some_and(|s| s <= 2.0), "{answer}");
+        if law != "notch" {
+            assert!(number("closed_loop_bandwidth") >= 1.1 * number("resonance"), "{found}");
+            let said = succeed(&asked, at);
+            assert!(said.contains("times the resonance of 400.0 Hz"), "{said}");
+        }
+        let text = fs::read_to_string(at.join("c.toml")).expect("a blueprint");
+        assert!(text.contains(kind) && text.contains("resonance 400"), "{text}");
+        succeed(&["pack", "c.toml", "-o", "c.fmu"], at);
+        succeed(&["simulate", "c.fmu", "--log", "in.csv", "-o", "run.csv"], at);
+        let run = fs::read_to_string(at.join("run.csv")).expect("a run");
+        let head = run.lines().next().expect("a head").split(',');
+        let mut names = head.map(|name| name.split(' ').next().unwrap_or_default());
+        let column = names.position(|name| name == "command[1]").expect("a command");
+        let blueprint = data::Blueprint::read(&at.join("c.toml")).expect("a blueprint");
+        let mut system = blueprint.check(learned::COMPONENTS).expect("sound").build();
+        let place = |name: &str, system: &model::System| system.variables().find(name).expect(name);
+        let (reference, measured, command) = (
+            place("reference[1]", &system),
+            place("measured[1]", &system),
+            place("command[1]", &system),
+        );
+        for (k, line) in run.lines().skip(1).enumerate() {
+            let row = k.saturating_sub(1);
+            system.set(reference, wave(row)).expect("an input");
+            system.set(measured, 0.9 * wave(row + 3)).expect("an input");
+            match k {
+                0 => system.initialise(0.0).expect("rest"),
+                _ => system.advance(k as f64 * period).map(|_| ()).expect("finite"),
+            }
+            let packed: f64 =
+                line.split(',').nth(column).expect("a cell").parse().expect("a number");
+            let native = system.get(command).expect("an output");
+            assert_eq!(packed.to_bits(), native.to_bits(), "{law}, row {k}: {packed} {native}");
+        }
+    }
+    let asked = ["invert", "light.toml", "--damping", "nrc", "--feedback", "none"];
+    let said = refuse(&asked, at);
+    assert!(said.contains("--feedback pid or pi"), "{said}");
+    let said = refuse(&["invert", "p885", "--damping", "nrc"], at);
+    assert!(said.contains("no mode") && said.contains("--damping"), "{said}");
+}

@@ -362,6 +362,117 @@ package Controllers "Control laws"
       Documentation(info="<html><p>Component <code>repetitive</code>. Repetitive (iterative learning) control of a periodic reference.</p><p><code>w(k) = keep*sum(h[j]*w(k-N+j)) + gain*e(k-N+lead); e = reference - measured; command = path + w</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>cycle` (structure)</td><td>s</td><td>by its lists</td><td>0.000000001</td><td>1000000</td><td>Period of the reference, a whole number of sample times</td></tr><tr><td>half` (structure)</td><td>1</td><td>10</td><td>0</td><td>1000</td><td>Half length of the window, in samples</td></tr><tr><td>gain</td><td>{command}/{position}</td><td>must be given</td><td></td><td></td><td>Gain of learning</td></tr><tr><td>lead</td><td>s</td><td>0</td><td>0</td><td></td><td>Delay from the command to the measured position</td></tr><tr><td>keep</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Part of what was learned that stays for the next cycle</td></tr><tr><td>limit</td><td>{command}</td><td>must be given</td><td>0</td><td></td><td>Greatest command that is learned</td></tr></table><p>Source: D. A. Bristow, M. Tharayil, A. G. Alleyne, IEEE Control Systems 26 (2006) 96-114.</p></html>"));
   end Repetitive;
 
+  block IntegralResonantControl "Integral resonant control: a low-pass of the position in positive feedback damps a resonance"
+    extends Interfaces.Controller;
+    parameter Real gain(unit="V/um") "Gain of the feedback at rest";
+    parameter Real frequency(unit="Hz", min = 0) "Corner frequency of the low-pass";
+    parameter Real setpoint_weight(unit="1", min = 0, max = 1) = 1 "Share of the reference that is taken off the measured position: 1 with an inverse as feedforward";
+    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
+    input Boolean enable "False adds nothing" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    Real position_um(unit="um") = (measured - setpoint_weight*reference)/Constants.um "What is fed back in um";
+    final parameter Real w(unit="1") = tan(Constants.pi*frequency*step) "Frequency of the bilinear transform";
+    final parameter Real a1(unit="1") = (w - 1)/(1 + w) "Coefficient of the last output";
+    final parameter Real b0(unit="1") = w/(1 + w) "Coefficient of the input";
+    final parameter Real b1(unit="1") = w/(1 + w) "Coefficient of the last input";
+    discrete Boolean on(start = false, fixed = true) "The loop was closed at the last sample";
+    discrete Real origin(start = 0, fixed = true, unit="um") "Position where it was closed";
+    discrete Real moved(start = 0, fixed = true, unit="um") "Position from there";
+    discrete Real filtered(start = 0, fixed = true, unit="um") "Filtered position";
+    discrete Real first(start = 0, fixed = true, unit="um") "What past samples add to the next output";
+    discrete Real held(start = 0, fixed = true, unit="V") "Command";
+  equation
+    when sample(0, step) then
+      on = enable;
+      origin = if enable and not pre(on) then position_um else pre(origin);
+      moved = if enable then position_um - origin else 0;
+      filtered = if enable then b0*moved + pre(first) else 0;
+      first = if enable then b1*moved - a1*filtered else 0;
+      held = u + gain*filtered;
+    end when;
+    y = held;
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,43},{-39,30},{-5,40},{80,36}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>integral-resonant-control</code>. Integral resonant control: a low-pass of the position in positive feedback damps a resonance.</p><p><code>y = u + gain*F*(x - x0); F = w/(s + w); w = 2*pi*frequency; x = measured - setpoint_weight*reference; x0 = x at rest and where the loop was closed</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>must be given</td><td></td><td></td><td>Gain of the feedback at rest</td></tr><tr><td>frequency</td><td>Hz</td><td>must be given</td><td>0</td><td></td><td>Corner frequency of the low-pass</td></tr><tr><td>setpoint_weight</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the reference that is taken off the measured position: 1 with an inverse as feedforward</td></tr></table><p>Source: S. S. Aphale, A. J. Fleming, S. O. R. Moheimani, Smart Mater. Struct. 16 (2007) 439-446.</p></html>"));
+  end IntegralResonantControl;
+
+  block PositivePositionFeedback "Positive position feedback: a resonant low-pass of the position damps a resonance"
+    extends Interfaces.Controller;
+    parameter Real gain(unit="V/um") "Gain of the feedback at rest";
+    parameter Real frequency(unit="Hz", min = 0) "Natural frequency of the filter";
+    parameter Real damping(unit="1", min = 0) "Damping ratio of the filter";
+    parameter Real setpoint_weight(unit="1", min = 0, max = 1) = 1 "Share of the reference that is taken off the measured position: 1 with an inverse as feedforward";
+    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
+    input Boolean enable "False adds nothing" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    Real position_um(unit="um") = (measured - setpoint_weight*reference)/Constants.um "What is fed back in um";
+    final parameter Real w(unit="1") = tan(Constants.pi*frequency*step) "Frequency of the bilinear transform";
+    final parameter Real total(unit="1") = 1 + w^2 + 2*damping*w "Divisor of the coefficients";
+    final parameter Real b0(unit="1") = w^2/total "Coefficient of the input";
+    final parameter Real b1(unit="1") = 2*w^2/total "Coefficient of the last input";
+    final parameter Real b2(unit="1") = w^2/total "Coefficient of the input before";
+    final parameter Real a1(unit="1") = 2*(w^2 - 1)/total "Coefficient of the last output";
+    final parameter Real a2(unit="1") = (1 + w^2 - 2*damping*w)/total "Coefficient of the output before";
+    discrete Boolean on(start = false, fixed = true) "The loop was closed at the last sample";
+    discrete Real origin(start = 0, fixed = true, unit="um") "Position where it was closed";
+    discrete Real moved(start = 0, fixed = true, unit="um") "Position from there";
+    discrete Real filtered(start = 0, fixed = true, unit="um") "Filtered position";
+    discrete Real first(start = 0, fixed = true, unit="um") "What past samples add to the next output";
+    discrete Real second(start = 0, fixed = true, unit="um") "What they add to the one behind it";
+    discrete Real held(start = 0, fixed = true, unit="V") "Command";
+  equation
+    when sample(0, step) then
+      on = enable;
+      origin = if enable and not pre(on) then position_um else pre(origin);
+      moved = if enable then position_um - origin else 0;
+      filtered = if enable then b0*moved + pre(first) else 0;
+      first = if enable then b1*moved - a1*filtered + pre(second) else 0;
+      second = if enable then b2*moved - a2*filtered else 0;
+      held = u + gain*filtered;
+    end when;
+    y = held;
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-60,60},{-45,10},{-25,45},{0,30},{80,36}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>positive-position-feedback</code>. Positive position feedback: a resonant low-pass of the position damps a resonance.</p><p><code>y = u + gain*F*(x - x0); F = w^2/(s^2 + 2*damping*w*s + w^2); w = 2*pi*frequency; x = measured - setpoint_weight*reference; x0 = x at rest and where the loop was closed</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>must be given</td><td></td><td></td><td>Gain of the feedback at rest</td></tr><tr><td>frequency</td><td>Hz</td><td>must be given</td><td>0</td><td></td><td>Natural frequency of the filter</td></tr><tr><td>damping</td><td>1</td><td>must be given</td><td>0</td><td></td><td>Damping ratio of the filter</td></tr><tr><td>setpoint_weight</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the reference that is taken off the measured position: 1 with an inverse as feedforward</td></tr></table><p>Source: J. L. Fanson, T. K. Caughey, AIAA J. 28 (1990) 717-724.</p></html>"));
+  end PositivePositionFeedback;
+
+  block NonMinimumPhaseDamping "Non-minimum-phase damping: the position turned by an all-pass, with the same gain at all frequencies"
+    extends Interfaces.Controller;
+    parameter Real gain(unit="V/um") "Gain of the feedback at rest";
+    parameter Real frequency(unit="Hz", min = 0) "Where the all-pass turns by 90 degrees";
+    parameter Real setpoint_weight(unit="1", min = 0, max = 1) = 1 "Share of the reference that is taken off the measured position: 1 with an inverse as feedforward";
+    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
+    input Boolean enable "False adds nothing" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
+    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
+  protected
+    Real position_um(unit="um") = (measured - setpoint_weight*reference)/Constants.um "What is fed back in um";
+    final parameter Real w(unit="1") = tan(Constants.pi*frequency*step) "Frequency of the bilinear transform";
+    final parameter Real a1(unit="1") = (w - 1)/(1 + w) "Coefficient of the last output";
+    final parameter Real b0(unit="1") = (w - 1)/(1 + w) "Coefficient of the input";
+    final parameter Real b1(unit="1") = 1 "Coefficient of the last input";
+    discrete Boolean on(start = false, fixed = true) "The loop was closed at the last sample";
+    discrete Real origin(start = 0, fixed = true, unit="um") "Position where it was closed";
+    discrete Real moved(start = 0, fixed = true, unit="um") "Position from there";
+    discrete Real filtered(start = 0, fixed = true, unit="um") "Filtered position";
+    discrete Real first(start = 0, fixed = true, unit="um") "What past samples add to the next output";
+    discrete Real held(start = 0, fixed = true, unit="V") "Command";
+  equation
+    when sample(0, step) then
+      on = enable;
+      origin = if enable and not pre(on) then position_um else pre(origin);
+      moved = if enable then position_um - origin else 0;
+      filtered = if enable then b0*moved + pre(first) else 0;
+      first = if enable then b1*moved - a1*filtered else 0;
+      held = u + gain*filtered;
+    end when;
+    y = held;
+    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-30},{-73,-30},{-73,-70},{-50,20},{-20,60},{80,66}}, color={0,0,127}, thickness=0.5)}),
+      Documentation(info="<html><p>Component <code>non-minimum-phase-damping</code>. Non-minimum-phase damping: the position turned by an all-pass, with the same gain at all frequencies.</p><p><code>y = u + gain*F*(x - x0); F = (w - s)/(w + s); w = 2*pi*frequency; x = measured - setpoint_weight*reference; x0 = x at rest and where the loop was closed</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>must be given</td><td></td><td></td><td>Gain of the feedback at rest</td></tr><tr><td>frequency</td><td>Hz</td><td>must be given</td><td>0</td><td></td><td>Where the all-pass turns by 90 degrees</td></tr><tr><td>setpoint_weight</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the reference that is taken off the measured position: 1 with an inverse as feedforward</td></tr></table><p>Source: A. Natu, H. HosseinNia, arXiv 2412.18374 (2024).</p></html>"));
+  end NonMinimumPhaseDamping;
+
   block JacobianCoordinator "From the coordinates of all sensors to the motions of all axes, through the inverse Jacobian"
     extends Icons.Block;
     parameter Integer axes(min = 2, max = 32) "Number of coupled axes";

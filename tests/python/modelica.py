@@ -244,6 +244,8 @@ def coupling(session, tool, rows, written, kind, parameters, bound):
 FEEDFORWARD, LIMITS = ("feedforward-gain", {"gain": 8.0}), {"output_min": -1e6, "output_max": 1e6}
 LINEAR, OPEN, CLOSED = ("feedforward-gain", {"gain": 1.0}), ("pid", {"kp": 0.0} | LIMITS), ("pid", {"kp": 1.0} | LIMITS)
 AROUND = {"pid": ([FEEDFORWARD], []), "incremental-pid": ([FEEDFORWARD], []), "repetitive": ([FEEDFORWARD], []),
+          "integral-resonant-control": ([FEEDFORWARD], []), "positive-position-feedback": ([FEEDFORWARD], []),
+          "non-minimum-phase-damping": ([FEEDFORWARD], []),
           "reference-lead": ([], [LINEAR, OPEN]), "inverse-kelvin-voigt-creep": ([], [LINEAR, OPEN]),
           "reference-curve": ([], [LINEAR, OPEN]), "command-curve": ([FEEDFORWARD], [OPEN]),
           "notch": ([], [LINEAR, OPEN]), "disturbance-observer": ([], [LINEAR]),

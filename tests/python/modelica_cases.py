@@ -134,5 +134,8 @@ CONTROLLER = {
     "inverse-kelvin-voigt-creep": ({"share": [0.05, 0.03], "time_constant": [0.003, 0.03]}, EXACT),
     "disturbance-observer": ({"bandwidth": 90.0, "lag": 1e-3, "delay": 2.4e-4, "longest": 1e-3, "limit": 1.3}, EXACT),
     "repetitive": ({"cycle": 5e-3, "half": 4, "gain": 3.0, "lead": 3e-4, "keep": 0.95, "limit": 9.0}, EXACT),
+    "integral-resonant-control": ({"gain": 6.0, "frequency": 400.0, "setpoint_weight": 0.3}, EXACT),
+    "positive-position-feedback": ({"gain": 6.0, "frequency": 700.0, "damping": 0.4}, EXACT),
+    "non-minimum-phase-damping": ({"gain": 6.0, "frequency": 500.0, "setpoint_weight": 0.0}, EXACT),
     "jacobian-coordinator": ({"matrix": [[0.05, 0.9], [1.1, -0.2]], "offset": [0.5, -0.3]}, EXACT),
 }

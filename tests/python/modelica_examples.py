@@ -19,7 +19,9 @@ FURTHER = {"displacement": (0, 0.0, 0.0), "n": (0, 0.0, 0.0), "drive": (0, 0.0, 
            "actuator_temperature": (2, 0.1, 273.15), "voltage": (1, 1.0, 0.0), "force": (2, 0.5, 0.0), "disturbance": (2, 0.01e-6, 0.0), "command": (1, 1.0, 0.0),
            "reference": (1, 1e-6, 0.0), "measured": (2, 0.5e-6, 0.0)}
 # Control components that stand behind a feedforward of 8 V/um, and those whose reference the law behind them sees.
-BEHIND, BEFORE = {"pid", "incremental-pid", "repetitive", "command-curve"}, {"reference-filter", "reference-preview"}
+BEHIND = {"pid", "incremental-pid", "repetitive", "command-curve", "integral-resonant-control", "positive-position-feedback",
+          "non-minimum-phase-damping"}
+BEFORE = {"reference-filter", "reference-preview"}
 
 
 def camel(kind):

@@ -126,6 +126,9 @@ pub static COMPONENTS: model::Registry = &[
     &control::COMMAND_CURVE,
     &control::Notch,
     &control::Repetitive,
+    &control::INTEGRAL_RESONANT_CONTROL,
+    &control::POSITIVE_POSITION_FEEDBACK,
+    &control::NON_MINIMUM_PHASE_DAMPING,
     &control::Pid,
     &control::IncrementalPid,
 ];

@@ -5,11 +5,12 @@ use identify::learned::InverseFigures;
 use model::{AxisSpec, Kind, NodeSpec};
 
 use crate::analysis::{Analysed, linear_of};
-use crate::design::{Linear, SHIFTS, design};
+use crate::damping::{self, Around, DAMPINGS, Damped, Damping, FREQUENCIES};
+use crate::design::{Feedback, Linear, SHIFTS, design};
 use crate::feedforward::{self, Candidate};
 use crate::invert::ControlSettings;
 use crate::learned_axis::LearnedAxis;
-use crate::linearised::{is_discrete, lead_of, modes, shifted};
+use crate::linearised::{is_discrete, lead_of, modes, shifted, varied};
 use crate::loop_shape::{Limits, Shaped};
 use crate::undone::Undone;
 
@@ -17,9 +18,11 @@ use crate::undone::Undone;
 pub(crate) struct Design {
     pub(crate) learned: Option<LearnedAxis>,
     pub(crate) shaped: Shaped,
+    /// The inner loop, where one is asked for.
+    pub(crate) damped: Option<Damped>,
     pub(crate) slope: f64,
-    /// The lead for all linear parts but those that a filter undoes.
-    pub(crate) lead: Option<ComponentBlueprint>,
+    /// The leads for all linear parts but those that a filter undoes.
+    pub(crate) leads: Vec<ComponentBlueprint>,
     pub(crate) delay: f64,
     pub(crate) ways: Vec<Candidate>,
     pub(crate) chosen: usize,
@@ -61,16 +64,45 @@ pub(crate) fn axis_design(
         period,
     };
     let limits = Limits { sensitivity: settings.sensitivity, noise: settings.noise };
-    let shaped = design(&linear, settings.feedback, settings.acts, limits).ok_or_else(|| {
-        vec![
-            "no feedback gain keeps the margins; allow a larger sensitivity or a shorter period"
-                .to_owned(),
-        ]
-    })?;
+    let damped = if settings.damping == Damping::None {
+        None
+    } else {
+        if learned.is_some() {
+            return Err(one(
+                "was learned, and its modes have no frequency that could be varied: no robust \
+                            damping can be designed; leave --damping out"
+                    .to_owned(),
+            ));
+        }
+        let pairs = FREQUENCIES.iter().flat_map(|f| DAMPINGS.iter().map(move |d| (*f, *d)));
+        let impulses = pairs
+            .map(|(shift, damping)| response(&varied(&nodes, shift, damping)).map_err(one))
+            .collect::<Result<Vec<_>, _>>()?;
+        let leads = damping::leads(lead_of(&impulses[0], period), &all_modes);
+        let around = Around {
+            impulses: &impulses,
+            modes: &all_modes,
+            slopes: (slope, path.sweep.least_slope),
+            leads: &leads,
+            period,
+        };
+        let derivative = settings.feedback == Feedback::Pid;
+        let found = damping::damped(&around, settings.damping, derivative, settings.acts, limits);
+        Some(found.map_err(one)?)
+    };
+    let shaped = match &damped {
+        Some(damped) => damped.shaped,
+        None => design(&linear, settings.feedback, settings.acts, limits).ok_or_else(|| {
+            vec![
+                "no feedback gain keeps the margins; allow a larger sensitivity or a shorter period"
+                    .to_owned(),
+            ]
+        })?,
+    };
     let delay = lead_of(&impulses[0], period).0 - 0.5 * period;
     let lead = match &learned {
         None if nodes.is_empty() && path.own.len() == 1 => None,
-        None => lead(lead_of(&impulses[0], period), path.sweep.reach),
+        None => lead_component(lead_of(&impulses[0], period), path.sweep.reach),
         Some(learned) => {
             let others: Vec<NodeSpec> =
                 nodes.iter().filter(|node| !is_discrete(node)).cloned().collect();
@@ -81,13 +113,25 @@ pub(crate) fn axis_design(
                 let own = lead_of(&response(&others).map_err(one)?, period);
                 let (lag, inertia) = (undone.lag, undone.inertia);
                 let both = (own.0 + lag, own.1 + lag * own.0 + inertia);
-                lead(both, learned.reach)
+                lead_component(both, learned.reach)
             }
         }
+    };
+    let leads = if damped.is_some() {
+        let both = damping::leads(lead_of(&impulses[0], period), &all_modes);
+        let each = both.into_iter().enumerate();
+        each.filter_map(|(k, one)| {
+            let found = lead_component(one, path.sweep.reach)?;
+            Some(if k == 0 { found.named("mode_lead") } else { found })
+        })
+        .collect()
+    } else {
+        lead.into_iter().collect()
     };
     let mut ways = Vec::new();
     let mut notes = path.left.clone();
     notes.extend(analysed.left[index].iter().cloned());
+    notes.extend(damped.iter().filter_map(Damped::shortfall));
     if learned.is_none() {
         for way in feedforward::declared(path) {
             match way.and_then(|way| buildable(way, &path.axis, period)) {
@@ -97,7 +141,19 @@ pub(crate) fn axis_design(
         }
     }
     let (inverse, tables) = (None, Vec::new());
-    Ok(Design { learned, shaped, slope, lead, delay, ways, chosen: 0, notes, inverse, tables })
+    Ok(Design {
+        learned,
+        shaped,
+        damped,
+        slope,
+        leads,
+        delay,
+        ways,
+        chosen: 0,
+        notes,
+        inverse,
+        tables,
+    })
 }
 
 /// The way, where a controller can be built of it.
@@ -113,7 +169,7 @@ pub(crate) fn buildable(way: Candidate, axis: &AxisSpec, period: f64) -> Result<
 }
 
 /// What the feedforward adds to the reference for the linear parts of the path.
-fn lead((lag, inertia): (f64, f64), reach: (f64, f64)) -> Option<ComponentBlueprint> {
+fn lead_component((lag, inertia): (f64, f64), reach: (f64, f64)) -> Option<ComponentBlueprint> {
     let limit = 0.5 * (reach.1 - reach.0);
     let component = ComponentBlueprint::new("reference-lead");
     let component = component.value("lag", lag.max(0.0)).value("inertia", inertia.max(0.0));

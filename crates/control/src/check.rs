@@ -96,8 +96,10 @@ pub(crate) fn without_feedback(controller: &Blueprint) -> Blueprint {
     let mut alone = controller.clone();
     for axis in &mut alone.axes {
         for component in axis.components.iter_mut().filter(|c| !is_feedforward(c)) {
-            for gain in ["kp", "ki", "kd"] {
-                component.set(gain, 0.0);
+            for gain in ["kp", "ki", "kd", "gain"] {
+                if component.get(gain).is_some() {
+                    component.set(gain, 0.0);
+                }
             }
         }
     }
@@ -108,7 +110,14 @@ pub(crate) fn without_feedback(controller: &Blueprint) -> Blueprint {
 pub(crate) fn without_feedforward(controller: &Blueprint) -> Blueprint {
     let mut alone = controller.clone();
     for axis in &mut alone.axes {
-        axis.components.retain(|component| !is_feedforward(component));
+        // What stands behind the law shapes the feedback.
+        let law = axis.components.iter().position(|component| !is_feedforward(component));
+        axis.components.drain(..law.unwrap_or(axis.components.len()));
+        for component in &mut axis.components {
+            if component.get("setpoint_weight").is_some() {
+                component.set("setpoint_weight", 0.0);
+            }
+        }
     }
     alone.tables.clear();
     alone

@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::analysis::analyse;
 use crate::axis::axis_design;
 use crate::check::Check;
+use crate::damping::{Damping, DampingFigures};
 use crate::design::{CommandActs, Feedback};
 use crate::feedforward::Feedforward;
 use crate::learned_axis::sample_time;
@@ -39,6 +40,8 @@ pub struct ControlSettings {
     pub feedforward: Feedforward,
     /// The law that acts on the error.
     pub feedback: Feedback,
+    /// How the first resonance is damped, in an inner loop; the law is then PID or PI.
+    pub damping: Damping,
     /// When a command acts: what the margins allow for.
     pub acts: CommandActs,
     /// Whether coupled axes are controlled in pairs (two a mirror), each by its own sensor only.
@@ -57,6 +60,7 @@ impl Default for ControlSettings {
             noise: 10.0,
             feedforward: Feedforward::Automatic,
             feedback: Feedback::Pid,
+            damping: Damping::None,
             acts: CommandActs::Either,
             independent: false,
             force: false,
@@ -128,6 +132,10 @@ pub struct LoopFigures {
     /// Least and greatest position that the command's bounds always allow, also after the opposite
     /// bound was visited, as simulated; of coupled axes, that all of them may use at once.
     pub reach: (f64, f64),
+    /// The inner loop that damps the first resonance, where there is one. Margins and sensitivity are then those of
+    /// the whole loop over the plants of its grid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping: Option<DampingFigures>,
     /// What the controller does on its own plant.
     pub checks: Vec<Check>,
     /// What is left to feedback, and what it costs.
@@ -159,6 +167,16 @@ pub fn invert(
     check_settings(settings, period, learned.is_some())?;
     if spec.kind != Kind::Plant {
         let reason = "is a controller; give the blueprint of a plant".to_owned();
+        return Err(refused(vec![NotInvertible { place: spec.name.clone(), reason }]));
+    }
+    if settings.damping != Damping::None
+        && !matches!(settings.feedback, Feedback::Pid | Feedback::Pi)
+    {
+        let reason = format!(
+            "--damping {} is designed together with PID or PI, not with {}; take --feedback pid or pi",
+            settings.damping.name(),
+            settings.feedback.name()
+        );
         return Err(refused(vec![NotInvertible { place: spec.name.clone(), reason }]));
     }
     let step = step_of(spec, period)

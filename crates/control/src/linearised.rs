@@ -4,6 +4,8 @@ use model::{AxisSpec, NodeSpec};
 
 use crate::probe::{Probe, straight};
 
+/// Damping ratio below which a mode is light.
+pub(crate) const LIGHT: f64 = 0.5;
 /// Longest step response that is simulated, in samples.
 const LONGEST: usize = 1 << 17;
 /// Shortest.
@@ -58,20 +60,36 @@ pub(crate) fn modes(nodes: &[NodeSpec]) -> Vec<(f64, f64)> {
 /// The linear parts with the frequencies of their modes multiplied by `shift`.
 pub(crate) fn shifted(nodes: &[NodeSpec], shift: f64) -> Vec<NodeSpec> {
     let mut nodes = nodes.to_vec();
+    for node in nodes.iter_mut().filter(|node| !values(node, "damping").is_empty()) {
+        multiply(node, "frequency", shift);
+    }
+    nodes
+}
+
+/// The linear parts with the frequencies of all their modes and the damping of the light ones multiplied.
+pub(crate) fn varied(nodes: &[NodeSpec], shift: f64, damping: f64) -> Vec<NodeSpec> {
+    let mut nodes = shifted(nodes, shift);
     for node in &mut nodes {
-        let declaration = node.component.declaration();
-        if values(node, "damping").is_empty() {
-            continue;
-        }
-        let at = declaration.parameters.iter().position(|q| q.name == "frequency");
-        let Some(index) = at else { continue };
-        let start: usize = (0..index).map(|i| declaration.length(i, &node.structure)).sum();
-        let count = declaration.length(index, &node.structure);
-        for value in node.values.iter_mut().skip(start).take(count) {
-            *value *= shift;
+        multiply(node, "second_frequency", shift);
+        for name in ["damping", "second_damping"] {
+            if values(node, name).first().is_some_and(|value| *value < LIGHT) {
+                multiply(node, name, damping);
+            }
         }
     }
     nodes
+}
+
+/// Multiplies the values of a parameter, where a node has it.
+fn multiply(node: &mut NodeSpec, name: &str, by: f64) {
+    let declaration = node.component.declaration();
+    let at = declaration.parameters.iter().position(|q| q.name == name);
+    let Some(index) = at else { return };
+    let start: usize = (0..index).map(|i| declaration.length(i, &node.structure)).sum();
+    let count = declaration.length(index, &node.structure);
+    for value in node.values.iter_mut().skip(start).take(count) {
+        *value *= by;
+    }
 }
 
 /// The impulse response h_1, h_2, … of linear parts behind a gain, from a command held over a period to the

@@ -157,7 +157,7 @@ impl Response {
 }
 
 /// z⁻¹ · Σ h_k z⁻ᵏ at z = exp(i·angle), by Horner's rule.
-fn transfer(impulse: &[f64], angle: f64) -> Complex<f64> {
+pub(crate) fn transfer(impulse: &[f64], angle: f64) -> Complex<f64> {
     let back = Complex::from_polar(1.0, -angle);
     let sum = impulse.iter().rev().fold(Complex::new(0.0, 0.0), |sum, h| (sum + h) * back);
     sum * back

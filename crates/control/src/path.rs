@@ -82,6 +82,8 @@ pub(crate) struct Sweep {
     pub(crate) position: Vec<f64>,
     /// Steepest chord, with the sign of the mean one.
     pub(crate) slope: f64,
+    /// Flattest chord, the same.
+    pub(crate) least_slope: f64,
     /// From end to end.
     pub(crate) mean_slope: f64,
     /// Whether the position falls somewhere while the command leads it up.
@@ -261,6 +263,7 @@ fn sweep_of(
         command,
         position,
         slope: slope * mean.signum(),
+        least_slope: least.max(0.0) * mean.signum(),
         mean_slope: mean,
         curls: least < -1e-3 * slope,
         reach: (a.min(b), a.max(b)),

@@ -247,6 +247,54 @@ package Controllers "Examples of single blocks: Controllers"
       Documentation(info="<html><p>Block Piezoloop.Controllers.Repetitive as it is compared with the FMU.</p></html>"));
   end Repetitive;
 
+  model IntegralResonantControl "Integral resonant control: a low-pass of the position in positive feedback damps a resonance"
+    extends Icons.Example;
+    Piezoloop.Controllers.IntegralResonantControl device(gain = 6.0, frequency = 400.0, setpoint_weight = 0.3, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
+    Sources.Wave wave(scale = 0.64, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
+    Sources.Wave reference(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,20},{-60,40}})));
+    Sources.Wave measured(scale = 4e-08, amplitude = {30.0}, frequency = {90.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,-10},{-60,10}})));
+    Sources.Enable enable(off = 0.007200000000000001, on = 0.012100000000000001, step = 0.0001) annotation(Placement(transformation(extent={{-80,-40},{-60,-20}})));
+  equation
+    connect(wave.y, device.u) annotation(Line(points={{-59,60},{-40,60},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(reference.y, device.reference) annotation(Line(points={{-59,30},{-40,30},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(measured.y, device.measured) annotation(Line(points={{-59,0},{-40,0},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(enable.y, device.enable) annotation(Line(points={{-59,-30},{-40,-30},{-40,0},{-24,0}}, color={0,0,127}));
+    annotation(experiment(StartTime=0, StopTime=0.0299, Interval=0.0001, Tolerance=1e-9),
+      Documentation(info="<html><p>Block Piezoloop.Controllers.IntegralResonantControl as it is compared with the FMU.</p></html>"));
+  end IntegralResonantControl;
+
+  model PositivePositionFeedback "Positive position feedback: a resonant low-pass of the position damps a resonance"
+    extends Icons.Example;
+    Piezoloop.Controllers.PositivePositionFeedback device(gain = 6.0, frequency = 700.0, damping = 0.4, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
+    Sources.Wave wave(scale = 0.64, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
+    Sources.Wave reference(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,20},{-60,40}})));
+    Sources.Wave measured(scale = 4e-08, amplitude = {30.0}, frequency = {90.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,-10},{-60,10}})));
+    Sources.Enable enable(off = 0.007200000000000001, on = 0.012100000000000001, step = 0.0001) annotation(Placement(transformation(extent={{-80,-40},{-60,-20}})));
+  equation
+    connect(wave.y, device.u) annotation(Line(points={{-59,60},{-40,60},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(reference.y, device.reference) annotation(Line(points={{-59,30},{-40,30},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(measured.y, device.measured) annotation(Line(points={{-59,0},{-40,0},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(enable.y, device.enable) annotation(Line(points={{-59,-30},{-40,-30},{-40,0},{-24,0}}, color={0,0,127}));
+    annotation(experiment(StartTime=0, StopTime=0.0299, Interval=0.0001, Tolerance=1e-9),
+      Documentation(info="<html><p>Block Piezoloop.Controllers.PositivePositionFeedback as it is compared with the FMU.</p></html>"));
+  end PositivePositionFeedback;
+
+  model NonMinimumPhaseDamping "Non-minimum-phase damping: the position turned by an all-pass, with the same gain at all frequencies"
+    extends Icons.Example;
+    Piezoloop.Controllers.NonMinimumPhaseDamping device(gain = 6.0, frequency = 500.0, setpoint_weight = 0.0, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
+    Sources.Wave wave(scale = 0.64, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
+    Sources.Wave reference(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,20},{-60,40}})));
+    Sources.Wave measured(scale = 4e-08, amplitude = {30.0}, frequency = {90.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,-10},{-60,10}})));
+    Sources.Enable enable(off = 0.007200000000000001, on = 0.012100000000000001, step = 0.0001) annotation(Placement(transformation(extent={{-80,-40},{-60,-20}})));
+  equation
+    connect(wave.y, device.u) annotation(Line(points={{-59,60},{-40,60},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(reference.y, device.reference) annotation(Line(points={{-59,30},{-40,30},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(measured.y, device.measured) annotation(Line(points={{-59,0},{-40,0},{-40,0},{-24,0}}, color={0,0,127}));
+    connect(enable.y, device.enable) annotation(Line(points={{-59,-30},{-40,-30},{-40,0},{-24,0}}, color={0,0,127}));
+    annotation(experiment(StartTime=0, StopTime=0.0299, Interval=0.0001, Tolerance=1e-9),
+      Documentation(info="<html><p>Block Piezoloop.Controllers.NonMinimumPhaseDamping as it is compared with the FMU.</p></html>"));
+  end NonMinimumPhaseDamping;
+
   model JacobianCoordinator "From the coordinates of all sensors to the motions of all axes, through the inverse Jacobian"
     extends Icons.Example;
     Piezoloop.Controllers.JacobianCoordinator device(matrix = {0.05, 0.9, 1.1, -0.2}, offset = {0.5, -0.3}, entries = 4, axes = 2) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));

@@ -1,5 +1,6 @@
 //! Control laws and feedforward.
 
+mod active_damping;
 mod bouc_wen_feedforward;
 mod curve;
 mod disturbance_observer;
@@ -14,6 +15,9 @@ mod reference_lead;
 mod reference_preview;
 mod repetitive;
 
+pub use active_damping::{
+    ActiveDamping, INTEGRAL_RESONANT_CONTROL, NON_MINIMUM_PHASE_DAMPING, POSITIVE_POSITION_FEEDBACK,
+};
 pub use bouc_wen_feedforward::BoucWenFeedforward;
 pub use curve::{COMMAND_CURVE, REFERENCE_CURVE};
 pub use disturbance_observer::DisturbanceObserver;
