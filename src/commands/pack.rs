@@ -21,7 +21,7 @@ use crate::{documentation, fmus, inputs, libraries, ports};
 /// The tool contains the shared library of the FMU; no compiler is needed.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_plant.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu\n  piezoloop pack p1 --fmi 3 --ports mechanical,electrical --port-value 'capacitance=2.1 uF' -o p1.fmu\n  piezoloop pack evc --sources=only -o evc.fmu"
+    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_plant.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu\n  piezoloop pack p1 --fmi 3 --ports mechanical,electrical --port-value 'capacitance=2.1 uF' -o p1.fmu\n  piezoloop pack evc --sources=only -o evc.fmu\n  piezoloop pack evc --fmi 3 --wasm -o evc.fmu"
 )]
 pub(crate) struct Pack {
     /// A blueprint file, or the name of a rig
@@ -63,14 +63,39 @@ pub(crate) struct Pack {
         require_equals = true,
         default_missing_value = "beside"
     )]
-    sources: Option<Sources>,
+    sources: Option<Beside>,
+    /// Add the FMU as a WebAssembly component by the draft of the layered standard FMI-LS-WASM (experimental;
+    /// FMI 3.0): it runs on every platform and reaches nothing outside itself; with =only, no library goes in
+    #[arg(
+        long,
+        value_name = "only",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "beside"
+    )]
+    wasm: Option<Beside>,
 }
 
-/// What C sources go beside.
+/// The forms of an FMU that suit every platform, and what each goes beside.
+#[derive(Clone, Copy, Default)]
+struct Portable {
+    sources: Option<Beside>,
+    wasm: Option<Beside>,
+}
+
+impl Portable {
+    /// Whether no library goes in.
+    fn alone(self) -> bool {
+        [self.sources, self.wasm].contains(&Some(Beside::Only))
+    }
+}
+
+/// What a portable form goes beside.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-enum Sources {
+enum Beside {
     /// The shared libraries
-    Beside,
+    #[value(name = "beside")]
+    Libraries,
     /// Nothing
     Only,
 }
@@ -102,6 +127,8 @@ pub(crate) struct Packed {
     platforms: Vec<String>,
     /// Whether it can be compiled from its sources.
     sources: bool,
+    /// Whether it has a WebAssembly component.
+    wasm: bool,
     bytes: usize,
     /// The ports that were added.
     ports: Vec<ports::Offered>,
@@ -130,12 +157,15 @@ impl Pack {
         }
         let output = inputs::output(self.out.clone(), &source.blueprint.name, "fmu");
         inputs::can_write_as(&output, inputs::FMU)?;
-        if self.sources == Some(Sources::Only)
-            && !(self.binaries.is_empty() && self.libraries.is_none())
-        {
+        let portable = Portable { sources: self.sources, wasm: self.wasm };
+        if portable.alone() && !(self.binaries.is_empty() && self.libraries.is_none()) {
+            let option = if self.sources == Some(Beside::Only) { "sources" } else { "wasm" };
             bail!(
-                "--sources=only: no library goes in; leave out --binary and --libraries, or write --sources"
+                "--{option}=only: no library goes in; leave out --binary and --libraries, or write --{option}"
             );
+        }
+        if self.wasm.is_some() && self.fmi == Version::Two {
+            bail!("--wasm: WebAssembly components belong to FMI 3.0; add --fmi 3");
         }
         let mut binaries: Vec<_> =
             self.binaries.iter().map(|text| Binary::read(text)).collect::<Result<_, _>>()?;
@@ -150,7 +180,7 @@ impl Pack {
             Version::Two => FmiVersion::V2,
             Version::Three => FmiVersion::V3,
         };
-        pack_with(&source, version, &binaries, self.sources, offered, &output)
+        pack_with(&source, version, &binaries, portable, offered, &output)
     }
 }
 
@@ -161,19 +191,19 @@ pub(crate) fn pack(
     given: &[Binary],
     output: &Path,
 ) -> anyhow::Result<Packed> {
-    pack_with(source, version, given, None, Vec::new(), output)
+    pack_with(source, version, given, Portable::default(), Vec::new(), output)
 }
 
-/// As [`pack`], with C sources where they are wanted, and ports that were added.
+/// As [`pack`], with the portable forms that are wanted, and ports that were added.
 fn pack_with(
     source: &inputs::BlueprintText,
     version: FmiVersion,
     given: &[Binary],
-    sources: Option<Sources>,
+    portable: Portable,
     ports: Vec<ports::Offered>,
     output: &Path,
 ) -> anyhow::Result<Packed> {
-    let mut assembled = assemble(source, version, given, sources.is_some(), &ports)?;
+    let mut assembled = assemble(source, version, given, portable, &ports)?;
     let Assembled { package, description, .. } = &mut assembled;
     // What this platform's library computes; without one there is nothing to hold another against.
     let reference = match Platform::from_name(libraries::PLATFORM) {
@@ -185,7 +215,7 @@ fn pack_with(
     }
     let page = documentation::page(&source.blueprint, description, reference.as_ref())?;
     package.documentation("index.html", page.into_bytes())?;
-    if sources == Some(Sources::Only) {
+    if portable.alone() {
         package.remove_binaries();
         assembled.platforms.clear();
     }
@@ -202,7 +232,8 @@ fn pack_with(
         variables: system.variables().len(),
         internal_step_s: system.period(),
         platforms,
-        sources: sources.is_some(),
+        sources: portable.sources.is_some(),
+        wasm: portable.wasm.is_some(),
         bytes,
         ports,
     })
@@ -211,7 +242,7 @@ fn pack_with(
 /// Writes the FMU of a blueprint for a run of our own: nobody reads it, so it has no page and no
 /// reference results.
 pub(crate) fn pack_to_run(source: &inputs::BlueprintText, output: &Path) -> anyhow::Result<()> {
-    assemble(source, PACKED_WITH, &[], false, &[])?.package.write(output)?;
+    assemble(source, PACKED_WITH, &[], Portable::default(), &[])?.package.write(output)?;
     Ok(())
 }
 
@@ -229,9 +260,10 @@ fn assemble(
     source: &inputs::BlueprintText,
     version: FmiVersion,
     given: &[Binary],
-    with_sources: bool,
+    portable: Portable,
     ports: &[ports::Offered],
 ) -> anyhow::Result<Assembled> {
+    let with_sources = portable.sources.is_some();
     let checked = source.blueprint.check(learned::COMPONENTS)?;
     let system = checked.build();
     let (library, kind, icon): (_, _, &[u8]) = match system.kind() {
@@ -271,6 +303,10 @@ fn assemble(
     }
     if with_sources {
         put_sources(&mut package, version, &checked)?;
+    }
+    if portable.wasm.is_some() {
+        let component = source::component(checked.spec()).map_err(anyhow::Error::msg)?;
+        package.component(&component)?;
     }
     put_pictures(&mut package, version, icon, &ports::terminals(system.variables(), ports))?;
     if version == FmiVersion::V3 {
@@ -505,6 +541,7 @@ impl Packed {
     fn targets(&self) -> String {
         let mut targets = self.platforms.clone();
         targets.extend(self.sources.then(|| "every C99 compiler (sources)".to_owned()));
+        targets.extend(self.wasm.then(|| "WebAssembly (component)".to_owned()));
         targets.join(", ")
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::{binary, functions, read_and_check, sources};
 use crate::description::{FmiVersion, ModelDescription};
-use crate::package::{Archive, EntryDefect, Limits, PackageError, Platform};
+use crate::package::{Archive, EntryDefect, Limits, PackageError, Platform, WASM, WASM_MANIFEST};
 use crate::problem::{MODEL_DESCRIPTION, Problem, Topic};
 
 /// Binaries beyond this size are not looked into.
@@ -297,7 +297,61 @@ fn implementations(
     }
     sources::check(problems, description, content, limits);
     for name in platforms {
-        platform(problems, description, content, &name);
+        match name.as_str() {
+            WASM => component(problems, description, content),
+            name => platform(problems, description, content, name),
+        }
+    }
+}
+
+/// A WebAssembly component by the draft of FMI-LS-WASM: there, under the right name, a component, with its manifest.
+fn component(problems: &mut Vec<Problem>, description: &ModelDescription, content: &mut Content) {
+    /// How a component begins; a module, which is no component, has another version.
+    const HEAD: &[u8; 8] = b"\0asm\x0d\0\x01\0";
+    let version = description.fmi_version;
+    let mut wrong = |path: &str, found: String, rule: &str, way_out: &str| {
+        let problem = Problem::in_entry(version, Topic::Binaries, path, found);
+        problems.push(problem.rule(rule).way_out(way_out));
+    };
+    let folder = format!("binaries/{WASM}/");
+    if version == FmiVersion::V2 {
+        let found = "an FMU of FMI 2.0 has a WebAssembly component".to_owned();
+        wrong(&folder, found, "FMI-LS-WASM belongs to FMI 3.0", "pack it as FMI 3.0");
+    }
+    let identifiers: BTreeSet<&str> =
+        description.interfaces().map(|(_, i)| i.model_identifier.as_str()).collect();
+    for identifier in identifiers {
+        let path = format!("{folder}{identifier}.wasm");
+        match content.read(&path, LARGEST_BINARY) {
+            None => {
+                let found =
+                    format!("there is no such file; the folder has {}", others(content, WASM));
+                let rule = "the component must have the name of the modelIdentifier";
+                wrong(&path, found, rule, "rename or add the component");
+            }
+            Some(Err(message)) => {
+                let found = format!("it cannot be read: {message}");
+                wrong(&path, found, "the component must be loadable", "pack the FMU again");
+            }
+            Some(Ok(bytes)) if !bytes.starts_with(HEAD) => {
+                let found = match bytes.starts_with(b"\0asm") {
+                    true => "it is a WebAssembly module",
+                    false => "it does not begin as WebAssembly does",
+                };
+                let rule = "the file must be a component of the WebAssembly Component Model";
+                wrong(
+                    &path,
+                    found.to_owned(),
+                    rule,
+                    "make a component of it, as \"wasm-tools component new\" does",
+                );
+            }
+            Some(Ok(_)) => {}
+        }
+    }
+    if !content.files.contains_key(WASM_MANIFEST) {
+        let rule = "FMI-LS-WASM requires the manifest of the layered standard";
+        wrong(WASM_MANIFEST, "there is no such file".to_owned(), rule, "add the manifest");
     }
 }
 

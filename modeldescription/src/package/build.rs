@@ -82,9 +82,27 @@ impl PackageBuilder {
         self.entry(format!("sources/{path}"), content)
     }
 
+    /// Adds a WebAssembly component by the draft of FMI-LS-WASM, with its manifest; for FMI 3.0 only.
+    ///
+    /// # Errors
+    /// As [`PackageBuilder::entry`].
+    pub fn component(&mut self, component: &[u8]) -> Result<&mut Self, PackageError> {
+        for identifier in self.model_identifiers.clone() {
+            let path = format!("binaries/{}/{identifier}.wasm", super::WASM);
+            self.entry(path, component.to_vec())?;
+        }
+        let manifest = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+            <fmiLayeredStandardManifest xmlns:fmi-ls=\"http://fmi-standard.org/fmi-ls-manifest\" \
+            fmi-ls:fmi-ls-name=\"org.modelica.fmi-ls-wasm\" fmi-ls:fmi-ls-version=\"0.1.0\" \
+            fmi-ls:fmi-ls-description=\"FMI Layered Standard for WebAssembly\"/>\n";
+        self.entry(super::WASM_MANIFEST, manifest.into())
+    }
+
     /// Takes the shared libraries out again.
     pub fn remove_binaries(&mut self) -> &mut Self {
-        self.entries.retain(|path, _| !path.starts_with("binaries/"));
+        let wasm = format!("binaries/{}/", super::WASM);
+        let is_library = |path: &str| path.starts_with("binaries/") && !path.starts_with(&wasm);
+        self.entries.retain(|path, _| !is_library(path));
         self
     }
 

@@ -16,7 +16,7 @@ pub use archive::Limits;
 pub use build::PackageBuilder;
 pub(crate) use build::write_archive;
 pub use error::{EntryDefect, PackageError};
-pub use platform::{PLATFORMS, Platform};
+pub use platform::{PLATFORMS, Platform, WASM, WASM_MANIFEST};
 
 use crate::description::ModelDescription;
 use crate::problem::MODEL_DESCRIPTION;

@@ -34,6 +34,11 @@ pub const PLATFORMS: [Platform; 9] = [
     platform("i686-darwin", Some("darwin32"), "dylib"),
 ];
 
+/// The folder of WebAssembly components, by the draft of FMI-LS-WASM.
+pub const WASM: &str = "wasm32-wasip2";
+/// The manifest that the draft wants beside them.
+pub const WASM_MANIFEST: &str = "extra/org.modelica.fmi-ls-wasm/manifest.xml";
+
 impl Platform {
     /// The platform of this name, FMI 2.0 or FMI 3.0.
     pub fn from_name(name: &str) -> Option<Self> {

@@ -1,10 +1,13 @@
 //! What is around a model inside WebAssembly: in a source-code FMU the C file `sources/fmu.h`, which
 //! copies arguments in and results out and knows the importer.
 
-use std::ffi::{CStr, c_char};
+use std::ffi::CStr;
+#[cfg(not(feature = "component"))]
+use std::ffi::c_char;
 
 use super::guard::Status;
 
+#[cfg(not(feature = "component"))]
 #[link(wasm_import_module = "host")]
 unsafe extern "C" {
     /// A message to the importer's logger.
@@ -15,14 +18,24 @@ unsafe extern "C" {
 
 /// Sends a message to the importer.
 pub(super) fn tell(status: Status, category: &CStr, message: &CStr) {
+    #[cfg(feature = "component")]
+    super::component::say(status as u32, category, message);
     // SAFETY: both texts end with a zero byte and live until the call returns.
-    unsafe { tell_importer(status as u32, category.as_ptr(), message.as_ptr()) }
+    #[cfg(not(feature = "component"))]
+    unsafe {
+        tell_importer(status as u32, category.as_ptr(), message.as_ptr())
+    }
 }
 
 /// Keeps the text of a panic outside, where it outlives the instance.
 pub(super) fn panicked(text: &[u8]) {
+    #[cfg(feature = "component")]
+    super::component::panicked(text);
     // SAFETY: the length is that of the text.
-    unsafe { keep_panic(text.as_ptr(), text.len()) }
+    #[cfg(not(feature = "component"))]
+    unsafe {
+        keep_panic(text.as_ptr(), text.len())
+    }
 }
 
 /// Exports what the C around the core calls beside the functions of FMI, for the models that `$build` makes of

@@ -13,6 +13,8 @@
 //! read at all, every known variable is answered.
 
 mod arguments;
+#[cfg(all(target_family = "wasm", feature = "component"))]
+pub mod component;
 #[cfg(test)]
 mod forced;
 mod guard;
@@ -24,6 +26,7 @@ mod old_glibc;
 mod phase;
 mod resources;
 mod saved;
+pub mod slot;
 mod state_calls;
 pub mod v2;
 pub mod v3;

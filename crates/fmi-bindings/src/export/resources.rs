@@ -21,6 +21,9 @@ pub(super) enum Location<'a> {
 /// else `../../resources` from the folder of this library (`binaries/<platform>/`).
 pub(super) fn find(location: Location<'_>, marker: &str) -> Result<PathBuf, String> {
     // A model inside WebAssembly has its blueprint compiled in.
+    if cfg!(feature = "component") {
+        return Ok(PathBuf::from("the component"));
+    }
     if cfg!(target_family = "wasm") {
         return Ok(PathBuf::from("sources"));
     }
