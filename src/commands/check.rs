@@ -63,6 +63,8 @@ struct Fmu {
     unchecked: Option<String>,
     /// Whether it has reference results.
     has_reference: bool,
+    /// Whether it has a library for this machine.
+    runs_here: bool,
     /// What the repetition of its reference results gave, where it was asked for.
     replay: Option<Replay>,
 }
@@ -103,7 +105,8 @@ fn check(path: &Path, patience: Option<Duration>) -> Fmu {
     let has_reference = package.as_ref().is_some_and(|p| reference::has_one(p.folder()));
     let mut replay = None;
     // Where there is no library for this machine, there is nothing to repeat.
-    let can_run = |p: &&Package| has_reference && p.binary().is_ok();
+    let runs_here = package.as_ref().is_some_and(|package| package.binary().is_ok());
+    let can_run = |_: &&Package| has_reference && runs_here;
     if let (Some(package), Some(patience)) = (package.as_ref().filter(can_run), patience) {
         match repeat(package, patience) {
             Ok(done) => {
@@ -132,6 +135,7 @@ fn check(path: &Path, patience: Option<Duration>) -> Fmu {
         problems,
         unchecked,
         has_reference,
+        runs_here,
         replay,
     }
 }
@@ -226,9 +230,12 @@ impl Answer for Checked {
             };
             if fmu.has_reference && fmu.replay.is_none() && errors == 0 {
                 let path = fmu.path.display();
-                let how = match fmu.platforms.is_empty() && fmu.sources {
-                    true => "to be repeated with --replay where its sources have been compiled",
-                    false => "--replay runs its code and repeats them",
+                let how = match (fmu.platforms.is_empty() && fmu.sources, fmu.runs_here) {
+                    (true, _) => {
+                        "to be repeated with --replay where its sources have been compiled"
+                    }
+                    (_, true) => "--replay runs its code and repeats them",
+                    (_, false) => "no library for this machine is there to repeat them with",
                 };
                 writeln!(out, "{path}: has reference results; {how}")?;
             }
