@@ -10,13 +10,14 @@ use crate::error::Error;
 use crate::estimates;
 use crate::fit::delay::{self, Delay};
 use crate::fit::linear_part::{self, Deviations, Structure};
-use crate::fit::operator::Operator;
-use crate::fit::response::LinearPart;
+use crate::fit::operator::{Operator, through};
+use crate::fit::response::{LinearPart, before_hysteresis};
 use crate::fit::weights::{Fitted, Task, independent_samples, mean};
 use crate::identification::{Candidate, Estimate, Identification, Predicted, Verdict};
 use crate::judge::simulate;
+use crate::learned::network;
 use crate::learned::plant::{Family, Learned, Lesson};
-use crate::methods::{Chain, LINEAR, Method, Scene, Way};
+use crate::methods::{CURVED, Chain, LINEAR, Method, NETWORK, Scene, Way};
 use crate::observer::Observer;
 use crate::plant::{Actuator, Plant};
 use crate::record::{Record, Rows};
@@ -393,6 +394,7 @@ impl<'a> Session<'a> {
                 }
                 Way::Operator(method) => self.method(method, &scene, known),
                 Way::Learned(family) => self.learned(family, known),
+                Way::Network => self.network(&scene, known),
             };
             let mut tried = match tried.and_then(|tried| self.moved(tried)) {
                 Ok(tried) => tried,
@@ -413,7 +415,7 @@ impl<'a> Session<'a> {
             let fall = 1.0 - tried.held_out_rmse / best.held_out_rmse;
             let open = match method {
                 Way::Operator(method) => self.open_shape(&tried, method, &scene),
-                Way::Linear | Way::Learned(_) => Vec::new(),
+                Way::Linear | Way::Learned(_) | Way::Network => Vec::new(),
             };
             let mut reason = format!(
                 "held-out error {:+.1} % against {} ({:.0} % less is needed)",
@@ -503,6 +505,47 @@ impl<'a> Session<'a> {
         let substeps = operator.substeps;
         let mut tried = self.tried(name, &actuator, solved.offset, linear, deviations, substeps)?;
         tried.parameters = estimates::of_operator(&self.plan, &self.target.axis, &operator, &fit);
+        Ok(tried)
+    }
+
+    /// Plays between two curves, and the network over them that learns what they leave.
+    fn network(&mut self, scene: &Scene, known: LinearPart) -> Result<Tried, Error> {
+        let operator = Operator {
+            method: CURVED,
+            scene,
+            records: self.records,
+            rows: &self.plan.fitted,
+            period: self.plan.period,
+            substeps: 1,
+        };
+        // The curve of the position stands in the component: a mode behind it is none of this model.
+        let known = LinearPart { mode: None, ..known };
+        let (longest, search) = (self.plan.longest_delay, self.plan.search);
+        let fit = operator.fit(known, longest, search, self.observer)?;
+        let (linear, deviations) = (fit.solved.linear, fit.deviations);
+        let solved = &fit.solved;
+        let chain = CURVED.chain(scene, &solved.shape, &solved.weights, solved.offset);
+        let plays =
+            network::Plays::of(&chain).ok_or_else(|| Error::no_solution("it has no plays"))?;
+        let period = self.plan.period;
+        let mut lessons = Vec::with_capacity(self.records.len());
+        for (record, rows) in self.records.iter().zip(&self.plan.fitted) {
+            let mut before = before_hysteresis(&linear, period)?;
+            let substeps = record.periods(period);
+            let input = &record.input()[..rows.end.min(record.len())];
+            lessons.push(network::Lesson {
+                signal: through(&mut before, record.rest(), input, substeps),
+                substeps,
+                first: rows.first,
+                position: rows.of(record.output()).to_vec(),
+            });
+        }
+        let component = plays.learn(&lessons, period, self.observer)?;
+        let chain = Chain::of(component);
+        let actuator = Actuator::Chain(&chain);
+        let mut tried =
+            self.tried(Some(NETWORK), &actuator, solved.offset, linear, deviations, 1)?;
+        tried.numbers = Some(plays.numbers());
         Ok(tried)
     }
 

@@ -5,13 +5,13 @@
 mod common;
 
 use common::{Random, target};
-use components::COMPONENTS;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint};
 use identify::learned::{Seek, Selection};
 use identify::{
     Columns, Dynamics, Error, Identification, Learning, Methods, Observer, Record, Search,
     Settings, Silent, Swarm, Told, Verdict, identify, methods, simulate,
 };
+use learned::COMPONENTS;
 use model::Kind;
 
 const PERIOD: f64 = 1e-3;
@@ -344,6 +344,39 @@ fn what_no_operator_describes_is_learned_with_its_lag() {
     let plant = learned.plant.blueprint();
     let kinds: Vec<&str> = plant.axes[0].components.iter().map(|c| c.kind.as_str()).collect();
     assert!(kinds.ends_with(&["lssvm-stops", "arx"]), "{kinds:?}");
+    let again = simulate(&learned.plant, &record).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(again, learned.candidates.last().map_or(&[][..], |c| &c.simulations[0]));
+}
+
+/// Plays with creep between two curves, and a network over them that one method knows and the others do not.
+#[test]
+fn a_network_over_plays_learns_what_two_curves_leave() {
+    let r: Vec<f64> = (0..12).map(|i| 4.0 * f64::from(i)).collect();
+    let w: Vec<f64> = (0..12).map(|i| if i == 0 { 0.1 } else { 0.012 }).collect();
+    let weight = [1.5, 0.0, 1.0, -2.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+    let weight: Vec<f64> = weight.into_iter().chain(weight.map(|a| 0.5 - a)).collect();
+    let truth = ComponentBlueprint::new("learned-plays")
+        .value("r", r)
+        .value("w", w)
+        .value("share", [0.01])
+        .value("time_constant", [0.5])
+        .value("height", [0.03, -0.02])
+        .value("bias", [0.2, -0.3])
+        .value("weight", weight)
+        .value("centre", 50.0)
+        .value("half_range", 50.0)
+        .value("position_centre", 7.0)
+        .value("position_half_range", 7.0);
+    let record = log(truth, 0.002);
+    let run = |method: &str| found(&record, method, Search::LevenbergMarquardt);
+    let (learned, curved) = (run("learned-plays"), run("curved-prandtl-ishlinskii"));
+    let rmse = |id: &Identification| id.records[0].held_out.rmse;
+    println!("network {}, two curves alone {}, noise 0.002", rmse(&learned), rmse(&curved));
+    assert!(rmse(&learned) < 0.7 * rmse(&curved));
+    let count = learned.candidates.last().map(|candidate| candidate.parameters);
+    assert!(count.is_some_and(|count| count <= 500), "{count:?}");
+    // Every run gives the same numbers, and the plant is the one that was judged.
+    assert_eq!(run("learned-plays").plant.blueprint(), learned.plant.blueprint());
     let again = simulate(&learned.plant, &record).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again, learned.candidates.last().map_or(&[][..], |c| &c.simulations[0]));
 }

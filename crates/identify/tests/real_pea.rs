@@ -38,3 +38,24 @@ fn measured_piezo_stack_is_met_within_the_target_on_data_it_never_saw() {
     assert!(fit.held_out.nrmse <= 0.004, "{:?}", fit.held_out);
     assert!(figures.nrmse <= 0.0045, "{figures:?}");
 }
+
+/// Plays between two curves and a small network over them, trained on one large sine: the same and smaller loops.
+#[test]
+fn a_small_network_over_plays_follows_both_records_of_the_stack() {
+    let Some(folder) = common::data_folder("pea_p885_1hz_inverse_ff") else { return };
+    let record = common::record(&folder.join("model_1hz_3v6.csv"), "u", "y").rested_at(0.0);
+    let methods = Methods::Named(vec!["learned-plays".to_owned()]);
+    let settings = Settings { drop: 2.0, methods, ..Settings::default() };
+    let found =
+        identify(std::slice::from_ref(&record), &common::target("p885"), &settings, &mut Silent)
+            .unwrap_or_else(|e| panic!("{e}"));
+    let held_out = 100.0 * found.records[0].held_out.nrmse;
+    let other = common::record(&folder.join("test_ff.csv"), "u1", "y");
+    let simulation = simulate(&found.plant, &other).unwrap_or_else(|e| panic!("{e}"));
+    let figures = compare(other.output(), &simulation, Rows { first: 5050, end: 6050 });
+    let smaller = 100.0 * figures.nrmse;
+    println!(
+        "learned-plays: held out {held_out:.3} %, test_ff.csv, rows 5051-6050: {smaller:.3} %"
+    );
+    assert!(held_out <= 0.21 && smaller <= 0.45, "{held_out} {smaller}");
+}

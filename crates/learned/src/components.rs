@@ -9,6 +9,7 @@
 
 mod declarations;
 mod feedforward;
+pub mod plays;
 
 use model::{Component, ComponentRef, Declaration, Inverse, Sizes, Table, Tick, Violation};
 
@@ -18,7 +19,7 @@ use crate::features::{Derivatives, Features, Narx, Stops};
 /// All component types: those of the library, then those that run learned tables.
 pub static COMPONENTS: model::Registry = &ALL;
 
-const OWN: [&dyn Component; 7] = [
+const OWN: [&dyn Component; 9] = [
     &declarations::LSSVM_NARX,
     &declarations::LSSVM_STOPS,
     &declarations::GAUSSIAN_PROCESS,
@@ -26,6 +27,8 @@ const OWN: [&dyn Component; 7] = [
     &declarations::LSSVM_STOPS_INVERSE,
     &declarations::GP_INVERSE,
     &feedforward::Feedforward,
+    &plays::LearnedPlays,
+    &plays::INVERSE,
 ];
 const LIBRARY: usize = components::COMPONENTS.len();
 

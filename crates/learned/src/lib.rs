@@ -1,4 +1,4 @@
-//! Models learned from data: least-squares support vector machines and Gaussian processes.
+//! Models learned from data: least-squares support vector machines, Gaussian processes, and plays with a small network.
 //!
 //! * [`COMPONENTS`]: the list of all component types, with those that run learned tables.
 //! * [`KernelSum`]: the function that they all are, evaluated without allocation.
@@ -6,6 +6,7 @@
 //! * [`Compressor`]: fewer centres for the same function.
 //! * [`gp`]: training by marginal likelihood, predictive variance.
 //! * [`features`]: from signals to inputs, step by step, as in real time.
+//! * [`plays`]: plays between curves with creep, corrected by a small network.
 //! * [`tune`]: searches for the settings: grid, particle swarm, annealing, simplex.
 //!
 //! Without the feature `train` only what runs in real time is there.
@@ -30,6 +31,7 @@ mod testing;
 pub mod tune;
 
 pub use components::COMPONENTS;
+pub use components::plays;
 #[cfg(feature = "train")]
 pub use compress::Compressor;
 #[cfg(feature = "train")]

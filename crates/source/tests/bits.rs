@@ -29,10 +29,10 @@ fn cases() -> Vec<Case> {
         .map(|example| (example.0, examples::around(examples::node(example))));
     let mut all: Vec<Case> =
         examples.map(|(name, spec)| Case { name: name.into(), spec, is_learned: false }).collect();
-    all.extend(learned_examples::all().into_iter().map(|(name, spec)| Case {
+    all.extend(learned_examples::all().into_iter().map(|(name, is_learned, spec)| Case {
         name: name.into(),
         spec,
-        is_learned: true,
+        is_learned,
     }));
     for rig in rigs::RIGS {
         let blueprint = data::Blueprint::parse(rig.blueprint, rig.name).expect("a rig");

@@ -57,6 +57,14 @@ pub struct NumericInverse<M: 'static> {
     pub(super) declaration: &'static Declaration,
 }
 
+impl<M: Forward> NumericInverse<M> {
+    /// The inverse of `forward` under this declaration.
+    #[must_use]
+    pub const fn new(forward: &'static M, declaration: &'static Declaration) -> Self {
+        Self { forward, declaration }
+    }
+}
+
 /// Mean slope of the largest loop of plays and a part without memory between the limits: a play of
 /// threshold r moves by the range less 2r.
 pub(super) fn mean_slope(plays: Plays<'_>, without_memory: f64, limits: [f64; 2]) -> f64 {

@@ -277,7 +277,7 @@ pub(crate) fn noise(solved: &Solved, searched: usize) -> f64 {
 }
 
 /// The signal in front of the hysteresis: at rest, then after each internal step.
-fn through(parts: &mut [Part], rest: f64, input: &[f64], substeps: usize) -> Vec<f64> {
+pub(crate) fn through(parts: &mut [Part], rest: f64, input: &[f64], substeps: usize) -> Vec<f64> {
     let Some((_, held)) = input.split_last() else { return Vec::new() };
     let mut signal = Vec::with_capacity(1 + held.len() * substeps);
     signal.push(parts.iter_mut().fold(rest, |signal, part| part.rest(signal)));

@@ -9,6 +9,7 @@ mod cascade;
 mod evidence;
 pub mod inverse;
 mod machine;
+pub(crate) mod network;
 pub(crate) mod plant;
 mod process;
 mod projection;

@@ -202,6 +202,12 @@ pub(crate) fn states_of(
     columns
 }
 
+/// Name of plays between two curves with a small network.
+pub(crate) const NETWORK: &str = "learned-plays";
+
+/// The method whose plays these are.
+pub(crate) static CURVED: &dyn Method = &curved_prandtl_ishlinskii::Curved;
+
 /// Name of the model without hysteresis.
 pub(crate) const LINEAR: &str = "linear";
 
@@ -210,7 +216,8 @@ pub(crate) fn find(name: &str) -> Option<Way> {
     let linear = (name == LINEAR).then_some(Way::Linear);
     let operator = || METHODS.iter().copied().find(|m| m.name() == name).map(Way::Operator);
     let learned = || Family::ALL.into_iter().find(|f| f.name() == name).map(Way::Learned);
-    linear.or_else(operator).or_else(learned)
+    let network = (name == NETWORK).then_some(Way::Network);
+    linear.or_else(operator).or_else(learned).or(network)
 }
 
 /// How a plant is found.
@@ -222,6 +229,8 @@ pub(crate) enum Way {
     Operator(&'static dyn Method),
     /// By learning.
     Learned(Family),
+    /// Plays between two curves, and a small network that learns what they leave.
+    Network,
 }
 
 impl Way {
@@ -230,6 +239,7 @@ impl Way {
             Way::Linear => LINEAR,
             Way::Operator(method) => method.name(),
             Way::Learned(family) => family.name(),
+            Way::Network => NETWORK,
         }
     }
 }
@@ -245,7 +255,11 @@ pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
     let learned = Family::ALL.into_iter().map(|f| (f.name(), f.summary()));
     let linear = (LINEAR, "Gain, delay, lag and mode without hysteresis");
     let operators = METHODS.iter().map(|m| (m.name(), m.summary()));
-    std::iter::once(linear).chain(operators).chain(learned)
+    let network = (
+        NETWORK,
+        "Smooth Prandtl-Ishlinskii between two curves, and a network over its plays: learned",
+    );
+    std::iter::once(linear).chain(operators).chain(learned).chain([network])
 }
 
 #[cfg(test)]
@@ -257,7 +271,7 @@ mod tests {
     #[test]
     fn names_are_unique_and_found() {
         let names: BTreeSet<_> = methods().map(|(name, _)| name).collect();
-        assert_eq!(names.len(), 1 + METHODS.len() + Family::ALL.len());
+        assert_eq!(names.len(), 2 + METHODS.len() + Family::ALL.len());
         assert!(names.iter().all(|name| find(name).is_some()));
     }
 

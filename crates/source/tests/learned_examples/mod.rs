@@ -1,11 +1,11 @@
-//! Models with learned tables, one for each type that runs one.
+//! Models of the learned types, one for each: most run a table.
 #![allow(unreachable_pub)]
 
-use model::{AxisSpec, Connections, Conversion, Kind, NodeSpec, SystemSpec, Table};
+use model::{AxisSpec, ComponentRef, Connections, Conversion, Kind, NodeSpec, SystemSpec, Table};
 
 const T: f64 = 1e-3;
 
-/// Type, structure, inputs of the table, parameters.
+/// Type, structure, inputs of the table (none: it runs none), parameters.
 type Example = (&'static str, &'static [f64], usize, &'static [f64]);
 
 const RANGES: &[f64] = &[0.0, 150.0, -20.0, 80.0];
@@ -18,6 +18,15 @@ const EXAMPLES: &[Example] = &[
     ("lssvm-stops-inverse", &[T, 2.0, 1.0, 100.0, 0.8, 0.0], 4, RANGES),
     ("gp-inverse", &[T, 6.0, 2.0, 0.25, 0.5], 6, RANGES),
     ("lssvm-feedforward", &[T, 1.0, 1.0], 3, &[0.5, 0.0, 1e-3, 1e-6, -5.0, 5.0, -20.0, 80.0]),
+    ("learned-plays", &[5.0, 2.0, 1.0, 9.0], 0, PLAYS.first_chunk::<34>().expect("its own")),
+    ("inverse-learned-plays", &[5.0, 2.0, 1.0, 9.0], 0, PLAYS),
+];
+
+/// Plays, creeps, one unit, scalars; the inverse's limits.
+const PLAYS: &[f64] = &[
+    0.0, 8.0, 16.0, 24.0, 40.0, 0.1, 0.03, 0.02, 0.02, 0.03, 0.02, 0.01, 0.05, 1.0, 0.03, 0.1, 0.5,
+    -0.8, 1.1, 0.3, -0.6, 0.9, 2.0, -1.5, 0.0, 0.5, 0.1, 50.0, 50.0, -0.05, 0.02, 10.0, 10.0, 1.5,
+    0.0, 100.0,
 ];
 
 /// 40 support vectors in the unit cube, by the fractional parts of multiples of square roots.
@@ -32,22 +41,26 @@ fn table(inputs: usize) -> Table {
     Table::new(inputs + 1, rows).expect("rows")
 }
 
-/// Each type's name and a model around it.
-pub fn all() -> Vec<(&'static str, SystemSpec)> {
-    let types = learned::COMPONENTS.iter().filter(|c| c.takes_table());
+/// Each type's name, whether it runs a table, and a model around it.
+pub fn all() -> Vec<(&'static str, bool, SystemSpec)> {
+    let library = components::COMPONENTS.len();
+    let types = learned::COMPONENTS.iter().skip(library);
     let named: Vec<_> = types.map(|c| c.declaration().kind).collect();
     assert_eq!(
         named,
         EXAMPLES.iter().map(|e| e.0).collect::<Vec<_>>(),
         "each type has its example"
     );
-    EXAMPLES.iter().map(|example| (example.0, around(example))).collect()
+    EXAMPLES.iter().map(|example| (example.0, example.2 > 0, around(example))).collect()
 }
 
 fn around((kind, structure, inputs, values): &Example) -> SystemSpec {
     let found = learned::COMPONENTS.iter().find(|c| c.declaration().kind == *kind);
-    let component =
-        found.expect("registered").with_table(structure, &table(*inputs)).expect("fits");
+    let found = *found.expect("registered");
+    let component = match inputs {
+        0 => ComponentRef::from(found),
+        _ => found.with_table(structure, &table(*inputs)).expect("fits"),
+    };
     let is_plant = component.declaration().conversion == Conversion::CommandToPosition;
     let node = NodeSpec {
         name: component.declaration().name.into(),
