@@ -191,7 +191,14 @@ fn compare_hysteresis_models() {
     let folder = tempfile::tempdir().expect("a folder");
     let said = run("07_compare_hysteresis_models", folder.path());
     println!("{said}");
-    let (rig, stack) = said.split_once("best.toml: written").expect("the rig comes first");
+    let (rig, rest) = said.split_once("best.toml: written").expect("the rig comes first");
+    let (network, stack) = rest.split_once("network.toml: written").expect("then the network");
+    // What the README says of the network.
+    for (text, figure) in [(network, "0.977 %"), (stack, "0.198 %")] {
+        let line = text.lines().find(|line| line.contains("delay, learned-plays"));
+        assert!(line.is_none_or(|line| line.contains(figure)), "{line:?}");
+        assert!(line.is_some() || stack.contains("SKIPPED"), "{text}");
+    }
     assert_eq!(rig.lines().filter(|line| line.trim().starts_with("delay, ")).count(), 15);
     let held_out = number(rig, "log_fast.csv: held out ", "% of range");
     assert!(held_out < 1.2, "the nested loops leave {held_out} %");
