@@ -107,6 +107,8 @@ fn names_that_do_not_exist() {
     let tune =
         ["diagnose", "--model", "evc", "--log", "log.csv", "--tune", "*.mechanics.frequenzy=0.1"];
     refuses(at, &tune, &["--tune *.mechanics.frequenzy", "no parameter of the model"]);
+    let noise = ["diagnose", "--model", "evc", "--log", "log.csv", "--noise", "positon[1]=0.1"];
+    refuses(at, &noise, &["--noise positon[1]", "did you mean position[1]?"]);
     refuses(at, &drive(&["--unit", "command[1]=furlong"]), &["furlong"]);
     refuses(at, &drive(&["--unit", "command[1]=um"]), &["um", "V"]);
     refuses(at, &drive(&["--rows", "9..2"]), &["9..2"]);

@@ -381,6 +381,27 @@ mod quality {
     }
 
     #[test]
+    fn the_corners_of_a_triangle_are_no_outliers() {
+        // Amplitudes fall, so that slopes differ; written with rounding as in any CSV.
+        let triangle = |k: usize, _: f64| {
+            let (turn, at) = (k / 50, (k % 50) as f64 / 50.0);
+            (120.0 - turn as f64) * if turn % 2 == 0 { at } else { 1.0 - at } + 0.1
+        };
+        assert_eq!(log(triangle, &[]).quality(), []);
+        let spoilt = |k: usize, y: f64| triangle(k, y) + if k == 420 { 30.0 } else { 0.0 };
+        let found = log(spoilt, &[]).quality();
+        assert_eq!(found.iter().map(|f| f.rows.clone()).collect::<Vec<_>>(), [420..421]);
+    }
+
+    #[test]
+    fn a_group_that_nothing_can_have_is_noted() {
+        let options = ReadOptions { group: Some("Scope".into()), ..ReadOptions::default() };
+        let log = Log::parse(b"time,y\n0,1\n1,2\n", "log.csv", &options).unwrap();
+        let notes = log.notes().join("\n");
+        assert!(notes.contains("--group Scope has no effect"), "{notes}");
+    }
+
+    #[test]
     fn saturated_and_stuck_samples_are_told_apart() {
         let found = log(|_, y| y.min(0.9), &[]).quality();
         assert!(found.len() >= 3 && found.iter().all(|f| f.quality == Quality::Saturated));

@@ -12,7 +12,7 @@ use crate::black_box::{BlackBox, Entry};
 use crate::chain::{ComponentNode, Node};
 use crate::error::Error;
 use crate::library::Slot;
-use crate::problem::{Port, Problem, assemble, choose};
+use crate::problem::{Port, Problem, assemble, check_names, choose};
 use crate::request::Request;
 
 /// Opens an FMU, to run in this process or in others.
@@ -50,12 +50,16 @@ pub(crate) fn problems(request: &Request, path: &Path) -> Result<Vec<Problem>, E
             ),
         });
     };
+    let mut unknown = check_names(request, &model, &inputs, &outputs)?;
     let chosen = choose(request, &model, &outputs)?;
-    let mut all = Vec::new();
+    let mut all: Vec<Problem> = Vec::new();
     for output in chosen {
         // As many inputs as outputs: a machine of axes, each with its own input.
         let input = if fed.len() == outputs.len() { fed[output] } else { main };
         all.push(problem(request, path, &inputs, &outputs, input, output)?);
+    }
+    if let Some(first) = all.first_mut() {
+        first.warnings.append(&mut unknown);
     }
     Ok(all)
 }

@@ -140,6 +140,7 @@ fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Problem>
     let axes = 1..=blueprint.spec().axes.len();
     let inputs: Vec<Port> = axes.clone().filter_map(|k| port(format!("command[{k}]"))).collect();
     let outputs: Vec<Port> = axes.filter_map(|k| port(format!("position[{k}]"))).collect();
+    let mut unknown = check_names(request, model, &inputs, &outputs)?;
     let chosen = choose(request, model, &outputs)?;
     let mut all = Vec::new();
     for index in chosen {
@@ -154,7 +155,56 @@ fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Problem>
             None => all.push(assemble(request, &inputs, &outputs, index, index, base, step)?),
         }
     }
+    if let Some(first) = all.first_mut() {
+        first.warnings.append(&mut unknown);
+    }
     Ok(all)
+}
+
+/// Names of `--noise` and `--map` against the model's: one of the first that is unknown is an error, of the second a
+/// warning, as one list of pairs may serve several models.
+pub(crate) fn check_names(
+    request: &Request,
+    model: &str,
+    inputs: &[Port],
+    outputs: &[Port],
+) -> Result<Vec<String>, Error> {
+    let is = |port: &Port, name: &str| port.name == name || port.alias.as_deref() == Some(name);
+    let near = |name: &str, ports: &[&Port]| {
+        let names = ports.iter().flat_map(|p| [Some(p.name.as_str()), p.alias.as_deref()]);
+        data::nearest(name, names.flatten())
+            .map_or_else(String::new, |near| format!("did you mean {near}? "))
+    };
+    let labels = |ports: &[&Port]| ports.iter().map(|p| p.label()).collect::<Vec<_>>().join(", ");
+    if let Noise::Given(all) = &request.noise {
+        let known: Vec<&Port> = outputs.iter().collect();
+        for name in all.iter().filter_map(|(name, _)| name.as_deref()) {
+            if !outputs.iter().any(|port| is(port, name)) {
+                return Err(Error::Option {
+                    option: "--noise",
+                    value: name.to_owned(),
+                    message: format!(
+                        "is no output of {model}; {}its outputs are {}",
+                        near(name, &known),
+                        labels(&known)
+                    ),
+                });
+            }
+        }
+    }
+    let known: Vec<&Port> = inputs.iter().chain(outputs).collect();
+    let pairs = request.names.iter();
+    let unknown =
+        pairs.filter(|(name, _)| *name != "time" && !known.iter().any(|port| is(port, name)));
+    Ok(unknown
+        .map(|(name, column)| {
+            format!(
+                "--map {name}={column} has no effect: {name} is neither an input nor an output of {model}; {}they are {}",
+                near(name, &known),
+                labels(&known)
+            )
+        })
+        .collect())
 }
 
 /// Numbers of the outputs that are looked at.

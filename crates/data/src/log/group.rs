@@ -57,6 +57,7 @@ impl Found {
             _ => return Err(refuse(different(&groups))),
         };
         log.remarks.notes.splice(..0, notes);
+        log.remarks.is_chosen = options.group.is_some();
         Ok(log)
     }
 }

@@ -197,7 +197,11 @@ impl Log {
 
     /// With rounded times mended, and on uniform times where these are asked for.
     fn resolved_by(self, options: &ReadOptions) -> Result<Self, Problems> {
-        let log = self.undo_rounding();
+        let mut log = self.undo_rounding();
+        if let Some(group) = options.group.as_ref().filter(|_| !log.remarks.is_chosen) {
+            let note = format!("--group {group} has no effect: a file of this kind has no groups");
+            log.remarks.notes.push(note);
+        }
         match options.resample.filter(|_| !log.remarks.is_joined) {
             Some(resample) => log.resampled(resample, options.memory),
             None => Ok(log),

@@ -27,6 +27,8 @@ pub(super) struct Remarks {
     pub(super) left_out: Vec<LeftOut>,
     /// Whether it was joined of several groups, on uniform times.
     pub(super) is_joined: bool,
+    /// Whether `--group` chose among its groups.
+    pub(super) is_chosen: bool,
 }
 
 impl Log {

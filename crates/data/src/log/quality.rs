@@ -50,11 +50,11 @@ const RARE: f64 = 0.02;
 impl Log {
     /// Everything that is doubtful about the samples, in the order of the rows.
     ///
-    /// *Missing rows*: a sample time beyond 1.5 medians. *Outliers*: samples y_k … y_{k+w−1},
-    /// w ≤ 3, whose mean is more than 12 σ from the mean of y_{k−1} and y_{k+w}, while these two are
-    /// no more than a quarter of that apart; σ is the median of |y_{k+1} − 2 y_k + y_{k−1}|/2 over
-    /// 0.6745. *Saturated* and *stuck*: at least eight equal samples in a row, where fewer than 2 %
-    /// of all neighbours are equal otherwise: a command that is held is neither.
+    /// *Missing rows*: a sample time beyond 1.5 medians. *Outliers*: samples y_k … y_{k+w−1}, w ≤ 3, whose mean is more
+    /// than 12 σ from the mean of y_{k−1} and y_{k+w}, and more than twice the smaller of the steps from y_{k−2} to y_{k−1}
+    /// and from y_{k+w} to y_{k+w+1}, while y_{k−1} and y_{k+w} are no more than a quarter of that apart; σ is the
+    /// median of |y_{k+1} − 2 y_k + y_{k−1}|/2 over 0.6745. *Saturated* and *stuck*: at least eight equal samples in a
+    /// row, where fewer than 2 % of all neighbours are equal otherwise: a command that is held is neither.
     #[must_use]
     pub fn quality(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
@@ -124,8 +124,13 @@ fn outliers(values: &[f64], note: &mut impl FnMut(Range<usize>, Quality)) {
             let distance = inside.iter().sum::<f64>() / width as f64 - 0.5 * (before + behind);
             let is_alone = (behind - before).abs() <= 0.25 * distance.abs();
             let is_one = inside.iter().all(|v| (v - 0.5 * (before + behind)) / distance > 0.5);
-            (distance.abs() > OUTLIER * sigma && is_alone && is_one)
-                .then_some((width, distance.abs() / sigma))
+            // The corner of a triangle is as far from its neighbours' mean as these are from theirs.
+            let outside =
+                |at: usize, next: usize| Some((values.get(at)? - values.get(next)?).abs());
+            let steps = [outside(k.wrapping_sub(2), k - 1), outside(k + width + 1, k + width)];
+            let slope = steps.into_iter().flatten().reduce(f64::min).unwrap_or(0.0);
+            let is_far = distance.abs() > (OUTLIER * sigma).max(2.0 * slope);
+            (is_far && is_alone && is_one).then_some((width, distance.abs() / sigma))
         });
         match found {
             Some((width, by)) => {

@@ -458,7 +458,7 @@ impl<'a> Table<'a> {
             Role::LeftOut(why) if !why.is_empty() => Some(LeftOut::new(&head.name, why)),
             _ => None,
         });
-        let remarks = Remarks { notes, left_out: left_out.collect(), is_joined: false };
+        let remarks = Remarks { notes, left_out: left_out.collect(), ..Remarks::default() };
         let columns = self.heads.into_iter().zip(self.values);
         let columns = columns.filter(|(head, _)| head.role == Role::Signal);
         let columns = columns.map(|(head, values)| {
