@@ -14,6 +14,8 @@ from wasmtime.component import Component, Linker
 
 config = Config()
 config.consume_fuel = True
+# Compiled fast: each component is used for 1500 steps.
+config.cranelift_opt_level = "none"
 engine = Engine(config)
 STEPS = 1500
 
