@@ -179,7 +179,9 @@ pub(crate) fn check_names(
     if let Noise::Given(all) = &request.noise {
         let known: Vec<&Port> = outputs.iter().collect();
         for name in all.iter().filter_map(|(name, _)| name.as_deref()) {
-            if !outputs.iter().any(|port| is(port, name)) {
+            // The column of a monitor is an output, too.
+            let is_column = request.logs.iter().any(|log| log.column(name).is_some());
+            if !is_column && !outputs.iter().any(|port| is(port, name)) {
                 return Err(Error::Option {
                     option: "--noise",
                     value: name.to_owned(),
