@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use common::jobs::allow;
-use common::succeed;
+use common::{PLAYED as PLANT, succeed};
 
 /// Calls of all commands that start threads or processes; `OUT` stands for a folder of each call's own.
 const CALLS: [&str; 25] = [
@@ -41,23 +41,6 @@ const CALLS: [&str; 25] = [
     "bench run --plan bench.toml --gateway gcs://127.0.0.1:PORT --rate 1k --record OUT/run.csv",
 ];
 
-const PLANT: &str = r#"
-piezoloop = 1
-kind = "plant"
-name = "plant"
-step = 1e-4
-[[axis]]
-name = "x"
-command = { name = "u", unit = "V", min = -2, max = 2 }
-position = { name = "y", unit = "um" }
-[[axis.component]]
-type = "prandtl-ishlinskii"
-r = [0, 1]
-w = [0.7, 0.3]
-[[axis.component]]
-type = "amplifier-lag"
-bandwidth = 50.0
-"#;
 const BENCH: &str = "patience = 0.01\n[[axis]]\ncommand_limits = [-1, 1]\n\
     [[sequence]]\nkind = \"rest\"\nseconds = 0.01\n";
 const PLAN: &str = "runs = 3\nseed = 1\n[system]\nfile = \"system.toml\"\nstep = 1e-3\nstop = 0.01\n\

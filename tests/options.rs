@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use common::{refuse, succeed};
+use common::{PLAYED as PLANT, refuse, succeed};
 
 const HOSTILE: [&str; 7] = ["0", "-1", "NaN", "inf", "1e300", "18446744073709551615", ""];
 /// Longest time of a call on a busy machine.
@@ -78,23 +78,6 @@ const PAIRS: [(&str, &str); 9] = [
     ("--rows", "1.."),
 ];
 
-const PLANT: &str = r#"
-piezoloop = 1
-kind = "plant"
-name = "plant"
-step = 1e-4
-[[axis]]
-name = "x"
-command = { name = "u", unit = "V", min = -2, max = 2 }
-position = { name = "y", unit = "um" }
-[[axis.component]]
-type = "prandtl-ishlinskii"
-r = [0, 1]
-w = [0.7, 0.3]
-[[axis.component]]
-type = "amplifier-lag"
-bandwidth = 50.0
-"#;
 /// One that finds no machine.
 const BENCH: &str = r#"
 patience = 0.01

@@ -18,6 +18,8 @@ use std::process::{Command, Output};
 
 /// A controller of two axes with a Jacobian that is not calibrated yet.
 pub(crate) const COORDINATED: &str = include_str!("../blueprints/coordinated.toml");
+/// A plant of one axis, u in V and y in um: two plays behind a lag of the amplifier.
+pub(crate) const PLAYED: &str = include_str!("../blueprints/played.toml");
 
 /// Runs the tool and returns what it said.
 pub(crate) fn piezoloop(arguments: &[&str], folder: &Path) -> Output {

@@ -64,6 +64,7 @@ pub(crate) fn axis_design(
         period,
     };
     let limits = Limits { sensitivity: settings.sensitivity, noise: settings.noise };
+    let two_leads = damping::leads(lead_of(&impulses[0], period), &all_modes);
     let damped = if settings.damping == Damping::None {
         None
     } else {
@@ -78,12 +79,11 @@ pub(crate) fn axis_design(
         let impulses = pairs
             .map(|(shift, damping)| response(&varied(&nodes, shift, damping)).map_err(one))
             .collect::<Result<Vec<_>, _>>()?;
-        let leads = damping::leads(lead_of(&impulses[0], period), &all_modes);
         let around = Around {
             impulses: &impulses,
             modes: &all_modes,
             slopes: (slope, path.sweep.least_slope),
-            leads: &leads,
+            leads: &two_leads,
             period,
         };
         let derivative = settings.feedback == Feedback::Pid;
@@ -118,8 +118,7 @@ pub(crate) fn axis_design(
         }
     };
     let leads = if damped.is_some() {
-        let both = damping::leads(lead_of(&impulses[0], period), &all_modes);
-        let each = both.into_iter().enumerate();
+        let each = two_leads.into_iter().enumerate();
         each.filter_map(|(k, one)| {
             let found = lead_component(one, path.sweep.reach)?;
             Some(if k == 0 { found.named("mode_lead") } else { found })

@@ -36,6 +36,7 @@ use serde::Serialize;
 use crate::design::CommandActs;
 use crate::linearised::LIGHT;
 use crate::loop_shape::{Limits, Shape, Shaped, transfer};
+use crate::random::Uniform;
 
 /// Factors of the modes' frequencies and dampings that the loop is made for; the first are the plant as given.
 pub(crate) const FREQUENCIES: [f64; 5] = [1.0, 0.9, 0.95, 1.05, 1.1];
@@ -762,13 +763,8 @@ fn even(
 
 /// The least of a function within bounds, and where it is.
 fn evolve(bounds: &[(f64, f64)], cost: impl Fn(&[f64]) -> f64) -> (Vec<f64>, f64) {
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut draw = move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut random = Uniform::new(0x9e37_79b9_7f4a_7c15);
+    let mut draw = move || random.next();
     let size = SEARCH.0 * bounds.len();
     let mut all: Vec<(Vec<f64>, f64)> = (0..size)
         .map(|_| {

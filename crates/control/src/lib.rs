@@ -24,6 +24,7 @@ mod linearised;
 mod loop_shape;
 mod path;
 mod probe;
+mod random;
 mod tuning;
 mod undone;
 mod work;

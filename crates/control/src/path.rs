@@ -6,6 +6,7 @@ use model::{AxisSpec, NodeSpec};
 
 use crate::curve::Curve;
 use crate::probe::{Probe, is_actuator};
+use crate::random::Uniform;
 
 /// Inputs of one trial.
 const TRIAL: usize = 64;
@@ -383,14 +384,8 @@ pub(crate) fn at_rest(
 
 /// Uniform numbers from -1 to 1 that are the same at every run.
 fn numbers(seed: u64) -> Vec<f64> {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-    let mut draw = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    };
-    (0..TRIAL).map(|_| draw()).collect()
+    let mut random = Uniform::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+    (0..TRIAL).map(|_| 2.0 * random.next() - 1.0).collect()
 }
 
 /// What a component is, and what is lost where it is left to feedback.

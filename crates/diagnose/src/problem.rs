@@ -62,6 +62,11 @@ impl Port {
         self.alias.as_deref().unwrap_or(&self.name)
     }
 
+    /// Whether a user may call it so.
+    pub(crate) fn is(&self, name: &str) -> bool {
+        self.name == name || self.alias.as_deref() == Some(name)
+    }
+
     /// Its column in a log.
     pub(crate) fn column<'a>(&'a self, names: &'a NameMap, log: &Log) -> Option<&'a str> {
         let alias = self.alias.as_deref();
@@ -169,7 +174,6 @@ pub(crate) fn check_names(
     inputs: &[Port],
     outputs: &[Port],
 ) -> Result<Vec<String>, Error> {
-    let is = |port: &Port, name: &str| port.name == name || port.alias.as_deref() == Some(name);
     let near = |name: &str, ports: &[&Port]| {
         let names = ports.iter().flat_map(|p| [Some(p.name.as_str()), p.alias.as_deref()]);
         data::nearest(name, names.flatten())
@@ -181,7 +185,7 @@ pub(crate) fn check_names(
         for name in all.iter().filter_map(|(name, _)| name.as_deref()) {
             // The column of a monitor is an output, too.
             let is_column = request.logs.iter().any(|log| log.column(name).is_some());
-            if !is_column && !outputs.iter().any(|port| is(port, name)) {
+            if !is_column && !outputs.iter().any(|port| port.is(name)) {
                 return Err(Error::Option {
                     option: "--noise",
                     value: name.to_owned(),
@@ -197,7 +201,7 @@ pub(crate) fn check_names(
     let known: Vec<&Port> = inputs.iter().chain(outputs).collect();
     let pairs = request.names.iter();
     let unknown =
-        pairs.filter(|(name, _)| *name != "time" && !known.iter().any(|port| is(port, name)));
+        pairs.filter(|(name, _)| *name != "time" && !known.iter().any(|port| port.is(name)));
     Ok(unknown
         .map(|(name, column)| {
             format!(
@@ -217,7 +221,7 @@ pub(crate) fn choose(
 ) -> Result<Vec<usize>, Error> {
     let labels = || outputs.iter().map(Port::label).collect::<Vec<_>>().join(", ");
     for asked in &request.outputs {
-        if !outputs.iter().any(|p| p.name == *asked || p.alias.as_deref() == Some(asked)) {
+        if !outputs.iter().any(|port| port.is(asked)) {
             return Err(Error::Option {
                 option: "--outputs",
                 value: asked.clone(),
@@ -225,9 +229,8 @@ pub(crate) fn choose(
             });
         }
     }
-    let is_asked = |p: &Port| {
-        request.outputs.is_empty()
-            || request.outputs.iter().any(|a| *a == p.name || p.alias.as_ref() == Some(a))
+    let is_asked = |port: &Port| {
+        request.outputs.is_empty() || request.outputs.iter().any(|asked| port.is(asked))
     };
     let logs = || request.logs.iter().chain(&request.holdout);
     let chosen: Vec<usize> = (0..outputs.len())
@@ -470,8 +473,8 @@ fn floor(
     let mut rest_corner = None;
     let (sigma, source) = match &request.noise {
         Noise::Given(all) => {
-            let is_own = |name: &str| name == port.name || port.alias.as_deref() == Some(name);
-            let own = all.iter().rev().find(|(n, _)| n.as_deref().is_some_and(is_own));
+            let own =
+                all.iter().rev().find(|(n, _)| n.as_deref().is_some_and(|name| port.is(name)));
             let found = own.or_else(|| all.iter().rev().find(|(n, _)| n.is_none()));
             (found.map(|(_, s)| *s), "given")
         }
