@@ -181,6 +181,32 @@ fn loops_that_cannot_be_closed() {
 }
 
 #[test]
+fn times_that_cannot_be_seconds_are_asked_about() {
+    let folder = prepared();
+    let at = folder.path();
+    let rows = |factor: f64, last: &str| {
+        let mut text = "time,command[1],position[1]\n".to_owned();
+        for k in 0..200 {
+            let u = f64::from(k % 20);
+            text.push_str(&format!("{},{u},{}\n", f64::from(k) * factor, 0.1 * u));
+        }
+        text + last
+    };
+    write(at, "us.csv", &rows(1000.0, ""));
+    write(at, "stray.csv", &rows(1e-3, "1e9,3,0.3\n"));
+    for (log, asked) in [("us.csv", "is time in us?"), ("stray.csv", "is that time a slip?")] {
+        for model in ["plant.fmu", "evc"] {
+            let diagnose = ["diagnose", "--model", model, "--log", log];
+            let estimate = ["estimate", model, "--log", log, "--tune", "axis[1].amplifier.gain"];
+            for call in [&diagnose[..], &estimate] {
+                refuses(at, call, &[asked, "--most-steps"]);
+            }
+        }
+        refuses(at, &["simulate", "plant.fmu", "--log", log, "-o", "x.csv"], &[asked]);
+    }
+}
+
+#[test]
 fn what_is_read_is_never_written_over() {
     let folder = prepared();
     let at = folder.path();

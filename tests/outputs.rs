@@ -36,7 +36,8 @@ fn an_input_is_never_written() {
     let identify =
         ["identify", "--log", "in.csv", "--input", "u", "--output", "y", "-o", "plant.toml"];
     for option in ["--picture", "--report"] {
-        refuse(&[&identify[..], &[option, "in.csv"]].concat(), at);
+        let said = refuse(&[&identify[..], &[option, "in.csv"]].concat(), at);
+        assert!(said.contains("already uses the file"), "{said}");
         is_unchanged(at);
     }
     let twice = [&identify[..7], &["-o", "same.html", "--report", "same.html"]].concat();

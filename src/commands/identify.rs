@@ -260,6 +260,7 @@ impl Identify {
         self.check_learning()?;
         inputs::can_write_as(&self.out, inputs::BLUEPRINT)?;
         self.page.can_write()?;
+        self.picture.as_deref().map_or(Ok(()), inputs::can_write)?;
         let all = self.all.as_deref().map(candidates::Folder::open).transpose()?;
         let (plant, result) = self.plant(screen)?;
         inputs::write_blueprint(&plant, &self.out)?;

@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use cosim::{Fmu, Worker};
+use data::inner_steps;
 use model::{Unit, UnitError};
+use modeldescription::ModelDescription;
 use modeldescription::variable::{Causality, DataType, Number, Variable};
 
 use crate::base::{Base, BaseParameter, tolerance};
-use crate::black_box::{BlackBox, Entry};
+use crate::black_box::{BlackBox, Entry, Times};
 use crate::chain::{ComponentNode, Node};
 use crate::error::Error;
 use crate::library::Slot;
@@ -21,6 +23,12 @@ pub(crate) fn open(path: &Path, worker: Option<&Worker>) -> Result<Fmu, Error> {
         Some(worker) => Fmu::open_isolated(path, worker)?,
         None => Fmu::open(path)?,
     })
+}
+
+/// The step in s that the FMU takes by itself, as far as it says.
+pub(crate) fn inner_step(description: &ModelDescription) -> Option<f64> {
+    let fixed = description.co_simulation.as_ref().and_then(|cs| cs.fixed_internal_step_size);
+    fixed.or_else(|| description.default_experiment.as_ref().and_then(|e| e.step_size))
 }
 
 /// All problems of a black box.
@@ -99,7 +107,13 @@ fn problem(
         is_white: false,
     };
     let mut problem = assemble(request, inputs, outputs, input, output, base, None)?;
-    let times = problem.data.times().collect();
+    let times: Times = problem.data.times().collect();
+    if let Some(step) = inner_step(fmu.description()) {
+        for record in &problem.data.records {
+            inner_steps::check_rows(&times[&record.rows.start], step)
+                .map_err(|message| Error::Log { log: record.name.clone(), message })?;
+        }
+    }
     let units = (inputs[input].si, outputs[output].si);
     let mut node = BlackBox::new(fmu, names, outputs[output].name.clone(), units, times);
     node.parameters = tuned.iter().map(|p| (p.name.clone(), p.value)).collect();

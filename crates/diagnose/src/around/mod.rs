@@ -10,6 +10,7 @@ use surround::{Block, Change, Effect, Original, Parameter, Piece, Port, Repair, 
 
 use crate::answer::scale_of;
 use crate::error::Error;
+use crate::fmu::inner_step;
 use crate::library::{Formula, Slot};
 use crate::outcome::Outcome;
 pub use package::Repaired;
@@ -94,9 +95,7 @@ impl<'a> Maker<'a> {
         let co_simulation = description.co_simulation.as_ref();
         let step =
             outcomes.iter().map(|o| o.problem.data.sample_time()).fold(f64::INFINITY, f64::min);
-        let own_step = co_simulation
-            .and_then(|cs| cs.fixed_internal_step_size)
-            .or_else(|| description.default_experiment.and_then(|e| e.step_size));
+        let own_step = inner_step(description);
         let any_step =
             co_simulation.is_some_and(|cs| cs.can_handle_variable_communication_step_size);
         let divide = any_step || own_step.is_none_or(|own| own <= step * (1.0 + 1e-6));
