@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
-use crate::{interrupt, progress, ranges};
+use crate::{progress, ranges};
 
 /// Error of a learned inverse, in parts of the range, from which it is pointed out.
 const NOTED: f64 = 0.01;
@@ -149,7 +149,6 @@ impl Invert {
 
     /// Every way of feedforward on this plant.
     fn ways(&self, screen: &Screen) -> anyhow::Result<Ways> {
-        interrupt::listen()?;
         let plant = inputs::blueprint(&self.plant)?.blueprint.check(learned::COMPONENTS)?;
         let mut ways = Vec::new();
         for way in Feedforward::ALL.into_iter().filter(|way| *way != Feedforward::Automatic) {
@@ -204,7 +203,6 @@ impl Invert {
 
     /// Makes and writes the controller.
     pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Inverted> {
-        interrupt::listen()?;
         inputs::can_write_as(&self.out, inputs::BLUEPRINT)?;
         let plant = inputs::blueprint(&self.plant)?.blueprint.check(learned::COMPONENTS)?;
         let log =

@@ -47,7 +47,7 @@ pub(crate) struct Tune {
     #[arg(long, value_name = "RATIO", default_value_t = 10.0, value_parser = ranges::above(0.0, 1e9))]
     noise: f64,
     /// Samples of the step response
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = ranges::count(1, 1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = ranges::count(1, 200_000))]
     samples: usize,
     #[command(flatten)]
     isolation: Isolation,

@@ -26,6 +26,8 @@ const STEPS: (usize, usize, usize) = (200, 2000, 20);
 /// Part of the steps over the range for which a position in stairs stands still, and a stair over the mean step.
 const STILL: f64 = 0.3;
 const JUMP: f64 = 1.4;
+/// Most inner steps of all ways: some seconds of work.
+const MOST_STEPS: f64 = 1e8;
 /// Time of one way over the range in s.
 pub(crate) const WAY: f64 = 0.5;
 
@@ -245,6 +247,13 @@ fn sweep_of(
     let own = rows * period;
     let mut probe = Probe::new(axis, std::slice::from_ref(actuator), false, (step, own))?;
     let (command, legs) = sweep_command(bounds, steps);
+    let inner = command.len() as f64 * own / step;
+    if inner > MOST_STEPS {
+        return Err(format!(
+            "ways over the range of {WAY} s each are {inner:.1e} steps of {step} s; at most {MOST_STEPS:.0e} are \
+             taken: give a longer period"
+        ));
+    }
     let driven: Vec<f64> = command.iter().map(|u| before.value(*u)).collect();
     let position: Vec<f64> = probe.run(&driven)?.iter().map(|y| after.value(*y)).collect();
     let (ends, chord) = ([legs[3], legs[4]], steps / STEPS.2);

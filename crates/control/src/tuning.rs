@@ -303,7 +303,7 @@ pub fn robust(impulse: &[f64], period: f64, most: f64, noise: f64) -> Result<Gai
     // How long the response takes: the mean time of its impulse response.
     let mean = impulse.iter().zip(1..).map(|(h, k)| h * f64::from(k)).sum::<f64>() / slope;
     let lag = (mean.clamp(1.0, impulse.len() as f64) - 0.5) * period;
-    let computing = Response::new(impulse, period, &[]);
+    let computing = Response::new(without_tail(impulse), period, &[]);
     let response = [computing.at_once(), computing];
     let limits = Limits { sensitivity: most, noise };
     let mut best = None;
@@ -362,7 +362,7 @@ pub fn judge_loop(
 /// sample of `period` s; `computing`: with one period more for computing.
 #[must_use]
 pub fn loop_curves(impulse: &[f64], period: f64, gains: &Gains, computing: bool) -> LoopCurves {
-    let response = Response::new(impulse, period, &[]);
+    let response = Response::new(without_tail(impulse), period, &[]);
     let keep =
         if gains.derivative_filter > 0.0 { (-period / gains.derivative_filter).exp() } else { 0.0 };
     let one = Complex::new(1.0, 0.0);
@@ -390,15 +390,26 @@ pub fn loop_curves(impulse: &[f64], period: f64, gains: &Gains, computing: bool)
     }
 }
 
+/// An impulse response without its end, which adds up to less than 1e-12 of the whole.
+fn without_tail(impulse: &[f64]) -> &[f64] {
+    let mut rest = 1e-12 * impulse.iter().map(|h| h.abs()).sum::<f64>();
+    let is_nothing = |h: &&f64| {
+        rest -= h.abs();
+        rest >= 0.0
+    };
+    &impulse[..impulse.len() - impulse.iter().rev().take_while(is_nothing).count()]
+}
+
 /// Whether a push dies away in the linear loop.
 fn settles(impulse: &[f64], period: f64, gains: &Gains, computing: bool) -> bool {
+    let steps = 12 * impulse.len().max(100);
+    let impulse = without_tail(impulse);
     let length = impulse.len();
     let keep =
         if gains.derivative_filter > 0.0 { (-period / gains.derivative_filter).exp() } else { 0.0 };
     let (mut sum, mut last, mut slope) = (0.0, 0.0, 0.0);
     let mut commands = vec![0.0];
     let mut worst = [0.0_f64; 2];
-    let steps = 12 * length.max(100);
     for k in 0..steps {
         let newest = commands.len() - usize::from(computing);
         let reach = newest.min(length);

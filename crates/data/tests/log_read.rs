@@ -102,8 +102,12 @@ fn a_rate_stands_for_missing_times() {
             log.notes()
         );
     }
-    let error = read_with("y\n0\n", &rate(0.0)).unwrap_err();
-    assert!(error.starts_with("log.csv: --rate = 0: is no sample rate"), "{error}");
+    // With the smallest the times are infinite.
+    for value in [0.0, 5e-324, f64::INFINITY] {
+        let error = read_with("y\n0\n", &rate(value)).unwrap_err();
+        assert!(error.starts_with("log.csv: --rate = "), "{error}");
+        assert!(error.contains("is no sample rate; give a number of Hz"), "{error}");
+    }
     let error = read("n,y\n0,1\n").unwrap_err();
     assert!(error.contains("time: is missing: a log has times in s; "), "{error}");
     let error = read("tme,y\n0,1\n").unwrap_err();
@@ -183,7 +187,7 @@ fn datasets_beside_a_log_say_units() {
     let error = read().unwrap_err().to_string();
     assert!(error.contains("run.dataset.toml:2: columns.x: is no column of "), "{error}");
 
-    write("run.dataset.toml", "rates = 10\nrate = -1\ntime = 3\n[columns]\nx.unit = 1\n");
+    write("run.dataset.toml", "rates = 10\nrate = 5e-324\ntime = 3\n[columns]\nx.unit = 1\n");
     let error = read().unwrap_err();
     let lines: Vec<_> = error.as_slice().iter().map(|problem| problem.line).collect();
     assert_eq!(lines, [Some(1), Some(2), Some(3), Some(5)], "{error}");

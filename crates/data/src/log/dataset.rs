@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::{GIVE_A_RATE, RATES};
 use crate::nearest::did_you_mean;
 use crate::toml_text::{self, Lines, shown};
 use crate::{Problem, Problems};
@@ -125,10 +126,8 @@ impl Reader {
 
     fn rate(&mut self, key: Key<'_, '_>, value: &DeValue<'_>) {
         match toml_text::number(value) {
-            Some(rate) if rate.is_finite() && rate > 0.0 => self.dataset.rate = Some(rate),
-            _ => {
-                self.report(key, &shown(value), "is no sample rate", "give a positive number of Hz")
-            }
+            Some(rate) if RATES.contains(&rate) => self.dataset.rate = Some(rate),
+            _ => self.report(key, &shown(value), "is no sample rate", GIVE_A_RATE),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Signals of different times on one uniform grid.
 
-use super::{Column, Log, SampleTime};
+use super::{Column, GIVE_A_RATE, Log, RATES, SampleTime};
 use crate::{Problem, Problems};
 
 /// Onto which uniform times a log is brought.
@@ -43,11 +43,8 @@ impl Grid {
         let problem = |rule: String, way_out: &str| {
             Problems::from(Problem::new(origin, rule, way_out).at("--resample"))
         };
-        if !(period.is_finite() && period > 0.0) {
-            return Err(problem(
-                format!("a sample time of {period} s is none"),
-                "give a positive rate in Hz",
-            ));
+        if !RATES.contains(&period) {
+            return Err(problem(format!("a sample time of {period} s is none"), GIVE_A_RATE));
         }
         if start > end {
             let rule = format!(

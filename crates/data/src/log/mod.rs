@@ -144,12 +144,15 @@ pub struct ReadOptions {
     pub resample: Option<Resample>,
 }
 
+/// Sample rates in Hz, and sample times in s, that can be meant; with others the times of long logs are not finite.
+const RATES: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
+const GIVE_A_RATE: &str = "give a number of Hz from 1e-12 to 1e12";
+
 impl ReadOptions {
     fn check(&self, origin: &str) -> Result<(), Problems> {
-        match self.rate.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
+        match self.rate.filter(|rate| !RATES.contains(rate)) {
             Some(rate) => {
-                let way_out = "give a positive number of Hz";
-                let problem = Problem::new(origin, "is no sample rate", way_out);
+                let problem = Problem::new(origin, "is no sample rate", GIVE_A_RATE);
                 Err(problem.at("--rate").value(rate).into())
             }
             None => Ok(()),

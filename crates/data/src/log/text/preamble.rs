@@ -2,10 +2,8 @@
 
 use super::cells::{Dialect, Kind, comment};
 use super::decode;
-use crate::log::{ColumnUnit, header::SECOND};
+use crate::log::{ColumnUnit, RATES, header::SECOND};
 
-/// Sample rates in Hz, and sample times in s, that can be meant.
-const RANGE: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
 /// Keys of the sample time, in small letters without signs.
 const PERIOD: [&str; 25] = [
     "sampletime",
@@ -149,7 +147,7 @@ impl Preamble {
         } else if UNITS.contains(&key) && !rest.is_empty() {
             self.units = rest.to_vec();
         } else if PERIOD.contains(&key) {
-            let period = quantity(value, unit, &SECOND).filter(|period| RANGE.contains(period));
+            let period = quantity(value, unit, &SECOND).filter(|period| RATES.contains(period));
             // A whole number of Hz gives the times that a reader of decimals would give.
             let rate = period.map(|period| 1.0 / period);
             let whole = |rate: f64| {
@@ -159,7 +157,7 @@ impl Preamble {
         } else if RATE.contains(&key) {
             let hertz = SECOND.times(SECOND, -2);
             self.rate =
-                self.rate.or(quantity(value, unit, &hertz).filter(|rate| RANGE.contains(rate)));
+                self.rate.or(quantity(value, unit, &hertz).filter(|rate| RATES.contains(rate)));
         } else if START.contains(&key) {
             self.start = self.start.or(quantity(value, unit, &SECOND));
         }
