@@ -77,10 +77,11 @@ impl Check {
         let patience = self.replay.then(|| Duration::from_secs_f64(self.timeout));
         // One that cannot be read is no reason to be silent about the others.
         let fmus: Vec<Fmu> = self.fmus.iter().map(|path| check(path, patience)).collect();
-        if let [Fmu { unchecked: Some(why), problems, .. }] = &fmus[..]
+        if let [Fmu { path, unchecked: Some(why), problems, .. }] = &fmus[..]
             && problems.is_empty()
         {
-            bail!("{why}");
+            let name = path.display().to_string();
+            if why.contains(&name) { bail!("{why}") } else { bail!("{name}: {why}") }
         }
         screen.show(&Checked { fmus, strict: self.strict })
     }
@@ -114,10 +115,7 @@ fn check(path: &Path, patience: Option<Duration>) -> Fmu {
                 replay = Some(done);
             }
             Err(error) if is_of_the_system(&error) => {
-                unchecked = Some(format!(
-                    "{}: its reference results are not repeated: {error:#}",
-                    path.display()
-                ));
+                unchecked = Some(format!("its reference results are not repeated: {error:#}"));
             }
             Err(error) => problems.push(not_repeated(package, &error)),
         }

@@ -28,6 +28,10 @@ struct Recovered(Converted);
 
 impl Recover {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        if JournalReader::open(&self.journal)?.block()?.is_none() {
+            let journal = self.journal.display();
+            bail!("{journal}: has no row; the run was killed before its first: delete it");
+        }
         let (out, is_named) = match self.out {
             Some(out) => (out, true),
             None => (self.journal.with_extension(""), false),
@@ -39,10 +43,6 @@ impl Recover {
                 "{}: is there; name the log with -o FILE, also where it is to take the place of this one",
                 out.display()
             );
-        }
-        if JournalReader::open(&self.journal)?.block()?.is_none() {
-            let journal = self.journal.display();
-            bail!("{journal}: has no row; the run was killed before its first: delete it");
         }
         let more = serde_json::json!({ "recovered": true });
         let more = more.as_object().cloned().unwrap_or_default();

@@ -41,8 +41,12 @@ impl Plan {
         if reader.problems.is_empty() {
             return Ok(plan);
         }
-        if let Some(first) = reader.problems.first_mut() {
-            first.rule.insert_str(0, &data::of_another_kind(text, "a system of FMUs"));
+        // Where it is another file altogether, its keys say nothing more.
+        let other = data::of_another_kind(text, "a system of FMUs");
+        if let Some(rule) = other.strip_suffix(": ") {
+            let problem =
+                Problem::new(reader.file, rule, "give a file with [fmus] and [connections]");
+            return Err(Error::File(problem.into()));
         }
         Err(Error::File(Problems::new(reader.problems)))
     }
