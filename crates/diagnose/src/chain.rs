@@ -118,6 +118,19 @@ impl Chain {
         self.nodes.iter().any(|node| matches!(node, Node::BlackBox(_)))
     }
 
+    /// Numbers of the parameters of its FMU.
+    pub(crate) fn of_fmu(&self) -> Vec<usize> {
+        let is_fmu = |p: &Parameter| matches!(self.nodes.get(p.node), Some(Node::BlackBox(_)));
+        let all = self.parameters.iter().enumerate();
+        all.filter(|(_, p)| p.is_base && is_fmu(p)).map(|(k, _)| k).collect()
+    }
+
+    /// Whether its FMU has many parameters: each sensitivity to one is a run over all records.
+    pub(crate) fn is_costly(&self) -> bool {
+        const MANY: usize = 8;
+        self.of_fmu().len() >= MANY
+    }
+
     /// For each parameter the number of the parameter of `from` that it continues: the model's own by
     /// name, those of effects in their order.
     pub(crate) fn origin(&self, from: &Self) -> Vec<Option<usize>> {

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 pub(crate) use self::first_order::Linear;
 use crate::chain::{Bench, Chain, Failed, Horizon};
 use crate::data_set::DataSet;
-use crate::normal::normal_equations;
+use crate::normal::{dot, normal_equations};
 use crate::nuisance::{Nuisance, Projector};
 
 /// Most iterations.
@@ -24,6 +24,14 @@ const ITERATIONS: usize = 16;
 const SMALL: f64 = 0.2;
 /// Fall of the cost above which a thorough fit computes all sensitivities anew.
 const LARGE: f64 = 20.0;
+/// Most iterations where the sensitivities of an FMU are corrected from step to step.
+const CORRECTED: usize = 40;
+/// Part of a step's change of the residual that its sensitivities may miss: with more they are computed anew.
+const MISSED: f64 = 0.7;
+/// How many times what the best candidate leaves another one may leave to be fitted to its end where that is costly.
+pub(crate) const FAR: f64 = 3.0;
+/// Fall of the cost since all sensitivities of an FMU were computed anew, up to which they still hold.
+const STILL_FRESH: f64 = 4.0;
 /// Rows per independent one.
 const CORRELATION: f64 = 10.0;
 /// Most rows that count as independent: in a structured residual more rows are no more knowledge.
@@ -65,6 +73,8 @@ struct Work<'a> {
     bench: Bench<'a>,
     fitter: Fitter<'a>,
     projector: Option<(Vec<f64>, Arc<Projector>)>,
+    /// Squares above which a fit is not worth sensitivities of its own.
+    enough: f64,
 }
 
 impl<'a> Fitter<'a> {
@@ -76,7 +86,7 @@ impl<'a> Fitter<'a> {
 
     fn work(self, chain: &'a Chain) -> Work<'a> {
         let bench = Bench::new(chain, self.data, Horizon::Training, self.count);
-        Work { bench, fitter: self, projector: None }
+        Work { bench, fitter: self, projector: None, enough: f64::INFINITY }
     }
 
     /// Fits from these coordinates, with all sensitivities at each turn's own point in the end.
@@ -93,6 +103,25 @@ impl<'a> Fitter<'a> {
     /// As [`Fitter::fit`].
     pub(crate) fn fit_again(self, chain: &'a Chain, start: &[f64]) -> Result<Fit, Failed> {
         self.work(chain).fit(start, None, false)
+    }
+
+    /// As [`Fitter::fit`]; a chain with an FMU of many parameters begins with the sensitivities that are known from
+    /// another chain, and does not get its own where it leaves far more than a mean square of `best`.
+    ///
+    /// # Errors
+    /// As [`Fitter::fit`].
+    pub(crate) fn fit_from(
+        self,
+        chain: &'a Chain,
+        start: &[f64],
+        (known, best): (&Linear, f64),
+    ) -> Result<Fit, Failed> {
+        let mut work = self.work(chain);
+        if !chain.is_costly() {
+            return work.fit(start, None, true);
+        }
+        work.enough = best * FAR * self.data.fit_rows.len() as f64;
+        work.fit(start, Some(known), true)
     }
 
     /// As [`Fitter::fit`] with the sensitivities that are known from another chain, which are not computed
@@ -176,7 +205,12 @@ impl<'a> Work<'a> {
         if self.chain().has_black_box() && which.len() > 1 {
             let copy = || {
                 let bench = self.bench.at_kept_point();
-                Work { bench, fitter: self.fitter, projector: self.projector.clone() }
+                Work {
+                    bench,
+                    fitter: self.fitter,
+                    projector: self.projector.clone(),
+                    enough: self.enough,
+                }
             };
             let all = which.par_iter().map_init(copy, |work, k| work.column(point, *k));
             return all.collect();
@@ -230,6 +264,10 @@ impl<'a> Work<'a> {
         }
         let missing: Vec<usize> = (0..all).filter(|k| !kept.contains(k)).collect();
         self.fill(&point, &missing, &mut columns)?;
+        if is_thorough && self.chain().is_costly() {
+            let fresh = known.is_none().then_some(point.cost);
+            return self.fit_corrected(point, columns, &self.chain().of_fmu(), fresh);
+        }
         // What is computed at each turn: the effects' own sensitivities change most.
         let own: Vec<usize> = (base..all).filter(|k| !kept.contains(k)).collect();
         let mut is_fresh = known.is_none();
@@ -256,9 +294,56 @@ impl<'a> Work<'a> {
                 break;
             }
         }
-        let deviations = self.deviations(&point, &columns);
+        Ok(self.fitted(point, &columns))
+    }
+
+    fn fitted(&self, point: Point, columns: &[Vec<f64>]) -> Fit {
+        let deviations = self.deviations(&point, columns);
         let mean_square = point.squares / point.residual.len().max(1) as f64;
-        Ok(Fit { theta: point.theta, mean_square, deviations })
+        Fit { theta: point.theta, mean_square, deviations }
+    }
+
+    /// A thorough fit that makes few runs of an FMU: each step corrects the sensitivities to its parameters by what
+    /// the step did and they did not foresee (Broyden 1965), and all are computed anew where that is much, and in
+    /// the end. `fresh` is the cost of the point at which they were computed, if that is in this chain.
+    fn fit_corrected(
+        &mut self,
+        mut point: Point,
+        mut columns: Vec<Vec<f64>>,
+        costly: &[usize],
+        mut fresh: Option<f64>,
+    ) -> Result<Fit, Failed> {
+        let cheap: Vec<usize> = (0..columns.len()).filter(|k| !costly.contains(k)).collect();
+        let mut damping = 1e-3;
+        for _ in 0..CORRECTED {
+            let next = self.improve(&point, &columns, &mut damping);
+            let mut has_stopped = true;
+            if let Some(next) = next {
+                self.keep(&next.theta)?;
+                has_stopped = point.cost - next.cost < SMALL;
+                let before = std::mem::replace(&mut point, next);
+                if !has_stopped {
+                    let old: Vec<Vec<f64>> =
+                        cheap.iter().map(|k| std::mem::take(&mut columns[*k])).collect();
+                    self.fill(&point, &cheap, &mut columns)?;
+                    let missed = correct((&before, &point), &mut columns, costly, (&cheap, &old));
+                    if missed > MISSED {
+                        self.fill(&point, costly, &mut columns)?;
+                        fresh = Some(point.cost);
+                    }
+                }
+            }
+            if has_stopped {
+                let still_holds = |cost: f64| cost - point.cost < STILL_FRESH;
+                if fresh.map_or(point.squares > self.enough, still_holds) {
+                    break;
+                }
+                let all: Vec<usize> = (0..columns.len()).collect();
+                self.fill(&point, &all, &mut columns)?;
+                (fresh, damping) = (Some(point.cost), 1e-3);
+            }
+        }
+        Ok(self.fitted(point, &columns))
     }
 
     /// Searches the steps of a converter over the range (the parameter `steps`) and their phase (the one
@@ -415,6 +500,38 @@ impl<'a> Work<'a> {
     }
 }
 
+/// Corrects the costly sensitivities so that they tell the step that was made, and says which part of the residual's
+/// change they missed. Those of the cheap ones are known at both ends: `old` holds them at its beginning.
+fn correct(
+    (before, after): (&Point, &Point),
+    columns: &mut [Vec<f64>],
+    costly: &[usize],
+    (cheap, old): (&[usize], &[Vec<f64>]),
+) -> f64 {
+    let step = |k: usize| after.theta[k] - before.theta[k];
+    let change: Vec<f64> =
+        after.residual.iter().zip(&before.residual).map(|(a, b)| a - b).collect();
+    let mut missed = change.clone();
+    let mut take = |column: &[f64], by: f64| {
+        missed.iter_mut().zip(column).for_each(|(m, c)| *m -= by * c);
+    };
+    for (k, old) in cheap.iter().zip(old) {
+        take(old, 0.5 * step(*k));
+        take(&columns[*k], 0.5 * step(*k));
+    }
+    for k in costly {
+        take(&columns[*k], step(*k));
+    }
+    let length: f64 = costly.iter().map(|k| step(*k).powi(2)).sum();
+    if length > 0.0 {
+        for k in costly {
+            let by = step(*k) / length;
+            columns[*k].iter_mut().zip(&missed).for_each(|(c, m)| *c += by * m);
+        }
+    }
+    (dot(&missed, &missed) / dot(&change, &change).max(f64::MIN_POSITIVE)).sqrt()
+}
+
 /// The values that nuisances depend on.
 fn relevant(chain: &Chain, values: &[f64]) -> Vec<f64> {
     chain
@@ -428,4 +545,130 @@ fn relevant(chain: &Chain, values: &[f64]) -> Vec<f64> {
             Nuisance::Drift { .. } | Nuisance::Knots { .. } => None,
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use surround::Block;
+
+    use super::*;
+    use crate::chain::{Node, Parameter};
+    use crate::data_set::RecordRows;
+
+    /// A mode, frequency and damping, and a gain.
+    fn mode() -> Chain {
+        let parameter = |name: &str, log, node| Parameter {
+            name: name.to_owned(),
+            unit: "1".to_owned(),
+            low: if log { 1e-3_f64.ln() } else { -3.0 },
+            high: if log { 1e3_f64.ln() } else { 3.0 },
+            log,
+            step: 1e-3,
+            jumps: false,
+            prior: 0.0,
+            node,
+            is_base: true,
+        };
+        let block = Block::SecondOrder.into();
+        Chain {
+            nodes: vec![
+                Node::Block { block, first: 0, count: 2, aux: 0, of_command: false },
+                Node::Gain { parameter: 2, deviation: 0.1 },
+            ],
+            parameters: vec![
+                parameter("frequency", true, 0),
+                parameter("damping", true, 0),
+                parameter("gain", false, 1),
+            ],
+            drive: 0,
+            nuisances: Vec::new(),
+        }
+    }
+
+    /// What the chain answers to steps at these coordinates.
+    fn log(chain: &Chain, truth: &[f64]) -> DataSet {
+        let rows = 600;
+        let record = RecordRows {
+            name: "a".to_owned(),
+            time: (0..rows).map(|k| 1e-3 * f64::from(k)).collect(),
+            command: (0..rows).map(|k| f64::from(k / 50 % 3)).collect(),
+            y: vec![0.0; rows as usize],
+            aux: Vec::new(),
+            others: Vec::new(),
+            run_in: 0,
+            training: 0.7,
+        };
+        let mut data = DataSet::new(vec![record], &[], None);
+        let count = AtomicU64::new(0);
+        let mut bench = Bench::new(chain, &data, Horizon::All, &count);
+        let y = data.at_rows(bench.keep(truth).unwrap());
+        // A little of something else, so that the cost has a bottom.
+        data.y = y.iter().enumerate().map(|(k, y)| y + 1e-3 * (1.7 * k as f64).sin()).collect();
+        data
+    }
+
+    #[test]
+    fn corrected_sensitivities_lead_to_the_same_fit() {
+        let chain = mode();
+        let truth = [40.0_f64.ln(), 0.05_f64.ln(), 0.5];
+        let data = log(&chain, &truth);
+        let count = AtomicU64::new(0);
+        let fitter = Fitter { data: &data, sigma: 1e-3, count: &count, weights: None };
+        let start = [44.0_f64.ln(), 0.1_f64.ln(), 0.0];
+        let whole = fitter.fit(&chain, &start).unwrap();
+        // With its own sensitivities; with some that are wrong, which only the end puts right.
+        for (wrong, is_fresh) in [(1.0, true), (2.0, false)] {
+            let mut work = fitter.work(&chain);
+            let point = work.keep(&start).unwrap();
+            let mut columns = work.columns(&point, 0..3).unwrap();
+            columns[..2].iter_mut().flatten().for_each(|c| *c *= wrong);
+            let fresh = is_fresh.then_some(point.cost);
+            let fit = work.fit_corrected(point, columns, &[0, 1], fresh).unwrap();
+            for ((is, wanted), truth) in fit.theta.iter().zip(&whole.theta).zip(&truth) {
+                assert!((is - wanted).abs() < 1e-3, "{wrong}: {:?}, {:?}", fit.theta, whole.theta);
+                assert!((is - truth).abs() < 1e-2, "{wrong}: {:?}, {truth}", fit.theta);
+            }
+            assert!(fit.mean_square < 1.01 * whole.mean_square, "{wrong}: {}", fit.mean_square);
+        }
+    }
+
+    #[test]
+    fn what_leaves_far_more_than_the_best_gets_no_sensitivities_of_its_own() {
+        let chain = mode();
+        let data = log(&chain, &[40.0_f64.ln(), 0.05_f64.ln(), 0.5]);
+        let runs = |enough: f64| {
+            let count = AtomicU64::new(0);
+            let fitter = Fitter { data: &data, sigma: 1e-3, count: &count, weights: None };
+            let mut work = fitter.work(&chain);
+            work.enough = enough;
+            let start = [300.0_f64.ln(), 0.9_f64.ln(), 0.0];
+            let point = work.keep(&start).unwrap();
+            // They show no way.
+            let columns = vec![vec![0.0; point.residual.len()]; 3];
+            work.fit_corrected(point, columns, &[0, 1], None).unwrap();
+            count.into_inner()
+        };
+        assert!(runs(1.0) < runs(f64::INFINITY));
+    }
+
+    #[test]
+    fn a_correction_tells_the_step_that_was_made() {
+        let point = |theta: &[f64], residual: &[f64]| Point {
+            theta: theta.to_vec(),
+            residual: residual.to_vec(),
+            squares: 0.0,
+            cost: 0.0,
+        };
+        let (before, after) = (point(&[0.0, 0.0], &[1.0, 1.0]), point(&[2.0, 1.0], &[3.0, 0.0]));
+        let mut columns = vec![vec![0.5, 0.0], vec![1.0, -1.0]];
+        let old = vec![columns[1].clone()];
+        let missed = correct((&before, &after), &mut columns, &[0], (&[1], &old));
+        // Of (2, -1) the first would do (1, 0) and the second (1, -1).
+        assert!(missed < 1e-12, "{missed}");
+        assert_eq!(columns[0], [0.5, 0.0]);
+        columns[0] = vec![0.0, 0.0];
+        let missed = correct((&before, &after), &mut columns, &[0], (&[1], &old));
+        assert!((missed - (1.0_f64 / 5.0).sqrt()).abs() < 1e-12, "{missed}");
+        assert_eq!(columns[0], [0.5, 0.0]);
+    }
 }

@@ -210,7 +210,10 @@ fn grounded(
     let (shape, sure) = settle_noise(problem, &first.judged.residual);
     let sigma = problem.noise.sigma * problem.factor;
     let scale = Scale::new(problem, Judge::new(&problem.data, shape), sigma, sure, request);
-    let base = retuned(problem, &scale.judge, sigma)?;
+    // The fit is the same for any noise.
+    let memo = Memo::default();
+    let search = search_in((problem, &[], &scale), request, count, &memo);
+    let base = search.judged_again(first, sigma / guess).map_err(|_| cannot_run(problem))?;
     let nothing = vec![0.0; base.chain.parameters.len()];
     let given = scale.judge.judge(&base.chain, &nothing, &problem.data, sigma, count);
     let given = given.map_err(|_| cannot_run(problem))?;

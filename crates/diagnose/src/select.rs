@@ -196,10 +196,15 @@ impl<'a> Search<'a> {
 
     /// All families as the next effect beside those of `from`, best first.
     pub(crate) fn expand(&self, from: &Candidate) -> Result<Vec<Looked>, Failed> {
-        self.once(Part::Expansion, from, || self.expand_anew(from))
+        self.expand_where(from, f64::INFINITY)
     }
 
-    fn expand_anew(&self, from: &Candidate) -> Result<Vec<Looked>, Failed> {
+    /// The same where one of them promises to leave at most this mean square.
+    fn expand_where(&self, from: &Candidate, most: f64) -> Result<Vec<Looked>, Failed> {
+        self.once(Part::Expansion, from, || self.expand_anew(from, most))
+    }
+
+    fn expand_anew(&self, from: &Candidate, most: f64) -> Result<Vec<Looked>, Failed> {
         let linear = self.fitter().linearise(&from.chain, &from.fit.theta)?;
         let fixed = self.formulas(&from.picks);
         let jobs: Vec<(usize, usize)> = (0..self.library.len())
@@ -223,6 +228,10 @@ impl<'a> Search<'a> {
             .map(|family| (family, best_of(family)))
             .collect();
         families.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        let greatest = families.first().map_or(0.0, |(_, promise)| *promise);
+        if (1.0 - greatest) * from.fit.mean_square > most {
+            return Err(Failed);
+        }
         let most = if from.picks.is_empty() { FITTED } else { FITTED_BESIDE };
         let kept: Vec<usize> = families.iter().take(most).map(|(family, _)| *family).collect();
         let to_fit: Vec<usize> = (0..jobs.len())
@@ -233,7 +242,6 @@ impl<'a> Search<'a> {
             })
             .collect();
         // A thorough fit is for what promises most: a formula of which that is not so is taken as it comes.
-        let greatest = families.first().map_or(0.0, |(_, promise)| *promise);
         let fitted: Vec<Option<Candidate>> = to_fit
             .par_iter()
             .with_max_len(1)
@@ -272,17 +280,21 @@ impl<'a> Search<'a> {
             .with_max_len(1)
             .for_each(|entry| self.hold_against_nulls(from, &fixed, entry, &linear, as_gain));
         sort(&mut looked);
-        looked.par_iter_mut().take(REFINED).with_max_len(1).for_each(|entry| self.refine(entry));
+        let best = looked.iter().find_map(|l| l.best.as_ref());
+        let known = (&linear, best.map_or(f64::INFINITY, |best| best.fit.mean_square));
+        let nearest = looked.par_iter_mut().take(REFINED).with_max_len(1);
+        nearest.for_each(|entry| self.refine(entry, known));
         sort(&mut looked);
         Ok(looked)
     }
 
-    /// Fits the best formula of a family again, with sensitivities of its own.
-    fn refine(&self, entry: &mut Looked) {
+    /// Fits the best formula of a family again, with sensitivities of its own; with those that are known and the mean
+    /// square that the best family leaves.
+    fn refine(&self, entry: &mut Looked, known: (&Linear, f64)) {
         let Some(best) = &entry.best else { return };
         let refined = self
             .fitter()
-            .fit(&best.chain, &best.fit.theta)
+            .fit_from(&best.chain, &best.fit.theta, known)
             .and_then(|fit| self.candidate(best.picks.clone(), best.chain.clone(), fit));
         if let Ok(refined) = refined
             && refined.rank < best.rank
@@ -311,7 +323,7 @@ impl<'a> Search<'a> {
                 entry.best.as_ref().is_some_and(|c| c.fit.theta.len() <= MOST_FITTED_ANEW);
             let has_promised = (1.0 - entry.screening) * from.fit.mean_square < null / NULL;
             if null < NULL * left && has_promised && is_small {
-                self.refine(entry);
+                self.refine(entry, (linear, f64::INFINITY));
                 left = entry.best.as_ref().map_or(left, own);
             }
             null >= NULL * left

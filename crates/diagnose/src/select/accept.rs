@@ -15,6 +15,8 @@ const CUT_SHARPLY: f64 = 10.0;
 const NEARLY_NOISE: f64 = 1.0;
 /// Part of the gap that is next to nothing, too, where the gap is large.
 const NEARLY_NOTHING: f64 = 0.003;
+/// How many times as much a pair may promise to leave in the first order, to be fitted.
+const OUT_OF_REACH: f64 = 30.0;
 /// Part of what two effects leave on held-out rows that a third one must take where it brings little of the
 /// whole: what repairs another effect's formula seldom takes nearly all of it on rows that no fit has seen.
 const REST: f64 = 0.9;
@@ -224,11 +226,12 @@ impl Search<'_> {
         let fitted = first.iter().filter_map(|l| l.best.as_ref());
         // The search went on from the best one.
         let others = fitted.filter(|c| found.picks.first() != c.picks.first());
+        let little = NEARLY_NOISE.max(NEARLY_NOTHING * left(base));
         for other in others.take(RIVALS) {
-            let Ok(looked) = self.expand(other) else { continue };
+            let promised = self.expand_where(other, 1.0 + OUT_OF_REACH * little);
+            let Ok(looked) = promised else { continue };
             let Some(pair) = looked.iter().find_map(|l| l.best.clone()) else { continue };
             let pair = self.with_best_formulas(pair);
-            let little = NEARLY_NOISE.max(NEARLY_NOTHING * left(base));
             if pair.rank < found.rank && left(&pair) < little {
                 *rivals = vec![first.to_vec(), looked];
                 return Some(pair);

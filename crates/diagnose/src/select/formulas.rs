@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::memo::Part;
 use super::{Candidate, Looked, Search};
 use crate::chain::Failed;
+use crate::fit::FAR;
 
 impl Search<'_> {
     /// The same effects with the best other formula of the family of effect `slot`, where that is better.
@@ -46,6 +47,10 @@ impl Search<'_> {
         let fitted: Vec<Option<Candidate>> = fitted.collect();
         let best = fitted.into_iter().flatten().min_by(|a, b| a.rank.total_cmp(&b.rank));
         let Some(best) = best else { return Ok(None) };
+        // What leaves far more is not fitted to its end where that is costly.
+        if best.chain.is_costly() && best.fit.mean_square > FAR * from.fit.mean_square {
+            return Ok(None);
+        }
         let mut picks = from.picks.clone();
         picks[slot] = *best.picks.last().unwrap_or(&picks[slot]);
         let better = self.refit(&best, picks).ok().filter(|c| c.rank < from.rank - 1.0);

@@ -92,6 +92,12 @@ impl Search<'_> {
         looked
     }
 
+    /// A fit over a noise that is 1/`ratio` of this search's, judged by this search.
+    pub(crate) fn judged_again(&self, c: Candidate, ratio: f64) -> Result<Candidate, Failed> {
+        let fit = Fit { mean_square: c.fit.mean_square / (ratio * ratio), ..c.fit };
+        self.candidate(c.picks, c.chain, fit)
+    }
+
     /// A candidate whose figures are over a noise that is 1/`ratio` of this search's.
     pub(crate) fn in_units(&self, c: Candidate, ratio: f64) -> Candidate {
         let residual = c.judged.residual.iter().map(|r| r / ratio).collect();
@@ -127,6 +133,10 @@ mod tests {
         assert_eq!(best(&first).fit.theta, best(&scaled).fit.theta);
         close(best(&scaled).fit.mean_square, 4.0 * best(&first).fit.mean_square, 1e-9);
         close(best(&scaled).judged.held_out, 4.0 * best(&first).judged.held_out, 1e-9);
+        let judged = quieter.judged_again(base.clone(), 0.5).unwrap();
+        close(judged.judged.held_out, same.judged.held_out, 1e-9 * same.judged.held_out);
+        close(judged.rank, same.rank, 1e-6);
+        let before = count();
         // From other effects it is another part.
         let pair = search.expand(&best(&first)).unwrap();
         assert!(count() > before);

@@ -200,13 +200,15 @@ fn refining_never_makes_worse() {
     let made = Made::new(&[(3, 8.0)], &[&[(3, 1.0)]]);
     let fitted = made.families(&[0]);
     let search = made.search();
+    let base = made.retuned();
+    let linear = search.fitter().linearise(&base.chain, &base.fit.theta).unwrap();
     let entry = |best: Option<Candidate>| Looked { family: 0, screening: 0.5, best, why: None };
     // A weight that is off is put right.
     let mut off = fitted.clone();
     off.fit.theta[1] = 3.0;
     off = search.candidate(off.picks, off.chain, off.fit).unwrap();
     let mut looked = entry(Some(off.clone()));
-    search.refine(&mut looked);
+    search.refine(&mut looked, (&linear, f64::INFINITY));
     let refined = looked.best.unwrap();
     assert!(refined.rank < off.rank - 10.0);
     close(refined.fit.theta[1], 8.0, 0.2);
@@ -214,10 +216,10 @@ fn refining_never_makes_worse() {
     // What was better stays.
     let better = Candidate { rank: fitted.rank - 5.0, ..fitted };
     let mut looked = entry(Some(better.clone()));
-    search.refine(&mut looked);
+    search.refine(&mut looked, (&linear, f64::INFINITY));
     assert_eq!(looked.best.unwrap().rank, better.rank);
     let mut nothing = entry(None);
-    search.refine(&mut nothing);
+    search.refine(&mut nothing, (&linear, f64::INFINITY));
     assert!(nothing.best.is_none());
 }
 
