@@ -142,6 +142,17 @@ fn measured_mirror() {
     for file in ["mirror.toml", "response.html", "gap.json", "gap.html", "repaired.fmu"] {
         assert!(folder.path().join(file).is_file(), "{file}");
     }
+    // Half of an integral controller's error on each axis, and a tenth of it below 200 Hz.
+    for (band, part) in [("200", 0.1), ("0", 0.5)] {
+        let errors = ["integral", "preview"].map(|controller| {
+            let begin = format!("tracking, {controller} {band}:");
+            let line = said.lines().find(|line| line.starts_with(&begin)).expect("a line");
+            ["y1 ", "y2 ", "y3 "].map(|axis| number(line, axis, "um"))
+        });
+        for (integral, preview) in errors[0].iter().zip(&errors[1]) {
+            assert!(*preview < part * integral, "{band}: {errors:?}");
+        }
+    }
 }
 
 #[test]

@@ -9,6 +9,42 @@ use std::path::Path;
 use common::{json, refuse, succeed};
 use serde_json::Value;
 
+/// Runs the controller c.toml as FMU over in.csv and in this process with the same inputs, and compares the outputs.
+fn runs_to_the_bit(
+    at: &Path,
+    inputs: &[&str],
+    outputs: &[&str],
+    period: f64,
+    values: impl Fn(usize) -> Vec<f64>,
+) {
+    succeed(&["pack", "c.toml", "-o", "c.fmu"], at);
+    succeed(&["simulate", "c.fmu", "--log", "in.csv", "-o", "run.csv"], at);
+    let run = fs::read_to_string(at.join("run.csv")).expect("a run");
+    let head = run.lines().next().expect("a head").split(',');
+    let names: Vec<_> = head.map(|name| name.split(' ').next().unwrap_or_default()).collect();
+    let blueprint = data::Blueprint::read(&at.join("c.toml")).expect("a blueprint");
+    let mut system = blueprint.check(learned::COMPONENTS).expect("sound").build();
+    let place = |name: &str, system: &model::System| system.variables().find(name).expect("one");
+    for (k, line) in run.lines().skip(1).enumerate() {
+        let row = k.saturating_sub(1);
+        for (name, value) in inputs.iter().zip(values(row)) {
+            let reference = place(name, &system);
+            system.set(reference, value).expect("an input");
+        }
+        match k {
+            0 => system.initialise(0.0).expect("rest"),
+            _ => system.advance(k as f64 * period).map(|_| ()).expect("finite"),
+        }
+        for name in outputs {
+            let column = names.iter().position(|n| n == name).expect("a command");
+            let packed: f64 =
+                line.split(',').nth(column).expect("a cell").parse().expect("a number");
+            let native = system.get(place(name, &system)).expect("an output");
+            assert_eq!(packed.to_bits(), native.to_bits(), "{name}, row {k}: {packed} {native}");
+        }
+    }
+}
+
 /// A raised sine over the middle of each reach, softly begun.
 fn wave(axes: &[Value], period: f64, at: &Path) {
     use std::fmt::Write as _;
@@ -196,37 +232,59 @@ fn a_damped_loop_is_printed_written_and_runs_in_the_fmu_to_the_bit() {
         }
         let text = fs::read_to_string(at.join("c.toml")).expect("a blueprint");
         assert!(text.contains(kind) && text.contains("resonance 400"), "{text}");
-        succeed(&["pack", "c.toml", "-o", "c.fmu"], at);
-        succeed(&["simulate", "c.fmu", "--log", "in.csv", "-o", "run.csv"], at);
-        let run = fs::read_to_string(at.join("run.csv")).expect("a run");
-        let head = run.lines().next().expect("a head").split(',');
-        let mut names = head.map(|name| name.split(' ').next().unwrap_or_default());
-        let column = names.position(|name| name == "command[1]").expect("a command");
-        let blueprint = data::Blueprint::read(&at.join("c.toml")).expect("a blueprint");
-        let mut system = blueprint.check(learned::COMPONENTS).expect("sound").build();
-        let place = |name: &str, system: &model::System| system.variables().find(name).expect(name);
-        let (reference, measured, command) = (
-            place("reference[1]", &system),
-            place("measured[1]", &system),
-            place("command[1]", &system),
-        );
-        for (k, line) in run.lines().skip(1).enumerate() {
-            let row = k.saturating_sub(1);
-            system.set(reference, wave(row)).expect("an input");
-            system.set(measured, 0.9 * wave(row + 3)).expect("an input");
-            match k {
-                0 => system.initialise(0.0).expect("rest"),
-                _ => system.advance(k as f64 * period).map(|_| ()).expect("finite"),
-            }
-            let packed: f64 =
-                line.split(',').nth(column).expect("a cell").parse().expect("a number");
-            let native = system.get(command).expect("an output");
-            assert_eq!(packed.to_bits(), native.to_bits(), "{law}, row {k}: {packed} {native}");
-        }
+        let inputs = |row: usize| vec![wave(row), 0.9 * wave(row + 3)];
+        runs_to_the_bit(at, &["reference[1]", "measured[1]"], &["command[1]"], period, inputs);
     }
     let asked = ["invert", "light.toml", "--damping", "nrc", "--feedback", "none"];
     let said = refuse(&asked, at);
     assert!(said.contains("--feedback pid or pi"), "{said}");
     let said = refuse(&["invert", "p885", "--damping", "nrc"], at);
     assert!(said.contains("no mode") && said.contains("--damping"), "{said}");
+}
+
+/// Two axes whose coupling has two modes.
+const MIRROR: &str = "piezoloop = 1\nkind = \"plant\"\nname = \"mirror\"\nstep = 2e-4\n[[axis]]\nname = \"a\"\n\
+     command = { name = \"u1\", unit = \"V\", min = -5, max = 5 }\nposition = { name = \"y1\", unit = \"um\" }\n\
+     [[axis.component]]\ntype = \"actuator-gain\"\ngain = 2\n[[axis]]\nname = \"b\"\n\
+     command = { name = \"u2\", unit = \"V\", min = -5, max = 5 }\nposition = { name = \"y2\", unit = \"um\" }\n\
+     [[axis.component]]\ntype = \"actuator-gain\"\ngain = -3\n[[coupling]]\naxes = [\"a\", \"b\"]\n\
+     type = \"modal-matrix\"\ndirect = [0, 0, 0, 0]\nfrequency = [310, 430]\ndamping = [0.01, 0.02]\n\
+     residue = [0.6, 0.6, 0.6, 0.6, 0.5, -0.5, -0.5, 0.5]\nrate_residue = [0, 0, 0, 0, 0, 0, 0, 0]\n";
+
+#[test]
+fn coupled_axes_get_one_loop_and_a_preview_that_runs_in_the_fmu_to_the_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    fs::write(at.join("mirror.toml"), MIRROR).expect("a file");
+    let asked = ["invert", "mirror.toml", "--feedforward", "preview", "-o", "c.toml"];
+    let answer = json(&asked, at);
+    let found = &answer["coordinators"][0];
+    assert_eq!(found["coupled_loop"]["plants"], 30, "{answer}");
+    assert!(found["coupled_loop"]["sensitivity"].as_f64().is_some_and(|s| s <= 1.5), "{found}");
+    assert!(found["preview"]["preview"].as_f64().is_some_and(|s| s > 0.0), "{found}");
+    let said = succeed(&asked, at);
+    assert!(said.contains("all axes together") && said.contains("ms late"), "{said}");
+    let text = fs::read_to_string(at.join("c.toml")).expect("a blueprint");
+    assert!(text.contains("preview-coordinator") && text.contains("feedback-notch"), "{text}");
+    let values = |k: usize| {
+        let wave = |turn: f64| 0.4 * (turn * (k * k) as f64 / 4000.0).sin();
+        vec![wave(1.0), wave(1.3), 0.9 * wave(0.8), 1.1 * wave(0.7)]
+    };
+    let mut table = String::from("time [s],reference[1],reference[2],measured[1],measured[2]");
+    for k in 0..400 {
+        use std::fmt::Write as _;
+        write!(table, "\n{}", k as f64 * 2e-4).expect("a text");
+        values(k).iter().for_each(|value| write!(table, ",{value}").expect("a text"));
+    }
+    fs::write(at.join("in.csv"), table + "\n").expect("a file");
+    let inputs = ["reference[1]", "reference[2]", "measured[1]", "measured[2]"];
+    runs_to_the_bit(at, &inputs, &["command[1]", "command[2]"], 2e-4, values);
+    let said = refuse(&["invert", "mirror.toml", "--damping", "nrc"], at);
+    assert!(
+        said.contains("mode of a single axis") && said.contains("leave --damping out"),
+        "{said}"
+    );
+    fs::write(at.join("light.toml"), LIGHT).expect("a file");
+    let said = refuse(&["invert", "light.toml", "--feedforward", "preview"], at);
+    assert!(said.contains("no coupling with dynamics"), "{said}");
 }

@@ -43,3 +43,25 @@ for level in 100 200 300; do
         --map "command[1]=u1" --map "command[2]=u2" --map "command[3]=u3" \
         --map "position[1]=y1" --map "position[2]=y2" --map "position[3]=y3" -o "softening_$level.csv"
 done
+
+# Controllers that know the plant of 100 mV only: integral control, the same loop for all axes with notches, and with
+# the inverse of the modes as feedforward. The amplifier gives 1.2 V.
+sed 's/min = -0[.][0-9]*, max = 0[.][0-9]*/min = -1.2, max = 1.2/' mirror.toml > wide.toml
+piezoloop invert wide.toml --command-acts at-once --feedback integral --feedforward none -o integral.toml
+piezoloop invert wide.toml --command-acts at-once --feedforward none -o notches.toml
+piezoloop invert wide.toml --command-acts at-once --feedforward preview -o preview.toml
+late=$(awk '$1 == "preview" { print int($3 * 6400 + 0.5) }' preview.toml)
+for controller in integral notches preview; do
+    piezoloop pack "$controller.toml" -o "$controller.fmu"
+done
+
+# They follow what the mirror did at 300 mV, on the plant of all levels: below 200 Hz, and the whole record.
+for band in 200 0; do
+    awk -v FC="$band" -f "$here/references.awk" "$data/fsm_300mV_test.csv" > "reference_$band.csv"
+    for controller in integral notches preview; do
+        piezoloop simulate --loop softening.fmu "$controller.fmu" --reference "reference_$band.csv" \
+            -o "run_${controller}_$band.csv"
+        awk -v LATE="$([ "$controller" = preview ] && echo "$late" || echo 0)" -v NAME="$controller $band" \
+            -f "$here/tracking.awk" "run_${controller}_$band.csv"
+    done
+done

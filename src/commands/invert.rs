@@ -7,8 +7,8 @@ use anyhow::bail;
 use clap::Args;
 use clap::builder::PossibleValue;
 use control::{
-    Along, CommandActs, ControlSettings, Coordinator, Damping, DampingFigures, Feedback,
-    Feedforward, LoopFigures,
+    Along, CommandActs, ControlSettings, Coordinator, CoupledFigures, Damping, DampingFigures,
+    Feedback, Feedforward, LoopFigures,
 };
 use data::CheckedBlueprint;
 use serde::Serialize;
@@ -291,6 +291,20 @@ impl Answer for Inverted {
                 if coordinator.note.is_empty() { "" } else { "; " },
                 coordinator.note
             )?;
+            if let Some(found) = &coordinator.preview {
+                writeln!(
+                    out,
+                    "  dynamics undone by {} taps that know the reference ahead: the position follows {:.3} ms late; of a \
+                     white reference {:.1} % are left, {:.1} % with the modes up to 2 % off",
+                    found.taps,
+                    1e3 * found.preview,
+                    100.0 * found.left.0,
+                    100.0 * found.left.1
+                )?;
+            }
+            if let Some(found) = &coordinator.coupled_loop {
+                write_coupled(found, out)?;
+            }
         }
         for along in &self.along {
             write_along(along, out)?;
@@ -313,6 +327,26 @@ impl Answer for Ways {
         }
         Ok(())
     }
+}
+
+fn write_coupled(found: &CoupledFigures, out: &mut dyn Write) -> io::Result<()> {
+    for [frequency, damping, depth] in &found.notches {
+        writeln!(
+            out,
+            "  notch on all axes: {frequency:.2} Hz, damping {damping:.3}, depth {depth:.3}"
+        )?;
+    }
+    let each: Vec<String> =
+        found.integral_bandwidth.iter().map(|width| format!("{width:.2} Hz")).collect();
+    writeln!(
+        out,
+        "  all axes together: greatest singular value of the sensitivity {:.3}, gain margin {:.2}, stable on {} \
+         plants; integral control within the same sensitivity has bandwidths of {}",
+        found.sensitivity,
+        found.gain_margin,
+        found.plants,
+        each.join(", ")
+    )
 }
 
 fn write_axis(axis: &LoopFigures, out: &mut dyn Write) -> io::Result<()> {

@@ -31,7 +31,7 @@ OWN = {"step", "elements", "cells", "u_start"}
 
 def registry(tool):
     said = subprocess.run([tool, "list", "models", "--json"], check=True, capture_output=True, text=True)
-    rows = [row for row in json.loads(said.stdout) if not re.match("lssvm|gaussian|gp-|(inverse-)?learned-", row["type"])]
+    rows = [row for row in json.loads(said.stdout) if not re.match("lssvm|gaussian|gp-|(inverse-)?learned-|preview-coordinator|feedback-notch", row["type"])]
     return {row["type"]: row for row in rows}
 
 

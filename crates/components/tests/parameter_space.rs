@@ -165,8 +165,14 @@ const MAY_GROW: [&str; 10] = [
 
 /// Rules tie their parameters together (stability, zeros on the diagonal, a delay that fits), so that hardly
 /// a set drawn blindly is within them; `every_component` tries an example of each.
-const TIED: [&str; 5] =
-    ["arx", "command-coupling", "displacement-coupling", "mode-coupling", "repetitive"];
+const TIED: [&str; 6] = [
+    "arx",
+    "command-coupling",
+    "displacement-coupling",
+    "mode-coupling",
+    "preview-coordinator",
+    "repetitive",
+];
 
 #[test]
 fn finite_inputs_give_finite_outputs_wherever_the_parameters_are() {

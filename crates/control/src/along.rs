@@ -5,6 +5,7 @@ use identify::Error;
 use serde::Serialize;
 
 use crate::closed_loop::simulate_loop;
+use crate::linearised::{setting, values};
 
 /// A command counts as beyond a limit from this part of its range on.
 const BEYOND: f64 = 1e-6;
@@ -14,7 +15,7 @@ const BEYOND: f64 = 1e-6;
 pub struct Along {
     /// Name of the axis.
     pub axis: String,
-    /// Root mean square of reference less position, in parts of the reference's range.
+    /// Root mean square of reference less position, behind a preview by that much later, in parts of the reference's range.
     pub error: f64,
     /// The greatest of these differences, the same.
     pub greatest: f64,
@@ -28,6 +29,17 @@ pub struct Along {
     pub limits: (f64, f64),
     /// Part of the time for which it asks for more than they allow: there no controller follows.
     pub beyond: f64,
+}
+
+/// By how many periods an axis of a controller follows its reference input late.
+fn late(controller: &CheckedBlueprint, axis: usize) -> usize {
+    let spec = controller.spec();
+    let joined = spec.connections.couplings.iter().filter(|c| c.axes.contains(&axis));
+    let nodes = joined.map(|c| &c.node).chain(&spec.axes[axis].components);
+    let previews = nodes.filter(|node| node.enabled).filter_map(|node| {
+        setting(node, "preview").or_else(|| values(node, "preview").first().copied())
+    });
+    (previews.sum::<f64>() / spec.period).round() as usize
 }
 
 /// Runs plant and controller along `references[axis][point]`, `period` s apart.
@@ -48,9 +60,12 @@ pub fn along(
         })
     };
     let one = |(axis, reference): (usize, &Vec<f64>)| {
-        let errors = || reference.iter().zip(&run.position[axis]).map(|(r, p)| r - p);
+        let late = late(controller, axis);
+        let errors =
+            || reference.iter().zip(run.position[axis].iter().skip(late)).map(|(r, p)| r - p);
         let range = extent(reference).map_or(0.0, |(low, high)| reference[high] - reference[low]);
         let count = reference.len().max(1) as f64;
+        let judged = reference.len().saturating_sub(late).max(1) as f64;
         let limits = controller.spec().axes[axis].command_range;
         let room = BEYOND * (limits.1 - limits.0);
         let asked = run.feedforward[axis].as_slice();
@@ -59,7 +74,7 @@ pub fn along(
         let outside = if ends.is_some() { asked.iter().filter(is_beyond).count() } else { 0 };
         Along {
             axis: controller.spec().axes[axis].name.clone(),
-            error: (errors().map(|e| e * e).sum::<f64>() / count).sqrt() / range,
+            error: (errors().map(|e| e * e).sum::<f64>() / judged).sqrt() / range,
             greatest: errors().map(f64::abs).fold(0.0, f64::max) / range,
             asked: ends.map(|(low, high)| (asked[low], asked[high])),
             asked_at: ends.map(|(low, high)| (low as f64 * period, high as f64 * period)),

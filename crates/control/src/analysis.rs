@@ -4,9 +4,9 @@ use data::CheckedBlueprint;
 use identify::{Error, NotInvertible, simulate_axes};
 use model::{AxisSpec, NodeSpec};
 
-use crate::coupling::{self, Group};
+use crate::coupling::{self, AS_GIVEN, Group};
 use crate::feedforward::obstacle;
-use crate::linearised::impulse_response;
+use crate::linearised::{impulse_response, varied};
 use crate::path::{Nature, Part, Path, WAY, at_rest, parts_behind, steps_of};
 
 /// Least time of one way over the range in mean lags and in periods.
@@ -144,8 +144,9 @@ impl Analysed {
             let linear = |other: usize| {
                 if other == axis { nodes.to_vec() } else { linear_of(self, other) }
             };
-            let response = group.impulse_response(plant, number, &linear, &slopes, times)?;
-            return Ok(convolved(&response, &self.paths[axis].own));
+            let mut responses =
+                group.impulse_responses(plant, number, &linear, &slopes, times, AS_GIVEN)?;
+            return Ok(convolved(&responses.swap_remove(number), &self.paths[axis].own));
         }
         // The gain of linear parts at rest is in the slope.
         let mut response = impulse_response(&self.paths[axis].axis, nodes, 1.0, times)?;
@@ -154,6 +155,27 @@ impl Analysed {
             *h *= slope / sum;
         }
         Ok(convolved(&response, &self.paths[axis].own))
+    }
+
+    /// The impulse responses of all motions of a group to each of its commands, `[command][motion]`, with all modes'
+    /// frequencies and light dampings multiplied.
+    ///
+    /// # Errors
+    /// Why they cannot be had.
+    pub(crate) fn coupled_impulses(
+        &self,
+        plant: &CheckedBlueprint,
+        group: &Group,
+        times: (f64, f64),
+        factors: (f64, f64),
+    ) -> Result<Vec<Vec<Vec<f64>>>, String> {
+        let slopes: Vec<f64> = self.paths.iter().map(|path| path.sweep.slope).collect();
+        let linear = |axis: usize| varied(&linear_of(self, axis), factors.0, factors.1);
+        let each = group.axes.iter().enumerate().map(|(number, axis)| {
+            let rows = group.impulse_responses(plant, number, &linear, &slopes, times, factors)?;
+            Ok(rows.iter().map(|row| convolved(row, &self.paths[*axis].own)).collect())
+        });
+        each.collect()
     }
 
     /// Position at rest under a command; where axes are coupled, under the same command of all.

@@ -5,7 +5,7 @@ use identify::learned::InverseFigures;
 use model::{AxisSpec, Kind, NodeSpec};
 
 use crate::analysis::{Analysed, linear_of};
-use crate::damping::{self, Around, DAMPINGS, Damped, Damping, FREQUENCIES};
+use crate::damping::{self, Around, Damped, Damping};
 use crate::design::{Feedback, Linear, SHIFTS, design};
 use crate::feedforward::{self, Candidate};
 use crate::invert::ControlSettings;
@@ -18,6 +18,8 @@ use crate::undone::Undone;
 pub(crate) struct Design {
     pub(crate) learned: Option<LearnedAxis>,
     pub(crate) shaped: Shaped,
+    /// In front of the law, where the axis is part of a loop of coupled axes.
+    pub(crate) notches: Vec<ComponentBlueprint>,
     /// The inner loop, where one is asked for.
     pub(crate) damped: Option<Damped>,
     pub(crate) slope: f64,
@@ -75,8 +77,7 @@ pub(crate) fn axis_design(
                     .to_owned(),
             ));
         }
-        let pairs = FREQUENCIES.iter().flat_map(|f| DAMPINGS.iter().map(move |d| (*f, *d)));
-        let impulses = pairs
+        let impulses = damping::grid()
             .map(|(shift, damping)| response(&varied(&nodes, shift, damping)).map_err(one))
             .collect::<Result<Vec<_>, _>>()?;
         let around = Around {
@@ -143,6 +144,7 @@ pub(crate) fn axis_design(
     Ok(Design {
         learned,
         shaped,
+        notches: Vec::new(),
         damped,
         slope,
         leads,

@@ -68,18 +68,23 @@ pub(crate) const fn swing() -> f64 {
     SWING
 }
 
-/// Reference less position of each axis from a row on; infinite where the run leaves the model's range.
+/// Reference, `late` periods before, less position of each axis from a row on; infinite where the run leaves the model's range.
 pub(crate) fn errors(
     plant: &CheckedBlueprint,
     controller: &CheckedBlueprint,
     references: &[Vec<f64>],
     from: usize,
     period: f64,
+    late: &[usize],
 ) -> Vec<Vec<f64>> {
     match simulate_loop(plant, controller, references, period) {
         Ok(run) => {
-            let each = references.iter().zip(&run.position);
-            each.map(|(r, p)| r.iter().zip(p).skip(from).map(|(r, p)| r - p).collect()).collect()
+            let each = references.iter().zip(&run.position).zip(late);
+            each.map(|((r, p), late)| {
+                let wanted = r.iter().take(1).cycle().take(*late).chain(r);
+                wanted.zip(p).skip(from).map(|(r, p)| r - p).collect()
+            })
+            .collect()
         }
         Err(_) => vec![vec![f64::INFINITY]; references.len()],
     }

@@ -4,12 +4,14 @@ use data::CheckedBlueprint;
 use model::{Connections, CouplingSpec, Kind, NodeSpec, Stage, System, SystemSpec};
 use nalgebra::DMatrix;
 
-use crate::linearised::{settled_impulse, small};
+use crate::linearised::{LIGHT, settled_impulse, small, values, varied};
 use crate::path::Path;
 use crate::probe::{bare, straight};
 
 /// Greatest condition number of a Jacobian that is inverted.
 const CONDITION: f64 = 1000.0;
+/// Factors of the frequencies and dampings of a plant's modes.
+pub(crate) const AS_GIVEN: (f64, f64) = (1.0, 1.0);
 
 /// Axes that are coupled, and their Jacobian.
 #[derive(Clone, Debug)]
@@ -65,18 +67,24 @@ pub(crate) fn sets(plant: &CheckedBlueprint) -> Vec<Vec<usize>> {
     sets
 }
 
-/// The plant with only these parts on its axes, and its couplings.
+/// The plant with only these parts on its axes, and its couplings, whose modes' frequencies and light dampings are
+/// multiplied.
 fn system(
     plant: &CheckedBlueprint,
     parts: impl Fn(usize) -> Vec<NodeSpec>,
     step: f64,
+    (shift, damping): (f64, f64),
 ) -> Result<System, String> {
     let spec = plant.spec();
     let mut axes = Vec::new();
     for (index, axis) in spec.axes.iter().enumerate() {
         axes.push(bare(axis, parts(index)));
     }
-    let free = |coupling: &CouplingSpec| CouplingSpec { after: None, ..coupling.clone() };
+    let free = |coupling: &CouplingSpec| {
+        let nodes = varied(std::slice::from_ref(&coupling.node), shift, damping);
+        let node = nodes.into_iter().next().unwrap_or_else(|| coupling.node.clone());
+        CouplingSpec { after: None, node, ..coupling.clone() }
+    };
     let connections = Connections {
         couplings: spec.connections.couplings.iter().map(free).collect(),
         motion_units: spec.connections.motion_units.clone(),
@@ -121,7 +129,7 @@ impl Group {
     ) -> Result<Self, String> {
         let slopes: Vec<f64> = paths.iter().map(|path| path.sweep.mean_slope).collect();
         let step = paths.first().map_or(1.0, |path| path.times.0);
-        let mut machine = system(plant, |axis| vec![straight(slopes[axis])], step)?;
+        let mut machine = system(plant, |axis| vec![straight(slopes[axis])], step, AS_GIVEN)?;
         let mut rest = |motions: &[f64]| -> Result<Vec<f64>, String> {
             for (axis, motion) in motions.iter().enumerate() {
                 set(&mut machine, axis, motion / slopes[axis])?;
@@ -189,34 +197,61 @@ impl Group {
         })
     }
 
-    /// The impulse response of one of its axes' motions, as the coordinator sees it, with the couplings'
-    /// dynamics and these linear parts on the axes.
+    /// The impulse responses of all motions, as the coordinator sees them, to the command of one axis, with the
+    /// couplings' dynamics and these linear parts on the axes: as far as that axis' own settles, and as long again.
+    /// `factors`: of the frequencies and the dampings of the couplings' modes.
     ///
     /// # Errors
-    /// Why it cannot be had.
-    pub(crate) fn impulse_response(
+    /// Why they cannot be had.
+    pub(crate) fn impulse_responses(
         &self,
         plant: &CheckedBlueprint,
         number: usize,
         linear: &dyn Fn(usize) -> Vec<NodeSpec>,
         slopes: &[f64],
         (step, period): (f64, f64),
-    ) -> Result<Vec<f64>, String> {
+        factors: (f64, f64),
+    ) -> Result<Vec<Vec<f64>>, String> {
         let parts = |axis: usize| [vec![straight(slopes[axis])], linear(axis)].concat();
-        let mut machine = system(plant, parts, step)?;
+        let mut machine = system(plant, parts, step, factors)?;
         let own = self.axes[number];
         let size = small(&plant.spec().axes[own]);
         machine.initialise(0.0).map_err(|e| machine.explain(&e))?;
         let rest = positions(&machine, &self.axes);
         set(&mut machine, own, size)?;
+        let n = self.axes.len();
+        let mut steps: Vec<Vec<f64>> = vec![vec![0.0]; n];
         let mut count = 0;
-        settled_impulse(period, || {
+        let mut next = || -> Result<f64, String> {
             count += 1;
             machine.advance(f64::from(count) * period).map_err(|e| machine.explain(&e))?;
             let moved = positions(&machine, &self.axes);
-            let motion = moved.iter().zip(&rest).enumerate();
-            Ok(motion.map(|(i, (p, p0))| self.inverse[(number, i)] * (p - p0)).sum::<f64>() / size)
-        })
+            for (row, steps) in steps.iter_mut().enumerate() {
+                let motion = moved.iter().zip(&rest).enumerate();
+                let sum: f64 = motion.map(|(i, (p, p0))| self.inverse[(row, i)] * (p - p0)).sum();
+                steps.push(sum / size);
+            }
+            Ok(steps[number].last().copied().unwrap_or(f64::NAN))
+        };
+        let settled = settled_impulse(period, &mut next)?.len();
+        for _ in 0..settled {
+            next()?;
+        }
+        let impulse = |steps: &Vec<f64>| steps.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        Ok(steps.iter().map(impulse).collect())
+    }
+
+    /// Frequencies in Hz of the couplings' light modes.
+    pub(crate) fn light_modes(&self, plant: &CheckedBlueprint) -> Vec<f64> {
+        let joined = |c: &&CouplingSpec| {
+            c.node.enabled && c.axes.iter().any(|axis| self.axes.contains(axis))
+        };
+        let couplings = plant.spec().connections.couplings.iter().filter(joined);
+        couplings
+            .flat_map(|c| values(&c.node, "frequency").into_iter().zip(values(&c.node, "damping")))
+            .filter(|(_, damping)| *damping < LIGHT)
+            .map(|(frequency, _)| frequency)
+            .collect()
     }
 
     /// For each axis the middle of its positions and the half width that all of them may use at once, where

@@ -30,13 +30,16 @@ pub enum Feedback {
     IncrementalPid,
     /// Without a derivative.
     Pi,
+    /// The integral alone.
+    Integral,
     /// None: the feedforward alone, within the command's limits.
     None,
 }
 
 impl Feedback {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Pid, Self::IncrementalPid, Self::Pi, Self::None];
+    pub const ALL: [Self; 5] =
+        [Self::Pid, Self::IncrementalPid, Self::Pi, Self::Integral, Self::None];
 
     /// Its name on the command line.
     #[must_use]
@@ -45,6 +48,7 @@ impl Feedback {
             Self::Pid => "pid",
             Self::IncrementalPid => "incremental-pid",
             Self::Pi => "pi",
+            Self::Integral => "integral",
             Self::None => "none",
         }
     }
@@ -56,6 +60,7 @@ impl Feedback {
             Self::Pid => "PID in positional form",
             Self::IncrementalPid => "PID in incremental form, without a filter of the derivative",
             Self::Pi => "PI",
+            Self::Integral => "the integral alone",
             Self::None => "the feedforward alone, within the command's limits",
         }
     }
@@ -76,6 +81,15 @@ pub enum CommandActs {
 impl CommandActs {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Either, Self::AtOnce, Self::NextPeriod];
+
+    /// For each of the times that are meant, whether it is a period later.
+    pub(crate) const fn later(self) -> &'static [bool] {
+        match self {
+            Self::Either => &[true, false],
+            Self::AtOnce => &[false],
+            Self::NextPeriod => &[true],
+        }
+    }
 
     /// Its name on the command line.
     #[must_use]
@@ -135,6 +149,7 @@ pub(crate) fn design(
         Feedback::Pid | Feedback::None => true,
         Feedback::IncrementalPid => shape.filter == 0.0,
         Feedback::Pi => shape.b == 0.0,
+        Feedback::Integral => shape.a == 0.0 && shape.b == 0.0,
     };
     let loops = shapes(linear)
         .into_iter()

@@ -1,5 +1,7 @@
 //! The ways in which an axis' static part and its creep are undone in front of it.
 
+mod way;
+
 use data::{AxisBlueprint, ComponentBlueprint};
 use identify::learned::learned_inverse;
 use identify::{
@@ -7,6 +9,7 @@ use identify::{
 };
 use model::{Conversion, Declaration, Inverse, NodeSpec, Shape, Table, Undoing};
 
+pub use self::way::Feedforward;
 use crate::curve::Curve;
 use crate::linearised::{setting, values};
 use crate::path::{Nature, Part, Path, at_rest};
@@ -30,78 +33,6 @@ const SWINGS: [f64; 2] = [1.0, 0.6];
 
 /// Most rows that they are fitted to.
 const ROWS: usize = 2000;
-
-/// How the feedforward is made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Feedforward {
-    /// The best of all on the plant itself.
-    #[default]
-    Automatic,
-    /// The inverse that the components declare.
-    Inverse,
-    /// The component's own model beside the machine, without an inverse.
-    InverseFree,
-    /// The inverse of a Prandtl–Ishlinskii model that is fitted to what the plant does.
-    Fitted,
-    /// The inverse of a dynamic Prandtl–Ishlinskii model that is fitted to what the plant does at several rates.
-    Dynamic,
-    /// A Gaussian process over the position and its rate, learned from the plant at several rates.
-    Process,
-    /// A straight line.
-    Linear,
-    /// None: feedback alone.
-    None,
-}
-
-impl Feedforward {
-    /// All of them.
-    pub const ALL: [Self; 8] = [
-        Self::Automatic,
-        Self::Inverse,
-        Self::InverseFree,
-        Self::Fitted,
-        Self::Dynamic,
-        Self::Process,
-        Self::Linear,
-        Self::None,
-    ];
-
-    /// Its name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Automatic => "automatic",
-            Self::Inverse => "inverse",
-            Self::InverseFree => "inverse-free",
-            Self::Fitted => "fitted",
-            Self::Dynamic => "dynamic",
-            Self::Process => "gp",
-            Self::Linear => "linear",
-            Self::None => "none",
-        }
-    }
-
-    /// One sentence.
-    #[must_use]
-    pub const fn summary(self) -> &'static str {
-        match self {
-            Self::Automatic => "the one that errs least on the plant itself",
-            Self::Inverse => "the inverse that the plant's components declare",
-            Self::InverseFree => {
-                "the hysteresis model itself beside the machine, without an inverse"
-            }
-            Self::Fitted => "the inverse of a Prandtl-Ishlinskii model that is fitted to the plant",
-            Self::Dynamic => {
-                "the inverse of a dynamic Prandtl-Ishlinskii model, fitted to the plant at several rates"
-            }
-            Self::Process => {
-                "a Gaussian process over the position and its rate, learned from the plant at several rates"
-            }
-            Self::Linear => "a straight line",
-            Self::None => "feedback alone",
-        }
-    }
-}
 
 /// One way to undo an axis.
 #[derive(Clone)]

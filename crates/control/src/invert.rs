@@ -10,11 +10,13 @@ use serde::Serialize;
 use crate::analysis::analyse;
 use crate::axis::axis_design;
 use crate::check::Check;
+use crate::coupled_loop::CoupledFigures;
 use crate::damping::{Damping, DampingFigures};
 use crate::design::{CommandActs, Feedback};
 use crate::feedforward::Feedforward;
 use crate::learned_axis::sample_time;
 use crate::linearised::setting;
+use crate::preview::PreviewFigures;
 use crate::work::Work;
 
 /// Most internal steps of the plant in one period.
@@ -90,6 +92,12 @@ pub struct Coordinator {
     pub couplings: Vec<String>,
     /// Condition number of the Jacobian.
     pub condition: f64,
+    /// The loop of all its axes, where the coupling has dynamics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coupled_loop: Option<CoupledFigures>,
+    /// The inverse of the coupling's dynamics, where one is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preview: Option<PreviewFigures>,
     /// What it does not undo; empty where the coupling is static and straight.
     pub note: String,
 }
@@ -182,6 +190,14 @@ pub fn invert(
     let step = step_of(spec, period)
         .map_err(|reason| refused(vec![NotInvertible { place: spec.name.clone(), reason }]))?;
     let analysed = analyse(plant, (step, period)).map_err(refused)?;
+    if settings.damping != Damping::None && analysed.groups.iter().any(|group| group.is_dynamic) {
+        let reason = format!(
+            "--damping {} damps the mode of a single axis, and a coupling with dynamics joins these; they get notches \
+             that are designed for all of them together; leave --damping out",
+            settings.damping.name()
+        );
+        return Err(refused(vec![NotInvertible { place: spec.name.clone(), reason }]));
+    }
     let mut reasons = Vec::new();
     let mut designs = Vec::new();
     for index in 0..spec.axes.len() {
@@ -196,7 +212,10 @@ pub fn invert(
     if !reasons.is_empty() {
         return Err(refused(reasons));
     }
-    let mut work = Work { plant, settings, analysed: &analysed, designs, step, period };
+    let (coupled, previews) = (Vec::new(), Vec::new());
+    let mut work =
+        Work { plant, settings, analysed: &analysed, designs, step, period, coupled, previews };
+    work.couple()?;
     let runs = work.slowed()?;
     work.learn(observer)?;
     work.choose(&runs, observer)?;

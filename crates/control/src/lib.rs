@@ -13,6 +13,7 @@ mod axis;
 mod calibration;
 mod check;
 mod closed_loop;
+mod coupled_loop;
 mod coupling;
 mod curve;
 mod damping;
@@ -22,9 +23,12 @@ mod invert;
 mod learned_axis;
 mod linearised;
 mod loop_shape;
+mod nyquist;
 mod path;
+mod preview;
 mod probe;
 mod random;
+mod search;
 mod tuning;
 mod undone;
 mod work;
@@ -33,12 +37,14 @@ pub use along::{Along, along};
 pub use calibration::{Calibration, CalibrationRecord, CoordinateFit, calibrate};
 pub use check::Check;
 pub use closed_loop::{LoopRun, simulate_loop};
+pub use coupled_loop::CoupledFigures;
 pub use damping::{Damping, DampingFigures};
 pub use design::{CommandActs, Feedback};
 pub use feedforward::Feedforward;
 pub use identify::learned::InverseFigures;
 pub use identify::{Error, NotInvertible, SettingsProblem};
 pub use invert::{ControlSettings, Coordinator, Inversion, LoopFigures, invert};
+pub use preview::PreviewFigures;
 pub use tuning::{
     Gains, LoopCurves, LoopVerdict, Machine, Ultimate, impulse_of, judge_loop, loop_curves, relay,
     robust, ultimate_by_gain, ziegler_nichols,

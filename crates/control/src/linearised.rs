@@ -61,7 +61,7 @@ pub(crate) fn modes(nodes: &[NodeSpec]) -> Vec<(f64, f64)> {
 pub(crate) fn shifted(nodes: &[NodeSpec], shift: f64) -> Vec<NodeSpec> {
     let mut nodes = nodes.to_vec();
     for node in nodes.iter_mut().filter(|node| !values(node, "damping").is_empty()) {
-        multiply(node, "frequency", shift);
+        multiply(node, "frequency", |value| value * shift);
     }
     nodes
 }
@@ -70,25 +70,23 @@ pub(crate) fn shifted(nodes: &[NodeSpec], shift: f64) -> Vec<NodeSpec> {
 pub(crate) fn varied(nodes: &[NodeSpec], shift: f64, damping: f64) -> Vec<NodeSpec> {
     let mut nodes = shifted(nodes, shift);
     for node in &mut nodes {
-        multiply(node, "second_frequency", shift);
+        multiply(node, "second_frequency", |value| value * shift);
         for name in ["damping", "second_damping"] {
-            if values(node, name).first().is_some_and(|value| *value < LIGHT) {
-                multiply(node, name, damping);
-            }
+            multiply(node, name, |value| if value < LIGHT { value * damping } else { value });
         }
     }
     nodes
 }
 
-/// Multiplies the values of a parameter, where a node has it.
-fn multiply(node: &mut NodeSpec, name: &str, by: f64) {
+/// Changes the values of a parameter, where a node has it.
+fn multiply(node: &mut NodeSpec, name: &str, change: impl Fn(f64) -> f64) {
     let declaration = node.component.declaration();
     let at = declaration.parameters.iter().position(|q| q.name == name);
     let Some(index) = at else { return };
     let start: usize = (0..index).map(|i| declaration.length(i, &node.structure)).sum();
     let count = declaration.length(index, &node.structure);
     for value in node.values.iter_mut().skip(start).take(count) {
-        *value *= by;
+        *value = change(*value);
     }
 }
 

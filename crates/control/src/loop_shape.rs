@@ -71,6 +71,15 @@ impl Shape {
         (self.a + period + derivative).hypot(tail)
     }
 
+    /// Its response for ki = 1 where z⁻¹ is `back`.
+    pub(crate) fn at(&self, back: Complex<f64>, period: f64) -> Complex<f64> {
+        let one = Complex::new(1.0, 0.0);
+        let keep = self.keep(period);
+        let difference = one - back;
+        let filtered = difference * (1.0 - keep) / (one - back * keep);
+        Complex::new(period, 0.0) / difference + self.a + filtered * (self.b / period)
+    }
+
     /// What the derivative's filter keeps of its last value.
     fn keep(&self, period: f64) -> f64 {
         if self.filter > 0.0 { (-period / self.filter).exp() } else { 0.0 }
@@ -139,20 +148,9 @@ impl Response {
 
     /// The open loop at each frequency for a gain ki of 1.
     fn loop_of(&self, shape: Shape) -> Vec<Complex<f64>> {
-        let t = self.period;
-        let keep = shape.keep(t);
         let pairs = self.angles.iter().zip(&self.values);
-        pairs
-            .map(|(angle, plant)| {
-                let one = Complex::new(1.0, 0.0);
-                let back = Complex::from_polar(1.0, -angle);
-                let difference = one - back;
-                let filtered = difference * (1.0 - keep) / (one - back * keep);
-                let controller =
-                    Complex::new(t, 0.0) / difference + shape.a + filtered * (shape.b / t);
-                controller * plant
-            })
-            .collect()
+        let back = |angle: &f64| Complex::from_polar(1.0, -angle);
+        pairs.map(|(angle, plant)| shape.at(back(angle), self.period) * plant).collect()
     }
 }
 
@@ -189,7 +187,7 @@ pub(crate) fn shape(
         }
     }
     let (ki, sensitivity) = best?;
-    let margins = loops.iter().map(|l| margins(l, ki));
+    let margins = loops.iter().map(|l| margins(l, ki, false));
     let (gain_margin, phase_margin) = margins
         .fold((f64::INFINITY, PI), |least, found| (least.0.min(found.0), least.1.min(found.1)));
     let nominal = loops.first()?;
@@ -209,17 +207,25 @@ pub(super) fn sensitivity(open: &[Complex<f64>], ki: f64) -> f64 {
 
 /// Gain margin and phase margin (rad) of the loop ki·open, from the crossings of its polar curve, which
 /// ends at half the sample rate. There it is real and goes on as its mirror image.
-pub(super) fn margins(open: &[Complex<f64>], ki: f64) -> (f64, f64) {
+///
+/// `upward`: only by how much the gain may grow, as crossings beyond −1 belong to a loop that a smaller gain makes
+/// unstable. A loop that is stable from gain zero on has none of these.
+pub(crate) fn margins(open: &[Complex<f64>], ki: f64, upward: bool) -> (f64, f64) {
     let (mut gain, mut phase) = (f64::INFINITY, PI);
+    let mut crosses = |size: f64| {
+        if !upward || size < 1.0 {
+            gain = gain.min(1.0 / size);
+        }
+    };
     if let Some(last) = open.last().map(|last| last * ki)
         && last.re < 0.0
     {
-        gain = 1.0 / last.norm();
+        crosses(last.norm());
     }
     for pair in open.windows(2) {
         let (now, next) = (pair[0] * ki, pair[1] * ki);
         if now.im * next.im <= 0.0 && now.re < 0.0 && next.re < 0.0 {
-            gain = gain.min(1.0 / now.norm().max(next.norm()));
+            crosses(now.norm().max(next.norm()));
         }
         if (now.norm() - 1.0) * (next.norm() - 1.0) <= 0.0 {
             phase = phase.min((PI - now.arg().abs()).min(PI - next.arg().abs()));

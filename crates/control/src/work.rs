@@ -1,5 +1,8 @@
 //! The controller of a whole plant: the best way of feedforward for each axis, and the run on the plant.
 
+mod coupled;
+mod figures;
+
 use data::{
     AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint, Value,
 };
@@ -7,14 +10,17 @@ use identify::learned::inverse;
 use identify::{Error, NotInvertible, Observer};
 use model::{Kind, Undoing};
 
+use self::figures::note_of;
 use crate::analysis::Analysed;
 use crate::axis::{Design, buildable};
 use crate::check::{self, Check};
+use crate::coupled_loop::CoupledFigures;
 use crate::damping::Damping;
 use crate::design::Feedback;
 use crate::feedforward::{self, Candidate, Feedforward, is_feedforward};
-use crate::invert::{ControlSettings, Coordinator, Inversion, LoopFigures, refused};
+use crate::invert::{ControlSettings, Inversion, refused};
 use crate::loop_shape::Shaped;
+use crate::preview::Preview;
 use crate::undone::Undone;
 
 /// Error of a declared inverse on the plant, in parts of the reach, up to which nothing else is tried.
@@ -47,6 +53,10 @@ pub(crate) struct Work<'a> {
     pub(crate) designs: Vec<Design>,
     pub(crate) step: f64,
     pub(crate) period: f64,
+    /// Of each group, the figures of its loop where it was designed for all axes together.
+    pub(crate) coupled: Vec<Option<CoupledFigures>>,
+    /// Of each group, the inverse of its dynamics, where one is asked for.
+    pub(crate) previews: Vec<Option<Preview>>,
 }
 
 /// What the plant is run with.
@@ -79,10 +89,9 @@ impl Work<'_> {
 
     /// Learns the inverses that can only be learned.
     pub(crate) fn learn(&mut self, observer: &mut dyn Observer) -> Result<(), Error> {
-        let period = self.period;
+        let (period, asked) = (self.period, self.asked());
         for (index, design) in self.designs.iter_mut().enumerate() {
             let Some(learned) = &design.learned else { continue };
-            let asked = self.settings.feedforward;
             if !matches!(asked, Feedforward::Automatic | Feedforward::Inverse) {
                 continue;
             }
@@ -118,7 +127,7 @@ impl Work<'_> {
 
     /// Takes the best of the ways for each axis, on the plant itself.
     pub(crate) fn choose(&mut self, runs: &Runs, observer: &mut dyn Observer) -> Result<(), Error> {
-        let asked = self.settings.feedforward;
+        let asked = self.asked();
         for design in &mut self.designs {
             design.ways.retain(|way| asked == Feedforward::Automatic || way.way == asked);
         }
@@ -208,7 +217,10 @@ impl Work<'_> {
                 alone.check(learned::COMPONENTS).map_err(|e| e.to_string())
             });
             let errors = match errors {
-                Ok(alone) => check::errors(&runs.plant, &alone, &references, from, self.period),
+                Ok(alone) => {
+                    let late = self.late();
+                    check::errors(&runs.plant, &alone, &references, from, self.period, &late)
+                }
                 Err(_) => vec![vec![f64::INFINITY]; self.designs.len()],
             };
             let errors = self.analysed.motions(&errors);
@@ -245,7 +257,7 @@ impl Work<'_> {
             }
             controller.axes.push(self.axis(index, blueprint, chain)?);
         }
-        for group in &self.analysed.groups {
+        for (group, preview) in self.analysed.groups.iter().zip(&self.previews) {
             let names: Vec<&str> =
                 group.axes.iter().map(|axis| controller_axis_name(&controller, *axis)).collect();
             let list = |row: Vec<f64>| Value::List(row.into_iter().map(Value::Number).collect());
@@ -255,9 +267,17 @@ impl Work<'_> {
                 let each = row.iter().enumerate();
                 list(each.map(|(j, x)| if own(i, j) { *x } else { 0.0 }).collect())
             });
-            let coordinator = ComponentBlueprint::new("jacobian-coordinator")
+            let preview = preview.as_ref();
+            let kind = preview.map_or("jacobian-coordinator", |_| "preview-coordinator");
+            let mut coordinator = ComponentBlueprint::new(kind)
                 .value("matrix", Value::List(rows.collect()))
                 .value("offset", list(group.offset.clone()));
+            if let Some(preview) = preview {
+                coordinator = coordinator
+                    .value("sample_time", self.period)
+                    .value("preview", preview.ahead as f64 * self.period)
+                    .value("taps", list(preview.taps.clone()));
+            }
             let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             controller = controller.coupling(&names, coordinator);
@@ -310,7 +330,10 @@ impl Work<'_> {
                 controller.component(pid).component(damped.component(feeds))
             }
             Some(damped) => controller.component(damped.component(feeds)).component(pid),
-            None => controller.component(pid),
+            None => {
+                let notches = design.notches.iter().cloned();
+                notches.fold(controller, AxisBlueprint::component).component(pid)
+            }
         })
     }
 
@@ -328,7 +351,7 @@ impl Work<'_> {
         let bad: Vec<usize> = (0..picks.len()).filter(|i| worse(&checks[*i])).collect();
         let feeds = self.settings.feedback != Feedback::None;
         if !bad.is_empty() && feeds && !self.settings.force {
-            if self.settings.feedforward != Feedforward::Automatic {
+            if self.asked() != Feedforward::Automatic {
                 let reasons = bad.iter().map(|index| {
                     let (found, axis) = (&checks[*index][0], &self.plant.spec().axes[*index]);
                     let reason = format!(
@@ -380,10 +403,11 @@ impl Work<'_> {
         let widths = self.designs.iter().map(|design| design.shaped.bandwidth);
         let bandwidth = widths.fold(f64::INFINITY, f64::min);
         let mut found = vec![Vec::new(); self.designs.len()];
+        let late = self.late();
         for frequency in check::frequencies(self.period, bandwidth) {
             let (references, from) = check::waves(&runs.reaches, frequency, self.period);
             let run = |controller: &CheckedBlueprint| {
-                check::errors(&runs.plant, controller, &references, from, self.period)
+                check::errors(&runs.plant, controller, &references, from, self.period, &late)
             };
             let (whole, forward, back) = (run(&controller), run(&forward), run(&back));
             for (index, checks) in found.iter_mut().enumerate() {
@@ -401,128 +425,8 @@ impl Work<'_> {
         }
         Ok(found)
     }
-
-    fn figures(
-        &self,
-        index: usize,
-        pick: usize,
-        reach: (f64, f64),
-        checks: Vec<Check>,
-    ) -> LoopFigures {
-        let design = &self.designs[index];
-        let Shaped { shape, ki, .. } = design.shaped;
-        let ki = if self.settings.feedback == Feedback::None { 0.0 } else { ki };
-        let way = design.ways.get(pick);
-        let mut left = design.notes.clone();
-        if let Some(check) = checks.first()
-            && let Some(alone) = check.feedforward.filter(|alone| *alone < check.closed_loop)
-            && check.closed_loop > HARMFUL
-            && ki != 0.0
-        {
-            left.push(format!(
-                "the feedback adds to what the feedforward alone leaves ({:.3} % of the reach for {:.3} %): the \
-                 position does not follow small commands smoothly; --feedback none leaves it out",
-                100.0 * check.closed_loop,
-                100.0 * alone
-            ));
-        }
-        LoopFigures {
-            axis: self.plant.spec().axes[index].name.clone(),
-            feedforward: way.map_or_else(|| "none".to_owned(), |way| way.name.clone()),
-            shape: shape.name.to_owned(),
-            slope: design.slope,
-            kp: ki * shape.a,
-            ki,
-            kd: ki * shape.b,
-            derivative_filter: shape.filter,
-            bandwidth: design.shaped.bandwidth,
-            gain_margin: design.shaped.gain_margin,
-            phase_margin: design.shaped.phase_margin.to_degrees(),
-            sensitivity: design.shaped.sensitivity,
-            noise_gain: match &design.damped {
-                Some(damped) => damped.figures.noise / design.slope.abs(),
-                None => ki.abs() * shape.noise(self.period),
-            },
-            delay: design.delay,
-            reach,
-            damping: design.damped.as_ref().map(|damped| damped.figures.clone()),
-            checks,
-            left_to_feedback: left,
-            inverse: design.inverse,
-        }
-    }
-
-    fn coordinators(&self) -> Vec<Coordinator> {
-        let one = |group: &crate::coupling::Group| {
-            let mut notes = Vec::new();
-            if group.is_dynamic {
-                notes.push("decoupled by the gain at rest; the dynamics between axes remain");
-            }
-            if self.settings.independent {
-                notes.push("in pairs, each on its own sensor: what one pair does to another is left to feedback");
-            }
-            if group.is_bent {
-                notes
-                    .push("straight about the middle of the motions; the rest is left to feedback");
-            }
-            Coordinator {
-                axes: group.axes.iter().map(|a| self.plant.spec().axes[*a].name.clone()).collect(),
-                couplings: group.kinds.clone(),
-                condition: group.condition,
-                note: notes.join("; "),
-            }
-        };
-        self.analysed.groups.iter().map(one).collect()
-    }
 }
 
 fn controller_axis_name(controller: &Blueprint, axis: usize) -> &str {
     controller.axes.get(axis).map_or("", |axis| &axis.name)
-}
-
-/// What stands beside the law in the blueprint.
-fn note_of(figures: &LoopFigures) -> String {
-    let mut note = format!(
-        "{}: loop gain 1 at {:.4} Hz, gain margin {:.1}, phase margin {:.0} deg, maximum sensitivity \
-         {:.2}, delay {:.3e} s; feedforward: {}; reach {:.5} to {:.5}",
-        figures.shape,
-        figures.bandwidth,
-        figures.gain_margin,
-        figures.phase_margin,
-        figures.sensitivity,
-        figures.delay,
-        figures.feedforward,
-        figures.reach.0,
-        figures.reach.1
-    );
-    if let Some(damped) = &figures.damping {
-        note += &format!(
-            "; resonance {:.4} Hz, closed loop within 3 dB up to {:.4} Hz (at least {:.4} Hz on {} plants, all stable), \
-             2 % of a step within {:.3e} s{}, noise to the command {:.2}",
-            damped.resonance,
-            damped.closed_loop_bandwidth,
-            damped.least_closed_loop_bandwidth,
-            damped.plants,
-            damped.settling,
-            damped
-                .notch_settling
-                .map_or_else(String::new, |(given, _)| format!(" (PI with a notch {given:.3e} s)")),
-            damped.noise
-        );
-    }
-    for check in &figures.checks {
-        let percent = |part: f64| format!("{:.4} %", 100.0 * part);
-        note += &format!(
-            "; on its own plant at {:.4} Hz: loop {}, feedforward alone {}, feedback alone {} of the reach (rms)",
-            check.frequency,
-            percent(check.closed_loop),
-            check.feedforward.map_or_else(|| "none".to_owned(), percent),
-            percent(check.feedback)
-        );
-    }
-    for left in &figures.left_to_feedback {
-        note += "; left to feedback: ";
-        note += left;
-    }
-    note
 }

@@ -84,19 +84,48 @@ impl Component for JacobianCoordinator {
         _period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (n, entries) = (matrix::axes(structure), matrix::entries(structure));
-        if parameters.len() != entries + n + 1 || coefficients.len() != 2 * entries + n {
+        matrix::is_square(structure)?;
+        let (limit, rest) = parameters.split_last().ok_or(WRONG_LENGTH)?;
+        Self::prepare_with(matrix::axes(structure), rest, *limit, coefficients)
+    }
+
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
+        motions(coefficients, inputs, outputs);
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        _tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        self.rest(coefficients, inputs, state, outputs);
+    }
+}
+
+impl JacobianCoordinator {
+    /// Coefficients of `n` axes: of the Jacobian and the offset behind it, with this limit of its condition number.
+    ///
+    /// # Errors
+    /// A Jacobian that cannot be inverted.
+    pub(super) fn prepare_with(
+        n: usize,
+        parameters: &[f64],
+        limit: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        let entries = n * n;
+        if parameters.len() != entries + n || coefficients.len() != 2 * entries + n {
             return Err(WRONG_LENGTH);
         }
-        matrix::is_square(structure)?;
-        let (jacobian, rest) = parameters.split_at(entries);
-        let (offset, limit) = rest.split_at(n);
+        let (jacobian, offset) = parameters.split_at(entries);
         let (inverse, own) = coefficients.split_at_mut(entries);
         let (own_offset, room) = own.split_at_mut(n);
         own_offset.copy_from_slice(offset);
         room.copy_from_slice(jacobian);
         let condition = condition(room, n);
-        let limit = limit.first().copied().unwrap_or(f64::INFINITY);
         // Not a number counts as above.
         if condition.is_nan() || condition > limit {
             let rule = "is the condition number of the Jacobian, above condition_max: motions of some \
@@ -112,35 +141,26 @@ impl Component for JacobianCoordinator {
         }
         Ok(())
     }
+}
 
-    fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
-        let n = inputs.len() / 2;
-        let Some((inverse, offset)) = coefficients.split_at_checked(n * n) else { return };
-        let (Some((wanted, measured)), Some((path, motions))) =
-            (inputs.split_at_checked(n), outputs.split_at_mut_checked(n))
-        else {
-            return;
-        };
-        let Some((references, found)) = motions.split_at_mut_checked(n) else { return };
-        for (positions, motions) in [(wanted, &mut *path), (measured, found)] {
-            for (motion, row) in motions.iter_mut().zip(inverse.chunks_exact(n.max(1))) {
-                let each = row.iter().zip(positions.iter().zip(offset));
-                *motion = each.map(|(k, (p, p0))| k * (p - p0)).sum();
-            }
+/// Motions of the references, on the paths and as references, and of the measured positions; whether the lengths fit.
+pub(super) fn motions(coefficients: &[f64], inputs: &[f64], outputs: &mut [f64]) -> bool {
+    let n = inputs.len() / 2;
+    let Some((inverse, offset)) = coefficients.split_at_checked(n * n) else { return false };
+    let (Some((wanted, measured)), Some((path, motions))) =
+        (inputs.split_at_checked(n), outputs.split_at_mut_checked(n))
+    else {
+        return false;
+    };
+    let Some((references, found)) = motions.split_at_mut_checked(n) else { return false };
+    for (positions, motions) in [(wanted, &mut *path), (measured, found)] {
+        for (motion, row) in motions.iter_mut().zip(inverse.chunks_exact(n.max(1))) {
+            let each = row.iter().zip(positions.iter().zip(offset));
+            *motion = each.map(|(k, (p, p0))| k * (p - p0)).sum();
         }
-        references.copy_from_slice(path);
     }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
-    }
+    references.copy_from_slice(path);
+    true
 }
 
 /// Greatest over least singular value of the `n` × `n` matrix `a` (row by row), which is spent:

@@ -11,6 +11,9 @@
 //! * It fits anywhere on a controller's path: in front of the inverse it shapes the reference of the
 //!   feedforward, behind it the command.
 //!
+//! * `feedback-notch` has the same filter on the reference and on the measured position of the law behind it, and lets
+//!   the path through: the loop is that of a notch behind the law, but feedforward and limits are not filtered.
+//!
 //! Source: K. J. Åström, T. Hägglund, Advanced PID Control, ISA 2006, ch. 8.
 
 use core::f64::consts::PI;
@@ -37,15 +40,40 @@ static DECLARATION: Declaration = Declaration {
     inputs: &[Input::PATH],
     outputs: &[Output::PATH],
     structure: &[],
-    parameters: &[
-        Quantity::new("frequency", "Hz", "Frequency that is taken out").min(0.0).tunable(),
-        Quantity::new("damping", "1", "Damping ratio of the poles").start(0.5).min(0.0).tunable(),
-        Quantity::new("depth", "1", "What is left at the frequency")
-            .start(0.0)
-            .min(0.0)
-            .max(1.0)
-            .tunable(),
+    parameters: &PARAMETERS,
+};
+
+const PARAMETERS: [Quantity; 3] = [
+    Quantity::new("frequency", "Hz", "Frequency that is taken out").min(0.0).tunable(),
+    Quantity::new("damping", "1", "Damping ratio of the poles").start(0.5).min(0.0).tunable(),
+    Quantity::new("depth", "1", "What is left at the frequency")
+        .start(0.0)
+        .min(0.0)
+        .max(1.0)
+        .tunable(),
+];
+
+/// The component `feedback-notch`.
+pub struct FeedbackNotch;
+
+static FEEDBACK: Declaration = Declaration {
+    kind: "feedback-notch",
+    name: "notch",
+    summary: "Notch filter against a resonance, on the error of the law behind it",
+    equation: "path = u; reference = N*reference; measured = N*measured; N = (s^2 + 2*damping*depth*w*s + \
+               w^2)/(s^2 + 2*damping*w*s + w^2); w = 2*pi*frequency",
+    reference: "K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 8",
+    stage: Stage::Control,
+    conversion: Conversion::Control,
+    effect: None,
+    inputs: &[Input::PATH, Input::axis_at_rest("reference"), Input::axis_at_rest("measured")],
+    outputs: &[
+        Output::PATH,
+        Output { name: "reference", published: None },
+        Output { name: "measured", published: None },
     ],
+    structure: &[],
+    parameters: &PARAMETERS,
 };
 
 impl Component for Notch {
@@ -86,12 +114,8 @@ impl Component for Notch {
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (&[b0, _, b2, a2], &[u], [first, second], [y]) = (coefficients, inputs, state, outputs)
-        else {
-            return;
-        };
-        *y = u;
-        (*first, *second) = ((1.0 - b0) * u, (b2 - a2) * u);
+        let (&[u], [y]) = (inputs, outputs) else { return };
+        *y = settled(coefficients, state, u);
     }
 
     fn step(
@@ -102,14 +126,68 @@ impl Component for Notch {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[b0, b1, b2, a2], &[u], [first, second], [y]) =
-            (coefficients, inputs, state, outputs)
-        else {
-            return;
-        };
-        *y = b0 * u + *first;
-        *first = b1 * (u - *y) + *second;
-        *second = b2 * u - a2 * *y;
+        let (&[u], [y]) = (inputs, outputs) else { return };
+        *y = filtered(coefficients, state, u);
+    }
+}
+
+/// The state of the filter at rest, and its output.
+fn settled(coefficients: &[f64], state: &mut [f64], u: f64) -> f64 {
+    if let (&[b0, _, b2, a2], [first, second]) = (coefficients, state) {
+        (*first, *second) = ((1.0 - b0) * u, (b2 - a2) * u);
+    }
+    u
+}
+
+/// A step of the filter.
+fn filtered(coefficients: &[f64], state: &mut [f64], u: f64) -> f64 {
+    let (&[b0, b1, b2, a2], [first, second]) = (coefficients, state) else { return u };
+    let y = b0 * u + *first;
+    *first = b1 * (u - y) + *second;
+    *second = b2 * u - a2 * y;
+    y
+}
+
+impl Component for FeedbackNotch {
+    fn declaration(&self) -> &'static Declaration {
+        &FEEDBACK
+    }
+
+    fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
+        Sizes { coefficients: 4, states: 4 }
+    }
+
+    fn prepare(
+        &self,
+        structure: &[f64],
+        parameters: &[f64],
+        period: f64,
+        coefficients: &mut [f64],
+    ) -> Result<(), Violation> {
+        Notch.prepare(structure, parameters, period, coefficients)
+    }
+
+    fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
+        let (&[u, wanted, found], [path, reference, measured]) = (inputs, outputs) else { return };
+        let Some((one, other)) = state.split_at_mut_checked(2) else { return };
+        *path = u;
+        *reference = settled(coefficients, one, wanted);
+        *measured = settled(coefficients, other, found);
+    }
+
+    fn step(
+        &self,
+        coefficients: &[f64],
+        state: &mut [f64],
+        _tick: Tick,
+        inputs: &[f64],
+        outputs: &mut [f64],
+    ) {
+        let (&[u, wanted, found], [path, reference, measured]) = (inputs, outputs) else { return };
+        let Some((one, other)) = state.split_at_mut_checked(2) else { return };
+        *path = u;
+        *reference = filtered(coefficients, one, wanted);
+        *measured = filtered(coefficients, other, found);
     }
 }
 
@@ -138,6 +216,23 @@ mod tests {
         for other in [10.0, 4900.0] {
             let left = amplitude([frequency, 0.5, 0.0], other, period);
             assert!((left - 1.0).abs() < 0.02, "{other} Hz: {left}");
+        }
+    }
+
+    #[test]
+    fn on_the_feedback_it_filters_reference_and_position_but_not_the_path() {
+        let parameters = [80.0, 0.4, 0.1];
+        let mut alone = [(); 2].map(|()| Instance::new(&Notch, &[], &parameters, 1e-3).unwrap());
+        let mut notch = Instance::new(&FeedbackNotch, &[], &parameters, 1e-3).unwrap();
+        let inputs = |k: i32| [f64::from(k), f64::from(k * k % 7) - 2.0, f64::from(k % 5) + 0.5];
+        for k in 0..50 {
+            let [u, wanted, found] = inputs(k);
+            let each = [(0, wanted), (1, found)].map(|(at, value)| {
+                let own = &mut alone[at];
+                if k == 0 { own.rest(&[value]) } else { own.step(&[value]) }
+            });
+            let path = if k == 0 { notch.rest(&inputs(k)) } else { notch.step(&inputs(k)) };
+            assert_eq!((path, notch.outputs[1], notch.outputs[2]), (u, each[0], each[1]), "{k}");
         }
     }
 
