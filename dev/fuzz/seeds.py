@@ -469,6 +469,13 @@ def logs(work: Path) -> None:
     into("log-npy", "fields.npy", (work / "a.npy").read_bytes())
     np.save(work / "a.npy", np.ones((4, 3)))
     into("log-npy", "plain.npy", (work / "a.npy").read_bytes())
+    # Bias and widths, then weight and centre of two support vectors.
+    rows = np.array([[0.1, 1.0, 1.5, 2.0], [0.9, 1.0, 0.9, 0.8], [-0.3, 0.1, 0.2, 0.1]])
+    tables = {"rows": rows, "columns": np.asfortranarray(rows), "single": rows.astype("f4"), "huge": rows * 1e300}
+    tables |= {"two": rows[:, :3], "four": np.hstack([rows, rows[:, 3:]])}
+    for name, values in tables.items():
+        np.save(work / "a.npy", values)
+        into("learned-table", f"{name}.npy", (work / "a.npy").read_bytes())
     frame = pd.DataFrame({"time": time, "u": u, "counts": counts})
     for compression in ["snappy", "zstd", "none"]:
         frame.to_parquet(work / "a.parquet", compression=compression, row_group_size=5, index=False)

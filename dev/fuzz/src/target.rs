@@ -65,6 +65,7 @@ pub const TARGETS: &[Target] = &[
     target("log-uff", Kind::Binary, "uff", log),
     target("log-npy", Kind::Binary, "npy", log),
     target("log-npz", Kind::Zip, "npz", log),
+    target("learned-table", Kind::Binary, "npy", learned_table),
     target("bench-record", Kind::Text, "journal", instrument::record),
     target("line-gcs", Kind::Text, "txt", instrument::gcs),
     target("line-nv200", Kind::Text, "txt", instrument::nv200),
@@ -245,6 +246,41 @@ fn blueprint(input: &[u8], _: &Path) -> String {
         }
         Err(problems) => problems.to_string(),
     }
+}
+
+/// The table of a learned model, as the tool and a packed FMU read it: for two, three and four inputs.
+fn learned_table(_: &[u8], file: &Path) -> String {
+    const PLANT: &str = r#"piezoloop = 1
+kind = "plant"
+name = "learned"
+step = 0.005
+[[axis]]
+name = "x"
+command = { name = "u", unit = "V", min = 0, max = 150, start = 0 }
+position = { name = "y", unit = "um" }
+[[axis.component]]
+type = "lssvm-narx"
+table = "input.npy"
+sample_time = 0.005
+past_outputs = 1
+command_high = 150
+position_high = 80
+past_inputs = "#;
+    let origin = file.with_file_name("learned.toml");
+    let read = |past_inputs: usize| {
+        let plant = Blueprint::parse(&format!("{PLANT}{past_inputs}"), &origin.to_string_lossy());
+        let plant = plant.unwrap_or_else(|problems| panic!("{problems}"));
+        match plant.check(learned::COMPONENTS) {
+            Ok(checked) => {
+                let mut system = checked.build();
+                let run = system.initialise(0.0).and_then(|()| system.advance(0.02));
+                said(run.map_err(|error| system.explain(&error)))
+            }
+            Err(problems) => problems.to_string(),
+        }
+    };
+    let said = [0, 1, 2].map(read);
+    if said.iter().any(String::is_empty) { String::new() } else { said.concat() }
 }
 
 fn system_plan(input: &[u8], file: &Path) -> String {
