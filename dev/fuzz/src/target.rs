@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use crate::instrument;
 use bench::campaign::Campaign;
@@ -248,7 +249,7 @@ fn blueprint(input: &[u8], _: &Path) -> String {
     }
 }
 
-/// The table of a learned model, as the tool and a packed FMU read it: for two, three and four inputs.
+/// The table of a learned model, as the tool and a packed FMU read it, in models of two, three and four inputs.
 fn learned_table(_: &[u8], file: &Path) -> String {
     const PLANT: &str = r#"piezoloop = 1
 kind = "plant"
@@ -266,20 +267,23 @@ past_outputs = 1
 command_high = 150
 position_high = 80
 past_inputs = "#;
-    let origin = file.with_file_name("learned.toml");
-    let read = |past_inputs: usize| {
+    static PLANTS: OnceLock<[Blueprint; 3]> = OnceLock::new();
+    let plant = |past_inputs: usize| {
+        let origin = file.with_file_name("learned.toml");
         let plant = Blueprint::parse(&format!("{PLANT}{past_inputs}"), &origin.to_string_lossy());
-        let plant = plant.unwrap_or_else(|problems| panic!("{problems}"));
-        match plant.check(learned::COMPONENTS) {
-            Ok(checked) => {
-                let mut system = checked.build();
-                let run = system.initialise(0.0).and_then(|()| system.advance(0.02));
-                said(run.map_err(|error| system.explain(&error)))
-            }
-            Err(problems) => problems.to_string(),
-        }
+        plant.unwrap_or_else(|problems| panic!("{problems}"))
     };
-    let said = [0, 1, 2].map(read);
+    // All inputs lie in the file of the first one.
+    let plants = PLANTS.get_or_init(|| [0, 1, 2].map(plant));
+    let read = |plant: &Blueprint| match plant.clone().check(learned::COMPONENTS) {
+        Ok(checked) => {
+            let mut system = checked.build();
+            let run = system.initialise(0.0).and_then(|()| system.advance(0.02));
+            said(run.map_err(|error| system.explain(&error)))
+        }
+        Err(problems) => problems.to_string(),
+    };
+    let said = plants.each_ref().map(read);
     if said.iter().any(String::is_empty) { String::new() } else { said.concat() }
 }
 
