@@ -111,7 +111,9 @@ fn channels_with_other_times_are_not_paired() {
 fn parquet_types_are_read_as_they_are_meant() {
     let Some(folder) = written() else { return };
     let reference = read(folder.path(), "reference.csv").unwrap();
-    for name in ["dated.parquet", "durations.parquet"] {
+    for name in
+        ["dated.parquet", "durations.parquet", "arrow.parquet", "spark.parquet", "dated.npz"]
+    {
         let log = read(folder.path(), name).unwrap_or_else(|error| panic!("{error}"));
         assert!(log.time() == reference.time(), "{name}: {:?}", &log.time()[..4]);
     }
@@ -120,6 +122,14 @@ fn parquet_types_are_read_as_they_are_meant() {
     assert_eq!(first("big"), 4_294_967_291.0);
     assert_eq!(first("small"), 250.0);
     assert_eq!(first("huge"), 9_223_372_036_854_775_808.0);
+    for name in ["half.parquet", "dated.npz"] {
+        let log = read(folder.path(), name).unwrap();
+        assert_eq!(log.column("half").unwrap().values[5], 0.5, "{name}");
+    }
+    // What NumPy's arrays hold beside numbers is left out, and said.
+    let log = read(folder.path(), "dated.npz").unwrap();
+    let left_out: Vec<_> = log.left_out().iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(left_out, ["z", "words"]);
 }
 
 /// The shapes in which Simulink logs, and MATLAB 7.3 with them.

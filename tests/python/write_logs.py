@@ -111,6 +111,13 @@ pq.write_table(fields, folder / "units.parquet")
 dated = frame[["u", "y"]].set_index(pd.Timestamp("2026-03-01 12:00:00.25") + pd.to_timedelta(time, "s"))
 dated.to_parquet(folder / "dated.parquet")
 frame.assign(time=pd.to_timedelta(time, "s")).to_parquet(folder / "durations.parquet")
+spans = pa.Table.from_pandas(frame.assign(time=pd.to_timedelta(time, "s")), preserve_index=False)
+pq.write_table(spans.replace_schema_metadata(None), folder / "arrow.parquet")
+pq.write_table(pa.Table.from_pandas(dated.rename_axis("time").reset_index(), preserve_index=False),
+               folder / "spark.parquet", use_deprecated_int96_timestamps=True)
+pq.write_table(pa.table({"time": time, "half": pa.array(np.full(rows, 0.5, np.float16))}), folder / "half.parquet")
+np.savez(folder / "dated.npz", time=np.datetime64("2026-03-01T12:00:00.250", "ns") + pd.to_timedelta(time, "s").to_numpy("m8[ns]"),
+         u=u, y=y, half=np.full(rows, 0.5, np.float16), z=u + 1j, words=np.array(["a"] * rows))
 frame.assign(big=np.full(rows, 2**32 - 5, np.uint32), small=np.full(rows, 250, np.uint8),
              huge=np.full(rows, 2**63, np.uint64)).to_parquet(folder / "unsigned.parquet")
 frame.loc[5, "y"] = None

@@ -196,3 +196,20 @@ fn texts_and_lengths_that_cannot_be() {
         assert!(read(&bytes).is_err(), "{at}");
     }
 }
+
+#[test]
+fn what_is_assumed_about_times_is_said() {
+    let at = |start| ("wf_start_time", Property::Instant(start));
+    let part = |start: i64| {
+        let mut u = channel("/'g'/'u'", plain(DOUBLE, 2));
+        u.properties.push(at(start));
+        let y = Channel { path: "/'g'/'y'", index: plain(DOUBLE, 2), properties: Vec::new() };
+        segment(0, &[u, y], &doubles(&[1.0, 2.0, 3.0, 4.0]))
+    };
+    // Appended ten seconds later: the times are those of the first values, and the other start is told.
+    let log = of(&[part(100), part(110)].concat());
+    assert_eq!(log.time(), [0.0, 0.5, 1.0, 1.5]);
+    let notes = log.notes().join("\n");
+    assert!(notes.contains("\"g/u\" has another wf_start_time behind row 2"), "{notes}");
+    assert!(notes.contains("\"g/y\" says no wf_increment"), "{notes}");
+}

@@ -45,6 +45,10 @@ fn ms(k: f64) -> f64 {
     k / 1000.0
 }
 
+fn comma_half(k: u32) -> String {
+    (f64::from(k) / 2.0).to_string().replace('.', ",")
+}
+
 fn comma(k: u32) -> String {
     format!("{},{},{}", f64::from(k) / 1000.0, k, f64::from(k) / 2.0)
 }
@@ -261,12 +265,12 @@ fn lvm_part(start: f64) -> String {
 #[test]
 fn labview_measurement_files_are_read() {
     let row = |k: u32| format!("{}\t{k}.0\t{}", f64::from(k) / 1000.0, f64::from(k) / 2.0);
-    is(&read(table(&(lvm("One", false) + &lvm_part(0.0)), row)), ms, PLAIN);
+    is(&read(table(&(lvm("One", false) + &lvm_part(0.0)), row)), ms, UNITS);
     // No column of time, a remark behind the first row.
     let bare =
         |k: u32| format!("\t{k}.0\t{}{}", f64::from(k) / 2.0, if k == 0 { "\tbegin" } else { "" });
     let log = read(table(&(lvm("No", false) + &lvm_part(0.5)), bare));
-    is(&log, |k| 0.5 + k / 1000.0, PLAIN);
+    is(&log, |k| 0.5 + k / 1000.0, UNITS);
     assert!(notes(&log).contains("1 rows have a remark"), "{}", notes(&log));
     // Parts that were appended: the second goes on in time, the third does not.
     let mut text = lvm("No", true);
@@ -277,6 +281,24 @@ fn labview_measurement_files_are_read() {
     let log = read(text);
     let records: Vec<_> = log.records().iter().map(|record| record.rows.clone()).collect();
     assert_eq!(records, [0..20, 20..30]);
+    // Decimal commas.
+    let decimals = |k: u32| format!("\t{k},0\t{}", comma_half(k));
+    let head = (lvm("No", false) + &lvm_part(0.0))
+        .replace("1.0E-3", "0,001")
+        .replace("X0\t0\t0", "X0\t0,0\t0,0");
+    is(&read(table(&head, decimals)), ms, UNITS);
+    // Lines of tabs before the parts, and a column of time for each signal.
+    let both = |k: u32| format!("{0}\t{k}.0\t{0}\t{1}", f64::from(k) / 1000.0, f64::from(k) / 2.0);
+    let part = table(&lvm_part(0.0).replace("u\ty", "u\tX_Value\ty"), both);
+    let several = read(lvm("Multi", true) + &part + "\t\t\n" + &part);
+    let records: Vec<_> = several.records().iter().map(|record| record.rows.clone()).collect();
+    assert_eq!(records, [0..10, 10..20]);
+    assert_eq!((several.time()[11], several.column("y").unwrap().values[12]), (0.001, 1.0));
+    assert!(notes(&several).contains("2 parts with a header each"), "{}", notes(&several));
+    // Channels with sample times of their own have no common times.
+    let other = (lvm("No", false) + &lvm_part(0.0)).replace("1.0E-3\t1.0E-3", "1.0E-3\t2.0E-3");
+    let error = read_with(table(&other, bare), &ReadOptions::default()).unwrap_err();
+    assert!(error.contains("\"Delta_X\" differs between the channels"), "{error}");
     assert!((log.time()[19] - 0.019).abs() < 1e-12 && log.time()[20] == 7.0);
 }
 
@@ -497,4 +519,44 @@ fn errors_name_the_line_that_an_editor_shows() {
             }
         }
     }
+}
+
+#[test]
+fn heads_of_oscilloscopes_are_read() {
+    let row = |k: u32| format!("{},{k}.0,{}", f64::from(k) / 1000.0, f64::from(k) / 2.0);
+    // Rohde & Schwarz: the unit alone says the time.
+    is(&read(table("in s,u in V,y in um\n", row)), ms, UNITS);
+    is(&read(table("[s],u [V],y [um]\n", row)), ms, UNITS);
+    // Tektronix: units by key.
+    let log = read(table("Model,MSO58\nVertical Units,V,um\nTIME,u,y\n", row));
+    is(&log, ms, UNITS);
+    assert!(notes(&log).contains("units are those of the preamble"), "{}", notes(&log));
+    // A row of units that says so.
+    is(&read(table("time,u,y\nunit,V,um\n", row)), ms, UNITS);
+    // Yokogawa: keys with numbers, dates and times of day down to the rows.
+    let head = "\"TraceName\",\"u\",\"y\"\n\"VUnit\",\"V\",\"um\"\n\"SampleRate\",1000,1000\n\"HOffset\",0,0\n\
+                \"HUnit\",\"s\",\"s\"\n\"BlockSize\",10,10\n\"Date\",\"2026/11/24\",\"2026/11/24\"\n\
+                \"Time\",\"10:00:00.00\",\"10:00:00.00\"\n\n";
+    is(&read(table(head, |k| format!(",{k}.0,{}", f64::from(k) / 2.0))), ms, UNITS);
+    // LabVIEW's text of waveforms: dates with blanks between tabs, numbers above the names.
+    let head = "waveform\t[0]\t[1]\ndelta t\t0.001\t0.001\n\ntime\tu\ty\n";
+    let dated = |k: u32| format!("11/24/2026 10:00:00.{k:03}\t{k}.0\t{}", f64::from(k) / 2.0);
+    is(&read(table(head, dated)), ms, PLAIN);
+}
+
+#[test]
+fn a_header_that_comes_again_begins_a_record() {
+    let row = |k: u32| format!("{},{k}.0,{}", f64::from(k) / 1000.0, f64::from(k) / 2.0);
+    let part = table("time,u [V],y\n", row);
+    let log = read(format!("{part}{part}"));
+    let records: Vec<_> = log.records().iter().map(|record| record.rows.clone()).collect();
+    assert_eq!(records, [0..10, 10..20]);
+    assert!(notes(&log).contains("2 parts with a header each"), "{}", notes(&log));
+}
+
+#[test]
+fn names_for_a_table_without_times_leave_them_to_the_rate() {
+    let bare = table("", |k| format!("{},{k}.5", k % 3));
+    let error = read_with(&bare, &ReadOptions::default()).unwrap_err();
+    assert!(error.contains("--columns y1,y2 --rate HZ"), "{error}");
 }

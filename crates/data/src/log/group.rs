@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::dataset::Dataset;
-use super::header::{Context, Header, split};
+use super::header::{Context, Header, Role, split};
 use super::notes::LeftOut;
 use super::table::{Grid, Place, Table};
 use super::{ColumnUnit, Log, ReadOptions, join, time_column};
@@ -139,7 +139,18 @@ impl Group {
         let context = Context { file: origin, line: None, options, datasets, layout: None };
         let Header { heads, problems, notes } = context.heads(&cells);
         if !problems.is_empty() {
-            return Err(Problems::new(problems));
+            // Where there is no time, the column that was meant may be one that is left out.
+            let has_time = heads.iter().any(|head| matches!(head.role, Role::Time(_)));
+            let meant = self
+                .left_out
+                .iter()
+                .filter(|column| !has_time && time_column::of_name(&column.name).is_some());
+            let meant = meant.map(|column| {
+                let (rule, way_out) = column.why.split_once("; ").unwrap_or((&column.why, ""));
+                let way_out = if way_out.is_empty() { "save it as numbers in s" } else { way_out };
+                Problem::new(origin, format!("is left out: it {rule}"), way_out).at(&column.name)
+            });
+            return Err(Problems::new(meant.chain(problems).collect()));
         }
         let mut table = Table::new(origin, heads, Grid::at_rate(context.rate()));
         for row in 0..self.rows() {
@@ -181,7 +192,13 @@ fn choose(
         };
         let time = group.time_at();
         for (position, mut raw) in group.columns.into_iter().enumerate() {
-            if Some(position) == time {
+            // Parts of a file that number the records of both.
+            let is_record = raw.name == "record"
+                && merged[at]
+                    .columns
+                    .iter()
+                    .any(|other| other.name == raw.name && other.values == raw.values);
+            if Some(position) == time || is_record {
                 continue;
             }
             if !names[at].insert(raw.name.clone()) {

@@ -70,7 +70,24 @@ pub(super) fn doubt(time: &[f64], is_said: bool) -> Option<String> {
             row + 1
         ));
     }
+    // Beyond this, doubles tell times apart by a hundredth of a row or worse.
+    let largest = time.iter().fold(0.0_f64, |most, time| most.max(time.abs()));
+    if usual > 0.0 && largest * f64::EPSILON > 0.01 * usual {
+        return Some(format!(
+            "times up to {largest} s are too large for rows every {usual} s: numbers have 16 digits, of which {:.0} % of \
+             a row is the last; save the times after the first row",
+            100.0 * largest * f64::EPSILON / usual
+        ));
+    }
     let is_whole = || time.iter().all(|time| time.fract() == 0.0);
+    // Seconds since 1970 have ten digits.
+    if !is_said && time.first().is_some_and(|time| *time > 1e11) {
+        return Some(format!(
+            "nothing says the unit of the times: {} s is more than 3000 years; are they ms, us or ns since 1970? Then \
+             say it, as in --unit time=ms",
+            time[0]
+        ));
+    }
     if is_said || usual < 1.0 || time.len() < if usual < 10.0 { 100 } else { 50 } || !is_whole() {
         return None;
     }
@@ -110,6 +127,12 @@ mod tests {
         assert_eq!(doubt(&grid(100.0), true), None);
         assert!(doubt(&grid(100.0), false).unwrap().contains("every 100 s; is time in ms or us?"));
         assert!(doubt(&grid(5e4), false).unwrap().contains("us or ns"));
+        let since = |start: f64, period: f64| {
+            grid(period).iter().map(|time| start + time).take(20).collect::<Vec<_>>()
+        };
+        assert!(doubt(&since(1.764e12, 10.0), false).unwrap().contains("since 1970?"));
+        assert_eq!(doubt(&since(1.764e9, 1e-3), true), None);
+        assert!(doubt(&since(1.764e9, 1e-6), true).unwrap().contains("are too large for rows"));
         let mut stray = grid(1e-3);
         stray[150] = 1e9;
         stray[151..].iter_mut().for_each(|time| *time += 1e9);

@@ -126,6 +126,11 @@ impl<'a> Table<'a> {
         self
     }
 
+    /// The times of rows that have none.
+    pub(super) fn grid(&self) -> Grid {
+        self.grid
+    }
+
     /// Begins a new part of the file with a grid of its own; one that goes on in time is the same record.
     pub(super) fn begin_part(&mut self, grid: Grid) {
         let has_times = !matches!(

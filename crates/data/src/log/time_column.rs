@@ -66,8 +66,16 @@ pub(super) fn of_name(name: &str) -> Option<Option<&'static str>> {
     is_known(before).then_some(Some(unit))
 }
 
-/// Name and unit where the unit stands in parentheses or behind a stroke: `CH1 (V)`, `CH1(V)`, `t / s`, `U in V`.
+/// Name and unit where the unit stands in parentheses or behind a stroke: `CH1 (V)`, `CH1(V)`, `t / s`, `U in V`. A
+/// unit of time without a name, as in `in s` or `[s]`, is that of the time.
 pub(super) fn split_unit(name: &str) -> Option<(&str, &str)> {
+    let between = |open: char, close: char| name.strip_prefix(open)?.strip_suffix(close);
+    let alone =
+        name.strip_prefix("in ").or_else(|| between('[', ']')).or_else(|| between('(', ')'));
+    if let Some(unit) = alone.map(str::trim) {
+        let is_time = ColumnUnit::parse(unit).is_ok_and(|unit| unit.unit.is_compatible(&SECOND));
+        return is_time.then_some(("time", unit));
+    }
     let in_parentheses = name.strip_suffix(')').and_then(|rest| rest.rsplit_once('('));
     let behind = || name.rsplit_once(" / ").or_else(|| name.rsplit_once(" in "));
     let (name, unit) = in_parentheses.or_else(behind)?;
@@ -147,7 +155,9 @@ mod tests {
         assert_eq!(split_unit("Channel 1 (V)"), Some(("Channel 1", "V")));
         assert_eq!(split_unit("t / s"), Some(("t", "s")));
         assert_eq!(split_unit("Weg in µm"), Some(("Weg", "µm")));
-        for name in ["y (filtered)", "der(x)", "(V)", "u", "a/b"] {
+        assert_eq!(split_unit("in s"), Some(("time", "s")));
+        assert_eq!(split_unit("[ms]"), Some(("time", "ms")));
+        for name in ["in V", "[V]", "y (filtered)", "der(x)", "(V)", "u", "a/b"] {
             assert_eq!(split_unit(name), None, "{name}");
         }
     }

@@ -1,7 +1,11 @@
 //! Files of other programs: tables of named columns, some in groups.
 
 #[cfg(feature = "formats")]
+mod arrow;
+#[cfg(feature = "formats")]
 mod budget;
+#[cfg(feature = "formats")]
+mod half;
 #[cfg(feature = "formats")]
 mod matlab;
 #[cfg(feature = "formats")]

@@ -5,11 +5,12 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use npyz::{DType, Endianness, NpyHeader, Order, TypeChar, TypeStr};
+use npyz::{DType, Endianness, NpyHeader, Order, TimeUnits, TypeChar, TypeStr};
 use zip::ZipArchive;
 
-use super::broken;
 use super::budget::Budget;
+use super::{broken, half};
+use crate::log::LeftOut;
 use crate::log::group::{Group, Raw, Refusal};
 
 /// Longest header that is read, in bytes; NumPy writes a hundred for each field.
@@ -18,8 +19,9 @@ const LONGEST_HEADER: u32 = 1 << 20;
 /// One array: its fields by name, or its columns as `column[1]`, ….
 pub(super) fn array(path: &Path, budget: &mut Budget) -> Result<Vec<Group>, Refusal> {
     let file = File::open(path).map_err(|error| broken("npy", error))?;
-    let columns = columns("column", BufReader::new(file), budget)?;
-    Ok(vec![Group::new("array", columns)])
+    let mut left_out = Vec::new();
+    let columns = columns("column", BufReader::new(file), budget, &mut left_out)?;
+    Ok(vec![Group { left_out, ..Group::new("array", columns) }])
 }
 
 /// Arrays by name; those of one length are one group, named by that length.
@@ -27,18 +29,22 @@ pub(super) fn archive(path: &Path, budget: &mut Budget) -> Result<Vec<Group>, Re
     let file = File::open(path).map_err(|error| broken("npz", error))?;
     let mut archive =
         ZipArchive::new(BufReader::new(file)).map_err(|error| broken("npz", error))?;
-    let (mut groups, mut by_rows) = (Vec::new(), HashMap::new());
+    let (mut groups, mut by_rows) = (Vec::<Group>::new(), HashMap::new());
+    let mut left_out = Vec::new();
     for at in 0..archive.len() {
         let entry = archive.by_index(at).map_err(|error| broken("npz", error))?;
         let name = entry.name().map_err(|error| broken("npz", error))?.into_owned();
         let Some(name) = name.strip_suffix(".npy") else { continue };
-        let columns = columns(name, entry, budget)?;
+        let columns = columns(name, entry, budget, &mut left_out)?;
         let Some(rows) = columns.first().map(|raw| raw.values.len()) else { continue };
         let at = *by_rows.entry(rows).or_insert(groups.len());
         if at == groups.len() {
             groups.push(Group::new(rows.to_string(), Vec::new()));
         }
         groups[at].columns.extend(columns);
+    }
+    if let Some(first) = groups.first_mut() {
+        first.left_out = left_out;
     }
     Ok(groups)
 }
@@ -53,10 +59,17 @@ struct Scalar {
     size: usize,
     kind: TypeChar,
     is_big: bool,
+    /// Of dates and durations, per second.
+    ticks: Option<f64>,
 }
 
-/// The columns of an array; none where it is a scalar or holds no numbers.
-fn columns(name: &str, mut bytes: impl Read, budget: &mut Budget) -> Result<Vec<Raw>, Refusal> {
+/// The columns of an array; what cannot be one is left out.
+fn columns(
+    name: &str,
+    mut bytes: impl Read,
+    budget: &mut Budget,
+    left_out: &mut Vec<LeftOut>,
+) -> Result<Vec<Raw>, Refusal> {
     // `npyz` takes memory for the header that a file speaks of, from version 2 on up to 4 GB.
     let mut start = Vec::with_capacity(12);
     bytes.by_ref().take(12).read_to_end(&mut start).map_err(|error| broken(name, error))?;
@@ -75,15 +88,16 @@ fn columns(name: &str, mut bytes: impl Read, budget: &mut Budget) -> Result<Vec<
     let (rows, wide) = match *header.shape() {
         [rows] => (rows, 1),
         [rows, wide] => (rows, wide),
-        _ => return Ok(Vec::new()),
+        [] => return Ok(leave_out(left_out, name, "is a single number")),
+        _ => return Ok(leave_out(left_out, name, "has more than two dimensions")),
     };
     let (scalars, item) = match header.dtype() {
         DType::Plain(plain) => match scalar(name.to_owned(), 0, &plain) {
             Some(scalar) => (vec![scalar], plain.num_bytes()),
-            None => return Ok(Vec::new()),
+            None => return Ok(leave_out(left_out, name, why_not(&plain))),
         },
-        DType::Record(fields) => fields_of(&fields),
-        DType::Array(..) => return Ok(Vec::new()),
+        DType::Record(fields) => fields_of(&fields, left_out),
+        DType::Array(..) => return Ok(leave_out(left_out, name, "holds arrays")),
     };
     let Some(item) = item.filter(|item| *item > 0 && !scalars.is_empty()) else {
         return Ok(Vec::new());
@@ -114,18 +128,39 @@ fn columns(name: &str, mut bytes: impl Read, budget: &mut Budget) -> Result<Vec<
         for column in 0..wide {
             let item_at =
                 |row: usize| if by_column { column * rows + row } else { row * wide + column };
-            let cells = (0..rows).map(|row| {
+            let bits = |row: usize| {
                 let start = item_at(row) * item + scalar.offset;
-                number(&data[start..start + scalar.size], scalar)
-            });
+                bits(&data[start..start + scalar.size], scalar)
+            };
+            let first = bits(0);
+            let cells = (0..rows).map(|row| number(bits(row), scalar, first));
             let title = match wide {
                 1 => scalar.name.clone(),
                 _ => format!("{}[{}]", scalar.name, column + 1),
             };
-            columns.push(Raw::new(title, None, cells.collect()));
+            let unit = scalar.ticks.map(|_| "s".to_owned());
+            columns.push(Raw::new(title, unit, cells.collect()));
         }
     }
     Ok(columns)
+}
+
+fn leave_out(left_out: &mut Vec<LeftOut>, name: &str, why: &str) -> Vec<Raw> {
+    left_out.push(LeftOut::new(name, why));
+    Vec::new()
+}
+
+/// Why items of this type are no numbers.
+fn why_not(plain: &TypeStr) -> &'static str {
+    match plain.type_char() {
+        TypeChar::Complex => "holds complex numbers",
+        TypeChar::Int | TypeChar::Uint | TypeChar::Float | TypeChar::Bool => {
+            "holds numbers of a size that is not known"
+        }
+        TypeChar::TimeDelta | TypeChar::DateTime => "holds dates of which no unit of time is known",
+        TypeChar::ByteStr | TypeChar::UnicodeStr => "holds texts",
+        _ => "holds objects",
+    }
 }
 
 fn to_usize(count: u64) -> Option<usize> {
@@ -133,13 +168,17 @@ fn to_usize(count: u64) -> Option<usize> {
 }
 
 /// The numbers among the fields of an item, and the item's size where it is known.
-fn fields_of(fields: &[npyz::Field]) -> (Vec<Scalar>, Option<usize>) {
+fn fields_of(fields: &[npyz::Field], left_out: &mut Vec<LeftOut>) -> (Vec<Scalar>, Option<usize>) {
     let mut scalars = Vec::new();
     let mut offset = 0;
     for field in fields {
         let Some(size) = field.dtype.num_bytes() else { return (Vec::new(), None) };
-        if let DType::Plain(plain) = &field.dtype {
-            scalars.extend(scalar(field.name.clone(), offset, plain));
+        match &field.dtype {
+            DType::Plain(plain) => match scalar(field.name.clone(), offset, plain) {
+                Some(scalar) => scalars.push(scalar),
+                None => left_out.push(LeftOut::new(&field.name, why_not(plain))),
+            },
+            _ => left_out.push(LeftOut::new(&field.name, "holds arrays")),
         }
         offset += size;
     }
@@ -152,30 +191,54 @@ fn scalar(name: String, offset: usize, plain: &TypeStr) -> Option<Scalar> {
     let is_number = match kind {
         TypeChar::Bool => size == 1,
         TypeChar::Int | TypeChar::Uint => matches!(size, 1 | 2 | 4 | 8),
-        TypeChar::Float => matches!(size, 4 | 8),
+        TypeChar::Float => matches!(size, 2 | 4 | 8),
+        TypeChar::TimeDelta | TypeChar::DateTime => size == 8 && ticks(plain).is_some(),
         _ => false,
     };
     let is_big = plain.endianness() == Endianness::Big;
-    is_number.then_some(Scalar { name, offset, size, kind, is_big })
+    is_number.then_some(Scalar { name, offset, size, kind, is_big, ticks: ticks(plain) })
 }
 
-/// A number from its bytes.
-fn number(bytes: &[u8], scalar: &Scalar) -> f64 {
+/// Ticks of a second in a type of dates or durations.
+fn ticks(plain: &TypeStr) -> Option<f64> {
+    Some(match plain.time_units()? {
+        TimeUnits::Second => 1.0,
+        TimeUnits::Millisecond => 1e3,
+        TimeUnits::Microsecond => 1e6,
+        TimeUnits::Nanosecond => 1e9,
+        TimeUnits::Picosecond => 1e12,
+        _ => return None,
+    })
+}
+
+/// The bits of an item.
+fn bits(bytes: &[u8], scalar: &Scalar) -> u64 {
     let mut word = [0; 8];
     let word = &mut word[..bytes.len()];
     word.copy_from_slice(bytes);
     if scalar.is_big {
         word.reverse();
     }
-    let unsigned = word.iter().rev().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte));
-    match (scalar.kind, scalar.size) {
-        (TypeChar::Float, 4) => f64::from(f32::from_bits(unsigned as u32)),
-        (TypeChar::Float, _) => f64::from_bits(unsigned),
-        (TypeChar::Int, size) => {
-            let unused = 64 - 8 * size as u32;
-            ((unsigned << unused) as i64 >> unused) as f64
+    word.iter().rev().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte))
+}
+
+/// A number from its bits; a date is the time in s after the column's first one.
+fn number(bits: u64, scalar: &Scalar, first: u64) -> f64 {
+    const NO_TIME: u64 = 1 << 63;
+    match (scalar.kind, scalar.size, scalar.ticks) {
+        (TypeChar::TimeDelta | TypeChar::DateTime, ..) if bits == NO_TIME => f64::NAN,
+        (TypeChar::DateTime, _, Some(ticks)) => {
+            bits.wrapping_sub(first).cast_signed() as f64 / ticks
         }
-        _ => unsigned as f64,
+        (TypeChar::TimeDelta, _, Some(ticks)) => bits.cast_signed() as f64 / ticks,
+        (TypeChar::Float, 2, _) => half::number(bits as u16),
+        (TypeChar::Float, 4, _) => f64::from(f32::from_bits(bits as u32)),
+        (TypeChar::Float, ..) => f64::from_bits(bits),
+        (TypeChar::Int, size, _) => {
+            let unused = 64 - 8 * size as u32;
+            ((bits << unused) as i64 >> unused) as f64
+        }
+        _ => bits as f64,
     }
 }
 
@@ -189,7 +252,7 @@ mod tests {
         bytes.extend(118_u16.to_le_bytes());
         bytes.extend(format!("{header:<117}\n").bytes());
         bytes.extend(vec![0; 8 * data]);
-        columns("column", bytes.as_slice(), &mut Budget::new(1000, None))
+        columns("column", bytes.as_slice(), &mut Budget::new(1000, None), &mut Vec::new())
             .map(|columns| columns.len())
     }
 
@@ -206,7 +269,8 @@ mod tests {
         bytes.extend(118_u16.to_le_bytes());
         bytes.extend(format!("{header:<117}\n").bytes());
         let endless = bytes.as_slice().chain(std::io::repeat(0));
-        let (rule, _) = columns("u", endless, &mut Budget::new(1000, None)).err().unwrap();
+        let (rule, _) =
+            columns("u", endless, &mut Budget::new(1000, None), &mut Vec::new()).err().unwrap();
         assert!(rule.contains("more memory than 269 MB"), "{rule}");
     }
 
@@ -227,7 +291,10 @@ mod tests {
         bytes.extend(0xffff_fff0_u32.to_le_bytes());
         bytes.extend(b"{'descr': '<f8'}");
         let said =
-            columns("column", bytes.as_slice(), &mut Budget::new(1000, None)).err().unwrap().0;
+            columns("column", bytes.as_slice(), &mut Budget::new(1000, None), &mut Vec::new())
+                .err()
+                .unwrap()
+                .0;
         assert!(said.contains("4294967280 bytes is longer than 1048576"), "{said}");
     }
 }

@@ -11,8 +11,8 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
-use super::broken;
 use super::budget::Budget;
+use super::{arrow, broken, half};
 use crate::log::group::{Group, Raw, Refusal};
 
 /// The columns of numbers and truth values, of durations (in s) and of timestamps (in s after the first one; the
@@ -27,7 +27,9 @@ pub(super) fn read(path: &Path, budget: &mut Budget) -> Result<Vec<Group>, Refus
     let pairs = about.key_value_metadata().map_or(&[][..], Vec::as_slice);
     let named = pairs.iter().filter_map(|pair| Some((pair.key.as_str(), pair.value.as_deref()?)));
     let named: HashMap<&str, &str> = named.collect();
-    let durations = named.get("pandas").map(|text| durations_of(text)).unwrap_or_default();
+    let mut durations =
+        named.get("ARROW:schema").map(|text| arrow::durations(text)).unwrap_or_default();
+    durations.extend(named.get("pandas").map(|text| durations_of(text)).unwrap_or_default());
     let mut group = Group::new(about.schema().name(), Vec::new());
     let mut columns = Vec::new();
     for at in 0..schema.num_columns() {
@@ -85,12 +87,19 @@ fn why_not(column: &ColumnDescriptor) -> Option<&'static str> {
     }
     match column.physical_type() {
         Physical::BOOLEAN
+        | Physical::INT96
         | Physical::INT32
         | Physical::INT64
         | Physical::FLOAT
         | Physical::DOUBLE => None,
+        Physical::FIXED_LEN_BYTE_ARRAY if is_half(column) => None,
         _ => Some("holds texts"),
     }
+}
+
+/// Whether a column holds floating-point numbers of 16 bits.
+fn is_half(column: &ColumnDescriptor) -> bool {
+    matches!(column.logical_type_ref(), Some(LogicalType::Float16))
 }
 
 /// What the whole numbers of a column mean.
@@ -106,7 +115,8 @@ enum Meaning {
 }
 
 impl Meaning {
-    /// By the column's type, and by what pandas says of it where it wrote the file: Parquet itself has no durations.
+    /// By the column's type, and by what pandas or Arrow say of it where they wrote the file: Parquet itself has no
+    /// durations.
     fn of(column: &ColumnDescriptor, duration: Option<f64>) -> Self {
         let seconds = |unit: &TimeUnit| match unit {
             TimeUnit::MILLIS => 1e-3,
@@ -116,6 +126,8 @@ impl Meaning {
         match (column.logical_type_ref(), column.converted_type()) {
             (Some(LogicalType::Timestamp(instant)), _) => Self::Instant(seconds(&instant.unit)),
             (Some(LogicalType::Integer(number)), _) if !number.is_signed => Self::Unsigned,
+            // Spark and Impala write instants so, and nothing else.
+            _ if column.physical_type() == Physical::INT96 => Self::Instant(1e-9),
             (_, ConvertedType::TIMESTAMP_MILLIS) => Self::Instant(1e-3),
             (_, ConvertedType::TIMESTAMP_MICROS) => Self::Instant(1e-6),
             (
@@ -190,11 +202,19 @@ impl Reading {
                     Meaning::Unsigned => value.cast_unsigned() as f64,
                     // The difference is exact; the ticks since 1970 are not, as doubles. Division by a whole number
                     // gives the decimals that a text would have.
-                    Meaning::Instant(tick) => {
-                        let from = *first.get_or_insert(*value);
-                        value.wrapping_sub(from) as f64 / (1.0 / *tick).round()
-                    }
+                    Meaning::Instant(tick) => after(*value, first, *tick),
                     Meaning::Duration(tick) => *value as f64 / (1.0 / *tick).round(),
+                })
+            }
+            ColumnReader::Int96ColumnReader(reader) => {
+                read_all(reader, rows, present, values, |value| {
+                    after(value.to_nanos(), first, 1e-9)
+                })
+            }
+            ColumnReader::FixedLenByteArrayColumnReader(reader) => {
+                read_all(reader, rows, present, values, |value| match *value.data() {
+                    [low, high] => half::number(u16::from_le_bytes([low, high])),
+                    _ => f64::NAN,
                 })
             }
             ColumnReader::FloatColumnReader(reader) => {
@@ -206,6 +226,12 @@ impl Reading {
             _ => Err(ParquetError::General("a column changes its type".into())),
         }
     }
+}
+
+/// Seconds after the first instant of a column.
+fn after(ticks: i64, first: &mut Option<i64>, tick: f64) -> f64 {
+    let from = *first.get_or_insert(ticks);
+    ticks.wrapping_sub(from) as f64 / (1.0 / tick).round()
 }
 
 fn read_all<T: DataType>(

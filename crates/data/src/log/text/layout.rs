@@ -7,6 +7,7 @@ use super::cells::{Dialect, Kind, comment};
 use super::decode;
 use super::instant::Instant;
 use super::preamble::Preamble;
+use crate::log::header::split;
 use crate::log::{ColumnUnit, cell, time_column};
 
 /// Lines that are looked at.
@@ -34,6 +35,8 @@ pub(in super::super) struct Layout {
     pub(in super::super) samples: Vec<String>,
     /// Whether the first column counts rows.
     pub(in super::super) is_counter: bool,
+    /// Whether the first column grows from row to row.
+    grows: bool,
     pub(in super::super) preamble: Preamble,
     pub(super) notes: Vec<String>,
 }
@@ -105,9 +108,14 @@ fn longest(lines: &[Line<'_>], dialect: Dialect) -> Option<Run> {
 /// How well a run is a table: that a line just above it has as many cells speaks for the dialect.
 fn weight(lines: &[Line<'_>], dialect: Dialect, run: &Run) -> usize {
     let above = lines[..run.first].iter().rev().take(3);
-    let has_header = above
-        .into_iter()
-        .any(|line| dialect.split(comment(line.bytes).unwrap_or(line.bytes)).len() == run.cells);
+    let has_header = above.into_iter().any(|line| {
+        let cells = dialect.split(comment(line.bytes).unwrap_or(line.bytes));
+        let values = cells.iter().filter(|cell| dialect.kind(cell).is_value()).count();
+        // LabVIEW's names end with one of remarks, which rows need not have.
+        let is_longer = cells.last().is_some_and(|cell| is_remark(&decode::text(cell)));
+        cells.len() - usize::from(is_longer && cells.len() > run.cells) == run.cells
+            && 2 * values < run.cells
+    });
     if has_header && run.cells > 1 { 5 * run.score } else { run.score }
 }
 
@@ -136,7 +144,9 @@ impl Layout {
         let kinds_of = |line: &Line<'_>| -> Vec<Kind> {
             dialect.split(line.bytes).iter().map(|cell| dialect.kind(cell)).collect()
         };
-        let rows: Vec<Vec<Kind>> = lines[run.first..run.end].iter().map(kinds_of).collect();
+        let mut rows: Vec<Vec<Kind>> = lines[run.first..run.end].iter().map(kinds_of).collect();
+        run.first += keys(&rows);
+        rows.drain(..keys(&rows));
         let column = |at: usize| {
             let mut seen =
                 rows.iter().filter_map(|row| row.get(at)).filter(|kind| **kind != Kind::Empty);
@@ -151,7 +161,13 @@ impl Layout {
             let row = kinds_of(above);
             let good =
                 used.iter().filter(|at| row.get(**at).is_some_and(|kind| kind.is_value())).count();
-            if comment(above.bytes).is_some() || 2 * good <= used.len() || row.len() < used.len() {
+            // Keys of a preamble, as in `"BlockSize",1000,1000`, where rows have no such cell.
+            let is_keyed = kinds.first() == Some(&Kind::Empty) && is_key(&row);
+            if is_keyed
+                || comment(above.bytes).is_some()
+                || 2 * good <= used.len()
+                || row.len() < used.len()
+            {
                 break;
             }
             run.first = before;
@@ -172,6 +188,7 @@ impl Layout {
             has_names: true,
             samples: (0..run.cells).map(sample).collect(),
             is_counter: counts(&lines[run.first..run.end], dialect),
+            grows: grows(&lines[run.first..run.end], dialect, 0),
             kinds,
             preamble: Preamble::default(),
             notes: dialect.describe().into_iter().collect(),
@@ -261,7 +278,10 @@ impl Layout {
         if let Some((line, names)) = names {
             self.header_line = line.number;
             row.clone_from(names);
-            unit_row = units.map(|(_, row)| row.clone()).unwrap_or_default();
+            unit_row = match units {
+                Some((_, units)) => units.clone(),
+                None => self.units_of_keys(names),
+            };
         } else if let Some(made) = self.keyed(lines, run) {
             (row, unit_row) = made;
         } else {
@@ -273,6 +293,33 @@ impl Layout {
             units.map(|(line, _)| line.number),
         );
         self.columns(row, &unit_row);
+    }
+
+    /// Units that stand behind a key above names without units, one for each signal, as in `Vertical Units,V,um`.
+    fn units_of_keys(&mut self, names: &[String]) -> Vec<String> {
+        let is_signal = |at: &usize| {
+            let name = names.get(*at).map_or("", String::as_str);
+            let is_time = time_column::of_name(name).is_some();
+            self.kinds[*at] == Kind::Number && !is_time
+        };
+        let signals: Vec<usize> = (0..self.kinds.len()).filter(is_signal).collect();
+        let units = self.preamble.units.iter().filter(|unit| !unit.is_empty());
+        let units: Vec<&String> = units.filter(|unit| ColumnUnit::parse(unit).is_ok()).collect();
+        let has_own = |at: &usize| {
+            let name = names.get(*at).map_or("", String::as_str);
+            split(name).1.is_some() || time_column::split_unit(name).is_some()
+        };
+        if units.len() != signals.len() || signals.iter().any(has_own) {
+            return Vec::new();
+        }
+        let mut row = vec![String::new(); self.kinds.len()];
+        for (at, unit) in signals.iter().zip(&units) {
+            row[*at].clone_from(unit);
+        }
+        if !units.is_empty() {
+            self.notes.push("units are those of the preamble".into());
+        }
+        row
     }
 
     /// Names that stand behind a key above the table or beside its first rows.
@@ -303,22 +350,13 @@ impl Layout {
             .collect();
         let units: Vec<String> = self.preamble.units.iter().take(numbers.len()).cloned().collect();
         let shift = numbers.len().checked_sub(names.len())?;
-        let grows = |at: usize| {
-            let values = lines[run.first..run.end].iter().map(|line| {
-                let cells = self.dialect.split(line.bytes);
-                let cell = cells.get(at).map(|cell| decode::text(cell)).unwrap_or_default();
-                cell.replace(',', ".").parse::<f64>().unwrap_or(f64::NAN)
-            });
-            let values: Vec<f64> = values.collect();
-            values.len() > 1 && values.windows(2).all(|pair| pair[0] < pair[1])
-        };
         match (names.len(), shift) {
             (0, _) => return None,
             (_, 0) => {}
             (1, 1) if self.kinds.contains(&Kind::Text) && names[0].parse::<f64>().is_ok() => {
                 return None;
             }
-            (_, 1) if grows(numbers[0]) => {
+            (_, 1) if grows(&lines[run.first..run.end], self.dialect, numbers[0]) => {
                 let mut row = fill(&names, 1);
                 row[numbers[0]] = "time".into();
                 self.notes
@@ -362,6 +400,12 @@ impl Layout {
             let own = units.get(at).map_or("", |unit| unit.trim());
             let own = own.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).unwrap_or(own);
             let own = own.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).unwrap_or(own);
+            // The row of units may say what it is: `unit,V,um`.
+            let is_title = at == 0
+                && ["unit", "units", "einheit", "einheiten"]
+                    .iter()
+                    .any(|word| own.trim_end_matches(':').eq_ignore_ascii_case(word));
+            let own = if is_title { "" } else { own };
             let is_key = !units.is_empty() && own.parse::<f64>().is_ok();
             let is_used = self.kinds.get(at).is_none_or(|kind| *kind != Kind::Empty);
             self.header.push(match (is_used, own) {
@@ -383,6 +427,11 @@ impl Layout {
         is_word && (numbers > 1 || numbers == 1 && has_instants)
     }
 
+    /// Whether the first cells, of which there are several, may be times: dates, or numbers that grow.
+    pub(super) fn may_begin_with_times(&self) -> bool {
+        self.kinds.first() == Some(&Kind::Instant) || self.grows
+    }
+
     /// Whether the cell of a column is a date without a time of day.
     pub(in super::super) fn is_day(&self, at: usize) -> bool {
         let sample = self.samples.get(at).and_then(|sample| Instant::parse(sample));
@@ -398,6 +447,34 @@ impl Layout {
 
 fn is_remark(name: &str) -> bool {
     ["comment", "comments", "remark", "notes"].iter().any(|word| name.eq_ignore_ascii_case(word))
+}
+
+/// Whether the numbers of a column grow from row to row.
+fn grows(rows: &[Line<'_>], dialect: Dialect, at: usize) -> bool {
+    let values = rows.iter().map(|line| {
+        let cells = dialect.split(line.bytes);
+        let cell = cells.get(at).map(|cell| decode::text(cell)).unwrap_or_default();
+        cell.replace(',', ".").parse::<f64>().unwrap_or(f64::NAN)
+    });
+    let values: Vec<f64> = values.collect();
+    values.len() > 1 && values.windows(2).all(|pair| pair[0] < pair[1])
+}
+
+/// Whether a row is a key with its values beside it.
+fn is_key(row: &[Kind]) -> bool {
+    matches!(row, [Kind::Text, value, ..] if value.is_value())
+}
+
+/// The first rows of a run that are no rows of the table: keys whose values stand in the table's own columns, while the
+/// rows below have nothing where the key stands. Keys beside the rows have their values in columns of their own.
+fn keys(rows: &[Vec<Kind>]) -> usize {
+    let Some(last) = rows.last() else { return 0 };
+    let is_keyed = |row: &Vec<Kind>| is_key(row) && last.first() == Some(&Kind::Empty);
+    let count = rows.iter().take_while(|row| is_keyed(row)).count();
+    let are_below = rows[..count].iter().all(|row| {
+        row.iter().zip(last).all(|(above, below)| !above.is_value() || below.is_value())
+    });
+    if are_below { count } else { 0 }
 }
 
 /// Whether the first cells are whole numbers that follow each other.

@@ -23,7 +23,7 @@ use ends::Ends;
 use preamble::Preamble;
 
 use super::dataset::{self, Dataset};
-use super::header::{Context, Header, split};
+use super::header::{Context, Header, Role, split};
 use super::table::{Grid, Place, Table};
 use super::{Log, ReadOptions, cell, formats, time_column};
 use crate::{Problem, Problems};
@@ -199,7 +199,11 @@ fn name_columns(layout: &mut Layout, source: &Source<'_>) -> Result<(), Problems
             return Ok(());
         }
         let rule = "has no header: the first line holds numbers";
-        let names = if count == 1 { "y --rate HZ".to_owned() } else { example(count) };
+        let names = match (count, layout.may_begin_with_times()) {
+            (1, _) => "y --rate HZ".to_owned(),
+            (_, true) => example(count, "time", 1),
+            (_, false) => example(count, "y1", 2) + " --rate HZ",
+        };
         let way_out = format!("say the names: --columns {names}; or put them into a first line");
         return Err(source.problem(rule, &way_out).line(layout.line).into());
     }
@@ -216,8 +220,10 @@ fn name_columns(layout: &mut Layout, source: &Source<'_>) -> Result<(), Problems
     Ok(())
 }
 
-fn example(count: usize) -> String {
-    let names = std::iter::once("time".to_owned()).chain((1..count).map(|at| format!("y{at}")));
+/// Names of so many columns: the first one's, and `y2`, … from this number on.
+fn example(count: usize, first: &str, from: usize) -> String {
+    let others = (from..from + count - 1).map(|at| format!("y{at}"));
+    let names = std::iter::once(first.to_owned()).chain(others);
     names.take(6).collect::<Vec<_>>().join(",") + if count > 6 { ",…" } else { "" }
 }
 
@@ -233,6 +239,16 @@ fn table<'a>(
     // Without a place for each cell, the rows mean nothing.
     if !problems.is_empty() {
         return Err(Problems::new(problems));
+    }
+    let has_time = heads.iter().any(|head| matches!(head.role, Role::Time(_) | Role::Instant(_)));
+    if let Some(key) = layout.and_then(|layout| layout.preamble.apart.as_deref())
+        && !has_time
+        && source.options.rate.is_none()
+    {
+        let rule = format!("\"{key}\" differs between the channels, which have no column of time");
+        let way_out = "save it with a column of time for each channel (LabVIEW: X Value (Time) Columns \
+                       \"One column per channel\"), or give one rate: --rate HZ";
+        return Err(source.problem(rule, way_out).into());
     }
     let start = layout.and_then(|layout| layout.preamble.start).unwrap_or(0.0);
     let grid = Grid { start, ..Grid::at_rate(context.rate()) };
@@ -272,8 +288,11 @@ impl Rows<'_> {
         let mut row = ByteRecord::new();
         while rows.read_byte_record(&mut row).map_err(|error| source.broken(error))? {
             let place = Place::Line(before + ends.line(&row, rows.position()));
-            if row.len() == 1 && self.names.len() > 1 && row[0].trim_ascii().is_empty() {
-                // A line of blanks.
+            // A line of blanks, or of separators where nothing is between them.
+            if self.names.len() > 1
+                && row[0].trim_ascii().is_empty()
+                && row.iter().all(|cell| cell.trim_ascii().is_empty())
+            {
                 continue;
             }
             if self.part.is_some() || may_be_none(row.get(0).unwrap_or_default()) {
@@ -337,6 +356,12 @@ impl Rows<'_> {
         if first == b"Channels" {
             self.part = Some(Preamble::default());
         }
+        // A recorder that appends to its file may write the header again.
+        if self.part.is_none() && cells.len() > 1 && self.is_header(cells) {
+            let grid = self.table.grid();
+            self.table.begin_part(grid);
+            return true;
+        }
         let Some(part) = &mut self.part else { return false };
         let line = cells.join(&self.dialect.separator);
         let is_header = cells.iter().zip(&self.names).all(|(cell, name)| {
@@ -350,6 +375,19 @@ impl Rows<'_> {
             self.table.begin_part(grid);
         }
         true
+    }
+
+    /// Whether these are the header's cells, all of them.
+    fn is_header(&self, cells: &[&[u8]]) -> bool {
+        let names = self.names.iter().rev().skip_while(|name| name.trim().is_empty());
+        let cells = cells.iter().rev().skip_while(|cell| cell.trim_ascii().is_empty());
+        let is_name = |(name, cell): (&String, &&[u8])| {
+            let cell = decode::text(cell);
+            let (name, cell) = (name.trim(), cell.trim());
+            // Units may have stood in a row of their own.
+            name.strip_prefix(cell).is_some_and(|rest| rest.is_empty() || rest.starts_with(" ["))
+        };
+        names.clone().count() == cells.clone().count() && names.zip(cells).all(is_name)
     }
 
     fn finish(self) -> Result<Log, Problems> {

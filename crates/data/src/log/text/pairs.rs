@@ -16,6 +16,9 @@ pub(super) fn read(
     source: &Source<'_>,
 ) -> Result<Log, Problems> {
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); layout.header.len()];
+    // The part of the file in which a row stands, and whether its head is being read.
+    let (mut parts, mut is_head) = (Vec::new(), false);
+    let mut part = 0_u32;
     let mut text = Vec::new();
     let mut bytes = BufReader::with_capacity(BUFFER, bytes);
     for line in layout.line.. {
@@ -27,6 +30,19 @@ pub(super) fn read(
             continue;
         }
         let row = layout.dialect.split(&text);
+        // LabVIEW writes a head before each part that it appends, others the names again.
+        let is_names = row.len() > 1
+            && row.iter().zip(&layout.header).all(|(cell, name)| {
+                let cell = decode::text(cell);
+                name.strip_prefix(cell.trim())
+                    .is_some_and(|rest| rest.is_empty() || rest.starts_with(" ["))
+            });
+        if is_head || is_names || row.first().is_some_and(|cell| **cell == *b"Channels") {
+            part += u32::from(is_names);
+            is_head = !is_names;
+            continue;
+        }
+        parts.push(f64::from(part));
         for (column, at) in columns.iter_mut().zip(0..) {
             let cell = row.get(at).map_or(&[][..], |cell| cell);
             if cell.trim_ascii().is_empty()
@@ -80,8 +96,15 @@ pub(super) fn read(
     for group in &mut groups {
         let rows = group.columns.iter().map(|raw| raw.values.len()).max().unwrap_or(0);
         group.columns.iter_mut().for_each(|raw| raw.values.resize(rows, f64::NAN));
+        if part > 0 {
+            group.columns.push(Raw::new("record", None, parts[..rows].to_vec()));
+        }
     }
     let mut found = Found::from(groups);
+    if part > 0 {
+        let parts = part + 1;
+        found.notes.push(format!("has {parts} parts with a header each, which are records"));
+    }
     found.notes.push("has several columns of time, each of the signals behind it".into());
     found.log(source.origin, source.options, source.datasets)
 }

@@ -87,6 +87,8 @@ pub(in super::super) struct Preamble {
     /// Cells of a row of names behind its key, or names by number.
     pub(super) names: Vec<String>,
     pub(super) units: Vec<String>,
+    /// A key of times that has other numbers for other channels.
+    pub(super) apart: Option<String>,
 }
 
 impl Preamble {
@@ -121,18 +123,28 @@ impl Preamble {
     }
 
     fn entry(&mut self, key: &str, value: &str, rest: &[String]) {
+        let title = key;
         let (key, unit) = match key.split_once(['(', '[']) {
             Some((key, unit)) => (key, unit.trim_end_matches([')', ']'])),
             None => (key, rest.get(1).map_or("", String::as_str)),
         };
         // The same value for a second channel is no unit.
-        let unit = if unit.parse::<f64>().is_ok() { "" } else { unit };
+        let unit = if number(unit).is_some() { "" } else { unit };
         let key: String = key
             .chars()
             .filter(char::is_ascii_alphanumeric)
             .map(|c| c.to_ascii_lowercase())
             .collect();
         let key = key.as_str();
+        let others = || {
+            let values = rest.iter().skip_while(|cell| cell.is_empty());
+            values.take_while(|cell| !cell.is_empty()).filter_map(|other| number(other))
+        };
+        if (PERIOD.contains(&key) || RATE.contains(&key) || START.contains(&key))
+            && number(value).is_some_and(|value| others().any(|other| other != value))
+        {
+            self.apart.get_or_insert_with(|| title.trim().to_owned());
+        }
         let numbered =
             |before: &str| key.strip_prefix(before).and_then(|at| at.parse::<usize>().ok());
         for (before, list) in [("name", &mut self.names), ("unit", &mut self.units)] {
@@ -162,6 +174,10 @@ impl Preamble {
             self.start = self.start.or(quantity(value, unit, &SECOND));
         }
     }
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.replace(',', ".").parse().ok()
 }
 
 /// A number with its unit behind it or beside it; without one it is in the SI unit. `Analog:1e-7` is 1e-7.

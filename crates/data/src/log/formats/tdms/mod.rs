@@ -81,6 +81,12 @@ fn group(
             left_out.push((title, why));
             continue;
         }
+        if let Some((key, rows)) = &object.changed {
+            found.notes.push(format!(
+                "channel \"{name}/{title}\" has another {key} behind row {rows}: its times go on from the first one, so \
+                 that a pause there is not seen"
+            ));
+        }
         let grid = Grid::of(&object, first);
         let mut values = object.values;
         let mut is_time = !object.instants.is_empty() || title.to_lowercase() == "time";
@@ -105,6 +111,11 @@ fn group(
             sampled.len() - 1
         });
         let sampled = &mut sampled[at];
+        if grid.is_none() && sampled.grid.is_some() && !sampled.has_time {
+            found.notes.push(format!(
+                "channel \"{name}/{title}\" says no wf_increment: it is taken as sampled with the others of its length"
+            ));
+        }
         sampled.grid = sampled.grid.or(grid);
         let is_instants = !object.instants.is_empty();
         if is_time && !sampled.has_time {

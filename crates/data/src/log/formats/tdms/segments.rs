@@ -48,6 +48,8 @@ pub(super) struct Object {
     pub(super) instants: Vec<(i64, u64)>,
     /// Values of the scalers of DAQmx, by the number of the scale.
     pub(super) raw: BTreeMap<u32, Vec<f64>>,
+    /// A property of times that a later segment changes, and the rows before it.
+    pub(super) changed: Option<(String, usize)>,
     /// Why its values cannot be used.
     pub(super) why_not: Option<String>,
 }
@@ -147,11 +149,25 @@ impl File {
             for _ in 0..bytes.u32()? {
                 let name = String::from_utf8_lossy(bytes.text()?).into_owned();
                 let value = property(bytes)?;
-                self.objects[at].properties.insert(name, value);
+                self.property(at, name, value);
             }
         }
         list.retain(|at| listed.remove(at));
         Ok(())
+    }
+
+    /// Takes a property; the times of a channel are those of its first values.
+    fn property(&mut self, at: usize, name: String, value: Property) {
+        let object = &mut self.objects[at];
+        let rows = object.values.len().max(object.instants.len());
+        let rows = object.raw.values().map(Vec::len).fold(rows, usize::max);
+        let is_time = ["wf_start_time", "wf_start_offset", "wf_increment"].contains(&name.as_str());
+        let is_other = object.properties.get(&name).is_some_and(|before| *before != value);
+        if is_time && rows > 0 && is_other {
+            object.changed.get_or_insert((name, rows));
+        } else {
+            object.properties.insert(name, value);
+        }
     }
 
     fn chunk(&self, list: &[usize]) -> Chunk {
@@ -185,6 +201,7 @@ impl Object {
             values: Vec::new(),
             instants: Vec::new(),
             raw: BTreeMap::new(),
+            changed: None,
             why_not: None,
         }
     }
