@@ -200,6 +200,11 @@ impl Simulate {
             no_stop_time: self.no_stop_time,
             ..Drive::default()
         };
+        let unrecorded = if self.record.is_empty() {
+            cosim::unrecorded(&opened.name, opened.fmu.description())
+        } else {
+            None
+        };
         let ear = self.messages.ear()?;
         let slave = opened.fmu.instantiate(opened.name.clone(), &ear.options(&opened.name))?;
         let mut memory = Memory::new();
@@ -215,6 +220,7 @@ impl Simulate {
         let endings: Vec<EarlyEnd> = (0..).zip(outcome?).filter_map(early_end).collect();
         let mut notes: Vec<String> = endings.iter().map(EarlyEnd::note).collect();
         notes.extend(matched.notes());
+        notes.extend(unrecorded);
         notes.extend(ear.notes());
         let (fits, measured) = self.fits(&memory, &log, &names, &addresses, &mut notes)?;
         let about = About { endings, matched, messages: ear.said(), times, notes };
@@ -320,6 +326,10 @@ impl Simulate {
         let endings: Vec<EarlyEnd> = [(0, outcome?)].into_iter().filter_map(early_end).collect();
         let fits = self.tracking(&memory, &pairs)?;
         let mut notes = slow_plant(&plant.fmu, &controller.fmu);
+        let both = [("controller", &controller.fmu), ("plant", &plant.fmu)];
+        notes.extend(
+            both.iter().filter_map(|(name, fmu)| cosim::unrecorded(name, fmu.description())),
+        );
         notes.extend(endings.iter().map(EarlyEnd::note));
         notes.extend(ear.notes());
         let name = format!("{} with {}", plant.name, controller.name);

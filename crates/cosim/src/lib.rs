@@ -54,7 +54,7 @@ pub use record::{CsvFile, CsvRecorder, Memory, NpyFile, NpzFile, RecordFile, Rec
 pub use run::Run;
 pub use signals::{Signal, Signals};
 pub use simulate::{Drive, Driven, simulate_with_inputs};
-pub use slave::{ArrayRun, Selection, Slave, StateId, TypeRun, Value};
+pub use slave::{ArrayRun, Selection, Slave, StateId, TypeRun, Value, unrecorded};
 pub use sought::Sought;
 pub use statistics::{FmuTimes, Statistics};
 pub use system::{Ending, System};

@@ -12,7 +12,7 @@ use crate::algorithm::{Algorithm, Extrapolation, GaussSeidel, Iteration, Jacobi}
 use crate::diagram::{Diagram, Port};
 use crate::error::Error;
 use crate::problem::{Problem, Problems};
-use crate::slave::{Address, Index, Slave, Value, numbers};
+use crate::slave::{Address, Index, Slave, Value, numbers, unrecorded};
 use crate::system::System;
 
 /// A multiple of the communication step that misses a whole number by less than this part is one.
@@ -90,6 +90,11 @@ impl Plan {
         }
         for (port, name) in self.recorded(&slaves, &connections) {
             diagram.record_as(port, name);
+        }
+        if self.record.is_empty() {
+            notes.extend(
+                slaves.iter().filter_map(|slave| unrecorded(slave.name(), slave.description())),
+            );
         }
         slaves.into_iter().for_each(|slave| {
             diagram.add(slave);

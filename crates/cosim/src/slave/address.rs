@@ -10,6 +10,8 @@ use crate::problem::{Problem, nearest};
 const MOST_ELEMENTS: u64 = 1 << 24;
 /// Arrays with more elements are not recorded unless one asks for them.
 const MOST_LISTED: u64 = 1 << 10;
+/// Names that a note lists.
+const MOST_NAMED: usize = 8;
 
 /// A variable, or an element of an array as if it were a variable of its own.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,6 +132,20 @@ pub(crate) fn numbers(description: &ModelDescription, variable: &Variable) -> Ve
     indices.iter().map(|index| format!("{}[{index}]", variable.name)).collect()
 }
 
+/// What a record of all outputs leaves out of an FMU: texts, bytes, and arrays that are too long to list.
+#[must_use]
+pub fn unrecorded(fmu: &str, description: &ModelDescription) -> Option<String> {
+    let outputs = description.variables.iter().filter(|v| v.causality == Causality::Output);
+    let left: Vec<String> = outputs
+        .filter(|output| numbers(description, output).is_empty())
+        .map(|output| format!("`{}` ({})", output.name, output.data_type.name()))
+        .collect();
+    let shown = left.iter().take(MOST_NAMED).cloned().collect::<Vec<_>>().join(", ");
+    let more = if left.len() > MOST_NAMED { ", …" } else { "" };
+    (!left.is_empty())
+        .then(|| format!("FMU `{fmu}`: a record holds numbers only; not recorded: {shown}{more}"))
+}
+
 /// `matrix[2,3]` is `matrix` and 2, 3.
 fn indexed(name: &str) -> Option<(&str, Vec<u64>)> {
     let (array, indices) = name.strip_suffix(']')?.rsplit_once('[')?;
@@ -235,6 +251,10 @@ mod tests {
         assert!(listed(&description, 1).is_empty());
         description.variables[2].data_type = DataType::String;
         assert!(listed(&description, 2).is_empty());
+        assert_eq!(unrecorded("p", &description), None);
+        description.variables.iter_mut().for_each(|v| v.causality = Causality::Output);
+        let note = unrecorded("p", &description).unwrap();
+        assert!(note.ends_with("not recorded: `matrix` (Float64), `plain[1]` (String)"), "{note}");
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod support;
 mod typed;
 mod value;
 
+pub use address::unrecorded;
 pub(crate) use address::{Address, numbers};
 pub(crate) use clocks::can_be_triggered;
 pub(crate) use fmi2::Fmi2Slave;
