@@ -181,6 +181,18 @@ fn loops_that_cannot_be_closed() {
 }
 
 #[test]
+fn a_connection_to_nothing_names_its_file_once() {
+    let folder = prepared();
+    let at = folder.path();
+    let system = "name = \"s\"\nstep = 1e-3\nstop = 2e-3\n[fmus]\na = \"plant.fmu\"\nb = \"plant.fmu\"\n\
+                  [connections]\n\"b.command[1]\" = \"a.positon[1]\"\n";
+    write(at, "system.toml", system);
+    let said = refuse(&["system", "system.toml", "-o", "x.csv"], at);
+    assert!(said.starts_with("error: system.toml: FMU `a` has no variable `positon[1]`"), "{said}");
+    assert_eq!(said.matches("positon").count(), 1, "{said}");
+}
+
+#[test]
 fn times_that_cannot_be_seconds_are_asked_about() {
     let folder = prepared();
     let at = folder.path();

@@ -234,7 +234,8 @@ impl System {
             .zip(&fmus)
             .map(|(planned, fmu)| fmu.instantiate(&planned.name, &ear.options(&planned.name)))
             .collect::<Result<Vec<_>, _>>()?;
-        let mut prepared = plan.prepare(slaves, step, &units)?;
+        let prepared = plan.prepare(slaves, step, &units);
+        let mut prepared = prepared.with_context(|| self.file.display().to_string())?;
         let rows = points.steps() + 1;
         let (start_s, stop_s) = (points.start(), points.stop());
         let mut recorder = Recording {

@@ -196,7 +196,10 @@ impl From<Problem> for Problems {
 
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let texts: Vec<String> = self.0.iter().map(ToString::to_string).collect();
+        // Of a connection that is recorded, the same is found twice.
+        let first = |(at, problem): &(usize, &Problem)| !self.0[..*at].contains(problem);
+        let all = self.0.iter().enumerate().filter(first);
+        let texts: Vec<String> = all.map(|(_, problem)| problem.to_string()).collect();
         f.write_str(&texts.join("\n"))
     }
 }
