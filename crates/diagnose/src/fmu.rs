@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use cosim::{Fmu, Worker};
-use data::inner_steps;
 use model::{Unit, UnitError};
 use modeldescription::ModelDescription;
 use modeldescription::variable::{Causality, DataType, Number, Variable};
@@ -14,7 +13,7 @@ use crate::black_box::{BlackBox, Entry, Times};
 use crate::chain::{ComponentNode, Node};
 use crate::error::Error;
 use crate::library::Slot;
-use crate::problem::{Port, Problem, assemble, check_names, choose};
+use crate::problem::{Port, Problem, assemble, check_names, check_rows, choose};
 use crate::request::Request;
 
 /// Opens an FMU, to run in this process or in others.
@@ -110,8 +109,7 @@ fn problem(
     let times: Times = problem.data.times().collect();
     if let Some(step) = inner_step(fmu.description()) {
         for record in &problem.data.records {
-            inner_steps::check_rows(&times[&record.rows.start], step)
-                .map_err(|message| Error::Log { log: record.name.clone(), message })?;
+            check_rows(&record.name, &times[&record.rows.start], step)?;
         }
     }
     let units = (inputs[input].si, outputs[output].si);

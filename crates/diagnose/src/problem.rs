@@ -531,11 +531,16 @@ fn floor(
     Ok((noise, rest_corner, None))
 }
 
+/// Whether the rows of a record are as far apart as seconds can be.
+pub(crate) fn check_rows(record: &str, time: &[f64], step: f64) -> Result<(), Error> {
+    inner_steps::check_rows(time, step)
+        .map_err(|message| Error::Log { log: record.to_owned(), message })
+}
+
 /// Whether the rows are as far apart as seconds can be, and few enough for the grid of the model.
 fn check_steps(records: &[RecordRows], step: f64) -> Result<(), Error> {
     for record in records {
-        inner_steps::check_rows(&record.time, step)
-            .map_err(|message| Error::Log { log: record.name.clone(), message })?;
+        check_rows(&record.name, &record.time, step)?;
     }
     let length = |r: &RecordRows| r.time.last().zip(r.time.first()).map_or(0.0, |(b, a)| b - a);
     let steps = records.iter().map(length).sum::<f64>() / step;

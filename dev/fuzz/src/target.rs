@@ -10,7 +10,7 @@ use crate::instrument;
 use bench::campaign::Campaign;
 use bench::emulate::Script;
 use cosim::Plan;
-use data::{Blueprint, Log, ReadOptions};
+use data::{Blueprint, CheckedBlueprint, Log, ReadOptions};
 use modeldescription::package::{Limits, PackageBuilder};
 use modeldescription::ssp::{ParameterMapping, ParameterSet, Ssp, SystemStructure};
 use modeldescription::xml::XmlLimits;
@@ -241,12 +241,17 @@ fn blueprint(input: &[u8], _: &Path) -> String {
             let again = Blueprint::parse(&written, "again.toml");
             let again = again.unwrap_or_else(|error| panic!("{error}\n{written}"));
             assert!(again == *checked.blueprint(), "{written}");
-            let mut system = checked.build();
-            let run = system.initialise(0.0).and_then(|()| system.advance(1e-3));
-            said(run.map_err(|error| system.explain(&error)))
+            played(&checked, 1e-3)
         }
         Err(problems) => problems.to_string(),
     }
+}
+
+/// What a plant or controller says that is run for so long.
+fn played(checked: &CheckedBlueprint, seconds: f64) -> String {
+    let mut system = checked.build();
+    let run = system.initialise(0.0).and_then(|()| system.advance(seconds));
+    said(run.map_err(|error| system.explain(&error)))
 }
 
 /// The table of a learned model, as the tool and a packed FMU read it, in models of two, three and four inputs.
@@ -276,11 +281,7 @@ past_inputs = "#;
     // All inputs lie in the file of the first one.
     let plants = PLANTS.get_or_init(|| [0, 1, 2].map(plant));
     let read = |plant: &Blueprint| match plant.clone().check(learned::COMPONENTS) {
-        Ok(checked) => {
-            let mut system = checked.build();
-            let run = system.initialise(0.0).and_then(|()| system.advance(0.02));
-            said(run.map_err(|error| system.explain(&error)))
-        }
+        Ok(checked) => played(&checked, 0.02),
         Err(problems) => problems.to_string(),
     };
     let said = plants.each_ref().map(read);

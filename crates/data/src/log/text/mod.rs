@@ -220,6 +220,12 @@ fn name_columns(layout: &mut Layout, source: &Source<'_>) -> Result<(), Problems
     Ok(())
 }
 
+/// Whether a cell repeats this name of a column, whose unit may have stood in a row of its own.
+fn is_name_of(name: &str, cell: &[u8]) -> bool {
+    let cell = decode::text(cell);
+    name.strip_prefix(cell.trim()).is_some_and(|rest| rest.is_empty() || rest.starts_with(" ["))
+}
+
 /// Names of so many columns: the first one's, and `y2`, … from this number on.
 fn example(count: usize, first: &str, from: usize) -> String {
     let others = (from..from + count - 1).map(|at| format!("y{at}"));
@@ -381,12 +387,7 @@ impl Rows<'_> {
     fn is_header(&self, cells: &[&[u8]]) -> bool {
         let names = self.names.iter().rev().skip_while(|name| name.trim().is_empty());
         let cells = cells.iter().rev().skip_while(|cell| cell.trim_ascii().is_empty());
-        let is_name = |(name, cell): (&String, &&[u8])| {
-            let cell = decode::text(cell);
-            let (name, cell) = (name.trim(), cell.trim());
-            // Units may have stood in a row of their own.
-            name.strip_prefix(cell).is_some_and(|rest| rest.is_empty() || rest.starts_with(" ["))
-        };
+        let is_name = |(name, cell): (&String, &&[u8])| is_name_of(name.trim(), cell);
         names.clone().count() == cells.clone().count() && names.zip(cells).all(is_name)
     }
 

@@ -32,11 +32,7 @@ pub(super) fn read(
         let row = layout.dialect.split(&text);
         // LabVIEW writes a head before each part that it appends, others the names again.
         let is_names = row.len() > 1
-            && row.iter().zip(&layout.header).all(|(cell, name)| {
-                let cell = decode::text(cell);
-                name.strip_prefix(cell.trim())
-                    .is_some_and(|rest| rest.is_empty() || rest.starts_with(" ["))
-            });
+            && row.iter().zip(&layout.header).all(|(cell, name)| super::is_name_of(name, cell));
         if is_head || is_names || row.first().is_some_and(|cell| **cell == *b"Channels") {
             part += u32::from(is_names);
             is_head = !is_names;
