@@ -1,7 +1,7 @@
 //! Plays between two curves with a network over their states: equation, bounds, inverse, what is refused.
 
 use learned::COMPONENTS;
-use learned::plays::{INPUTS, LearnedPlays};
+use learned::plays::{INPUTS, LearnedPlays, unit, unit_slope};
 use model::{Component, Sizes, Tick, Violation};
 
 fn inverse_plays() -> &'static dyn Component {
@@ -10,7 +10,7 @@ fn inverse_plays() -> &'static dyn Component {
 }
 
 const PERIOD: f64 = 1e-3;
-const STRUCTURE_OF_TWO: [f64; 4] = [5.0, 2.0, 2.0, 18.0];
+const STRUCTURE_OF_TWO: [f64; 5] = [5.0, 2.0, 2.0, 18.0, 1.0];
 
 /// Five plays, two creeps, two units over a range of 0 to 100 V and 0 to 20 um.
 fn parameters() -> Vec<f64> {
@@ -31,9 +31,17 @@ struct Instance {
 
 impl Instance {
     fn new(component: &'static dyn Component, parameters: &[f64]) -> Result<Self, Violation> {
-        let Sizes { coefficients, states } = component.sizes(&STRUCTURE_OF_TWO, PERIOD);
+        Self::with(component, &STRUCTURE_OF_TWO, parameters)
+    }
+
+    fn with(
+        component: &'static dyn Component,
+        structure: &[f64],
+        parameters: &[f64],
+    ) -> Result<Self, Violation> {
+        let Sizes { coefficients, states } = component.sizes(structure, PERIOD);
         let mut coefficients = vec![0.0; coefficients];
-        component.prepare(&STRUCTURE_OF_TWO, parameters, PERIOD, &mut coefficients)?;
+        component.prepare(structure, parameters, PERIOD, &mut coefficients)?;
         Ok(Self { component, coefficients, state: vec![0.0; states], index: 0 })
     }
 
@@ -62,8 +70,24 @@ fn commands(count: usize) -> impl Iterator<Item = f64> {
 
 #[test]
 fn is_the_chain_of_its_parts_and_a_network_over_their_states() {
+    is_the_chain(1.0, |a| {
+        let c = (8.0 * a / 15.0).clamp(-1.0, 1.0);
+        c * (15.0 - 10.0 * c.powi(2) + 3.0 * c.powi(4)) / 8.0
+    });
+}
+
+/// Blueprints that do not name the activation.
+#[test]
+fn is_the_same_with_tanh_where_nothing_else_is_said() {
+    let declared = LearnedPlays.declaration().structure;
+    let activation = declared.iter().find(|setting| setting.name == "activation").unwrap();
+    is_the_chain(activation.start.unwrap(), f64::tanh);
+}
+
+fn is_the_chain(activation: f64, sigma: impl Fn(f64) -> f64) {
     let p = parameters();
-    let mut model = Instance::new(&LearnedPlays, &p).unwrap();
+    let structure = [5.0, 2.0, 2.0, 18.0, activation];
+    let mut model = Instance::with(&LearnedPlays, &structure, &p).unwrap();
     let (r, w) = (&p[..5], &p[5..10]);
     let mut plays = [0.0_f64; 5];
     let mut creeps: Option<[f64; 2]> = None;
@@ -99,7 +123,7 @@ fn is_the_chain_of_its_parts_and_a_network_over_their_states() {
         let unit = |n: usize| {
             let weights = &p[18 + INPUTS * n..18 + INPUTS * (n + 1)];
             let inside = weights.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
-            p[14 + n] * (p[16 + n] + inside).tanh()
+            p[14 + n] * sigma(p[16 + n] + inside)
         };
         let wanted = v + 10.0 * ((-0.05 + 0.02 * eta) * eta * eta + unit(0) + unit(1));
         assert!((y - wanted).abs() < 1e-11, "{k}: {y} {wanted}");
@@ -174,6 +198,59 @@ fn what_cannot_be_is_refused_by_name() {
     assert_eq!(inverse(&|p| p[5] = 0.0), Some("w"));
     assert_eq!(inverse(&|p| p[46] = 126.0), Some("command_max"));
     let mut coefficients = vec![0.0; 100];
-    let weights = LearnedPlays.prepare(&[5.0, 2.0, 2.0, 17.0], &[], PERIOD, &mut coefficients);
+    let weights = LearnedPlays.prepare(&[5.0, 2.0, 2.0, 17.0, 1.0], &[], PERIOD, &mut coefficients);
     assert_eq!(weights.err().map(|violation| violation.quantity), Some("weight"));
+}
+
+#[test]
+fn the_slope_of_a_unit_is_its_derivative_and_its_ends_are_1() {
+    for k in -400..=400 {
+        let a = 0.01 * f64::from(k);
+        let difference = (unit(a + 1e-5) - unit(a - 1e-5)) / 2e-5;
+        assert!((unit_slope(a) - difference).abs() < 1e-9, "{a}: {} {difference}", unit_slope(a));
+    }
+    assert_eq!([unit(1.875), unit(-1e300), unit(f64::INFINITY)], [1.0, -1.0, 1.0]);
+}
+
+/// Any number of plays, units and creeps against plays one by one.
+#[test]
+fn groups_that_are_filled_up_to_fours_add_nothing() {
+    for (plays, units, creeps) in
+        [(1, 0, 0), (2, 1, 3), (4, 4, 1), (7, 3, 0), (16, 5, 2), (33, 9, 3)]
+    {
+        let r: Vec<f64> = (0..plays).map(|i| 40.0 * i as f64 / plays as f64).collect();
+        let w: Vec<f64> = (0..plays).map(|i| 0.2 / (1.0 + i as f64)).collect();
+        let network: Vec<f64> = (0..(INPUTS + 2) * units).map(|k| (1.7 * k as f64).sin()).collect();
+        let creep = [vec![0.01; creeps], vec![0.05; creeps]].concat();
+        let scalars = [0.5, 0.1, 50.0, 50.0, -0.05, 0.02, 10.0, 10.0, 1.5];
+        let p = [&r[..], &w, &creep, &network, &scalars].concat();
+        let structure = [plays, creeps, units, INPUTS * units].map(|count| count as f64);
+        let structure = [&structure[..], &[1.0]].concat();
+        let mut model = Instance::with(&LearnedPlays, &structure, &p).unwrap();
+        let (mut states, mut z) = (vec![0.0_f64; plays], vec![0.0; creeps]);
+        for (k, u) in commands(500).enumerate() {
+            let y = if k == 0 { model.rest(u) } else { model.step(u) };
+            let place = ((u - 50.0) / 50.0).clamp(-1.5, 1.5);
+            let bent = 50.0 + 50.0 * (place + 0.1 * place * place);
+            states.iter_mut().zip(&r).for_each(|(p, r)| *p = p.clamp(bent - r, bent + r));
+            let h = 0.5 + w.iter().zip(&states).map(|(w, p)| w * p).sum::<f64>();
+            let part = if k == 0 { 1.0 } else { 1.0 - (-PERIOD / 0.05).exp() };
+            z.iter_mut().for_each(|z| *z += part * (h - *z));
+            let v = h + 0.01 * z.iter().sum::<f64>();
+            let mut x = [0.0; INPUTS];
+            (x[0], x[1]) = (place, (v - 10.0) / 10.0);
+            for (i, state) in states.iter().enumerate() {
+                let group = (0..4).find(|g| i < ((g + 1) * plays).div_ceil(4)).unwrap();
+                x[2 + group] += (bent - state) * 4.0 / (50.0 * plays as f64);
+            }
+            z.iter().enumerate().for_each(|(j, z)| x[6 + j] = (h - z) / 10.0);
+            let added = (0..units).map(|n| {
+                let weights = &network[2 * units + INPUTS * n..][..INPUTS];
+                let inside = weights.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
+                network[n] * unit(network[units + n] + inside)
+            });
+            let wanted = v + 10.0 * ((-0.05 + 0.02 * x[1]) * x[1] * x[1] + added.sum::<f64>());
+            assert!((y - wanted).abs() < 1e-11, "{plays} plays, {k}: {y} {wanted}");
+        }
+    }
 }

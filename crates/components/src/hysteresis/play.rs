@@ -23,7 +23,8 @@ pub fn stop(change: f64, r: f64, previous: f64) -> f64 {
 
 /// `max(low, min(high, x))` in the form that compiles to one minimum and one maximum instruction.
 #[inline]
-pub(crate) fn between(low: f64, high: f64, x: f64) -> f64 {
+#[must_use]
+pub fn between(low: f64, high: f64, x: f64) -> f64 {
     let x = if x < high { x } else { high };
     if x > low { x } else { low }
 }

@@ -14,7 +14,7 @@
 
 use components::random::normal;
 use data::{ComponentBlueprint, Value};
-use learned::plays::{INPUTS, inputs_of};
+use learned::plays::{INPUTS, inputs_of, unit, unit_slope};
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
@@ -22,14 +22,14 @@ use crate::methods::Chain;
 use crate::observer::Observer;
 
 /// Units of each network.
-const UNITS: usize = 4;
+const UNITS: usize = 8;
 /// Numbers of one unit: weights, bias, height.
 const EACH: usize = INPUTS + 2;
 /// What a height costs, over half the position's range, and a weight that leaves its first value.
 const HEIGHT: f64 = 0.1;
 const WEIGHT: f64 = 5e-4;
 /// Networks whose mean is taken.
-const STARTS: usize = 4;
+const STARTS: usize = 3;
 /// Most steps of each search, and the relative fall of the sum that ends it.
 const STEPS: usize = 60;
 const FALL: f64 = 1e-5;
@@ -107,7 +107,7 @@ impl Plays {
 
     /// What the network sees at each row, and what the plays leave over half the position's range, without its mean.
     fn seen(&self, lessons: &[Lesson], step: f64) -> Result<(Vec<[f64; INPUTS]>, Vec<f64>), Error> {
-        let structure = [self.r.len() as f64, self.share.len() as f64, 0.0, 0.0];
+        let structure = [self.r.len() as f64, self.share.len() as f64, 0.0, 0.0, 1.0];
         let arrays = [&self.r[..], &self.w, &self.share, &self.time_constant, &self.scalars];
         let parameters = [&arrays.concat()[..], &[BEYOND]].concat();
         let half = self.scalars[7];
@@ -163,7 +163,8 @@ impl Plays {
             .value("time_constant", &self.time_constant[..])
             .value("height", of(INPUTS + 1).collect::<Vec<f64>>())
             .value("bias", of(INPUTS).collect::<Vec<f64>>())
-            .value("weight", weight);
+            .value("weight", weight)
+            .value("activation", 1.0);
         for (name, value) in SCALARS.into_iter().zip(self.scalars) {
             component = component.value(name, value);
         }
@@ -219,12 +220,11 @@ fn search(inputs: &[[f64; INPUTS]], left: &[f64], start: usize) -> (f64, Vec<f64
     (cost, at)
 }
 
-/// tanh of each unit.
-fn units(x: &[f64; INPUTS], network: &[f64]) -> [f64; UNITS] {
+/// What each unit sees.
+fn insides(x: &[f64; INPUTS], network: &[f64]) -> [f64; UNITS] {
     let mut all = [0.0; UNITS];
-    for (t, unit) in all.iter_mut().zip(network.chunks_exact(EACH)) {
-        let inside = x.iter().zip(unit).fold(unit[INPUTS], |sum, (x, a)| sum + a * x);
-        *t = inside.tanh();
+    for (inside, numbers) in all.iter_mut().zip(network.chunks_exact(EACH)) {
+        *inside = x.iter().zip(numbers).fold(numbers[INPUTS], |sum, (x, a)| sum + a * x);
     }
     all
 }
@@ -240,8 +240,8 @@ fn prices<'a>(begin: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
 fn sum(inputs: &[[f64; INPUTS]], left: &[f64], network: &[f64], begin: &[f64]) -> f64 {
     let heights = network.iter().skip(INPUTS + 1).step_by(EACH);
     let add = |x: &[f64; INPUTS]| {
-        let units = units(x, network);
-        units.iter().zip(heights.clone()).map(|(t, c)| t * c).sum::<f64>()
+        let insides = insides(x, network);
+        insides.iter().zip(heights.clone()).map(|(a, c)| unit(*a) * c).sum::<f64>()
     };
     let count = left.len().max(1) as f64;
     let errors = || inputs.iter().zip(left).map(|(x, left)| add(x) - left);
@@ -267,17 +267,17 @@ fn equations(
     let mut error = DVector::zeros(left.len());
     for (row, (x, left)) in inputs.iter().zip(left).enumerate() {
         let mut added = 0.0;
-        for (n, (t, unit)) in
-            units(x, network).into_iter().zip(network.chunks_exact(EACH)).enumerate()
+        for (n, (inside, numbers)) in
+            insides(x, network).into_iter().zip(network.chunks_exact(EACH)).enumerate()
         {
-            let height = unit[INPUTS + 1];
-            added += height * t;
-            let slope = height * (1.0 - t * t);
+            let (height, given) = (numbers[INPUTS + 1], unit(inside));
+            added += height * given;
+            let slope = height * unit_slope(inside);
             for (k, x) in x.iter().enumerate() {
                 jacobian[(row, EACH * n + k)] = slope * x;
             }
             jacobian[(row, EACH * n + INPUTS)] = slope;
-            jacobian[(row, EACH * n + INPUTS + 1)] = t;
+            jacobian[(row, EACH * n + INPUTS + 1)] = given;
         }
         error[row] = added - left;
     }

@@ -4,7 +4,8 @@
 //! b = u + half_range·bend·ξ²,                     ξ = (u − centre)/half_range, held within ±1.5
 //! h = offset + Σ w_i P_i,                         P_i ← max(b − r_i, min(b + r_i, P_i))
 //! v = h + Σ share_j z_j,                          ż_j = (h − z_j)/time_constant_j
-//! y = v + position_half_range·(quadratic·η² + cubic·η³ + Σ height_n tanh(bias_n + Σ weight_nm x_m))
+//! y = v + position_half_range·(quadratic·η² + cubic·η³ + Σ height_n σ(bias_n + Σ weight_nm x_m))
+//! σ(a) = c·(15 − 10c² + 3c⁴)/8,                   c = 8a/15, held within ±1
 //! x = ξ; η = (v − position_centre)/position_half_range; the mean stop b − P_i of each quarter of the plays over
 //!     half_range, times its part of all plays; (h − z_j)/position_half_range
 //! ```
@@ -13,7 +14,10 @@
 //!   quadratic, cubic without unit, as parts of half a range.
 //! * height_n: most that a unit of the network adds, as a part of position_half_range; weight: nine of each unit, one unit
 //!   after the other.
-//! * State: one number per play and per creep.
+//! * σ: the quintic that rises from −1 to 1 with slope 1 at 0 and two continuous derivatives. It takes no function of a
+//!   library, so that every platform has the same bits. With `activation = 0`, also where a blueprint does not name it, σ is tanh.
+//! * State: one number per play, per play that fills up a group of four, and per creep.
+//! * Plays and units are stepped four at a time, so that a compiler puts them into vectors; the order of all sums is fixed.
 //!
 //! Bounded: beyond 1.5 half ranges the command counts as its limit, and the network adds at most
 //! Σ |height_n|·position_half_range, whatever its weights. Limits: of what no record showed the network knows nothing but
@@ -23,7 +27,7 @@
 //! Hysteresis and Phase Transitions, Springer 1996, ch. 2 (the states of plays are all that a Preisach memory knows).
 
 use components::hysteresis::numeric_inverse::{Forward, NumericInverse, Rates};
-use components::hysteresis::play::play;
+use components::hysteresis::play::{between, play};
 use model::{
     Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Role, Sizes, Stage,
     Structural, Tick, Violation,
@@ -37,6 +41,31 @@ const GROUPS: usize = 4;
 const CREEPS: usize = 3;
 /// Half ranges beyond which the command counts as its limit.
 const REACH: f64 = 1.5;
+/// Plays, and units, that are stepped at once.
+const LANES: usize = 4;
+/// Numbers of one unit: weights, bias, height.
+const EACH: usize = INPUTS + 2;
+/// Input at which [`unit`] reaches 1.
+const FULL: f64 = 15.0 / 8.0;
+
+type Lanes = [f64; LANES];
+
+/// What a unit gives of the sum of its inputs: σ.
+#[inline]
+#[must_use]
+pub fn unit(inside: f64) -> f64 {
+    let c = between(-1.0, 1.0, inside * (1.0 / FULL));
+    let square = c * c;
+    c * (1.875 + square * (0.375 * square - 1.25))
+}
+
+/// Its derivative.
+#[cfg(feature = "train")]
+#[must_use]
+pub fn unit_slope(inside: f64) -> f64 {
+    let c = between(-1.0, 1.0, inside * (1.0 / FULL));
+    (1.0 - c * c) * (1.0 - c * c)
+}
 
 /// The component `learned-plays`.
 pub struct LearnedPlays;
@@ -55,6 +84,15 @@ const STRUCTURE: &[Structural] = &[
         0,
         100 * INPUTS,
     ),
+    Structural {
+        name: "activation",
+        unit: "1",
+        description: "What a unit gives of its inputs: 1: a quintic that ends at -1 and 1; 0: tanh",
+        start: Some(0.0),
+        min: 0.0,
+        max: 1.0,
+        integer: true,
+    },
 ];
 
 const fn number(name: &'static str, unit: &'static str, description: &'static str) -> Quantity {
@@ -96,7 +134,8 @@ static DECLARATION: Declaration = Declaration {
     name: "hysteresis",
     summary: "Plays between two curves with creep, and a small network over what they remember",
     equation: "v = offset + sum(w[i]*P[i]) + creep; y = v + position_half_range*(quadratic*eta^2 + \
-               cubic*eta^3 + sum(height[n]*tanh(bias[n] + sum(weight[n,m]*x[m])))); x = command, \
+               cubic*eta^3 + sum(height[n]*s(bias[n] + sum(weight[n,m]*x[m])))); s(a) = \
+               c*(15 - 10*c^2 + 3*c^4)/8, c = 8*a/15 within -1 and 1, or tanh(a); x = command, \
                position, stops, creeps, scaled",
     reference: "K. Kuhnen, European Journal of Control 9 (2003) 407-418",
     stage: Stage::Actuator,
@@ -135,15 +174,9 @@ static INVERSE_DECLARATION: Declaration = Declaration {
     parameters: &INVERSE_PARAMETERS,
 };
 
-/// Parameters, or coefficients with fractions in the place of time constants.
-struct Parts<'a> {
-    r: &'a [f64],
-    w: &'a [f64],
-    share: &'a [f64],
-    fraction: &'a [f64],
-    height: &'a [f64],
-    bias: &'a [f64],
-    weight: &'a [f64],
+/// Numbers that are neither of plays nor creeps nor units.
+#[derive(Clone, Copy)]
+struct Scalars {
     offset: f64,
     bend: f64,
     centre: f64,
@@ -155,114 +188,232 @@ struct Parts<'a> {
     beyond: f64,
 }
 
-/// Of `r | w | share | time_constant | height | bias | weight | scalars`, with these counts.
-fn split(values: &[f64], [plays, elements, units]: [usize; 3]) -> Option<Parts<'_>> {
-    let (r, rest) = values.split_at_checked(plays)?;
-    let (w, rest) = rest.split_at_checked(plays)?;
+impl Scalars {
+    const COUNT: usize = 9;
+
+    fn of(scalars: &[f64; Self::COUNT]) -> Self {
+        let [offset, bend, centre, half, quadratic, cubic, position_centre, position_half, beyond] =
+            *scalars;
+        Self {
+            offset,
+            bend,
+            centre,
+            half,
+            quadratic,
+            cubic,
+            position_centre,
+            position_half,
+            beyond,
+        }
+    }
+}
+
+/// Plays, creeps and units.
+#[derive(Clone, Copy)]
+struct Counts {
+    plays: usize,
+    elements: usize,
+    units: usize,
+}
+
+impl Counts {
+    fn of(structure: &[f64]) -> Option<Self> {
+        let &[plays, elements, units, weights, _] = structure else { return None };
+        let [plays, elements, units] = [plays, elements, units].map(|count| count as usize);
+        (weights as usize == units * INPUTS).then_some(Self { plays, elements, units })
+    }
+
+    /// First play that is not in this group.
+    fn end(self, group: usize) -> usize {
+        ((group + 1) * self.plays).div_ceil(GROUPS)
+    }
+
+    /// Plays of each group, four at a time, the last four filled up: their first and the one after.
+    #[inline]
+    fn groups(self) -> [[usize; 2]; GROUPS] {
+        let (mut all, mut from, mut first) = ([[0; 2]; GROUPS], 0, 0);
+        for (group, bounds) in all.iter_mut().enumerate() {
+            let end = self.end(group);
+            let next = first + (end - from).div_ceil(LANES);
+            *bounds = [first, next];
+            (from, first) = (end, next);
+        }
+        all
+    }
+
+    /// All plays, with those that fill up groups.
+    fn filled(self) -> usize {
+        self.groups()[GROUPS - 1][1] * LANES
+    }
+
+    fn states(self) -> usize {
+        self.filled() + self.elements
+    }
+
+    fn coefficients(self) -> usize {
+        let network = self.units.div_ceil(LANES) * EACH * LANES;
+        2 * self.filled() + 2 * self.elements + network + Scalars::COUNT + TAIL
+    }
+}
+
+/// Coefficients after the scalars: scale of the stops, activation, counts.
+const TAIL: usize = 5;
+
+/// Parameters as they are given.
+struct Given<'a> {
+    r: &'a [f64],
+    w: &'a [f64],
+    share: &'a [f64],
+    time_constant: &'a [f64],
+    height: &'a [f64],
+    bias: &'a [f64],
+    weight: &'a [f64],
+    scalars: &'a [f64; Scalars::COUNT],
+}
+
+/// Of `r | w | share | time_constant | height | bias | weight | scalars`.
+fn split(values: &[f64], counts: Counts) -> Option<Given<'_>> {
+    let (r, rest) = values.split_at_checked(counts.plays)?;
+    let (w, rest) = rest.split_at_checked(counts.plays)?;
+    let (share, rest) = rest.split_at_checked(counts.elements)?;
+    let (time_constant, rest) = rest.split_at_checked(counts.elements)?;
+    let (height, rest) = rest.split_at_checked(counts.units)?;
+    let (bias, rest) = rest.split_at_checked(counts.units)?;
+    let (weight, scalars) = rest.split_at_checked(counts.units * INPUTS)?;
+    let scalars = scalars.try_into().ok()?;
+    Some(Given { r, w, share, time_constant, height, bias, weight, scalars })
+}
+
+/// Coefficients: thresholds and weights of each group filled up by plays of threshold and weight 0, which add nothing and
+/// whose stop is 0; units in blocks of four, [`INPUTS`] rows of weights, biases, heights.
+struct Parts<'a> {
+    r: &'a [Lanes],
+    w: &'a [Lanes],
+    network: &'a [[Lanes; EACH]],
+    share: &'a [f64],
+    fraction: &'a [f64],
+    scalars: Scalars,
+    /// From the sum of a group's stops to its input of the network.
+    stop_scale: f64,
+    is_tanh: bool,
+    groups: [[usize; 2]; GROUPS],
+}
+
+#[inline]
+fn read(coefficients: &[f64]) -> Option<Parts<'_>> {
+    let (rest, &[stop_scale, activation, plays, elements, units]) =
+        coefficients.split_last_chunk::<TAIL>()?;
+    let [plays, elements, units] = [plays, elements, units].map(|count| count as usize);
+    let counts = Counts { plays, elements, units };
+    let (rest, scalars) = rest.split_last_chunk::<{ Scalars::COUNT }>()?;
+    let filled = counts.filled();
+    let (r, rest) = rest.split_at_checked(filled)?;
+    let (w, rest) = rest.split_at_checked(filled)?;
     let (share, rest) = rest.split_at_checked(elements)?;
-    let (fraction, rest) = rest.split_at_checked(elements)?;
-    let (height, rest) = rest.split_at_checked(units)?;
-    let (bias, rest) = rest.split_at_checked(units)?;
-    let (weight, scalars) = rest.split_at_checked(units * INPUTS)?;
-    let &[offset, bend, centre, half, quadratic, cubic, position_centre, position_half, beyond] =
-        scalars
-    else {
-        return None;
-    };
+    let (fraction, network) = rest.split_at_checked(elements)?;
     Some(Parts {
-        r,
-        w,
+        r: r.as_chunks().0,
+        w: w.as_chunks().0,
+        network: network.as_chunks().0.as_chunks().0,
         share,
         fraction,
-        height,
-        bias,
-        weight,
-        offset,
-        bend,
-        centre,
-        half,
-        quadratic,
-        cubic,
-        position_centre,
-        position_half,
-        beyond,
+        scalars: Scalars::of(scalars),
+        stop_scale,
+        is_tanh: activation < 0.5,
+        groups: counts.groups(),
     })
 }
 
-/// The same of coefficients, which end with the counts.
+/// Their sum, always in this order: that of two vectors of two.
 #[inline]
-fn read(coefficients: &[f64]) -> Option<Parts<'_>> {
-    let (values, counts) = coefficients.split_last_chunk::<3>()?;
-    split(values, counts.map(|count| count as usize))
-}
-
-fn counts(structure: &[f64]) -> Option<[usize; 3]> {
-    let &[plays, elements, units, weights] = structure else { return None };
-    let counts = [plays, elements, units].map(|count| count as usize);
-    (weights as usize == counts[2] * INPUTS).then_some(counts)
+fn total([a, b, c, d]: Lanes) -> f64 {
+    (a + c) + (b + d)
 }
 
 impl Parts<'_> {
     /// The command within its limits, over half its range.
     #[inline]
     fn place(&self, u: f64) -> f64 {
-        ((u - self.centre) / self.half).clamp(-self.beyond, self.beyond)
+        let limit = self.scalars.beyond;
+        ((u - self.scalars.centre) / self.scalars.half).clamp(-limit, limit)
     }
 
     /// What the plays see.
     #[inline]
     fn bent(&self, place: f64) -> f64 {
-        self.centre + self.half * (place + self.bend * place * place)
+        self.scalars.centre + self.scalars.half * (place + self.scalars.bend * place * place)
     }
 
-    /// Position, without the network and with it, where the plays and creeps are those that `each` and `crept` give.
+    /// Position, without the network and with it, where four plays and a creep are those that `each` and `crept` give.
     #[inline]
     fn position(
         &self,
         u: f64,
-        mut each: impl FnMut(usize, f64) -> f64,
+        mut each: impl FnMut(usize, f64, &Lanes) -> Lanes,
         mut crept: impl FnMut(usize, f64) -> f64,
         x: &mut [f64; INPUTS],
     ) -> f64 {
         *x = [0.0; INPUTS];
         x[0] = self.place(u);
         let b = self.bent(x[0]);
-        let mut h = self.offset;
-        let count = self.r.len();
-        let mut first = 0;
-        for group in 0..GROUPS {
-            let end = ((group + 1) * count).div_ceil(GROUPS);
-            let mut stops = 0.0;
-            for i in first..end {
-                let p = each(i, b);
-                h += self.w[i] * p;
-                stops += b - p;
+        let mut h = [0.0; LANES];
+        for (x, [first, end]) in x[2..].iter_mut().zip(self.groups) {
+            let mut stops = [0.0; LANES];
+            let (Some(r), Some(w)) = (self.r.get(first..end), self.w.get(first..end)) else {
+                continue;
+            };
+            for (i, (r, w)) in r.iter().zip(w).enumerate() {
+                let p = each(first + i, b, r);
+                for k in 0..LANES {
+                    h[k] += w[k] * p[k];
+                    stops[k] += b - p[k];
+                }
             }
-            x[2 + group] = stops * (GROUPS as f64 / (count as f64 * self.half));
-            first = end;
+            *x = total(stops) * self.stop_scale;
         }
+        let h = self.scalars.offset + total(h);
         let mut v = h;
         for (j, share) in self.share.iter().enumerate() {
             let z = crept(j, h);
             v += share * z;
-            x[2 + GROUPS + j] = (h - z) / self.position_half;
+            x[2 + GROUPS + j] = (h - z) / self.scalars.position_half;
         }
-        let eta = (v - self.position_centre) / self.position_half;
+        let eta = (v - self.scalars.position_centre) / self.scalars.position_half;
         x[1] = eta;
-        let curve = (self.quadratic + self.cubic * eta) * eta * eta;
-        let mut sum = 0.0;
-        let units = self.height.iter().zip(self.bias).zip(self.weight.as_chunks::<INPUTS>().0);
-        for ((height, bias), weight) in units {
-            let inside = weight.iter().zip(&*x).fold(*bias, |sum, (a, x)| sum + a * x);
-            sum += height * libm::tanh(inside);
+        let curve = (self.scalars.quadratic + self.scalars.cubic * eta) * eta * eta;
+        let added = if self.is_tanh { self.added(x, libm::tanh) } else { self.added(x, unit) };
+        v + self.scalars.position_half * (curve + added)
+    }
+
+    /// What the network adds.
+    #[inline]
+    fn added(&self, x: &[f64; INPUTS], activation: impl Fn(f64) -> f64) -> f64 {
+        let mut sum = [0.0; LANES];
+        for [weights @ .., bias, height] in self.network {
+            let mut inside = *bias;
+            for (weight, x) in weights.iter().zip(x) {
+                for k in 0..LANES {
+                    inside[k] += weight[k] * x;
+                }
+            }
+            for k in 0..LANES {
+                sum[k] += height[k] * activation(inside[k]);
+            }
         }
-        v + self.position_half * (curve + sum)
+        total(sum)
+    }
+
+    /// Plays, four at a time, and creeps.
+    #[inline]
+    fn of<'s>(&self, state: &'s mut [f64]) -> Option<(&'s mut [Lanes], &'s mut [f64])> {
+        let (plays, creeps) = state.split_at_mut_checked(self.r.len() * LANES)?;
+        Some((plays.as_chunks_mut().0, creeps))
     }
 
     fn rest(&self, u: f64, state: &mut [f64], x: &mut [f64; INPUTS]) -> f64 {
-        let Some((plays, creeps)) = state.split_at_mut_checked(self.r.len()) else { return 0.0 };
-        let moved = |i: usize, b: f64| {
-            plays[i] = play(b, self.r[i], 0.0);
+        let Some((plays, creeps)) = self.of(state) else { return 0.0 };
+        let moved = |i: usize, b: f64, r: &Lanes| {
+            plays[i] = r.map(|r| play(b, r, 0.0));
             plays[i]
         };
         let crept = |j: usize, h: f64| {
@@ -274,9 +425,9 @@ impl Parts<'_> {
 
     #[inline]
     fn step(&self, u: f64, state: &mut [f64], x: &mut [f64; INPUTS]) -> f64 {
-        let Some((plays, creeps)) = state.split_at_mut_checked(self.r.len()) else { return 0.0 };
-        let moved = |i: usize, b: f64| {
-            plays[i] = play(b, self.r[i], plays[i]);
+        let Some((plays, creeps)) = self.of(state) else { return 0.0 };
+        let moved = |i: usize, b: f64, r: &Lanes| {
+            plays[i] = after(b, r, &plays[i]);
             plays[i]
         };
         let crept = |j: usize, h: f64| {
@@ -287,11 +438,24 @@ impl Parts<'_> {
     }
 
     fn frozen(&self, u: f64, state: &[f64]) -> f64 {
-        let Some((plays, creeps)) = state.split_at_checked(self.r.len()) else { return 0.0 };
-        let moved = |i: usize, b: f64| play(b, self.r[i], plays[i]);
+        let Some((plays, creeps)) = state.split_at_checked(self.r.len() * LANES) else {
+            return 0.0;
+        };
+        let plays = plays.as_chunks().0;
+        let moved = |i: usize, b: f64, r: &Lanes| after(b, r, &plays[i]);
         let crept = |j: usize, h: f64| creeps[j] + self.fraction[j] * (h - creeps[j]);
         self.position(u, moved, crept, &mut [0.0; INPUTS])
     }
+}
+
+/// Plays of these thresholds after their input went to `b`.
+#[inline]
+fn after(b: f64, r: &Lanes, plays: &Lanes) -> Lanes {
+    let mut moved = *plays;
+    for k in 0..LANES {
+        moved[k] = play(b, r[k], plays[k]);
+    }
+    moved
 }
 
 fn violation(quantity: &'static str, value: f64, rule: &'static str) -> Violation {
@@ -300,29 +464,30 @@ fn violation(quantity: &'static str, value: f64, rule: &'static str) -> Violatio
 
 const WRONG_LENGTH: &str = "this component was given a wrong number of values";
 
-fn check(parts: &Parts<'_>) -> Result<(), Violation> {
+fn check(given: &Given<'_>) -> Result<(), Violation> {
+    let scalars = Scalars::of(given.scalars);
     let rule = "thresholds start at 0 or above and are strictly increasing; sort them";
-    for (index, pair) in parts.r.windows(2).enumerate() {
+    for (index, pair) in given.r.windows(2).enumerate() {
         if pair[1] <= pair[0] {
             let (quantity, index) = ("r", Some(index + 1));
             return Err(Violation { quantity, index, value: pair[1], rule });
         }
     }
-    let sum: f64 = parts.w.iter().sum();
+    let sum: f64 = given.w.iter().sum();
     if sum <= 0.0 {
         return Err(violation("w", sum, "the sum of the weights is zero: nothing would move"));
     }
     for (quantity, half) in
-        [("half_range", parts.half), ("position_half_range", parts.position_half)]
+        [("half_range", scalars.half), ("position_half_range", scalars.position_half)]
     {
         if half <= 0.0 {
             return Err(violation(quantity, half, "must be above zero"));
         }
     }
     // The command's curve must not turn back within its limits.
-    if 2.0 * parts.bend.abs() * parts.beyond >= 1.0 {
+    if 2.0 * scalars.bend.abs() * scalars.beyond >= 1.0 {
         let rule = "the command's curve turns back within `beyond` half ranges; bend it less";
-        return Err(violation("bend", parts.bend, rule));
+        return Err(violation("bend", scalars.bend, rule));
     }
     Ok(())
 }
@@ -337,9 +502,11 @@ impl Component for LearnedPlays {
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
-        let length = |index| DECLARATION.length(index, structure);
-        let states = length(0) + length(2);
-        Sizes { coefficients: DECLARATION.parameter_count(structure) + 3, states }
+        let none = Sizes { coefficients: 0, states: 0 };
+        Counts::of(structure).map_or(none, |counts| Sizes {
+            coefficients: counts.coefficients(),
+            states: counts.states(),
+        })
     }
 
     fn prepare(
@@ -349,22 +516,48 @@ impl Component for LearnedPlays {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let counts = counts(structure).ok_or_else(|| {
+        let counts = Counts::of(structure).ok_or_else(|| {
             let rule = "must be nine per unit: command, position, four stops, three creeps";
-            violation("weight", structure.last().copied().unwrap_or(0.0), rule)
+            violation("weight", structure.get(3).copied().unwrap_or(0.0), rule)
         })?;
         let wrong = || violation("r", parameters.len() as f64, WRONG_LENGTH);
-        check(&split(parameters, counts).ok_or_else(wrong)?)?;
-        let (values, tail) = coefficients.split_last_chunk_mut::<3>().ok_or_else(wrong)?;
-        if values.len() != parameters.len() {
+        let given = split(parameters, counts).ok_or_else(wrong)?;
+        check(&given)?;
+        if coefficients.len() != counts.coefficients() {
             return Err(wrong());
         }
-        values.copy_from_slice(parameters);
-        *tail = counts.map(|count| count as f64);
-        let [plays, elements, _] = counts;
-        for fraction in values.iter_mut().skip(2 * plays + elements).take(elements) {
-            *fraction = -libm::expm1(-period / *fraction);
+        coefficients.fill(0.0);
+        let (r, rest) = coefficients.split_at_mut(counts.filled());
+        let (w, rest) = rest.split_at_mut(counts.filled());
+        let mut from = 0;
+        for (group, [first, _]) in counts.groups().into_iter().enumerate() {
+            let end = counts.end(group);
+            let to = LANES * first..LANES * first + (end - from);
+            r[to.clone()].copy_from_slice(&given.r[from..end]);
+            w[to].copy_from_slice(&given.w[from..end]);
+            from = end;
         }
+        let (share, rest) = rest.split_at_mut(counts.elements);
+        share.copy_from_slice(given.share);
+        let (fraction, rest) = rest.split_at_mut(counts.elements);
+        for (fraction, time) in fraction.iter_mut().zip(given.time_constant) {
+            *fraction = -libm::expm1(-period / time);
+        }
+        let (network, rest) = rest.split_at_mut(rest.len() - Scalars::COUNT - TAIL);
+        let units = given.height.iter().zip(given.bias).zip(given.weight.as_chunks::<INPUTS>().0);
+        for (n, ((height, bias), weight)) in units.enumerate() {
+            let block = network[n / LANES * LANES * EACH..].iter_mut().skip(n % LANES);
+            let numbers = weight.iter().chain([bias, height]);
+            block.step_by(LANES).zip(numbers).for_each(|(to, number)| *to = *number);
+        }
+        let (scalars, tail) = rest.split_at_mut(Scalars::COUNT);
+        scalars.copy_from_slice(given.scalars);
+        let half = Scalars::of(given.scalars).half;
+        let activation = structure.last().copied().unwrap_or(0.0);
+        let [plays, elements, units] =
+            [counts.plays, counts.elements, counts.units].map(|count| count as f64);
+        let stop_scale = GROUPS as f64 / (plays * half);
+        tail.copy_from_slice(&[stop_scale, activation, plays, elements, units]);
         Ok(())
     }
 
@@ -394,7 +587,8 @@ impl Forward for LearnedPlays {
     fn mean_slope(&self, coefficients: &[f64], [low, high]: [f64; 2]) -> f64 {
         let Some(parts) = read(coefficients) else { return 1.0 };
         let moved = |r: &f64| (high - low - 2.0 * r).max(0.0) / (high - low);
-        parts.r.iter().zip(parts.w).map(|(r, w)| w * moved(r)).sum()
+        let plays = parts.r.as_flattened().iter().zip(parts.w.as_flattened());
+        plays.map(|(r, w)| w * moved(r)).sum()
     }
 
     fn check(
@@ -403,9 +597,10 @@ impl Forward for LearnedPlays {
         parameters: &[f64],
         limits: [f64; 2],
     ) -> Result<(), Violation> {
-        let parts = counts(structure).and_then(|counts| split(parameters, counts));
-        let parts = parts.ok_or_else(|| violation("r", 0.0, WRONG_LENGTH))?;
-        let (r, w) = (parts.r[0], parts.w[0]);
+        let given = Counts::of(structure).and_then(|counts| split(parameters, counts));
+        let given = given.ok_or_else(|| violation("r", 0.0, WRONG_LENGTH))?;
+        let scalars = Scalars::of(given.scalars);
+        let (r, w) = (given.r[0], given.w[0]);
         if r != 0.0 {
             let rule = "a model whose first threshold is above 0 has no inverse; give r[1] = 0";
             return Err(violation("r", r, rule));
@@ -417,7 +612,7 @@ impl Forward for LearnedPlays {
         }
         // Beyond them the position no longer rises.
         for (quantity, limit) in [("command_min", limits[0]), ("command_max", limits[1])] {
-            if (limit - parts.centre).abs() > parts.beyond * parts.half {
+            if (limit - scalars.centre).abs() > scalars.beyond * scalars.half {
                 let rule = "lies beyond the commands that the model knows; give a narrower range";
                 return Err(violation(quantity, limit, rule));
             }

@@ -18,8 +18,8 @@ const EXAMPLES: &[Example] = &[
     ("lssvm-stops-inverse", &[T, 2.0, 1.0, 100.0, 0.8, 0.0], 4, RANGES),
     ("gp-inverse", &[T, 6.0, 2.0, 0.25, 0.5], 6, RANGES),
     ("lssvm-feedforward", &[T, 1.0, 1.0], 3, &[0.5, 0.0, 1e-3, 1e-6, -5.0, 5.0, -20.0, 80.0]),
-    ("learned-plays", &[5.0, 2.0, 1.0, 9.0], 0, PLAYS.first_chunk::<34>().expect("its own")),
-    ("inverse-learned-plays", &[5.0, 2.0, 1.0, 9.0], 0, PLAYS),
+    ("learned-plays", &[5.0, 2.0, 1.0, 9.0, 1.0], 0, PLAYS.first_chunk::<34>().expect("its own")),
+    ("inverse-learned-plays", &[5.0, 2.0, 1.0, 9.0, 0.0], 0, PLAYS),
 ];
 
 /// Plays, creeps, one unit, scalars; the inverse's limits.
