@@ -44,6 +44,7 @@ pub(crate) fn begin() -> Tidy {
     if let Ok(folder) = folder
         && tempfile::env::override_temp_dir(folder.path()).is_ok()
     {
+        exits::temporary(folder.path());
         *held(&FOLDER) = Some(folder);
     }
     IS_CAUGHT.store(catch().is_ok(), Ordering::Relaxed);

@@ -88,7 +88,7 @@ fn main() -> ExitCode {
     let _tidy = (!is_worker).then(interrupt::begin);
     // How a worker ends its master tells.
     if !is_worker {
-        exits::guard(cosim::instances);
+        exits::guard(cosim::instances, cosim::called);
     }
     let kept = if json { answer::keep_standard_output() } else { Ok(()) };
     let outcome = kept.and_then(|()| cli.command.run(&screen));

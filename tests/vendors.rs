@@ -104,6 +104,50 @@ fn a_step_that_crashes_or_hangs_is_named_and_the_record_kept() {
     }
 }
 
+/// In this process a crash ends the program, but not without a word, and with nothing left behind.
+#[test]
+fn a_crash_of_this_process_is_told_of_with_the_fmu_and_its_call() {
+    use std::os::unix::process::ExitStatusExt;
+    let folder = prepared();
+    if !has_compiler() {
+        return;
+    }
+    let at = folder.path();
+    let temporary = tempfile::tempdir().expect("a folder");
+    let run = |fault: &str| {
+        let fmu = build(at, fault, &[&format!("FAULT={fault}")], Lie::None);
+        let mut tool = std::process::Command::new(env!("CARGO_BIN_EXE_piezoloop"));
+        tool.args(simulate(&fmu, &[])).current_dir(at).env("TMPDIR", temporary.path());
+        let output = tool.output().expect("the tool starts");
+        (output.status, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (segv, abort, fpe) = (11, 6, 8);
+    for (fault, call, names, signals) in [
+        ("CRASH_STEP", "`faulty`: fmi2DoStep", "SIGSEGV", &[segv][..]),
+        ("CRASH_GET", "`faulty`: fmi2GetReal", "SIGSEGV", &[segv]),
+        ("CRASH_INSTANTIATE", "`faulty`: fmi2Instantiate", "SIGSEGV", &[segv]),
+        ("CRASH_FREE", "`faulty`: fmi2FreeInstance", "SIGSEGV", &[segv]),
+        ("CRASH_LOAD", "`faulty.so`: the loading of its library", "SIGSEGV", &[segv]),
+        ("ABORT_STEP", "`faulty`: fmi2DoStep", "SIGABRT", &[abort]),
+        ("TRAP_STEP", "`faulty`: fmi2DoStep", "SIGFPE", &[fpe]),
+        // Rust's runtime ends the program of which a stack has overflowed.
+        ("OVERFLOW_STEP", "`faulty`: fmi2DoStep", "SIGSEGV", &[segv, abort]),
+    ] {
+        let (status, said) = run(fault);
+        assert!(status.signal().is_some_and(|s| signals.contains(&s)), "{fault}: {status}: {said}");
+        let told: Vec<&str> = said.lines().filter(|l| l.starts_with("error: ")).collect();
+        assert_eq!(told.len(), 1, "{fault}: {said}");
+        contains(told[0], &[call, "because the FMU crashed", names, "--isolate"]);
+        let left: Vec<_> = fs::read_dir(temporary.path()).expect("there").collect();
+        assert!(left.is_empty(), "{fault} leaves {left:?}");
+    }
+    let (status, said) = run("CRASH_END");
+    assert_eq!(status.signal(), Some(segv), "{said}");
+    contains(&said, &["this program has crashed (SIGSEGV)", "in no call of an FMU"]);
+    let (status, said) = run("CRASH_CHILD");
+    assert!(status.success() && !said.contains("crashed"), "{said}");
+}
+
 #[test]
 fn memory_beyond_the_limit_is_not_given_and_the_limit_told() {
     let folder = prepared();

@@ -16,7 +16,8 @@ enum {
     ERROR_STEP, FATAL_STEP, DISCARD_STEP, LEAK, PRINT, ROUNDING, FOLDER, FOLDER_ERROR, NO_NUMBER, INFINITE, MANY, ROUNDING_GET,
     CRASH_TUNED, ERROR_TUNED, ERROR_HIGH, ERROR_SOMETIMES,
     CRASH_SOMETIMES, LEAK_MUCH, END, END_UNTOLD, WARN, TALK, FLOOD, EXIT_FREE, EXIT_GET, SIGPIPE_STEP, QUICK_EXIT_STEP,
-    EXIT_LOAD, AT_ONCE_STEP, AT_ONCE_LOAD, AT_ONCE_CHILD, EXIT_ONE_STEP
+    EXIT_LOAD, AT_ONCE_STEP, AT_ONCE_LOAD, AT_ONCE_CHILD, EXIT_ONE_STEP, ABORT_STEP, TRAP_STEP, OVERFLOW_STEP, CRASH_GET,
+    CRASH_CHILD, CRASH_END
 };
 /* Time that it says it has reached when it ends the run. */
 #ifndef REACHED
@@ -44,6 +45,12 @@ static void crash(void) {
     __asm__ volatile("" : "+r"(nowhere));
     *nowhere = 1;
 }
+/* Until the stack is full. */
+static int deeper(volatile char *above) {
+    volatile char here[4096];
+    here[0] = *above;
+    return deeper(here) + here[0];
+}
 static void say(struct faulty *it, Status status, const char *text) {
     it->callbacks.logger(it->callbacks.environment, "faulty", status, "logStatus", text);
 }
@@ -52,6 +59,10 @@ __attribute__((constructor)) static void loaded(void) {
     if (FAULT == CRASH_LOAD) crash();
     if (FAULT == EXIT_LOAD) exit(0);
     if (FAULT == AT_ONCE_LOAD) _Exit(0);
+}
+
+__attribute__((destructor)) static void unloaded(void) {
+    if (FAULT == CRASH_END) crash();
 }
 
 const char *fmi2GetTypesPlatform(void) { return "default"; }
@@ -106,6 +117,7 @@ Status fmi2GetReal(void *c, const unsigned vr[], size_t n, double value[]) {
         if (vr[k] > 2) { say(c, ERROR, "there is no such variable"); return ERROR; }
         value[k] = ((struct faulty *)c)->real[vr[k]];
     }
+    if (FAULT == CRASH_GET && ((struct faulty *)c)->time > 0.55) crash();
     if (FAULT == EXIT_GET && ((struct faulty *)c)->time > 0.55) exit(0);
     if (FAULT == ROUNDING_GET) fesetround(FE_UPWARD);
     /* As one that writes all its outputs, whatever it is asked for. */
@@ -125,6 +137,15 @@ NONE(SetString, const char *const)
 static Status strike(struct faulty *it) {
     switch (FAULT) {
     case CRASH_STEP: crash(); break;
+    case ABORT_STEP: abort();
+    case TRAP_STEP: raise(SIGFPE); break;
+    case OVERFLOW_STEP: deeper(&(volatile char){0}); break;
+    case CRASH_CHILD: {
+        pid_t child = fork();
+        if (!child) crash();
+        waitpid(child, NULL, 0);
+        break;
+    }
     case EXIT_STEP: exit(0);
     case EXIT_ONE_STEP: exit(1);
     case AT_ONCE_STEP: _exit(0);

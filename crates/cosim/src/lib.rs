@@ -45,7 +45,7 @@ pub use closed_loop::{Coupling, Loop, LoopSettings, Wiring};
 pub use diagram::{Connection, Diagram, Port};
 pub use error::{Error, RunError};
 pub use fmi_bindings::import::{Experiment, StepResult};
-pub use fmi_bindings::import::{HOST, Message, OnMessage, Status, instances};
+pub use fmi_bindings::import::{HOST, Message, OnMessage, Status, called, instances};
 pub use fmu::{Fmu, InstanceOptions};
 pub use isolate::Worker;
 pub use plan::Plan;

@@ -4,7 +4,14 @@
 //! program would end as if it had done what was asked for. Under [`guard`] its exit code is then 2, with a line
 //! on standard error. That is so on Linux with glibc; elsewhere nothing is guarded, and a library that makes the
 //! system's call by itself is not seen.
+//!
+//! If such a library crashes, so does the program, as the operating system wants it; but a line on standard error
+//! names the FMU and the call that it was in, and the folder of temporary files is removed (Unix).
 
+#[cfg(unix)]
+mod crash;
+
+use std::path::Path;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -12,13 +19,29 @@ static FINISHED: AtomicBool = AtomicBool::new(false);
 /// Tells what is loaded, for the message.
 static NAMES: OnceLock<fn() -> Vec<String>> = OnceLock::new();
 
-/// From now on an end of this process before [`finished`] is no success. `names` tells the FMUs that there are,
-/// without waiting for anybody.
-pub fn guard(names: fn() -> Vec<String>) {
+/// Passes on the FMU that this thread is inside of, by name, and the call, if there is one. It is called while a
+/// signal is handled, so it may neither wait nor allocate.
+pub type Inside = fn(&mut dyn FnMut(&[u8], &str));
+
+/// From now on an end of this process before [`finished`] is no success, and a crash is told of. `names` tells
+/// the FMUs that there are, without waiting for anybody.
+pub fn guard(names: fn() -> Vec<String>, inside: Inside) {
     if NAMES.set(names).is_ok() {
         #[cfg(all(target_os = "linux", target_env = "gnu"))]
         linux::guard();
+        #[cfg(unix)]
+        crash::guard(inside);
+        #[cfg(not(unix))]
+        let _ = inside;
     }
+}
+
+/// A crash removes this folder, with everything in it.
+pub fn temporary(folder: &Path) {
+    #[cfg(unix)]
+    crash::temporary(folder);
+    #[cfg(not(unix))]
+    let _ = folder;
 }
 
 /// The program ends of its own will.

@@ -28,6 +28,6 @@ pub use host::HOST;
 #[cfg(unix)]
 pub use host::keep_standard_output;
 pub use log::{Log, Message, NameOf, OnMessage};
-pub use registry::names as instances;
+pub use registry::{called, names as instances};
 pub use state::SavedState;
 pub use step::{Experiment, StepResult};

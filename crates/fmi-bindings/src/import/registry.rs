@@ -7,6 +7,7 @@
 use std::cell::Cell;
 use std::collections::{BTreeMap, VecDeque};
 use std::ffi::c_void;
+use std::path::Path;
 use std::ptr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
@@ -43,9 +44,19 @@ struct Known {
 static REGISTRY: Mutex<Registry> =
     Mutex::new(Registry { live: BTreeMap::new(), resting: VecDeque::new(), entered: 0 });
 
+/// A call. Every step notes some, so it has few words to write.
+struct Calling {
+    /// Of the instance that was called last.
+    place: Cell<usize>,
+    /// None when it has returned.
+    function: Cell<Option<&'static &'static str>>,
+}
+
 thread_local! {
-    /// Place of the instance that this thread calls; 0: of none.
-    static CALLED: Cell<usize> = const { Cell::new(0) };
+    /// What this thread calls.
+    static CALLED: Calling = const { Calling { place: Cell::new(0), function: Cell::new(None) } };
+    /// The library that this thread loads.
+    static LOADED: Cell<Option<*const Path>> = const { Cell::new(None) };
 }
 
 fn registry() -> MutexGuard<'static, Registry> {
@@ -98,11 +109,25 @@ impl Token {
         }
     }
 
-    /// Until the result is dropped, this thread calls the instance.
+    /// From now on, until it [has returned](returned), this thread is in this function of the instance.
     #[inline]
-    pub(super) fn call(&self) -> Called {
-        Called(CALLED.replace(self.0))
+    pub(super) fn call(&self, function: &'static &'static str) {
+        CALLED.with(|called| {
+            called.place.set(self.0);
+            called.function.set(Some(function));
+        });
     }
+}
+
+/// The function that this thread called has returned.
+#[inline]
+pub(super) fn returned() {
+    CALLED.with(|called| called.function.set(None));
+}
+
+/// Place of the instance that this thread calls, and the function.
+fn calling() -> Option<(usize, &'static str)> {
+    CALLED.with(|called| Some((called.place.get(), *called.function.get()?)))
 }
 
 impl Drop for Token {
@@ -113,14 +138,34 @@ impl Drop for Token {
     }
 }
 
-/// See [`Token::call`].
-pub(super) struct Called(usize);
+/// Until it is dropped, this thread loads a library, or asks it for its version.
+pub(super) struct Loading<'a>(std::marker::PhantomData<&'a Path>);
 
-impl Drop for Called {
-    #[inline]
-    fn drop(&mut self) {
-        CALLED.set(self.0);
+impl<'a> Loading<'a> {
+    pub(super) fn of(path: &'a Path) -> Self {
+        LOADED.set(Some(ptr::from_ref(path)));
+        Loading(std::marker::PhantomData)
     }
+}
+
+impl Drop for Loading<'_> {
+    fn drop(&mut self) {
+        LOADED.set(None);
+    }
+}
+
+/// Tells the FMU that this thread is inside of, by its name or that of its library, and the call, if there
+/// is one. For the handler of a signal: it neither waits nor allocates.
+pub fn called(tell: &mut dyn FnMut(&[u8], &str)) {
+    if let Some(path) = LOADED.get() {
+        // SAFETY: the path outlives the `Loading`, which has not been dropped.
+        let name = unsafe { &*path }.file_name().unwrap_or_default();
+        return tell(name.as_encoded_bytes(), "the loading of its library");
+    }
+    let Some((place, function)) = calling() else { return };
+    let registry = REGISTRY.try_lock();
+    let known = registry.as_ref().ok().and_then(|registry| registry.live.get(&place));
+    tell(known.map(|known| known.name.as_bytes()).unwrap_or_default(), function);
 }
 
 /// The names of the instances that there are, without waiting for anybody.
@@ -151,7 +196,7 @@ pub(super) fn speaker(environment: *mut c_void, name: impl FnOnce() -> Option<St
         return Speaker::Gone;
     }
     // The instance that this thread calls, else the one of the name, else the newest.
-    let called = registry.live.get(&CALLED.get());
+    let called = calling().and_then(|(place, _)| registry.live.get(&place));
     let by_name = || {
         let name = name()?;
         let mut named = registry.live.values().filter(|known| known.name == name);

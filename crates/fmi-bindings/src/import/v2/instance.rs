@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use super::super::error::{CallError, Error, Said, Status};
 use super::super::host::{FloatMode, Folder};
 use super::super::log::{Log, NameOf, OnMessage, logger};
-use super::super::registry::Token;
+use super::super::registry::{self, Token};
 use super::super::state::States;
 use super::super::step::{Experiment, StepResult};
 use super::super::text::{c_text, text_of};
@@ -79,7 +79,7 @@ impl Instance {
         let c_guid = c_text(&name, "the GUID", &guid)?;
         let c_location = c_text(&name, "the resource location", &location)?;
         let (folder, mode) = (Folder::now(), FloatMode::now());
-        let called = token.call();
+        token.call(&"fmi2Instantiate");
         // SAFETY: the texts live during the call, the callbacks for ever.
         let component = unsafe {
             (library.functions.instantiate)(
@@ -92,7 +92,7 @@ impl Instance {
                 logging_on.into(),
             )
         };
-        drop(called);
+        registry::returned();
         mode.keep(&log);
         folder.keep(&log, "fmi2Instantiate");
         if component.is_null() {
@@ -131,7 +131,7 @@ impl Instance {
             .map(|category| c_text(&self.name, "a log category", category))
             .collect::<Result<Vec<_>, _>>()?;
         let pointers: Vec<fmi2String> = texts.iter().map(|text| text.as_ptr()).collect();
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         // SAFETY: the instance is alive; the texts outlive the call.
         let status = unsafe { set(component, on.into(), pointers.len(), pointers.as_ptr()) };
         self.check(CALL, status)
@@ -140,7 +140,7 @@ impl Instance {
     /// Tells the FMU about the run (`fmi2SetupExperiment`); before initialization mode.
     pub fn setup_experiment(&mut self, experiment: &Experiment) -> Result<(), Error> {
         const CALL: &str = "fmi2SetupExperiment";
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         let Experiment { start, stop, tolerance } = *experiment;
         // SAFETY: the instance is alive.
         let status = unsafe {
@@ -158,26 +158,26 @@ impl Instance {
 
     /// `fmi2EnterInitializationMode`
     pub fn enter_initialization_mode(&mut self) -> Result<(), Error> {
-        self.plain("fmi2EnterInitializationMode", self.functions().enter_initialization_mode)
+        self.plain(&"fmi2EnterInitializationMode", self.functions().enter_initialization_mode)
     }
 
     /// `fmi2ExitInitializationMode`
     pub fn exit_initialization_mode(&mut self) -> Result<(), Error> {
-        self.plain("fmi2ExitInitializationMode", self.functions().exit_initialization_mode)
+        self.plain(&"fmi2ExitInitializationMode", self.functions().exit_initialization_mode)
     }
 
     /// Ends the run (`fmi2Terminate`); values can still be read.
     pub fn terminate(&mut self) -> Result<(), Error> {
         const CALL: &str = "fmi2Terminate";
         let terminate = self.optional(self.functions().terminate, CALL)?;
-        self.plain(CALL, terminate)
+        self.plain(&CALL, terminate)
     }
 
     /// Back to the state right after instantiation (`fmi2Reset`). States saved before stay.
     pub fn reset(&mut self) -> Result<(), Error> {
         const CALL: &str = "fmi2Reset";
         let reset = self.optional(self.functions().reset, CALL)?;
-        self.plain(CALL, reset)
+        self.plain(&CALL, reset)
     }
 
     /// Steps from `time` over `step` seconds (`fmi2DoStep`).
@@ -196,13 +196,12 @@ impl Instance {
         keep_earlier_state: bool,
     ) -> Result<StepResult, Error> {
         const CALL: &str = "fmi2DoStep";
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         let drop_earlier_state = (!keep_earlier_state).into();
-        let called = self.token.call();
         // SAFETY: the instance is alive.
         let status =
             unsafe { (self.functions().do_step)(component, time, step, drop_earlier_state) };
-        drop(called);
+        registry::returned();
         self.mode.keep(&self.log);
         if status == fmi2OK {
             return Ok(StepResult::Completed);
@@ -225,14 +224,14 @@ impl Instance {
     pub fn cancel_step(&mut self) -> Result<(), Error> {
         const CALL: &str = "fmi2CancelStep";
         let cancel = self.optional(self.functions().cancel_step, CALL)?;
-        self.plain(CALL, cancel)
+        self.plain(&CALL, cancel)
     }
 
     /// `fmi2GetStatus`
     pub fn status(&mut self, kind: fmi2StatusKind) -> Result<Status, Error> {
         const CALL: &str = "fmi2GetStatus";
         let get = self.optional(self.functions().get_status, CALL)?;
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         let mut value = fmi2OK;
         // SAFETY: the instance is alive, the result has a place.
         let status = unsafe { get(component, kind, &raw mut value) };
@@ -243,7 +242,7 @@ impl Instance {
     pub fn real_status(&mut self, kind: fmi2StatusKind) -> Result<f64, Error> {
         const CALL: &str = "fmi2GetRealStatus";
         let get = self.optional(self.functions().get_real_status, CALL)?;
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         let mut value = 0.0;
         // SAFETY: the instance is alive, the result has a place.
         let status = unsafe { get(component, kind, &raw mut value) };
@@ -254,7 +253,7 @@ impl Instance {
     pub fn integer_status(&mut self, kind: fmi2StatusKind) -> Result<i32, Error> {
         const CALL: &str = "fmi2GetIntegerStatus";
         let get = self.optional(self.functions().get_integer_status, CALL)?;
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         let mut value = 0;
         // SAFETY: the instance is alive, the result has a place.
         let status = unsafe { get(component, kind, &raw mut value) };
@@ -265,7 +264,7 @@ impl Instance {
     pub fn boolean_status(&mut self, kind: fmi2StatusKind) -> Result<bool, Error> {
         const CALL: &str = "fmi2GetBooleanStatus";
         let get = self.optional(self.functions().get_boolean_status, CALL)?;
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         let mut value = fmi2False;
         // SAFETY: the instance is alive, the result has a place.
         let status = unsafe { get(component, kind, &raw mut value) };
@@ -276,7 +275,7 @@ impl Instance {
     pub fn string_status(&mut self, kind: fmi2StatusKind) -> Result<String, Error> {
         const CALL: &str = "fmi2GetStringStatus";
         let get = self.optional(self.functions().get_string_status, CALL)?;
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         let mut value: fmi2String = std::ptr::null();
         // SAFETY: the instance is alive, the result has a place.
         let status = unsafe { get(component, kind, &raw mut value) };
@@ -290,12 +289,14 @@ impl Instance {
         &self.library.functions
     }
 
-    /// The component, unless an earlier call of it, or of another instance, was fatal.
+    /// The component, unless an earlier call of it, or of another instance, was fatal. From now on this
+    /// thread is in the call, until its status is [checked](Instance::check).
     #[inline]
-    pub(super) fn alive(&self, call: &'static str) -> Result<fmi2Component, Error> {
+    pub(super) fn alive(&self, call: &'static &'static str) -> Result<fmi2Component, Error> {
         if self.library.dead.load(Ordering::Relaxed) {
             return Err(Error::Dead { fmu: self.name.clone(), call });
         }
+        self.token.call(call);
         Ok(self.component)
     }
 
@@ -307,14 +308,13 @@ impl Instance {
     /// A call that takes the instance only.
     fn plain(
         &mut self,
-        call: &'static str,
+        call: &'static &'static str,
         function: unsafe extern "C" fn(fmi2Component) -> fmi2Status,
     ) -> Result<(), Error> {
         let component = self.alive(call)?;
-        let called = self.token.call();
         // SAFETY: the instance is alive.
         let status = unsafe { function(component) };
-        drop(called);
+        registry::returned();
         self.mode.keep(&self.log);
         self.log.tell_of_mode();
         self.log.tell_of_warnings();
@@ -325,6 +325,7 @@ impl Instance {
     /// OK and Warning pass.
     #[inline]
     pub(super) fn check(&mut self, call: &'static str, status: fmi2Status) -> Result<(), Error> {
+        registry::returned();
         if status == fmi2OK {
             return Ok(());
         }
@@ -353,10 +354,11 @@ impl Drop for Instance {
             return;
         }
         self.free_all_states();
-        let _called = self.token.call();
+        self.token.call(&"fmi2FreeInstance");
         // SAFETY: the instance is alive and is not used again; the standard allows the call in
         // every state but after a fatal status.
         unsafe { (self.functions().free_instance)(self.component) };
+        registry::returned();
         self.log.tell_of_mode();
         self.log.tell_of_warnings();
         self.folder.keep(&self.log, "fmi2FreeInstance");

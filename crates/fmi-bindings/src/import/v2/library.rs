@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::super::binary::{Binary, Finder};
 use super::super::error::Error;
+use super::super::registry::Loading;
 use super::super::text::text_of;
 use crate::fmi2::*;
 
@@ -66,6 +67,7 @@ impl Library {
     /// [`Error::Load`], [`Error::MissingFunctions`] with all that are missing, or
     /// [`Error::WrongVersion`] if the library names other C types or another version.
     pub fn load(path: &Path) -> Result<Self, Error> {
+        let _loading = Loading::of(path);
         let binary = Binary::load(path)?;
         check_version(&binary)?;
         let mut find = Finder::new(&binary);

@@ -26,7 +26,7 @@ impl Instance {
         const CALL: &str = "fmi2SetFMUstate";
         let set = self.optional(self.functions().set_fmu_state, CALL)?;
         let pointer = self.pointer(state)?;
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         // SAFETY: the state was saved by this instance and is not freed.
         let status = unsafe { set(component, pointer) };
         self.check(CALL, status)
@@ -37,7 +37,7 @@ impl Instance {
         const CALL: &str = "fmi2FreeFMUstate";
         let free = self.optional(self.functions().free_fmu_state, CALL)?;
         let mut pointer = self.pointer(&state)?;
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         self.states.remove(&state);
         // SAFETY: the state was saved by this instance, and its handle is gone after this.
         let status = unsafe { free(component, &raw mut pointer) };
@@ -51,12 +51,13 @@ impl Instance {
         let size_of = self.optional(self.functions().serialized_fmu_state_size, SIZE)?;
         let serialize = self.optional(self.functions().serialize_fmu_state, CALL)?;
         let pointer = self.pointer(state)?;
-        let component = self.alive(CALL)?;
+        let component = self.alive(&SIZE)?;
         let mut size = 0;
         // SAFETY: the state was saved by this instance and is not freed.
         let status = unsafe { size_of(component, pointer, &raw mut size) };
         self.check(SIZE, status)?;
         let mut bytes = vec![0_u8; size];
+        let component = self.alive(&CALL)?;
         // SAFETY: as before; the buffer has the size the FMU asked for.
         let status = unsafe { serialize(component, pointer, bytes.as_mut_ptr().cast(), size) };
         self.check(CALL, status)?;
@@ -68,7 +69,7 @@ impl Instance {
     pub fn deserialize_state(&mut self, bytes: &[u8]) -> Result<SavedState, Error> {
         const CALL: &str = "fmi2DeSerializeFMUstate";
         let deserialize = self.optional(self.functions().deserialize_fmu_state, CALL)?;
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         let mut pointer: fmi2FMUstate = std::ptr::null_mut();
         // SAFETY: the instance is alive; the FMU reads the bytes and allocates the state itself.
         let status =
@@ -80,7 +81,7 @@ impl Instance {
     fn get_fmu_state(&mut self, mut pointer: fmi2FMUstate) -> Result<fmi2FMUstate, Error> {
         const CALL: &str = "fmi2GetFMUstate";
         let get = self.optional(self.functions().get_fmu_state, CALL)?;
-        let component = self.alive(CALL)?;
+        let component = self.alive(&CALL)?;
         // SAFETY: the pointer is null or a state of this instance that is not freed.
         let status = unsafe { get(component, &raw mut pointer) };
         self.check(CALL, status).map(|()| pointer)
@@ -94,8 +95,9 @@ impl Instance {
     pub(super) fn free_all_states(&mut self) {
         let Some(free) = self.functions().free_fmu_state else { return };
         for mut pointer in self.states.take_all() {
+            let Ok(instance) = self.alive(&"fmi2FreeFMUstate") else { return };
             // SAFETY: saved by this instance, never used again.
-            unsafe { free(self.component, &raw mut pointer) };
+            unsafe { free(instance, &raw mut pointer) };
         }
     }
 }

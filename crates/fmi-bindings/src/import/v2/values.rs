@@ -18,7 +18,7 @@ impl Instance {
     #[inline]
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
         const CALL: &str = "fmi2GetReal";
-        let Some(component) = self.ready(CALL, references.len(), values.len())? else {
+        let Some(component) = self.ready(&CALL, references.len(), values.len())? else {
             return Ok(());
         };
         let get = self.functions().get_real;
@@ -32,7 +32,7 @@ impl Instance {
     #[inline]
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), Error> {
         const CALL: &str = "fmi2SetReal";
-        let Some(component) = self.ready(CALL, references.len(), values.len())? else {
+        let Some(component) = self.ready(&CALL, references.len(), values.len())? else {
             return Ok(());
         };
         let set = self.functions().set_real;
@@ -46,7 +46,7 @@ impl Instance {
     pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Result<(), Error> {
         const CALL: &str = "fmi2GetInteger";
         let get = self.optional(self.functions().get_integer, CALL)?;
-        let Some(component) = self.ready(CALL, references.len(), values.len())? else {
+        let Some(component) = self.ready(&CALL, references.len(), values.len())? else {
             return Ok(());
         };
         // SAFETY: the instance is alive, both slices have the length given.
@@ -59,7 +59,7 @@ impl Instance {
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Result<(), Error> {
         const CALL: &str = "fmi2SetInteger";
         let set = self.optional(self.functions().set_integer, CALL)?;
-        let Some(component) = self.ready(CALL, references.len(), values.len())? else {
+        let Some(component) = self.ready(&CALL, references.len(), values.len())? else {
             return Ok(());
         };
         // SAFETY: the instance is alive, both slices have the length given.
@@ -72,10 +72,9 @@ impl Instance {
     pub fn get_boolean(&mut self, references: &[u32], values: &mut [bool]) -> Result<(), Error> {
         const CALL: &str = "fmi2GetBoolean";
         let get = self.optional(self.functions().get_boolean, CALL)?;
-        let Some(component) = self.ready(CALL, references.len(), values.len())? else {
-            return Ok(());
-        };
+        self.same_length(CALL, references.len(), values.len())?;
         for (references, values) in references.chunks(CHUNK).zip(values.chunks_mut(CHUNK)) {
+            let component = self.alive(&CALL)?;
             let mut ints = [fmi2False; CHUNK];
             // SAFETY: the instance is alive; a chunk is not longer than `ints`.
             let status =
@@ -92,14 +91,13 @@ impl Instance {
     pub fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Result<(), Error> {
         const CALL: &str = "fmi2SetBoolean";
         let set = self.optional(self.functions().set_boolean, CALL)?;
-        let Some(component) = self.ready(CALL, references.len(), values.len())? else {
-            return Ok(());
-        };
+        self.same_length(CALL, references.len(), values.len())?;
         for (references, values) in references.chunks(CHUNK).zip(values.chunks(CHUNK)) {
             let mut ints = [fmi2False; CHUNK];
             for (int, value) in ints.iter_mut().zip(values) {
                 *int = (*value).into();
             }
+            let component = self.alive(&CALL)?;
             // SAFETY: the instance is alive; a chunk is not longer than `ints`.
             let status =
                 unsafe { set(component, references.as_ptr(), references.len(), ints.as_ptr()) };
@@ -113,10 +111,9 @@ impl Instance {
     pub fn get_string(&mut self, references: &[u32], values: &mut [String]) -> Result<(), Error> {
         const CALL: &str = "fmi2GetString";
         let get = self.optional(self.functions().get_string, CALL)?;
-        let Some(component) = self.ready(CALL, references.len(), values.len())? else {
-            return Ok(());
-        };
+        self.same_length(CALL, references.len(), values.len())?;
         for (reference, value) in references.iter().zip(values) {
+            let component = self.alive(&CALL)?;
             let mut text: fmi2String = ptr::null();
             // SAFETY: the instance is alive; one reference, one place.
             let status = unsafe { get(component, reference, 1, &raw mut text) };
@@ -135,14 +132,14 @@ impl Instance {
     pub fn set_string(&mut self, references: &[u32], values: &[&str]) -> Result<(), Error> {
         const CALL: &str = "fmi2SetString";
         let set = self.optional(self.functions().set_string, CALL)?;
-        let Some(component) = self.ready(CALL, references.len(), values.len())? else {
-            return Ok(());
-        };
         let texts = values
             .iter()
             .map(|value| c_text(&self.name, "the value", value))
             .collect::<Result<Vec<_>, _>>()?;
         let pointers: Vec<fmi2String> = texts.iter().map(|text| text.as_ptr()).collect();
+        let Some(component) = self.ready(&CALL, references.len(), values.len())? else {
+            return Ok(());
+        };
         // SAFETY: the instance is alive; the texts outlive the call.
         let status =
             unsafe { set(component, references.as_ptr(), references.len(), pointers.as_ptr()) };
@@ -160,7 +157,7 @@ impl Instance {
         const CALL: &str = "fmi2SetRealInputDerivatives";
         let set = self.optional(self.functions().set_real_input_derivatives, CALL)?;
         self.same_length(CALL, references.len(), orders.len())?;
-        let Some(component) = self.ready(CALL, references.len(), values.len())? else {
+        let Some(component) = self.ready(&CALL, references.len(), values.len())? else {
             return Ok(());
         };
         let count = references.len();
@@ -180,7 +177,7 @@ impl Instance {
         const CALL: &str = "fmi2GetRealOutputDerivatives";
         let get = self.optional(self.functions().get_real_output_derivatives, CALL)?;
         self.same_length(CALL, references.len(), orders.len())?;
-        let Some(component) = self.ready(CALL, references.len(), values.len())? else {
+        let Some(component) = self.ready(&CALL, references.len(), values.len())? else {
             return Ok(());
         };
         let count = references.len();
@@ -203,7 +200,7 @@ impl Instance {
         const CALL: &str = "fmi2GetDirectionalDerivative";
         let get = self.optional(self.functions().get_directional_derivative, CALL)?;
         self.same_length(CALL, knowns.len(), d_known.len())?;
-        let Some(component) = self.ready(CALL, unknowns.len(), d_unknown.len())? else {
+        let Some(component) = self.ready(&CALL, unknowns.len(), d_unknown.len())? else {
             return Ok(());
         };
         // SAFETY: the instance is alive, the slices have the lengths given.
@@ -225,7 +222,7 @@ impl Instance {
     #[inline]
     fn ready(
         &self,
-        call: &'static str,
+        call: &'static &'static str,
         references: usize,
         values: usize,
     ) -> Result<Option<fmi2Component>, Error> {

@@ -37,35 +37,35 @@ impl Instance {
     pub fn enter_event_mode(&mut self) -> Result<(), Error> {
         const CALL: &str = "fmi3EnterEventMode";
         let enter = self.optional(self.events().enter_event_mode, CALL)?;
-        self.plain_in_cycle(CALL, enter)
+        self.plain_in_cycle(&CALL, enter)
     }
 
     /// `fmi3EnterStepMode`
     pub fn enter_step_mode(&mut self) -> Result<(), Error> {
         const CALL: &str = "fmi3EnterStepMode";
         let enter = self.optional(self.events().enter_step_mode, CALL)?;
-        self.plain_in_cycle(CALL, enter)
+        self.plain_in_cycle(&CALL, enter)
     }
 
     /// `fmi3EnterConfigurationMode`
     pub fn enter_configuration_mode(&mut self) -> Result<(), Error> {
         const CALL: &str = "fmi3EnterConfigurationMode";
         let enter = self.optional(self.events().enter_configuration_mode, CALL)?;
-        self.plain(CALL, enter)
+        self.plain(&CALL, enter)
     }
 
     /// `fmi3ExitConfigurationMode`
     pub fn exit_configuration_mode(&mut self) -> Result<(), Error> {
         const CALL: &str = "fmi3ExitConfigurationMode";
         let exit = self.optional(self.events().exit_configuration_mode, CALL)?;
-        self.plain(CALL, exit)
+        self.plain(&CALL, exit)
     }
 
     /// Ends an instant of super-dense time (`fmi3UpdateDiscreteStates`).
     pub fn update_discrete_states(&mut self) -> Result<Updated, Error> {
         const CALL: &str = "fmi3UpdateDiscreteStates";
         let update = self.optional(self.events().update_discrete_states, CALL)?;
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         // Read as bytes: a foreign FMU may write other values than 0 and 1.
         let mut flags = [0_u8; 5];
         let mut next = 0.0;
@@ -86,7 +86,7 @@ impl Instance {
             return Ok(());
         }
         let set = self.optional(self.events().set_clock, CALL)?;
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         let active = vec![fmi3ClockActive; clocks.len()];
         // SAFETY: the instance is alive, both slices have the length given.
         let status = unsafe { set(instance, clocks.as_ptr(), clocks.len(), active.as_ptr()) };
@@ -97,7 +97,7 @@ impl Instance {
     pub fn is_active(&mut self, clock: u32) -> Result<bool, Error> {
         const CALL: &str = "fmi3GetClock";
         let get = self.optional(self.events().get_clock, CALL)?;
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         let mut active = 0_u8;
         // SAFETY: the instance is alive; one reference and one place of the size of C's `bool`.
         let status = unsafe { get(instance, &raw const clock, 1, (&raw mut active).cast()) };
@@ -110,7 +110,7 @@ impl Instance {
     pub fn interval(&mut self, clock: u32) -> Result<(Option<f64>, bool), Error> {
         const CALL: &str = "fmi3GetIntervalDecimal";
         let get = self.optional(self.events().get_interval_decimal, CALL)?;
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         let (mut interval, mut qualifier) = (0.0, fmi3IntervalNotYetKnown);
         // SAFETY: the instance is alive; one reference and one place for each result.
         let status =
@@ -124,7 +124,7 @@ impl Instance {
     pub fn shift(&mut self, clock: u32) -> Result<f64, Error> {
         const CALL: &str = "fmi3GetShiftDecimal";
         let get = self.optional(self.events().get_shift_decimal, CALL)?;
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         let mut shift = 0.0;
         // SAFETY: the instance is alive; one reference and one place.
         let status = unsafe { get(instance, &raw const clock, 1, &raw mut shift) };

@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering;
 use super::super::error::{CallError, Error, Said};
 use super::super::host::{FloatMode, Folder};
 use super::super::log::{Log, OnMessage, receive_v3};
-use super::super::registry::Token;
+use super::super::registry::{self, Token};
 use super::super::state::States;
 use super::super::step::{Experiment, StepResult};
 use super::super::text::c_text;
@@ -78,7 +78,7 @@ impl Instance {
         let c_token = c_text(&name, "the instantiation token", &guid)?;
         let c_path = c_text(&name, "the resource path", &path)?;
         let (folder, mode) = (Folder::now(), FloatMode::now());
-        let called = token.call();
+        token.call(&"fmi3InstantiateCoSimulation");
         // SAFETY: the texts live during the call.
         let pointer = unsafe {
             (library.functions.instantiate_co_simulation)(
@@ -96,7 +96,7 @@ impl Instance {
                 None,
             )
         };
-        drop(called);
+        registry::returned();
         mode.keep(&log);
         folder.keep(&log, "fmi3InstantiateCoSimulation");
         if pointer.is_null() {
@@ -133,7 +133,7 @@ impl Instance {
             .map(|category| c_text(&self.name, "a log category", category))
             .collect::<Result<Vec<_>, _>>()?;
         let pointers: Vec<fmi3String> = texts.iter().map(|text| text.as_ptr()).collect();
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         // SAFETY: the instance is alive; the texts outlive the call.
         let status = unsafe { set(instance, on, pointers.len(), pointers.as_ptr()) };
         self.check(CALL, status)
@@ -142,7 +142,7 @@ impl Instance {
     /// `fmi3EnterInitializationMode`, with the time span of the run.
     pub fn enter_initialization_mode(&mut self, experiment: &Experiment) -> Result<(), Error> {
         const CALL: &str = "fmi3EnterInitializationMode";
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         let Experiment { start, stop, tolerance } = *experiment;
         // SAFETY: the instance is alive.
         let status = unsafe {
@@ -160,21 +160,21 @@ impl Instance {
 
     /// `fmi3ExitInitializationMode`
     pub fn exit_initialization_mode(&mut self) -> Result<(), Error> {
-        self.plain("fmi3ExitInitializationMode", self.functions().exit_initialization_mode)
+        self.plain(&"fmi3ExitInitializationMode", self.functions().exit_initialization_mode)
     }
 
     /// Ends the run (`fmi3Terminate`); values can still be read.
     pub fn terminate(&mut self) -> Result<(), Error> {
         const CALL: &str = "fmi3Terminate";
         let terminate = self.optional(self.functions().terminate, CALL)?;
-        self.plain(CALL, terminate)
+        self.plain(&CALL, terminate)
     }
 
     /// Back to the state right after instantiation (`fmi3Reset`). States saved before stay.
     pub fn reset(&mut self) -> Result<(), Error> {
         const CALL: &str = "fmi3Reset";
         let reset = self.optional(self.functions().reset, CALL)?;
-        self.plain(CALL, reset)
+        self.plain(&CALL, reset)
     }
 
     /// Steps from `time` over `step` seconds (`fmi3DoStep`).
@@ -209,12 +209,11 @@ impl Instance {
         keep_earlier_state: bool,
     ) -> Result<Stepped, Error> {
         const CALL: &str = "fmi3DoStep";
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         // Read as bytes: a foreign FMU may write other values than 0 and 1.
         let mut flags = [0_u8; 3];
         let mut reached = time + step;
         let [event, terminate, early] = flags.each_mut().map(|flag| ptr::from_mut(flag).cast());
-        let called = self.token.call();
         // SAFETY: the instance is alive; each result has a place of the size of C's `bool`.
         let status = unsafe {
             (self.functions().do_step)(
@@ -228,7 +227,7 @@ impl Instance {
                 &raw mut reached,
             )
         };
-        drop(called);
+        registry::returned();
         self.mode.keep(&self.log);
         let [event, terminated, early] = flags.map(|flag| flag != 0);
         let discarded = status == fmi3Discard;
@@ -247,12 +246,14 @@ impl Instance {
         &self.library.functions
     }
 
-    /// The pointer, unless an earlier call of it, or of another instance, was fatal.
+    /// The pointer, unless an earlier call of it, or of another instance, was fatal. From now on this
+    /// thread is in the call, until its status is [checked](Instance::check).
     #[inline]
-    pub(super) fn alive(&self, call: &'static str) -> Result<fmi3Instance, Error> {
+    pub(super) fn alive(&self, call: &'static &'static str) -> Result<fmi3Instance, Error> {
         if self.library.dead.load(Ordering::Relaxed) {
             return Err(Error::Dead { fmu: self.name.clone(), call });
         }
+        self.token.call(call);
         Ok(self.pointer)
     }
 
@@ -264,7 +265,7 @@ impl Instance {
     /// A call that takes the instance only.
     pub(super) fn plain(
         &mut self,
-        call: &'static str,
+        call: &'static &'static str,
         function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,
     ) -> Result<(), Error> {
         let status = self.status_of(call, function)?;
@@ -277,7 +278,7 @@ impl Instance {
     /// The same between two steps of a cycle, where no lock may be taken: what is noted is told later.
     pub(super) fn plain_in_cycle(
         &mut self,
-        call: &'static str,
+        call: &'static &'static str,
         function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,
     ) -> Result<(), Error> {
         let status = self.status_of(call, function)?;
@@ -286,14 +287,13 @@ impl Instance {
 
     fn status_of(
         &mut self,
-        call: &'static str,
+        call: &'static &'static str,
         function: unsafe extern "C" fn(fmi3Instance) -> fmi3Status,
     ) -> Result<fmi3Status, Error> {
         let instance = self.alive(call)?;
-        let called = self.token.call();
         // SAFETY: the instance is alive.
         let status = unsafe { function(instance) };
-        drop(called);
+        registry::returned();
         self.mode.keep(&self.log);
         Ok(status)
     }
@@ -301,6 +301,7 @@ impl Instance {
     /// OK and Warning pass.
     #[inline]
     pub(super) fn check(&mut self, call: &'static str, status: fmi3Status) -> Result<(), Error> {
+        registry::returned();
         if status == fmi3OK {
             return Ok(());
         }
@@ -329,9 +330,10 @@ impl Drop for Instance {
             return;
         }
         self.free_all_states();
-        let _called = self.token.call();
+        self.token.call(&"fmi3FreeInstance");
         // SAFETY: the instance is alive and is not used again.
         unsafe { (self.functions().free_instance)(self.pointer) };
+        registry::returned();
         self.log.tell_of_mode();
         self.log.tell_of_warnings();
         self.folder.keep(&self.log, "fmi3FreeInstance");

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::super::binary::{Binary, Finder};
 use super::super::error::Error;
+use super::super::registry::Loading;
 use super::super::text::text_of;
 use crate::fmi3::*;
 
@@ -88,6 +89,7 @@ impl Library {
     /// [`Error::Load`], [`Error::MissingFunctions`] with all that are missing, or
     /// [`Error::WrongVersion`] if the library names another version than 3.
     pub fn load(path: &Path) -> Result<Self, Error> {
+        let _loading = Loading::of(path);
         let binary = Binary::load(path)?;
         let version = check_version(&binary)?;
         let mut find = Finder::new(&binary);

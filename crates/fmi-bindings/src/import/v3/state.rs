@@ -26,7 +26,7 @@ impl Instance {
         const CALL: &str = "fmi3SetFMUState";
         let set = self.optional(self.functions().set_fmu_state, CALL)?;
         let pointer = self.saved(state)?;
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         // SAFETY: the state was saved by this instance and is not freed.
         let status = unsafe { set(instance, pointer) };
         self.check(CALL, status)
@@ -37,7 +37,7 @@ impl Instance {
         const CALL: &str = "fmi3FreeFMUState";
         let free = self.optional(self.functions().free_fmu_state, CALL)?;
         let mut pointer = self.saved(&state)?;
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         self.states.remove(&state);
         // SAFETY: the state was saved by this instance, and its handle is gone after this.
         let status = unsafe { free(instance, &raw mut pointer) };
@@ -51,12 +51,13 @@ impl Instance {
         let size_of = self.optional(self.functions().serialized_fmu_state_size, SIZE)?;
         let serialize = self.optional(self.functions().serialize_fmu_state, CALL)?;
         let pointer = self.saved(state)?;
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&SIZE)?;
         let mut size = 0;
         // SAFETY: the state was saved by this instance and is not freed.
         let status = unsafe { size_of(instance, pointer, &raw mut size) };
         self.check(SIZE, status)?;
         let mut bytes = vec![0_u8; size];
+        let instance = self.alive(&CALL)?;
         // SAFETY: as before; the buffer has the size the FMU asked for.
         let status = unsafe { serialize(instance, pointer, bytes.as_mut_ptr(), size) };
         self.check(CALL, status)?;
@@ -68,7 +69,7 @@ impl Instance {
     pub fn deserialize_state(&mut self, bytes: &[u8]) -> Result<SavedState, Error> {
         const CALL: &str = "fmi3DeserializeFMUState";
         let deserialize = self.optional(self.functions().deserialize_fmu_state, CALL)?;
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         let mut pointer: fmi3FMUState = std::ptr::null_mut();
         // SAFETY: the instance is alive; the FMU reads the bytes and allocates the state itself.
         let status =
@@ -80,7 +81,7 @@ impl Instance {
     fn get_fmu_state(&mut self, mut pointer: fmi3FMUState) -> Result<fmi3FMUState, Error> {
         const CALL: &str = "fmi3GetFMUState";
         let get = self.optional(self.functions().get_fmu_state, CALL)?;
-        let instance = self.alive(CALL)?;
+        let instance = self.alive(&CALL)?;
         // SAFETY: the pointer is null or a state of this instance that is not freed.
         let status = unsafe { get(instance, &raw mut pointer) };
         self.check(CALL, status).map(|()| pointer)
@@ -94,8 +95,9 @@ impl Instance {
     pub(super) fn free_all_states(&mut self) {
         let Some(free) = self.functions().free_fmu_state else { return };
         for mut pointer in self.states.take_all() {
+            let Ok(instance) = self.alive(&"fmi3FreeFMUState") else { return };
             // SAFETY: saved by this instance, never used again.
-            unsafe { free(self.pointer, &raw mut pointer) };
+            unsafe { free(instance, &raw mut pointer) };
         }
     }
 }

@@ -20,7 +20,7 @@ macro_rules! numbers {
         #[doc = concat!("`", $get_name, "`")]
         pub fn $get(&mut self, references: &[u32], values: &mut [$type]) -> Result<(), Error> {
             let get = self.optional(self.functions().$get, $get_name)?;
-            let Some(instance) = self.ready($get_name, references.len(), values.len())? else {
+            let Some(instance) = self.ready(&$get_name, references.len(), values.len())? else {
                 return Ok(());
             };
             // SAFETY: the instance is alive, both slices have the lengths given.
@@ -34,7 +34,7 @@ macro_rules! numbers {
         #[doc = concat!("`", $set_name, "`")]
         pub fn $set(&mut self, references: &[u32], values: &[$type]) -> Result<(), Error> {
             let set = self.optional(self.functions().$set, $set_name)?;
-            let Some(instance) = self.ready($set_name, references.len(), values.len())? else {
+            let Some(instance) = self.ready(&$set_name, references.len(), values.len())? else {
                 return Ok(());
             };
             // SAFETY: the instance is alive, both slices have the lengths given.
@@ -63,7 +63,7 @@ impl Instance {
     #[inline]
     pub fn get_float64(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
         const CALL: &str = "fmi3GetFloat64";
-        let Some(instance) = self.ready(CALL, references.len(), values.len())? else {
+        let Some(instance) = self.ready(&CALL, references.len(), values.len())? else {
             return Ok(());
         };
         let (get, count) = (self.functions().get_float64, values.len());
@@ -78,7 +78,7 @@ impl Instance {
     #[inline]
     pub fn set_float64(&mut self, references: &[u32], values: &[f64]) -> Result<(), Error> {
         const CALL: &str = "fmi3SetFloat64";
-        let Some(instance) = self.ready(CALL, references.len(), values.len())? else {
+        let Some(instance) = self.ready(&CALL, references.len(), values.len())? else {
             return Ok(());
         };
         let (set, count) = (self.functions().set_float64, values.len());
@@ -110,7 +110,7 @@ impl Instance {
     ) -> Result<(), Error> {
         const CALL: &str = "fmi3GetBoolean";
         let get = self.optional(self.functions().get_boolean, CALL)?;
-        let Some(instance) = self.ready(CALL, references.len(), bytes.len())? else {
+        let Some(instance) = self.ready(&CALL, references.len(), bytes.len())? else {
             return Ok(());
         };
         let (count, place) = (references.len(), bytes.as_mut_ptr().cast());
@@ -126,7 +126,7 @@ impl Instance {
     pub fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Result<(), Error> {
         const CALL: &str = "fmi3SetBoolean";
         let set = self.optional(self.functions().set_boolean, CALL)?;
-        let Some(instance) = self.ready(CALL, references.len(), values.len())? else {
+        let Some(instance) = self.ready(&CALL, references.len(), values.len())? else {
             return Ok(());
         };
         // SAFETY: the instance is alive, both slices have the lengths given.
@@ -143,7 +143,7 @@ impl Instance {
         let get = self.optional(self.functions().get_string, CALL)?;
         self.same_length(CALL, references.len(), values.len())?;
         for (reference, value) in references.iter().zip(values) {
-            let instance = self.alive(CALL)?;
+            let instance = self.alive(&CALL)?;
             let mut text: fmi3String = ptr::null();
             // SAFETY: the instance is alive; one reference, one place.
             let status = unsafe { get(instance, reference, 1, &raw mut text, 1) };
@@ -162,14 +162,14 @@ impl Instance {
     pub fn set_string(&mut self, references: &[u32], values: &[&str]) -> Result<(), Error> {
         const CALL: &str = "fmi3SetString";
         let set = self.optional(self.functions().set_string, CALL)?;
-        let Some(instance) = self.ready(CALL, references.len(), values.len())? else {
-            return Ok(());
-        };
         let texts = values
             .iter()
             .map(|value| c_text(&self.name, "the value", value))
             .collect::<Result<Vec<_>, _>>()?;
         let pointers: Vec<fmi3String> = texts.iter().map(|text| text.as_ptr()).collect();
+        let Some(instance) = self.ready(&CALL, references.len(), values.len())? else {
+            return Ok(());
+        };
         let (count, texts_of_c) = (references.len(), pointers.as_ptr());
         // SAFETY: the instance is alive; the texts outlive the call.
         let status =
@@ -188,7 +188,7 @@ impl Instance {
     ) -> Result<(), Error> {
         const CALL: &str = "fmi3GetDirectionalDerivative";
         let get = self.optional(self.functions().get_directional_derivative, CALL)?;
-        let Some(instance) = self.ready(CALL, unknowns.len(), sensitivity.len())? else {
+        let Some(instance) = self.ready(&CALL, unknowns.len(), sensitivity.len())? else {
             return Ok(());
         };
         // SAFETY: the instance is alive, the slices have the lengths given.
@@ -218,7 +218,7 @@ impl Instance {
         const CALL: &str = "fmi3GetOutputDerivatives";
         let get = self.optional(self.functions().get_output_derivatives, CALL)?;
         self.same_length(CALL, references.len(), orders.len())?;
-        let Some(instance) = self.ready(CALL, references.len(), values.len())? else {
+        let Some(instance) = self.ready(&CALL, references.len(), values.len())? else {
             return Ok(());
         };
         let (count, places) = (references.len(), values.as_mut_ptr());
@@ -234,7 +234,7 @@ impl Instance {
     #[inline]
     fn ready(
         &self,
-        call: &'static str,
+        call: &'static &'static str,
         references: usize,
         values: usize,
     ) -> Result<Option<fmi3Instance>, Error> {
