@@ -188,7 +188,10 @@ fn a_connection_to_nothing_names_its_file_once() {
                   [connections]\n\"b.command[1]\" = \"a.positon[1]\"\n";
     write(at, "system.toml", system);
     let said = refuse(&["system", "system.toml", "-o", "x.csv"], at);
-    assert!(said.starts_with("error: system.toml: FMU `a` has no variable `positon[1]`"), "{said}");
+    assert!(
+        said.starts_with("error: system.toml:8: FMU `a` has no variable `positon[1]`"),
+        "{said}"
+    );
     assert_eq!(said.matches("positon").count(), 1, "{said}");
 }
 

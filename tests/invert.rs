@@ -149,6 +149,27 @@ fn the_ways_of_a_plant_are_listed_and_can_be_chosen() {
 }
 
 #[test]
+fn the_page_has_loop_step_and_waves_of_each_axis() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    succeed(&["invert", "p0", "--period", "5e-3", "--report", "page.json"], at);
+    let page: Value =
+        serde_json::from_str(&fs::read_to_string(at.join("page.json")).expect("a page")).unwrap();
+    let figures = page["key_figures"].as_array().expect("figures");
+    assert_eq!(figures.len(), 4);
+    assert!(figures.iter().all(|figure| figure["outcome"] == "pass"), "{figures:?}");
+    let text = page["sections"].to_string();
+    for title in
+        ["Open loop L", "Nyquist plot", "Sensitivity and closed loop", "Step of the reference"]
+    {
+        assert_eq!(text.matches(&format!("\"{title}\"")).count(), 4, "{title}");
+    }
+    let message = refuse(&["invert", "p0", "--list", "--report", "list.html"], at);
+    assert!(message.contains("--list designs no controller"), "{message}");
+    assert!(!at.join("list.html").exists());
+}
+
+#[test]
 fn what_a_reference_asks_beyond_the_limits_is_said() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();

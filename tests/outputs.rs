@@ -234,6 +234,32 @@ fn temporary_files_go_with_a_signal() {
     }
 }
 
+/// A design that takes seconds, most of them simulation, ends when it is asked to.
+#[test]
+fn a_signal_ends_invert_at_once() {
+    use std::os::unix::process::ExitStatusExt as _;
+    use std::time::{Duration, Instant};
+    let folder = folder();
+    let at = folder.path();
+    let before = fs::read_dir(at).unwrap().count();
+    for (signal, number) in [("TERM", 15), ("HUP", 1), ("INT", 2)] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_piezoloop"))
+            .args(["invert", "p1-truth", "--period", "1e-6", "-o", "controller.toml"])
+            .current_dir(at)
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(1000));
+        assert!(child.try_wait().unwrap().is_none(), "it was to take seconds");
+        let begin = Instant::now();
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+        assert_eq!(child.wait().unwrap().signal(), Some(number));
+        assert!(begin.elapsed() < Duration::from_secs(1), "{signal}");
+        assert_eq!(fs::read_dir(at).unwrap().count(), before, "{signal} leaves nothing");
+    }
+}
+
 /// An FMU that takes a while to unpack: with many files in folders of their own.
 fn with_many_files(from: &Path, to: &Path) {
     let mut whole = zip::ZipArchive::new(fs::File::open(from).unwrap()).unwrap();

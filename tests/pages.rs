@@ -289,6 +289,7 @@ fn pages_of_the_commands_hold_in_a_browser() {
         "simulate plant.fmu --log stage.csv --map command[1]=u --map position[1]=y --report simulate.html --quiet",
         "simulate --loop plant.toml controller.toml --reference reference.csv --report loop.html --quiet",
         "tune plant.fmu --period 1e-3 --middle 50 --amplitude 5 --report tune.html --quiet",
+        "invert plant.toml -o inverted.toml --report invert.html --quiet",
         "diagnose --model plant.toml --log stage.csv --map command[1]=u --map position[1]=y --max-effects 1 --report diagnose.html --quiet",
         "gap-bench --short --cases 1 -o bench --quiet",
     ] {
@@ -307,6 +308,7 @@ fn pages_of_the_commands_hold_in_a_browser() {
         "simulate.html",
         "loop.html",
         "tune.html",
+        "invert.html",
         "diagnose.html",
         "gap-bench.html",
         "bench.html",

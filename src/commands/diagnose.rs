@@ -63,10 +63,10 @@ pub(crate) struct Diagnose {
     /// A log that is not fitted, only judged [default: the last 30 % of each record]
     #[arg(long, value_name = "FILE")]
     holdout: Vec<PathBuf>,
-    /// Run-in in s at the start of each record: simulated, but neither fitted nor judged; for logs that begin during
-    /// a motion
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = ranges::time())]
-    drop: f64,
+    /// Run-in in s at the start of each record: simulated, but neither fitted nor judged [default: 0, or as long as
+    /// logs show that begin during a motion]
+    #[arg(long, value_name = "S", value_parser = ranges::time())]
+    drop: Option<f64>,
     /// Command between two rows of the logs: zoh (held), line, band-limited [default: held, unless the logs of a
     /// blueprint show otherwise]
     #[arg(long, value_name = "BETWEEN", value_parser = ["zoh", "line", "band-limited"])]
@@ -352,7 +352,7 @@ impl Diagnose {
                     inputs: &self.inputs,
                     outputs: &self.output_columns,
                     options: &self.options,
-                    drop: Some(self.drop).filter(|drop| *drop > 0.0),
+                    drop: self.drop.filter(|drop| *drop > 0.0),
                 };
                 Ok(Source::Made(Box::new(baseline::made(&asked, screen)?)))
             }
@@ -378,7 +378,7 @@ impl Diagnose {
         request.accuracy = self.accuracy;
         request.names = self.options.names()?;
         if let Source::Made(made) = source {
-            request.drop = made.run_in;
+            request.drop = Some(made.run_in).filter(|drop| *drop > 0.0).or(self.drop);
             // Those of --input and --output are in the map of the model that was made.
             let is_own = |pair: &&String| {
                 let name = pair.split_once('=').map_or(pair.as_str(), |(name, _)| name.trim());

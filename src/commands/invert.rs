@@ -1,20 +1,21 @@
 //! `piezoloop invert`: plant blueprint → controller blueprint.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use clap::Args;
 use clap::builder::PossibleValue;
 use control::{
-    Along, CommandActs, ControlSettings, Coordinator, CoupledFigures, Damping, DampingFigures,
-    Feedback, Feedforward, LoopFigures,
+    Along, AxisResponses, CommandActs, ControlSettings, Coordinator, CoupledFigures, Damping,
+    DampingFigures, Feedback, Feedforward, LoopFigures,
 };
 use data::CheckedBlueprint;
 use serde::Serialize;
 
 use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
+use crate::pages::{self, PageOptions};
 use crate::{progress, ranges};
 
 /// Error of a learned inverse, in parts of the range, from which it is pointed out.
@@ -31,7 +32,7 @@ const MOST_POINTS: f64 = 1e6;
 /// coordinator. The controller is tested on the plant before it is written.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop invert plant.toml -o controller.toml\n  piezoloop invert evc --period 2e-5 -o controller.toml\n  piezoloop invert p2 --list\n  piezoloop invert p2 --feedforward inverse-free --feedback pi -o controller.toml\n  piezoloop invert p4-machine --damping nrc --sensitivity 2 -o beyond.toml\n  piezoloop invert p0 --period 5e-3 --system 2 -o coordinated.toml\n  piezoloop invert p0 --period 5e-3 --reference path.csv -o controller.toml"
+    after_help = "Examples:\n  piezoloop invert plant.toml -o controller.toml\n  piezoloop invert evc --period 2e-5 -o controller.toml --report controller.html\n  piezoloop invert p2 --list\n  piezoloop invert p2 --feedforward inverse-free --feedback pi -o controller.toml\n  piezoloop invert p4-machine --damping nrc --sensitivity 2 -o beyond.toml\n  piezoloop invert p0 --period 5e-3 --system 2 -o coordinated.toml\n  piezoloop invert p0 --period 5e-3 --reference path.csv -o controller.toml"
 )]
 pub(crate) struct Invert {
     /// The plant's blueprint, or the name of a rig
@@ -87,6 +88,8 @@ pub(crate) struct Invert {
     /// The blueprint to write
     #[arg(short = 'o', long = "out", value_name = "FILE", default_value = "controller.toml")]
     out: PathBuf,
+    #[command(flatten)]
+    page: PageOptions,
 }
 
 fn feedforwards() -> clap::builder::PossibleValuesParser {
@@ -112,14 +115,26 @@ fn acts() -> clap::builder::PossibleValuesParser {
 
 #[derive(Serialize)]
 pub(crate) struct Inverted {
-    blueprint: PathBuf,
-    period_s: f64,
+    pub(crate) blueprint: PathBuf,
+    pub(crate) period_s: f64,
     pub(crate) axes: Vec<LoopFigures>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    coordinators: Vec<Coordinator>,
+    pub(crate) coordinators: Vec<Coordinator>,
     /// What it does along the reference that was given.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    along: Vec<Along>,
+    pub(crate) along: Vec<Along>,
+    /// What the page shows; empty without one.
+    #[serde(skip)]
+    pub(crate) responses: Vec<Shown>,
+}
+
+/// An axis on the page.
+pub(crate) struct Shown {
+    pub(crate) responses: AxisResponses,
+    /// Units of command and position.
+    pub(crate) units: [String; 2],
+    /// The sensitivity that was allowed.
+    pub(crate) allowed: f64,
 }
 
 /// What each way of feedforward does on a plant.
@@ -142,9 +157,23 @@ struct Way {
 impl Invert {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         if self.list {
+            if self.page.is_asked() {
+                bail!(
+                    "--list designs no controller that a page could show; leave out --list, or --report and --plot"
+                );
+            }
             return screen.show(&self.ways(screen)?);
         }
-        screen.show(&self.execute(screen)?)
+        self.page.can_write()?;
+        let answer = self.execute(screen)?;
+        let files: Vec<(&str, &Path)> =
+            [("plant", Some(&self.plant)), ("reference", self.reference.as_ref())]
+                .into_iter()
+                .filter_map(|(role, file)| Some((role, file?.as_path())))
+                .filter(|(_, file)| file.is_file())
+                .collect();
+        self.page
+            .finish(screen, &answer, || Ok(pages::inversion(&answer, pages::provenance(&files)?)))
     }
 
     /// Every way of feedforward on this plant.
@@ -221,6 +250,17 @@ impl Invert {
             Some(log) => along(log, &plant, &controller)?,
             None => Vec::new(),
         };
+        let responses = if self.page.is_asked() {
+            let acts = self.settings().acts;
+            let found = control::responses(&plant, &controller, &inversion.axes, acts)?;
+            let units = plant.blueprint().axes.iter();
+            let units = units.map(|axis| [axis.command.unit.clone(), axis.position.unit.clone()]);
+            let allowed = self.sensitivity;
+            let each = found.into_iter().zip(units);
+            each.map(|(responses, units)| Shown { responses, units, allowed }).collect()
+        } else {
+            Vec::new()
+        };
         inputs::write_blueprint(&controller, &self.out)?;
         let period_s = controller.spec().period;
         Ok(Inverted {
@@ -229,6 +269,7 @@ impl Invert {
             axes: inversion.axes,
             coordinators: inversion.coordinators,
             along,
+            responses,
         })
     }
 }

@@ -10,7 +10,7 @@ pub(crate) mod estimate;
 pub(crate) mod frequency_response;
 mod gap_bench;
 pub(crate) mod identify;
-mod invert;
+pub(crate) mod invert;
 mod list;
 mod log;
 pub(crate) mod pack;

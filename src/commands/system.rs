@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use cosim::plan::Coupling;
+use cosim::plan::{Coupling, PlannedFmu};
 use cosim::{Ending, Fmu, Plan, Points, RecordFile, Recorder, Run, Signal, Signals};
 use data::Log;
 use modeldescription::ModelDescription;
@@ -235,7 +235,13 @@ impl System {
             .map(|(planned, fmu)| fmu.instantiate(&planned.name, &ear.options(&planned.name)))
             .collect::<Result<Vec<_>, _>>()?;
         let prepared = plan.prepare(slaves, step, &units);
-        let mut prepared = prepared.with_context(|| self.file.display().to_string())?;
+        let mut prepared = prepared.map_err(|error| {
+            // Where all is told of with the plan's file, that is not said once more.
+            let file = self.file.display().to_string();
+            let is_told = error.to_string().lines().all(|line| line.starts_with(&file));
+            let error = anyhow::Error::from(error);
+            if is_told { error } else { error.context(file) }
+        })?;
         let rows = points.steps() + 1;
         let (start_s, stop_s) = (points.start(), points.stop());
         let mut recorder = Recording {
@@ -349,7 +355,11 @@ impl System {
             own.configure(&structure)?;
             Ok(Rc::new(own))
         };
-        plan.fmus.iter().map(|fmu| configured(open(&fmu.path)?, &fmu.name)).collect()
+        let placed = |fmu: &PlannedFmu| {
+            let opened = open(&fmu.path).with_context(|| fmu.place.clone())?;
+            configured(opened, &fmu.name)
+        };
+        plan.fmus.iter().map(placed).collect()
     }
 
     /// The communication points, and the step that FMUs' own steps are multiples of.

@@ -5,6 +5,7 @@ mod calibrate;
 mod estimate;
 mod frequency_response;
 mod identify;
+mod invert;
 mod open;
 mod simulate;
 mod system;
@@ -12,8 +13,10 @@ mod tune;
 
 use std::path::{Path, PathBuf};
 
+use ::identify::frequency::Complex;
 use anyhow::Context;
 use clap::Args;
+use diagnose::figures::unwrapped;
 use report::{InputFile, Provenance, Report};
 
 pub(crate) use bench::{Rows, campaign, run as bench_run};
@@ -21,6 +24,7 @@ pub(crate) use calibrate::calibration;
 pub(crate) use estimate::estimation;
 pub(crate) use frequency_response::frequency_response;
 pub(crate) use identify::{identification, picture, sections};
+pub(crate) use invert::inversion;
 pub(crate) use simulate::simulation;
 pub(crate) use system::system;
 pub(crate) use tune::tuning;
@@ -139,6 +143,12 @@ pub(crate) fn provenance(files: &[(&str, &Path)]) -> anyhow::Result<Provenance> 
         all = all.file(InputFile::read(*role, path)?);
     }
     Ok(all)
+}
+
+/// Magnitudes, and phases without jumps.
+fn polar(values: &[Complex]) -> (Vec<f64>, Vec<f64>) {
+    let phase = unwrapped(values.iter().map(|z| z.arg()).collect());
+    (values.iter().map(|z| z.norm()).collect(), phase)
 }
 
 /// Root mean square of the finite values.

@@ -7,8 +7,8 @@ use report::{
     Value, Verdict,
 };
 
+use super::polar;
 use crate::commands::tune::Tuned;
-use diagnose::figures::unwrapped;
 
 /// Points of a curve over frequency.
 const POINTS: usize = 400;
@@ -143,9 +143,4 @@ fn thinned(curves: LoopCurves) -> LoopCurves {
         plant: of(curves.plant),
         open: of(curves.open),
     }
-}
-
-fn polar(values: &[Complex]) -> (Vec<f64>, Vec<f64>) {
-    let phase = unwrapped(values.iter().map(|z| z.arg()).collect());
-    (values.iter().map(|z| z.norm()).collect(), phase)
 }

@@ -32,7 +32,7 @@ pub struct Along {
 }
 
 /// By how many periods an axis of a controller follows its reference input late.
-fn late(controller: &CheckedBlueprint, axis: usize) -> usize {
+pub(crate) fn late(controller: &CheckedBlueprint, axis: usize) -> usize {
     let spec = controller.spec();
     let joined = spec.connections.couplings.iter().filter(|c| c.axes.contains(&axis));
     let nodes = joined.map(|c| &c.node).chain(&spec.axes[axis].components);

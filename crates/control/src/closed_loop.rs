@@ -78,12 +78,12 @@ pub fn simulate_loop(
 }
 
 /// One of the two.
-struct Side {
+pub(crate) struct Side {
     system: System,
 }
 
 impl Side {
-    fn new(blueprint: &CheckedBlueprint) -> Self {
+    pub(crate) fn new(blueprint: &CheckedBlueprint) -> Self {
         Self { system: blueprint.build() }
     }
 
@@ -101,23 +101,23 @@ impl Side {
         })
     }
 
-    fn set(&mut self, name: &str, axis: usize, value: f64) -> Result<(), Error> {
+    pub(crate) fn set(&mut self, name: &str, axis: usize, value: f64) -> Result<(), Error> {
         let reference = self.reference(name, axis)?;
         let result = self.system.set(reference, value);
         result.map_err(|e| self.error(self.system.explain_set(&e)))
     }
 
-    fn get(&self, name: &str, axis: usize) -> Result<f64, Error> {
+    pub(crate) fn get(&self, name: &str, axis: usize) -> Result<f64, Error> {
         let reference = self.reference(name, axis)?;
         Ok(self.system.get(reference).unwrap_or(f64::NAN))
     }
 
-    fn initialise(&mut self) -> Result<(), Error> {
+    pub(crate) fn initialise(&mut self) -> Result<(), Error> {
         let result = self.system.initialise(0.0);
         result.map_err(|e| self.error(self.system.explain(&e)))
     }
 
-    fn advance(&mut self, time: f64) -> Result<(), Error> {
+    pub(crate) fn advance(&mut self, time: f64) -> Result<(), Error> {
         let result = self.system.advance(time);
         result.map(|_| ()).map_err(|e| self.error(self.system.explain(&e)))
     }

@@ -50,6 +50,12 @@ pub(crate) fn grid() -> impl Iterator<Item = (f64, f64)> {
     FREQUENCIES.iter().flat_map(|frequency| DAMPINGS.iter().map(move |d| (*frequency, *d)))
 }
 
+/// Slopes over the steepest that the loop is made for: mean, least, steepest.
+pub(crate) fn slopes(steepest: f64, least: f64) -> [f64; 3] {
+    let share = (least / steepest).clamp(0.2, 1.0);
+    [0.5 * (share + 1.0), share, 1.0]
+}
+
 /// Greatest gain of the inner loop at rest.
 const INNER: f64 = 0.9;
 

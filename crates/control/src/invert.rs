@@ -250,7 +250,7 @@ fn check_settings(settings: &ControlSettings, period: f64, learned: bool) -> Res
 
 /// The internal step with which the plant is looked at: its own, but no more than 50 of them in a period. Linear
 /// parts are exact at any step; what has a sample time of its own keeps it.
-fn step_of(spec: &SystemSpec, period: f64) -> Result<f64, String> {
+pub(crate) fn step_of(spec: &SystemSpec, period: f64) -> Result<f64, String> {
     let nodes = spec.axes.iter().flat_map(|axis| &axis.components);
     let sampled = |node: &NodeSpec| node.enabled && setting(node, "sample_time").is_some();
     let steps = (period / spec.period).round().max(1.0);

@@ -28,6 +28,7 @@ mod path;
 mod preview;
 mod probe;
 mod random;
+mod responses;
 mod search;
 mod tuning;
 mod undone;
@@ -45,6 +46,7 @@ pub use identify::learned::InverseFigures;
 pub use identify::{Error, NotInvertible, SettingsProblem};
 pub use invert::{ControlSettings, Coordinator, Inversion, LoopFigures, invert};
 pub use preview::PreviewFigures;
+pub use responses::{AxisResponses, FrequencyCurves, TimeRun, responses};
 pub use tuning::{
     Gains, LoopCurves, LoopVerdict, Machine, Ultimate, impulse_of, judge_loop, loop_curves, relay,
     robust, ultimate_by_gain, ziegler_nichols,

@@ -139,6 +139,12 @@ impl Response {
         Self { angles, values, period }
     }
 
+    /// A plant with another impulse response at the same frequencies.
+    pub(crate) fn of(&self, impulse: &[f64]) -> Self {
+        let values = self.angles.iter().map(|&angle| transfer(impulse, angle)).collect();
+        Self { angles: self.angles.clone(), values, period: self.period }
+    }
+
     /// The same plant without the period of delay: the command acts at once.
     pub(super) fn at_once(&self) -> Self {
         let ahead = self.angles.iter().map(|angle| Complex::from_polar(1.0, *angle));

@@ -48,15 +48,25 @@ struct Feed {
     unit: Option<Unit>,
     to: Port,
     way: Way,
+    /// Where it stands; empty: nowhere.
+    place: String,
+}
+
+/// A [`Connection`] on its way.
+struct Joined {
+    connection: Connection,
+    way: Way,
+    /// Where it stands; empty: nowhere.
+    place: String,
 }
 
 /// Slaves, what connects them, what feeds them and what is recorded. [`Diagram::build`] checks it.
 #[derive(Default)]
 pub struct Diagram {
     slaves: Vec<Box<dyn Slave>>,
-    connections: Vec<(Connection, Way)>,
+    connections: Vec<Joined>,
     feeds: Vec<Feed>,
-    starts: Vec<(Port, Value)>,
+    starts: Vec<(Port, Value, String)>,
     records: Vec<(Port, Option<String>)>,
     paces: Vec<(String, usize)>,
 }
@@ -85,7 +95,13 @@ impl Diagram {
         to: impl Into<Port>,
         way: Way,
     ) -> &mut Self {
-        self.connections.push((Connection { from: from.into(), to: to.into() }, way));
+        self.connect_at(from.into(), to.into(), way, "")
+    }
+
+    /// [`Diagram::connect_by`], of a connection that stands at this place.
+    pub(crate) fn connect_at(&mut self, from: Port, to: Port, way: Way, place: &str) -> &mut Self {
+        let (connection, place) = (Connection { from, to }, place.to_owned());
+        self.connections.push(Joined { connection, way, place });
         self
     }
 
@@ -108,7 +124,19 @@ impl Diagram {
         to: impl Into<Port>,
         way: Way,
     ) -> &mut Self {
-        self.feeds.push(Feed { column: column.into(), unit, to: to.into(), way });
+        self.feed_at(column.into(), unit, to.into(), way, "")
+    }
+
+    /// [`Diagram::feed_by`], of a connection that stands at this place.
+    pub(crate) fn feed_at(
+        &mut self,
+        column: String,
+        unit: Option<Unit>,
+        to: Port,
+        way: Way,
+        place: &str,
+    ) -> &mut Self {
+        self.feeds.push(Feed { column, unit, to, way, place: place.to_owned() });
         self
     }
 
@@ -121,7 +149,12 @@ impl Diagram {
 
     /// Gives a parameter, or another variable with a start value, a value before each run.
     pub fn start(&mut self, variable: impl Into<Port>, value: impl Into<Value>) -> &mut Self {
-        self.starts.push((variable.into(), value.into()));
+        self.start_at(variable.into(), value.into(), "")
+    }
+
+    /// [`Diagram::start`], of a value that stands at this place.
+    pub(crate) fn start_at(&mut self, variable: Port, value: Value, place: &str) -> &mut Self {
+        self.starts.push((variable, value, place.to_owned()));
         self
     }
 
@@ -182,12 +215,13 @@ impl Builder {
             let from = known.unwrap_or_else(|| self.system.add_external(&feed.column));
             self.columns.entry(feed.column.clone()).or_insert(from);
             let outcome = self.feed(feed, from);
-            self.problems.extend(outcome.err());
+            self.problems.extend(outcome.err().map(|problem| problem.at(&feed.place)));
         }
     }
 
     fn feed(&mut self, feed: &Feed, from: usize) -> Result<(), Problem> {
         let source = format!("column `{}`", feed.column);
+        let placed = placed(&source, &feed.place);
         let (to, address) = self.find(&feed.to)?;
         let variable = &address.variable;
         let description = self.system.participants[to].slave.description();
@@ -198,18 +232,18 @@ impl Builder {
         let unit = self.unit(to, variable);
         let units = (feed.unit.as_ref(), unit.as_ref());
         let conversion = convert(&source, &feed.to, units, &feed.way, false)?;
-        self.drive(to, &address, source, Wire { from, conversion })
+        self.drive(to, &address, placed, Wire { from, conversion })
     }
 
-    fn connections(&mut self, connections: &[(Connection, Way)]) {
-        for (connection, way) in connections {
-            let outcome = self.connection(connection, way);
-            self.problems.extend(outcome.err());
+    fn connections(&mut self, connections: &[Joined]) {
+        for joined in connections {
+            let outcome = self.connection(joined);
+            self.problems.extend(outcome.err().map(|problem| problem.at(&joined.place)));
         }
     }
 
-    fn connection(&mut self, connection: &Connection, way: &Way) -> Result<(), Problem> {
-        let Connection { from, to } = connection;
+    fn connection(&mut self, joined: &Joined) -> Result<(), Problem> {
+        let Joined { connection: Connection { from, to }, way, place: at } = joined;
         let (source, from_address) = self.find(from)?;
         let (target, to_address) = self.find(to)?;
         let (output, input) = (&from_address.variable, &to_address.variable);
@@ -237,6 +271,7 @@ impl Builder {
         let name = format!("output {from}");
         let units = (from_unit.as_ref(), to_unit.as_ref());
         let conversion = convert(&name, to, units, way, differences)?;
+        let name = placed(&name, at);
         let place = self.system.connect_output(source, &from_address)?;
         self.drive(target, &to_address, name.clone(), Wire { from: place, conversion })?;
         // Whole numbers of 64 bits go as they are.
@@ -271,10 +306,10 @@ impl Builder {
         Ok(())
     }
 
-    fn starts(&mut self, starts: Vec<(Port, Value)>) {
-        for (port, value) in starts {
+    fn starts(&mut self, starts: Vec<(Port, Value, String)>) {
+        for (port, value, place) in starts {
             let outcome = self.start(&port, value);
-            self.problems.extend(outcome.err());
+            self.problems.extend(outcome.err().map(|problem| problem.at(&place)));
         }
     }
 
@@ -374,6 +409,11 @@ impl Builder {
         let description = self.system.participants[slave].slave.description();
         description.properties(variable).relative_quantity.unwrap_or(false)
     }
+}
+
+/// A source's name, with its place if that is known.
+fn placed(source: &str, place: &str) -> String {
+    if place.is_empty() { source.to_owned() } else { format!("{source} ({place})") }
 }
 
 /// Whether a column may feed the variable: an input, or a tunable parameter.

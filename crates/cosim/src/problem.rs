@@ -13,6 +13,14 @@ pub enum Problem {
         /// The names there are.
         there: String,
     },
+    /// A problem of something that stands in a file.
+    #[error("{place}: {problem}")]
+    At {
+        /// File and line.
+        place: String,
+        /// What is wrong there.
+        problem: Box<Problem>,
+    },
     /// Two slaves of one name.
     #[error("two FMUs are called `{name}`; give one of them another name")]
     SameName {
@@ -177,6 +185,16 @@ fn did_you_mean(near: &[String]) -> String {
     }
 }
 
+impl Problem {
+    /// This problem at its place, unless that is not known.
+    pub(crate) fn at(self, place: &str) -> Problem {
+        match (self, place) {
+            (problem, "") => problem,
+            (problem, place) => Problem::At { place: place.to_owned(), problem: Box::new(problem) },
+        }
+    }
+}
+
 /// All problems that a check found; at least one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problems(pub Vec<Problem>);
@@ -196,8 +214,14 @@ impl From<Problem> for Problems {
 
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Of a connection that is recorded, the same is found twice.
-        let first = |(at, problem): &(usize, &Problem)| !self.0[..*at].contains(problem);
+        // Of a connection that is recorded, the same is found twice, at its place and without one.
+        let is_same = |earlier: &Problem, problem: &Problem| {
+            earlier == problem
+                || matches!(earlier, Problem::At { problem: inner, .. } if **inner == *problem)
+        };
+        let first = |(at, problem): &(usize, &Problem)| {
+            !self.0[..*at].iter().any(|earlier| is_same(earlier, problem))
+        };
         let all = self.0.iter().enumerate().filter(first);
         let texts: Vec<String> = all.map(|(_, problem)| problem.to_string()).collect();
         f.write_str(&texts.join("\n"))

@@ -256,6 +256,29 @@ fn the_file_of_the_open_simulation_platform_is_read() {
     }
     assert_eq!(memory.values("p.position[1]").unwrap(), y);
     assert!(run(file.parent().unwrap()).is_ok(), "its folder is the system, too");
+    // What only the FMUs can tell stands in a line, too.
+    for (from, to, line, words) in [
+        ("variable=\"k\"", "variable=\"gain\"", 6, "FMU `p` has no variable `gain`"),
+        ("<Real value=\"0.5\"", "<String value=\"much\"", 6, "variable `k` of FMU `p`"),
+        ("\"reference[1]\"", "\"command[1]\"", 7, "variable `command[1]` of FMU `c`"),
+        ("\"position[1]\"", "\"positon[1]\"", 10, "did you mean `position[1]`"),
+        ("\"measured[1]\"", "\"gains[1]\"", 10, "FMU `c` has no variable `gains[1]`"),
+        ("p\" name=\"command[1]", "p\" name=\"position[1]", 11, "`position[1]` of FMU `p` is of"),
+        ("name=\"measured[1]\"", "name=\"command[1]\"", 10, "`command[1]` of FMU `c`"),
+    ] {
+        fs::write(&file, text.replacen(from, to, 1)).unwrap();
+        let said = run(&file).unwrap_err();
+        let place = format!("OspSystemStructure.xml:{line}: ");
+        assert!(said.contains(words) && said.contains(&place), "{from}: {said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+    let twice = "<Variable simulator=\"c\" name=\"command[1]\"/></VariableConnection>";
+    let once = "<VariableConnection><Variable simulator=\"p\" name=\"command[1]\"/>";
+    let more = text.replace("</Connections>", &format!("\n{once}{twice}</Connections>"));
+    fs::write(&file, more).unwrap();
+    let said = run(&file).unwrap_err();
+    assert!(said.contains("two sources") && said.contains("xml:12)"), "{said}");
+    assert!(said.contains("xml:11: ") && said.lines().count() == 1, "{said}");
     for (from, to, words) in [
         (
             "simulator=\"p\" name=\"position",

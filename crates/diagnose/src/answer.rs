@@ -515,8 +515,8 @@ fn provenance(request: &Request, simulations: u64) -> Provenance {
         "the logs given for it".to_owned()
     };
     let split = match request.drop {
-        0.0 => split,
-        drop => format!("{split}; the first {drop} s of each record are a run-in"),
+        None | Some(0.0) => split,
+        Some(drop) => format!("{split}; the first {drop} s of each record are a run-in"),
     };
     let origins = |logs: &[data::Log]| logs.iter().map(|l| l.origin().to_owned()).collect();
     Provenance {

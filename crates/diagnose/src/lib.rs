@@ -52,6 +52,7 @@ mod start;
 mod steps;
 mod tap;
 
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use around::{Repaired, preset};
@@ -176,13 +177,37 @@ pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnos
     let pool =
         numerics::threads::pool(request.threads).map_err(|_| Error::Threads(request.threads))?;
     let count = AtomicU64::new(0);
+    let mut outcomes = outcomes(request, observer, (&pool, &count))?;
+    let motion = outcomes.iter().filter_map(start::in_motion);
+    let motion = motion.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|_| request.drop.is_none());
+    let mut request = Cow::Borrowed(request);
+    if let Some((record, drop)) = motion {
+        request.to_mut().drop = Some(drop);
+        outcomes = self::outcomes(&request, observer, (&pool, &count))?;
+        if let Some(first) = outcomes.first_mut() {
+            first.problem.warnings.push(format!(
+                "{record} begins during a motion: the first {drop} s of each record are neither fitted nor judged \
+                 (--drop 0 uses them)"
+            ));
+        }
+    }
+    let gap = pool.install(|| answer::gap(&request, &outcomes, count.load(Ordering::Relaxed)));
+    Ok(Diagnosis { gap, outcomes, worker: request.worker.clone() })
+}
+
+/// The diagnosis of each output.
+fn outcomes(
+    request: &Request,
+    observer: &mut dyn Observer,
+    (pool, count): (&rayon::ThreadPool, &AtomicU64),
+) -> Result<Vec<outcome::Outcome>, Error> {
     let problems = problem::problems(request)?;
     let total = problems.len();
     let mut outcomes = Vec::with_capacity(total);
     for (number, problem) in problems.into_iter().enumerate() {
         observer.progress("diagnose", number, total);
         let boxes = problem.base.black_boxes();
-        let outcome = pool.install(|| course::settled(problem, request, &count));
+        let outcome = pool.install(|| course::settled(problem, request, count));
         // Without its FMU a search finds nothing; what it says of that is no answer.
         boxes.iter().try_for_each(black_box::BlackBox::is_alive)?;
         outcomes.push(
@@ -192,6 +217,5 @@ pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnos
         );
     }
     observer.progress("diagnose", total, total);
-    let gap = pool.install(|| answer::gap(request, &outcomes, count.load(Ordering::Relaxed)));
-    Ok(Diagnosis { gap, outcomes, worker: request.worker.clone() })
+    Ok(outcomes)
 }

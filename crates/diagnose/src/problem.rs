@@ -291,7 +291,8 @@ pub(crate) fn assemble(
             let rows = record.rows.clone();
             let start = log.time()[rows.start];
             // A row that lies on the border up to rounding stays.
-            let is_run_in = |t: &&f64| *t - start < request.drop * (1.0 - 1e-9);
+            let drop = request.drop.unwrap_or(0.0) * (1.0 - 1e-9);
+            let is_run_in = |t: &&f64| *t - start < drop;
             let run_in = log.time()[rows.clone()].iter().take_while(is_run_in).count();
             if rows.len() - run_in < 60 {
                 warnings.push(format!(

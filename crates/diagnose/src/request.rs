@@ -56,8 +56,9 @@ pub struct Request {
     pub logs: Vec<Log>,
     /// Logs that are only used to judge; none: the last 30 % of each record of `logs`.
     pub holdout: Vec<Log>,
-    /// Run-in in s from the start of each record: simulated, neither fitted nor judged.
-    pub drop: f64,
+    /// Run-in in s from the start of each record: simulated, neither fitted nor judged; none: as long as the
+    /// residual shows that a record begins during a motion.
+    pub drop: Option<f64>,
     /// What the commands do between the rows; none: held, unless the logs of a white box say otherwise.
     pub between: Option<Between>,
     /// When the readings of rows are taken; none: before a held command acts, at the instant of one that moves,
@@ -96,7 +97,7 @@ impl Request {
             model,
             logs,
             holdout: Vec::new(),
-            drop: 0.0,
+            drop: None,
             between: None,
             reading: None,
             accuracy: 0.0,

@@ -1,4 +1,4 @@
-//! Where the machine rested before a log begins.
+//! Where the machine rested before a log begins, or that it did not rest.
 //!
 //! A log often begins with the row whose command sets the machine in motion. Its readings then move though the
 //! logged command stands still, which no model does that rests under the first row's command. The machine
@@ -9,6 +9,7 @@ use std::sync::atomic::AtomicU64;
 
 use crate::chain::{Bench, Horizon};
 use crate::data_set::{DataSet, RecordRows};
+use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::select::Candidate;
 
@@ -21,6 +22,58 @@ const ROWS: usize = 4;
 /// Where u₀ is looked for, in half ranges of the command about its centre.
 const FAR: f64 = 3.0;
 const HALVINGS: usize = 50;
+
+/// Blocks of a record by which its start is compared with the rest, and least rows of one.
+const BLOCKS: usize = 200;
+const LEAST: usize = 8;
+/// Part of a record that a run-in may take.
+const LONGEST: f64 = 0.1;
+/// Mean square of the first block over the greatest one behind the longest run-in.
+const STANDS_OUT: f64 = 9.0;
+/// Least distance of one of the first two rows, over the effective value of the first block.
+const AT_ONCE: f64 = 0.2;
+/// Part of the later blocks in which less is left than in the last one of the run-in.
+const USUAL: f64 = 0.9;
+
+/// A record that begins during a motion, which no model follows that starts at rest, and the time in s until what
+/// that leaves has decayed: the record whose run-in is longest.
+pub(crate) fn in_motion(outcome: &Outcome) -> Option<(String, f64)> {
+    // Without a mode nothing swings on by itself: what stands out then is a first stroke from rest.
+    outcome.problem.base.mode?;
+    let data = &outcome.problem.data;
+    let all = data.records.iter().filter_map(|record| {
+        let blocks = run_in(&outcome.found.last.judged.residual[record.rows.clone()])?;
+        let time = &data.time[record.rows.clone()];
+        Some((record.name.clone(), time[blocks] - time[0]))
+    });
+    let (record, time) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    // A time that can be said in few digits.
+    let digit = 10f64.powf(time.log10().floor() - 1.0);
+    format!("{:.1e}", (time / digit).ceil() * digit).parse().ok().map(|time| (record, time))
+}
+
+/// Rows at the start of a residual that stand out.
+fn run_in(residual: &[f64]) -> Option<usize> {
+    let rows = (residual.len() / BLOCKS).max(LEAST);
+    let longest = ((residual.len() / rows) as f64 * LONGEST) as usize;
+    if longest < 2 {
+        return None;
+    }
+    let mut level = residual[longest * rows..].to_vec();
+    let middle = level.len() / 2;
+    let level = *level.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let squares = |block: &[f64]| block.iter().map(|e| (e - level).powi(2)).sum::<f64>();
+    let blocks: Vec<f64> = residual.chunks_exact(rows).map(squares).collect();
+    let mut later = blocks[longest..].to_vec();
+    later.sort_by(f64::total_cmp);
+    let usual = later[((later.len() - 1) as f64 * USUAL) as usize];
+    // What a machine at rest does that no model has begins with nothing.
+    let at_once = AT_ONCE * (blocks[0] / rows as f64).sqrt();
+    let stands_out = blocks[0] > STANDS_OUT * later.last()?
+        && residual[..2].iter().any(|e| (e - level).abs() > at_once);
+    let end = blocks[..longest].iter().position(|block| *block <= usual)?;
+    stands_out.then_some(end * rows)
+}
 
 /// Takes each record from the rest that its first readings show, and says so; whether any is another one than
 /// that of the first row's command.
@@ -117,4 +170,39 @@ fn rest(data: &DataSet, base: &Candidate, command: f64, count: &AtomicU64) -> Op
     let still = DataSet::new(vec![rows], &names, Some(data.step));
     let mut bench = Bench::new(&base.chain, &still, Horizon::All, count);
     bench.keep(&base.fit.theta).ok()?.first().copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    const SEED: u64 = 5;
+
+    /// A swing that decays from the first row on, or grows to its size first, in noise.
+    fn residual(swing: f64, delay: f64) -> Vec<f64> {
+        let mut random = Random::new(SEED);
+        let at = |t: f64| swing * (1.0 - (-t / delay).exp()) * (-t / 40.0).exp() * (0.7 * t).cos();
+        (0..4000).map(|k| 3.0 + at(f64::from(k) + 0.01) + random.uniform() - 0.5).collect()
+    }
+
+    #[test]
+    fn a_swing_from_the_first_row_on_is_a_motion() {
+        let rows = run_in(&residual(60.0, 1e-3)).expect("a run-in");
+        // Until 60·exp(−t/40) is below the noise of 0.29.
+        assert!((140..300).contains(&rows), "seed {SEED}: {rows}");
+    }
+
+    #[test]
+    fn what_begins_with_nothing_or_is_small_is_none() {
+        for (swing, delay) in [(0.0, 1.0), (0.3, 1e-3), (60.0, 30.0)] {
+            assert_eq!(run_in(&residual(swing, delay)), None, "seed {SEED}: {swing}, {delay}");
+        }
+    }
+
+    #[test]
+    fn a_burst_that_comes_again_is_none() {
+        let one = residual(60.0, 1e-3);
+        assert_eq!(run_in(&[&one[..1000], &one[..1000]].concat()), None, "seed {SEED}");
+    }
 }

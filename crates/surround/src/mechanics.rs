@@ -40,16 +40,24 @@ impl Force {
 
     /// Parts of a step of this angle of the mode, in rad: friction turns quickly.
     fn parts(self, angle: f64) -> u8 {
-        /// Greatest angle of a part with a stiffness.
-        const STIFFNESS: f64 = 0.4;
-        /// The same with friction or damping.
+        /// Greatest angle of a part with a smooth force.
+        const SMOOTH: f64 = 0.4;
+        /// The same with friction.
         const FRICTION: f64 = 0.25;
         match self {
-            Self::Cubic | Self::Uneven => (angle / STIFFNESS).ceil().clamp(1.0, 64.0) as u8,
-            Self::Friction | Self::SpeedDamping | Self::Coulomb | Self::BoucWen => {
+            Self::Cubic | Self::Uneven | Self::SpeedDamping => {
+                (angle / SMOOTH).ceil().clamp(1.0, 64.0) as u8
+            }
+            Self::Friction | Self::Coulomb | Self::BoucWen => {
                 (angle / FRICTION).ceil().clamp(1.0, 3.0) as u8
             }
         }
+    }
+
+    /// Whether it is a polynomial of where the mode is and how fast it moves, nearly: then a rule of fourth order
+    /// gains what its order promises.
+    fn is_smooth(self) -> bool {
+        matches!(self, Self::Cubic | Self::Uneven | Self::SpeedDamping)
     }
 
     /// The force with its parameters; `far` is the far end of the range of the position.
@@ -159,12 +167,16 @@ fn tanh(x: f64) -> f64 {
     ((1.0 - decay) / (1.0 + decay)).copysign(x)
 }
 
-/// A unit-gain mode with forces on it, which act as a part of the input. They are taken at the middle of
-/// each part of a step (exponential midpoint rule: M. Hochbruck, A. Ostermann, Acta Numerica 19 (2010)
-/// 209–286): at its begin it would come late, and a stiffness that comes late feeds the oscillation.
+/// A unit-gain mode with forces on it, which act as a part of the input. Friction is taken at the middle of each
+/// part of a step (exponential midpoint rule): at its begin it would come late. Where all forces are smooth, what they
+/// change within a part goes into the exact motion by the rule of Runge and Kutta, which is of fourth order (J. D.
+/// Lawson, SIAM J. Numer. Anal. 4 (1967) 372–380): a mode is known to 1e-4 and better, and the error of a rule of second
+/// order looks like a damping. For both: M. Hochbruck, A. Ostermann, Acta Numerica 19 (2010) 209–286.
 #[derive(Clone, Copy, Debug)]
 pub struct ForcedMode {
     parts: u8,
+    /// Angle of the mode in a part, in rad, where all forces are smooth.
+    smooth: Option<f64>,
     full: Transition,
     half: Transition,
 }
@@ -177,11 +189,16 @@ impl ForcedMode {
         forces: impl IntoIterator<Item = Force>,
         dt: f64,
     ) -> Self {
-        let parts = forces.into_iter().map(|force| force.parts(TAU * frequency * dt));
-        let parts = parts.max().unwrap_or(1);
+        let angle = TAU * frequency * dt;
+        let (mut parts, mut is_smooth) = (1, true);
+        for force in forces {
+            parts = force.parts(angle).max(parts);
+            is_smooth &= force.is_smooth();
+        }
         let part = dt / f64::from(parts);
         let half = Transition::new(frequency, damping, 0.5 * part);
-        Self { parts, full: Transition::new(frequency, damping, part), half }
+        let smooth = is_smooth.then_some(angle / f64::from(parts));
+        Self { parts, smooth, full: Transition::new(frequency, damping, part), half }
     }
 
     /// Where the mode rests under the input u: the equilibrium by fixed-point steps, where `pull` is what
@@ -201,6 +218,11 @@ impl ForcedMode {
     ) -> f64 {
         let [position, rate, before] = z;
         for _ in 0..self.parts {
+            if let Some(angle) = self.smooth {
+                *before = *position;
+                (*position, *rate) = self.smoothly(u, angle, (*position, *rate), &mut pull);
+                continue;
+            }
             let target = u - pull((*position, *position - *before, *rate), true);
             let (e, r) = self.half.apply(*position - target, *rate);
             // A friction's own state goes on with the position that comes out, not with this guess.
@@ -210,6 +232,31 @@ impl ForcedMode {
             (*position, *rate) = (target + e, r);
         }
         *position
+    }
+
+    /// Position and rate after a part, of this angle, in which the forces change smoothly. A rest stays one: what
+    /// they are at its begin is part of the exact motion.
+    #[inline]
+    fn smoothly(
+        &self,
+        u: f64,
+        angle: f64,
+        (position, rate): (f64, f64),
+        mut pull: impl FnMut((f64, f64, f64), bool) -> f64,
+    ) -> (f64, f64) {
+        let first = pull((position, 0.0, rate), true);
+        let target = u - first;
+        // The kick of what the forces have changed since the begin.
+        let mut kick = |e: f64, r: f64| angle * (first - pull((target + e, 0.0, r), false));
+        let (half, full) = (self.half, self.full);
+        let (e, r) = half.apply(position - target, rate);
+        let second = kick(e, r);
+        let third = kick(e, r + 0.5 * second);
+        let (e, r) = full.apply(position - target, rate);
+        let (late, turned) = half.apply(0.0, third);
+        let fourth = kick(e + late, r + turned);
+        let (late, turned) = half.apply(0.0, second + third);
+        (target + e + late / 3.0, r + turned / 3.0 + fourth / 6.0)
     }
 }
 
@@ -324,7 +371,7 @@ mod tests {
                     (energy(&state.0) / first - 1.0).abs()
                 })
                 .fold(0.0, f64::max);
-            assert!(worst < 0.03, "{force:?}: energy off by {worst} after 20 periods");
+            assert!(worst < 2e-3, "{force:?}: energy off by {worst} after 20 periods");
         }
     }
 
@@ -332,10 +379,11 @@ mod tests {
     fn rows_of_the_log_do_what_short_steps_do() {
         const FINE: usize = 50;
         for (force, p, bound) in [
-            (Force::Cubic, &[0.3][..], 0.02),
+            (Force::Cubic, &[0.3][..], 2e-3),
+            (Force::Uneven, &[-0.2, 0.3], 2e-3),
             (Force::Friction, &[0.05, 0.1], 0.01),
             (Force::Friction, &[0.1, 0.02], 0.01),
-            (Force::SpeedDamping, &[0.4], 0.01),
+            (Force::SpeedDamping, &[0.4], 3e-3),
             (Force::Coulomb, &[0.05, 0.1], 0.01),
             (Force::BoucWen, &[0.5, 0.3, -0.5, -0.3], 0.01),
             (Force::BoucWen, &[0.4, 1.2, -1.4, -0.6], 0.01),

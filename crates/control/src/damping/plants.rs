@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use numerics::fft::Fft;
 
 use super::gains::Gains;
-use super::{Around, BEYOND, Damping};
+use super::{Around, BEYOND, Damping, slopes};
 use crate::design::CommandActs;
 use crate::linearised::LIGHT;
 use crate::loop_shape::{Limits, transfer};
@@ -95,8 +95,7 @@ impl Plants {
                 values.push(own);
             }
         }
-        let share = (around.slopes.1 / slope).clamp(0.2, 1.0);
-        let slopes = [0.5 * (share + 1.0), share, 1.0];
+        let slopes = slopes(slope, around.slopes.1);
         let nominal = around.impulses.first().ok_or("it has no response")?;
         let even = even(nominal, first, slope, later, period);
         let inverse = Fft::inverse(2 * (even.0.len() - 1));

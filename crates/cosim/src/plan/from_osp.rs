@@ -98,6 +98,10 @@ impl Reader {
         self.problems.push(problem.at(format!("<{}>", element.name)));
     }
 
+    fn place(&self, element: &Element) -> String {
+        format!("{}:{}", self.file, element.line)
+    }
+
     fn required(&mut self, element: &Element, name: &str) -> String {
         let found = element.attribute(name).unwrap_or_default();
         if found.is_empty() {
@@ -186,7 +190,8 @@ impl Reader {
         };
         let stated = element.attribute("stepSize").filter(|text| !text.is_empty());
         let step = stated.and_then(|text| self.step(element, text));
-        plan.fmus.push(PlannedFmu { name: name.clone(), path, step });
+        let place = self.place(element);
+        plan.fmus.push(PlannedFmu { name: name.clone(), path, place, step });
         for value in listed(element, "InitialValues") {
             let variable = self.required(value, "variable");
             let Some(found) = value.children.first() else {
@@ -252,7 +257,8 @@ impl Reader {
             let ends: Vec<End> = connection.children.iter().map(|end| self.end(end)).collect();
             match <[End; 2]>::try_from(ends) {
                 Ok([End::Variable(from), End::Variable(to)]) => {
-                    plan.connections.push(PlannedConnection { from, to, way: Way::default() });
+                    let (way, place) = (Way::default(), self.place(connection));
+                    plan.connections.push(PlannedConnection { from, to, way, place });
                 }
                 Ok([End::Signal(function, signal), End::Variable(port)])
                 | Ok([End::Variable(port), End::Signal(function, signal)]) => {
@@ -274,7 +280,7 @@ impl Reader {
                             }
                             into.entry(function).or_insert(port);
                         }
-                        "out" => out_of.push((function, port)),
+                        "out" => out_of.push((function, port, connection)),
                         _ => self.report(
                             connection,
                             format!("there is no signal \"{signal}\""),
@@ -294,19 +300,20 @@ impl Reader {
                 ),
             }
         }
-        for (function, to) in out_of {
+        for (function, to, connection) in out_of {
             let (Some((factor, offset)), Some(from)) =
                 (functions.get(&function), into.get(&function))
             else {
                 self.report(
-                    root,
+                    connection,
                     format!("nothing goes into function \"{function}\""),
                     "connect its signal in",
                 );
                 continue;
             };
             let (from, way) = (from.clone(), Way::scaled(*factor, *offset, true));
-            plan.connections.push(PlannedConnection { from, to, way });
+            let place = self.place(connection);
+            plan.connections.push(PlannedConnection { from, to, way, place });
         }
     }
 

@@ -27,11 +27,13 @@ impl Plan {
             from: port(&connection.from),
             to: port(&connection.to),
             way: Way(connection.way.clone()),
+            place: format!("{}:{}", ssp.file_name(), connection.line.0),
         });
         let inputs = flat.inputs.iter().map(|input| PlannedInput {
             column: input.connector.clone(),
             to: port(&input.to),
             way: Way(input.way.clone()),
+            place: format!("{}:{}", ssp.file_name(), input.line.0),
         });
         let starts = flat.starts.iter().map(|start| PlannedStart {
             to: port(&start.to),
@@ -83,7 +85,7 @@ fn fmus(ssp: &Ssp, flat: &Flat) -> Result<Vec<PlannedFmu>, Vec<String>> {
             Ok(path) => {
                 let mine = own(&component.annotations);
                 let step = mine.and_then(|element| number(element, "step"));
-                fmus.push(PlannedFmu { name: component.path.clone(), path, step });
+                fmus.push(PlannedFmu { name: component.path.clone(), path, place: at, step });
             }
             Err(why) => problems.push(format!("{at}: {why}")),
         }

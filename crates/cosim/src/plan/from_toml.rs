@@ -113,7 +113,8 @@ impl Reader {
         for (to, value) in self.table(root, "inputs") {
             let Some(to) = self.port(&plan, "inputs", &to, value) else { continue };
             let Some(column) = self.is_text(value, "inputs") else { continue };
-            plan.inputs.push(PlannedInput { column, to, way: Way::default() });
+            let place = format!("{}:{}", self.file, self.line(value.span().start));
+            plan.inputs.push(PlannedInput { column, to, way: Way::default(), place });
         }
         for (name, value) in self.table(root, "record") {
             let Some(text) = self.is_text(value, "record") else { continue };
@@ -190,7 +191,8 @@ impl Reader {
         let table = match value.get_ref() {
             DeValue::String(file) => {
                 let path = folder.join(&**file);
-                plan.fmus.push(PlannedFmu { name: name.to_owned(), path, step: None });
+                let place = format!("{}:{}", self.file, self.line(value.span().start));
+                plan.fmus.push(PlannedFmu { name: name.to_owned(), path, place, step: None });
                 return;
             }
             DeValue::Table(table) => table,
@@ -207,7 +209,9 @@ impl Reader {
             return self.report(value.span().start, &place, "", "names no file", way_out);
         };
         let step = self.number(table, &place, "step");
-        plan.fmus.push(PlannedFmu { name: name.to_owned(), path: folder.join(file), step });
+        let fmu_place = format!("{}:{}", self.file, self.line(value.span().start));
+        let (name_of, path) = (name.to_owned(), folder.join(file));
+        plan.fmus.push(PlannedFmu { name: name_of, path, place: fmu_place, step });
         for (variable, value) in self.table(table, "start") {
             let at = format!("{place}.start.{variable}");
             let Some(value_of) = self.value(value, &at) else { continue };
@@ -242,7 +246,8 @@ impl Reader {
             },
         };
         let Some(from) = self.port(plan, &place, &from, value) else { return };
-        plan.connections.push(PlannedConnection { from, to, way });
+        let place = format!("{}:{}", self.file, self.line(value.span().start));
+        plan.connections.push(PlannedConnection { from, to, way, place });
     }
 
     fn port(

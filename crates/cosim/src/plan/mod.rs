@@ -78,6 +78,8 @@ pub struct PlannedFmu {
     pub name: String,
     /// The FMU's file.
     pub path: PathBuf,
+    /// Where it stands in the plan, for messages.
+    pub place: String,
     /// Its own step in s, if it is longer than the communication step.
     pub step: Option<f64>,
 }
@@ -91,6 +93,8 @@ pub struct PlannedConnection {
     pub to: Port,
     /// What happens on the way.
     pub way: Way,
+    /// Where it stands in the plan, for messages.
+    pub place: String,
 }
 
 /// An input that is fed from outside.
@@ -102,6 +106,8 @@ pub struct PlannedInput {
     pub to: Port,
     /// What happens on the way.
     pub way: Way,
+    /// Where it stands in the plan, for messages.
+    pub place: String,
 }
 
 /// A start value.

@@ -73,11 +73,12 @@ impl Plan {
             units.iter().map(|(n, unit)| (n.as_str(), unit)).collect();
         for input in &self.inputs {
             let unit = units.get(input.column.as_str()).map(|unit| Unit::clone(unit));
-            diagram.feed_by(&input.column, unit, input.to.clone(), input.way.clone());
+            let (column, to, way) = (input.column.clone(), input.to.clone(), input.way.clone());
+            diagram.feed_at(column, unit, to, way, &input.place);
         }
         let connections = self.directed(&known);
-        for PlannedConnection { from, to, way } in connections.clone() {
-            diagram.connect_by(from, to, way);
+        for PlannedConnection { from, to, way, place } in connections.clone() {
+            diagram.connect_at(from, to, way, &place);
         }
         for fmu in &self.fmus {
             match multiple(fmu.step, step) {
@@ -169,14 +170,14 @@ impl Plan {
         };
         let mut directed = Vec::new();
         for connection in &self.connections {
-            let PlannedConnection { mut from, mut to, way } = connection.clone();
+            let PlannedConnection { mut from, mut to, way, place } = connection.clone();
             let backwards = !is(&from, Causality::Output) && is(&to, Causality::Output);
             if self.undirected && backwards {
                 std::mem::swap(&mut from, &mut to);
             }
             let (sources, targets) = (elements(&from), elements(&to));
             if sources.is_empty() || sources.len() != targets.len() {
-                directed.push(PlannedConnection { from, to, way });
+                directed.push(PlannedConnection { from, to, way, place });
                 continue;
             }
             let pairs = sources.into_iter().zip(targets);
@@ -184,6 +185,7 @@ impl Plan {
                 from,
                 to,
                 way: way.clone(),
+                place: place.clone(),
             }));
         }
         directed
@@ -213,6 +215,9 @@ impl Plan {
                 ports.push(port.clone());
             }
         }
+        // What is fed twice is an error of its own.
+        let mut once = HashSet::new();
+        ports.retain(|port| once.insert(port.clone()));
         let named = |port: Port| {
             let name = format!("{}.{}", port.slave, port.variable);
             (port, name)
@@ -230,7 +235,8 @@ impl Plan {
     ) {
         let Port { slave, variable } = &start.to;
         let Some(description) = slaves.description(slave) else {
-            problems.push(Problem::NoSuchSlave { name: slave.clone(), there: String::new() });
+            let problem = Problem::NoSuchSlave { name: slave.clone(), there: String::new() };
+            problems.push(problem.at(&start.place));
             return;
         };
         let several = count(&start.value) > 1;
@@ -253,13 +259,13 @@ impl Plan {
                     continue;
                 }
                 Err(problem) => {
-                    problems.push(problem);
+                    problems.push(problem.at(&start.place));
                     continue;
                 }
             };
             match value_for(description, &address, start, i) {
                 Ok(value) => {
-                    diagram.start((slave, &name), value);
+                    diagram.start_at((slave, &name).into(), value, &start.place);
                 }
                 Err(why) => problems.push(Problem::StartValue {
                     slave: slave.clone(),

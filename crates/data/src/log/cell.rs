@@ -6,39 +6,7 @@ pub(super) type Broken = (&'static str, &'static str);
 /// The number in a cell. Truth values, as fmpy writes them, are 0 and 1.
 pub(super) fn parse(cell: &[u8]) -> Result<f64, Broken> {
     let cell = cell.trim_ascii();
-    // The standard library's parser takes texts; a cell that is no text is no number either.
-    let number = std::str::from_utf8(cell).ok().and_then(|text| text.parse::<f64>().ok());
-    number.map_or_else(|| other(cell), check)
-}
-
-/// A cell of a row: bytes, or text where the whole line is known to be.
-pub(super) trait Cell<'c>: Copy {
-    /// One with nothing in it.
-    const EMPTY: Self;
-    fn bytes(self) -> &'c [u8];
-    /// Its number, as [`parse`] has it.
-    fn number(self) -> Result<f64, Broken>;
-}
-
-impl<'c> Cell<'c> for &'c [u8] {
-    const EMPTY: Self = &[];
-    fn bytes(self) -> &'c [u8] {
-        self
-    }
-    fn number(self) -> Result<f64, Broken> {
-        parse(self)
-    }
-}
-
-impl<'c> Cell<'c> for &'c str {
-    const EMPTY: Self = "";
-    fn bytes(self) -> &'c [u8] {
-        self.as_bytes()
-    }
-    fn number(self) -> Result<f64, Broken> {
-        let cell = self.trim_ascii();
-        cell.parse().map_or_else(|_| other(cell.as_bytes()), check)
-    }
+    fast_float2::parse(cell).map_or_else(|_| other(cell), check)
 }
 
 /// The number in a cell of a text with decimal commas.

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use super::cell::Cell;
 use super::header::{Head, Role, SECOND};
 use super::lines::Lines;
 use super::notes::{LeftOut, Remarks};
@@ -126,6 +125,11 @@ impl<'a> Table<'a> {
         self
     }
 
+    /// The number of columns, where each row of them is numbers with decimal points.
+    pub(super) fn plain_columns(&self) -> Option<usize> {
+        (self.skipped.is_empty() && !self.has_commas).then_some(self.heads.len())
+    }
+
     /// The times of rows that have none.
     pub(super) fn grid(&self) -> Grid {
         self.grid
@@ -167,7 +171,7 @@ impl<'a> Table<'a> {
     /// Takes a row of text.
     pub(super) fn row<'c>(
         &mut self,
-        row: impl ExactSizeIterator<Item = impl Cell<'c>> + Clone,
+        row: impl ExactSizeIterator<Item = &'c [u8]> + Clone,
         place: Place,
     ) {
         if row.len() != self.heads.len() {
@@ -177,16 +181,16 @@ impl<'a> Table<'a> {
     }
 
     /// A row of another length: cells of columns that are not read may be missing or follow.
-    fn other_length<'c, C: Cell<'c>>(
+    fn other_length<'c>(
         &mut self,
-        row: impl ExactSizeIterator<Item = C> + Clone,
+        row: impl ExactSizeIterator<Item = &'c [u8]> + Clone,
         place: Place,
     ) {
         let (found, wanted) = (row.len(), self.heads.len());
         let missing = found < wanted && (found..wanted).all(|at| self.is_skipped(at));
         // A remark behind the last cell, where the header has none.
         let is_loose = !self.skipped.is_empty() || self.part > 0;
-        let behind: Vec<&[u8]> = row.clone().skip(wanted).map(C::bytes).collect();
+        let behind: Vec<&[u8]> = row.clone().skip(wanted).collect();
         let extra = found > wanted
             && (behind.iter().all(|cell| cell.is_empty())
                 || is_loose && behind.iter().all(|cell| cell::parse(cell).is_err()));
@@ -195,12 +199,12 @@ impl<'a> Table<'a> {
             return;
         }
         self.remarks += usize::from(behind.iter().any(|cell| !cell.is_empty()));
-        let mut cells: Vec<C> = row.take(wanted).collect();
-        cells.resize(wanted, C::EMPTY);
+        let mut cells: Vec<&[u8]> = row.take(wanted).collect();
+        cells.resize(wanted, &[]);
         self.cells_of(cells.into_iter(), place);
     }
 
-    fn cells_of<'c>(&mut self, row: impl Iterator<Item = impl Cell<'c>> + Clone, place: Place) {
+    fn cells_of<'c>(&mut self, row: impl Iterator<Item = &'c [u8]> + Clone, place: Place) {
         self.cells.clear();
         let mut is_good = true;
         for (column, cell) in row.clone().enumerate() {
@@ -209,8 +213,8 @@ impl<'a> Table<'a> {
                 continue;
             }
             let number = match self.has_commas {
-                true => cell::parse_with_comma(cell.bytes()),
-                false => cell.number(),
+                true => cell::parse_with_comma(cell),
+                false => cell::parse(cell),
             };
             let number = number.unwrap_or_else(|(rule, way_out)| {
                 // What is no counter of rows is not needed: the rate says the times.
@@ -220,8 +224,7 @@ impl<'a> Table<'a> {
                 is_good = false;
                 self.note(|table| {
                     let problem = place.of(Problem::new(table.origin, rule, way_out));
-                    let bytes = cell.bytes();
-                    let shown = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]);
+                    let shown = String::from_utf8_lossy(&cell[..cell.len().min(200)]);
                     problem.at(table.name(column)).value(format!("\"{shown}\""))
                 });
                 f64::NAN
@@ -231,7 +234,7 @@ impl<'a> Table<'a> {
         if let Some((at, Role::Instant(day))) =
             self.time_at.and_then(|at| Some((at, &self.heads.get(at)?.role)))
         {
-            let mut row = row.map(Cell::bytes);
+            let mut row = row;
             let day = *day;
             let day = day.and_then(|day| row.clone().nth(day));
             let cell = row.nth(at).unwrap_or_default();

@@ -118,7 +118,19 @@ impl<'a> Composer<'a> {
                     at += piece.count;
                 }
             }
+            let has_force = self.effects.iter().any(|effect| effect.force.is_some());
+            if slot == Slot::AfterActuator && self.base.is_white && has_force {
+                self.gain();
+            }
         }
+    }
+
+    /// The factor of the output: last of all, but before a force on the mode, as in the model that is handed back.
+    /// Behind the force it would be another one.
+    fn gain(&mut self) {
+        let gain = self.parameters.iter().position(|p| p.name == "output.gain").unwrap_or(0);
+        self.touch(gain, 1);
+        self.nodes.push(Node::Gain { parameter: gain, deviation: self.base.gain_tolerance });
     }
 
     /// Says that these parameters act from the node that comes next.
@@ -166,9 +178,9 @@ impl<'a> Composer<'a> {
     }
 
     fn finish(mut self) -> Chain {
-        let gain = self.parameters.iter().position(|p| p.name == "output.gain").unwrap_or(0);
-        self.touch(gain, 1);
-        self.nodes.push(Node::Gain { parameter: gain, deviation: self.base.gain_tolerance });
+        if !self.nodes.iter().any(|node| matches!(node, Node::Gain { .. })) {
+            self.gain();
+        }
         let mut nuisances = Vec::new();
         for (effect, first) in self.effects.iter().zip(&self.first) {
             if let Some(nuisance) = &effect.nuisance {

@@ -40,9 +40,11 @@ impl Instant {
         let (rest, zone) = match rest.rfind(['+', '-']) {
             Some(at) => {
                 let digits: String = rest[at + 1..].chars().filter(|c| *c != ':').collect();
-                let (hours, minutes) = match digits.len() {
-                    2 => (digits.parse::<i64>().ok()?, 0),
-                    4 => (digits[..2].parse().ok()?, digits[2..].parse().ok()?),
+                // What is no digit may be several bytes long.
+                let (hours, minutes) = digits.split_at_checked(2)?;
+                let (hours, minutes): (i64, i64) = match minutes.len() {
+                    0 => (hours.parse().ok()?, 0),
+                    2 => (hours.parse().ok()?, minutes.parse().ok()?),
                     _ => return None,
                 };
                 let sign = if rest[at..].starts_with('-') { -1 } else { 1 };
@@ -178,9 +180,21 @@ mod tests {
         assert_eq!(Instant::parse("0.25 sec"), Some(Instant::Both(250_000_000)));
         assert_eq!(Instant::parse("1970-01-01"), Some(Instant::Date(0)));
         assert_eq!(Instant::parse("2000-02-29"), Some(Instant::Date(11_016)));
-        for text in
-            ["1.5", "12", "1-2", "25:00:00", "x", "", "2026-13-01", "1.2.3", "1e-5", "99999-1-1"]
-        {
+        for text in [
+            "1.5",
+            "12",
+            "1-2",
+            "25:00:00",
+            "x",
+            "",
+            "2026-13-01",
+            "1.2.3",
+            "1e-5",
+            "99999-1-1",
+            "2026-11-25T12:00-0µm",
+            "2026-11-25T12:00+é",
+            "2026-11-25T12:00-050",
+        ] {
             assert_eq!(Instant::parse(text), None, "{text}");
         }
     }

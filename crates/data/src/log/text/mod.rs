@@ -5,6 +5,7 @@ mod decode;
 mod ends;
 mod instant;
 mod layout;
+mod numbers;
 mod pairs;
 mod preamble;
 
@@ -12,7 +13,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
-use csv::{ByteRecord, Reader, ReaderBuilder, StringRecord};
+use csv::{ByteRecord, Reader, ReaderBuilder};
 
 pub(super) use cells::Kind;
 pub(super) use instant::Since;
@@ -113,16 +114,22 @@ fn read(
     let mut log = match plain_header(&head) {
         Some(cells) if options.columns.is_empty() => {
             let ends = Ends::of(&head);
-            // Blank lines count as lines where line feeds are counted.
-            let above = match ends {
-                Ends::CarriageReturn => head.iter().take_while(|byte| **byte == b'\r').count(),
-                _ => 0,
-            };
-            let mut rows =
-                csv_rows(Dialect::PLAIN, Cursor::new(head).chain(rest).chain(ends.behind()));
+            let mut rows = csv_rows(Dialect::PLAIN, &head[..]);
             let mut row = ByteRecord::new();
             rows.read_byte_record(&mut row).map_err(|error| source.broken(error))?;
-            let line = above + ends.line(&row, rows.position());
+            let mut line = ends.line(&row, rows.position());
+            let mut end = usize::try_from(rows.position().byte()).unwrap_or(head.len());
+            end += usize::from(head.get(end) == Some(&b'\n'));
+            // Blank lines count as lines where line feeds are counted.
+            let above = match ends {
+                Ends::CarriageReturn => {
+                    line += head.iter().take_while(|byte| **byte == b'\r').count();
+                    line
+                }
+                _ => head[..end].iter().filter(|byte| **byte == b'\n').count(),
+            };
+            head.drain(..end);
+            let rows = Cursor::new(head).chain(rest);
             table(&cells, &source, line, None)?.csv(rows, &source, ends, above)
         }
         _ => laid_out(head, rest, &source, &mut notes),
@@ -184,9 +191,7 @@ fn laid_out(
     let table = table(&layout.header, source, layout.header_line, Some(&layout))?;
     match layout.dialect.separator {
         b' ' => table.words(BufReader::with_capacity(BUFFER, bytes), source, line),
-        _ => {
-            table.csv(csv_rows(layout.dialect, bytes.chain(ends.behind())), source, ends, line - 1)
-        }
+        _ => table.csv(bytes, source, ends, line - 1),
     }
 }
 
@@ -286,11 +291,19 @@ impl Rows<'_> {
     /// Reads rows as CSV; `before` lines stand above the first one.
     fn csv(
         mut self,
-        mut rows: Reader<impl Read>,
+        mut bytes: impl Read,
         source: &Source<'_>,
         ends: Ends,
-        before: usize,
+        mut before: usize,
     ) -> Result<Log, Problems> {
+        let mut rest = Vec::new();
+        if ends != Ends::CarriageReturn {
+            let separator = self.dialect.separator;
+            (rest, before) = numbers::read(&mut bytes, separator, &mut self.table, before)
+                .map_err(|error| source.broken(error))?;
+        }
+        let bytes = Cursor::new(rest).chain(bytes).chain(ends.behind());
+        let mut rows = csv_rows(self.dialect, bytes);
         let mut row = ByteRecord::new();
         while rows.read_byte_record(&mut row).map_err(|error| source.broken(error))? {
             let place = Place::Line(before + ends.line(&row, rows.position()));
@@ -307,17 +320,7 @@ impl Rows<'_> {
                     continue;
                 }
             }
-            // As text, which is looked through once, numbers are read faster than as bytes.
-            match StringRecord::from_byte_record(row) {
-                Ok(text) => {
-                    self.table.row((0..text.len()).map(|at| &text[at]), place);
-                    row = text.into_byte_record();
-                }
-                Err(error) => {
-                    row = error.into_byte_record();
-                    self.table.row(row.iter(), place);
-                }
-            }
+            self.table.row(row.iter(), place);
         }
         self.finish()
     }
