@@ -1,12 +1,12 @@
 //! The page of a frequency response: Bode plots with coherence, levels of noise and distortion, modes.
 
-use diagnose::figures::unwrapped;
 use identify::frequency::Line;
 use report::{
     Axis, Bode, Column, KeyFigure, Provenance, Report, Role, Section, Spectrum, Table, Value,
     Verdict,
 };
 
+use super::polar;
 use crate::commands::frequency_response::plant::Plant;
 use crate::commands::frequency_response::{Measured, Signal};
 
@@ -96,8 +96,8 @@ fn bode(measured: &Measured, input: usize, signal: &Signal) -> Bode {
     let mut figure = Bode::new(format!("From {}", signal.name), unit);
     let is_single = measured.outputs.len() == 1;
     for (o, output) in measured.outputs.iter().enumerate() {
-        let magnitude = of(&|line| line.response[(o, input)].norm());
-        let phase = unwrapped(of(&|line| line.response[(o, input)].arg()));
+        let response: Vec<_> = lines.iter().map(|line| line.response[(o, input)]).collect();
+        let (magnitude, phase) = polar(&response);
         let coherence = of(&|line| line.coherence[o]);
         let role = if is_single { Role::Measured } else { Role::Other };
         let name = output.name.as_str();
@@ -105,8 +105,7 @@ fn bode(measured: &Measured, input: usize, signal: &Signal) -> Bode {
         if let Some(choice) = &measured.model {
             let model: Vec<_> =
                 frequency.iter().map(|f| choice.model.response(*f)[(o, input)]).collect();
-            let magnitude: Vec<f64> = model.iter().map(|g| g.norm()).collect();
-            let phase = unwrapped(model.iter().map(|g| g.arg()).collect());
+            let (magnitude, phase) = polar(&model);
             let role = if is_single { Role::Model } else { Role::Other };
             let name = format!("{name}, fitted");
             figure = figure.response(role, name, &frequency, &magnitude, &phase, None);

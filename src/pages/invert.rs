@@ -9,7 +9,7 @@ use report::{
     Value, Verdict, XyLoop, format_number,
 };
 
-use super::{differences, greatest, polar, rms};
+use super::{differences, greatest, polar, rms, sensitivities};
 use crate::commands::invert::{Inverted, Shown};
 
 /// How far a Nyquist plot reaches from zero.
@@ -211,8 +211,7 @@ fn nyquist(shown: &Shown, curves: &FrequencyCurves) -> XyLoop {
 }
 
 fn sensitivity(axis: &LoopFigures, shown: &Shown, curves: &FrequencyCurves) -> Spectrum {
-    let one = Complex::new(1.0, 0.0);
-    let own: Vec<f64> = curves.open.iter().map(|l| 1.0 / (one + l).norm()).collect();
+    let own = sensitivities(&curves.open);
     let closed: Vec<f64> = curves.closed.iter().map(|t| t.norm()).collect();
     let f = &curves.frequency;
     let figure = Spectrum::new("Sensitivity and closed loop", Axis::new("|S|, |T|", "1"))

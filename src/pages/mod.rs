@@ -151,6 +151,11 @@ fn polar(values: &[Complex]) -> (Vec<f64>, Vec<f64>) {
     (values.iter().map(|z| z.norm()).collect(), phase)
 }
 
+/// |1/(1 + L)| of an open loop L.
+fn sensitivities(open: &[Complex]) -> Vec<f64> {
+    open.iter().map(|l| 1.0 / (Complex::new(1.0, 0.0) + l).norm()).collect()
+}
+
 /// Root mean square of the finite values.
 fn rms(values: &[f64]) -> f64 {
     let finite = values.iter().filter(|x| x.is_finite());

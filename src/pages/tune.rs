@@ -7,7 +7,7 @@ use report::{
     Value, Verdict,
 };
 
-use super::polar;
+use super::{polar, sensitivities};
 use crate::commands::tune::Tuned;
 
 /// Points of a curve over frequency.
@@ -97,8 +97,7 @@ fn loops(result: &Tuned) -> Section {
         }
         let (magnitude, phase) = polar(&found.open);
         open = open.response(Role::Other, tuned.name, f, &magnitude, &phase, None);
-        let one = Complex::new(1.0, 0.0);
-        let left: Vec<f64> = found.open.iter().map(|l| 1.0 / (one + l).norm()).collect();
+        let left = sensitivities(&found.open);
         if tuned.verdict.stable {
             back = back.trace(Role::Other, tuned.name, f, &left);
         }

@@ -68,6 +68,11 @@ pub(crate) const fn swing() -> f64 {
     SWING
 }
 
+/// A reference, so many periods later.
+pub(crate) fn delayed(reference: &[f64], periods: usize) -> impl Iterator<Item = f64> {
+    reference.iter().take(1).cycle().take(periods).chain(reference).copied()
+}
+
 /// Reference, `late` periods before, less position of each axis from a row on; infinite where the run leaves the model's range.
 pub(crate) fn errors(
     plant: &CheckedBlueprint,
@@ -81,8 +86,7 @@ pub(crate) fn errors(
         Ok(run) => {
             let each = references.iter().zip(&run.position).zip(late);
             each.map(|((r, p), late)| {
-                let wanted = r.iter().take(1).cycle().take(*late).chain(r);
-                wanted.zip(p).skip(from).map(|(r, p)| r - p).collect()
+                delayed(r, *late).zip(p).skip(from).map(|(r, p)| r - p).collect()
             })
             .collect()
         }

@@ -156,28 +156,24 @@ impl Around<'_> {
             })
             .collect();
         let later = self.acts.later();
-        let at = |plant: &Response, angle: usize, is_later: bool| {
-            let back = Complex::from_polar(1.0, -plant.angles[angle]);
-            if is_later { plant.values[angle] } else { plant.values[angle] / back }
-        };
-        let is_late = later.contains(&true);
+        let as_late =
+            |plant: &Response, is_later| if is_later { plant.clone() } else { plant.at_once() };
         let one = Complex::new(1.0, 0.0);
-        let count = given.angles.len();
-        let open: Vec<Complex<f64>> =
-            (0..count).map(|k| laws[k][0] * at(&given, k, is_late)).collect();
-        let closed =
-            (0..count).map(|k| laws[k][1] * at(&given, k, is_late) / (one + open[k])).collect();
-        let mut worst = vec![0.0_f64; count];
+        let nominal = as_late(&given, later.contains(&true));
+        let pairs = || laws.iter().zip(&nominal.values);
+        let open: Vec<Complex<f64>> = pairs().map(|([c, _], plant)| c * plant).collect();
+        let closed = pairs().zip(&open).map(|(([_, r], plant), l)| r * plant / (one + l)).collect();
+        let mut worst = vec![0.0_f64; open.len()];
         let others = plants.iter().map(|impulse| given.of(impulse));
         let slopes = self.slopes();
         let mut number = 0;
         for plant in std::iter::once(given.clone()).chain(others) {
             for is_later in later {
+                let plant = as_late(&plant, *is_later);
                 for slope in &slopes {
                     number += 1;
-                    for (k, worst) in worst.iter_mut().enumerate() {
-                        let own = laws[k][0] * at(&plant, k, *is_later) * slope;
-                        *worst = worst.max(1.0 / (one + own).norm());
+                    for (([c, _], plant), worst) in laws.iter().zip(&plant.values).zip(&mut worst) {
+                        *worst = worst.max(1.0 / (one + c * plant * slope).norm());
                     }
                 }
             }
@@ -349,11 +345,10 @@ impl<'a> Runs<'a> {
         let has = self.axes[index].checks.iter().any(|check| check.feedforward.is_some());
         let forward = self.forward.as_ref().filter(|_| has).map(run).transpose()?;
         let reference = &references[index];
-        let late = late(self.whole, index);
-        let wanted = reference.iter().take(1).cycle().take(late).chain(reference);
+        let wanted = check::delayed(reference, late(self.whole, index));
         Ok(TimeRun {
             wave,
-            reference: kept(wanted.take(reference.len()).copied().collect()),
+            reference: kept(wanted.take(reference.len()).collect()),
             whole: (
                 kept(std::mem::take(&mut whole.position[index])),
                 kept(std::mem::take(&mut whole.command[index])),

@@ -5,6 +5,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::log::median;
+
 /// Most inner steps between two rows, unless [`allow`] says otherwise.
 pub const MOST: u64 = 500_000;
 
@@ -43,10 +45,9 @@ pub fn check(sample: f64, inner: f64) -> Result<(), String> {
 pub fn check_rows(time: &[f64], inner: f64) -> Result<(), String> {
     let gaps = || time.windows(2).map(|pair| pair[1] - pair[0]);
     let Some(row) = gaps().position(|gap| too_many(gap, inner).is_some()) else { return Ok(()) };
-    let mut sorted: Vec<f64> = gaps().collect();
-    let middle = sorted.len() / 2;
-    let (_, usual, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
-    check(*usual, inner)?;
+    if let Some(usual) = median(&mut gaps().collect::<Vec<f64>>()) {
+        check(usual, inner)?;
+    }
     let gap = time[row + 1] - time[row];
     Err(format!(
         "row {} is at {} s, {gap} s behind the row before it, which is {:.1e} inner steps of {inner} s; \

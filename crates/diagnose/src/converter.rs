@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use numerics::Complex;
 use numerics::fft::Fft;
+use numerics::{Complex, median};
 
 use surround::{Span, code};
 
@@ -132,9 +132,8 @@ impl Converted {
         let over = |k: usize| {
             let end = (k + AROUND + 1).min(powers.len());
             let mut around = powers[k.saturating_sub(AROUND)..end].to_vec();
-            let middle = around.len() / 2;
-            let median = *around.select_nth_unstable_by(middle, f64::total_cmp).1;
-            if powers[k] > OVER * median { powers[k] } else { 0.0 }
+            let stands_out = median(&mut around).is_some_and(|median| powers[k] > OVER * median);
+            if stands_out { powers[k] } else { 0.0 }
         };
         (0..powers.len()).map(over).collect()
     }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use numerics::median;
 use surround::Span;
 
 use crate::between::Course;
@@ -256,11 +257,7 @@ impl DataSet {
             .iter()
             .flat_map(|r| self.time[r.rows.clone()].windows(2).map(|w| w[1] - w[0]))
             .collect();
-        let middle = all.len() / 2;
-        if all.is_empty() {
-            return self.step;
-        }
-        *all.select_nth_unstable_by(middle, f64::total_cmp).1
+        median(&mut all).unwrap_or(self.step)
     }
 
     /// Length of the longest record in s.

@@ -178,8 +178,8 @@ pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnos
         numerics::threads::pool(request.threads).map_err(|_| Error::Threads(request.threads))?;
     let count = AtomicU64::new(0);
     let mut outcomes = outcomes(request, observer, (&pool, &count))?;
-    let motion = outcomes.iter().filter_map(start::in_motion);
-    let motion = motion.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|_| request.drop.is_none());
+    let open = outcomes.iter().filter(|_| request.drop.is_none());
+    let motion = open.filter_map(start::in_motion).max_by(|a, b| a.1.total_cmp(&b.1));
     let mut request = Cow::Borrowed(request);
     if let Some((record, drop)) = motion {
         request.to_mut().drop = Some(drop);

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use numerics::median;
+
 use crate::spectrum::{self, Bands};
 
 /// Most that the part growing as 1/f may add to the white part, where only logs of a driven machine
@@ -146,9 +148,7 @@ pub(crate) fn second_differences(
     if all.len() < 20 {
         return None;
     }
-    let middle = all.len() / 2;
-    let median = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let sigma = median / (0.6745 * 6f64.sqrt());
+    let sigma = median(&mut all)? / (0.6745 * 6f64.sqrt());
     if sigma > 0.0 {
         return Some(sigma);
     }
@@ -172,9 +172,7 @@ pub(crate) fn fourth_differences(
     if all.len() < 20 {
         return None;
     }
-    let middle = all.len() / 2;
-    let median = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
-    (median > 0.0).then(|| median / (0.6745 * 70f64.sqrt()))
+    median(&mut all).filter(|m| *m > 0.0).map(|median| median / (0.6745 * 70f64.sqrt()))
 }
 
 /// What does not repeat, where records repeat their command.

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use numerics::Complex;
 use numerics::fft::Fft;
 use numerics::spectrum::windowed;
+use numerics::{Complex, median};
 
 /// Number of bands.
 const BANDS: usize = 18;
@@ -154,9 +154,7 @@ pub(crate) fn resonances(
         }
         let width = ((AROUND * k as f64) as usize).max(2 * BESIDE);
         let mut around = answers[k.saturating_sub(width).max(1)..(k + width).min(half)].to_vec();
-        let middle = around.len() / 2;
-        let median = *around.select_nth_unstable_by(middle, f64::total_cmp).1;
-        if answers[k] > ABOVE * median {
+        if median(&mut around).is_some_and(|median| answers[k] > ABOVE * median) {
             peaks.push(((k - BESIDE..=k + BESIDE).map(explained).sum(), k));
         }
     }
@@ -179,11 +177,8 @@ pub(crate) fn lines(signal: &[f64], sample: f64, most: usize) -> Vec<f64> {
         if !is_peak {
             continue;
         }
-        let around = &density[k.saturating_sub(width).max(1)..(k + width).min(n)];
-        let mut sorted = around.to_vec();
-        let middle = sorted.len() / 2;
-        let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let ratio = density[k] / median.max(0.1);
+        let mut around = density[k.saturating_sub(width).max(1)..(k + width).min(n)].to_vec();
+        let ratio = density[k] / median(&mut around).unwrap_or(0.0).max(0.1);
         if ratio > 30.0 {
             found.push((ratio, k));
         }

@@ -7,6 +7,8 @@
 
 use std::sync::atomic::AtomicU64;
 
+use numerics::median;
+
 use crate::chain::{Bench, Horizon};
 use crate::data_set::{DataSet, RecordRows};
 use crate::outcome::Outcome;
@@ -59,9 +61,7 @@ fn run_in(residual: &[f64]) -> Option<usize> {
     if longest < 2 {
         return None;
     }
-    let mut level = residual[longest * rows..].to_vec();
-    let middle = level.len() / 2;
-    let level = *level.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let level = median(&mut residual[longest * rows..].to_vec())?;
     let squares = |block: &[f64]| block.iter().map(|e| (e - level).powi(2)).sum::<f64>();
     let blocks: Vec<f64> = residual.chunks_exact(rows).map(squares).collect();
     let mut later = blocks[longest..].to_vec();

@@ -44,14 +44,8 @@ impl Force {
         const SMOOTH: f64 = 0.4;
         /// The same with friction.
         const FRICTION: f64 = 0.25;
-        match self {
-            Self::Cubic | Self::Uneven | Self::SpeedDamping => {
-                (angle / SMOOTH).ceil().clamp(1.0, 64.0) as u8
-            }
-            Self::Friction | Self::Coulomb | Self::BoucWen => {
-                (angle / FRICTION).ceil().clamp(1.0, 3.0) as u8
-            }
-        }
+        let (greatest, most) = if self.is_smooth() { (SMOOTH, 64.0) } else { (FRICTION, 3.0) };
+        (angle / greatest).ceil().clamp(1.0, most) as u8
     }
 
     /// Whether it is a polynomial of where the mode is and how fast it moves, nearly: then a rule of fourth order

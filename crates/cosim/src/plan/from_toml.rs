@@ -75,6 +75,11 @@ impl Reader {
         self.lines.partition_point(|start| *start <= byte)
     }
 
+    /// File and line of a value.
+    fn place<T>(&self, value: &Spanned<T>) -> String {
+        format!("{}:{}", self.file, self.line(value.span().start))
+    }
+
     fn report(&mut self, byte: usize, place: &str, value: &str, rule: &str, way_out: &str) {
         let problem = Problem::new(&self.file, rule, way_out).line(self.line(byte));
         self.problems.push(problem.at(place).value(value));
@@ -113,7 +118,7 @@ impl Reader {
         for (to, value) in self.table(root, "inputs") {
             let Some(to) = self.port(&plan, "inputs", &to, value) else { continue };
             let Some(column) = self.is_text(value, "inputs") else { continue };
-            let place = format!("{}:{}", self.file, self.line(value.span().start));
+            let place = self.place(value);
             plan.inputs.push(PlannedInput { column, to, way: Way::default(), place });
         }
         for (name, value) in self.table(root, "record") {
@@ -191,7 +196,7 @@ impl Reader {
         let table = match value.get_ref() {
             DeValue::String(file) => {
                 let path = folder.join(&**file);
-                let place = format!("{}:{}", self.file, self.line(value.span().start));
+                let place = self.place(value);
                 plan.fmus.push(PlannedFmu { name: name.to_owned(), path, place, step: None });
                 return;
             }
@@ -209,9 +214,12 @@ impl Reader {
             return self.report(value.span().start, &place, "", "names no file", way_out);
         };
         let step = self.number(table, &place, "step");
-        let fmu_place = format!("{}:{}", self.file, self.line(value.span().start));
-        let (name_of, path) = (name.to_owned(), folder.join(file));
-        plan.fmus.push(PlannedFmu { name: name_of, path, place: fmu_place, step });
+        plan.fmus.push(PlannedFmu {
+            name: name.to_owned(),
+            path: folder.join(file),
+            place: self.place(value),
+            step,
+        });
         for (variable, value) in self.table(table, "start") {
             let at = format!("{place}.start.{variable}");
             let Some(value_of) = self.value(value, &at) else { continue };
@@ -246,7 +254,7 @@ impl Reader {
             },
         };
         let Some(from) = self.port(plan, &place, &from, value) else { return };
-        let place = format!("{}:{}", self.file, self.line(value.span().start));
+        let place = self.place(value);
         plan.connections.push(PlannedConnection { from, to, way, place });
     }
 

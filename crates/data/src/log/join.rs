@@ -1,5 +1,6 @@
 //! Signals of different times on one uniform grid.
 
+use super::quality::median;
 use super::{Column, GIVE_A_RATE, Log, RATES, SampleTime};
 use crate::{Problem, Problems};
 
@@ -115,12 +116,7 @@ fn period(log: &Log) -> f64 {
     uniform.map_or_else(
         || {
             let mut all: Vec<f64> = log.time().windows(2).map(|pair| pair[1] - pair[0]).collect();
-            let middle = all.len() / 2;
-            if all.is_empty() {
-                f64::INFINITY
-            } else {
-                *all.select_nth_unstable_by(middle, f64::total_cmp).1
-            }
+            median(&mut all).unwrap_or(f64::INFINITY)
         },
         |grid| grid.period,
     )

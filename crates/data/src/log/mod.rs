@@ -58,6 +58,7 @@ pub use mf4::{Mf4About, Mf4Writer};
 pub use notes::LeftOut;
 #[cfg(feature = "parquet")]
 pub use parquet::ParquetLogWriter;
+pub(crate) use quality::median;
 pub use quality::{Finding, Quality};
 pub use rounded::Rounded;
 pub use rows::SampleTime;

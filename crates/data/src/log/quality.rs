@@ -171,7 +171,8 @@ fn stays(values: &[f64], note: &mut impl FnMut(Range<usize>, Quality)) {
     }
 }
 
-fn median(values: &mut [f64]) -> Option<f64> {
+/// The middle one of the values in order, of an even number the upper one of two. It reorders them.
+pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     if values.is_empty() {
         return None;

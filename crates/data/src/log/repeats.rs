@@ -1,5 +1,6 @@
 //! Rows of the same time: jumps of a signal, or times that were written with too few digits.
 
+use super::quality::median;
 use super::table::Place;
 
 /// Rows from which times can be judged.
@@ -54,8 +55,7 @@ pub(super) fn doubt(time: &[f64], is_said: bool) -> Option<String> {
     if some.len() < 10 {
         return None;
     }
-    let middle = some.len() / 2;
-    let usual = *some.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let usual = median(&mut some)?;
     let widest = time
         .windows(2)
         .enumerate()

@@ -204,7 +204,7 @@ impl<'a> Table<'a> {
         self.cells_of(cells.into_iter(), place);
     }
 
-    fn cells_of<'c>(&mut self, row: impl Iterator<Item = &'c [u8]> + Clone, place: Place) {
+    fn cells_of<'c>(&mut self, mut row: impl Iterator<Item = &'c [u8]> + Clone, place: Place) {
         self.cells.clear();
         let mut is_good = true;
         for (column, cell) in row.clone().enumerate() {
@@ -234,7 +234,6 @@ impl<'a> Table<'a> {
         if let Some((at, Role::Instant(day))) =
             self.time_at.and_then(|at| Some((at, &self.heads.get(at)?.role)))
         {
-            let mut row = row;
             let day = *day;
             let day = day.and_then(|day| row.clone().nth(day));
             let cell = row.nth(at).unwrap_or_default();

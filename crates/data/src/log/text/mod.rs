@@ -117,15 +117,16 @@ fn read(
             let mut rows = csv_rows(Dialect::PLAIN, &head[..]);
             let mut row = ByteRecord::new();
             rows.read_byte_record(&mut row).map_err(|error| source.broken(error))?;
-            let mut line = ends.line(&row, rows.position());
+            // Blank lines count as lines where line feeds are counted.
+            let blank = match ends {
+                Ends::CarriageReturn => head.iter().take_while(|byte| **byte == b'\r').count(),
+                _ => 0,
+            };
+            let line = blank + ends.line(&row, rows.position());
             let mut end = usize::try_from(rows.position().byte()).unwrap_or(head.len());
             end += usize::from(head.get(end) == Some(&b'\n'));
-            // Blank lines count as lines where line feeds are counted.
             let above = match ends {
-                Ends::CarriageReturn => {
-                    line += head.iter().take_while(|byte| **byte == b'\r').count();
-                    line
-                }
+                Ends::CarriageReturn => line,
                 _ => head[..end].iter().filter(|byte| **byte == b'\n').count(),
             };
             head.drain(..end);
