@@ -138,7 +138,10 @@ impl Addresses {
         };
         let unknown = |name: &str| name != "time" && !known().any(|known| is(known, name));
         if let Some((name, column)) = names.iter().find(|(name, _)| unknown(name)) {
-            let near = if known().any(|known| is(known, column)) {
+            let element = known().find(|known| known.split('[').next() == Some(name));
+            let near = if let Some(element) = element {
+                format!("; did you mean {element}={column}?")
+            } else if known().any(|known| is(known, column)) {
                 format!("; the order is VARIABLE=COLUMN: did you mean {column}={name}?")
             } else {
                 data::nearest(name, known())

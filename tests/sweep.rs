@@ -44,6 +44,12 @@ fn threads_shards_and_a_kill_leave_no_trace() {
     succeed(&["sweep", "plan.toml", "--threads", "5", "-o", "five.parquet"], folder);
     let whole = bytes(folder, "one.parquet");
     assert!(whole == bytes(folder, "five.parquet"));
+    // A pipe gets the table too; nobody looks whether there is one in it already.
+    assert!(Command::new("mkfifo").arg(folder.join("pipe")).status().expect("mkfifo").success());
+    let pipe = folder.join("pipe");
+    let reader = std::thread::spawn(move || fs::read(pipe).expect("a table"));
+    succeed(&["sweep", "plan.toml", "-o", "pipe"], folder);
+    assert!(whole == reader.join().expect("read"));
     // Shards, in any order.
     for shard in ["3/3", "1/3", "2/3"] {
         succeed(&["sweep", "plan.toml", "--shard", shard], folder);

@@ -338,6 +338,8 @@ fn in_a_loop_and_in_a_system_the_one_that_fails_is_named() {
             let said = fails(&[call, more].concat(), at);
             contains(&said, &[name, "at t = 0.5 s", words, "6 rows until then are in run.csv"]);
             assert_eq!(run(at), whole[..KEPT], "{fault}");
+            // The units beside it were right already.
+            assert!(!said.contains("not written"), "{fault}: {said}");
         }
         sound("FOLDER");
         let said = succeed(call, at);

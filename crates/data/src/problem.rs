@@ -31,6 +31,13 @@ impl Problem {
     ) -> Self {
         Self { file: file.into(), rule: rule.into(), way_out: way_out.into(), ..Self::default() }
     }
+    /// The file `path` cannot be written.
+    pub(crate) fn unwritable(path: &std::path::Path, error: &std::io::Error) -> Self {
+        // What our own rules refuse says itself what to do.
+        let is_of_system = error.raw_os_error().is_some();
+        let way_out = if is_of_system { "check the folder and its permissions" } else { "" };
+        Self::new(path.display().to_string(), format!("cannot be written: {error}"), way_out)
+    }
     /// On this line, from 1.
     #[must_use]
     pub fn line(mut self, line: usize) -> Self {

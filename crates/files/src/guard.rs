@@ -80,7 +80,7 @@ pub(crate) fn may_write(target: &Path) -> io::Result<()> {
     let refuse = |rule: &str| Err(io::Error::new(io::ErrorKind::InvalidInput, rule));
     if call.twice.contains(&path) {
         return refuse(
-            "this command already uses the file; an output must differ from all inputs and other outputs: give another file, as with -o FILE",
+            "this command already uses the file; an output must differ from all inputs and other outputs: give another file",
         );
     }
     if call.read.contains(&path) && !call.written.contains(&path) {
@@ -114,7 +114,8 @@ pub(crate) fn note_wanted(target: &Path, named: &Path) {
     }
 }
 
-pub(crate) fn note_written(target: &Path) {
+/// Says that `target` stands as this call wants it: it was written, or was the same already.
+pub fn note_written(target: &Path) {
     if let Some(call) = call().as_mut() {
         call.written.insert(identity(target));
     }

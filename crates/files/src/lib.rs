@@ -3,8 +3,8 @@
 
 mod guard;
 
-pub use guard::{check_beside, guard, note_read, note_read_below, wanted};
-use guard::{note_wanted, note_written, unfinished};
+pub use guard::{check_beside, guard, note_read, note_read_below, note_written, wanted};
+use guard::{note_wanted, unfinished};
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};

@@ -289,11 +289,8 @@ impl Blueprint {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Problems> {
-        WholeFile::write_all_of(path, self.to_toml().as_bytes()).map_err(|error| {
-            let rule = format!("cannot be written: {error}");
-            Problem::new(path.display().to_string(), rule, "check the folder and its permissions")
-                .into()
-        })
+        WholeFile::write_all_of(path, self.to_toml().as_bytes())
+            .map_err(|error| Problem::unwritable(path, &error).into())
     }
 
     /// Names of the records whose values it took when it was read. [`to_toml`](Self::to_toml) writes

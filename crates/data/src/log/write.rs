@@ -62,11 +62,8 @@ impl LogWriter {
     ) -> Result<Self, Problems> {
         let origin = path.display().to_string();
         check_names(&origin, columns)?;
-        let unwritable = |path: &Path, error: &io::Error| {
-            let rule = format!("cannot be written: {error}");
-            let file = path.display().to_string();
-            Problems::from(Problem::new(file, rule, "check the folder and its permissions"))
-        };
+        let unwritable =
+            |path: &Path, error: &io::Error| Problems::from(Problem::unwritable(path, error));
         let mut file = WholeFile::create(path).map_err(|error| unwritable(path, &error))?;
         let head = header_line(columns, is_numbered, units);
         file.write_all(head.as_bytes()).map_err(|error| unwritable(path, &error))?;
@@ -229,7 +226,11 @@ fn may_replace(sidecar: &Path) -> io::Result<()> {
 /// Begins the companion; none where one that says the same is there: it may describe what is read.
 fn begin_sidecar(path: &Path, columns: &[ColumnHeader]) -> io::Result<Option<WholeFile>> {
     let (sidecar, text) = (dataset::sidecar_of(path), sidecar_text(columns));
-    if is_pipe(path) || std::fs::read_to_string(&sidecar).is_ok_and(|there| there == text) {
+    if is_pipe(path) {
+        return Ok(None);
+    }
+    if std::fs::read_to_string(&sidecar).is_ok_and(|there| there == text) {
+        files::note_written(&sidecar);
         return Ok(None);
     }
     may_replace(&sidecar)?;
