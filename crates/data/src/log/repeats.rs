@@ -79,7 +79,8 @@ pub(super) fn doubt(time: &[f64], is_said: bool) -> Option<String> {
             100.0 * largest * f64::EPSILON / usual
         ));
     }
-    let is_whole = || time.iter().all(|time| time.fract() == 0.0);
+    // Times in µs that were computed from seconds have rounding in them: 900.0000000000001.
+    let is_whole = || time.iter().all(|time| (time - time.round()).abs() <= 1e-12 * time.abs());
     // Seconds since 1970 have ten digits.
     if !is_said && time.first().is_some_and(|time| *time > 1e11) {
         return Some(format!(
@@ -126,6 +127,8 @@ mod tests {
         assert_eq!(doubt(&grid(1e-3), false), None);
         assert_eq!(doubt(&grid(100.0), true), None);
         assert!(doubt(&grid(100.0), false).unwrap().contains("every 100 s; is time in ms or us?"));
+        let rounded: Vec<f64> = (0..200).map(|k| f64::from(k) * 1e-4 * 1e6).collect();
+        assert!(doubt(&rounded, false).unwrap().contains("is time in ms or us?"));
         assert!(doubt(&grid(5e4), false).unwrap().contains("us or ns"));
         let since = |start: f64, period: f64| {
             grid(period).iter().map(|time| start + time).take(20).collect::<Vec<_>>()
