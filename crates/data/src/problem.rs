@@ -69,7 +69,8 @@ fn shortened(text: &str) -> String {
     const MOST: usize = 60;
     let mut short: String = text.chars().take(MOST).collect();
     if short.chars().any(char::is_control) {
-        short = short.escape_debug().to_string();
+        let shown = |c: char| if c.is_control() { c.escape_debug().to_string() } else { c.into() };
+        short = short.chars().map(shown).collect();
     }
     if text.chars().nth(MOST).is_some() {
         short.push('…');

@@ -6,9 +6,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// A file could not be written; nothing was left behind.
-    #[error(
-        "{path}: cannot write the report: {source}; choose a folder that exists and is writable"
-    )]
+    #[error("{path}: cannot write the report: {source}")]
     Write {
         /// The file that was asked for.
         path: PathBuf,
