@@ -141,6 +141,8 @@ struct Tried {
     numbers: Option<usize>,
     /// Of a Gaussian process.
     predicted: Option<Predicted>,
+    /// How it was learned.
+    said: Option<String>,
     seconds: f64,
 }
 
@@ -360,6 +362,7 @@ impl<'a> Session<'a> {
             parameters,
             numbers: None,
             predicted: None,
+            said: None,
             seconds: 0.0,
         })
     }
@@ -423,6 +426,9 @@ impl<'a> Session<'a> {
                 best.method.unwrap_or(STATIC),
                 100.0 * SIGNIFICANT_FALL
             );
+            if let Some(said) = &tried.said {
+                reason += &format!("; {said}");
+            }
             if !open.is_empty() {
                 reason += &format!("; the records do not determine {}", open.join(", "));
             }
@@ -540,12 +546,15 @@ impl<'a> Session<'a> {
                 position: rows.of(record.output()).to_vec(),
             });
         }
-        let component = plays.learn(&lessons, period, self.observer)?;
+        let bounds: Vec<(f64, f64)> =
+            CURVED.shape(scene).iter().map(|shape| (shape.lower, shape.upper)).collect();
+        let (component, said) = plays.learn(&lessons, period, &bounds, self.observer)?;
         let chain = Chain::of(component);
         let actuator = Actuator::Chain(&chain);
         let mut tried =
             self.tried(Some(NETWORK), &actuator, solved.offset, linear, deviations, 1)?;
         tried.numbers = Some(plays.numbers());
+        tried.said = Some(said);
         Ok(tried)
     }
 

@@ -372,7 +372,9 @@ fn a_network_over_plays_learns_what_two_curves_leave() {
     let (learned, curved) = (run("learned-plays"), run("curved-prandtl-ishlinskii"));
     let rmse = |id: &Identification| id.records[0].held_out.rmse;
     println!("network {}, two curves alone {}, noise 0.002", rmse(&learned), rmse(&curved));
-    assert!(rmse(&learned) < 0.7 * rmse(&curved));
+    assert!(rmse(&learned) < 0.35 * rmse(&curved));
+    let reason = learned.candidates.last().map_or("", |candidate| &candidate.reason);
+    assert!(reason.contains("plays fitted anew with it: -"), "{reason}");
     let count = learned.candidates.last().map(|candidate| candidate.parameters);
     assert!(count.is_some_and(|count| count <= 500), "{count:?}");
     // Every run gives the same numbers, and the plant is the one that was judged.

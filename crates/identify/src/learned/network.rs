@@ -1,7 +1,7 @@
 //! A small network over what plays remember: what it adds is what plays between two curves leave.
 //!
-//! The plays, curves and creep are those of `curved-prandtl-ishlinskii`, and stay as they are: what one loop leaves open
-//! about smaller ones, their smooth density says, and a network that might change it says something else. In free run
+//! The plays, curves and creep are those of `curved-prandtl-ishlinskii`, and stay as they are unless a fit of all together
+//! ([`joint`]) is much better: what one loop leaves open about smaller ones, their smooth density says. In free run
 //! the network feeds nothing back, so that its error is that of the simulation, and its gradient a product.
 //!
 //! ```text
@@ -12,12 +12,16 @@
 //! is written, itself a network of all their units: where no record went each of them says something else, and their mean
 //! errs less than most.
 
+mod joint;
+
 use components::random::normal;
 use data::{ComponentBlueprint, Value};
 use learned::plays::{INPUTS, inputs_of, unit, unit_slope};
 use nalgebra::{DMatrix, DVector};
 
+use self::joint::Joint;
 use crate::error::Error;
+use crate::identify::SIGNIFICANT_FALL;
 use crate::methods::Chain;
 use crate::observer::Observer;
 
@@ -33,6 +37,8 @@ const STARTS: usize = 3;
 /// Most steps of each search, and the relative fall of the sum that ends it.
 const STEPS: usize = 60;
 const FALL: f64 = 1e-5;
+/// Parts of [`HEIGHT`]'s cost that are tried where plays and network are fitted together, one after the other.
+const PRICES: [f64; 3] = [1.0, 0.1, 0.01];
 /// Most rows that are learned from.
 const ROWS: usize = 20_000;
 /// Name of the random numbers, for all to be the same in every run.
@@ -48,7 +54,35 @@ pub(crate) struct Lesson {
     pub(crate) position: Vec<f64>,
 }
 
+impl Lesson {
+    /// Internal step and position of every row of `every` that is met.
+    fn rows(&self, every: usize) -> impl Iterator<Item = (usize, f64)> {
+        let step = |k: usize| (self.first + k) * self.substeps;
+        let rows = self.position.iter().enumerate().step_by(every);
+        rows.map(move |(k, y)| (step(k), *y)).take_while(|(k, _)| *k < self.signal.len())
+    }
+
+    /// The first two thirds of the rows, and the others.
+    fn parted(&self) -> (Self, Self) {
+        let rows = 2 * self.position.len() / 3;
+        let (begun, rest) = self.position.split_at(rows);
+        let of = |first: usize, position: &[f64]| Self {
+            signal: self.signal.clone(),
+            substeps: self.substeps,
+            first,
+            position: position.to_vec(),
+        };
+        (of(self.first, begun), of(self.first + rows, rest))
+    }
+}
+
+fn without_means(values: &mut [f64]) {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter_mut().for_each(|e| *e -= mean);
+}
+
 /// The plays of a chain `amplifier-nonlinearity, prandtl-ishlinskii, kelvin-voigt-creep` and `sensor-polynomial`.
+#[derive(Clone)]
 pub(crate) struct Plays {
     pub(crate) r: Vec<f64>,
     pub(crate) w: Vec<f64>,
@@ -105,44 +139,67 @@ impl Plays {
         })
     }
 
+    /// What the network sees of a signal and the position with it, in the component's own code.
+    fn simulated(
+        &self,
+        network: &[f64],
+        signal: &[f64],
+        step: f64,
+    ) -> Result<Vec<([f64; INPUTS], f64)>, Error> {
+        let units = network.len() / EACH;
+        let structure =
+            [self.r.len(), self.share.len(), units, units * INPUTS, 1].map(|count| count as f64);
+        let of = |k: usize| network.chunks_exact(EACH).map(move |unit| unit[k]);
+        let heights: Vec<f64> = of(INPUTS + 1).chain(of(INPUTS)).collect();
+        let weights: Vec<f64> =
+            network.chunks_exact(EACH).flat_map(|unit| &unit[..INPUTS]).copied().collect();
+        let arrays = [
+            &self.r[..],
+            &self.w,
+            &self.share,
+            &self.time_constant,
+            &heights,
+            &weights,
+            &self.scalars,
+            &[BEYOND],
+        ];
+        inputs_of(&structure, &arrays.concat(), signal, step).map_err(|violation| Error::Model {
+            name: "learned-plays".to_owned(),
+            message: violation.to_string(),
+        })
+    }
+
     /// What the network sees at each row, and what the plays leave over half the position's range, without its mean.
-    fn seen(&self, lessons: &[Lesson], step: f64) -> Result<(Vec<[f64; INPUTS]>, Vec<f64>), Error> {
-        let structure = [self.r.len() as f64, self.share.len() as f64, 0.0, 0.0, 1.0];
-        let arrays = [&self.r[..], &self.w, &self.share, &self.time_constant, &self.scalars];
-        let parameters = [&arrays.concat()[..], &[BEYOND]].concat();
+    fn seen(
+        &self,
+        lessons: &[Lesson],
+        step: f64,
+        every: usize,
+    ) -> Result<(Vec<[f64; INPUTS]>, Vec<f64>), Error> {
         let half = self.scalars[7];
         let (mut inputs, mut left) = (Vec::new(), Vec::new());
-        let rows: usize = lessons.iter().map(|lesson| lesson.position.len()).sum();
-        let every = rows.div_ceil(ROWS).max(1);
         for lesson in lessons {
-            let seen = inputs_of(&structure, &parameters, &lesson.signal, step);
-            let seen = seen.map_err(|violation| Error::Model {
-                name: "learned-plays".to_owned(),
-                message: violation.to_string(),
-            })?;
+            let seen = self.simulated(&[], &lesson.signal, step)?;
             let from = left.len();
-            for (k, measured) in lesson.position.iter().enumerate().step_by(every) {
-                let Some((x, y)) = seen.get((lesson.first + k) * lesson.substeps) else { break };
-                inputs.push(*x);
+            for (k, measured) in lesson.rows(every) {
+                let (x, y) = seen[k];
+                inputs.push(x);
                 left.push((measured - y) / half);
             }
-            let mean = left[from..].iter().sum::<f64>() / (left.len() - from).max(1) as f64;
-            left[from..].iter_mut().for_each(|e| *e -= mean);
+            without_means(&mut left[from..]);
         }
         Ok((inputs, left))
     }
 
-    /// The component with the network that was learned from these records.
-    ///
-    /// # Errors
-    /// [`Error::Model`] where the component refuses the plays; [`Error::Stopped`].
-    pub(crate) fn learn(
+    /// The network over these plays, unit after unit.
+    fn network(
         &self,
         lessons: &[Lesson],
         step: f64,
+        every: usize,
         observer: &mut dyn Observer,
-    ) -> Result<ComponentBlueprint, Error> {
-        let (inputs, left) = self.seen(lessons, step)?;
+    ) -> Result<Vec<f64>, Error> {
+        let (inputs, left) = self.seen(lessons, step, every)?;
         let mut network = Vec::with_capacity(STARTS * UNITS * EACH);
         for start in 0..STARTS {
             observer.progress("network over plays", start, STARTS);
@@ -153,6 +210,69 @@ impl Plays {
         }
         let heights = network.iter_mut().skip(INPUTS + 1).step_by(EACH);
         heights.for_each(|height| *height /= STARTS as f64);
+        Ok(network)
+    }
+
+    /// Root mean square error on these rows, over half the range.
+    fn error(&self, network: &[f64], lessons: &[Lesson], step: f64) -> Result<f64, Error> {
+        let (mut sum, mut count) = (0.0, 0);
+        for lesson in lessons {
+            let seen = self.simulated(network, &lesson.signal, step)?;
+            let mut error: Vec<f64> = lesson.rows(1).map(|(k, y)| seen[k].1 - y).collect();
+            without_means(&mut error);
+            sum += error.iter().map(|e| e * e).sum::<f64>();
+            count += error.len();
+        }
+        Ok((sum / count.max(1) as f64).sqrt() / self.scalars[7])
+    }
+
+    /// The component with the network that was learned from these records, and how.
+    ///
+    /// Plays and network are fitted together too, with `bounds` of bend, quadratic, cubic and share, and with heights the cheaper
+    /// the longer that helps on the last third of the rows. That is kept where it errs [`SIGNIFICANT_FALL`] less there:
+    /// free weights of the plays follow one size of loops and fail on others.
+    ///
+    /// # Errors
+    /// [`Error::Model`] where the component refuses the plays; [`Error::Stopped`].
+    pub(crate) fn learn(
+        &self,
+        lessons: &[Lesson],
+        step: f64,
+        bounds: &[(f64, f64)],
+        observer: &mut dyn Observer,
+    ) -> Result<(ComponentBlueprint, String), Error> {
+        let rows: usize = lessons.iter().map(|lesson| lesson.position.len()).sum();
+        let every = rows.div_ceil(ROWS).max(1);
+        let joint =
+            |lessons: &[Lesson], price: f64, network: &[f64], observer: &mut dyn Observer| {
+                Joint { plays: self, lessons, step, bounds, price, every }.fit(network, observer)
+            };
+        let (begun, rest): (Vec<Lesson>, Vec<Lesson>) = lessons.iter().map(Lesson::parted).unzip();
+        let network = self.network(&begun, step, every, observer)?;
+        let apart = self.error(&network, &rest, step)?;
+        let mut best = (f64::INFINITY, 0.0);
+        for price in PRICES {
+            let (plays, network) = joint(&begun, price, &network, observer)?;
+            let error = plays.error(&network, &rest, step)?;
+            if error >= best.0 {
+                break;
+            }
+            best = (error, price);
+        }
+        let (together, price) = best;
+        let fall = 1.0 - together / apart;
+        let network = self.network(lessons, step, every, observer)?;
+        let said = format!("{:+.1} % error on the last third of the rows fitted", -100.0 * fall);
+        if fall >= SIGNIFICANT_FALL {
+            let (plays, network) = joint(lessons, price, &network, observer)?;
+            return Ok((plays.component(&network), format!("plays fitted anew with it: {said}")));
+        }
+        let needed = 100.0 * SIGNIFICANT_FALL;
+        let said = format!("plays not fitted anew with it: {said} ({needed:.0} % less is needed)");
+        Ok((self.component(&network), said))
+    }
+
+    fn component(&self, network: &[f64]) -> ComponentBlueprint {
         let of = |k: usize| network.chunks_exact(EACH).map(move |unit| unit[k]);
         let weight: Vec<f64> =
             network.chunks_exact(EACH).flat_map(|unit| unit[..INPUTS].to_vec()).collect();
@@ -168,7 +288,7 @@ impl Plays {
         for (name, value) in SCALARS.into_iter().zip(self.scalars) {
             component = component.value(name, value);
         }
-        Ok(component)
+        component
     }
 
     /// Numbers of all that was fitted and learned: r is a grid of its count, centre and half ranges are the records'.
