@@ -132,6 +132,35 @@ fn parquet_types_are_read_as_they_are_meant() {
     assert_eq!(left_out, ["z", "words"]);
 }
 
+/// Nanoseconds since 1970 keep their last digit, and groups that begin at other instants stay apart by as much.
+#[test]
+fn long_whole_times_keep_their_digits() {
+    let Some(folder) = written() else { return };
+    for name in ["long.npz", "long.parquet"] {
+        let log = read(folder.path(), name).unwrap();
+        assert!(log.time().iter().enumerate().all(|(k, t)| *t == k as f64 / 1e6), "{name}");
+        let count = &log.column("count").unwrap().values;
+        assert_eq!(count[999], 1_700_000_000_000_999_000_u64 as f64, "{name}");
+        let notes = log.notes().join("\n");
+        assert!(notes.contains("after the first row, at 1700000000000000000 ns"), "{notes}");
+    }
+    let options = ReadOptions { resample: Some(data::Resample::Fastest), ..Default::default() };
+    let reference = read(folder.path(), "reference.csv").unwrap();
+    let y = &reference.column("y").unwrap().values;
+    for name in ["long_groups.npz", "date_groups.npz"] {
+        let log = Log::read(&folder.path().join(name), &options)
+            .unwrap_or_else(|problems| panic!("{name}: {problems}"));
+        for (at, time) in log.time().iter().enumerate() {
+            let row = (time * 1e6).round() as usize;
+            if row % 2 == 1 {
+                let found = log.column("y").unwrap().values[at];
+                assert!((found - y[row]).abs() < 1e-6, "{name}, {time} s: {found}, {}", y[row]);
+            }
+        }
+        assert_eq!(log.len(), 499, "{name}: {:?}", log.time().first());
+    }
+}
+
 /// The shapes in which Simulink logs, and MATLAB 7.3 with them.
 #[test]
 fn what_simulink_logs_is_read_by_its_names() {

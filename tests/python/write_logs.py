@@ -24,6 +24,14 @@ with open(folder / "reference.csv", "w") as out:
     for row in zip(time, u, y, counts):
         out.write(",".join(repr(v.item()) for v in row) + "\n")
 
+# Nanoseconds since 1970, in which doubles have 256 ns, and a second group that begins 3 us later.
+ticks = 1_700_000_000_000_000_000 + 1000 * np.arange(rows, dtype=np.int64)
+np.savez(folder / "long.npz", time_ns=ticks, u=u, count=ticks)
+pq.write_table(pa.table({"time_ns": ticks, "u": u, "count": ticks}), folder / "long.parquet")
+np.savez(folder / "long_groups.npz", time_ns=ticks, u=u, t_ns=ticks[3:503:2], y=y[3:503:2])
+dates = ticks.view("datetime64[ns]")
+np.savez(folder / "date_groups.npz", time=dates, u=u, timestamps=dates[3:503:2], y=y[3:503:2])
+
 savemat(folder / "plain.mat", {"time": time, "u": u, "y": y, "counts": counts, "rate": rate})
 savemat(folder / "packed.mat", {"time": time, "u": u, "y": y, "counts": counts},
         do_compression=True)

@@ -10,6 +10,7 @@
 //! * [`WholeFile`]: a file that appears whole or not at all.
 
 mod blueprint;
+mod counted;
 mod fit;
 pub mod inner_steps;
 mod log;
@@ -26,6 +27,7 @@ pub use blueprint::{
     AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, ConnectionBlueprint,
     CouplingBlueprint, ParameterRecord, RecordValue, SignalBlueprint, Value, npy_of,
 };
+pub use counted::counted;
 pub use files::WholeFile;
 pub use fit::{Fit, FitError};
 #[cfg(feature = "parquet")]

@@ -303,6 +303,90 @@ fn labview_measurement_files_are_read() {
 }
 
 #[test]
+fn further_parts_with_other_units_are_told() {
+    let bare = |k: u32| format!("\t{k}.0\t{}", f64::from(k) / 2.0);
+    let of = |second: &str| {
+        let first = table(&lvm_part(0.0), bare);
+        lvm("No", true) + &first + "\n" + &table(second, bare)
+    };
+    let second = lvm_part(7.0);
+    let keeps = |second: &str| {
+        let log = read(of(second));
+        assert_eq!((log.columns().len(), log.records().len()), (2, 2), "{}", notes(&log));
+    };
+    keeps(&second);
+    // The same unit in another word.
+    keeps(&second.replace("V\tum", "Volts\tum"));
+    let log = read(of(&second.replace("V\tum", "mV\tum")));
+    assert_eq!((log.columns().len(), log.records().len()), (1, 2));
+    assert_eq!(log.column("y").unwrap().values[13], 1.5);
+    let why = "\"u\" is left out: it has \"V\" in the first part and \"mV\" in that of line 30";
+    assert!(notes(&log).contains(why), "{}", notes(&log));
+    let none = of(&second.replace("Y_Unit_Label\tV\tum\t\n", ""));
+    let said = "no units are said in 1 further part: they are those of the first part";
+    assert!(notes(&read(&none)).contains(said), "{}", notes(&read(none)));
+    // Other channels.
+    let error =
+        read_with(of(&second.replace("u\ty", "u\tz")), &ReadOptions::default()).unwrap_err();
+    assert!(error.contains("a part begins with other columns, X_Value, u, z, Comment"), "{error}");
+    // A column of time for each signal.
+    let both = |k: u32| format!("{0}\t{k}.0\t{0}\t{1}", f64::from(k) / 1000.0, f64::from(k) / 2.0);
+    let part = |units: &str| {
+        let head = lvm_part(0.0).replace("u\ty", "u\tX_Value\ty").replace("V\tum\t", units);
+        table(&head, both)
+    };
+    let text = lvm("Multi", true) + &part("V\t\tum\t") + "\t\t\n" + &part("V\t\tmm\t");
+    let log = read(text);
+    let why = "\"y\" is left out: it has \"um\" in the first part and \"mm\" in that of line";
+    assert!(notes(&log).contains(why), "{}", notes(&log));
+    assert!(log.column("u").is_some() && log.column("y").is_none());
+    // A signal of words, the only one of its times.
+    let words = |k: u32| format!("{0},{k},{0},word", f64::from(k) / 1000.0);
+    let log = read(table("time,u,time,y\n", words));
+    assert!(notes(&log).contains("\"y\" is left out: it holds no numbers"), "{}", notes(&log));
+}
+
+/// Nanoseconds since 1970 have more digits than a double.
+#[test]
+fn long_whole_times_keep_their_digits() {
+    let exact = |log: &data::Log, rate: f64| {
+        assert_eq!(log.len(), 10);
+        for (at, time) in log.time().iter().enumerate() {
+            assert_eq!(*time, at as f64 / rate, "row {at}");
+        }
+        assert!(notes(log).contains("times are those after the first row, at 1700000000"));
+    };
+    let options = |unit: &str| ReadOptions {
+        units: [("time".to_owned(), unit.to_owned())].into(),
+        ..ReadOptions::default()
+    };
+    let ns = |k: u32| 1_700_000_000_000_000_000 + 1000 * u64::from(k);
+    let rows = |k: u32| format!("{},{k},{}", ns(k), f64::from(k) / 2.0);
+    exact(&read(table("time [ns],u [V],y [um]\n", rows)), 1e6);
+    exact(&read_with(table("time,u,y\n", rows), &options("ns")).unwrap(), 1e6);
+    exact(&read(table("time_ns,u,y\n", |k| rows(k).replace(',', " , "))), 1e6);
+    // With a preamble, a text column, blanks between, a time for each signal.
+    exact(&read(table("Version,1\nOwner,me\n\ntime [ns],u [V],y [um]\n", rows)), 1e6);
+    exact(&read(table("time [ns],u,mode\n", |k| format!("{},{k},on", ns(k)))), 1e6);
+    exact(&read(table("time_ns u y\n", |k| rows(k).replace(',', " "))), 1e6);
+    exact(&read(table("time_ns,u,time_ns,y\n", |k| format!("{0},{k},{0},{k}", ns(k)))), 1e6);
+    // Parts of a tick, and microseconds, which lose their last digit in s.
+    exact(&read(table("time_ns,u,y\n", |k| format!("{}.0,{k},0", ns(k)))), 1e6);
+    let us = |k: u32| format!("{},{k},0", 1_700_000_000_000_000 + u64::from(k));
+    exact(&read(table("time_us,u,y\n", us)), 1e6);
+    // A time that is written in another way in between.
+    let mixed = |k: u32| if k == 5 { "1.7e18,5,0".to_owned() } else { rows(k) };
+    let error = read_with(table("time_ns,u,y\n", mixed), &ReadOptions::default()).unwrap_err();
+    assert!(error.contains(":7: time_ns = \"1.7e18\""), "{error}");
+    // Nobody says the unit.
+    let log = read(table("time,u,y\n", rows));
+    assert!(notes(&log).contains("are they ms, us or ns since 1970?"), "{}", notes(&log));
+    // What is long and no time stays as it is.
+    let log = read(table("time,count\n", |k| format!("{k}.5,{}", ns(k))));
+    assert_eq!(log.column("count").unwrap().values[9], ns(9) as f64);
+}
+
+#[test]
 fn signals_with_times_of_their_own_are_groups() {
     let same = |k: u32| format!("{0},{k},{0},{1}", f64::from(k) / 1000.0, f64::from(k) / 2.0);
     is(&read(table("Time (s),u (V),Time (s),y (um)\n", same)), ms, UNITS);

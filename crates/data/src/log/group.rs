@@ -6,6 +6,7 @@ use super::dataset::Dataset;
 use super::header::{Context, Header, Role, split};
 use super::notes::LeftOut;
 use super::table::{Grid, Place, Table};
+use super::ticks::{Base, Start};
 use super::{ColumnUnit, Log, ReadOptions, join, time_column};
 use crate::{Problem, Problems, nearest};
 
@@ -41,6 +42,7 @@ impl Found {
         let mut log = match (groups.len(), options.resample) {
             (1, _) => groups.swap_remove(0).log(origin, options, datasets)?,
             (_, Some(resample)) => {
+                align(&mut groups).map_err(refuse)?;
                 let mut options = options.clone();
                 let units = std::mem::take(&mut options.units);
                 let logs = groups.into_iter().map(|group| {
@@ -79,12 +81,19 @@ pub(super) struct Raw {
     pub(super) name: String,
     pub(super) unit: Option<String>,
     pub(super) values: Vec<f64>,
+    /// What was taken off the values.
+    pub(super) start: Start,
 }
 
 impl Raw {
     pub(super) fn new(name: impl Into<String>, unit: Option<String>, values: Vec<f64>) -> Self {
         let unit = unit.filter(|unit| !unit.trim().is_empty());
-        Self { name: name.into(), unit, values }
+        Self { name: name.into(), unit, values, start: Start::default() }
+    }
+
+    /// The same, with what was taken off the values.
+    pub(super) fn after(self, start: Start) -> Self {
+        Self { start, ..self }
     }
 
     /// Name and unit as the header of a text has them.
@@ -130,7 +139,7 @@ impl Group {
 
     /// The log: names, units and rows under the same rules as those of a text.
     fn log(
-        self,
+        mut self,
         origin: &str,
         options: &ReadOptions,
         datasets: &[Dataset],
@@ -152,7 +161,18 @@ impl Group {
             });
             return Err(Problems::new(meant.chain(problems).collect()));
         }
-        let mut table = Table::new(origin, heads, Grid::at_rate(context.rate()));
+        let mut base = Base::default();
+        for (raw, head) in self.columns.iter_mut().zip(&heads) {
+            if let Start::Long(start) = raw.start {
+                // Only times are counted from the first one.
+                match head.role {
+                    Role::Time(_) => base = start,
+                    _ => raw.values.iter_mut().for_each(|value| *value = start.back(*value)),
+                }
+            }
+        }
+        let grid = Grid::at_rate(context.rate());
+        let mut table = Table::new(origin, heads, grid).with_base(base);
         for row in 0..self.rows() {
             let cells = self.columns.iter().map(|column| column.values[row]);
             table.numbers(cells, Place::Row(row + 1));
@@ -219,6 +239,24 @@ fn choose(
     }
 }
 
+/// Puts times that count from the first one of their own group onto the earliest of these.
+fn align(groups: &mut [Group]) -> Result<(), Refusal> {
+    let starts = groups.iter().filter_map(|group| Some(group.time()?.start));
+    let Some(least) = starts.reduce(Start::earlier) else { return Ok(()) };
+    for group in groups {
+        let Some(at) = group.time_at() else { continue };
+        let time = &mut group.columns[at];
+        let Some(later) = time.start.after(least) else {
+            let rule =
+                format!("times of group \"{}\" count from another date than others'", group.name);
+            return Err((rule, "choose one: --group NAME; or save all times alike".into()));
+        };
+        time.values.iter_mut().for_each(|value| *value += later);
+        time.start = least;
+    }
+    Ok(())
+}
+
 fn different(groups: &[Group]) -> Refusal {
     let list = groups.iter().map(|g| format!("\"{}\" ({} rows)", g.name, g.rows()));
     let list = list.collect::<Vec<_>>().join(", ");
@@ -229,7 +267,9 @@ fn different(groups: &[Group]) -> Refusal {
 /// Whether two groups were sampled at the same times, by the bit.
 fn same_times(left: &Group, right: &Group) -> bool {
     match (left.time(), right.time()) {
-        (Some(left), Some(right)) => left.values == right.values && left.unit == right.unit,
+        (Some(left), Some(right)) => {
+            left.values == right.values && left.unit == right.unit && left.start == right.start
+        }
         _ => false,
     }
 }

@@ -40,6 +40,7 @@ mod rounded;
 mod rows;
 mod table;
 mod text;
+mod ticks;
 mod time_column;
 mod units;
 mod write;

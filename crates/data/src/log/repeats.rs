@@ -31,10 +31,6 @@ impl Repeats {
     /// What was done about them.
     pub(super) fn note(&self) -> Option<String> {
         let (place, time) = self.first?;
-        let place = match place {
-            Place::Line(line) => format!("line {line}"),
-            Place::Row(row) => format!("row {row}"),
-        };
         let rows = match self.rows {
             1 => "one row has".to_owned(),
             rows => format!("{rows} rows have"),
@@ -45,12 +41,21 @@ impl Repeats {
     }
 }
 
-/// What is doubtful about the times of a log as a whole, `None` for nothing; `is_said` where the file says their unit.
-pub(super) fn doubt(time: &[f64], is_said: bool) -> Option<String> {
+/// What is doubtful about the times of a log as a whole, `None` for nothing; `is_said` where the file says their unit. `base`
+/// was taken off each of them.
+pub(super) fn doubt(time: &[f64], is_said: bool, base: f64) -> Option<String> {
     /// Intervals of which the usual one is taken.
     const FEW: usize = 1000;
     /// Usual intervals that are doubtful as one.
     const STRAY: f64 = 1000.0;
+    // Seconds since 1970 have ten digits.
+    if let Some(first) = time.first().filter(|first| !is_said && base + **first > 1e11) {
+        return Some(format!(
+            "nothing says the unit of the times: {} s is more than 3000 years; are they ms, us or ns since 1970? Then \
+             say it, as in --unit time=ms",
+            base + first
+        ));
+    }
     let mut some: Vec<f64> = time.windows(2).take(FEW).map(|pair| pair[1] - pair[0]).collect();
     if some.len() < 10 {
         return None;
@@ -81,14 +86,6 @@ pub(super) fn doubt(time: &[f64], is_said: bool) -> Option<String> {
     }
     // Times in µs that were computed from seconds have rounding in them: 900.0000000000001.
     let is_whole = || time.iter().all(|time| (time - time.round()).abs() <= 1e-12 * time.abs());
-    // Seconds since 1970 have ten digits.
-    if !is_said && time.first().is_some_and(|time| *time > 1e11) {
-        return Some(format!(
-            "nothing says the unit of the times: {} s is more than 3000 years; are they ms, us or ns since 1970? Then \
-             say it, as in --unit time=ms",
-            time[0]
-        ));
-    }
     if is_said || usual < 1.0 || time.len() < if usual < 10.0 { 100 } else { 50 } || !is_whole() {
         return None;
     }
@@ -124,21 +121,25 @@ mod tests {
     #[test]
     fn stray_times_and_wrong_units_are_doubted() {
         let grid = |period: f64| (0..200).map(|k| f64::from(k) * period).collect::<Vec<_>>();
-        assert_eq!(doubt(&grid(1e-3), false), None);
-        assert_eq!(doubt(&grid(100.0), true), None);
-        assert!(doubt(&grid(100.0), false).unwrap().contains("every 100 s; is time in ms or us?"));
+        assert_eq!(doubt(&grid(1e-3), false, 0.0), None);
+        assert_eq!(doubt(&grid(100.0), true, 0.0), None);
+        assert!(
+            doubt(&grid(100.0), false, 0.0).unwrap().contains("every 100 s; is time in ms or us?")
+        );
         let rounded: Vec<f64> = (0..200).map(|k| f64::from(k) * 1e-4 * 1e6).collect();
-        assert!(doubt(&rounded, false).unwrap().contains("is time in ms or us?"));
-        assert!(doubt(&grid(5e4), false).unwrap().contains("us or ns"));
+        assert!(doubt(&rounded, false, 0.0).unwrap().contains("is time in ms or us?"));
+        assert!(doubt(&grid(5e4), false, 0.0).unwrap().contains("us or ns"));
         let since = |start: f64, period: f64| {
             grid(period).iter().map(|time| start + time).take(20).collect::<Vec<_>>()
         };
-        assert!(doubt(&since(1.764e12, 10.0), false).unwrap().contains("since 1970?"));
-        assert_eq!(doubt(&since(1.764e9, 1e-3), true), None);
-        assert!(doubt(&since(1.764e9, 1e-6), true).unwrap().contains("are too large for rows"));
+        assert!(doubt(&since(1.764e12, 10.0), false, 0.0).unwrap().contains("since 1970?"));
+        assert_eq!(doubt(&since(1.764e9, 1e-3), true, 0.0), None);
+        assert!(
+            doubt(&since(1.764e9, 1e-6), true, 0.0).unwrap().contains("are too large for rows")
+        );
         let mut stray = grid(1e-3);
         stray[150] = 1e9;
         stray[151..].iter_mut().for_each(|time| *time += 1e9);
-        assert!(doubt(&stray, true).unwrap().contains("behind row 150"));
+        assert!(doubt(&stray, true, 0.0).unwrap().contains("behind row 150"));
     }
 }

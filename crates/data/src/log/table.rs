@@ -1,12 +1,14 @@
 //! Rows of a file on their way into a [`Log`].
 
 use std::collections::BTreeSet;
+use std::fmt;
 
 use super::header::{Head, Role, SECOND};
 use super::lines::Lines;
 use super::notes::{LeftOut, Remarks};
 use super::repeats::{self, Repeats};
 use super::text::Since;
+use super::ticks::{self, Base};
 use super::{Column, Log, Record, cell};
 use crate::{Problem, Problems};
 
@@ -20,6 +22,15 @@ pub(super) enum Place {
     Line(usize),
     /// Row of a table without lines, from 1.
     Row(usize),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Row(row) => write!(f, "row {row}"),
+        }
+    }
 }
 
 impl Place {
@@ -57,6 +68,10 @@ pub(super) struct Table<'a> {
     /// Number of the part of the file, where it has several and no column of records.
     part: i64,
     since: Since,
+    /// What is taken off all times, in their unit.
+    base: Base,
+    /// Ticks of a second, where something is taken off.
+    ticks: f64,
     repeats: Repeats,
     /// Rows with a remark behind their last cell.
     remarks: usize,
@@ -114,6 +129,8 @@ impl<'a> Table<'a> {
             has_commas: false,
             part: 0,
             since: Since::default(),
+            base: Base::default(),
+            ticks: 0.0,
             repeats: Repeats::default(),
             remarks: 0,
         }
@@ -123,6 +140,37 @@ impl<'a> Table<'a> {
     pub(super) fn with_commas(mut self, has_commas: bool) -> Self {
         self.has_commas = has_commas;
         self
+    }
+
+    /// All times are given without this number.
+    pub(super) fn with_base(mut self, base: Base) -> Self {
+        self.take_off(base);
+        self
+    }
+
+    fn take_off(&mut self, base: Base) {
+        self.base = base;
+        if let Some(Role::Time(unit)) = self.time_at.and_then(|at| Some(&self.heads.get(at)?.role))
+            && !base.is_none()
+            && (1.0 / unit.factor).round() >= 1.0
+        {
+            self.ticks = (1.0 / unit.factor).round();
+        }
+    }
+
+    /// The column of numbers that are times, and what is taken off them if the first row has this cell there.
+    pub(super) fn begin_times<'c>(
+        &mut self,
+        cell: impl FnOnce(usize) -> Option<&'c [u8]>,
+    ) -> Option<(usize, Base)> {
+        let at = self.time_at?;
+        if !matches!(self.heads.get(at)?.role, Role::Time(_)) {
+            return None;
+        }
+        if self.last.is_none() && self.base.is_none() {
+            self.take_off(cell(at).and_then(ticks::whole).map(Base::of).unwrap_or_default());
+        }
+        (!self.base.is_none()).then_some((at, self.base))
     }
 
     /// The number of columns, where each row of them is numbers with decimal points.
@@ -148,6 +196,27 @@ impl<'a> Table<'a> {
             self.part += 1;
             self.grid = grid;
         }
+    }
+
+    /// Leaves a column of signals out, and says why.
+    pub(super) fn leave_out(&mut self, column: usize, why: String) {
+        if let Some(head) = self.heads.get_mut(column)
+            && head.role == Role::Signal
+        {
+            head.role = Role::LeftOut(why);
+        }
+    }
+
+    /// Notes that a further part of the file, which begins at `place`, has other names than the first.
+    pub(super) fn other_names(&mut self, names: &[String], cells: &[&[u8]], place: Place) {
+        let names = names.join(", ");
+        let cells: Vec<_> = cells.iter().map(|cell| String::from_utf8_lossy(cell)).collect();
+        let cells: String = cells.join(", ").chars().take(200).collect();
+        self.note(|table| {
+            let rule =
+                format!("a part begins with other columns, {cells}, than the first, {names}");
+            place.of(Problem::new(table.origin, rule, "save the parts to files of their own"))
+        });
     }
 
     /// Notes a problem; it is only put together while there is room.
@@ -207,6 +276,7 @@ impl<'a> Table<'a> {
     fn cells_of<'c>(&mut self, mut row: impl Iterator<Item = &'c [u8]> + Clone, place: Place) {
         self.cells.clear();
         let mut is_good = true;
+        let base = self.begin_times(|at| row.clone().nth(at));
         for (column, cell) in row.clone().enumerate() {
             if self.is_skipped(column) {
                 self.cells.push(0.0);
@@ -215,6 +285,10 @@ impl<'a> Table<'a> {
             let number = match self.has_commas {
                 true => cell::parse_with_comma(cell),
                 false => cell::parse(cell),
+            };
+            let number = match base.filter(|(at, _)| *at == column) {
+                Some((_, base)) => base.cell(cell),
+                None => number,
             };
             let number = number.unwrap_or_else(|(rule, way_out)| {
                 // What is no counter of rows is not needed: the rate says the times.
@@ -367,7 +441,11 @@ impl<'a> Table<'a> {
         let Some(at) = self.time_at else { return count(self) };
         let cell = self.cells.get(at).copied();
         match &self.heads.get(at)?.role {
-            Role::Time(unit) => unit.convert(cell.filter(|cell| !cell.is_nan())?, &SECOND),
+            Role::Time(unit) => {
+                let cell = cell.filter(|cell| !cell.is_nan())?;
+                // Division by a whole number gives the decimals that a text would have.
+                if self.ticks > 0.0 { Some(cell / self.ticks) } else { unit.convert(cell, &SECOND) }
+            }
             Role::Instant(_) => cell.filter(|cell| !cell.is_nan()),
             // Whether it counts rows is known at the end.
             _ => count(self),
@@ -456,11 +534,18 @@ impl<'a> Table<'a> {
             .time_at
             .and_then(|at| self.heads.get(at))
             .is_none_or(|head| head.unit.is_some() || !matches!(head.role, Role::Time(_)));
-        let doubts = self
-            .records
-            .iter()
-            .filter_map(|record| repeats::doubt(&self.time[record.rows.clone()], is_said));
+        let doubts = self.records.iter().filter_map(|record| {
+            repeats::doubt(&self.time[record.rows.clone()], is_said, self.base.value())
+        });
         notes.extend(doubts.take(1));
+        if !self.base.is_none() {
+            let unit = self.time_at.and_then(|at| self.heads.get(at)?.unit.as_ref());
+            let unit = unit.map_or("s", |unit| unit.text.as_str());
+            notes.push(format!(
+                "times are those after the first row, at {} {unit}: a double has too few digits for both",
+                self.base
+            ));
+        }
         let left_out = self.heads.iter().filter_map(|head| match &head.role {
             Role::LeftOut(why) if !why.is_empty() => Some(LeftOut::new(&head.name, why)),
             _ => None,

@@ -12,6 +12,7 @@ use super::budget::Budget;
 use super::{broken, half};
 use crate::log::LeftOut;
 use crate::log::group::{Group, Raw, Refusal};
+use crate::log::ticks::{Base, Start};
 
 /// Longest header that is read, in bytes; NumPy writes a hundred for each field.
 const LONGEST_HEADER: u32 = 1 << 20;
@@ -132,14 +133,14 @@ fn columns(
                 let start = item_at(row) * item + scalar.offset;
                 bits(&data[start..start + scalar.size], scalar)
             };
-            let first = bits(0);
-            let cells = (0..rows).map(|row| number(bits(row), scalar, first));
+            let start = start_of(bits(0), scalar);
+            let cells = (0..rows).map(|row| number(bits(row), scalar, start));
             let title = match wide {
                 1 => scalar.name.clone(),
                 _ => format!("{}[{}]", scalar.name, column + 1),
             };
             let unit = scalar.ticks.map(|_| "s".to_owned());
-            columns.push(Raw::new(title, unit, cells.collect()));
+            columns.push(Raw::new(title, unit, cells.collect()).after(start));
         }
     }
     Ok(columns)
@@ -222,13 +223,35 @@ fn bits(bytes: &[u8], scalar: &Scalar) -> u64 {
     word.iter().rev().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte))
 }
 
-/// A number from its bits; a date is the time in s after the column's first one.
-fn number(bits: u64, scalar: &Scalar, first: u64) -> f64 {
+/// The whole number that an item of 64 bits is.
+fn whole(bits: u64, scalar: &Scalar) -> Option<i128> {
+    match (scalar.kind, scalar.size) {
+        (TypeChar::Int, 8) => Some(bits.cast_signed().into()),
+        (TypeChar::Uint, 8) => Some(bits.into()),
+        _ => None,
+    }
+}
+
+/// What is taken off a column that begins with these bits.
+fn start_of(first: u64, scalar: &Scalar) -> Start {
+    match (scalar.kind, scalar.ticks, whole(first, scalar).map(Base::of)) {
+        (TypeChar::DateTime, Some(ticks), _) => Start::Date(first.cast_signed(), ticks),
+        (_, _, Some(base)) if !base.is_none() => Start::Long(base),
+        _ => Start::None,
+    }
+}
+
+/// A number from its bits, without the column's start; that of a date is in s.
+fn number(bits: u64, scalar: &Scalar, start: Start) -> f64 {
     const NO_TIME: u64 = 1 << 63;
+    if let (Start::Long(base), Some(whole)) = (start, whole(bits, scalar)) {
+        return base.off(whole);
+    }
     match (scalar.kind, scalar.size, scalar.ticks) {
         (TypeChar::TimeDelta | TypeChar::DateTime, ..) if bits == NO_TIME => f64::NAN,
         (TypeChar::DateTime, _, Some(ticks)) => {
-            bits.wrapping_sub(first).cast_signed() as f64 / ticks
+            let first = if let Start::Date(first, _) = start { first } else { 0 };
+            bits.cast_signed().wrapping_sub(first) as f64 / ticks
         }
         (TypeChar::TimeDelta, _, Some(ticks)) => bits.cast_signed() as f64 / ticks,
         (TypeChar::Float, 2, _) => half::number(bits as u16),

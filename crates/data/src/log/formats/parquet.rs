@@ -14,6 +14,7 @@ use parquet::schema::types::ColumnDescriptor;
 use super::budget::Budget;
 use super::{arrow, broken, half};
 use crate::log::group::{Group, Raw, Refusal};
+use crate::log::ticks::{Base, Start};
 
 /// The columns of numbers and truth values, of durations (in s) and of timestamps (in s after the first one; the
 /// first such column is the time where none is called `time`). Units are key-value metadata,
@@ -39,7 +40,8 @@ pub(super) fn read(path: &Path, budget: &mut Budget) -> Result<Vec<Group>, Refus
             None => {
                 let meaning = Meaning::of(&column, durations.get(column.name()).copied());
                 let present = column.max_def_level();
-                columns.push(Reading { at, present, meaning, first: None, values: Vec::new() });
+                let values = Vec::new();
+                columns.push(Reading { at, present, meaning, first: None, base: None, values });
             }
         }
     }
@@ -66,7 +68,8 @@ pub(super) fn read(path: &Path, budget: &mut Budget) -> Result<Vec<Group>, Refus
             None => named.get(format!("unit:{own}").as_str()).map(|unit| (*unit).to_owned()),
         };
         let name = if dated == Some(at) { "time".into() } else { own };
-        group.columns.push(Raw::new(name, unit, column.values));
+        let start = column.base.filter(|base| !base.is_none()).map_or(Start::None, Start::Long);
+        group.columns.push(Raw::new(name, unit, column.values).after(start));
     }
     Ok(vec![group])
 }
@@ -177,6 +180,8 @@ struct Reading {
     meaning: Meaning,
     /// The first tick of a column of instants.
     first: Option<i64>,
+    /// What is taken off a column of whole numbers.
+    base: Option<Base>,
     values: Vec<f64>,
 }
 
@@ -184,7 +189,7 @@ impl Reading {
     /// Appends the column's values of a row group; a missing one is NaN.
     fn append(&mut self, group: &dyn RowGroupReader) -> Result<(), ParquetError> {
         let rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
-        let Self { at, present, meaning, first, values } = self;
+        let Self { at, present, meaning, first, base, values } = self;
         let present = *present;
         match group.get_column_reader(*at)? {
             ColumnReader::BoolColumnReader(reader) => {
@@ -198,8 +203,8 @@ impl Reading {
             }
             ColumnReader::Int64ColumnReader(reader) => {
                 read_all(reader, rows, present, values, |value| match meaning {
-                    Meaning::Signed => *value as f64,
-                    Meaning::Unsigned => value.cast_unsigned() as f64,
+                    Meaning::Signed => off(i128::from(*value), base),
+                    Meaning::Unsigned => off(i128::from(value.cast_unsigned()), base),
                     // The difference is exact; the ticks since 1970 are not, as doubles. Division by a whole number
                     // gives the decimals that a text would have.
                     Meaning::Instant(tick) => after(*value, first, *tick),
@@ -226,6 +231,11 @@ impl Reading {
             _ => Err(ParquetError::General("a column changes its type".into())),
         }
     }
+}
+
+/// A whole number without the base of its column.
+fn off(whole: i128, base: &mut Option<Base>) -> f64 {
+    base.get_or_insert_with(|| Base::of(whole)).off(whole)
 }
 
 /// Seconds after the first instant of a column.

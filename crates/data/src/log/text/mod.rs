@@ -26,8 +26,8 @@ use preamble::Preamble;
 use super::dataset::{self, Dataset};
 use super::header::{Context, Header, Role, split};
 use super::table::{Grid, Place, Table};
-use super::{Log, ReadOptions, cell, formats, time_column};
-use crate::{Problem, Problems};
+use super::{ColumnUnit, Log, ReadOptions, cell, formats, time_column};
+use crate::{Problem, Problems, counted};
 
 /// Bytes within which the table must begin.
 const LONGEST_HEADER: usize = 1 << 20;
@@ -271,8 +271,19 @@ fn table<'a>(
         dialect: layout.map_or(Dialect::PLAIN, |layout| layout.dialect),
         names: cells.to_vec(),
         comments: 0,
+        units: layout.map_or_else(Vec::new, |layout| layout.preamble.units.clone()),
+        without_units: 0,
         part: None,
     })
+}
+
+/// A further part of the table, of which the head is read.
+struct Part {
+    head: Preamble,
+    /// Where it begins.
+    place: Place,
+    /// Whether the line of names is next.
+    has_ended: bool,
 }
 
 /// The rows of a text on their way into a table.
@@ -284,8 +295,12 @@ struct Rows<'a> {
     names: Vec<String>,
     /// Lines between the rows that were comments.
     comments: usize,
+    /// Cells of the row of units above the first part.
+    units: Vec<String>,
+    /// Further parts that say none.
+    without_units: usize,
     /// What stands above a further part of the table, while it is read.
-    part: Option<Preamble>,
+    part: Option<Part>,
 }
 
 impl Rows<'_> {
@@ -317,7 +332,7 @@ impl Rows<'_> {
             }
             if self.part.is_some() || may_be_none(row.get(0).unwrap_or_default()) {
                 let cells: Vec<&[u8]> = row.iter().collect();
-                if self.is_between(&cells) {
+                if self.is_between(&cells, place) {
                     continue;
                 }
             }
@@ -341,16 +356,17 @@ impl Rows<'_> {
             }
             let cells: Vec<&[u8]> = blanks(&text).collect();
             let Some(first) = cells.first() else { continue };
-            if (self.part.is_some() || may_be_none(first)) && self.is_between(&cells) {
+            let place = Place::Line(line);
+            if (self.part.is_some() || may_be_none(first)) && self.is_between(&cells, place) {
                 continue;
             }
-            self.table.row(cells.into_iter(), Place::Line(line));
+            self.table.row(cells.into_iter(), place);
         }
         self.finish()
     }
 
     /// Whether a line is no row but a comment, or part of a header that comes again.
-    fn is_between(&mut self, cells: &[&[u8]]) -> bool {
+    fn is_between(&mut self, cells: &[&[u8]], place: Place) -> bool {
         let first = cells.first().copied().unwrap_or_default();
         let is_row = cells.len() > 1
             && cells.iter().filter(|cell| self.dialect.kind(cell).is_value()).count() * 2
@@ -364,7 +380,7 @@ impl Rows<'_> {
         }
         // LabVIEW writes such a head before each part that it appends.
         if first == b"Channels" {
-            self.part = Some(Preamble::default());
+            self.part = Some(Part { head: Preamble::default(), place, has_ended: false });
         }
         // A recorder that appends to its file may write the header again.
         if self.part.is_none() && cells.len() > 1 && self.is_header(cells) {
@@ -378,13 +394,35 @@ impl Rows<'_> {
             let cell = decode::text(cell);
             cell.trim().is_empty() || name.starts_with(cell.trim())
         }) && cells.len() > 1;
-        part.line(&line, self.dialect);
+        part.head.line(&line, self.dialect);
+        let has_ended = std::mem::replace(&mut part.has_ended, first.starts_with(b"***End"));
         if is_header {
-            let grid = Grid { start: part.start.unwrap_or(0.0), ..Grid::at_rate(part.rate) };
-            self.part = None;
-            self.table.begin_part(grid);
+            self.begin_part();
+        } else if has_ended {
+            // Its rows would be read as lines of a head.
+            let part = self.part.take();
+            self.table.other_names(&self.names, cells, part.map_or(place, |part| part.place));
         }
         true
+    }
+
+    /// Begins a further part, whose head is read.
+    fn begin_part(&mut self) {
+        let Some(Part { head, place, .. }) = self.part.take() else { return };
+        let grid = Grid { start: head.start.unwrap_or(0.0), ..Grid::at_rate(head.rate) };
+        self.table.begin_part(grid);
+        if head.units.iter().all(String::is_empty) {
+            self.without_units += usize::from(self.units.iter().any(|unit| !unit.is_empty()));
+            return;
+        }
+        for at in 0..self.units.len().max(head.units.len()) {
+            let [first, other] = [&self.units, &head.units]
+                .map(|units| units.get(at).map_or("", |unit| unit.trim()));
+            // The key stands before them.
+            if !is_same_unit(first, other) {
+                self.table.leave_out(at + 1, other_unit(first, other, place));
+            }
+        }
     }
 
     /// Whether these are the header's cells, all of them.
@@ -401,6 +439,10 @@ impl Rows<'_> {
         if self.comments > 0 {
             notes.push(format!("{} lines of comments between the rows are skipped", self.comments));
         }
+        if self.without_units > 0 {
+            let parts = counted(self.without_units, "further part");
+            notes.push(format!("no units are said in {parts}: they are those of the first part"));
+        }
         if log.records().len() > 1
             && log.is_numbered
             && self.part.is_none()
@@ -414,6 +456,23 @@ impl Rows<'_> {
         log.remarks.notes.splice(..0, notes);
         Ok(log)
     }
+}
+
+/// Whether two texts mean the same unit.
+fn is_same_unit(left: &str, right: &str) -> bool {
+    let unit = |text| ColumnUnit::parse(text).ok().map(|unit| unit.unit);
+    left == right || unit(left).is_some_and(|left| Some(left) == unit(right))
+}
+
+/// Why a column is left out whose unit is another one in a further part.
+fn other_unit(first: &str, other: &str, place: Place) -> String {
+    let name =
+        |unit: &str| if unit.is_empty() { "no unit".to_owned() } else { format!("\"{unit}\"") };
+    format!(
+        "has {} in the first part and {} in that of {place}; save the parts to files of their own",
+        name(first),
+        name(other)
+    )
 }
 
 /// Whether a line that begins with this cell may be another thing than a row; asked of each row.

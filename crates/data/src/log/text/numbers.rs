@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use std::thread;
 
 use crate::log::table::{Place, Table};
+use crate::log::ticks::Base;
 
 /// Bytes that each thread takes at a time.
 const BLOCK: usize = 2 << 20;
@@ -23,12 +24,18 @@ pub(super) fn read(
     let Some(columns) = table.plain_columns() else { return Ok((text, line)) };
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let most = threads * BLOCK;
+    let mut shape = None;
     loop {
         let is_last = bytes.by_ref().take(most as u64).read_to_end(&mut text)? < most;
         let end = if is_last { text.len() } else { line_end(&text, text.len()) };
+        let shape = *shape.get_or_insert_with(|| {
+            let line = text.split(|byte| *byte == b'\n').next().unwrap_or_default();
+            let base = table.begin_times(|at| line.split(|byte| *byte == separator).nth(at));
+            Shape { separator, columns, base }
+        });
         let blocks = blocks(&text[..end], threads);
         let mut taken = 0;
-        for (block, found) in blocks.iter().zip(parsed(&blocks, separator, columns)) {
+        for (block, found) in blocks.iter().zip(parsed(&blocks, shape)) {
             for row in found.numbers.chunks_exact(columns) {
                 line += 1;
                 table.numbers(row.iter().copied(), Place::Line(line));
@@ -64,6 +71,15 @@ fn blocks(mut text: &[u8], count: usize) -> Vec<&[u8]> {
     blocks
 }
 
+/// What a line of numbers looks like.
+#[derive(Clone, Copy)]
+struct Shape {
+    separator: u8,
+    columns: usize,
+    /// The column of times whose first one is taken off all.
+    base: Option<(usize, Base)>,
+}
+
 /// What a block begins with.
 #[derive(Default)]
 struct Found {
@@ -73,31 +89,45 @@ struct Found {
 }
 
 /// What each of the blocks begins with; a block for which there is no thread is read by this one.
-fn parsed(blocks: &[&[u8]], separator: u8, columns: usize) -> Vec<Found> {
+fn parsed(blocks: &[&[u8]], shape: Shape) -> Vec<Found> {
     let [first, others @ ..] = blocks else { return Vec::new() };
     thread::scope(|scope| {
         let others: Vec<_> = others
             .iter()
             .map(|block| {
-                let work = move || lines(block, separator, columns);
+                let work = move || lines(block, shape);
                 (block, thread::Builder::new().spawn_scoped(scope, work))
             })
             .collect();
-        let first = lines(first, separator, columns);
+        let first = lines(first, shape);
         let others = others.into_iter().map(|(block, thread)| {
             let found = thread.ok().and_then(|thread| thread.join().ok());
-            found.unwrap_or_else(|| lines(block, separator, columns))
+            found.unwrap_or_else(|| lines(block, shape))
         });
         std::iter::once(first).chain(others).collect()
     })
 }
 
-fn lines(text: &[u8], separator: u8, columns: usize) -> Found {
+fn lines(text: &[u8], shape: Shape) -> Found {
+    // Without a base, what is asked of each cell is not asked.
+    match shape.base {
+        None => lines_of(text, shape, &|_, text: &[u8]| number(text)),
+        Some((at, base)) => lines_of(text, shape, &|column, text: &[u8]| match column == at {
+            true => base.off_text(text),
+            false => number(text),
+        }),
+    }
+}
+
+fn lines_of(
+    text: &[u8],
+    shape: Shape,
+    number: &impl Fn(usize, &[u8]) -> Option<(f64, usize)>,
+) -> Found {
     let mut found = Found::default();
     while found.bytes < text.len() {
         let kept = found.numbers.len();
-        let Some(length) = line(&text[found.bytes..], separator, columns, &mut found.numbers)
-        else {
+        let Some(length) = line(&text[found.bytes..], shape, number, &mut found.numbers) else {
             found.numbers.truncate(kept);
             break;
         };
@@ -106,11 +136,23 @@ fn lines(text: &[u8], separator: u8, columns: usize) -> Found {
     found
 }
 
+#[inline]
+fn number(text: &[u8]) -> Option<(f64, usize)> {
+    fast_float2::parse_partial(text).ok()
+}
+
 /// The length of the first line with its end, if it is numbers alone.
-fn line(text: &[u8], separator: u8, columns: usize, numbers: &mut Vec<f64>) -> Option<usize> {
+#[inline]
+fn line(
+    text: &[u8],
+    shape: Shape,
+    number_of: &impl Fn(usize, &[u8]) -> Option<(f64, usize)>,
+    numbers: &mut Vec<f64>,
+) -> Option<usize> {
+    let Shape { separator, columns, .. } = shape;
     let mut rest = text;
     for column in 0..columns {
-        let (number, length) = fast_float2::parse_partial::<f64, _>(unpadded(rest)).ok()?;
+        let (number, length) = number_of(column, unpadded(rest))?;
         if !number.is_finite() {
             return None;
         }
@@ -126,6 +168,7 @@ fn line(text: &[u8], separator: u8, columns: usize, numbers: &mut Vec<f64>) -> O
     Some(text.len() - rest.len())
 }
 
+#[inline]
 fn unpadded(mut text: &[u8]) -> &[u8] {
     while let [b' ', rest @ ..] = text {
         text = rest;
