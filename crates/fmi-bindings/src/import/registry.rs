@@ -112,7 +112,7 @@ impl Token {
     /// From now on, until it [has returned](returned), this thread is in this function of the instance.
     #[inline]
     pub(super) fn call(&self, function: &'static &'static str) {
-        CALLED.with(|called| {
+        note(|called| {
             called.place.set(self.0);
             called.function.set(Some(function));
         });
@@ -122,7 +122,15 @@ impl Token {
 /// The function that this thread called has returned.
 #[inline]
 pub(super) fn returned() {
-    CALLED.with(|called| called.function.set(None));
+    note(|called| called.function.set(None));
+}
+
+/// Notes something of this thread's call. `try_with` becomes a store in the caller, `with` stays a call: 10 ns of each step of two
+/// FMUs. What has no destructor is always there.
+#[inline(always)]
+fn note(what: impl FnOnce(&Calling)) {
+    let noted = CALLED.try_with(what);
+    debug_assert!(noted.is_ok(), "a thread-local without destructor");
 }
 
 /// Place of the instance that this thread calls, and the function.
