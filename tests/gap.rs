@@ -222,6 +222,85 @@ fn the_page_lives_in_a_real_browser_without_errors_and_without_a_network() {
     assert!(title.trim().ends_with("problems"), "{title}");
 }
 
+/// The linear model of a frequency response, in the forms in which others and we write one; the log's hysteresis is found
+/// beside it.
+#[test]
+fn a_frequency_response_stands_for_the_model() {
+    use std::f64::consts::{PI, TAU};
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let (rows, period, corner) = (3000, 1e-3, 60.0);
+    let mut csv = String::from("time [s],drive [V],reading [um]\n");
+    let (mut plays, mut noise, mut reading) = ([0.0_f64; 3], 7_u64, 0.0);
+    for k in 0..rows {
+        let t = period * f64::from(k);
+        let size = if t < 1.5 { 45.0 - 24.0 * t } else { 9.0 + 24.0 * (t - 1.5) };
+        let u = size * (TAU * 4.0 * t).sin();
+        noise =
+            noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let off = 0.003 * ((noise >> 33) as f64 / f64::from(1_u32 << 30) - 1.0);
+        csv.push_str(&format!("{t},{u},{}\n", reading + off));
+        let moved = [3.0, 9.0, 20.0].iter().zip(&mut plays).map(|(r, z)| {
+            *z = (u - r).max((u + r).min(*z));
+            0.02 * *z
+        });
+        let target = 0.1 * u + moved.sum::<f64>();
+        reading += (1.0 - (-TAU * corner * period).exp()) * (target - reading);
+    }
+    fs::write(at.join("a.csv"), csv).expect("a log");
+    // The machine itself, in decibels and degrees, in parts, and as a sampled log shows it.
+    let mut decibels = String::from("f [Hz],gain [dB],phase [deg]\n");
+    let mut parts = String::from("omega,G.real,G.imag\n");
+    let mut own = String::from(
+        "frequency [Hz],magnitude reading/drive [um/V],phase reading/drive [rad],deviation reading/drive [um/V]\n",
+    );
+    for f in (1..=120).map(|k| 4.0 * f64::from(k)) {
+        let (size, angle) = (0.13 / (f / corner).hypot(1.0), -(f / corner).atan());
+        decibels.push_str(&format!("{f},{},{}\n", 20.0 * size.log10(), angle.to_degrees()));
+        parts.push_str(&format!("{},{},{}\n", TAU * f, size * angle.cos(), size * angle.sin()));
+        let half = PI * f * period;
+        own.push_str(&format!("{f},{},{},1e-3\n", size * half.sin() / half, angle - half));
+    }
+    for (name, text) in [("decibels.csv", decibels), ("parts.csv", parts), ("own.csv", own)] {
+        fs::write(at.join(name), text).expect("a table");
+        let call = ["diagnose", "--log", "a.csv", "--input", "drive", "--output", "reading"];
+        let more =
+            ["--frequency-response", name, "--baseline", "linear.toml", "--json", "gap.json"];
+        let said = succeed(&[&call[..], &more[..]].concat(), at);
+        validate(&["gap.json"], at);
+        let gap: serde_json::Value =
+            serde_json::from_str(&fs::read_to_string(at.join("gap.json")).expect("gap.json"))
+                .expect("JSON");
+        assert_eq!(gap["effects"][0]["effect"], "hysteresis", "{name}: {said}");
+        let parameters = &gap["baseline"][0]["parameters"];
+        let near = |key: &str, value: f64| {
+            let found = parameters[key]["value"].as_f64().unwrap_or(f64::NAN);
+            assert!((found / value - 1.0).abs() < 5e-3, "{name}: {key} = {found}; {said}");
+            assert!(parameters[key]["std"].as_f64().is_some(), "{name}: {parameters}");
+        };
+        near("axis[1].gain.gain", 0.13);
+        near("axis[1].amplifier.bandwidth", corner);
+        assert!(said.contains("a linear one is fitted to"), "{said}");
+        let model = fs::read_to_string(at.join("linear.toml")).expect("the linear model");
+        assert!(model.contains("tolerance") && !model.contains("modal-matrix"), "{model}");
+    }
+    let call = ["diagnose", "--log", "a.csv", "--input", "drive", "--output", "reading"];
+    for (text, words) in [
+        ("time,G.real,G.imag\n1,2,3\n2,3,4\n", "no column of frequencies"),
+        ("f [Hz],gain [dB]\n1,2\n2,3\n", "magnitude and phase"),
+        ("f [Hz],gain,phase [deg]\n1,2,3\n2,3,4\n", "at least 8"),
+    ] {
+        fs::write(at.join("bad.csv"), text).expect("a table");
+        let message = refuse(&[&call[..], &["--frequency-response", "bad.csv"]].concat(), at);
+        assert!(message.contains(words) && message.contains("bad.csv"), "{message}");
+    }
+    let message = refuse(
+        &["diagnose", "--log", "a.csv", "--model", "p1", "--frequency-response", "own.csv"],
+        at,
+    );
+    assert!(message.contains("--frequency-response"), "{message}");
+}
+
 /// A line behind plays and a lag: the linear model that is made of the log is shown, tolerances and all, and what it lacks
 /// is found.
 #[test]

@@ -129,7 +129,30 @@ fn parquet_types_are_read_as_they_are_meant() {
     // What NumPy's arrays hold beside numbers is left out, and said.
     let log = read(folder.path(), "dated.npz").unwrap();
     let left_out: Vec<_> = log.left_out().iter().map(|column| column.name.as_str()).collect();
-    assert_eq!(left_out, ["z", "words"]);
+    assert_eq!(left_out, ["words"]);
+    let (u, z) = (log.column("u").unwrap(), log.column("z.real").unwrap());
+    assert_eq!(z.values, u.values);
+    assert!(log.column("z.imag").unwrap().values.iter().all(|part| *part == 1.0));
+}
+
+/// Complex numbers, as of a frequency response, are two columns.
+#[test]
+fn complex_numbers_are_two_columns() {
+    let Some(folder) = written() else { return };
+    let options = ReadOptions { rate: Some(1.0), ..ReadOptions::default() };
+    for name in ["complex.mat", "complex4.mat", "complex.npz", "complex.h5"] {
+        let log = Log::read(&folder.path().join(name), &options)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let values = |column: &str| {
+            log.require(column).unwrap_or_else(|error| panic!("{error}")).values.clone()
+        };
+        assert_eq!(values("f").len(), 50, "{name}");
+        for ((f, re), im) in values("f").iter().zip(values("G.real")).zip(values("G.imag")) {
+            let x = f / 40.0;
+            let size = 2.0 / (1.0 + x * x);
+            assert!((re - size).abs() < 1e-12 && (im + size * x).abs() < 1e-12, "{name}: {f} Hz");
+        }
+    }
 }
 
 /// Nanoseconds since 1970 keep their last digit, and groups that begin at other instants stay apart by as much.

@@ -31,7 +31,7 @@ use crate::{libraries, progress, ranges, wrapped};
 /// model is identified from the logs, shown and diagnosed.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop diagnose --model plant.toml --log a.csv --log b.csv --map u=u1 --json gap.json --report gap.html\n  piezoloop diagnose --model plant.fmu --log a.csv --holdout b.csv --tune '*.frequency=0.02' --rest idle.csv\n  piezoloop diagnose --model plant.toml --log a.csv --repair repaired.toml\n  piezoloop diagnose --log a.csv --input u --output y --baseline linear.toml"
+    after_help = "Examples:\n  piezoloop diagnose --model plant.toml --log a.csv --log b.csv --map u=u1 --json gap.json --report gap.html\n  piezoloop diagnose --model plant.fmu --log a.csv --holdout b.csv --tune '*.frequency=0.02' --rest idle.csv\n  piezoloop diagnose --model plant.toml --log a.csv --repair repaired.toml\n  piezoloop diagnose --log a.csv --input u --output y --baseline linear.toml\n  piezoloop diagnose --log a.csv --input u --output y --frequency-response response.csv"
 )]
 pub(crate) struct Diagnose {
     /// The model: a blueprint, the name of a rig, or an FMU
@@ -54,6 +54,14 @@ pub(crate) struct Diagnose {
         requires = "inputs"
     )]
     output_columns: Vec<String>,
+    /// Without --model: fit the linear model to this frequency response instead of the logs. A table with the columns
+    /// frequency and magnitude and phase, or real and imaginary part (.csv, .mat, .npz, .parquet, …), or what
+    /// frequency-response -o wrote
+    #[arg(long, value_name = "FILE", conflicts_with = "model", requires = "inputs")]
+    frequency_response: Option<PathBuf>,
+    /// Greatest number of modes to fit to --frequency-response
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = ranges::count(1, 100))]
+    modes: usize,
     /// Write the linear model that was identified from the logs, a blueprint
     #[arg(long, value_name = "FILE", requires = "inputs")]
     baseline: Option<PathBuf>,
@@ -338,7 +346,8 @@ impl Diagnose {
     /// All files that are read.
     fn files(&self) -> impl Iterator<Item = &PathBuf> {
         let model = self.model.as_ref().filter(|model| model.exists());
-        model.into_iter().chain(&self.logs).chain(&self.holdout).chain(&self.rest)
+        let response = &self.frequency_response;
+        model.into_iter().chain(response).chain(&self.logs).chain(&self.holdout).chain(&self.rest)
     }
 
     /// The model as it was given, or as it is made of the logs.
@@ -353,6 +362,7 @@ impl Diagnose {
                     outputs: &self.output_columns,
                     options: &self.options,
                     drop: self.drop.filter(|drop| *drop > 0.0),
+                    response: self.frequency_response.as_deref().map(|table| (table, self.modes)),
                 };
                 Ok(Source::Made(Box::new(baseline::made(&asked, screen)?)))
             }

@@ -1,13 +1,14 @@
 //! `piezoloop frequency-response`: what a machine does linearly, line by line, and how well that is known.
 
 pub(crate) mod plant;
+pub(crate) mod table;
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use data::{Log, SampleTime, WholeFile};
+use data::{Log, SampleTime};
 use identify::frequency::{
     self, Choice, Domain, Experiment, FrequencyResponse as Response, Level, Levels,
     MeasureSettings, Mode, RationalSettings,
@@ -156,7 +157,7 @@ impl FrequencyResponse {
         self.page.can_write()?;
         let answer = self.execute()?;
         if let Some(out) = &self.out {
-            write_table(&answer, out)?;
+            table::write(&answer, out)?;
         }
         if let Some(plant) = &answer.plant {
             inputs::write_blueprint(&plant.checked, &plant.blueprint)?;
@@ -365,53 +366,6 @@ fn fit_of(choice: &Choice) -> Fit {
         misfit: choice.misfit,
         static_gain: gain.row_iter().map(|row| row.iter().map(|g| g.re).collect()).collect(),
     }
-}
-
-/// A row per line: frequency; magnitude, phase and standard deviation of each element; coherence, amplitude,
-/// and what is not linear, of each output.
-fn write_table(measured: &Measured, path: &Path) -> anyhow::Result<()> {
-    let cannot = || format!("{} cannot be written", path.display());
-    let mut file = WholeFile::create(path).with_context(cannot)?;
-    {
-        let mut table = csv::Writer::from_writer(&mut file);
-        let mut head = vec!["frequency [Hz]".to_owned()];
-        for (output, input) in elements(measured) {
-            let name = format!("{}/{}", output.name, input.name);
-            let unit = format!("{}/{}", output.unit(), input.unit());
-            let parts = [("magnitude", unit.as_str()), ("phase", "rad"), ("deviation", &unit)];
-            head.extend(parts.map(|(what, unit)| format!("{what} {name} [{unit}]")));
-        }
-        for output in &measured.outputs {
-            let unit = output.unit();
-            let parts =
-                [("coherence", "1"), ("amplitude", unit), ("not linear", unit), ("noise", unit)];
-            head.extend(parts.map(|(what, unit)| format!("{what} {} [{unit}]", output.name)));
-        }
-        table.write_record(&head).with_context(cannot)?;
-        for line in &measured.response.lines {
-            let mut row = vec![line.frequency];
-            for o in 0..measured.outputs.len() {
-                for i in 0..measured.inputs.len() {
-                    let g = line.response[(o, i)];
-                    row.extend([g.norm(), g.arg(), line.deviation[(o, i)]]);
-                }
-            }
-            for o in 0..measured.outputs.len() {
-                let noise = line.noise.as_ref().map_or(f64::NAN, |noise| noise[o]);
-                row.extend([line.coherence[o], line.amplitude[o], line.total[o], noise]);
-            }
-            let cells = row.iter().map(|x| if x.is_nan() { String::new() } else { x.to_string() });
-            table.write_record(cells).with_context(cannot)?;
-        }
-        table.flush().with_context(cannot)?;
-    }
-    file.commit().with_context(cannot)
-}
-
-/// Output and input of each element of the response, row by row.
-fn elements(measured: &Measured) -> impl Iterator<Item = (&Signal, &Signal)> {
-    let inputs = &measured.inputs;
-    measured.outputs.iter().flat_map(move |output| inputs.iter().map(move |input| (output, input)))
 }
 
 impl Answer for Measured {

@@ -99,6 +99,13 @@ with h5py.File(folder / "fields.h5", "w") as file:
     fields = np.empty(rows, dtype=[("time", "<f8"), ("u", ">f8"), ("y", "<f8"), ("counts", "<i2")])
     fields["time"], fields["u"], fields["y"], fields["counts"] = time, u, y, counts
     file.create_group("run").create_dataset("log", data=fields)
+# Complex numbers: a frequency response, with its frequencies.
+frequency, response = 4.0 * np.arange(1, 51), 2.0 / (1 + 1j * np.arange(1, 51) / 10)
+savemat(folder / "complex.mat", {"f": frequency, "G": response[None, None]})
+savemat(folder / "complex4.mat", {"f": frequency, "G": response}, format="4")
+np.savez(folder / "complex.npz", f=frequency, G=response)
+with h5py.File(folder / "complex.h5", "w") as file:
+    file["f"], file["G"] = frequency, response
 savemat(folder / "lengths.mat", {"time": time, "u": u, "slow": u[::10]})
 np.savez(folder / "plain.npz", time=time, u=u, y=y, counts=counts)
 np.savez_compressed(folder / "packed.npz", time=time, u=u, y=y, counts=counts)

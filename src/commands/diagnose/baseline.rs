@@ -5,17 +5,20 @@
 //! stand beside them, and the plays are left for the diagnosis to find.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use data::{Blueprint, ComponentBlueprint};
+use data::{Blueprint, ComponentBlueprint, Log, SampleTime};
 use diagnose::{Baseline, Estimate};
 use identify::Candidate;
+use identify::frequency::{self, FrequencyResponse as Response, PlantNames, RationalSettings};
 use model::{NodeSpec, unit_on_axis};
 
 use crate::answer::Screen;
-use crate::commands::identify::{AxisResult, Identified, Identify};
-use crate::inputs::{BlueprintText, LogOptions};
+use crate::commands::frequency_response::Signal;
+use crate::commands::frequency_response::table::{self, Table};
+use crate::commands::identify::{AxisResult, Identified, Identify, identifier, usual_unit};
+use crate::inputs::{self, BlueprintText, LogOptions};
 
 /// Part of each record that the diagnosis holds out.
 const HELD_OUT: f64 = 0.3;
@@ -48,10 +51,175 @@ pub(super) struct Asked<'a> {
     pub(super) outputs: &'a [String],
     pub(super) options: &'a LogOptions,
     pub(super) drop: Option<f64>,
+    /// The table of a frequency response, with the most modes that are fitted to it.
+    pub(super) response: Option<(&'a Path, usize)>,
 }
 
-/// Identifies the linear model of the logs.
+/// The linear model: fitted to the frequency response, or identified from the logs.
 pub(super) fn made(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Made> {
+    match asked.response {
+        Some((table, most)) => of_response(asked, table, most),
+        None => of_logs(asked, screen),
+    }
+}
+
+/// The plant of a frequency response: delay and static gain of each axis, and the modes that they share.
+fn of_response(asked: &Asked<'_>, table: &Path, most: usize) -> anyhow::Result<Made> {
+    let logs = asked
+        .logs
+        .iter()
+        .map(|path| asked.options.read_in_silence(path))
+        .collect::<anyhow::Result<Vec<Log>>>()?;
+    let names = asked.options.names()?;
+    let column = |name: &String| names.column(name).unwrap_or(name).to_owned();
+    let mut notes = Vec::new();
+    let mut signals = |all: &[String], usual: &str| {
+        let signal = |name: &String| {
+            let name = column(name);
+            let found = logs.iter().find_map(|log| log.column(&name)?.unit.clone());
+            let unit = found.map_or_else(|| usual_unit(&name, usual, &mut notes), |unit| unit.text);
+            Signal { name, unit: Some(unit) }
+        };
+        all.iter().map(signal).collect::<Vec<Signal>>()
+    };
+    let (inputs, outputs) = (signals(asked.inputs, "V"), signals(asked.outputs, "um"));
+    let first = &logs[0];
+    let record = first.records().first().context("the logs have no record")?;
+    let period = first.sample_time(record, SampleTime::TOLERANCE)?.period;
+    let Table { response, notes: told } = table::read(table, (&inputs, &outputs), period)?;
+    notes.extend(told);
+    let mut ranges = Vec::new();
+    for input in &inputs {
+        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+        for log in &logs {
+            let values = inputs::column(log, &input.name, &mut input.unit.clone())?;
+            range = values.iter().fold(range, |(low, high), u| (low.min(*u), high.max(*u)));
+        }
+        ranges.push((identifier(&input.name), input.unit().to_owned(), range));
+    }
+    let plant = PlantNames {
+        model: "linear".to_owned(),
+        description: format!(
+            "Modes fitted to the frequency response {} over {} lines",
+            table.display(),
+            response.lines.len()
+        ),
+        inputs: ranges,
+        outputs: outputs.iter().map(|s| (identifier(&s.name), s.unit().to_owned())).collect(),
+    };
+    let (mut blueprint, what, leaves) = fitted_to(&response, period, most, &plant)
+        .with_context(|| format!("{}: no plant can be fitted", table.display()))?;
+    notes.push(format!(
+        "no --model was given; a linear one is fitted to {}: {what}; it leaves {:.2} % of the response over {} lines from {} \
+         to {} Hz",
+        table.display(),
+        100.0 * leaves,
+        response.lines.len(),
+        response.lines[0].frequency,
+        response.lines[response.lines.len() - 1].frequency
+    ));
+    // A column that is named as the variable will be needs no other name.
+    for ((axis, k), (input, output)) in
+        blueprint.axes.iter_mut().zip(1..).zip(inputs.iter().zip(&outputs))
+    {
+        if input.name == format!("command[{k}]") {
+            axis.command.name.clear();
+        }
+        if output.name == format!("position[{k}]") {
+            axis.position.name.clear();
+        }
+    }
+    let outputs: Vec<&str> = outputs.iter().map(|signal| signal.name.as_str()).collect();
+    let baselines = in_numbers(&blueprint, &outputs)?;
+    let map = columns_of(asked, &column);
+    let text = BlueprintText { text: blueprint.to_toml(), blueprint };
+    Ok(Made { text, baselines, notes, run_in: 0.0, map })
+}
+
+/// The plant of a response: parts in a row where they need the least numbers for what they leave, else modes side by
+/// side. With what it is in words, and the part of the response that it leaves.
+fn fitted_to(
+    response: &Response,
+    period: f64,
+    most: usize,
+    names: &PlantNames,
+) -> anyhow::Result<(Blueprint, String, f64)> {
+    let number = |x: f64| report::format_number(x, 4);
+    let left = |model: &dyn Fn(&frequency::Line) -> [f64; 2]| {
+        let sums =
+            response.lines.iter().map(model).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+        (sums[0] / sums[1]).sqrt()
+    };
+    // The parts stand behind the hold.
+    let behind = response.lines.iter().map(|line| {
+        let hold = frequency::hold(line.frequency, period);
+        let own = line.response.iter().map(|g| g / hold).collect();
+        (line.frequency, own, line.deviation.iter().map(|d| d / hold.norm()).collect())
+    });
+    let shape = (names.outputs.len(), names.inputs.len());
+    let behind = Response::given(shape, behind.collect(), period);
+    let chain = frequency::choose_chain(&behind);
+    let modes = frequency::choose_held(response, period, &RationalSettings::default(), most);
+    match (chain, modes) {
+        (Ok(chain), modes)
+            if modes.as_ref().map_or(true, |(_, choice)| chain.length <= choice.length) =>
+        {
+            let checked = chain.blueprint(names, period, [LEAST, LEAST_OF_DAMPING])?;
+            let mut what = format!("static gain {}", number(chain.gain));
+            if chain.delay != 0.0 {
+                what += &format!(", delay {} s", number(chain.delay));
+            }
+            if chain.delay < 0.0 {
+                what +=
+                    " (readings that are taken after their command has acted; the model has none)";
+            }
+            for lag in &chain.lags {
+                what += &format!(", lag of {} Hz", number(*lag));
+            }
+            if let Some([natural, damping]) = chain.mode {
+                what += &format!(", mode of {} Hz (damping {})", number(natural), number(damping));
+            }
+            let leaves = left(&|line| {
+                let g = line.response[(0, 0)];
+                let model =
+                    chain.response(line.frequency) * frequency::hold(line.frequency, period);
+                [(g - model).norm_sqr(), g.norm_sqr()]
+            });
+            Ok((checked.blueprint().clone(), what, leaves))
+        }
+        (_, Ok((held, choice))) => {
+            let mut blueprint = held.blueprint(names)?.blueprint().clone();
+            for part in blueprint.axes.iter_mut().flat_map(|axis| &mut axis.components) {
+                let value = if part.kind == "delay" { "delay" } else { "gain" };
+                part.tolerance.insert(value.to_owned(), LEAST);
+            }
+            let all = |text: Vec<String>| text.join(", ");
+            let what = format!(
+                "modes of {}, delay {} s, static gain {}",
+                all(held
+                    .modes
+                    .iter()
+                    .map(|mode| format!(
+                        "{} Hz (damping {})",
+                        number(mode.frequency),
+                        number(mode.damping)
+                    ))
+                    .collect()),
+                held.delay,
+                all(held.static_gain().iter().map(|g| number(*g)).collect())
+            );
+            let leaves = left(&|line| {
+                let rest = &line.response - choice.model.response(line.frequency);
+                [rest.norm_squared(), line.response.norm_squared()]
+            });
+            Ok((blueprint, what, leaves))
+        }
+        (_, Err(error)) => Err(error.into()),
+    }
+}
+
+/// The linear model identified from the logs.
+fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Made> {
     let of = |model: &str| {
         let columns = (asked.inputs, asked.outputs);
         let held_out = HELD_OUT;
@@ -88,17 +256,19 @@ pub(super) fn made(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Made> {
     let baselines = baselines(&blueprint, &linear.1)?;
     notes.extend(baselines.iter().map(sentence));
     let names = asked.options.names()?;
-    let columns = asked.inputs.iter().zip(asked.outputs).enumerate();
-    let map = columns.flat_map(|(k, (input, output))| {
-        let column = |name: &String| names.column(name).unwrap_or(name).to_owned();
-        [
-            format!("command[{}]={}", k + 1, column(input)),
-            format!("position[{}]={}", k + 1, column(output)),
-        ]
-    });
-    let (map, run_in) = (map.collect(), linear.1.run_in);
+    let map = columns_of(asked, &|name: &String| names.column(name).unwrap_or(name).to_owned());
+    let run_in = linear.1.run_in;
     let text = BlueprintText { text: blueprint.to_toml(), blueprint };
     Ok(Made { text, baselines, notes, run_in, map })
+}
+
+/// Which column of the logs belongs to which variable of the model.
+fn columns_of(asked: &Asked<'_>, column: &dyn Fn(&String) -> String) -> Vec<String> {
+    let columns = asked.inputs.iter().zip(asked.outputs).zip(1..);
+    let pair = |((input, output), k): ((&String, &String), usize)| {
+        [format!("command[{k}]={}", column(input)), format!("position[{k}]={}", column(output))]
+    };
+    columns.flat_map(pair).collect()
 }
 
 /// The candidate that was taken.
@@ -172,9 +342,20 @@ fn fitted(node: &NodeSpec) -> impl Iterator<Item = (&'static str, &'static str, 
 
 /// The models in numbers.
 fn baselines(blueprint: &Blueprint, linear: &Identified) -> anyhow::Result<Vec<Baseline>> {
+    let names: Vec<&str> = linear.axes.iter().map(|axis| axis.name.as_str()).collect();
+    let mut all = in_numbers(blueprint, &names)?;
+    for (baseline, found) in all.iter_mut().zip(&linear.axes) {
+        let taken = taken(found);
+        baseline.nrmse = [taken.and_then(|c| c.fitted_nrmse), taken.and_then(|c| c.held_out_nrmse)];
+    }
+    Ok(all)
+}
+
+/// The models in numbers, without what they leave.
+fn in_numbers(blueprint: &Blueprint, names: &[&str]) -> anyhow::Result<Vec<Baseline>> {
     let checked = blueprint.clone().check(learned::COMPONENTS)?;
-    let axes = checked.spec().axes.iter().zip(&blueprint.axes).zip(&linear.axes).enumerate();
-    let all = axes.map(|(k, ((spec, given), found))| {
+    let axes = checked.spec().axes.iter().zip(&blueprint.axes).zip(names).enumerate();
+    let all = axes.map(|(k, ((spec, given), output))| {
         let mut parameters = BTreeMap::new();
         for (node, part) in spec.components.iter().zip(&given.components) {
             for (name, unit, value) in fitted(node) {
@@ -185,13 +366,8 @@ fn baselines(blueprint: &Blueprint, linear: &Identified) -> anyhow::Result<Vec<B
             }
         }
         let kinds: Vec<&str> = given.components.iter().map(|part| part.kind.as_str()).collect();
-        let taken = taken(found);
-        Baseline {
-            output: found.name.clone(),
-            structure: kinds.join(", "),
-            parameters,
-            nrmse: [taken.and_then(|c| c.fitted_nrmse), taken.and_then(|c| c.held_out_nrmse)],
-        }
+        let structure = kinds.join(", ");
+        Baseline { output: (*output).to_owned(), structure, parameters, nrmse: [None; 2] }
     });
     Ok(all.collect())
 }

@@ -97,6 +97,36 @@ pub struct FrequencyResponse {
     pub distortion: Distortion,
 }
 
+impl FrequencyResponse {
+    /// A response that was measured elsewhere, for a sample time in s: per line its frequency in Hz, and response and
+    /// standard deviation of each element, row by row. Nothing is known of noise and distortion.
+    #[must_use]
+    pub fn given(
+        (outputs, inputs): (usize, usize),
+        lines: Vec<(f64, Vec<Complex>, Vec<f64>)>,
+        sample_time: f64,
+    ) -> Self {
+        let line = |(frequency, response, deviation): (f64, Vec<Complex>, Vec<f64>)| Line {
+            frequency,
+            response: DMatrix::from_row_slice(outputs, inputs, &response),
+            deviation: DMatrix::from_row_slice(outputs, inputs, &deviation),
+            coherence: vec![1.0; outputs],
+            amplitude: vec![1.0; outputs],
+            total: vec![0.0; outputs],
+            noise: None,
+            alone: None,
+        };
+        Self {
+            lines: lines.into_iter().map(line).collect(),
+            sample_time,
+            period: None,
+            experiments: 1,
+            periods: 1,
+            distortion: Distortion::default(),
+        }
+    }
+}
+
 /// Where the inputs' part is so many times the output, it only cancels the transient: the line holds what leaks
 /// from others.
 const CANCELLED: f64 = 10.0;

@@ -5,6 +5,7 @@
 //! * [`Rational`]: a common-denominator fit of all its elements, with modes and delay.
 //! * [`refined`], [`softened`]: its modes as a plant of least output error, at one level or following the amplitude.
 
+mod chain;
 mod excitation;
 mod held;
 mod levels;
@@ -14,6 +15,7 @@ mod rational;
 mod refine;
 mod relocate;
 
+pub use chain::{Chain, choose_chain, hold};
 pub use excitation::{Experiment, period_of};
 pub use held::{HeldMode, HeldPlant, PlantNames, Softening, choose_held};
 pub use levels::{Distortion, Levels};

@@ -93,9 +93,9 @@ fn columns(
         _ => return Ok(leave_out(left_out, name, "has more than two dimensions")),
     };
     let (scalars, item) = match header.dtype() {
-        DType::Plain(plain) => match scalar(name.to_owned(), 0, &plain) {
-            Some(scalar) => (vec![scalar], plain.num_bytes()),
-            None => return Ok(leave_out(left_out, name, why_not(&plain))),
+        DType::Plain(plain) => match scalars(name, 0, &plain) {
+            none if none.is_empty() => return Ok(leave_out(left_out, name, why_not(&plain))),
+            scalars => (scalars, plain.num_bytes()),
         },
         DType::Record(fields) => fields_of(&fields, left_out),
         DType::Array(..) => return Ok(leave_out(left_out, name, "holds arrays")),
@@ -154,8 +154,7 @@ fn leave_out(left_out: &mut Vec<LeftOut>, name: &str, why: &str) -> Vec<Raw> {
 /// Why items of this type are no numbers.
 fn why_not(plain: &TypeStr) -> &'static str {
     match plain.type_char() {
-        TypeChar::Complex => "holds complex numbers",
-        TypeChar::Int | TypeChar::Uint | TypeChar::Float | TypeChar::Bool => {
+        TypeChar::Complex | TypeChar::Int | TypeChar::Uint | TypeChar::Float | TypeChar::Bool => {
             "holds numbers of a size that is not known"
         }
         TypeChar::TimeDelta | TypeChar::DateTime => "holds dates of which no unit of time is known",
@@ -170,34 +169,51 @@ fn to_usize(count: u64) -> Option<usize> {
 
 /// The numbers among the fields of an item, and the item's size where it is known.
 fn fields_of(fields: &[npyz::Field], left_out: &mut Vec<LeftOut>) -> (Vec<Scalar>, Option<usize>) {
-    let mut scalars = Vec::new();
+    let mut all = Vec::new();
     let mut offset = 0;
     for field in fields {
         let Some(size) = field.dtype.num_bytes() else { return (Vec::new(), None) };
         match &field.dtype {
-            DType::Plain(plain) => match scalar(field.name.clone(), offset, plain) {
-                Some(scalar) => scalars.push(scalar),
-                None => left_out.push(LeftOut::new(&field.name, why_not(plain))),
+            DType::Plain(plain) => match scalars(&field.name, offset, plain) {
+                none if none.is_empty() => {
+                    left_out.push(LeftOut::new(&field.name, why_not(plain)));
+                }
+                mut scalars => all.append(&mut scalars),
             },
             _ => left_out.push(LeftOut::new(&field.name, "holds arrays")),
         }
         offset += size;
     }
-    (scalars, Some(offset))
+    (all, Some(offset))
 }
 
-fn scalar(name: String, offset: usize, plain: &TypeStr) -> Option<Scalar> {
+/// The numbers of an item: one, two of a complex number, none of what is no number.
+fn scalars(name: &str, offset: usize, plain: &TypeStr) -> Vec<Scalar> {
+    let Some(size) = plain.num_bytes() else { return Vec::new() };
+    let is_big = plain.endianness() == Endianness::Big;
+    let of = |name: String, offset: usize, size: usize, kind: TypeChar| Scalar {
+        name,
+        offset,
+        size,
+        kind,
+        is_big,
+        ticks: ticks(plain),
+    };
     let kind = plain.type_char();
-    let size = plain.num_bytes()?;
     let is_number = match kind {
+        TypeChar::Complex if matches!(size, 8 | 16) => {
+            let part = |what: &str, offset: usize| {
+                of(format!("{name}.{what}"), offset, size / 2, TypeChar::Float)
+            };
+            return vec![part("real", offset), part("imag", offset + size / 2)];
+        }
         TypeChar::Bool => size == 1,
         TypeChar::Int | TypeChar::Uint => matches!(size, 1 | 2 | 4 | 8),
         TypeChar::Float => matches!(size, 2 | 4 | 8),
         TypeChar::TimeDelta | TypeChar::DateTime => size == 8 && ticks(plain).is_some(),
         _ => false,
     };
-    let is_big = plain.endianness() == Endianness::Big;
-    is_number.then_some(Scalar { name, offset, size, kind, is_big, ticks: ticks(plain) })
+    if is_number { vec![of(name.to_owned(), offset, size, kind)] } else { Vec::new() }
 }
 
 /// Ticks of a second in a type of dates or durations.

@@ -131,10 +131,6 @@ impl Reader<'_> {
             ("function_handle", _) => other("is a function".into()),
             (_, Datatype::Reference { .. }) => self.elements(dataset, depth),
             (_, Datatype::Compound { size, fields }) => {
-                let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
-                if matches!(names[..], ["real", "imag"] | ["r", "i"]) {
-                    return other("holds complex numbers".into());
-                }
                 let bytes = self.bytes(dataset)?;
                 let mut columns = Vec::new();
                 for field in fields {
@@ -145,8 +141,8 @@ impl Reader<'_> {
                     let values = rows.map(|row| number(row.get(start..end)?, &field.datatype));
                     let value = match values.collect::<Option<Vec<f64>>>() {
                         Some(values) => {
-                            let size = vec![values.len()];
-                            Value::Numbers(Array { size, values, unit: None })
+                            let array = Array { size: size_of(dataset), values, unit: None };
+                            Value::Numbers(if self.is_matlab { array } else { turned(array) })
                         }
                         None => Value::Other("holds no numbers".into()),
                     };
@@ -209,11 +205,14 @@ impl Reader<'_> {
         let bytes = self.bytes(dataset)?;
         let numbers = bytes.chunks_exact(width).map(|bytes| number(bytes, dataset.dtype()));
         let Some(values) = numbers.collect::<Option<Vec<f64>>>() else { return Ok(None) };
-        let mut size: Vec<usize> = dataset.shape().iter().map(|length| *length as usize).collect();
-        size.reverse();
-        let array = Array { size, values, unit };
+        let array = Array { size: size_of(dataset), values, unit };
         Ok(Some(if self.is_matlab { array } else { turned(array) }))
     }
+}
+
+/// The first index running fastest.
+fn size_of(dataset: &Dataset) -> Vec<usize> {
+    dataset.shape().iter().rev().map(|length| *length as usize).collect()
 }
 
 /// Row by row becomes column by column; arrays of more dimensions stay as they are, with the times last.

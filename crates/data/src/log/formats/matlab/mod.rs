@@ -46,6 +46,11 @@ impl Value {
         }
     }
 
+    /// Complex numbers: a structure of their parts, as HDF5 has them.
+    fn complex(real: Self, imag: Self) -> Self {
+        Self::Structure(vec![("real".to_owned(), vec![real]), ("imag".to_owned(), vec![imag])])
+    }
+
     fn numbers(&self) -> Option<&Array> {
         match self {
             Self::Numbers(array) => Some(array),

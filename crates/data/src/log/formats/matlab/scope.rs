@@ -6,6 +6,29 @@ use super::simulink;
 use super::{Array, Value, Variables, grow};
 use crate::log::group::{Found, Group, Raw};
 
+/// The parts of complex numbers, which stand as a structure.
+fn parts(fields: Vec<(String, Vec<Value>)>) -> Result<[Array; 2], Vec<(String, Vec<Value>)>> {
+    let is_complex = match fields.as_slice() {
+        [(real, a), (imag, b)] => {
+            matches!([real.as_str(), imag.as_str()], ["real", "imag"] | ["r", "i"])
+                && matches!((a.as_slice(), b.as_slice()), ([Value::Numbers(a)], [Value::Numbers(b)])
+                    if a.size == b.size && a.values.len() > 1)
+        }
+        _ => false,
+    };
+    if !is_complex {
+        return Err(fields);
+    }
+    let mut numbers = fields.into_iter().flat_map(|(_, values)| values).filter_map(|value| {
+        let Value::Numbers(array) = value else { return None };
+        Some(array)
+    });
+    match (numbers.next(), numbers.next()) {
+        (Some(real), Some(imag)) => Ok([real, imag]),
+        _ => Err(Vec::new()),
+    }
+}
+
 /// What a vector of times is called, in small letters; the first that there is.
 const TIMES: [&str; 10] =
     ["time", "tout", "t", "timestamps", "timestamp", "time_s", "t_s", "times", "time_vec", "tvec"];
@@ -34,7 +57,13 @@ impl Reader {
         for (name, value) in variables {
             match value {
                 Value::Numbers(array) if array.values.len() > 1 => arrays.push((name, array)),
-                Value::Structure(_) => structures.push((name, value)),
+                Value::Structure(fields) => match parts(fields) {
+                    Ok([real, imag]) => {
+                        arrays.push((format!("{name}.real"), real));
+                        arrays.push((format!("{name}.imag"), imag));
+                    }
+                    Err(fields) => structures.push((name, Value::Structure(fields))),
+                },
                 other => self.left_out.push((full(&name), other.why())),
             }
         }

@@ -18,7 +18,7 @@ pub(super) struct Matrix {
     pub(super) name: String,
     pub(super) rows: usize,
     pub(super) columns: usize,
-    /// The first index running fastest.
+    /// The first index running fastest; of complex numbers all imaginary parts behind all real ones.
     pub(super) values: Vec<f64>,
     is_text: bool,
     /// What it is, where it is no matrix of real numbers.
@@ -31,8 +31,19 @@ impl Matrix {
             Some(other) => Value::Other(other.into()),
             None if self.is_text => Value::Text(self.lines().join(" ")),
             None => {
-                let size = vec![self.rows, self.columns];
-                Value::Numbers(Array { size, values: self.values, unit: None })
+                let numbers = |values: Vec<f64>| {
+                    Value::Numbers(Array {
+                        size: vec![self.rows, self.columns],
+                        values,
+                        unit: None,
+                    })
+                };
+                let mut values = self.values;
+                let imag = values.split_off(values.len().min(self.rows * self.columns));
+                match imag.is_empty() {
+                    true => numbers(values),
+                    false => Value::complex(numbers(values), numbers(imag)),
+                }
             }
         };
         (self.name, value)
@@ -136,7 +147,6 @@ pub(super) fn read(bytes: &[u8], budget: &mut Budget) -> Result<Vec<Matrix>, Ref
         let data = data.ok_or_else(|| damaged(&format!("{name} is cut off")))?;
         let other = match header.kind {
             2 => Some("is a sparse array"),
-            _ if header.is_complex => Some("holds complex numbers"),
             _ => None,
         };
         let values = if other.is_some() { Vec::new() } else { numbers(&header, data, budget)? };

@@ -140,17 +140,18 @@ fn variable(
     let count = count.ok_or_else(too_large)?;
     let value = match class {
         6..=15 => {
-            let real = parts.next(place)?;
-            if is_complex {
-                return Ok((name, Value::Other("holds complex numbers".into())));
-            }
-            let values = numbers(&real, parts.is_little, budget)?;
-            if values.len() != count {
-                let found = values.len();
-                let what = format_args!("{name} has {found} values where its size says {count}");
-                return Err(damaged(place, what));
-            }
-            Value::Numbers(Array { size, values, unit: None })
+            let mut part = || {
+                let values = numbers(&parts.next(place)?, parts.is_little, budget)?;
+                if values.len() != count {
+                    let found = values.len();
+                    let what =
+                        format_args!("{name} has {found} values where its size says {count}");
+                    return Err(damaged(place, what));
+                }
+                Ok(Value::Numbers(Array { size: size.clone(), values, unit: None }))
+            };
+            let real = part()?;
+            if is_complex { Value::complex(real, part()?) } else { real }
         }
         4 => Value::Text(characters(&parts.next(place)?, parts.is_little)),
         2 | 3 => {
