@@ -30,7 +30,8 @@ fn found(version: FmiVersion, files: &[(&str, &str)]) -> String {
 
 #[test]
 fn sources_alone_are_an_fmu() {
-    let main = ("fmu.c", "#include \"core/a.h\"\n#include \"fmi2Functions.h\"\n");
+    let main =
+        ("fmu.c", "#include \"core/a.h\"\n#include \"fmi2Functions.h\"\n#include \"stdint.h\"");
     let more =
         [("core/a.h", "# include \"b.h\"\n#include \"../top.h\""), ("core/b.h", ""), ("top.h", "")];
     let files = [&[main], &more[..]].concat();

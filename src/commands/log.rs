@@ -149,7 +149,7 @@ fn describe(path: PathBuf, log: &Measured) -> One {
 impl Answer for Described {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         for log in &self.logs {
-            writeln!(out, "{}: {} rows", log.path.display(), log.rows)?;
+            writeln!(out, "{}: {}", log.path.display(), data::counted(log.rows, "row"))?;
             for record in &log.records {
                 let Record { record, rows, start_s, end_s, sample_rate_hz } = record;
                 let rate = match sample_rate_hz {
@@ -157,7 +157,8 @@ impl Answer for Described {
                     None => "not equally spaced".to_owned(),
                 };
                 let (start, end) = (rounded(*start_s), rounded(*end_s));
-                writeln!(out, "  record {record}: {rows} rows, {start} s to {end} s, {rate}")?;
+                let rows = data::counted(*rows, "row");
+                writeln!(out, "  record {record}: {rows}, {start} s to {end} s, {rate}")?;
             }
             for Column { name, unit, min, max } in &log.columns {
                 let unit = unit.as_deref().unwrap_or("(no unit)");

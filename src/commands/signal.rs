@@ -217,8 +217,9 @@ impl Answer for Generated {
             Self::Written { signal, file, samples, sample_time_s, channels } => {
                 writeln!(
                     out,
-                    "{}: written, {signal}, {samples} rows, sample time {sample_time_s} s",
-                    file.display()
+                    "{}: written, {signal}, {}, sample time {sample_time_s} s",
+                    file.display(),
+                    data::counted(*samples, "row")
                 )?;
                 for c in channels {
                     let (min, max) = (rounded(c.min), rounded(c.max));

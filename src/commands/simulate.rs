@@ -516,7 +516,16 @@ fn broken_off(error: &cosim::Error, memory: &Memory, out: &Path) -> anyhow::Resu
         return Ok(anyhow::anyhow!("{error}"));
     }
     records::keep(memory, out)?;
-    Ok(anyhow::anyhow!("{error}; the {rows} rows until then are in {}", out.display()))
+    Ok(anyhow::anyhow!("{error}; {}", until_then(rows, out)))
+}
+
+/// Where the rows are that were recorded before a run broke off.
+pub(super) fn until_then(rows: usize, out: &Path) -> String {
+    let rows = match rows {
+        1 => "the row until then is".to_owned(),
+        rows => format!("the {rows} rows until then are"),
+    };
+    format!("{rows} in {}", out.display())
 }
 
 fn early_end((record, ending): (usize, Option<Ending>)) -> Option<EarlyEnd> {
@@ -530,11 +539,10 @@ impl Answer for Simulated {
         }
         writeln!(
             out,
-            "{}: {} rows in {} record{}, {} s to {} s",
+            "{}: {} in {}, {} s to {} s",
             self.model,
-            self.rows,
-            self.records,
-            if self.records == 1 { "" } else { "s" },
+            data::counted(self.rows, "row"),
+            data::counted(self.records, "record"),
             rounded(self.start_s),
             rounded(self.stop_s)
         )?;

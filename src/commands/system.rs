@@ -297,7 +297,7 @@ impl System {
         let mut endings = Vec::new();
         match (outcome, &self.out) {
             (Err(error), Some(out)) if rows > 0 => {
-                bail!("{error}; the {rows} rows until then are in {}", out.display())
+                bail!("{error}; {}", simulate::until_then(rows, out))
             }
             (Err(error), _) => return Err(error.into()),
             (Ok(Some(Ending { slave, time })), _) => {
@@ -480,11 +480,11 @@ impl Answer for Ran {
         }
         writeln!(
             out,
-            "{}: {} by {}, {} rows, {} s to {} s in steps of {} s",
+            "{}: {} by {}, {}, {} s to {} s in steps of {} s",
             self.system,
             shown(&self.fmus),
             self.algorithm,
-            self.rows,
+            data::counted(self.rows, "row"),
             rounded(self.start_s),
             rounded(self.stop_s),
             rounded(self.step_s)

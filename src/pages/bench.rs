@@ -95,12 +95,15 @@ pub(crate) fn run(outcome: &Outcome, rows: &Rows, provenance: Provenance) -> Rep
         page = page.warning(format!("Packets were refused: {refused}"));
     }
     if outcome.unrecorded > 0 {
-        page = page.warning(format!("{} rows are missing in the record.", outcome.unrecorded));
+        page = page.warning(format!(
+            "Missing in the record: {}.",
+            data::counted(outcome.unrecorded as usize, "row")
+        ));
     }
     if rows.left_out > 0 {
         page = page.warning(format!(
-            "The figures omit the first {} rows; counts and percentiles include all rows.",
-            rows.left_out
+            "The figures omit what comes first, {}; counts and percentiles include all rows.",
+            data::counted(rows.left_out, "row")
         ));
     }
     for [reference, position, _] in rows.axes() {

@@ -69,7 +69,10 @@ fn sentence(result: &Simulated) -> String {
             fit.offset,
             fit.unit
         ),
-        None => format!("{} rows of {} were simulated.", result.rows, result.model),
+        None => {
+            let rows = data::counted(result.rows, "row");
+            format!("Simulated: {rows} of {}.", result.model)
+        }
     }
 }
 

@@ -10,10 +10,10 @@ use crate::commands::system::Ran;
 /// The page of a system's run.
 pub(crate) fn system(result: &Ran, files: &[(&str, &Path)]) -> anyhow::Result<Report> {
     let sentence = format!(
-        "{} FMUs by {}, {} rows, {} s to {} s in steps of {} s.",
-        result.fmus.len(),
+        "{} by {}, {}, {} s to {} s in steps of {} s.",
+        data::counted(result.fmus.len(), "FMU"),
         result.algorithm,
-        result.rows,
+        data::counted(result.rows, "row"),
         result.start_s,
         result.stop_s,
         result.step_s

@@ -271,7 +271,11 @@ fn labview_measurement_files_are_read() {
         |k: u32| format!("\t{k}.0\t{}{}", f64::from(k) / 2.0, if k == 0 { "\tbegin" } else { "" });
     let log = read(table(&(lvm("No", false) + &lvm_part(0.5)), bare));
     is(&log, |k| 0.5 + k / 1000.0, UNITS);
-    assert!(notes(&log).contains("1 rows have a remark"), "{}", notes(&log));
+    assert!(
+        notes(&log).contains("remarks behind the last cell are skipped, in 1 row"),
+        "{}",
+        notes(&log)
+    );
     // Parts that were appended: the second goes on in time, the third does not.
     let mut text = lvm("No", true);
     for start in [0.0, 0.01, 7.0] {
@@ -498,7 +502,7 @@ fn comments_between_rows_are_skipped_and_counted() {
     let log = read("time,u\n0,1\n# a remark\n1,2\n#2,3\n2,4\n");
     assert_eq!(log.columns()[0].values, [1.0, 2.0, 4.0]);
     assert!(
-        notes(&log).contains("2 lines of comments between the rows are skipped"),
+        notes(&log).contains("comments between the rows are skipped: 2 lines"),
         "{}",
         notes(&log)
     );

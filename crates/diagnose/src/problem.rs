@@ -296,10 +296,10 @@ pub(crate) fn assemble(
             let run_in = log.time()[rows.clone()].iter().take_while(is_run_in).count();
             if rows.len() - run_in < 60 {
                 warnings.push(format!(
-                    "{}, record {}: {} rows{} are too few to judge anything; it was left out",
+                    "{}, record {}: {}{} are too few to judge anything; it was left out",
                     log.origin(),
                     record.id,
-                    rows.len() - run_in,
+                    data::counted(rows.len() - run_in, "row"),
                     if run_in > 0 { " after the run-in" } else { "" }
                 ));
                 continue;

@@ -8,7 +8,7 @@ use super::notes::LeftOut;
 use super::table::{Grid, Place, Table};
 use super::ticks::{Base, Start};
 use super::{ColumnUnit, Log, ReadOptions, join, time_column};
-use crate::{Problem, Problems, nearest};
+use crate::{Problem, Problems, counted, nearest};
 
 /// The rule that a file breaks, and the way out.
 pub(super) type Refusal = (String, String);
@@ -258,7 +258,7 @@ fn align(groups: &mut [Group]) -> Result<(), Refusal> {
 }
 
 fn different(groups: &[Group]) -> Refusal {
-    let list = groups.iter().map(|g| format!("\"{}\" ({} rows)", g.name, g.rows()));
+    let list = groups.iter().map(|g| format!("\"{}\" ({})", g.name, counted(g.rows(), "row")));
     let list = list.collect::<Vec<_>>().join(", ");
     let rule = format!("has {} groups with different times: {list}", groups.len());
     (rule, "choose one: --group NAME; or join them: --resample".into())

@@ -2,7 +2,7 @@
 
 use super::quality::median;
 use super::{Column, GIVE_A_RATE, Log, RATES, SampleTime};
-use crate::{Problem, Problems};
+use crate::{Problem, Problems, counted};
 
 /// Onto which uniform times a log is brought.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,8 +153,10 @@ pub(super) fn groups(
     let numbers = groups.iter().map(|(_, log)| log.len() * (log.columns.len() + 1)).sum();
     let grid = Grid::of(origin, period, (start, end), most_rows(memory, numbers, columns))?;
     let mut joined = Log::new(origin, grid.times().collect())?;
-    let names: Vec<String> =
-        groups.iter().map(|(name, log)| format!("\"{name}\" ({} rows)", log.len())).collect();
+    let names: Vec<String> = groups
+        .iter()
+        .map(|(name, log)| format!("\"{name}\" ({})", counted(log.len(), "row")))
+        .collect();
     let mut held = Vec::new();
     for (group, log) in groups {
         for column in &log.columns {

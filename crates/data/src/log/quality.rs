@@ -6,6 +6,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::{Log, Record};
+use crate::counted;
 
 /// What is doubtful.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -189,8 +190,9 @@ impl fmt::Display for Finding {
         match self.quality {
             Quality::Missing(lost) => write!(
                 f,
-                "{place}: {column} = {value}: {lost} rows are missing behind this one; \
-                 begin a new record there, or resample"
+                "{place}: {column} = {value}: missing behind this one: {}; \
+                 begin a new record there, or resample",
+                counted(lost, "row")
             ),
             Quality::Outlier(by) => write!(
                 f,

@@ -10,7 +10,7 @@ use super::repeats::{self, Repeats};
 use super::text::Since;
 use super::ticks::{self, Base};
 use super::{Column, Log, Record, cell};
-use crate::{Problem, Problems};
+use crate::{Problem, Problems, counted};
 
 /// Problems that are listed; the rest is counted.
 const MOST_PROBLEMS: usize = 20;
@@ -526,8 +526,8 @@ impl<'a> Table<'a> {
         }
         if self.remarks > 0 {
             notes.push(format!(
-                "{} rows have a remark behind their last cell, which is skipped",
-                self.remarks
+                "remarks behind the last cell are skipped, in {}",
+                counted(self.remarks, "row")
             ));
         }
         let is_said = self

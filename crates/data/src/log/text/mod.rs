@@ -437,7 +437,10 @@ impl Rows<'_> {
         let mut log = self.table.finish()?;
         let mut notes = self.notes;
         if self.comments > 0 {
-            notes.push(format!("{} lines of comments between the rows are skipped", self.comments));
+            notes.push(format!(
+                "comments between the rows are skipped: {}",
+                counted(self.comments, "line")
+            ));
         }
         if self.without_units > 0 {
             let parts = counted(self.without_units, "further part");
