@@ -6,7 +6,6 @@ use std::fmt;
 use std::ops::Range;
 
 use super::{Log, Record};
-use crate::counted;
 
 /// What is doubtful.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -190,9 +189,9 @@ impl fmt::Display for Finding {
         match self.quality {
             Quality::Missing(lost) => write!(
                 f,
-                "{place}: {column} = {value}: missing behind this one: {}; \
+                "{place}: {column} = {value}: {} missing behind this one; \
                  begin a new record there, or resample",
-                counted(lost, "row")
+                if lost == 1 { "1 row is".to_owned() } else { format!("{lost} rows are") }
             ),
             Quality::Outlier(by) => write!(
                 f,
