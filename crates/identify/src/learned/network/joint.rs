@@ -270,3 +270,52 @@ fn fix(normal: &mut DMatrix<f64>, gradient: &mut DVector<f64>, k: usize) {
     normal[(k, k)] = 1.0;
     gradient[k] = 0.0;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half the sum's slope along each number is the gradient of the equations.
+    #[test]
+    fn the_gradient_is_that_of_the_sum() {
+        let plays = Plays {
+            r: vec![0.0, 10.0, 20.0, 35.0],
+            w: vec![0.1, 0.02, 0.01, 0.03],
+            share: vec![0.01; 3],
+            time_constant: vec![0.02, 0.2, 2.0],
+            scalars: [0.3, 0.08, 50.0, 50.0, -0.05, 0.02, 8.0, 8.0],
+        };
+        let signal: Vec<f64> = (0..400)
+            .map(|k| 50.0 + 40.0 * (0.05 * k as f64).sin() * (0.011 * k as f64).cos())
+            .collect();
+        let position = (0..190).map(|k| 8.0 + 5.0 * (0.1 * k as f64).sin()).collect();
+        let lessons = [Lesson { signal, substeps: 2, first: 5, position }];
+        let bounds = [(-0.3, 0.3), (-0.25, 0.25), (-0.1, 0.1), (0.0, 0.03)];
+        let joint = Joint {
+            plays: &plays,
+            lessons: &lessons,
+            step: 1e-3,
+            bounds: &bounds,
+            price: 0.5,
+            every: 1,
+        };
+        let mut network: Vec<f64> = (0..STARTS).flat_map(super::super::first).collect();
+        for (k, number) in network.iter_mut().enumerate() {
+            *number += 0.03 * (1.0 + k as f64).sin();
+        }
+        let [offset, bend, _, _, quadratic, cubic, ..] = plays.scalars;
+        let numbers = [&[bend, quadratic, cubic, 0.01, offset][..], &plays.w, &network].concat();
+        let at = joint.point(numbers.clone()).unwrap();
+        let (_, gradient) = joint.equations(&at).unwrap();
+        for (k, gradient) in gradient.iter().enumerate() {
+            let sum = |by: f64| {
+                let mut moved = numbers.clone();
+                moved[k] += by;
+                joint.point(moved).unwrap().sum
+            };
+            let slope = 0.5 * (sum(1e-5) - sum(-1e-5)) / 2e-5;
+            let near = 1e-3 * slope.abs() + 1e-4 * at.sum;
+            assert!((slope - gradient).abs() < near, "{k}: {slope} {gradient}");
+        }
+    }
+}
