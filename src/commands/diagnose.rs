@@ -260,6 +260,12 @@ impl Diagnose {
         }
         self.check_repair()?;
         let source = self.source(screen)?;
+        let mut written = Vec::new();
+        // Before the diagnosis, which may refuse it: coupled axes are packed first.
+        if let (Source::Made(made), Some(file)) = (&source, &self.baseline) {
+            made.text.blueprint.write(file)?;
+            written.push(file.clone());
+        }
         let libraries = self.libraries(&source)?;
         let request = self.request(&source)?;
         let unmatched = check_tolerances(&request)?;
@@ -268,15 +274,10 @@ impl Diagnose {
         bar.0.finish_and_clear();
         let mut diagnosis = diagnosis?;
         diagnosis.gap.warnings.extend(unmatched);
-        let mut written = Vec::new();
         if let Source::Made(made) = &source {
             diagnosis.gap.baseline.clone_from(&made.baselines);
             let told = std::mem::take(&mut diagnosis.gap.warnings);
             diagnosis.gap.warnings = made.notes.iter().cloned().chain(told).collect();
-            if let Some(file) = &self.baseline {
-                made.text.blueprint.write(file)?;
-                written.push(file.clone());
-            }
         }
         // Before the answer, which speaks of the model that is handed back; where that cannot be
         // written the answer is there all the same.

@@ -353,7 +353,7 @@ impl Estimate {
         }
         if found.inflation > 1.0 {
             notes.push(format!(
-                "the residuals hang together, as those of a model that lacks something do: the intervals are {:.2} times as wide as \
+                "the residuals are correlated, as if the model lacked an effect: the intervals are {:.2} times as wide as \
                  for white noise",
                 found.inflation.sqrt()
             ));

@@ -9,7 +9,7 @@
 //! s² = ‖r‖² / (n − m)        cov(p) = c s² (JᵀJ)⁻¹        p ± t(0.975, n − m) √cov
 //! ```
 //!
-//! c = 1 for white residuals. Residuals that hang together say less than as many independent ones: then
+//! c = 1 for white residuals. Correlated residuals say less than as many independent ones: then
 //! c = 1 + 2 Σ ρ_k, with their autocorrelation ρ_k as far as it stands out.
 //!
 //! Reference: G. A. F. Seber, C. J. Wild, Nonlinear Regression, Wiley 1989, chapters 2 and 5.
@@ -52,7 +52,7 @@ pub struct Calibration {
     pub squares: f64,
     /// ‖r‖² that each start led to; none where it led to nothing.
     pub starts: Vec<Option<f64>>,
-    /// By how much the intervals' squares grew because residuals hang together.
+    /// By how much the intervals' squares grew because residuals are correlated.
     pub inflation: f64,
     /// How often the model was asked, and how often it had no answer.
     pub evaluations: usize,
@@ -386,7 +386,7 @@ fn judged(
     }
 }
 
-/// 1 + 2 Σ ρ_k of residuals that hang together, as far as ρ_k stands out; 1 where they do not.
+/// 1 + 2 Σ ρ_k of correlated residuals, as far as ρ_k stands out; 1 where they do not.
 fn inflation(residual: &[f64], series: &[usize]) -> f64 {
     let mut parts = Vec::new();
     let mut rest = residual;

@@ -24,6 +24,9 @@ use crate::inputs::{self, BlueprintText, LogOptions};
 const HELD_OUT: f64 = 0.3;
 /// Part of what the linear plant leaves that the one with plays must leave at most, for its linear parts to be taken.
 const WITH_PLAYS: f64 = 0.9;
+/// Part of the mean square that parts in a row leave of a response that modes side by side must leave at most, to be taken:
+/// many modes follow the scatter of a nonlinear machine, too.
+const SIDE_BY_SIDE: f64 = 0.25;
 /// Standard errors of which a tolerance consists, and by which a delay must be seen.
 const ERRORS: f64 = 1.0;
 const SEEN: f64 = 2.0;
@@ -162,7 +165,9 @@ fn fitted_to(
     let modes = frequency::choose_held(response, period, &RationalSettings::default(), most);
     match (chain, modes) {
         (Ok(chain), modes)
-            if modes.as_ref().map_or(true, |(_, choice)| chain.length <= choice.length) =>
+            if modes.as_ref().map_or(true, |(_, choice)| {
+                chain.length <= choice.length || SIDE_BY_SIDE * chain.misfit <= choice.misfit
+            }) =>
         {
             let checked = chain.blueprint(names, period, [LEAST, LEAST_OF_DAMPING])?;
             let mut what = format!("static gain {}", number(chain.gain));

@@ -41,6 +41,9 @@ const MOST_LAGS: usize = 2;
 /// Longest delay, over the period of the highest line.
 const LONGEST: f64 = 20.0;
 
+/// Highest frequency of a mode, over that of the highest line.
+const HIGHEST: f64 = 1.5;
+
 /// One line: angular frequency, response, weight.
 type Point = (f64, Complex, f64);
 
@@ -116,8 +119,8 @@ fn fitted(points: &[Point], period: f64, lags: usize, has_mode: bool) -> Option<
                     unknowns.push(corner(-(part + 0.2 * lag as f64).min(0.95) * spread));
                 }
                 if has_mode {
-                    unknowns.push(corner(mode.ln()));
-                    unknowns.push(unknown(0.05_f64.ln(), 1e-5_f64.ln(), 2_f64.ln()));
+                    unknowns.push(unknown(mode.ln(), (0.1 * low / top).ln(), HIGHEST.ln()));
+                    unknowns.push(unknown(0.05_f64.ln(), 1e-4_f64.ln(), 2_f64.ln()));
                 }
                 let residuals = |p: &[f64]| {
                     let k = gain(points, top, p, lags);
@@ -137,6 +140,10 @@ fn fitted(points: &[Point], period: f64, lags: usize, has_mode: bool) -> Option<
         }
     }
     let (cost, p, variance) = best?;
+    // A mode at its bounds only bends the response a little.
+    if has_mode && variance[1 + lags..].iter().any(Option::is_none) {
+        return None;
+    }
     let misfit = cost / points.len() as f64;
     let count = (2 * points.len()) as f64;
     let k = gain(points, top, &p, lags);
