@@ -80,7 +80,7 @@ pub(crate) fn may_write(target: &Path) -> io::Result<()> {
     let refuse = |rule: &str| Err(io::Error::new(io::ErrorKind::InvalidInput, rule));
     if call.twice.contains(&path) {
         return refuse(
-            "this command already uses the file; an output must differ from all inputs and other outputs: give another file",
+            "this command already uses the file; an output must differ from all inputs and other outputs: give another file, as with -o FILE",
         );
     }
     if call.read.contains(&path) && !call.written.contains(&path) {

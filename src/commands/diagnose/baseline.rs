@@ -193,10 +193,13 @@ fn fitted_to(
             Ok((checked.blueprint().clone(), what, leaves))
         }
         (_, Ok((held, choice))) => {
-            let mut blueprint = held.blueprint(names)?.blueprint().clone();
-            for part in blueprint.axes.iter_mut().flat_map(|axis| &mut axis.components) {
-                let value = if part.kind == "delay" { "delay" } else { "gain" };
-                part.tolerance.insert(value.to_owned(), LEAST);
+            let checked = held.blueprint(names)?;
+            let mut blueprint = checked.blueprint().clone();
+            for (axis, spec) in blueprint.axes.iter_mut().zip(&checked.spec().axes) {
+                for (part, node) in axis.components.iter_mut().zip(&spec.components) {
+                    let values = fitted(node).filter(|(_, _, value)| *value != 0.0);
+                    part.tolerance.extend(values.map(|(name, ..)| (name.to_owned(), LEAST)));
+                }
             }
             let all = |text: Vec<String>| text.join(", ");
             let what = format!(
