@@ -215,18 +215,18 @@ impl Answer for Checked {
                 }
                 _ => String::new(),
             };
-            let several = |count: usize| if count == 1 { "" } else { "s" };
-            let (errors, warnings) = (fmu.errors, fmu.warnings);
-            let (e, w) = (several(errors), several(warnings));
-            let verdict = match (errors + warnings, &fmu.unchecked) {
+            let found =
+                [data::counted(fmu.errors, "error"), data::counted(fmu.warnings, "warning")];
+            let found = found.join(", ");
+            let verdict = match (fmu.errors + fmu.warnings, &fmu.unchecked) {
                 (0, Some(why)) => format!("not checked: {why}"),
                 (0, None) => "no problem".to_owned(),
-                (_, None) => format!("{errors} error{e}, {warnings} warning{w}"),
+                (_, None) => found,
                 (_, Some(why)) => {
-                    format!("{errors} error{e}, {warnings} warning{w}, not all was checked: {why}")
+                    format!("{found}, not all was checked: {why}")
                 }
             };
-            if fmu.has_reference && fmu.replay.is_none() && errors == 0 {
+            if fmu.has_reference && fmu.replay.is_none() && fmu.errors == 0 {
                 let path = fmu.path.display();
                 let how = match (fmu.platforms.is_empty() && fmu.sources, fmu.runs_here) {
                     (true, _) => {

@@ -494,20 +494,20 @@ pub(crate) fn usual_unit(column: &str, usual: &str, notes: &mut Vec<String>) -> 
     usual.to_owned()
 }
 
-/// Axis `k` of columns with their units. A column that is named as the variable of the FMU will be, `command[1]`, needs no
-/// other name.
+/// The short name of axis `k`'s variable for a column: none for one that is named as the variable of the FMU will be,
+/// `command[1]`.
+pub(crate) fn short_name(column: &str, variable: &str, k: usize) -> String {
+    if column == format!("{variable}[{}]", k + 1) { String::new() } else { identifier(column) }
+}
+
+/// Axis `k` of columns with their units.
 fn axis(
     k: usize,
     (input, command_unit): (&str, &str),
     (output, position_unit): (&str, &str),
 ) -> AxisBlueprint {
     let signal = |column: &str, variable: &str, unit: &str| {
-        let signal = SignalBlueprint::of_unit(unit);
-        if column == format!("{variable}[{}]", k + 1) {
-            signal
-        } else {
-            signal.named(&identifier(column))
-        }
+        SignalBlueprint::of_unit(unit).named(&short_name(column, variable, k))
     };
     AxisBlueprint {
         command: signal(input, "command", command_unit),

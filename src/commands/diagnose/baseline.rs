@@ -17,7 +17,9 @@ use model::{NodeSpec, unit_on_axis};
 use crate::answer::Screen;
 use crate::commands::frequency_response::Signal;
 use crate::commands::frequency_response::table::{self, Table};
-use crate::commands::identify::{AxisResult, Identified, Identify, identifier, usual_unit};
+use crate::commands::identify::{
+    AxisResult, Identified, Identify, identifier, short_name, usual_unit,
+};
 use crate::inputs::{self, BlueprintText, LogOptions};
 
 /// Part of each record that the diagnosis holds out.
@@ -121,16 +123,9 @@ fn of_response(asked: &Asked<'_>, table: &Path, most: usize) -> anyhow::Result<M
         response.lines[0].frequency,
         response.lines[response.lines.len() - 1].frequency
     ));
-    // A column that is named as the variable will be needs no other name.
-    for ((axis, k), (input, output)) in
-        blueprint.axes.iter_mut().zip(1..).zip(inputs.iter().zip(&outputs))
-    {
-        if input.name == format!("command[{k}]") {
-            axis.command.name.clear();
-        }
-        if output.name == format!("position[{k}]") {
-            axis.position.name.clear();
-        }
+    for (k, axis) in blueprint.axes.iter_mut().enumerate() {
+        axis.command.name = short_name(&inputs[k].name, "command", k);
+        axis.position.name = short_name(&outputs[k].name, "position", k);
     }
     let outputs: Vec<&str> = outputs.iter().map(|signal| signal.name.as_str()).collect();
     let baselines = in_numbers(&blueprint, &outputs)?;
@@ -139,8 +134,8 @@ fn of_response(asked: &Asked<'_>, table: &Path, most: usize) -> anyhow::Result<M
     Ok(Made { text, baselines, notes, run_in: 0.0, map })
 }
 
-/// The plant of a response: parts in a row where they need the least numbers for what they leave, else modes side by
-/// side. With what it is in words, and the part of the response that it leaves.
+/// The plant of a response: modes side by side where they need fewer numbers for what they leave, and leave much less, else
+/// parts in a row. With what it is in words, and the part of the response that it leaves.
 fn fitted_to(
     response: &Response,
     period: f64,
@@ -165,8 +160,8 @@ fn fitted_to(
     let modes = frequency::choose_held(response, period, &RationalSettings::default(), most);
     match (chain, modes) {
         (Ok(chain), modes)
-            if modes.as_ref().map_or(true, |(_, choice)| {
-                chain.length <= choice.length || SIDE_BY_SIDE * chain.misfit <= choice.misfit
+            if !modes.as_ref().is_ok_and(|(_, choice)| {
+                choice.length < chain.length && choice.misfit < SIDE_BY_SIDE * chain.misfit
             }) =>
         {
             let checked = chain.blueprint(names, period, [LEAST, LEAST_OF_DAMPING])?;

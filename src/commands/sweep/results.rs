@@ -208,10 +208,9 @@ impl Answer for Swept {
         if let Some(rate) = self.runs_per_second {
             write!(
                 out,
-                "; {} now, on {} thread{} in {:.1} s, {rate:.1} runs/s",
+                "; {} now, on {} in {:.1} s, {rate:.1} runs/s",
                 self.fresh,
-                self.threads,
-                if self.threads == 1 { "" } else { "s" },
+                data::counted(self.threads, "thread"),
                 self.seconds
             )?;
         }

@@ -2,6 +2,7 @@
 
 use super::quality::median;
 use super::table::Place;
+use super::ticks::EXACT;
 
 /// Rows from which times can be judged.
 const ENOUGH: usize = 30;
@@ -98,7 +99,6 @@ pub(super) fn doubt(time: &[f64], is_said: bool, base: f64) -> Option<String> {
 
 /// Whether these cells count rows: whole numbers that grow, by 1 somewhere.
 pub(super) fn counts(cells: &[f64]) -> bool {
-    const EXACT: f64 = 9_007_199_254_740_992.0;
     let is_whole = cells.iter().all(|cell| cell.fract() == 0.0 && cell.abs() <= EXACT);
     let least = cells.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     is_whole && (cells.len() < 2 || least == 1.0)

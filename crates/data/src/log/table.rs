@@ -8,7 +8,7 @@ use super::lines::Lines;
 use super::notes::{LeftOut, Remarks};
 use super::repeats::{self, Repeats};
 use super::text::Since;
-use super::ticks::{self, Base};
+use super::ticks::{self, Base, EXACT};
 use super::{Column, Log, Record, cell};
 use crate::{Problem, Problems, counted};
 
@@ -473,7 +473,6 @@ impl<'a> Table<'a> {
 
     /// The number of a record.
     fn whole(&mut self, cell: f64, column: usize, place: Place) -> Option<i64> {
-        const EXACT: f64 = 9_007_199_254_740_992.0;
         if cell.is_nan() {
             return None;
         }

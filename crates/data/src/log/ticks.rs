@@ -5,6 +5,8 @@ use std::fmt;
 
 use super::cell::{Broken, parse};
 
+/// Whole numbers up to here are exact as doubles.
+pub(super) const EXACT: f64 = 9_007_199_254_740_992.0;
 /// Whole numbers from here on lose digits in s: of a double's 53 bits, four are left for a part of a tick.
 const LONG: u128 = 1 << 49;
 
@@ -49,7 +51,6 @@ impl Base {
 
     /// The number that was there before the base was taken off.
     pub(super) fn back(self, rest: f64) -> f64 {
-        const EXACT: f64 = 9_007_199_254_740_992.0;
         match rest.fract() == 0.0 && rest.abs() <= EXACT {
             true => (self.0 + rest as i128) as f64,
             false => self.value() + rest,

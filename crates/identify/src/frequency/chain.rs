@@ -8,11 +8,10 @@ use core::f64::consts::{PI, TAU};
 
 use components::COMPONENTS;
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint};
-
 use model::Kind;
 
 use super::Complex;
-use super::held::PlantNames;
+use super::held::{PlantNames, delay_of};
 use super::local::FrequencyResponse;
 use crate::error::Error;
 use crate::fit::levenberg_marquardt::{PATIENT, Unknown, minimise};
@@ -40,7 +39,6 @@ pub struct Chain {
 const MOST_LAGS: usize = 2;
 /// Longest delay, over the period of the highest line.
 const LONGEST: f64 = 20.0;
-
 /// Highest frequency of a mode, over that of the highest line.
 const HIGHEST: f64 = 1.5;
 
@@ -52,8 +50,7 @@ type Point = (f64, Complex, f64);
 /// # Errors
 /// [`Error::NoSolution`] for more than one axis or where no search converges.
 pub fn choose_chain(measured: &FrequencyResponse) -> Result<Chain, Error> {
-    let greatest = measured.lines.iter().map(|l| l.deviation.max()).fold(0.0, f64::max);
-    let floor = (1e-6 * greatest).max(1e-150);
+    let floor = measured.least_deviation();
     let mut points: Vec<Point> = Vec::new();
     for line in &measured.lines {
         if line.response.len() != 1 {
@@ -82,13 +79,25 @@ pub fn choose_chain(measured: &FrequencyResponse) -> Result<Chain, Error> {
 /// The response of the parts without their gain. `p` = delay over that of one radian at the highest line, logarithms of
 /// the lags' corners, logarithms of frequency and damping; angular frequencies over the highest line's.
 fn shape(p: &[f64], lags: usize, w: f64) -> Complex {
-    let mut g = Complex::from_polar(1.0, -w * p[0]);
-    for corner in &p[1..=lags] {
-        g /= Complex::new(1.0, w / corner.exp());
-    }
-    if let [frequency, damping] = p[1 + lags..] {
-        let x = w / frequency.exp();
-        g /= Complex::new(1.0 - x * x, 2.0 * damping.exp() * x);
+    let mode = match p[1 + lags..] {
+        [frequency, damping] => Some([frequency.exp(), damping.exp()]),
+        _ => None,
+    };
+    in_a_row(w * p[0], p[1..=lags].iter().map(|corner| w / corner.exp()), w, mode)
+}
+
+/// The response of a delay, given as the angle that it turns by, of lags, given as the frequency over their corners, and of a
+/// mode, given as its frequency in the unit of `w` and its damping.
+fn in_a_row(
+    angle: f64,
+    lags: impl Iterator<Item = f64>,
+    w: f64,
+    mode: Option<[f64; 2]>,
+) -> Complex {
+    let mut g = lags.fold(Complex::from_polar(1.0, -angle), |g, x| g / Complex::new(1.0, x));
+    if let Some([natural, damping]) = mode {
+        let x = w / natural;
+        g /= Complex::new(1.0 - x * x, 2.0 * damping * x);
     }
     g
 }
@@ -120,7 +129,8 @@ fn fitted(points: &[Point], period: f64, lags: usize, has_mode: bool) -> Option<
                 }
                 if has_mode {
                     unknowns.push(unknown(mode.ln(), (0.1 * low / top).ln(), HIGHEST.ln()));
-                    unknowns.push(unknown(0.05_f64.ln(), 1e-4_f64.ln(), 2_f64.ln()));
+                    // With more damping it is two lags.
+                    unknowns.push(unknown(0.05_f64.ln(), 1e-4_f64.ln(), 0.0));
                 }
                 let residuals = |p: &[f64]| {
                     let k = gain(points, top, p, lags);
@@ -182,15 +192,8 @@ impl Chain {
     /// The response.
     #[must_use]
     pub fn response(&self, frequency: f64) -> Complex {
-        let mut g = Complex::from_polar(self.gain, -TAU * frequency * self.delay);
-        for corner in &self.lags {
-            g /= Complex::new(1.0, frequency / corner);
-        }
-        if let Some([natural, damping]) = self.mode {
-            let x = frequency / natural;
-            g /= Complex::new(1.0 - x * x, 2.0 * damping * x);
-        }
-        g
+        let lags = self.lags.iter().map(|corner| frequency / corner);
+        in_a_row(TAU * frequency * self.delay, lags, frequency, self.mode) * self.gain
     }
 
     /// The checked blueprint of one axis, which is stepped with `period` in s. Each fitted parameter has its standard
@@ -205,15 +208,10 @@ impl Chain {
         [least, least_of_damping]: [f64; 2],
     ) -> Result<CheckedBlueprint, Error> {
         let refused = |message: String| Error::Model { name: names.model.clone(), message };
-        let ([(input, unit, (low, high))], [(output, position)]) =
-            (names.inputs.as_slice(), names.outputs.as_slice())
-        else {
+        let mut axes = names.axes();
+        let (Some(mut axis), None) = (axes.next(), axes.next()) else {
             return Err(refused("parts in a row have one input and one output".into()));
         };
-        let mut axis = AxisBlueprint::new(output, unit, position);
-        axis.command =
-            axis.command.named(input).between(*low, *high).start(0.0_f64.clamp(*low, *high));
-        axis.position = axis.position.named(output);
         let tolerance =
             |at: usize, least: f64| self.deviations[at].unwrap_or(0.0).clamp(least, 1.0);
         let part = |kind: &str, values: &[(&str, f64, f64)]| {
@@ -224,9 +222,9 @@ impl Chain {
             }
             part
         };
-        if self.delay > 0.0 {
-            let delay = part("delay", &[("delay", self.delay, tolerance(1, least))]);
-            axis = axis.component(delay.value("longest", 2.0 * self.delay));
+        if let Some(mut delay) = delay_of(self.delay) {
+            delay.tolerance.insert("delay".to_owned(), tolerance(1, least));
+            axis = axis.component(delay);
         }
         let mut lags = self.lags.iter().zip(2..);
         let mut lag = |kind: &str| {

@@ -76,6 +76,26 @@ pub struct PlantNames {
     pub outputs: Vec<(String, String)>,
 }
 
+impl PlantNames {
+    /// The axes, each with its signals and no component.
+    pub(super) fn axes(&self) -> impl Iterator<Item = AxisBlueprint> + '_ {
+        let signals = self.inputs.iter().zip(&self.outputs);
+        signals.map(|((input, unit, (low, high)), (output, position))| {
+            let mut axis = AxisBlueprint::new(output, unit, position);
+            axis.command =
+                axis.command.named(input).between(*low, *high).start(0.0_f64.clamp(*low, *high));
+            axis.position = axis.position.named(output);
+            axis
+        })
+    }
+}
+
+/// The component of a delay in s; none where there is no delay.
+pub(super) fn delay_of(delay: f64) -> Option<ComponentBlueprint> {
+    let part = ComponentBlueprint::new("delay").value("longest", 2.0 * delay);
+    (delay > 0.0).then(|| part.value("delay", delay))
+}
+
 /// Fits plants of 1 to `most` modes over held inputs with `period` in s; all that were tried, and the place
 /// of that of least description length.
 ///
@@ -238,19 +258,10 @@ impl HeldPlant {
             (0..inputs).map(|k| Some(gain[(k, k)]).filter(|g| *g != 0.0).unwrap_or(1.0)).collect();
         let mut blueprint = Blueprint::new(Kind::Plant, &names.model, self.period);
         blueprint.description.clone_from(&names.description);
-        let axes = names.inputs.iter().zip(&names.outputs).zip(&own);
-        for (((input, unit, (low, high)), (output, position)), gain) in axes {
-            let mut axis = AxisBlueprint::new(output, unit, position);
-            axis.command =
-                axis.command.named(input).between(*low, *high).start(0.0_f64.clamp(*low, *high));
-            axis.position = axis.position.named(output);
-            if self.delay > 0.0 {
-                let delay = ComponentBlueprint::new("delay")
-                    .value("longest", 2.0 * self.delay)
-                    .value("delay", self.delay);
-                axis = axis.component(delay);
-            }
-            axis = axis.component(ComponentBlueprint::new("actuator-gain").value("gain", *gain));
+        for (axis, gain) in names.axes().zip(&own) {
+            let axis = delay_of(self.delay).into_iter().fold(axis, AxisBlueprint::component);
+            let axis =
+                axis.component(ComponentBlueprint::new("actuator-gain").value("gain", *gain));
             blueprint = blueprint.axis(axis);
         }
         let rows = |matrix: &DMatrix<f64>| -> Vec<f64> {

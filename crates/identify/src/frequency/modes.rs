@@ -65,12 +65,16 @@ pub struct Choice {
 }
 
 impl FrequencyResponse {
+    /// Least deviation that counts: a response without any scatter would count without limit.
+    pub(super) fn least_deviation(&self) -> f64 {
+        let greatest = self.lines.iter().map(|l| l.deviation.max()).fold(0.0, f64::max);
+        (1e-6 * greatest).max(1e-150)
+    }
+
     /// Mean square of what a model leaves of the response, over the response's own variance.
     #[must_use]
     pub fn misfit(&self, model: &Rational) -> f64 {
-        let greatest = self.lines.iter().map(|l| l.deviation.max()).fold(0.0, f64::max);
-        // A response without any scatter would count without limit.
-        let floor = (1e-6 * greatest).max(1e-150);
+        let floor = self.least_deviation();
         let square = |line: &super::local::Line| {
             let rest = &line.response - model.response(line.frequency);
             let each = rest.iter().zip(&line.deviation);

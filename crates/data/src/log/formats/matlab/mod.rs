@@ -27,7 +27,7 @@ enum Value {
 }
 
 /// Real numbers, the first index running fastest.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 struct Array {
     size: Vec<usize>,
     values: Vec<f64>,

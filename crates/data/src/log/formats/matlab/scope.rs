@@ -6,27 +6,20 @@ use super::simulink;
 use super::{Array, Value, Variables, grow};
 use crate::log::group::{Found, Group, Raw};
 
-/// The parts of complex numbers, which stand as a structure.
-fn parts(fields: Vec<(String, Vec<Value>)>) -> Result<[Array; 2], Vec<(String, Vec<Value>)>> {
-    let is_complex = match fields.as_slice() {
-        [(real, a), (imag, b)] => {
-            matches!([real.as_str(), imag.as_str()], ["real", "imag"] | ["r", "i"])
-                && matches!((a.as_slice(), b.as_slice()), ([Value::Numbers(a)], [Value::Numbers(b)])
-                    if a.size == b.size && a.values.len() > 1)
-        }
-        _ => false,
-    };
-    if !is_complex {
-        return Err(fields);
+/// The fields of a structure, each with one value for each element.
+type Fields = Vec<(String, Vec<Value>)>;
+
+/// The parts of complex numbers, which stand as a structure; its fields where it is another one.
+fn parts(mut fields: Fields) -> Result<[Array; 2], Fields> {
+    if let [(real, a), (imag, b)] = fields.as_mut_slice()
+        && matches!([real.as_str(), imag.as_str()], ["real", "imag"] | ["r", "i"])
+        && let ([Value::Numbers(a)], [Value::Numbers(b)]) = (a.as_mut_slice(), b.as_mut_slice())
+        && a.size == b.size
+        && a.values.len() > 1
+    {
+        return Ok([std::mem::take(a), std::mem::take(b)]);
     }
-    let mut numbers = fields.into_iter().flat_map(|(_, values)| values).filter_map(|value| {
-        let Value::Numbers(array) = value else { return None };
-        Some(array)
-    });
-    match (numbers.next(), numbers.next()) {
-        (Some(real), Some(imag)) => Ok([real, imag]),
-        _ => Err(Vec::new()),
-    }
+    Err(fields)
 }
 
 /// What a vector of times is called, in small letters; the first that there is.

@@ -145,10 +145,7 @@ pub(super) fn read(bytes: &[u8], budget: &mut Budget) -> Result<Vec<Matrix>, Ref
         let end = end.and_then(|size| size.checked_add(start));
         let data = end.and_then(|end| rest.get(start..end));
         let data = data.ok_or_else(|| damaged(&format!("{name} is cut off")))?;
-        let other = match header.kind {
-            2 => Some("is a sparse array"),
-            _ => None,
-        };
+        let other = (header.kind == 2).then_some("is a sparse array");
         let values = if other.is_some() { Vec::new() } else { numbers(&header, data, budget)? };
         matrices.push(Matrix {
             name: name.to_owned(),
