@@ -107,8 +107,8 @@ position_half_range = 10
 
 /// The edge (state, references, values, guard) costs at most 10 ns per call over a C FMU that does the
 /// same without a guard, and so does a step in which no hit of the model's grid falls. A step of y = 2 u
-/// takes at most 1.3 times as long as in C that is put together at run time as our models are, and at
-/// most 2.2 times as long as in C whose model is known when it is compiled. A step of the plant with two
+/// takes at most as long as in C that is put together at run time as our models are, and at most 1.5
+/// times as long as in C whose model is known when it is compiled (1.3 where nothing else runs). A step of the plant with two
 /// axes of ten plays takes at most 1 us, of learned plays at most 400 ns (200 where nothing else runs).
 #[test]
 fn the_edge_costs_nanoseconds() {
@@ -151,8 +151,8 @@ fn the_edge_costs_nanoseconds() {
     }
     let times = |theirs: &Value| figure(gain, "step") / figure(theirs, "step");
     println!("step: {:.2} of C put together, {:.2} of C", times(assembled), times(c));
-    assert!(times(assembled) <= 1.3, "{:.2} times C that is put together", times(assembled));
-    assert!(times(c) <= 2.2, "{:.2} times C that is compiled as a whole", times(c));
+    assert!(times(assembled) <= 1.0, "{:.2} times C that is put together", times(assembled));
+    assert!(times(c) <= 1.5, "{:.2} times C that is compiled as a whole", times(c));
     assert!(figure(plant, "step") <= 1000.0, "a step of the plant: {plant}");
     assert!(figure(controller, "step") <= 1000.0, "a step of the controller: {controller}");
     assert!(figure(learned, "step") <= 400.0, "a step of learned plays: {learned}");

@@ -28,6 +28,10 @@ impl Component for Affine {
         }
     }
 
+    fn is_affine(&self) -> bool {
+        true
+    }
+
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
         Sizes { coefficients: 2, states: 0 }
     }

@@ -239,6 +239,45 @@ fn a_tunable_gain_acts_at_the_next_step() {
 }
 
 #[test]
+fn a_chain_of_gains_steps_in_place_to_the_bit() {
+    let gain = || node("actuator-gain", "gain", &[], &[0.7, 0.3]);
+    let chain = || system(Kind::Plant, vec![axis("Y", vec![gain()])]);
+    let (mut quick, mut slow) = (chain(), chain());
+    let (mut past, mut known) = (quick.past(), slow.past());
+    assert!(quick.is_affine() && !plant().is_affine() && !controller().is_affine());
+    let mut random = 1_u64;
+    for k in 0..500_u32 {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        let command = (random >> 40) as f64 * 1e-4 - 800.0;
+        for system in [&mut quick, &mut slow] {
+            drive(system, &[command]);
+        }
+        let (from, to) = (f64::from(k) * T, f64::from(k + 1) * T);
+        assert!(quick.affine_step(to, from, &mut past), "step {k}");
+        assert_eq!(slow.advance_noted(to, from, &[], &mut known), Ok(1));
+        assert_eq!(quick.context().to_bytes(), slow.context().to_bytes());
+        assert_eq!(past.to_bytes(), known.to_bytes());
+    }
+    assert!(quick.affine_step(500.2 * T, 500.0 * T, &mut past));
+    assert_eq!(slow.advance_noted(500.2 * T, 500.0 * T, &[], &mut known), Ok(0));
+    assert_eq!(past.to_bytes(), known.to_bytes());
+    // Two hits, no time, a value out of range: the other way does these.
+    for time in [502.0 * T, f64::NAN, f64::INFINITY] {
+        assert!(!quick.affine_step(time, 500.0 * T, &mut past), "{time}");
+    }
+    assert_eq!(quick.context().to_bytes(), slow.context().to_bytes());
+    let enormous = node("actuator-gain", "gain", &[], &[1e308, 0.0]);
+    let mut quick = system(Kind::Plant, vec![axis("Y", vec![enormous])]);
+    drive(&mut quick, &[100.0]);
+    let mut past = quick.past();
+    assert!(!quick.affine_step(T, 0.0, &mut past));
+    assert!(matches!(
+        quick.advance_noted(T, 0.0, &[], &mut past),
+        Err(StepError::NotFinite { .. })
+    ));
+}
+
+#[test]
 fn a_controller_at_rest_gives_its_feedforward() {
     let (mut controller, mut plant) =
         (controller(), system(Kind::Plant, vec![axis("Y", vec![hysteresis()])]));

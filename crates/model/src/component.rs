@@ -473,6 +473,12 @@ pub trait Component: Send + Sync {
         &[]
     }
 
+    /// Whether a step is `y = gain·u + offset` with its two coefficients, `gain` and `offset`, one input and one
+    /// output, and nothing else. A chain of nothing else computes them in place, without calls.
+    fn is_affine(&self) -> bool {
+        false
+    }
+
     /// Whether it runs a learned table (the blueprint's key `table`).
     fn takes_table(&self) -> bool {
         false

@@ -77,6 +77,20 @@ pub(super) unsafe fn call(
     notice.status
 }
 
+/// The usual step of a chain of gains and offsets, which calls nothing and cannot panic; `false`: nothing is
+/// done, and it takes [`call`].
+///
+/// # Safety
+/// As [`call`].
+#[inline(always)]
+pub(super) unsafe fn affine_step(pointer: *mut c_void, time: f64, step: f64) -> bool {
+    // SAFETY: null or alive and used by this thread only, as the caller promises.
+    match unsafe { pointer.cast::<Instance>().as_mut() } {
+        Some(instance) => instance.affine_step(time, step),
+        None => false,
+    }
+}
+
 /// Tells the importer, and notes an error.
 ///
 /// # Safety

@@ -486,8 +486,10 @@ impl<'a> Builder<'a> {
             reads_back: !self.read_back.is_empty(),
             near: 1e-9 * self.spec.period,
             straight: None,
+            affine: Vec::new(),
         };
         plan.straight = plan.straight_chain();
+        plan.affine = plan.affine_chain();
         let mut system = System { plan, pristine: context.clone(), context };
         if let Err(error) = system.initialise(0.0) {
             let message = system.explain(&error);

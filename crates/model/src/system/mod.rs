@@ -21,7 +21,7 @@ pub use spec::{
     SystemSpec,
 };
 pub use straight::Quick;
-use straight::Straight;
+use straight::{Affine, Straight};
 
 use crate::{
     Causality, ComponentRef, Context, ContextError, SetError, Unit, VariableTable, Violation,
@@ -65,6 +65,8 @@ pub(crate) struct Plan {
     near: f64,
     /// Its ends, if it is one chain.
     straight: Option<Straight>,
+    /// Its components, if it is one chain of gains and offsets; else empty.
+    affine: Vec<Affine>,
 }
 
 /// Where no value switches a node on.
@@ -196,6 +198,17 @@ impl System {
             self.context.dirty = true;
         }
         *cell = value;
+    }
+
+    /// Sets an input to a finite number; nothing where the reference is none of an input.
+    #[inline]
+    pub fn put_input(&mut self, reference: u32, value: f64) {
+        // The inputs are the first variables.
+        let inputs = self.plan.inputs.len();
+        let cells = self.context.cells.get_mut(..inputs);
+        if let Some(cell) = cells.and_then(|cells| cells.get_mut(reference as usize)) {
+            *cell = value;
+        }
     }
 
     /// Why [`set`](Self::set) does not take this value.

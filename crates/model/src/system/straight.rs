@@ -1,6 +1,8 @@
 //! The usual step: one hit with held inputs, and that of one axis, whose signal goes from node to node.
 
-use super::{Past, Plan, System, Wire};
+use alloc::vec::Vec;
+
+use super::{ALWAYS_ON, Past, Plan, System, Wire};
 use crate::Tick;
 
 /// The ends of a chain with one input, one output, and nodes that each turn the signal of the one
@@ -9,6 +11,15 @@ use crate::Tick;
 pub(super) struct Straight {
     input: Wire,
     output: Wire,
+}
+
+/// A node `y = gain·u + offset` of such a chain.
+#[derive(Clone, Copy)]
+pub(super) struct Affine {
+    /// Cell of the gain; the offset's follows.
+    gain: usize,
+    /// Cell of y.
+    output: usize,
 }
 
 /// What became of [`System::quick_step`].
@@ -37,9 +48,70 @@ impl Plan {
         let is_straight = signal == output.signal && !self.reads_back;
         is_straight.then_some(Straight { input: *input, output: *output })
     }
+
+    /// The nodes, if this is such a chain, each is a gain and an offset, and none can be switched off.
+    pub(super) fn affine_chain(&self) -> Vec<Affine> {
+        let each = self.nodes.iter().map(|node| {
+            let wiring = &node.wiring;
+            let is_affine = node.component.is_affine() && node.enabled == ALWAYS_ON;
+            (is_affine && (wiring.coefficients.len, wiring.state.len) == (2, 0))
+                .then_some(Affine { gain: wiring.coefficients.start, output: wiring.outputs.start })
+        });
+        let all: Option<Vec<Affine>> = each.collect();
+        all.filter(|_| self.straight.is_some()).unwrap_or_default()
+    }
 }
 
 impl System {
+    /// Whether it is one chain of gains and offsets only.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_affine(&self) -> bool {
+        !self.plan.affine.is_empty()
+    }
+
+    /// Does what [`advance_noted`](Self::advance_noted) does with held inputs, if the chain is one of gains and
+    /// offsets only, the step has no hit or one, and the output is a finite number; else it says `false`, and
+    /// `advance_noted` does the step. It calls nothing and cannot panic.
+    #[inline(always)]
+    pub fn affine_step(&mut self, time: f64, from: f64, past: &mut Past) -> bool {
+        let (limit, next) = self.reach_of(time);
+        if next > limit {
+            past.note_idle();
+            return true;
+        }
+        let System { plan, context, .. } = self;
+        let is_one = limit - next < 0.5 * plan.period;
+        let Some(Straight { input, output }) = &plan.straight else { return false };
+        let cells = &mut context.cells[..];
+        let &mut [u, before, ..] = cells else { return false };
+        if !is_one || context.dirty || plan.affine.is_empty() {
+            return false;
+        }
+        let mut signal = input.unit.to_si(u);
+        if let Some(cell) = cells.get_mut(input.signal) {
+            *cell = signal;
+        }
+        for node in &plan.affine {
+            let Some(&[gain, offset]) = cells.get(node.gain..).and_then(<[f64]>::first_chunk)
+            else {
+                return false;
+            };
+            signal = gain * signal + offset;
+            let Some(cell) = cells.get_mut(node.output) else { return false };
+            *cell = signal;
+        }
+        let value = output.unit.from_si(signal);
+        let is_finite = value.abs() <= f64::MAX;
+        if let ([_, y, ..], true) = (cells, is_finite) {
+            *y = value;
+            past.note_step(context.index, from, &[]);
+            past.note_values(u, before);
+            context.index = context.index.wrapping_add(1);
+        }
+        is_finite
+    }
+
     /// Does what [`advance_noted`](Self::advance_noted) does with held inputs, if the step has no hit
     /// or one hit. If the chain is straight too, the signal stays in a register from input to output,
     /// and the loops over axes fall away.

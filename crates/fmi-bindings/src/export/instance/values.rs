@@ -18,12 +18,16 @@ impl Instance {
         if self.progress.stale && self.progress.phase == Phase::Initialization {
             self.settle()?;
         }
-        for reference in references {
-            if self.gate(*reference, wanted).is_none() {
-                return Err(self.mismatch(*reference, wanted));
+        let values = self.system.values();
+        let is_usual =
+            wanted == DataType::Real && references.iter().all(|reference| *reference < self.reals);
+        if !is_usual {
+            for reference in references {
+                if self.gate(*reference, wanted).is_none() {
+                    return Err(self.mismatch(*reference, wanted));
+                }
             }
         }
-        let values = self.system.values();
         for (at, reference) in references.iter().enumerate() {
             // Each variable that has a gate has a value.
             let Some(value) = values.get(*reference as usize) else { break };
@@ -40,6 +44,17 @@ impl Instance {
         references: &[u32],
         values: impl Iterator<Item = f64> + Clone,
     ) -> Outcome {
+        // The usual call sets inputs, which take each finite number.
+        let mut all = references.iter().zip(values.clone());
+        if wanted == DataType::Real
+            && all.all(|(to, value)| *to < self.real_inputs && value.abs() <= f64::MAX)
+        {
+            for (reference, value) in references.iter().zip(values) {
+                self.system.put_input(*reference, value);
+            }
+            self.follow();
+            return Ok(());
+        }
         for (reference, value) in references.iter().zip(values.clone()) {
             if !self.takes(*reference, wanted, value) {
                 return Err(self.not_taken(*reference, wanted, value));

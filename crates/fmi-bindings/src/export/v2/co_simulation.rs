@@ -58,6 +58,14 @@ pub unsafe extern "C" fn fmi2DoStep(
 ) -> fmi2Status {
     let (time, step) = (currentCommunicationPoint, communicationStepSize);
     // SAFETY: the contract of all functions here.
+    unsafe { if guard::affine_step(c, time, step) { fmi2OK } else { any_step(c, time, step) } }
+}
+
+/// Apart from the step that calls nothing, which needs no place on the stack then, and of C's kind, so that it is
+/// jumped to.
+#[inline(never)]
+unsafe extern "C" fn any_step(c: fmi2Component, time: fmi2Real, step: fmi2Real) -> fmi2Status {
+    // SAFETY: the contract of all functions here.
     unsafe { call(c, &DO_STEP, |instance| instance.do_step(time, step)) }
 }
 
