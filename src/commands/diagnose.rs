@@ -521,10 +521,15 @@ impl Answer for Diagnosed {
             writeln!(out, "note: {warning}")?;
         }
         writeln!(out, "{}", gap.sentence)?;
-        for effect in &gap.effects {
-            for (name, p) in &effect.parameters {
+        let by_output = gap.by_output();
+        for (output, effects) in &by_output {
+            if by_output.len() > 1 {
+                writeln!(out, "  {output}:")?;
+            }
+            let indent = if by_output.len() > 1 { "    " } else { "  " };
+            for (name, p) in effects.iter().flat_map(|effect| &effect.parameters) {
                 let deviation = p.std.map_or(String::new(), |s| format!(" ± {s:.2e}"));
-                writeln!(out, "  {name} = {:.6}{deviation} {}", p.value, p.unit)?;
+                writeln!(out, "{indent}{name} = {:.6}{deviation} {}", p.value, p.unit)?;
             }
         }
         let more = |left: &&Discrepancy| left.rms > gap.shrink.noise_floor;

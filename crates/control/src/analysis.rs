@@ -31,7 +31,7 @@ pub(crate) fn analyse(
     times: (f64, f64),
 ) -> Result<Analysed, Vec<NotInvertible>> {
     let spec = plant.spec();
-    let sets = coupling::sets(plant);
+    let sets = plant.coupled_axes();
     let mut reasons = Vec::new();
     let mut paths = Vec::new();
     for (index, axis) in spec.axes.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Axes that act on each other: what their couplings do at rest, as a Jacobian.
 
 use data::CheckedBlueprint;
-use model::{Connections, CouplingSpec, Kind, NodeSpec, Stage, System, SystemSpec};
+use model::{Connections, CouplingSpec, Kind, NodeSpec, System, SystemSpec};
 use nalgebra::DMatrix;
 
 use crate::linearised::{LIGHT, settled_impulse, small, values, varied};
@@ -35,36 +35,13 @@ pub(crate) struct Group {
 /// Number of components of an axis that stand in front of its first coupling.
 pub(crate) fn place(plant: &CheckedBlueprint, axis: usize) -> usize {
     let spec = plant.spec();
-    let nodes = &spec.axes[axis].components;
-    let places = spec.connections.couplings.iter().filter(|c| acts(c, axis)).map(|coupling| {
-        let is_last = |node: &NodeSpec| match &coupling.after {
-            Some(name) => node.name == *name,
-            None => node.component.declaration().stage <= Stage::Mechanics,
-        };
-        nodes.iter().rposition(is_last).map_or(0, |at| at + 1)
-    });
-    places.min().unwrap_or(nodes.len())
+    let own = spec.connections.couplings.iter().filter(|c| acts(c, axis));
+    let places = own.map(|coupling| plant.before_coupling(coupling, axis));
+    places.min().unwrap_or(spec.axes[axis].components.len())
 }
 
 fn acts(coupling: &CouplingSpec, axis: usize) -> bool {
     coupling.node.enabled && coupling.axes.contains(&axis)
-}
-
-/// The groups of axes that couplings join.
-pub(crate) fn sets(plant: &CheckedBlueprint) -> Vec<Vec<usize>> {
-    let mut sets: Vec<Vec<usize>> = Vec::new();
-    for coupling in plant.spec().connections.couplings.iter().filter(|c| c.node.enabled) {
-        let mut joined = coupling.axes.clone();
-        let (touched, apart): (Vec<_>, Vec<_>) =
-            sets.into_iter().partition(|set| set.iter().any(|axis| joined.contains(axis)));
-        joined.extend(touched.into_iter().flatten());
-        joined.sort_unstable();
-        joined.dedup();
-        sets = apart;
-        sets.push(joined);
-    }
-    sets.sort();
-    sets
 }
 
 /// The plant with only these parts on its axes, and its couplings, whose modes' frequencies and light dampings are

@@ -6,8 +6,15 @@ use model::{
     Structural, Tick, Violation,
 };
 
-static REGISTRY: Registry =
-    &[&Sum(&GAIN), &Sum(&PUSH), &Sum(&CROSS), &Sum(&OPTICS), &Sum(&SENSOR), &Sum(&LAW)];
+static REGISTRY: Registry = &[
+    &Sum(&GAIN),
+    &Sum(&PUSH),
+    &Sum(&CROSS),
+    &Sum(&OPTICS),
+    &Sum(&DETECTOR),
+    &Sum(&SENSOR),
+    &Sum(&LAW),
+];
 
 const BASE: Declaration = Declaration {
     kind: "",
@@ -74,6 +81,13 @@ static OPTICS: Declaration = Declaration {
         Quantity::new("matrix", "{position}/{command}", "Matrix").per(1),
         Quantity::new("offset", "{position}", "Offset").per(0),
     ],
+    ..CROSS
+};
+static DETECTOR: Declaration = Declaration {
+    kind: "detector",
+    name: "detector",
+    structure: &[MATRIX[0]],
+    parameters: &[Quantity::new("half_size", "{position}", "Half size")],
     ..CROSS
 };
 
@@ -189,6 +203,24 @@ fn couplings_take_the_units_of_motion_in_front_and_of_position_behind() {
     assert_eq!(inputs, ["command[1]", "command[2]", "force[1]"]);
     let again = Blueprint::parse(&blueprint.to_toml(), "again.toml").unwrap();
     assert_eq!(again, blueprint);
+}
+
+#[test]
+fn what_stands_behind_the_optics_has_the_unit_of_the_position() {
+    let detector =
+        "[[coupling]]\ntype = \"detector\"\naxes = [\"A\", \"B\"]\nhalf_size = \"5 mm\"\n";
+    let half_size = |text: String| {
+        let blueprint = Blueprint::parse(&text, "beam.toml").unwrap();
+        let checked = blueprint.check(REGISTRY).map_err(|problems| problems.to_string())?;
+        let table = checked.system().variables();
+        let variable = table.get(table.find("coupling.detector.half_size").unwrap()).unwrap();
+        Ok::<_, String>((variable.start.unwrap(), variable.unit.clone()))
+    };
+    assert_eq!(half_size(format!("{PLANT}{detector}")), Ok((5000.0, "um".to_owned())));
+    // In front of the optics it would be a motion.
+    let front = PLANT.replacen("[[coupling]]", &format!("{detector}[[coupling]]"), 1);
+    let message = half_size(front).unwrap_err();
+    assert!(message.contains("half_size") && message.contains("urad"), "{message}");
 }
 
 #[test]

@@ -40,8 +40,7 @@ pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> 
     let mut warnings: Vec<String> =
         outcomes.iter().flat_map(|o| o.problem.warnings.clone()).collect();
     warnings.extend(outcomes.iter().flat_map(cautions));
-    let mut told = std::collections::BTreeSet::new();
-    warnings.retain(|warning| told.insert(warning.clone()));
+    let warnings = joined(warnings, outcomes);
     let mut gap = Gap {
         schema: SCHEMA.to_owned(),
         sentence: String::new(),
@@ -61,6 +60,31 @@ pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> 
     };
     gap.sentence = crate::sentence::of(&gap);
     gap
+}
+
+/// Each warning once; what is the same of several outputs names them together.
+fn joined(warnings: Vec<String>, outcomes: &[Outcome]) -> Vec<String> {
+    let mut all: Vec<(Vec<&str>, String)> = Vec::new();
+    for warning in warnings {
+        let of = |o: &Outcome| {
+            warning.strip_prefix(&o.problem.output)?.strip_prefix(": ").map(str::to_owned)
+        };
+        let own = outcomes.iter().find_map(|o| Some((o.problem.output.as_str(), of(o)?)));
+        let (output, text) =
+            own.map_or((None, warning.clone()), |(output, text)| (Some(output), text));
+        match all
+            .iter_mut()
+            .find(|(outputs, other)| *other == text && outputs.is_empty() == output.is_none())
+        {
+            Some((outputs, _)) => outputs.extend(output.filter(|name| !outputs.contains(name))),
+            None => all.push((output.into_iter().collect(), text)),
+        }
+    }
+    let told = |(outputs, text): (Vec<&str>, String)| match outputs.as_slice() {
+        [] => text,
+        several => format!("{}: {text}", several.join(", ")),
+    };
+    all.into_iter().map(told).collect()
 }
 
 fn worst(outcomes: &[Outcome]) -> Verdict {
@@ -486,7 +510,7 @@ fn cautions(o: &Outcome) -> Vec<String> {
 fn own_offsets(o: &Outcome) -> Option<String> {
     /// Over what is left with each record's own offset taken out.
     const MORE: f64 = 1.5;
-    let is_told = !o.found.last.picks.is_empty() && !o.problem.base.is_white;
+    let is_told = !o.found.last.picks.is_empty();
     let offset = o.offset.filter(|_| is_told)?;
     let (left, factor) = (o.sigma * o.found.last.judged.held_out.max(0.0).sqrt(), o.problem.factor);
     (offset.as_it_stands.1 > MORE * left).then(|| {

@@ -5,12 +5,13 @@ mod compose;
 use std::collections::BTreeMap;
 
 use data::CheckedBlueprint;
-use model::{AxisSpec, Conversion, Declaration, NodeSpec, Source, Stage, Unit, unit_on_axis};
+use model::{Conversion, Declaration, NodeSpec, Source, Stage, Unit, unit_on_axis};
 use surround::Memory;
 
 use self::compose::Composer;
 use crate::black_box::BlackBox;
 use crate::chain::{Chain, ComponentNode, Node};
+use crate::coupled;
 use crate::error::Error;
 use crate::library::{Formula, Slot};
 use crate::request::{Deviation, Tolerance};
@@ -50,6 +51,18 @@ pub(crate) struct Standing {
     pub(crate) coupling: Option<usize>,
 }
 
+/// Which part of an axis a chain stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// From the command to the reading.
+    Axis,
+    /// From the command to the motion in front of couplings, which is worked out of the readings of several axes: no
+    /// sensor is its own.
+    Motion,
+    /// What a sensor makes of the position that the model gives it: components from this number on.
+    Reading(usize),
+}
+
 /// The model as it came.
 #[derive(Clone)]
 pub(crate) struct Base {
@@ -67,6 +80,8 @@ pub(crate) struct Base {
     pub(crate) memory: Option<Memory>,
     pub(crate) gain_tolerance: f64,
     pub(crate) is_white: bool,
+    /// Which part of an axis it is.
+    pub(crate) part: Part,
 }
 
 impl Base {
@@ -79,10 +94,10 @@ impl Base {
         boxes.collect()
     }
 
-    /// The chain of one axis of a blueprint, with its number from 1.
+    /// The chain of one axis of a blueprint, with its number from 1: this part of it.
     pub(crate) fn white(
         blueprint: &CheckedBlueprint,
-        number: usize,
+        (number, part): (usize, Part),
         tolerances: &[Tolerance],
         gain_tolerance: f64,
     ) -> Result<Self, Error> {
@@ -103,21 +118,22 @@ impl Base {
             memory: None,
             gain_tolerance,
             is_white: true,
+            part,
         };
         let mut series: Vec<(Standing, &NodeSpec, &data::ComponentBlueprint)> = Vec::new();
         for (place, (spec, said)) in axis.components.iter().zip(&told.components).enumerate() {
             series.push((Standing { place, coupling: None }, spec, said));
         }
-        series.extend(couplings_in_series(blueprint, number)?);
+        series.extend(couplings_in_series(blueprint, (number, part))?);
+        if let Part::Reading(from) = part {
+            series.retain(|(at, ..)| at.place >= from && at.coupling.is_none());
+        }
         // A coupling stands in front of the component of its number; the sort keeps its place.
         series.sort_by_key(|(at, ..)| (at.place, at.coupling.is_none()));
         let mut stages = Vec::new();
         for (standing, spec, said) in series {
             let declaration = spec.component.declaration();
-            let is_noise = declaration
-                .effect
-                .is_some_and(|e| matches!(e.name, "sensor_noise" | "floor_vibration"));
-            if is_noise || !spec.enabled {
+            if is_noise(declaration) || !spec.enabled {
                 continue;
             }
             if !(declaration.inputs.len() == 1 || reads_command(declaration)) {
@@ -137,7 +153,12 @@ impl Base {
                 None => format!("axis[{number}].{}", spec.name),
                 Some(_) => format!("coupling.{}", spec.name),
             };
-            base.component(axis, &path, spec, said, tolerances);
+            let position_unit = match part {
+                Part::Motion => coupled::motion_text(blueprint, number - 1),
+                _ => &axis.position_unit,
+            };
+            let units = (axis.command_unit.as_str(), position_unit);
+            base.component(units, &path, spec, said, tolerances);
         }
         base.place_slots(&stages);
         Ok(base)
@@ -163,7 +184,7 @@ impl Base {
 
     fn component(
         &mut self,
-        axis: &AxisSpec,
+        (command_unit, position_unit): (&str, &str),
         path: &str,
         spec: &NodeSpec,
         said: &data::ComponentBlueprint,
@@ -174,7 +195,7 @@ impl Base {
         let mut values = Vec::with_capacity(spec.values.len());
         let mut at = 0;
         for (index, quantity) in declaration.parameters.iter().enumerate() {
-            let text = unit_on_axis(quantity.unit, &axis.command_unit, &axis.position_unit);
+            let text = unit_on_axis(quantity.unit, command_unit, position_unit);
             let unit = Unit::parse(&text).unwrap_or(Unit::ONE);
             let length = declaration.length(index, &spec.structure);
             let own = spec.values.get(at..at + length).unwrap_or_default();
@@ -246,6 +267,28 @@ impl Base {
         self.nodes.iter().any(|node| matches!(node, Node::Component(c) if c.reads_command))
     }
 
+    /// What a sensor makes of the position that the model gives it, which takes the place of the command.
+    /// Its axis has `from` components, which give that position.
+    pub(crate) fn reading(from: usize, gain_tolerance: f64) -> Self {
+        Self {
+            nodes: Vec::new(),
+            parameters: Vec::new(),
+            slots: BTreeMap::from([(Slot::AfterMechanics, 0), (Slot::Reading, 0)]),
+            actuator: 0,
+            mode: None,
+            components: Vec::new(),
+            memory: None,
+            gain_tolerance,
+            is_white: false,
+            part: Part::Reading(from),
+        }
+    }
+
+    /// Whether inputs beside the command act on it as they are logged.
+    pub(crate) fn has_other_inputs(&self) -> bool {
+        !self.is_white && self.part == Part::Axis
+    }
+
     /// What is before the actuator, for a column that reads the command there.
     pub(crate) fn before_actuator(&self) -> Self {
         let end = self.actuator;
@@ -265,6 +308,7 @@ impl Base {
             memory: None,
             gain_tolerance: self.gain_tolerance,
             is_white: self.is_white,
+            part: self.part,
         }
     }
 
@@ -287,6 +331,7 @@ impl Base {
             memory: self.memory.clone(),
             gain_tolerance: self.gain_tolerance,
             is_white: self.is_white,
+            part: self.part,
         }
     }
 
@@ -327,36 +372,39 @@ impl Base {
 /// The couplings that have one axis only, this one: components of it in a section of their own.
 ///
 /// # Errors
-/// [`Error::Model`]: another coupling reaches this axis.
+/// [`Error::Model`]: another coupling reaches this axis, whose motion is not what is looked at.
 fn couplings_in_series(
     blueprint: &CheckedBlueprint,
-    number: usize,
+    (number, part): (usize, Part),
 ) -> Result<Vec<(Standing, &NodeSpec, &data::ComponentBlueprint)>, Error> {
     let spec = blueprint.spec();
-    let axis = &spec.axes[number - 1];
     let mut all = Vec::new();
     let couplings = spec.connections.couplings.iter().zip(&blueprint.blueprint().couplings);
     for (k, (coupling, given)) in couplings.enumerate() {
-        if !coupling.axes.contains(&(number - 1)) {
+        if !coupling.axes.contains(&(number - 1)) || (coupling.axes.len() > 1 && part != Part::Axis)
+        {
             continue;
         }
-        if coupling.axes.len() > 1 {
-            let message = format!(
-                "couples its axes (coupling {}), and effects go in along one axis only; pack it \
-                 (piezoloop pack) and diagnose the FMU, whose inputs all act",
-                coupling.node.name
-            );
-            return Err(Error::Model { model: spec.name.clone(), message });
+        if coupling.axes.len() > 1 && coupling.node.enabled {
+            return Err(coupled::refused(
+                blueprint,
+                &coupling.node.name,
+                "effects go in along one axis only",
+            ));
         }
-        let is_before = |node: &NodeSpec| match coupling.after.as_deref() {
-            Some(name) => node.name == name,
-            None => node.component.declaration().stage <= Stage::Mechanics,
-        };
-        let place = axis.components.iter().rposition(is_before).map_or(0, |at| at + 1);
+        if coupling.axes.len() > 1 {
+            continue;
+        }
+        let place = blueprint.before_coupling(coupling, number - 1);
         let standing = Standing { place, coupling: Some(k) };
         all.push((standing, &coupling.node, &given.component));
     }
     Ok(all)
+}
+
+/// Whether a component is noise, which the diagnosis does not simulate.
+pub(crate) fn is_noise(declaration: &Declaration) -> bool {
+    declaration.effect.is_some_and(|e| matches!(e.name, "sensor_noise" | "floor_vibration"))
 }
 
 /// Where a quantity is.

@@ -6,6 +6,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use surround::Span;
 
+use crate::base::Part;
 use crate::belief;
 use crate::chain::{Chain, Node};
 use crate::data_set::{DataSet, RecordRows};
@@ -29,6 +30,10 @@ struct Item {
 /// The experiment that separates the two most probable names of the most doubtful slot; for an unknown
 /// effect a record at rest and a rich one.
 pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
+    // No command moves a reading under positions of the model alone.
+    if matches!(o.problem.base.part, Part::Reading(_)) {
+        return None;
+    }
     let last = &o.found.last;
     for slot in 0..last.picks.len() {
         let looked = o.found.rivals.get(slot)?;

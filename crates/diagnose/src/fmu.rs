@@ -8,7 +8,7 @@ use model::{Unit, UnitError};
 use modeldescription::ModelDescription;
 use modeldescription::variable::{Causality, DataType, Number, Variable};
 
-use crate::base::{Base, BaseParameter, tolerance};
+use crate::base::{Base, BaseParameter, Part, tolerance};
 use crate::black_box::{BlackBox, Entry, Times};
 use crate::chain::{ComponentNode, Node};
 use crate::error::Error;
@@ -104,6 +104,7 @@ fn problem(
         memory: None,
         gain_tolerance: request.gain_tolerance,
         is_white: false,
+        part: Part::Axis,
     };
     let mut problem = assemble(request, inputs, outputs, input, output, base, None)?;
     let times: Times = problem.data.times().collect();

@@ -49,6 +49,25 @@ pub struct Gap {
     pub warnings: Vec<String>,
 }
 
+impl Gap {
+    /// The named effects of each output, the output of [`place`](Self::place) first.
+    #[must_use]
+    pub fn by_output(&self) -> Vec<(&str, Vec<&NamedEffect>)> {
+        let mut all: Vec<(&str, Vec<&NamedEffect>)> = Vec::new();
+        for effect in &self.effects {
+            match all.iter_mut().find(|(output, _)| *output == effect.output) {
+                Some((_, own)) => own.push(effect),
+                None => all.push((&effect.output, vec![effect])),
+            }
+        }
+        all.sort_by(|(a, _), (b, _)| {
+            let is_main = |output: &str| output == self.place.output;
+            is_main(b).cmp(&is_main(a)).then(a.cmp(b))
+        });
+        all
+    }
+}
+
 /// The verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -197,7 +216,7 @@ pub struct Shrink {
     /// `fraction` with the effects' formulas as they were found, where a repaired blueprint was written:
     /// the other figures are then those of the model that was handed back. Null else.
     pub as_found: Option<f64>,
-    /// Offset that all records share, which is part of a repaired FMU, in the output's unit; null where they share
+    /// Offset that all records share, which is part of the repaired model, in the output's unit; null where they share
     /// none.
     #[serde(default)]
     pub offset: Option<f64>,

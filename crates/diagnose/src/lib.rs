@@ -15,6 +15,7 @@ mod between;
 mod black_box;
 mod chain;
 mod converter;
+mod coupled;
 mod course;
 mod data_set;
 mod discrepancy;
@@ -216,6 +217,7 @@ fn outcomes(
             })?,
         );
     }
+    pool.install(|| coupled::in_readings(&mut outcomes, request, count))?;
     observer.progress("diagnose", total, total);
     Ok(outcomes)
 }

@@ -8,10 +8,11 @@ mod sensor;
 mod tests;
 
 pub(crate) use actuator::gain;
-use model::Effect;
+use components::effects;
+use model::{Effect, Stage};
 use surround::Span;
 
-use crate::base::Base;
+use crate::base::{Base, Part};
 use crate::chain::{Force, Parameter};
 use crate::converter::Gaps;
 use crate::data_set::DataSet;
@@ -301,10 +302,11 @@ pub(crate) fn families(setting: &Setting<'_>, without: &[String]) -> Vec<Family>
     for family in &mut all {
         family.add_release(setting.base);
         let is_white = setting.base.is_white;
-        // A model that is cut at a tap has a part of the places only.
+        // A model that is cut at a tap has a part of the places only, a motion no reading of its own.
         let has_place = |f: &Formula| {
             let slots = &setting.base.slots;
-            f.pieces.iter().all(|piece| slots.contains_key(&piece.slot))
+            let is_there = |slot: Slot| slot != Slot::Reading || setting.base.part != Part::Motion;
+            f.pieces.iter().all(|p| slots.contains_key(&p.slot) && is_there(p.slot))
         };
         family.formulas.retain(has_place);
         family.formulas.retain(|f| {
@@ -312,8 +314,19 @@ pub(crate) fn families(setting: &Setting<'_>, without: &[String]) -> Vec<Family>
             goes_in || is_white || !f.releases.is_empty()
         });
     }
+    let is_reading = matches!(setting.base.part, Part::Reading(_));
+    all.retain(|f| !is_reading || is_of_reading(f.effect));
     all.retain(|f| !f.formulas.is_empty() && !without.iter().any(|name| name == f.effect.name));
     all
+}
+
+/// Whether an effect can lie behind the position, with nothing but the position known.
+fn is_of_reading(effect: &Effect) -> bool {
+    // What the command is by itself does not enter.
+    let needs_command = effect.name == effects::CROSSTALK.name;
+    let also = [&effects::ACTUATOR_GAIN, &effects::DELAY];
+    (effect.stage >= Stage::Coupling && !needs_command)
+        || also.iter().any(|other| other.name == effect.name)
 }
 
 impl Family {

@@ -38,13 +38,20 @@ pub(crate) fn of(
     let given = vec![0.0; base.chain.parameters.len()];
     let before = residual(data, &base.chain, &given, count)?;
     let mut after = residual(data, &last.chain, &last.fit.theta, count)?;
-    // A blueprint has no place for it yet.
-    let shared = match problem.base.is_white {
-        true => 0.0,
-        false => shared(&offsets(data, last, &after), sigma),
-    };
+    let shared = shared(&offsets(data, (&last.chain, &last.fit.theta), &after), sigma);
     after.iter_mut().for_each(|r| *r -= shared);
     Some(Offset { shared, as_it_stands: (held_out(data, &before), held_out(data, &after)) })
+}
+
+/// The offset that all fitted records share under a chain at these coordinates.
+pub(crate) fn left(
+    data: &DataSet,
+    (chain, theta): (&Chain, &[f64]),
+    sigma: f64,
+    count: &AtomicU64,
+) -> Option<f64> {
+    let residual = residual(data, chain, theta, count)?;
+    Some(shared(&offsets(data, (chain, theta), &residual), sigma))
 }
 
 fn residual(data: &DataSet, chain: &Chain, theta: &[f64], count: &AtomicU64) -> Option<Vec<f64>> {
@@ -53,13 +60,13 @@ fn residual(data: &DataSet, chain: &Chain, theta: &[f64], count: &AtomicU64) -> 
 }
 
 /// The offset of each record that is fitted, from its fitted rows.
-fn offsets(data: &DataSet, last: &Candidate, residual: &[f64]) -> Vec<f64> {
-    let values = last.chain.parameters.iter().zip(&last.fit.theta).map(|(p, q)| p.value(*q));
+fn offsets(data: &DataSet, (chain, theta): (&Chain, &[f64]), residual: &[f64]) -> Vec<f64> {
+    let values = chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
     let simulated = Vec::new();
     // What swings with the simulated output has no mean of its own.
     let nuisances: Vec<_> =
-        last.chain.nuisances.iter().filter(|n| !n.is_of_simulation()).cloned().collect();
-    Projector::new(&nuisances, values.collect(), data, &simulated).offsets(data, residual)
+        chain.nuisances.iter().filter(|n| !n.is_of_simulation()).cloned().collect();
+    Projector::new(&nuisances, values, data, &simulated).offsets(data, residual)
 }
 
 /// What offsets share: their mean, where it is more than they differ by chance.

@@ -1,11 +1,14 @@
 //! From a request to one problem per output: data in SI, model as a chain, noise.
 
+use std::sync::Arc;
+
 use components::effects::SENSOR_QUANTISATION;
 use data::{CheckedBlueprint, Log, NameMap, inner_steps};
 use model::{Causality, Unit};
 
-use crate::base::Base;
+use crate::base::{Base, Part};
 use crate::between::Course;
+use crate::coupled::{self, Coupled};
 use crate::data_set::{DataSet, RecordRows};
 use crate::error::Error;
 use crate::gap::NoiseFloor;
@@ -44,6 +47,8 @@ pub(crate) struct Problem {
     pub(crate) warnings: Vec<String>,
     /// How the logs are read.
     pub(crate) course: Course,
+    /// The axes with which it is coupled, where it is a motion.
+    pub(crate) coupled: Option<Arc<Coupled>>,
 }
 
 /// An input or output of the model.
@@ -147,11 +152,13 @@ fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Problem>
     let outputs: Vec<Port> = axes.filter_map(|k| port(format!("position[{k}]"))).collect();
     let mut unknown = check_names(request, model, &inputs, &outputs)?;
     let chosen = choose(request, model, &outputs)?;
-    let mut all = Vec::new();
-    for index in chosen {
-        let number = index + 1;
-        let base = Base::white(blueprint, number, &request.tolerances, request.gain_tolerance)?;
-        let step = Some(blueprint.spec().period);
+    let step = Some(blueprint.spec().period);
+    let tuned = (&request.tolerances[..], request.gain_tolerance);
+    let mut all = coupled::problems(request, blueprint, (&inputs, &outputs), &chosen)?;
+    let is_coupled = |index: &usize| all.iter().any(|p: &Problem| p.axis == index + 1);
+    let apart: Vec<usize> = chosen.into_iter().filter(|index| !is_coupled(index)).collect();
+    for index in apart {
+        let base = Base::white(blueprint, (index + 1, Part::Axis), tuned.0, tuned.1)?;
         match tap::monitor(request, &inputs[index]) {
             Some(monitor) => {
                 let ports = (&inputs[..], &outputs[..]);
@@ -281,7 +288,7 @@ pub(crate) fn assemble(
         let others: Vec<Vec<f64>> = inputs
             .iter()
             .enumerate()
-            .filter(|(k, _)| *k != input && !base.is_white)
+            .filter(|(k, _)| *k != input && base.has_other_inputs())
             .map(|(_, port)| match port.column(&request.names, log) {
                 Some(name) => Ok(log.convert(name, unit_text(port))?),
                 None => Ok(vec![0.0; log.len()]),
@@ -347,6 +354,7 @@ pub(crate) fn assemble(
         command_range: u.range,
         warnings,
         course,
+        coupled: None,
     })
 }
 
@@ -360,7 +368,12 @@ pub(crate) fn unit_text(port: &Port) -> &str {
 }
 
 /// The values of a port in a log, in the port's unit.
-fn column(request: &Request, port: &Port, log: &Log, role: &str) -> Result<Vec<f64>, Error> {
+pub(crate) fn column(
+    request: &Request,
+    port: &Port,
+    log: &Log,
+    role: &str,
+) -> Result<Vec<f64>, Error> {
     let Some(name) = port.column(&request.names, log) else {
         let there: Vec<&str> = log.columns().iter().map(|c| c.name.as_str()).collect();
         return Err(Error::Log {

@@ -7,10 +7,10 @@ mod zones;
 use components::effects;
 use components::hysteresis::play::play;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
-use model::{Extension, Role};
+use model::{Extension, Role, Stage};
 use surround::Block;
 
-use crate::base::Base;
+use crate::base::{Base, Part};
 use crate::chain::Chain;
 use crate::library::{Formula, Piece, Slot};
 use crate::outcome::Outcome;
@@ -97,10 +97,12 @@ pub(crate) fn repair(
     let base = &o.found.base;
     let is_worse = |j: &Judged| j.held_out > base.judged.held_out && !last.picks.is_empty();
     if !judged.as_ref().is_some_and(is_worse) {
+        notes.extend(handed::level(o, last, (axis, &axis_given), blueprint));
         return (notes, judged);
     }
     *blueprint = given_blueprint;
     retune(&o.problem.base, (&base.chain, &base.fit.theta), o, (blueprint, axis));
+    notes.extend(handed::level(o, base, (axis, &axis_given), blueprint));
     notes.push(
         "the effects stay out of the repaired blueprint: with what components can do in their place \
          it would be further from the logs than without"
@@ -171,14 +173,19 @@ fn write(
         at += piece.count;
         let node = base.slots.get(&piece.slot).copied().unwrap_or(0);
         let actuator = place_of(base.actuator);
-        let old = now.components.get(place_now(given, now, actuator)?)?;
-        let bent = zones::bent(o, last, piece, own, old);
-        let plays = || actuator_with(o, last, piece.block.effect()?, own, old);
+        let old = place_now(given, now, actuator).and_then(|at| now.components.get(at));
+        let bent = old.and_then(|old| zones::bent(o, last, piece, own, old));
+        let plays = || actuator_with(o, last, piece.block.effect()?, own, old?);
         if let Some(component) = bent.or_else(plays) {
             all.push(Change::Replace { place: actuator, component: component.note(&note) });
             continue;
         }
         for component in parts::components(o, piece, own)? {
+            // Couplings stand behind the last component of the mechanics and before: that would act in front of them.
+            let stage = components::find(&component.kind)?.declaration().stage;
+            if matches!(base.part, Part::Reading(_)) && stage <= Stage::Mechanics {
+                return None;
+            }
             let component = component.note(&note);
             all.push(Change::Insert { place: place_of(node), slot: piece.slot, component });
         }

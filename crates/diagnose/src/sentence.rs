@@ -12,6 +12,11 @@ fn number(value: f64) -> String {
     report::format_number(value, 4)
 }
 
+/// With its unit, where it has one.
+fn amount(value: f64, unit: &str) -> String {
+    if unit == "1" { number(value) } else { format!("{} {unit}", number(value)) }
+}
+
 /// In whole percent; nothing is 0, not −0.
 fn percent(part: f64) -> f64 {
     (100.0 * part).round() + 0.0
@@ -20,20 +25,20 @@ fn percent(part: f64) -> f64 {
 pub(crate) fn of(gap: &Gap) -> String {
     let s = &gap.shrink;
     let output = &gap.place.output;
-    let (before, floor, unit) = (number(s.rms_before), number(s.noise_floor), &s.unit);
+    let (before, floor) = (amount(s.rms_before, &s.unit), amount(s.noise_floor, &s.unit));
     match gap.verdict {
         Verdict::Adequate => format!(
-            "The model is adequate: on held-out rows {output} is off by {before} {unit} rms, the noise is {floor} {unit}."
+            "The model is adequate: on held-out rows {output} is off by {before} rms, the noise is {floor}."
         ),
         Verdict::Retune => format!(
-            "Only parameters are off: re-tuned within their tolerance the model leaves {before} {unit} rms of {output} (as given {} {unit}), the noise is {floor} {unit}.",
-            number(s.rms_as_given)
+            "Only parameters are off: re-tuned within their tolerance the model leaves {before} rms of {output} (as given {}), the noise is {floor}.",
+            amount(s.rms_as_given, &s.unit)
         ),
         Verdict::InsufficientExcitation => format!(
-            "These logs are not sufficient: the command hardly moves {output} above its noise of {floor} {unit}."
+            "These logs are not sufficient: the command hardly moves {output} above its noise of {floor}."
         ),
         Verdict::Unknown => format!(
-            "Something is missing that none of the candidates explains: {output} is off by {before} {unit} rms where the noise is {floor} {unit}{}{}.",
+            "Something is missing that none of the candidates explains: {output} is off by {before} rms where the noise is {floor}{}{}.",
             match gap.place.input_driven {
                 Some(true) => ", and it follows the command",
                 Some(false) => ", and it does not follow the command",
@@ -42,7 +47,7 @@ pub(crate) fn of(gap: &Gap) -> String {
             partial(gap)
         ),
         Verdict::Effects if gap.effects.iter().all(|e| e.effect == NOISE) => format!(
-            "The readings are noisier than stated, and nothing else is missing (sensor noise): {output} is off by {before} {unit} rms that no model predicts; the noise was given as {floor} {unit}."
+            "The readings are noisier than stated, and nothing else is missing (sensor noise): {output} is off by {before} rms that no model predicts; the noise was given as {floor}."
         ),
         Verdict::Effects => effects(gap),
     }
@@ -55,21 +60,21 @@ fn partial(gap: &Gap) -> String {
         return "; no candidate alone removes any of it on held-out rows".to_owned();
     };
     format!(
-        "; the best single candidate is {}: it would remove {:.0} % of the gap's power on held-out rows and leave {} {} rms, so that it may be something else",
+        "; the best single candidate is {}: it would remove {:.0} % of the gap's power on held-out rows and leave {} rms, so that it may be something else",
         name(&p.effect),
         percent(p.effect.explained),
-        number(p.rms_after),
-        p.unit
+        amount(p.rms_after, &p.unit)
     )
 }
 
 fn effects(gap: &Gap) -> String {
     let s = &gap.shrink;
-    let names: Vec<String> = gap.effects.iter().map(name).collect();
-    let missing = match names.split_last() {
-        None => String::new(),
-        Some((last, [])) => last.clone(),
-        Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
+    let missing = match &gap.by_output()[..] {
+        [(_, own)] => listed(own),
+        several => {
+            let all = several.iter().map(|(output, own)| format!("{} in {output}", listed(own)));
+            all.collect::<Vec<_>>().join("; ")
+        }
     };
     let how = match (s.fraction, s.ci95) {
         (Some(f), Some([low, high])) => {
@@ -90,15 +95,22 @@ fn effects(gap: &Gap) -> String {
         _ => "shrinks the gap".to_owned(),
     };
     format!(
-        "The model lacks {missing}: adding {} {how}, from {} to {} {} rms of {}; the noise is {} {}.",
+        "The model lacks {missing}: adding {} {how}, from {} to {} rms of {}; the noise is {}.",
         if gap.effects.len() > 1 { "them" } else { "it" },
         number(s.rms_before),
-        number(s.rms_after),
-        s.unit,
+        amount(s.rms_after, &s.unit),
         gap.place.output,
-        number(s.noise_floor),
-        s.unit
+        amount(s.noise_floor, &s.unit)
     )
+}
+
+fn listed(effects: &[&NamedEffect]) -> String {
+    let names: Vec<String> = effects.iter().map(|effect| name(effect)).collect();
+    match names.split_last() {
+        None => String::new(),
+        Some((last, [])) => last.clone(),
+        Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
+    }
 }
 
 fn name(e: &NamedEffect) -> String {

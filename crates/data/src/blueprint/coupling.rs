@@ -4,15 +4,59 @@ use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
 use model::{
-    AxisSpec, Connections, Conversion, CouplingSpec, DEMANDED_INPUTS, InputSpec, Kind, Stage,
-    SystemSpec, unit_on_axis,
+    AxisSpec, Connections, Conversion, CouplingSpec, DEMANDED_INPUTS, InputSpec, Kind, NodeSpec,
+    Stage, SystemSpec, unit_on_axis,
 };
 
 use super::check::Checker;
 use super::component::{self, Member};
 use super::origin::Place;
-use super::{AxisBlueprint, ComponentBlueprint, CouplingBlueprint, SignalBlueprint, Value, frame};
+use super::{
+    AxisBlueprint, CheckedBlueprint, ComponentBlueprint, CouplingBlueprint, SignalBlueprint, Value,
+    frame,
+};
 use crate::nearest::did_you_mean;
+
+impl CheckedBlueprint {
+    /// The groups of axes that enabled couplings join, as indices from 0 in rising order.
+    #[must_use]
+    pub fn coupled_axes(&self) -> Vec<Vec<usize>> {
+        let mut sets: Vec<Vec<usize>> = Vec::new();
+        for coupling in self.spec().connections.couplings.iter().filter(|c| c.node.enabled) {
+            let mut joined = coupling.axes.clone();
+            let (touched, apart): (Vec<_>, Vec<_>) =
+                sets.into_iter().partition(|set| set.iter().any(|axis| joined.contains(axis)));
+            joined.extend(touched.into_iter().flatten());
+            joined.sort_unstable();
+            joined.dedup();
+            sets = apart;
+            sets.push(joined);
+        }
+        sets.sort();
+        sets
+    }
+
+    /// The number of components of an axis in front of a coupling that acts on it.
+    #[must_use]
+    pub fn before_coupling(&self, coupling: &CouplingSpec, axis: usize) -> usize {
+        self.spec().axes.get(axis).map_or(0, |axis| place_on(axis, coupling))
+    }
+
+    /// The units that `{command}` and `{position}` stand for in a coupling.
+    #[must_use]
+    pub fn coupling_units(&self, coupling: &CouplingSpec) -> [String; 2] {
+        units(self.spec(), coupling)
+    }
+}
+
+/// The number of components of an axis in front of a coupling that acts on it.
+fn place_on(axis: &AxisSpec, coupling: &CouplingSpec) -> usize {
+    let is_last = |node: &NodeSpec| match &coupling.after {
+        Some(name) => node.name == *name,
+        None => node.component.declaration().stage <= Stage::Mechanics,
+    };
+    axis.components.iter().rposition(is_last).map_or(0, |at| at + 1)
+}
 
 /// Whether motions stand on one side of it and positions on the other.
 fn converts(conversion: Conversion) -> bool {
@@ -313,5 +357,13 @@ fn units_of(axes: &[AxisSpec], connections: &Connections, coupling: &CouplingSpe
     if converts(coupling.node.component.declaration().conversion) {
         return [motion, position.clone()];
     }
-    [command.clone(), motion]
+    // Couplings at one place act in the order in which they are given.
+    let couplings = &connections.couplings;
+    let number = couplings.iter().position(|c| c.node.name == coupling.node.name);
+    let own = (place_on(&axes[first], coupling), number.unwrap_or(couplings.len()));
+    let is_behind = couplings.iter().enumerate().any(|(k, c)| {
+        let converts = converts(c.node.component.declaration().conversion);
+        converts && c.axes.contains(&first) && (place_on(&axes[first], c), k) < own
+    });
+    [command.clone(), if is_behind { position.clone() } else { motion }]
 }

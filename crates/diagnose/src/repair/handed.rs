@@ -6,18 +6,23 @@
 use std::sync::atomic::AtomicU64;
 
 use components::COMPONENTS;
-use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint};
+use components::sensor::SENSOR_SCALE;
+use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, Value};
+use model::Component;
 
 use super::retune;
-use crate::base::Base;
+use crate::base::{Base, Part};
 use crate::chain::Chain;
 use crate::fit::Fitter;
 use crate::library::{Formula, Slot};
+use crate::offset;
 use crate::outcome::Outcome;
 use crate::request::{Deviation, Tolerance};
 use crate::score::Judged;
 use crate::select::Candidate;
 
+/// The quantity of a component that shifts its positions.
+const OFFSET: &str = "offset";
 /// Mean square over that of the fitted formulas above which the written axis is tuned again.
 const OFF: f64 = 1.02;
 /// How far values of components that were found may be tuned again, relative (1 σ).
@@ -40,8 +45,7 @@ pub(super) fn settle(
     (axis, given): (usize, &AxisBlueprint),
     blueprint: &mut Blueprint,
 ) -> Option<Judged> {
-    // What is cut at a tap is only a part of the axis.
-    if Slot::ALL.iter().any(|slot| !o.problem.base.slots.contains_key(slot)) {
+    if is_cut(&o.problem.base) {
         return None;
     }
     let count = AtomicU64::new(0);
@@ -72,6 +76,89 @@ pub(super) fn settle(
     }
 }
 
+/// Gives a written axis the offset that all records share: in its actuator, or in the sensor behind all.
+/// What could not be done, in a sentence.
+pub(super) fn level(
+    o: &Outcome,
+    last: &Candidate,
+    (axis, given): (usize, &AxisBlueprint),
+    blueprint: &mut Blueprint,
+) -> Option<String> {
+    /// Changes of the offset until what is left is far below the noise.
+    const TURNS: usize = 4;
+    /// Part of the noise.
+    const SMALL: f64 = 1e-3;
+    let base = &o.problem.base;
+    let shared = o.offset.map_or(0.0, |offset| offset.shared);
+    // A reading has no actuator that holds its gain.
+    let gain = match base.part {
+        Part::Reading(_) => super::output_gain(base, (&last.chain, &last.fit.theta)),
+        _ => 1.0,
+    };
+    if shared == 0.0 && gain == 1.0 {
+        return None;
+    }
+    let stays_out = format!(
+        "the offset that all records share, {:.4} {} of {}, stays out of the repaired blueprint",
+        shared / o.problem.factor,
+        o.problem.unit,
+        o.problem.output
+    );
+    let count = AtomicU64::new(0);
+    let left = |blueprint: &Blueprint| {
+        let checked = blueprint.clone().check(COMPONENTS).ok()?;
+        let written = Written::new(o, last, &checked, (axis, given), &count)?;
+        offset::left(&o.problem.data, (&written.chain, &written.start), 0.0, &count)
+    };
+    if is_cut(base) {
+        return Some(stays_out);
+    }
+    let place = base.components.get(base.actuator).map(|at| at.place);
+    let name = place.and_then(|at| given.components.get(at)).map(|own| own.name.clone());
+    let mut levelled = blueprint.clone();
+    let Some(own) = levelled.axes.get_mut(axis - 1) else { return Some(stays_out) };
+    let has_offset = |c: &ComponentBlueprint| {
+        let declaration = components::find(&c.kind).map(|kind| kind.declaration());
+        let is_offset = |q: &model::Quantity| q.name == OFFSET && q.unit == "{position}";
+        declaration.is_some_and(|d| d.parameters.iter().any(is_offset))
+    };
+    let actuator = own.components.iter().position(|c| Some(&c.name) == name.as_ref());
+    let at = match actuator.filter(|at| has_offset(&own.components[*at])) {
+        Some(at) => at,
+        None if base.part == Part::Motion => return Some(stays_out),
+        None => {
+            let scale = ComponentBlueprint::new(SENSOR_SCALE.declaration().kind);
+            let scale = scale.value("gain", gain).note("with the offset that all records share");
+            own.components.push(super::with_free_name(scale, own));
+            own.components.len() - 1
+        }
+    };
+    let old = own.components[at].get(OFFSET).and_then(super::number).unwrap_or(0.0);
+    // What a unit of it gives at the output: known once it was moved.
+    let (mut value, mut slope, mut before) = (0.0, 1.0, left(&levelled)?);
+    for _ in 0..TURNS {
+        let step = before / slope;
+        value += step;
+        let own = &mut levelled.axes[axis - 1].components[at];
+        own.set(OFFSET, Value::Number(old + value / o.problem.factor));
+        let after = left(&levelled)?;
+        if after.abs() < SMALL * o.sigma {
+            *blueprint = levelled;
+            return None;
+        }
+        let moved = (before - after) / step;
+        slope = if moved.is_finite() && moved != 0.0 { moved } else { slope };
+        before = after;
+    }
+    Some(stays_out)
+}
+
+/// Whether it is cut at a tap, and so only a part of the axis.
+fn is_cut(base: &Base) -> bool {
+    let is_reading = matches!(base.part, Part::Reading(_));
+    !is_reading && Slot::ALL.iter().any(|slot| !base.slots.contains_key(slot))
+}
+
 impl<'a> Written<'a> {
     fn new(
         o: &'a Outcome,
@@ -91,7 +178,7 @@ impl<'a> Written<'a> {
             })
             .collect();
         let gain = o.problem.base.gain_tolerance;
-        let base = Base::white(checked, axis, &tolerances, gain).ok()?;
+        let base = Base::white(checked, (axis, o.problem.base.part), &tolerances, gain).ok()?;
         // What each record has of its own is no part of the model and is taken out as before.
         let (disturbances, values) = disturbances(o, last);
         let chain = base.compose(&disturbances);

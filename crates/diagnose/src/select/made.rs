@@ -12,7 +12,7 @@ use model::Effect;
 use surround::Block;
 
 use super::*;
-use crate::base::BaseParameter;
+use crate::base::{BaseParameter, Part};
 use crate::data_set::RecordRows;
 use crate::library::{Free, Slot};
 use crate::noise::Shape;
@@ -109,6 +109,7 @@ impl Made {
             memory: None,
             gain_tolerance: 0.01,
             is_white: true,
+            part: Part::Axis,
         };
         Self { base, data, judge, library, count: AtomicU64::new(0), max_effects: 3 }
     }
