@@ -11,6 +11,8 @@ use crate::path::{Nature, Part, Path, WAY, at_rest, parts_behind, steps_of};
 
 /// Least time of one way over the range in mean lags and in periods.
 const LONG: (f64, f64) = (20.0, 20.0);
+/// Time at a bound in mean lags, until the position is there.
+const WAITS: f64 = 5.0;
 
 /// All axes.
 pub(crate) struct Analysed {
@@ -207,16 +209,17 @@ impl Analysed {
         let slowest = delays.iter().copied().fold(0.0, f64::max);
         let way = WAY.max(LONG.0 * slowest).max(LONG.1 * period);
         let rows = steps_of(way, period);
+        let leg = rows + (WAITS * slowest * rows as f64 / way).ceil() as usize;
         let part = |k: usize| {
-            let along = (k % rows) as f64 / rows as f64;
-            if (k / rows).is_multiple_of(2) { along } else { 1.0 - along }
+            let along = ((k % leg) as f64 / rows as f64).min(1.0);
+            if (k / leg).is_multiple_of(2) { along } else { 1.0 - along }
         };
         let commands: Vec<Vec<f64>> = self
             .paths
             .iter()
             .map(|path| {
                 let (low, high) = path.axis.command_range;
-                (0..=4 * rows).map(|k| low + (high - low) * part(k)).collect()
+                (0..=4 * leg).map(|k| low + (high - low) * part(k)).collect()
             })
             .collect();
         let rest: Vec<f64> = self.paths.iter().map(|path| path.axis.command_range.0).collect();
@@ -224,7 +227,7 @@ impl Analysed {
         let mut reaches: Vec<(f64, f64)> = run
             .iter()
             .map(|y| {
-                let (a, b) = (y[4 * rows], y[3 * rows]);
+                let (a, b) = (y[4 * leg], y[3 * leg]);
                 (a.min(b), a.max(b))
             })
             .collect();

@@ -29,6 +29,8 @@ pub(crate) struct Design {
     pub(crate) ways: Vec<Candidate>,
     pub(crate) chosen: usize,
     pub(crate) notes: Vec<String>,
+    /// So many of the notes say what is left to feedback anyway; those behind them are about ways.
+    pub(crate) left: usize,
     pub(crate) inverse: Option<InverseFigures>,
     pub(crate) tables: Vec<(String, model::Table)>,
 }
@@ -132,6 +134,7 @@ pub(crate) fn axis_design(
     let mut notes = path.left.clone();
     notes.extend(analysed.left[index].iter().cloned());
     notes.extend(damped.iter().filter_map(Damped::shortfall));
+    let left = notes.len();
     if learned.is_none() {
         for way in feedforward::declared(path) {
             match way.and_then(|way| buildable(way, &path.axis, period)) {
@@ -152,6 +155,7 @@ pub(crate) fn axis_design(
         ways,
         chosen: 0,
         notes,
+        left,
         inverse,
         tables,
     })

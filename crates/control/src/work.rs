@@ -134,8 +134,6 @@ impl Work<'_> {
         let errors = self.judged(runs, |design| design.ways.len());
         for (index, errors) in errors.iter().enumerate() {
             let path = &self.analysed.paths[index];
-            // What was noted before says nothing of the ways.
-            let known = self.designs[index].notes.len();
             let found = errors.iter().copied().fold(f64::INFINITY, f64::min);
             let automatic = asked == Feedforward::Automatic;
             if asked == Feedforward::Fitted
@@ -160,7 +158,8 @@ impl Work<'_> {
             }
             if self.designs[index].ways.is_empty() && !matches!(asked, Feedforward::None) {
                 let place = format!("axis {}", path.axis.name);
-                let notes = self.designs[index].notes[known..].join("; ");
+                let design = &self.designs[index];
+                let notes = design.notes[design.left..].join("; ");
                 let reason = format!(
                     "{} has no feedforward of the way \"{}\"{}{notes}; --list shows what suits this plant",
                     path.actuator.name,

@@ -130,6 +130,25 @@ fn curves_of_amplifier_and_sensor_and_creep_are_undone_not_dropped() {
 }
 
 #[test]
+fn the_reach_is_that_of_full_swings_however_late_the_position_is() {
+    for (delay, bandwidth) in [(0.0, 400.0), (0.02, 400.0), (0.0, 3.0)] {
+        let found = made(
+            &plant(vec![
+                component("delay", &[("longest", 0.02), ("delay", delay)]),
+                component("amplifier-lag", &[("bandwidth", bandwidth)]),
+                plays("prandtl-ishlinskii"),
+            ]),
+            &ControlSettings::default(),
+        );
+        // The plays stand their threshold away from the bound that was visited last.
+        let (low, high) = found.axes[0].reach;
+        let (least, most) = (0.02 * 8.0 + 0.01 * 20.0, 0.05 * 100.0 + 0.02 * 92.0 + 0.01 * 80.0);
+        let off = (low - least).abs().max((high - most).abs());
+        assert!(off < 5e-3, "{delay} s, {bandwidth} Hz: {low} to {high}");
+    }
+}
+
+#[test]
 fn hysteresis_without_an_inverse_gets_one_that_is_fitted_to_the_plant() {
     // The printed bimorph's loop curls over at its ends; a skewed play has no inverse in the registry.
     let values = [("gain", 0.06), ("alpha", 0.19), ("beta", 0.2), ("gamma", -0.17)];
