@@ -99,5 +99,28 @@ def bench():
     report("on the bench, rate 1", {name: [values[at] for at in rows] for name, values in log.items()}, 200)
 
 
+def drive():
+    """Voltages of all axes at once for 20 s, two frequencies each, with turning points at many levels."""
+    time = [0.005 * k for k in range(4001)]
+    columns = {"time [s]": time}
+    for k, frequency in zip(AXES, (0.7, 0.9, 1.1, 1.3)):
+        angles = [2 * math.pi * frequency * t for t in time]
+        wave = [75 + 36 * math.sin(a + k) + 24 * math.sin(0.37 * a + 2 * k) for a in angles]
+        columns[f"u{k} [V]"] = [min(1, t / 0.5) * u for t, u in zip(time, wave)]
+    write("drive.csv", columns)
+
+
+def compare():
+    """What the data sheet's model and the repaired one leave of the last 30 % of the record, which no fit has used."""
+    measured = read("driven.csv")
+    for name in ("datasheet", "repaired"):
+        model = read(f"{name}.csv")
+        errors = [
+            rms([a - b for a, b in zip(measured[c][2801:], model[c][2801:])])
+            for c in (f"position[{k}]" for k in AXES)
+        ]
+        print(name, "model: rms error", ", ".join(f"{c} {e:.2f} um" for c, e in zip(COORDINATES, errors)))
+
+
 if __name__ == "__main__":
     globals()[sys.argv[1]]()

@@ -61,9 +61,20 @@ kill "$machine" && wait "$machine" || true
 machine=""
 "$python" "$here/logs.py" bench
 
-echo "What has the machine that the models have not?"
+echo "What has the machine that the models have not? Those of the bench"
 piezoloop -q calibrate calibration.csv --motion theta1 --motion theta2 --motion theta3 --motion theta4 \
     --position x1 --position y1 --position x2 --position y2 --longest-delay 0.03 --blueprint optics.toml -o model.toml
-piezoloop -q pack model.toml -o model.fmu
-piezoloop diagnose --model model.fmu --log run.csv --drop 1 --unit 'position[1]=um' --unit 'position[2]=um' \
+piezoloop diagnose --model model.toml --log run.csv --drop 1 --unit 'position[1]=um' --unit 'position[2]=um' \
     --unit 'position[3]=um' --unit 'position[4]=um' --report gap.html
+
+echo "And the data sheet's, on a record in which all axes move at once"
+sed 's/^step = 2.5e-4/step = 1e-3/' "$here/../../rigs/p0.toml" > datasheet.toml
+"$python" "$here/logs.py" drive
+piezoloop -q simulate p0-truth --log drive.csv --map 'command[1]=u1' --map 'command[2]=u2' --map 'command[3]=u3' \
+    --map 'command[4]=u4' -o driven.csv
+piezoloop diagnose --model datasheet.toml --log driven.csv --repair repaired.toml --report datasheet.html
+piezoloop -q simulate repaired.toml --log drive.csv --map 'command[1]=u1' --map 'command[2]=u2' --map 'command[3]=u3' \
+    --map 'command[4]=u4' -o repaired.csv
+piezoloop -q simulate datasheet.toml --log drive.csv --map 'command[1]=u1' --map 'command[2]=u2' --map 'command[3]=u3' \
+    --map 'command[4]=u4' -o datasheet.csv
+"$python" "$here/logs.py" compare

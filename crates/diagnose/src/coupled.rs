@@ -159,7 +159,9 @@ pub(crate) fn in_readings(
             continue;
         }
         let mut readings = coupled.readings(motions, request, count)?;
-        if cost_of_readings(&readings) < coupled.cost_of_motions(motions, &readings) {
+        // Without a name there it is no better place to show what is left.
+        let has_one = readings.iter().any(|o| !o.found.last.picks.is_empty());
+        if has_one && cost_of_readings(&readings) < coupled.cost_of_motions(motions, &readings) {
             let told = motions.iter().flat_map(|o| o.problem.warnings.clone());
             let couplings = coupled.group.couplings.join(", ");
             let why = format!(

@@ -176,14 +176,26 @@ fn write(
         let old = place_now(given, now, actuator).and_then(|at| now.components.get(at));
         let bent = old.and_then(|old| zones::bent(o, last, piece, own, old));
         let plays = || actuator_with(o, last, piece.block.effect()?, own, old?);
-        if let Some(component) = bent.or_else(plays) {
+        // In front of couplings no component is a gain: the actuator has it.
+        let gain = match piece.block.effect() {
+            Some(Block::Gain) if base.part == Part::Motion => own.first().copied(),
+            _ => None,
+        };
+        let louder = || Some(scaled(old?, 1.0 + gain?));
+        if let Some(component) = bent.or_else(plays).or_else(louder) {
             all.push(Change::Replace { place: actuator, component: component.note(&note) });
             continue;
         }
         for component in parts::components(o, piece, own)? {
-            // Couplings stand behind the last component of the mechanics and before: that would act in front of them.
-            let stage = components::find(&component.kind)?.declaration().stage;
-            if matches!(base.part, Part::Reading(_)) && stage <= Stage::Mechanics {
+            // Couplings stand behind the last component of the mechanics and what is before them.
+            let is_in_front =
+                components::find(&component.kind)?.declaration().stage <= Stage::Mechanics;
+            let is_elsewhere = match base.part {
+                Part::Axis => false,
+                Part::Motion => !is_in_front,
+                Part::Reading(_) => is_in_front,
+            };
+            if is_elsewhere {
                 return None;
             }
             let component = component.note(&note);
@@ -207,6 +219,28 @@ fn number(value: &Value) -> Option<f64> {
         Value::Number(number) => Some(*number),
         _ => None,
     }
+}
+
+/// A component whose positions are larger by a factor.
+fn scaled(old: &ComponentBlueprint, factor: f64) -> ComponentBlueprint {
+    let mut component = old.clone();
+    let declaration = components::find(&old.kind).map(|kind| kind.declaration());
+    for quantity in declaration.map_or(&[][..], |d| d.parameters) {
+        let value = match old.get(quantity.name).filter(|_| quantity.unit.starts_with("{position}"))
+        {
+            Some(Value::List(all)) => all
+                .iter()
+                .map(|v| number(v).map(|v| factor * v))
+                .collect::<Option<Vec<f64>>>()
+                .map(Value::from),
+            Some(one) => number(one).map(|v| Value::Number(factor * v)),
+            None => None,
+        };
+        if let Some(value) = value {
+            component.set(quantity.name, value);
+        }
+    }
+    component
 }
 
 /// The actuator with plays of its own, or with thresholds that grow with the rate.
