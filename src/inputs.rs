@@ -37,6 +37,23 @@ pub(crate) struct LogOptions {
     pub(crate) resample: Option<Resample>,
 }
 
+/// Refuses a log that is both fitted and judged, under whatever name.
+pub(crate) fn are_apart(
+    (fits, fitted): (&str, &[PathBuf]),
+    (judges, judged): (&str, &[PathBuf]),
+) -> anyhow::Result<()> {
+    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let fitted: Vec<PathBuf> = fitted.iter().map(|path| real(path)).collect();
+    match judged.iter().find(|path| fitted.contains(&real(path))) {
+        Some(both) => bail!(
+            "{judges} {}: is also a {fits}, and a log that is fitted cannot judge the fit; give another one, or leave \
+             {judges} out",
+            both.display()
+        ),
+        None => Ok(()),
+    }
+}
+
 /// The rate of `--resample=HZ`, or `fastest`.
 fn resample(text: &str) -> Result<Resample, String> {
     if text == "fastest" {

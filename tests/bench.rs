@@ -212,7 +212,7 @@ fn with_a_key_only_its_holder_is_believed() {
     let (said, _) = keyed.end();
     assert!(said.contains("packets without a right tag"), "{said}");
     let far = ["bench", "run", "--plan", "plan.toml", "--gateway", "shm://x", "--key", "a.key"];
-    assert!(refuse(&far, at).contains("--key goes with udp://"));
+    assert!(refuse(&far, at).contains("--key is for udp://"));
 }
 
 #[test]

@@ -284,3 +284,55 @@ fn the_site_builds_without_a_warning() {
     assert!(page("gap-schema.html").contains("<code>verdict</code>"));
     assert!(page("tutorial.html").contains("From log to bench"));
 }
+
+/// The sentences of a page: no code, no tables, links by their text.
+fn sentences(page: &str) -> Vec<String> {
+    let text = fs::read_to_string(root().join(page)).expect("a page");
+    let (mut all, mut current, mut inside) = (Vec::new(), String::new(), false);
+    let mut end = |current: &mut String| {
+        all.extend(Some(std::mem::take(current)).filter(|sentence| !sentence.trim().is_empty()));
+    };
+    for line in text.lines() {
+        let start = line.trim_start();
+        let is_fence = start.starts_with("```");
+        let number = start.trim_start_matches(|c: char| c.is_ascii_digit());
+        let is_item =
+            start.starts_with("* ") || number.len() < start.len() && number.starts_with(". ");
+        if is_fence || start.is_empty() || is_item || start.starts_with(['|', '#']) {
+            end(&mut current);
+        }
+        inside ^= is_fence;
+        if inside || is_fence || start.starts_with('|') {
+            continue;
+        }
+        let line = if is_item { start.split_once(' ').map_or("", |item| item.1) } else { start };
+        // `[text](address)` is its text.
+        let mut shown = String::new();
+        for (at, part) in line.split("](").enumerate() {
+            shown += if at == 0 { part } else { part.split_once(')').map_or(part, |p| p.1) };
+        }
+        for word in shown.split_whitespace() {
+            current.push(' ');
+            current += word;
+            if word.trim_end_matches(['*', '"', ')']).ends_with(['.', '!', '?']) {
+                end(&mut current);
+            }
+        }
+    }
+    end(&mut current);
+    all
+}
+
+#[test]
+fn sentences_of_the_first_pages_are_short() {
+    const MOST: usize = 30;
+    for page in ["README.md", "docs/tutorial.md", "docs/howto-control.md", "docs/howto-test.md"] {
+        let all = sentences(page);
+        assert!(all.len() > 10, "{page} has {} sentences", all.len());
+        for sentence in all {
+            let is_word = |word: &&str| word.contains(char::is_alphanumeric);
+            let words = sentence.split_whitespace().filter(is_word).count();
+            assert!(words <= MOST, "{page}: {words} words, at most {MOST}:{sentence}");
+        }
+    }
+}

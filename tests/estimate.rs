@@ -219,6 +219,8 @@ fn every_record_has_initial_values_of_its_own() {
     assert!(set.contains("name=\"tau\"") && !set.contains("name=\"y\""), "{set}");
     let asked = ["estimate", "lag.fmu", "--log", "a.csv", "--tune", "a", "--initial", "a"];
     assert!(refuse(&asked, at).contains("both a parameter of --tune and a value of --initial"));
+    let both = ["estimate", "lag.fmu", "--log", "a.csv", "--held-out", "./a.csv", "--tune", "a"];
+    assert!(refuse(&both, at).contains("--held-out ./a.csv: is also a --log"));
 }
 
 /// The FMU that is written begins with what was found, for an importer that sets nothing, and after a reset.

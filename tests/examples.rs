@@ -50,7 +50,7 @@ fn log_to_loop() {
     let said = run("01_log_to_loop", folder.path());
     println!("{said}");
     let held_out = number(&said, ".csv: held out ", "% of range");
-    let line = number(&said, "a straight line leaves ", "%");
+    let line = number(&said, "a straight line ", "%");
     assert!(held_out < 1.0 && line > 3.0, "{held_out} {line}");
     assert_eq!(said.matches("no problem").count(), 2);
     let loop_line = said.lines().find(|line| line.contains("against reference[1]"));

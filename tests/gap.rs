@@ -49,10 +49,14 @@ fn all_flags_work_as_documented_and_every_answer_is_valid() {
     write_rest(at);
     succeed(&["pack", STAGE, "-o", "stage.fmu"], at);
     let map = ["--map", "u=u", "--map", "x=x"];
+    // A log that is fitted cannot judge, whatever it is called.
+    let both = refuse(&diagnose(STAGE, &["--holdout", "./stairs.csv"]), at);
+    assert!(both.contains("--holdout ./stairs.csv: is also a --log"), "{both}");
+    fs::copy(at.join("stairs.csv"), at.join("more.csv")).expect("writable");
     // All at once, a file behind --json.
     let all = [
         "--holdout",
-        "stairs.csv",
+        "more.csv",
         "--unit",
         "u=V",
         "--outputs",

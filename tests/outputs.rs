@@ -9,7 +9,7 @@ use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 use std::process::Command;
 
-use common::{refuse, succeed};
+use common::{kill, refuse, succeed};
 
 const LOG: &str = "time [s],u [V],y [um]\n0,0,0\n0.001,1,1\n0.002,2,2\n0.003,1,1.1\n0.004,0,0.1\n";
 
@@ -227,7 +227,7 @@ fn temporary_files_go_with_a_signal() {
         }
         assert!(is_begun() && fs::read_dir(&temporary).unwrap().count() > 0);
         let id = child.id().to_string();
-        assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+        assert!(kill(&["-s", signal, &id]).status().unwrap().success());
         assert_eq!(child.wait().unwrap().signal(), Some(number));
         assert_eq!(fs::read_dir(&temporary).unwrap().count(), 0, "{signal}");
         assert!(!is_begun() && !at.join("run.csv").exists(), "{signal}");
@@ -253,7 +253,7 @@ fn a_signal_ends_invert_at_once() {
         assert!(child.try_wait().unwrap().is_none(), "it was to take seconds");
         let begin = Instant::now();
         let id = child.id().to_string();
-        assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+        assert!(kill(&["-s", signal, &id]).status().unwrap().success());
         assert_eq!(child.wait().unwrap().signal(), Some(number));
         assert!(begin.elapsed() < Duration::from_secs(1), "{signal}");
         assert_eq!(fs::read_dir(at).unwrap().count(), before, "{signal} leaves nothing");
@@ -314,7 +314,7 @@ fn temporary_files_go_with_a_signal_during_preparation() {
             }
             std::thread::sleep(Duration::from_millis(10 * moment as u64));
             let id = child.id().to_string();
-            let sent = Command::new("kill").args(["-s", signal, &id]).output().unwrap();
+            let sent = kill(&["-s", signal, &id]).output().unwrap();
             let begin = Instant::now();
             let status = child.wait().unwrap();
             assert!(begin.elapsed() < Duration::from_secs(10), "{call:?} {signal}");

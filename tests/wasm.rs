@@ -62,7 +62,7 @@ fn a_component_alone_is_an_fmu() {
     let error = refuse(&["pack", "p1", "--wasm"], here);
     assert!(error.contains("add --fmi 3"), "{error}");
     let error = refuse(&["pack", "p1", "--fmi", "3", "--wasm=only", "--libraries", "there"], here);
-    assert!(error.contains("--wasm=only: no library goes in"), "{error}");
+    assert!(error.contains("--wasm=only: no library is included"), "{error}");
 }
 
 /// What `check` finds, which is not nothing.

@@ -5,7 +5,7 @@ package Controllers "Control laws"
     extends Interfaces.ReferenceFilter;
     parameter Real lag(unit="s", min = 0) "Sum of the path's time constants and delays";
     parameter Real inertia(unit="s2", min = 0) "Second-order coefficient, 1/omega^2 for one mode";
-    parameter Real limit(unit="um", min = 0) "Greatest amount that is added or taken away";
+    parameter Real limit(unit="um", min = 0) "Greatest correction in either direction";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
     discrete Boolean on(start = false, fixed = true) "The first sample is past";
@@ -22,39 +22,39 @@ package Controllers "Control laws"
     end when;
     y_um = last + lead;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-37,-37},{8,-6},{80,70},{80,22},{80,45},{0,-17},{-57,-56},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>reference-lead</code>. Adds the first and second derivative of the reference, for lags and a mode.</p><p><code>y = r + clamp(lag*r' + inertia*r'', +-limit)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>lag</td><td>s</td><td>required</td><td>0</td><td></td><td>Sum of the path's time constants and delays</td></tr><tr><td>inertia</td><td>s2</td><td>required</td><td>0</td><td></td><td>Second-order coefficient, 1/omega^2 for one mode</td></tr><tr><td>limit</td><td>{position}</td><td>required</td><td>0</td><td></td><td>Greatest amount that is added or taken away</td></tr></table><p>Source: S. Devasia, E. Eleftheriou, S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15 (2007) 802-823.</p></html>"));
+      Documentation(info="<html><p>Component <code>reference-lead</code>. Adds the first and second derivative of the reference, for lags and a mode.</p><p><code>y = r + clamp(lag*r' + inertia*r'', +-limit)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>lag</td><td>s</td><td>required</td><td>0</td><td></td><td>Sum of the path's time constants and delays</td></tr><tr><td>inertia</td><td>s2</td><td>required</td><td>0</td><td></td><td>Second-order coefficient, 1/omega^2 for one mode</td></tr><tr><td>limit</td><td>{position}</td><td>required</td><td>0</td><td></td><td>Greatest correction in either direction</td></tr></table><p>Source: S. Devasia, E. Eleftheriou, S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15 (2007) 802-823.</p></html>"));
   end ReferenceLead;
 
-  block ReferenceCurve "Curve through points in front of the feedforward, for a static nonlinearity of the sensor"
+  block ReferenceCurve "Curve through points before the feedforward, for a static nonlinearity of the sensor"
     extends Interfaces.ReferenceFilter;
     parameter Integer points(min = 2, max = 4096) "Number of points";
-    parameter Real at[points](each unit="um") "Where the points are, increasing";
-    parameter Real value[points](each unit="um") "What the curve is there";
+    parameter Real at[points](each unit="um") "Inputs of the points, increasing";
+    parameter Real value[points](each unit="um") "Output at each point";
   equation
     y_um = Functions.curve(u_um, at, value);
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-35,-36},{8,8},{80,70},{31,31},{-35,-36},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>reference-curve</code>. Curve through points in front of the feedforward, for a static nonlinearity of the sensor.</p><p><code>y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] &lt;= u &lt; at[i+1], the first and the last interval without end</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>points` (structure)</td><td>1</td><td>by its lists</td><td>2</td><td>4096</td><td>Number of points</td></tr><tr><td>at</td><td>{position}</td><td>required</td><td></td><td></td><td>Where the points are, increasing</td></tr><tr><td>value</td><td>{position}</td><td>required</td><td></td><td></td><td>What the curve is there</td></tr></table><p>Source: G. Tao, P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, Wiley 1996, ch. 2.</p></html>"));
+      Documentation(info="<html><p>Component <code>reference-curve</code>. Curve through points before the feedforward, for a static nonlinearity of the sensor.</p><p><code>y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] &lt;= u &lt; at[i+1], the first and the last interval without end</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>points` (structure)</td><td>1</td><td>by its lists</td><td>2</td><td>4096</td><td>Number of points</td></tr><tr><td>at</td><td>{position}</td><td>required</td><td></td><td></td><td>Inputs of the points, increasing</td></tr><tr><td>value</td><td>{position}</td><td>required</td><td></td><td></td><td>Output at each point</td></tr></table><p>Source: G. Tao, P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, Wiley 1996, ch. 2.</p></html>"));
   end ReferenceCurve;
 
   block CommandCurve "Curve through points behind the feedforward, for a static nonlinearity of the amplifier"
     extends Interfaces.CommandFilter;
     parameter Integer points(min = 2, max = 4096) "Number of points";
-    parameter Real at[points](each unit="V") "Where the points are, increasing";
-    parameter Real value[points](each unit="V") "What the curve is there";
+    parameter Real at[points](each unit="V") "Inputs of the points, increasing";
+    parameter Real value[points](each unit="V") "Output at each point";
   equation
     y = Functions.curve(u, at, value);
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-24,-29},{80,70},{58,53},{-25,-29},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>command-curve</code>. Curve through points behind the feedforward, for a static nonlinearity of the amplifier.</p><p><code>y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] &lt;= u &lt; at[i+1], the first and the last interval without end</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>points` (structure)</td><td>1</td><td>by its lists</td><td>2</td><td>4096</td><td>Number of points</td></tr><tr><td>at</td><td>{command}</td><td>required</td><td></td><td></td><td>Where the points are, increasing</td></tr><tr><td>value</td><td>{command}</td><td>required</td><td></td><td></td><td>What the curve is there</td></tr></table><p>Source: G. Tao, P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, Wiley 1996, ch. 2.</p></html>"));
+      Documentation(info="<html><p>Component <code>command-curve</code>. Curve through points behind the feedforward, for a static nonlinearity of the amplifier.</p><p><code>y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] &lt;= u &lt; at[i+1], the first and the last interval without end</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>points` (structure)</td><td>1</td><td>by its lists</td><td>2</td><td>4096</td><td>Number of points</td></tr><tr><td>at</td><td>{command}</td><td>required</td><td></td><td></td><td>Inputs of the points, increasing</td></tr><tr><td>value</td><td>{command}</td><td>required</td><td></td><td></td><td>Output at each point</td></tr></table><p>Source: G. Tao, P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, Wiley 1996, ch. 2.</p></html>"));
   end CommandCurve;
 
-  block FeedforwardGain "Linear feedforward: command proportional to the position that is wanted"
+  block FeedforwardGain "Linear feedforward: command proportional to the reference position"
     extends Interfaces.Inverse;
     parameter Real gain(unit="V/um") "Command per position";
     parameter Real offset(unit="um") = 0 "Position at zero command";
   equation
     y = gain*(u_um - offset);
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{80,70},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>feedforward-gain</code>. Linear feedforward: command proportional to the position that is wanted.</p><p><code>u = gain*(y - offset)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Command per position</td></tr><tr><td>offset</td><td>{position}</td><td>0</td><td></td><td></td><td>Position at zero command</td></tr></table><p>Source: inverse of a linear actuator.</p></html>"));
+      Documentation(info="<html><p>Component <code>feedforward-gain</code>. Linear feedforward: command proportional to the reference position.</p><p><code>u = gain*(y - offset)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Command per position</td></tr><tr><td>offset</td><td>{position}</td><td>0</td><td></td><td></td><td>Position at zero command</td></tr></table><p>Source: inverse of a linear actuator.</p></html>"));
   end FeedforwardGain;
 
   block Pid "PID with feedforward, output and rate limits, anti-windup and bumpless enabling"
@@ -68,9 +68,9 @@ package Controllers "Control laws"
     parameter Real feedforward_gain(unit="1") = 1 "Share of the feedforward that is added";
     parameter Real rate_max(unit="V/s", min = 0) = 0 "Greatest rate of the command, 0 for no limit";
     parameter Real tracking_time(unit="s", min = 0) = 0 "Time constant of anti-windup by back-calculation, 0 for conditional integration";
-    parameter Real hold(unit="1", min = 0, max = 1) = 1 "While disabled: 1 holds the last command, 0 goes to the safe one at the rate limit";
-    parameter Real safe(unit="V") = 0 "Command while disabled, where it is not held";
-    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    parameter Real hold(unit="1", min = 0, max = 1) = 1 "While disabled: 1 holds the last command, 0 ramps to the safe command at the rate limit";
+    parameter Real safe(unit="V") = 0 "Command while disabled, if hold is 0";
+    Interfaces.PositionInput reference "Reference position" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
     Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
     input Boolean enable "False holds the command or goes to the safe one" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
     Interfaces.CommandOutput feedforward "Feedforward before the limits" annotation(Placement(transformation(extent={{100,70},{120,90}})));
@@ -114,7 +114,7 @@ package Controllers "Control laws"
     feedback = if enable then free - ff else 0;
     saturated = enable and (free > held or free < held);
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,20},{-71,11},{-66,10},{80,70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>pid</code>. PID with feedforward, output and rate limits, anti-windup and bumpless enabling.</p><p><code>u = feedforward_gain*u_ff + kp*e + I + kd*q; I = I + ki*T*e; q = f*q + (1 - f)*(e - e_last)/T; f = exp(-T/derivative_filter); e = reference - measured; command = min(max(u, output_min), output_max), at most rate_max*T from the last</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>kp</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Proportional gain</td></tr><tr><td>ki</td><td>{command}/{position}/s</td><td>0</td><td></td><td></td><td>Integral gain</td></tr><tr><td>kd</td><td>{command}.s/{position}</td><td>0</td><td></td><td></td><td>Derivative gain</td></tr><tr><td>derivative_filter</td><td>s</td><td>0</td><td>0</td><td></td><td>Time constant of the derivative's filter, 0 for none</td></tr><tr><td>output_min</td><td>{command}</td><td>required</td><td>of the commands</td><td>of the commands</td><td>Least command</td></tr><tr><td>output_max</td><td>{command}</td><td>required</td><td>of the commands</td><td>of the commands</td><td>Greatest command</td></tr><tr><td>feedforward_gain</td><td>1</td><td>1</td><td></td><td></td><td>Share of the feedforward that is added</td></tr><tr><td>rate_max</td><td>{command}/s</td><td>0</td><td>0</td><td></td><td>Greatest rate of the command, 0 for no limit</td></tr><tr><td>tracking_time</td><td>s</td><td>0</td><td>0</td><td></td><td>Time constant of anti-windup by back-calculation, 0 for conditional integration</td></tr><tr><td>hold</td><td>1</td><td>1</td><td>0</td><td>1</td><td>While disabled: 1 holds the last command, 0 goes to the safe one at the rate limit</td></tr><tr><td>safe</td><td>{command}</td><td>0</td><td></td><td></td><td>Command while disabled, where it is not held</td></tr></table><p>Source: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 3 and 13.</p></html>"));
+      Documentation(info="<html><p>Component <code>pid</code>. PID with feedforward, output and rate limits, anti-windup and bumpless enabling.</p><p><code>u = feedforward_gain*u_ff + kp*e + I + kd*q; I = I + ki*T*e; q = f*q + (1 - f)*(e - e_last)/T; f = exp(-T/derivative_filter); e = reference - measured; command = min(max(u, output_min), output_max), at most rate_max*T from the last</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>kp</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Proportional gain</td></tr><tr><td>ki</td><td>{command}/{position}/s</td><td>0</td><td></td><td></td><td>Integral gain</td></tr><tr><td>kd</td><td>{command}.s/{position}</td><td>0</td><td></td><td></td><td>Derivative gain</td></tr><tr><td>derivative_filter</td><td>s</td><td>0</td><td>0</td><td></td><td>Time constant of the derivative's filter, 0 for none</td></tr><tr><td>output_min</td><td>{command}</td><td>required</td><td>of the commands</td><td>of the commands</td><td>Least command</td></tr><tr><td>output_max</td><td>{command}</td><td>required</td><td>of the commands</td><td>of the commands</td><td>Greatest command</td></tr><tr><td>feedforward_gain</td><td>1</td><td>1</td><td></td><td></td><td>Share of the feedforward that is added</td></tr><tr><td>rate_max</td><td>{command}/s</td><td>0</td><td>0</td><td></td><td>Greatest rate of the command, 0 for no limit</td></tr><tr><td>tracking_time</td><td>s</td><td>0</td><td>0</td><td></td><td>Time constant of anti-windup by back-calculation, 0 for conditional integration</td></tr><tr><td>hold</td><td>1</td><td>1</td><td>0</td><td>1</td><td>While disabled: 1 holds the last command, 0 ramps to the safe command at the rate limit</td></tr><tr><td>safe</td><td>{command}</td><td>0</td><td></td><td></td><td>Command while disabled, if hold is 0</td></tr></table><p>Source: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 3 and 13.</p></html>"));
   end Pid;
 
   block IncrementalPid "PID in incremental form with feedforward, output and rate limits, bumpless enabling"
@@ -126,9 +126,9 @@ package Controllers "Control laws"
     parameter Real output_max(unit="V") "Greatest command";
     parameter Real feedforward_gain(unit="1") = 1 "Share of the feedforward that is added";
     parameter Real rate_max(unit="V/s", min = 0) = 0 "Greatest rate of the command, 0 for no limit";
-    parameter Real hold(unit="1", min = 0, max = 1) = 1 "While disabled: 1 holds the last command, 0 goes to the safe one at the rate limit";
-    parameter Real safe(unit="V") = 0 "Command while disabled, where it is not held";
-    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    parameter Real hold(unit="1", min = 0, max = 1) = 1 "While disabled: 1 holds the last command, 0 ramps to the safe command at the rate limit";
+    parameter Real safe(unit="V") = 0 "Command while disabled, if hold is 0";
+    Interfaces.PositionInput reference "Reference position" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
     Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
     input Boolean enable "False holds the command or goes to the safe one" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
     Interfaces.CommandOutput feedforward "Feedforward before the limits" annotation(Placement(transformation(extent={{100,70},{120,90}})));
@@ -169,7 +169,7 @@ package Controllers "Control laws"
     feedback = if enable then free - ff else 0;
     saturated = enable and (free > held or free < held);
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,41},{-72,9},{80,70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>incremental-pid</code>. PID in incremental form with feedforward, output and rate limits, bumpless enabling.</p><p><code>u = feedforward_gain*u_ff + v; v = v_last + kp*(e - e1) + ki*T*e + kd/T*(e - 2*e1 + e2); e = reference - measured; command = min(max(u, output_min), output_max), at most rate_max*T from the last</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>kp</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Proportional gain</td></tr><tr><td>ki</td><td>{command}/{position}/s</td><td>0</td><td></td><td></td><td>Integral gain</td></tr><tr><td>kd</td><td>{command}.s/{position}</td><td>0</td><td></td><td></td><td>Derivative gain</td></tr><tr><td>output_min</td><td>{command}</td><td>required</td><td>of the commands</td><td>of the commands</td><td>Least command</td></tr><tr><td>output_max</td><td>{command}</td><td>required</td><td>of the commands</td><td>of the commands</td><td>Greatest command</td></tr><tr><td>feedforward_gain</td><td>1</td><td>1</td><td></td><td></td><td>Share of the feedforward that is added</td></tr><tr><td>rate_max</td><td>{command}/s</td><td>0</td><td>0</td><td></td><td>Greatest rate of the command, 0 for no limit</td></tr><tr><td>hold</td><td>1</td><td>1</td><td>0</td><td>1</td><td>While disabled: 1 holds the last command, 0 goes to the safe one at the rate limit</td></tr><tr><td>safe</td><td>{command}</td><td>0</td><td></td><td></td><td>Command while disabled, where it is not held</td></tr></table><p>Source: LS-SVM with stop operators tuned by particle swarm, eqs. (22), (23).</p></html>"));
+      Documentation(info="<html><p>Component <code>incremental-pid</code>. PID in incremental form with feedforward, output and rate limits, bumpless enabling.</p><p><code>u = feedforward_gain*u_ff + v; v = v_last + kp*(e - e1) + ki*T*e + kd/T*(e - 2*e1 + e2); e = reference - measured; command = min(max(u, output_min), output_max), at most rate_max*T from the last</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>kp</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Proportional gain</td></tr><tr><td>ki</td><td>{command}/{position}/s</td><td>0</td><td></td><td></td><td>Integral gain</td></tr><tr><td>kd</td><td>{command}.s/{position}</td><td>0</td><td></td><td></td><td>Derivative gain</td></tr><tr><td>output_min</td><td>{command}</td><td>required</td><td>of the commands</td><td>of the commands</td><td>Least command</td></tr><tr><td>output_max</td><td>{command}</td><td>required</td><td>of the commands</td><td>of the commands</td><td>Greatest command</td></tr><tr><td>feedforward_gain</td><td>1</td><td>1</td><td></td><td></td><td>Share of the feedforward that is added</td></tr><tr><td>rate_max</td><td>{command}/s</td><td>0</td><td>0</td><td></td><td>Greatest rate of the command, 0 for no limit</td></tr><tr><td>hold</td><td>1</td><td>1</td><td>0</td><td>1</td><td>While disabled: 1 holds the last command, 0 ramps to the safe command at the rate limit</td></tr><tr><td>safe</td><td>{command}</td><td>0</td><td></td><td></td><td>Command while disabled, if hold is 0</td></tr></table><p>Source: LS-SVM with stop operators tuned by particle swarm, eqs. (22), (23).</p></html>"));
   end IncrementalPid;
 
   block BoucWenFeedforward "Feedforward that uses a Bouc-Wen model itself, without an inverse"
@@ -184,7 +184,7 @@ package Controllers "Control laws"
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
     discrete Boolean on(start = false, fixed = true) "The first sample is past";
-    discrete Real wanted(start = 0, fixed = true, unit="um") "Position that is wanted";
+    discrete Real wanted(start = 0, fixed = true, unit="um") "Reference position";
     discrete Real difference(start = 0, fixed = true, unit="um") "Its change since the last sample";
     discrete Real before(start = 0, fixed = true, unit="V") "Command one sample before";
     discrete Real force(start = 0, fixed = true, unit="um") "What the change of the command must make up for";
@@ -210,9 +210,9 @@ package Controllers "Control laws"
 
   block Notch "Notch filter against a resonance"
     extends Interfaces.PathFilter;
-    parameter Real frequency(unit="Hz", min = 0) "Frequency that is taken out";
+    parameter Real frequency(unit="Hz", min = 0) "Frequency of the notch";
     parameter Real damping(unit="1", min = 0) = 0.5 "Damping ratio of the poles";
-    parameter Real depth(unit="1", min = 0, max = 1) = 0 "What is left at the frequency";
+    parameter Real depth(unit="1", min = 0, max = 1) = 0 "Gain at that frequency";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
     discrete Boolean on(start = false, fixed = true) "The first sample is past";
@@ -234,10 +234,10 @@ package Controllers "Control laws"
     end when;
     y = v;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,44},{-70,2},{-62,70},{-54,52},{-46,57},{80,56}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>notch</code>. Notch filter against a resonance.</p><p><code>y = (s^2 + 2*damping*depth*w*s + w^2)/(s^2 + 2*damping*w*s + w^2)*u; w = 2*pi*frequency</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Frequency that is taken out</td></tr><tr><td>damping</td><td>1</td><td>0.5</td><td>0</td><td></td><td>Damping ratio of the poles</td></tr><tr><td>depth</td><td>1</td><td>0</td><td>0</td><td>1</td><td>What is left at the frequency</td></tr></table><p>Source: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 8.</p></html>"));
+      Documentation(info="<html><p>Component <code>notch</code>. Notch filter against a resonance.</p><p><code>y = (s^2 + 2*damping*depth*w*s + w^2)/(s^2 + 2*damping*w*s + w^2)*u; w = 2*pi*frequency</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Frequency of the notch</td></tr><tr><td>damping</td><td>1</td><td>0.5</td><td>0</td><td></td><td>Damping ratio of the poles</td></tr><tr><td>depth</td><td>1</td><td>0</td><td>0</td><td>1</td><td>Gain at that frequency</td></tr></table><p>Source: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 8.</p></html>"));
   end Notch;
 
-  block ReferenceFilter "Low-pass of second order for the reference, for feedforward and feedback alike"
+  block ReferenceFilter "Second-order low-pass for the reference of both feedforward and feedback"
     extends Interfaces.ReferenceFilter;
     parameter Real frequency(unit="Hz", min = 0) "Natural frequency";
     parameter Real damping(unit="1", min = 0.1) = 1 "Damping ratio";
@@ -263,13 +263,13 @@ package Controllers "Control laws"
     y_um = x;
     reference_um = x;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-72,-66},{-60,38},{-55,57},{-49,68},{-43,70},{-20,68},{80,68}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>reference-filter</code>. Low-pass of second order for the reference, for feedforward and feedback alike.</p><p><code>r_f + 2*damping*r_f'/w + r_f''/w^2 = r; w = 2*pi*frequency</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Natural frequency</td></tr><tr><td>damping</td><td>1</td><td>1</td><td>0.1</td><td></td><td>Damping ratio</td></tr></table><p>Source: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 5.</p></html>"));
+      Documentation(info="<html><p>Component <code>reference-filter</code>. Second-order low-pass for the reference of both feedforward and feedback.</p><p><code>r_f + 2*damping*r_f'/w + r_f''/w^2 = r; w = 2*pi*frequency</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Natural frequency</td></tr><tr><td>damping</td><td>1</td><td>1</td><td>0.1</td><td></td><td>Damping ratio</td></tr></table><p>Source: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 5.</p></html>"));
   end ReferenceFilter;
 
-  block ReferencePreview "The reference input runs ahead: feedforward gets it at once, feedback later"
+  block ReferencePreview "Preview of the reference: feedforward uses it at once, feedback later"
     extends Interfaces.ReferenceFilter;
     parameter Real longest(unit="s", min = 0, max = 10) = 0.01 "Longest preview that can be set";
-    parameter Real preview(unit="s", min = 0) "How far the reference input is ahead";
+    parameter Real preview(unit="s", min = 0) "Time by which the reference input is ahead";
     parameter Integer cells(min = 2) = 502 "Samples that are kept: longest/step + 2";
     Interfaces.PositionOutput reference "Reference for the control law behind it" annotation(Placement(transformation(extent={{100,50},{120,70}})));
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
@@ -290,16 +290,16 @@ package Controllers "Control laws"
     y_um = ahead;
     reference_um = later;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,70},{80,70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>reference-preview</code>. The reference input runs ahead: feedforward gets it at once, feedback later.</p><p><code>path = r(t); reference = r(t - preview)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>longest` (structure)</td><td>s</td><td>0.01</td><td>0</td><td>10</td><td>Longest preview that can be set</td></tr><tr><td>preview</td><td>s</td><td>required</td><td>0</td><td>longest</td><td>How far the reference input is ahead</td></tr></table><p>Source: M. Tomizuka, ASME J. Dyn. Syst. Meas. Control 115 (1993) 412-418.</p></html>"));
+      Documentation(info="<html><p>Component <code>reference-preview</code>. Preview of the reference: feedforward uses it at once, feedback later.</p><p><code>path = r(t); reference = r(t - preview)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>longest` (structure)</td><td>s</td><td>0.01</td><td>0</td><td>10</td><td>Longest preview that can be set</td></tr><tr><td>preview</td><td>s</td><td>required</td><td>0</td><td>longest</td><td>Time by which the reference input is ahead</td></tr></table><p>Source: M. Tomizuka, ASME J. Dyn. Syst. Meas. Control 115 (1993) 412-418.</p></html>"));
   end ReferencePreview;
 
-  block DisturbanceObserver "Takes what the machine does beyond its model off the reference, in front of the inverse"
+  block DisturbanceObserver "Estimates the machine's deviation from its model and subtracts it from the reference, before the inverse"
     extends Interfaces.ReferenceFilter;
     parameter Real longest(unit="s", min = 0, max = 10) = 0.1 "Longest delay that can be set";
-    parameter Real bandwidth(unit="Hz", min = 0) "Up to where disturbances are taken off";
+    parameter Real bandwidth(unit="Hz", min = 0) "Frequency up to which disturbances are compensated";
     parameter Real lag(unit="s", min = 0) = 0 "Time constant from the inverse to the measured position";
     parameter Real delay_(unit="s", min = 0) = 0 "Dead time from the inverse to the measured position";
-    parameter Real limit(unit="um", min = 0) "Greatest disturbance that is taken off";
+    parameter Real limit(unit="um", min = 0) "Greatest disturbance that is compensated";
     parameter Integer cells(min = 2) = 5002 "Samples that are kept: longest/step + 2";
     Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
     input Boolean enable "False takes nothing off" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
@@ -325,19 +325,19 @@ package Controllers "Control laws"
     end when;
     y_um = v;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,36},{-68,22},{-63,22},{-35,70},{80,70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>disturbance-observer</code>. Takes what the machine does beyond its model off the reference, in front of the inverse.</p><p><code>v = r - d; d = Q*(measured - M*v); M = exp(-s*delay)/(1 + s*lag); Q = 1/(1 + s/(2*pi*bandwidth)); |d| &lt;= limit</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>longest` (structure)</td><td>s</td><td>0.1</td><td>0</td><td>10</td><td>Longest delay that can be set</td></tr><tr><td>bandwidth</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Up to where disturbances are taken off</td></tr><tr><td>lag</td><td>s</td><td>0</td><td>0</td><td></td><td>Time constant from the inverse to the measured position</td></tr><tr><td>delay</td><td>s</td><td>0</td><td>0</td><td>longest</td><td>Dead time from the inverse to the measured position</td></tr><tr><td>limit</td><td>{position}</td><td>required</td><td>0</td><td></td><td>Greatest disturbance that is taken off</td></tr></table><p>Source: K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatronics 1 (1996) 56-67.</p></html>"));
+      Documentation(info="<html><p>Component <code>disturbance-observer</code>. Estimates the machine's deviation from its model and subtracts it from the reference, before the inverse.</p><p><code>v = r - d; d = Q*(measured - M*v); M = exp(-s*delay)/(1 + s*lag); Q = 1/(1 + s/(2*pi*bandwidth)); |d| &lt;= limit</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>longest` (structure)</td><td>s</td><td>0.1</td><td>0</td><td>10</td><td>Longest delay that can be set</td></tr><tr><td>bandwidth</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Frequency up to which disturbances are compensated</td></tr><tr><td>lag</td><td>s</td><td>0</td><td>0</td><td></td><td>Time constant from the inverse to the measured position</td></tr><tr><td>delay</td><td>s</td><td>0</td><td>0</td><td>longest</td><td>Dead time from the inverse to the measured position</td></tr><tr><td>limit</td><td>{position}</td><td>required</td><td>0</td><td></td><td>Greatest disturbance that is compensated</td></tr></table><p>Source: K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatronics 1 (1996) 56-67.</p></html>"));
   end DisturbanceObserver;
 
   block Repetitive "Repetitive (iterative learning) control of a periodic reference"
     extends Interfaces.Controller;
     parameter Real cycle(unit="s", min = 1e-09, max = 1000000.0) "Period of the reference, a whole number of sample times";
     parameter Integer half(min = 0, max = 1000) = 10 "Half length of the window, in samples";
-    parameter Real gain(unit="V/um") "Gain of learning";
+    parameter Real gain(unit="V/um") "Learning gain";
     parameter Real lead(unit="s", min = 0) = 0 "Delay from the command to the measured position";
-    parameter Real keep(unit="1", min = 0, max = 1) = 1 "Part of what was learned that stays for the next cycle";
+    parameter Real keep(unit="1", min = 0, max = 1) = 1 "Share of the learned command that is kept for the next cycle";
     parameter Real limit(unit="V", min = 0) "Greatest command that is learned";
     parameter Integer cells(min = 2) = 1010 "Samples that are kept: cycle/step + half; the default is for a cycle of 0.02 s";
-    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    Interfaces.PositionInput reference "Reference position" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
     Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
     input Boolean enable "False adds and learns nothing" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
@@ -359,15 +359,15 @@ package Controllers "Control laws"
     end when;
     y = held;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,43},{-39,43},{-38,59},{-5,59},{-1,70},{80,70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>repetitive</code>. Repetitive (iterative learning) control of a periodic reference.</p><p><code>w(k) = keep*sum(h[j]*w(k-N+j)) + gain*e(k-N+lead); e = reference - measured; command = path + w</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>cycle` (structure)</td><td>s</td><td>by its lists</td><td>0.000000001</td><td>1000000</td><td>Period of the reference, a whole number of sample times</td></tr><tr><td>half` (structure)</td><td>1</td><td>10</td><td>0</td><td>1000</td><td>Half length of the window, in samples</td></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Gain of learning</td></tr><tr><td>lead</td><td>s</td><td>0</td><td>0</td><td></td><td>Delay from the command to the measured position</td></tr><tr><td>keep</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Part of what was learned that stays for the next cycle</td></tr><tr><td>limit</td><td>{command}</td><td>required</td><td>0</td><td></td><td>Greatest command that is learned</td></tr></table><p>Source: D. A. Bristow, M. Tharayil, A. G. Alleyne, IEEE Control Systems 26 (2006) 96-114.</p></html>"));
+      Documentation(info="<html><p>Component <code>repetitive</code>. Repetitive (iterative learning) control of a periodic reference.</p><p><code>w(k) = keep*sum(h[j]*w(k-N+j)) + gain*e(k-N+lead); e = reference - measured; command = path + w</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>cycle` (structure)</td><td>s</td><td>by its lists</td><td>0.000000001</td><td>1000000</td><td>Period of the reference, a whole number of sample times</td></tr><tr><td>half` (structure)</td><td>1</td><td>10</td><td>0</td><td>1000</td><td>Half length of the window, in samples</td></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Learning gain</td></tr><tr><td>lead</td><td>s</td><td>0</td><td>0</td><td></td><td>Delay from the command to the measured position</td></tr><tr><td>keep</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the learned command that is kept for the next cycle</td></tr><tr><td>limit</td><td>{command}</td><td>required</td><td>0</td><td></td><td>Greatest command that is learned</td></tr></table><p>Source: D. A. Bristow, M. Tharayil, A. G. Alleyne, IEEE Control Systems 26 (2006) 96-114.</p></html>"));
   end Repetitive;
 
   block IntegralResonantControl "Integral resonant control: a low-pass of the position in positive feedback damps a resonance"
     extends Interfaces.Controller;
-    parameter Real gain(unit="V/um") "Gain of the feedback at rest";
+    parameter Real gain(unit="V/um") "Static gain of the feedback";
     parameter Real frequency(unit="Hz", min = 0) "Corner frequency of the low-pass";
-    parameter Real setpoint_weight(unit="1", min = 0, max = 1) = 1 "Share of the reference that is taken off the measured position: 1 with an inverse as feedforward";
-    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    parameter Real setpoint_weight(unit="1", min = 0, max = 1) = 1 "Share of the reference that is subtracted from the measured position; 1 with an inverse as feedforward";
+    Interfaces.PositionInput reference "Reference position" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
     Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
     input Boolean enable "False adds nothing" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
@@ -394,16 +394,16 @@ package Controllers "Control laws"
     end when;
     y = held;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-73,43},{-39,30},{-5,40},{80,36}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>integral-resonant-control</code>. Integral resonant control: a low-pass of the position in positive feedback damps a resonance.</p><p><code>y = u + gain*F*(x - x0); F = w/(s + w); w = 2*pi*frequency; x = measured - setpoint_weight*reference; x0 = x at rest and where the loop was closed</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Gain of the feedback at rest</td></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Corner frequency of the low-pass</td></tr><tr><td>setpoint_weight</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the reference that is taken off the measured position: 1 with an inverse as feedforward</td></tr></table><p>Source: S. S. Aphale, A. J. Fleming, S. O. R. Moheimani, Smart Mater. Struct. 16 (2007) 439-446.</p></html>"));
+      Documentation(info="<html><p>Component <code>integral-resonant-control</code>. Integral resonant control: a low-pass of the position in positive feedback damps a resonance.</p><p><code>y = u + gain*F*(x - x0); F = w/(s + w); w = 2*pi*frequency; x = measured - setpoint_weight*reference; x0 = x at rest and where the loop was closed</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Static gain of the feedback</td></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Corner frequency of the low-pass</td></tr><tr><td>setpoint_weight</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the reference that is subtracted from the measured position; 1 with an inverse as feedforward</td></tr></table><p>Source: S. S. Aphale, A. J. Fleming, S. O. R. Moheimani, Smart Mater. Struct. 16 (2007) 439-446.</p></html>"));
   end IntegralResonantControl;
 
   block PositivePositionFeedback "Positive position feedback: a resonant low-pass of the position damps a resonance"
     extends Interfaces.Controller;
-    parameter Real gain(unit="V/um") "Gain of the feedback at rest";
+    parameter Real gain(unit="V/um") "Static gain of the feedback";
     parameter Real frequency(unit="Hz", min = 0) "Natural frequency of the filter";
     parameter Real damping(unit="1", min = 0) "Damping ratio of the filter";
-    parameter Real setpoint_weight(unit="1", min = 0, max = 1) = 1 "Share of the reference that is taken off the measured position: 1 with an inverse as feedforward";
-    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    parameter Real setpoint_weight(unit="1", min = 0, max = 1) = 1 "Share of the reference that is subtracted from the measured position; 1 with an inverse as feedforward";
+    Interfaces.PositionInput reference "Reference position" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
     Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
     input Boolean enable "False adds nothing" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
@@ -435,15 +435,15 @@ package Controllers "Control laws"
     end when;
     y = held;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-60,60},{-45,10},{-25,45},{0,30},{80,36}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>positive-position-feedback</code>. Positive position feedback: a resonant low-pass of the position damps a resonance.</p><p><code>y = u + gain*F*(x - x0); F = w^2/(s^2 + 2*damping*w*s + w^2); w = 2*pi*frequency; x = measured - setpoint_weight*reference; x0 = x at rest and where the loop was closed</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Gain of the feedback at rest</td></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Natural frequency of the filter</td></tr><tr><td>damping</td><td>1</td><td>required</td><td>0</td><td></td><td>Damping ratio of the filter</td></tr><tr><td>setpoint_weight</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the reference that is taken off the measured position: 1 with an inverse as feedforward</td></tr></table><p>Source: J. L. Fanson, T. K. Caughey, AIAA J. 28 (1990) 717-724.</p></html>"));
+      Documentation(info="<html><p>Component <code>positive-position-feedback</code>. Positive position feedback: a resonant low-pass of the position damps a resonance.</p><p><code>y = u + gain*F*(x - x0); F = w^2/(s^2 + 2*damping*w*s + w^2); w = 2*pi*frequency; x = measured - setpoint_weight*reference; x0 = x at rest and where the loop was closed</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Static gain of the feedback</td></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Natural frequency of the filter</td></tr><tr><td>damping</td><td>1</td><td>required</td><td>0</td><td></td><td>Damping ratio of the filter</td></tr><tr><td>setpoint_weight</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the reference that is subtracted from the measured position; 1 with an inverse as feedforward</td></tr></table><p>Source: J. L. Fanson, T. K. Caughey, AIAA J. 28 (1990) 717-724.</p></html>"));
   end PositivePositionFeedback;
 
-  block NonMinimumPhaseDamping "Non-minimum-phase damping: the position turned by an all-pass, with the same gain at all frequencies"
+  block NonMinimumPhaseDamping "Non-minimum-phase damping: feedback of the position through an all-pass, with constant gain and shifted phase"
     extends Interfaces.Controller;
-    parameter Real gain(unit="V/um") "Gain of the feedback at rest";
-    parameter Real frequency(unit="Hz", min = 0) "Where the all-pass turns by 90 degrees";
-    parameter Real setpoint_weight(unit="1", min = 0, max = 1) = 1 "Share of the reference that is taken off the measured position: 1 with an inverse as feedforward";
-    Interfaces.PositionInput reference "Position that is wanted" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
+    parameter Real gain(unit="V/um") "Static gain of the feedback";
+    parameter Real frequency(unit="Hz", min = 0) "Frequency at which the phase of the all-pass is -90 degrees";
+    parameter Real setpoint_weight(unit="1", min = 0, max = 1) = 1 "Share of the reference that is subtracted from the measured position; 1 with an inverse as feedforward";
+    Interfaces.PositionInput reference "Reference position" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
     Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
     input Boolean enable "False adds nothing" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
@@ -470,7 +470,7 @@ package Controllers "Control laws"
     end when;
     y = held;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-30},{-73,-30},{-73,-70},{-50,20},{-20,60},{80,66}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>non-minimum-phase-damping</code>. Non-minimum-phase damping: the position turned by an all-pass, with the same gain at all frequencies.</p><p><code>y = u + gain*F*(x - x0); F = (w - s)/(w + s); w = 2*pi*frequency; x = measured - setpoint_weight*reference; x0 = x at rest and where the loop was closed</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Gain of the feedback at rest</td></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Where the all-pass turns by 90 degrees</td></tr><tr><td>setpoint_weight</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the reference that is taken off the measured position: 1 with an inverse as feedforward</td></tr></table><p>Source: A. Natu, H. HosseinNia, arXiv 2412.18374 (2024).</p></html>"));
+      Documentation(info="<html><p>Component <code>non-minimum-phase-damping</code>. Non-minimum-phase damping: feedback of the position through an all-pass, with constant gain and shifted phase.</p><p><code>y = u + gain*F*(x - x0); F = (w - s)/(w + s); w = 2*pi*frequency; x = measured - setpoint_weight*reference; x0 = x at rest and where the loop was closed</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Static gain of the feedback</td></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Frequency at which the phase of the all-pass is -90 degrees</td></tr><tr><td>setpoint_weight</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the reference that is subtracted from the measured position; 1 with an inverse as feedforward</td></tr></table><p>Source: A. Natu, H. HosseinNia, arXiv 2412.18374 (2024).</p></html>"));
   end NonMinimumPhaseDamping;
 
   block JacobianCoordinator "From the coordinates of all sensors to the motions of all axes, through the inverse Jacobian"

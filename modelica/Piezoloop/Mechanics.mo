@@ -1,14 +1,14 @@
 within Piezoloop;
 package Mechanics "Moving mass, flexures, guides and load"
   extends Icons.Package;
-  block LoadForce "Load force from outside, through the actuator's stiffness, in front of a mode"
+  block LoadForce "External load force through the actuator's stiffness, before a mode"
     extends Interfaces.PositionFilter;
     parameter Real stiffness(unit="N/um", min = 0) "Stiffness of the actuator with its flexure";
     Interfaces.ForceInput force "Load force" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
   equation
     y_um = u_um + force/stiffness;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{80,70},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>load-force</code>. Load force from outside, through the actuator's stiffness, in front of a mode.</p><p><code>y = u + force/stiffness</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>stiffness</td><td>N/{position}</td><td>required</td><td>0</td><td></td><td>Stiffness of the actuator with its flexure</td></tr></table><p>Source: A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 3.</p></html>"));
+      Documentation(info="<html><p>Component <code>load-force</code>. External load force through the actuator's stiffness, before a mode.</p><p><code>y = u + force/stiffness</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>stiffness</td><td>N/{position}</td><td>required</td><td>0</td><td></td><td>Stiffness of the actuator with its flexure</td></tr></table><p>Source: A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 3.</p></html>"));
   end LoadForce;
 
   block Mode "Second-order mode with exact discretisation at any step and any damping"
@@ -154,8 +154,8 @@ package Mechanics "Moving mass, flexures, guides and load"
     extends Interfaces.PositionFilter;
     parameter Real frequency(unit="Hz", min = 0) "Natural frequency at the centre";
     parameter Real damping(unit="1", min = 0) "Damping ratio at the centre";
-    parameter Real linear(unit="1") = 0 "Relative growth of the stiffness to the upper end";
-    parameter Real quadratic(unit="1") = 0 "Relative growth of the stiffness to both ends";
+    parameter Real linear(unit="1") = 0 "Relative growth of the stiffness towards the upper end";
+    parameter Real quadratic(unit="1") = 0 "Relative growth of the stiffness towards both ends";
     parameter Real centre(unit="um") = 0 "Middle of the range";
     parameter Real half_range(unit="um", min = 0) "Half of the range";
   protected
@@ -172,7 +172,7 @@ package Mechanics "Moving mass, flexures, guides and load"
     xi = max(-1, min(1, (x - centre)/half_range));
     y_um = x;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-72,-65},{-62,70},{-49,-50},{-38,53},{-26,-35},{-23,-27},{-16,31},{-14,41},{-2,-24},{10,31},{13,26},{22,-16},{34,25},{46,-10},{49,-7},{57,19},{60,17},{70,-6},{80,15}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>position-stiffness</code>. Mode whose stiffness depends on the position.</p><p><code>x'' + 2*damping*w*x' + w^2*s*x = w^2*u; s = 1 + linear*xi + quadratic*xi^2; xi = (x - centre)/half_range, from -1 to 1; w = 2*pi*frequency</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Natural frequency at the centre</td></tr><tr><td>damping</td><td>1</td><td>required</td><td>0</td><td></td><td>Damping ratio at the centre</td></tr><tr><td>linear</td><td>1</td><td>0</td><td></td><td></td><td>Relative growth of the stiffness to the upper end</td></tr><tr><td>quadratic</td><td>1</td><td>0</td><td></td><td></td><td>Relative growth of the stiffness to both ends</td></tr><tr><td>centre</td><td>{position}</td><td>0</td><td></td><td></td><td>Middle of the range</td></tr><tr><td>half_range</td><td>{position}</td><td>required</td><td>0</td><td></td><td>Half of the range</td></tr></table><p>Source: S. Henein, Conception des guidages flexibles, PPUR 2001.</p><p>Effect: <code>resonance_shift</code>.</p><p>In the residual: around the resonance only, the phase of both signs; with a stiffness the static gain moves as well.</p><p>Looks like: <code>extra_mode</code>, <code>actuator_gain</code>, <code>damping</code>.</p><p>Distinguished by: add a known mass; plot gain against resonance frequency.</p></html>"));
+      Documentation(info="<html><p>Component <code>position-stiffness</code>. Mode whose stiffness depends on the position.</p><p><code>x'' + 2*damping*w*x' + w^2*s*x = w^2*u; s = 1 + linear*xi + quadratic*xi^2; xi = (x - centre)/half_range, from -1 to 1; w = 2*pi*frequency</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Natural frequency at the centre</td></tr><tr><td>damping</td><td>1</td><td>required</td><td>0</td><td></td><td>Damping ratio at the centre</td></tr><tr><td>linear</td><td>1</td><td>0</td><td></td><td></td><td>Relative growth of the stiffness towards the upper end</td></tr><tr><td>quadratic</td><td>1</td><td>0</td><td></td><td></td><td>Relative growth of the stiffness towards both ends</td></tr><tr><td>centre</td><td>{position}</td><td>0</td><td></td><td></td><td>Middle of the range</td></tr><tr><td>half_range</td><td>{position}</td><td>required</td><td>0</td><td></td><td>Half of the range</td></tr></table><p>Source: S. Henein, Conception des guidages flexibles, PPUR 2001.</p><p>Effect: <code>resonance_shift</code>.</p><p>In the residual: around the resonance only, the phase of both signs; with a stiffness the static gain moves as well.</p><p>Looks like: <code>extra_mode</code>, <code>actuator_gain</code>, <code>damping</code>.</p><p>Distinguished by: add a known mass; plot gain against resonance frequency.</p></html>"));
   end PositionStiffness;
 
   block Friction "Mode with LuGre friction"
@@ -201,12 +201,12 @@ package Mechanics "Moving mass, flexures, guides and load"
       Documentation(info="<html><p>Component <code>friction</code>. Mode with LuGre friction.</p><p><code>x'' + 2*damping*w*x' + w^2*(x + coulomb*z/presliding) = w^2*u; z' = x' - |x'|*z/g; g = presliding*(1 + (stiction/coulomb - 1)*exp(-(x'/stribeck)^2))</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Undamped natural frequency</td></tr><tr><td>damping</td><td>1</td><td>required</td><td>0</td><td></td><td>Damping ratio</td></tr><tr><td>coulomb</td><td>{position}</td><td>required</td><td>0</td><td></td><td>Coulomb friction over stiffness</td></tr><tr><td>stiction</td><td>{position}</td><td>required</td><td>0</td><td></td><td>Static friction over stiffness</td></tr><tr><td>presliding</td><td>{position}</td><td>required</td><td>0</td><td></td><td>Bristle deflection at the Coulomb force</td></tr><tr><td>stribeck</td><td>{position}/s</td><td>required</td><td>0</td><td></td><td>Velocity at which static friction has fallen to 37 %</td></tr></table><p>Source: C. Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995) 419-425.</p><p>Effect: <code>friction</code>.</p><p>In the residual: steps at reversals, stairs; limit cycles in closed loop.</p><p>Looks like: <code>backlash</code>, <code>hysteresis</code>.</p><p>Distinguished by: pre-sliding test: below break-away it is a spring.</p></html>"));
   end Friction;
 
-  block NonlinearDamping "Mode with Coulomb friction and damping that grows with the speed"
+  block NonlinearDamping "Mode with Coulomb friction and speed-dependent damping"
     extends Interfaces.PositionFilter;
     parameter Real frequency(unit="Hz", min = 0) "Undamped natural frequency";
     parameter Real damping(unit="1", min = 0) "Damping ratio at small velocities";
     parameter Real coulomb(unit="um", min = 0) = 0 "Coulomb friction over stiffness";
-    parameter Real velocity(unit="um/s", min = 0) = 1 "Velocity of 76 % of the Coulomb friction";
+    parameter Real velocity(unit="um/s", min = 0) = 1 "Velocity at which 76 % of the Coulomb friction acts";
     parameter Real growth(unit="s/um", min = 0) = 0 "Growth of the damping ratio with the speed";
   protected
     final parameter Real w(unit="rad/s") = 2*Constants.pi*frequency "Natural angular frequency";
@@ -218,7 +218,7 @@ package Mechanics "Moving mass, flexures, guides and load"
     der(y_um) = v;
     der(v) = w^2*(u_um - y_um - coulomb*tanh(v/velocity)) - 2*(damping + growth*abs(v))*w*v;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-72,-64},{-65,47},{-61,70},{-49,-7},{-39,36},{-36,41},{-24,11},{-12,29},{0,20},{14,22},{80,22}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>nonlinear-damping</code>. Mode with Coulomb friction and damping that grows with the speed.</p><p><code>x'' + 2*(damping + growth*|x'|)*w*x' + w^2*(x + coulomb*tanh(x'/velocity)) = w^2*u; w = 2*pi*frequency</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Undamped natural frequency</td></tr><tr><td>damping</td><td>1</td><td>required</td><td>0</td><td></td><td>Damping ratio at small velocities</td></tr><tr><td>coulomb</td><td>{position}</td><td>0</td><td>0</td><td></td><td>Coulomb friction over stiffness</td></tr><tr><td>velocity</td><td>{position}/s</td><td>1</td><td>0</td><td></td><td>Velocity of 76 % of the Coulomb friction</td></tr><tr><td>growth</td><td>s/{position}</td><td>0</td><td>0</td><td></td><td>Growth of the damping ratio with the speed</td></tr></table><p>Source: A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, Wiley 1979, ch. 3.</p><p>Effect: <code>damping</code>.</p><p>In the residual: height of the resonance peak only.</p><p>Looks like: <code>resonance_shift</code>.</p><p>Distinguished by: ring-down after a step.</p></html>"));
+      Documentation(info="<html><p>Component <code>nonlinear-damping</code>. Mode with Coulomb friction and speed-dependent damping.</p><p><code>x'' + 2*(damping + growth*|x'|)*w*x' + w^2*(x + coulomb*tanh(x'/velocity)) = w^2*u; w = 2*pi*frequency</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Undamped natural frequency</td></tr><tr><td>damping</td><td>1</td><td>required</td><td>0</td><td></td><td>Damping ratio at small velocities</td></tr><tr><td>coulomb</td><td>{position}</td><td>0</td><td>0</td><td></td><td>Coulomb friction over stiffness</td></tr><tr><td>velocity</td><td>{position}/s</td><td>1</td><td>0</td><td></td><td>Velocity at which 76 % of the Coulomb friction acts</td></tr><tr><td>growth</td><td>s/{position}</td><td>0</td><td>0</td><td></td><td>Growth of the damping ratio with the speed</td></tr></table><p>Source: A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, Wiley 1979, ch. 3.</p><p>Effect: <code>damping</code>.</p><p>In the residual: height of the resonance peak only.</p><p>Looks like: <code>resonance_shift</code>.</p><p>Distinguished by: ring-down after a step.</p></html>"));
   end NonlinearDamping;
 
   block Backlash "Clearance, as a play of constant width"

@@ -35,8 +35,8 @@ package Records "Measured and printed values of specimens"
   record T434A4201 "Piezo bimorph T434-A4-201, 236 um, Bouc-Wen hysteresis in front of a light mode"
     extends Icons.Record;
     parameter Real bouc_wen_gain(unit="um/V") = 24.373 "Position per command without hysteresis (printed as D, fitted by a particle swarm)";
-    parameter Real bouc_wen_alpha(unit="1") = 0.1947 "Share of the gain that the hysteresis takes after a reversal (printed, fitted by a particle swarm)";
-    parameter Real bouc_wen_beta(unit="1/V") = 3.3626 "Decay of h that opposes it on both branches (printed, fitted by a particle swarm; per volt)";
+    parameter Real bouc_wen_alpha(unit="1") = 0.1947 "Share of the gain that the hysteresis removes after a reversal (printed, fitted by a particle swarm)";
+    parameter Real bouc_wen_beta(unit="1/V") = 3.3626 "Decay of h towards zero on both branches (printed, fitted by a particle swarm; per volt)";
     parameter Real bouc_wen_gamma(unit="1/V") = -2.8526 "Decay of h that depends on the direction (printed, fitted by a particle swarm; per volt)";
     parameter Real mode_frequency(unit="Hz") = 405.06 "Undamped natural frequency (sqrt(K/M)/2pi of the printed M = 1.8e-3 kg, K = 1.1659e4 N/m)";
     parameter Real mode_damping(unit="1") = 0.00036 "Damping ratio; 1 is critical (B/(2 sqrt(K M)) of the printed B = 3.3e-3 N.s/m)";

@@ -1,6 +1,6 @@
 """Piezoloop for Python: FMUs of the known machines, diagnoses as objects, logs as NumPy arrays.
 
-Everything is done by the tool ``piezoloop``, which this package brings along::
+The tool ``piezoloop``, which this package contains, does the work::
 
     import fmpy, piezoloop
 
@@ -22,6 +22,7 @@ Everything is done by the tool ``piezoloop``, which this package brings along::
 from ._dask import sweep
 from ._diagnose import diagnose
 from ._log import Log, load
+from ._results import Effect, Estimate, Estimated, Figure, Gap, Parameter, Shrink, Swept
 from ._rigs import path_to_fmu, rigs
 from ._tables import Blueprint
 from ._tool import PiezoloopError, Record, executable, run
@@ -30,10 +31,18 @@ from ._workflow import Controller, Identified, estimate, identify, invert, loop,
 __all__ = [
     "Blueprint",
     "Controller",
+    "Effect",
+    "Estimate",
+    "Estimated",
+    "Figure",
+    "Gap",
     "Identified",
     "Log",
+    "Parameter",
     "PiezoloopError",
     "Record",
+    "Shrink",
+    "Swept",
     "diagnose",
     "estimate",
     "executable",

@@ -15,7 +15,8 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Union
 
-from ._tool import PiezoloopError, Record, _message, executable, run
+from ._results import Swept
+from ._tool import PiezoloopError, _message, executable, run
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -32,22 +33,22 @@ def sweep(
     threads: int | None = None,
     batch: float = 0.25,
     retries: int = 5,
-) -> Record:
+) -> Swept:
     """Runs the plan of a sweep; the table is the same wherever it runs.
 
-    A sweep that was stopped goes on where it was, here or on a cluster.
+    A sweep that was stopped resumes, here or on a cluster.
 
     Args:
         plan: the plan, see ``docs/sweep.md``.
         out: the Parquet table to write.
         client: a ``distributed.Client``; without one the runs are done by threads of this machine.
-        seed: in the place of the plan's.
+        seed: instead of the plan's.
         threads: of this machine; a cluster has its own.
-        batch: work in s that a worker is given at once, at least 0.05: less is lost to messages.
-        retries: how often a batch that failed is tried again, as where a worker was killed.
+        batch: work in s that a worker gets at once, at least 0.05; smaller batches cost more in messages.
+        retries: how often a failed batch is repeated, for example after a worker was killed.
 
     Returns:
-        what ``piezoloop sweep --json`` answers: ``figures``, ``failed``, ``first_failure``, …
+        the answer of ``piezoloop sweep --json``: ``figures``, ``failed``, ``first_failure``, …
 
     Raises:
         PiezoloopError: a bad plan, a table of another sweep, workers without this version.
@@ -60,7 +61,7 @@ def sweep(
         _spread(plan, out, options, client, batch, retries)
     if threads is not None:
         options += ["--threads", str(threads)]
-    return run("sweep", plan, *options, "--out", out)
+    return Swept(run("sweep", plan, *options, "--out", out))
 
 
 def _spread(

@@ -7,14 +7,19 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 
 from ._tables import Files, PathLike as Path, Table
-from ._tool import Record, run
+from ._results import Gap
+from ._tool import run
 from ._workflow import Identified, _model
 
 
 def diagnose(
-    model: Path | Identified,
+    model: Path | Identified | None,
     logs: Table | Sequence[Table],
     *,
+    input: str | Sequence[str] | None = None,
+    output: str | Sequence[str] | None = None,
+    frequency_response: Path | None = None,
+    baseline: Path | None = None,
     holdout: Table | Sequence[Table] = (),
     map: Mapping[str, str] | None = None,
     unit: Mapping[str, str] | None = None,
@@ -22,33 +27,50 @@ def diagnose(
     tune: Mapping[str, str | float] | None = None,
     noise: float | Mapping[str, float] | None = None,
     rest: Table | None = None,
+    drop: float | None = None,
+    accuracy: float | None = None,
+    gain_tolerance: float | None = None,
     max_effects: int | None = None,
     without: Iterable[str] = (),
     report: Path | None = None,
     repair: Path | None = None,
     next_experiment: Path | None = None,
+    isolate: bool = False,
     threads: int | None = None,
     seed: int | None = None,
-) -> Record:
-    """Says which effect a model lacks, where the gap lies and how far it shrinks.
+) -> Gap:
+    """Finds the effect that a model lacks, where the gap lies, and how much of it the effect explains.
 
     The arguments are the options of ``piezoloop diagnose``; ``map={"position[1]": "y"}`` is
     ``--map position[1]=y``, ``tune={"axis[1].*": 0.05}`` a relative tolerance (1 σ) and
     ``tune={"axis[1].delay.time": "+-1e-4"}`` an absolute one.
 
-    ``model`` is an FMU, a blueprint's path or text, a rig's name, or what :func:`identify` returned; logs are files or
-    tables in memory, as for :func:`identify`.
+    Args:
+        model: an FMU, a blueprint's path or text, a rig's name, or what :func:`identify` returned. ``None``: a linear model is
+            identified from the logs with ``input`` and ``output``, or from ``frequency_response``.
+        logs: files or tables in memory, as for :func:`identify`.
+        input, output: without a model: the columns of command and position; lists for several axes.
+        baseline: blueprint file for that linear model.
+        holdout: logs that are not fitted, only judged; otherwise the last 30 % of each record.
+        noise: standard deviation of the noise in the log's unit, also by output.
+        rest: a record of the machine at rest.
+        drop: seconds at the start of each record that are neither fitted nor judged.
+        accuracy: rms over the range of the output that is good enough.
+        report, repair, next_experiment: files to write: HTML page, repaired model (``.toml`` or ``.fmu``), log of the next experiment.
+        isolate: run an FMU in a separate process.
 
     Returns:
-        the fields of ``gap.json`` (schema ``piezoloop.gap/1``): ``gap.verdict``,
-        ``gap.effects[0].probability``, ``gap.shrink.fraction``, …
+        the fields of ``gap.json`` (schema ``piezoloop.gap/1``): ``gap.verdict``, ``gap.effects[0].probability``,
+        ``gap.shrink.fraction``, …
 
     Raises:
         PiezoloopError: bad input, with the tool's own message.
     """
     with tempfile.TemporaryDirectory() as folder:
         files = Files(folder)
-        arguments: list[Path] = ["diagnose", "--model", files.model(_model(model))]
+        arguments: list[Path] = ["diagnose"]
+        if model is not None:
+            arguments += ["--model", files.model(_model(model))]
 
         def add(option: str, *values: object) -> None:
             for value in values:
@@ -59,6 +81,15 @@ def diagnose(
         for option, tables in (("--log", logs), ("--holdout", holdout), ("--rest", rest)):
             if tables is not None:
                 arguments += files.tables(option, tables)
+        add("--input", *_columns(input))
+        add("--output", *_columns(output))
+        add("--frequency-response", frequency_response)
+        add("--baseline", baseline)
+        add("--drop", drop)
+        add("--accuracy", accuracy)
+        add("--gain-tolerance", gain_tolerance)
+        if isolate:
+            arguments.append("--isolate")
         add("--map", *_pairs(map))
         add("--unit", *_pairs(unit))
         names = ",".join(outputs)
@@ -72,7 +103,11 @@ def diagnose(
         add("--next-experiment", next_experiment)
         add("--threads", threads)
         add("--seed", seed)
-        return run(*arguments)
+        return Gap(run(*arguments))
+
+
+def _columns(names: str | Sequence[str] | None) -> list[str]:
+    return [names] if isinstance(names, str) else list(names or ())
 
 
 def _pairs(values: Mapping[str, object] | None) -> list[str]:

@@ -13,7 +13,7 @@ from typing import Any
 
 
 class PiezoloopError(RuntimeError):
-    """The tool refused; the text names file, value, rule and the way out."""
+    """The tool refused; the text names file, value, rule and how to fix it."""
 
 
 class Record(dict):
@@ -55,8 +55,8 @@ def executable() -> Path:
 def run(*arguments: str | os.PathLike[str]) -> Any:
     """Runs ``piezoloop --json ARGUMENTS`` and returns its answer, objects as :class:`Record`.
 
-    ``run("list", "rigs")`` gives a list of records. Exit codes 0 (as asked) and 1 (the answer is no,
-    such as a check that found problems) are answers; anything else raises.
+    ``run("list", "rigs")`` gives a list of records. Exit codes 0 (success) and 1 (a check
+    failed) are answers; anything else raises.
 
     Raises:
         PiezoloopError: with the tool's own message.

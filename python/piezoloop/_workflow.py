@@ -12,6 +12,7 @@ import numpy as np
 
 from ._log import Log
 from ._tables import Blueprint, Files, PathLike, Table, options, read_csv
+from ._results import Estimated
 from ._tool import Record, run
 
 
@@ -69,10 +70,18 @@ def identify(
         log: one or several logs; columns have shape (rows,), ``"time"`` is in s.
         input, output: the column of the command and that of the position; lists for several axes.
         model: the hysteresis model, such as ``"prandtl-ishlinskii"``; ``None`` tries all.
-        unit: units of columns, ``{"y": "um"}``, where the log does not say them.
+        unit: units of columns, ``{"y": "um"}``, if the log does not state them.
+        map: columns by the names of variables; ``{"time": "t"}`` names the time column.
+        rate: sample rate in Hz of a log without times.
         drop: seconds at the start of each record that are left out.
-        hold_out: share of each record that judges, 0 to 1.
-        The others are the options of ``piezoloop identify``.
+        hold_out: last part of each record, 0 to 1, that is not fitted but judges the fit.
+        static: no amplifier lag and no mode.
+        name: name of the plant.
+        seed, threads: of the particle swarm.
+        report: HTML page to write.
+
+    Returns:
+        the plant; its errors are in :attr:`Identified.axes`.
 
     Raises:
         PiezoloopError: bad input, with the tool's own message.
@@ -98,18 +107,22 @@ def invert(
     feedback: str | None = None,
     sensitivity: float | None = None,
     command_acts: str | None = None,
+    damping: str | None = None,
+    noise: float | None = None,
     force: bool = False,
     name: str | None = None,
 ) -> Controller:
-    """Makes the controller of a plant: inverse feedforward and feedback with margins, run on the plant before it is returned.
+    """Designs the controller of a plant: inverse feedforward and feedback with margins, tested on the plant before it is returned.
 
     Args:
         plant: an identified plant, a blueprint's text or path, or a rig's name.
         period: sample time of the controller in s.
-        feedforward, feedback: ways by name; ``piezoloop invert PLANT --list`` shows what suits a plant.
+        feedforward, feedback: kinds by name; ``piezoloop invert PLANT --list`` shows what suits a plant.
         sensitivity: greatest peak of the sensitivity function.
-        command_acts: ``at-once`` or ``next-period``, where that is known: the margins hold for this case only.
-        force: return a controller that errs more than feedback alone, too.
+        command_acts: ``at-once`` or ``next-period``, if that is known; the margins then hold for this case only.
+        damping: inner loop for the first resonance: ``irc``, ``ppf``, ``nrc``, ``automatic`` or ``notch``.
+        noise: greatest amplification of sensor noise by the controller.
+        force: return the controller even if its error is larger than that of feedback alone.
 
     Raises:
         PiezoloopError: the plant cannot be inverted, with the component and what to do.
@@ -118,7 +131,9 @@ def invert(
         out = Path(folder) / "controller.toml"
         answer = run(
             "invert", Files(folder).model(_model(plant)), "--out", out,
-            *options(period=period, feedforward=feedforward, feedback=feedback, sensitivity=sensitivity, command_acts=command_acts, force=force, name=name),
+            *options(period=period, feedforward=feedforward, feedback=feedback, sensitivity=sensitivity,
+                     command_acts=command_acts, damping=damping,
+                     noise=noise, force=force, name=name),
         )
         return Controller(Blueprint(out.read_text(encoding="utf-8")), answer.axes, answer)
 
@@ -141,10 +156,10 @@ def pack(
         out: the FMU to write.
         fmi: 2 or 3.
         step: internal step in s.
-        all_effects: every effect of the library is in the FMU, switched off.
+        all_effects: add every effect of the library, disabled.
         libraries: folder with the libraries of further platforms.
-        ports: ``mechanical``, ``electrical``, ``thermal``: what a simulator of a whole system connects, in SI units.
-        port_value: what the ports need and the blueprint does not state, such as ``{"capacitance": "2.1 uF"}``.
+        ports: ``mechanical``, ``electrical``, ``thermal``: variables for system simulation, in SI units.
+        port_value: values that the ports need and the blueprint does not state, such as ``{"capacitance": "2.1 uF"}``.
     """
     with tempfile.TemporaryDirectory() as folder:
         answer = run(
@@ -227,26 +242,29 @@ def estimate(
     unit: Mapping[str, str] | None = None,
     starts: int | None = None,
     report: PathLike | None = None,
-) -> Record:
+) -> Estimated:
     """Estimates parameters and start values of any co-simulation FMU or blueprint from logs.
 
     Args:
         model: an FMU of FMI 2.0 or 3.0, a blueprint, or a rig's name.
-        tune: ``{"mass": 0.2}`` begins at 0.2; ``{"damping": "1,0.1..10"}`` adds bounds; a list of names begins at their start values.
+        tune: ``{"mass": 0.2}`` begins at 0.2; ``{"damping": "1,0.1..10"}`` adds bounds; for a list of names the FMU's start values are used.
         output: outputs to compare; ``None``: all that the logs have.
-        held_out: logs that only judge.
+        held_out: logs that are not fitted, only judged.
+        start: fixed start values by variable.
+        starts: number of starting points of the search.
 
     Returns:
-        the tool's answer: values with 95 % intervals, correlation, what the logs do not determine, errors per record.
+        values with 95 % intervals, correlation, parameters that the logs do not determine, errors per record.
     """
     with tempfile.TemporaryDirectory() as folder:
         files = Files(folder)
         judged = [] if held_out is None else files.tables("--held-out", held_out)
         wanted: Any = tune if isinstance(tune, Mapping) else list(tune)
-        return run(
+        answer = run(
             "estimate", files.model(_model(model)), *files.tables("--log", log), *judged,
             *options(tune=wanted, output=None if output is None else list(output), start=start, map=map, unit=unit, starts=starts, report=report),
         )
+        return Estimated(answer)
 
 
 def _model(given: PathLike | Identified | Controller) -> PathLike:

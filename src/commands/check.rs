@@ -207,7 +207,13 @@ impl Answer for Checked {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         for fmu in &self.fmus {
             for problem in &fmu.problems {
-                writeln!(out, "{}: {problem}", fmu.path.display())?;
+                // A problem of the file as a whole names it already.
+                let (file, text) = (fmu.path.display().to_string(), problem.to_string());
+                let names = text.strip_prefix(&file).is_some_and(|rest| rest.starts_with(':'));
+                match names {
+                    true => writeln!(out, "{text}")?,
+                    false => writeln!(out, "{file}: {text}")?,
+                }
             }
             let what = match (&fmu.model, fmu.fmi_version) {
                 (Some(model), Some(version)) => {

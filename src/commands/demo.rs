@@ -387,7 +387,7 @@ impl Answer for Demonstration {
         for axis in &self.axes {
             writeln!(
                 out,
-                "axis {}: identified plant leaves {:.2} % of range on held-out rows (a straight line {:.2} %)",
+                "axis {}: error of the identified plant on held-out rows {:.2} % of range (a straight line {:.2} %)",
                 axis.axis, axis.identified_percent, axis.line_percent
             )?;
             writeln!(

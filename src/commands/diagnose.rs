@@ -23,6 +23,8 @@ use crate::inputs::{self, BlueprintText, LogOptions};
 use crate::pages::{self, PageOptions, Pages};
 use crate::{libraries, progress, ranges, wrapped};
 
+const NO_MODEL: &str = "no model is given; give one with --model, or --input COLUMN and --output COLUMN to identify a linear one from the logs";
+
 /// Finds the effect that a model lacks, where the gap lies, and how much of it the effect explains
 ///
 /// The model is a blueprint (.toml; effects are inserted at their physical place) or any co-simulation FMU (effects
@@ -35,7 +37,7 @@ use crate::{libraries, progress, ranges, wrapped};
 )]
 pub(crate) struct Diagnose {
     /// The model: a blueprint, the name of a rig, or an FMU
-    #[arg(long, value_name = "MODEL", required_unless_present = "inputs")]
+    #[arg(long, value_name = "MODEL")]
     model: Option<PathBuf>,
     /// Without --model: column of the command of the linear model that is identified from the logs; once per axis
     #[arg(
@@ -71,8 +73,8 @@ pub(crate) struct Diagnose {
     /// A log that is not fitted, only judged [default: the last 30 % of each record]
     #[arg(long, value_name = "FILE")]
     holdout: Vec<PathBuf>,
-    /// Run-in in s at the start of each record: simulated, but neither fitted nor judged [default: 0, or as long as
-    /// logs show that begin during a motion]
+    /// Run-in in s at the start of each record: simulated, but neither fitted nor judged [default: 0, or
+    /// longer if a log begins during a motion]
     #[arg(long, value_name = "S", value_parser = ranges::time())]
     drop: Option<f64>,
     /// Command between two rows of the logs: zoh (held), line, band-limited [default: held, unless the logs of a
@@ -127,8 +129,8 @@ pub(crate) struct Diagnose {
     /// Write the repaired model, .toml or .fmu
     #[arg(long, value_name = "FILE")]
     repair: Option<PathBuf>,
-    /// A folder with a folder of this tool's shared libraries per platform, as dev/tools/portable makes
-    /// it: a repaired FMU runs wherever the original does
+    /// Include all shared libraries of this folder, which has one subfolder per platform, as made by
+    /// dev/tools/portable: the repaired FMU then runs on each of them that the original supports
     #[arg(long, value_name = "FOLDER", requires = "repair")]
     libraries: Option<PathBuf>,
     /// Write the signal of the next experiment, if one is proposed, as a CSV that can be played
@@ -259,6 +261,10 @@ impl Diagnose {
             inputs::can_write(output)?;
         }
         self.check_repair()?;
+        if self.model.is_none() && self.inputs.is_empty() {
+            bail!(NO_MODEL);
+        }
+        inputs::are_apart(("--log", &self.logs), ("--holdout", &self.holdout))?;
         let source = self.source(screen)?;
         let mut written = Vec::new();
         // Before the diagnosis, which may refuse it: coupled axes are packed first.

@@ -130,6 +130,17 @@ pub(crate) struct LogFit {
     pub(crate) rmse_at_start: f64,
     #[serde(flatten)]
     pub(crate) fit: OutputFit,
+    /// For the page.
+    #[serde(skip)]
+    pub(crate) curves: Curves,
+}
+
+/// An output over the rows that count: time in s; measured, with the start values, with the estimates.
+pub(crate) struct Curves {
+    pub(crate) time: Vec<f64>,
+    pub(crate) measured: Vec<f64>,
+    pub(crate) start: Vec<f64>,
+    pub(crate) estimated: Vec<f64>,
 }
 
 impl Estimate {
@@ -145,6 +156,7 @@ impl Estimate {
         for (outs, endings) in [(&self.out, inputs::PARAMETERS), (&self.fmu, inputs::FMU)] {
             outs.iter().try_for_each(|out| inputs::can_write_as(out, endings))?;
         }
+        inputs::are_apart(("--log", &self.log), ("--held-out", &self.held_out))?;
         let mut opened = fmus::open_in(&self.model, self.isolation.worker()?.as_ref())?;
         simulate::configure(self.fixed.iter().map(String::as_str), &mut opened.fmu)?;
         let fmu = &opened.fmu;
@@ -469,7 +481,7 @@ impl Answer for Estimated {
                 found.name, found.value, found.start
             )?;
         }
-        for LogFit { log, held_out, rmse_at_start, fit } in &self.fits {
+        for LogFit { log, held_out, rmse_at_start, fit, .. } in &self.fits {
             let how = if *held_out { ", held out" } else { "" };
             writeln!(
                 out,

@@ -206,7 +206,7 @@ impl Answer for Benchmarked {
         if self.stopped {
             writeln!(
                 out,
-                "stopped before all of {} cases; the same command goes on",
+                "stopped before all of {} cases; the same command resumes",
                 self.planned
             )?;
         }

@@ -345,8 +345,7 @@ impl Identify {
             if longest > run_in {
                 notes.push(format!(
                     "the first {longest:.4} s differ from the prediction of the rest of the record, more than {:.0} % of \
-                     the {fitted:.4} s that are fitted on: nothing is dropped, as the model may be what is off \
-                     (--drop {longest:.4} leaves them out)",
+                     the {fitted:.4} s that are fitted on: nothing is dropped, because the model may be the reason (--drop {longest:.4} omits them)",
                     100.0 * MOST_RUN_IN
                 ));
             }
@@ -600,7 +599,7 @@ impl Answer for Identified {
                 let (held, line) = (&record.held_out, &record.baseline_held_out);
                 writeln!(
                     out,
-                    "  {}: held out {:.3} % of range (rmse {:.5} {u}, max {:.5} {u}, offset {:.4} {u}); a straight line leaves {:.3} %",
+                    "  {}: held out {:.3} % of range (rmse {:.5} {u}, max {:.5} {u}, offset {:.4} {u}); a straight line {:.3} %",
                     record.record,
                     100.0 * held.nrmse,
                     held.rmse,

@@ -57,8 +57,9 @@ pub(crate) struct Invert {
     /// Control law
     #[arg(long, value_name = "LAW", value_parser = feedbacks(), default_value = "pid")]
     feedback: String,
-    /// Damp the first resonance in an inner loop, so that the loop around it reaches beyond it; --sensitivity 2 suits.
-    /// Stable and within --sensitivity with all modes 10 % off and half or twice as damped. The law is pid or pi
+    /// Damp the first resonance in an inner loop, so that the bandwidth can exceed it; use it with --sensitivity 2. The
+    /// loop is stable and within --sensitivity for modes 10 % off, with half and with twice the damping. --feedback
+    /// must be pid or pi
     #[arg(long, value_name = "LAW", value_parser = dampings(), default_value = "none")]
     damping: String,
     /// When a command acts on the plant. at-once allows larger gains, but the loop may become unstable if the command

@@ -22,7 +22,7 @@ pub(crate) struct List {
     /// Print the blueprint of this rig, or this record
     #[arg(long, value_name = "NAME")]
     show: Option<String>,
-    /// Compare the machines with the figures that the papers publish of theirs
+    /// Compare the machines with the figures that the papers publish of their own machines
     #[arg(long = "match", conflicts_with = "show")]
     matching: bool,
 }

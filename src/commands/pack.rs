@@ -51,8 +51,8 @@ pub(crate) struct Pack {
     /// times)
     #[arg(long = "binary", value_name = "PLATFORM=FILE")]
     binaries: Vec<String>,
-    /// A folder with a folder of this tool's shared libraries per platform, as dev/tools/portable makes
-    /// it: all of them go in
+    /// Include all shared libraries of this folder, which has one subfolder per platform, as made by
+    /// dev/tools/portable
     #[arg(long, value_name = "FOLDER")]
     libraries: Option<PathBuf>,
     /// Add the FMU as C99 sources, for targets without a library; with =only, no library is included
@@ -65,7 +65,7 @@ pub(crate) struct Pack {
     )]
     sources: Option<Beside>,
     /// Add the FMU as a WebAssembly component by the draft of the layered standard FMI-LS-WASM (experimental;
-    /// FMI 3.0): it runs on every platform and reaches nothing outside itself; with =only, no library goes in
+    /// FMI 3.0): it runs on every platform, without access to files or network; with =only, no library is included
     #[arg(
         long,
         value_name = "only",
@@ -76,7 +76,7 @@ pub(crate) struct Pack {
     wasm: Option<Beside>,
 }
 
-/// The forms of an FMU that suit every platform, and what each goes beside.
+/// The forms of an FMU that suit every platform, and whether each is added to the libraries.
 #[derive(Clone, Copy, Default)]
 struct Portable {
     sources: Option<Beside>,
@@ -84,19 +84,19 @@ struct Portable {
 }
 
 impl Portable {
-    /// Whether no library goes in.
+    /// Whether no library is included.
     fn alone(self) -> bool {
         [self.sources, self.wasm].contains(&Some(Beside::Only))
     }
 }
 
-/// What a portable form goes beside.
+/// What the FMU has besides a portable form.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 enum Beside {
-    /// The shared libraries
+    /// Together with the shared libraries
     #[value(name = "beside")]
     Libraries,
-    /// Nothing
+    /// Without shared libraries
     Only,
 }
 
@@ -161,7 +161,7 @@ impl Pack {
         if portable.alone() && !(self.binaries.is_empty() && self.libraries.is_none()) {
             let option = if self.sources == Some(Beside::Only) { "sources" } else { "wasm" };
             bail!(
-                "--{option}=only: no library goes in; leave out --binary and --libraries, or write --{option}"
+                "--{option}=only: no library is included; leave out --binary and --libraries, or write --{option}"
             );
         }
         if self.wasm.is_some() && self.fmi == Version::Two {

@@ -38,7 +38,7 @@ pub(crate) struct Reproduce {
     /// Also run the papers' own searches (3000 trainings of a particle swarm), in addition to the default one
     #[arg(long, conflicts_with = "quick")]
     searches: bool,
-    /// Only the papers' own methods and what they are judged by; the answer says what is left out
+    /// Run only the papers' own methods and those they are compared with; the answer lists what is omitted
     #[arg(long)]
     quick: bool,
     /// Leave logs, blueprints, tables and FMUs in this folder, those of each paper in a folder of its name

@@ -49,18 +49,18 @@ pub(crate) struct Simulate {
         long,
         value_name = "FILE",
         conflicts_with = "closed",
-        required_unless_present = "closed"
+        required_unless_present_any = ["closed", "reference"]
     )]
     log: Option<PathBuf>,
     /// The references of the loop, a log with the columns reference[i] (or named by --map)
     #[arg(long, value_name = "FILE", requires = "closed")]
     reference: Option<PathBuf>,
     /// Order of the steps in a loop
-    #[arg(long, value_name = "ORDER", default_value = "controller-first", requires = "closed")]
+    #[arg(long, value_name = "ORDER", default_value = "controller-first", conflicts_with = "log")]
     coupling: Order,
     /// Communication step of the loop in s [default: the smaller of the reference's sample time and
     /// the controller's step]
-    #[arg(long, value_name = "S", requires = "closed", value_parser = crate::ranges::above(0.0, crate::ranges::LONGEST))]
+    #[arg(long, value_name = "S", conflicts_with = "log", value_parser = crate::ranges::above(0.0, crate::ranges::LONGEST))]
     step: Option<f64>,
     /// A start value or parameter, as in axis[1].mechanics.damping=0.05; in a loop plant.NAME or controller.NAME (may
     /// be given several times)

@@ -81,8 +81,8 @@ Examples:
 A system in TOML:
   name = \"closed loop\"
   step = 1e-4                            # communication step in s
-  algorithm = \"gauss-seidel\"             # or jacobi, jacobi-extrapolated (inputs on
-                                         # straight lines), iteration (loops are solved)
+  algorithm = \"gauss-seidel\"             # or jacobi, jacobi-extrapolated (linear
+                                         # inputs), iteration (loops are solved)
   order = [\"controller\", \"plant\"]        # of gauss-seidel; else sources before targets
 
   [fmus]
@@ -106,7 +106,7 @@ enum Algorithm {
     GaussSeidel,
     /// All side by side: every connection delays by one step
     Jacobi,
-    /// Side by side, with inputs that move on straight lines where the FMUs offer it
+    /// As jacobi, with linear extrapolation of inputs where the FMUs support it
     JacobiExtrapolated,
     /// Algebraic loops are solved, with rollback of the FMUs' states
     Iteration,

@@ -43,7 +43,8 @@ pub(crate) struct Tune {
     /// Largest sensitivity |1/(1+L)| of the robust gains
     #[arg(long, value_name = "M", default_value_t = 1.5, value_parser = ranges::above(1.0, 100.0))]
     sensitivity: f64,
-    /// Most that sensor noise may be amplified on its way to the command, seen as position
+    /// Largest allowed amplification of sensor noise by the controller (command noise, converted to position,
+    /// relative to the sensor noise)
     #[arg(long, value_name = "RATIO", default_value_t = 10.0, value_parser = ranges::above(0.0, 1e9))]
     noise: f64,
     /// Samples of the step response

@@ -66,7 +66,7 @@ fn simulation(plant: &Plant) -> Section {
     }
     let text = format!(
         "{}: {} modes common to all axes, for inputs held between samples. The plant starts at rest and \
-         sees the inputs alone; records with periods are judged from the second one on, means taken out. It was \
+         sees the inputs alone; records with periods are judged from the second one on, without their means. It was \
          fitted to these records.",
         plant.blueprint.display(),
         plant.modes
@@ -113,7 +113,7 @@ fn bode(measured: &Measured, input: usize, signal: &Signal) -> Bode {
     }
     figure.caption(
         "Local polynomial method. Coherence: the share of an output's power that follows linearly from all \
-         inputs; hysteresis and noise take from it.",
+         inputs; hysteresis and noise lower it.",
     )
 }
 
@@ -139,8 +139,7 @@ fn spectrum(measured: &Measured, output: usize, signal: &Signal) -> Spectrum {
         }
     }
     figure.caption(
-        "Amplitude of each line. Noise: the scatter from period to period, of the mean of all periods. Even and \
-         odd lines: what stands where the input has nothing, after its linear part is taken off.",
+        "Amplitude of each line. Noise: the scatter from period to period, of the mean of all periods. Even and odd lines: the output at lines that the input omits, without its linear part.",
     )
 }
 
@@ -192,9 +191,7 @@ fn modes(measured: &Measured) -> Option<Section> {
         ]);
     }
     let text = format!(
-        "One denominator for all elements, least squares weighted by the response's own scatter; delay {} s. The \
-         fit leaves {} times that scatter: 1 is as good as the data are, more is a mode or a delay too few, or \
-         curvature that no linear model has. A damping ratio of 1 is a real pole, its frequency the corner.",
+        "One denominator for all elements, least squares weighted by the response's own scatter; delay {} s. The error of the fit is {} times that scatter: 1 is as good as the data are; more indicates a missing mode or delay, or a nonlinearity that no linear model has. A damping ratio of 1 is a real pole, its frequency the corner.",
         report::format_number(fit.delay_s, 3),
         report::format_number(fit.misfit.sqrt(), 3)
     );

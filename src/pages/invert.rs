@@ -54,8 +54,7 @@ fn verdict(result: &Inverted) -> Verdict {
     };
     let number = |x: f64| format_number(x, 3);
     let sentence = format!(
-        "Along a wave of {} Hz over {} % of its reach the controller errs by {} % of it (rms) on its own plant, feedback \
-         alone by {} %{}.",
+        "Along a wave of {} Hz over {} % of its reach the error of the controller on its own plant is {} % of it (rms), that of feedback alone {} %{}.",
         number(check.frequency),
         number(100.0 * check.swing),
         number(100.0 * check.closed_loop),
@@ -169,8 +168,7 @@ fn frequency(axis: &LoopFigures, shown: &Shown) -> Section {
         if axis.damping.is_some() { ", damping halved and doubled, three slopes" } else { "" }
     );
     if curves.is_coupled {
-        text += " A coupling with dynamics joins this axis to others: these curves are those of the axis by itself; the \
-                 margins of all axes together stand under the design.";
+        text += " A coupling with dynamics joins this axis to others: these curves are those of the axis alone; the margins of all axes together are under the design.";
     }
     section
         .paragraph(text)

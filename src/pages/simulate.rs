@@ -59,14 +59,14 @@ pub(crate) fn simulation(
 fn sentence(result: &Simulated) -> String {
     match result.fits.first() {
         Some(fit) => format!(
-            "{} against {}: rmse {:.4} {}, largest error {:.4} {} (offset {:.4} {} taken out).",
+            "{} against {}: rmse {} {}, largest error {} {} (offset {} {} removed).",
             fit.output,
             fit.against,
-            fit.rmse,
+            report::format_number(fit.rmse, 3),
             fit.unit,
-            fit.max_error,
+            report::format_number(fit.max_error, 3),
             fit.unit,
-            fit.offset,
+            report::format_number(fit.offset, 3),
             fit.unit
         ),
         None => {

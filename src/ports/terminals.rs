@@ -44,7 +44,7 @@ impl Port {
                 "Force on the tip, positive towards greater positions, its position and its velocity"
             }
             Self::Electrical => "Voltage at the actuator, current into it and its charge",
-            Self::Thermal => "Temperature of the actuator and heat that flows out of it",
+            Self::Thermal => "Temperature of the actuator and heat that it gives off",
         }
     }
 

@@ -41,7 +41,7 @@ impl Process {
 
     pub(crate) fn signal(&self, name: &str) {
         let id = self.child.id().to_string();
-        assert!(Command::new("kill").args([name, &id]).status().expect("kill runs").success());
+        assert!(super::kill(&[name, &id]).status().expect("kill runs").success());
     }
 
     /// What it said until its end, and its exit code.

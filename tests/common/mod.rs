@@ -61,6 +61,13 @@ pub(crate) fn refuse(arguments: &[&str], folder: &Path) -> String {
     message
 }
 
+/// The shell's own `kill`: a small system has no program of that name.
+pub(crate) fn kill(arguments: &[&str]) -> Command {
+    let mut command = Command::new("sh");
+    command.args(["-c", "kill \"$@\"", "sh"]).args(arguments);
+    command
+}
+
 /// The workspace's root.
 pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

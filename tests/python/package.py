@@ -51,7 +51,7 @@ gap = piezoloop.diagnose(
     seed=1,
     threads=1,
 )
-assert gap["schema"] == "piezoloop.gap/1"
+assert gap["schema"] == "piezoloop.gap/1" and isinstance(gap, piezoloop.Gap)
 assert gap.verdict == "retune", gap.verdict
 assert gap.shrink.rms_after < 0.1 * gap.shrink.rms_as_given, gap.shrink
 assert os.path.getsize("gap.html") > 1000
@@ -81,10 +81,20 @@ piezoloop.pack("p1", "ported.fmu", fmi=3, ports=["electrical"], port_value={"cap
 assert b"current" in zipfile.ZipFile("ported.fmu").read("modelDescription.xml")
 found = piezoloop.estimate("p1", {"time": time, "command[1]": command, "position[1]": measured["y"]},
                            {"axis[1].actuator.gain": 3.0}, unit={"position[1]": "um"})
+assert isinstance(found, piezoloop.Estimated) and isinstance(found.parameters[0], piezoloop.Parameter)
 assert found.parameters[0].name == "axis[1].actuator.gain", found.parameters
+assert found.parameters[0].interval[0] < found.parameters[0].value < found.parameters[0].interval[1], found.parameters
 gap = piezoloop.diagnose("p1", {"time": time, "command[1]": command, "position[1]": measured["y"]}, noise=1e-3,
                          unit={"position[1]": "um"}, seed=1, threads=1)
 assert gap.verdict == "adequate", gap.verdict
+# A log alone: a hysteretic machine lacks nothing but what no linear model has.
+plays = piezoloop.simulate("p1-truth", {"time": time, "command[1]": command})["position[1]"]
+alone = piezoloop.diagnose(None, {"time": time, "u": command, "y": plays}, input="u", output="y", unit={"u": "V", "y": "um"},
+                           baseline="linear.toml", seed=1, threads=1)
+assert alone.baseline and os.path.getsize("linear.toml") > 100, alone.sentence
+for effect in alone.effects:
+    assert isinstance(effect, piezoloop.Effect) and 0 < effect.probability < 1 and effect.effect in effect.set, effect
+    assert all(isinstance(value.value, float) for value in effect.parameters.values()), effect
 for wrong, why in (({"u": command, "y": command}, "'time'"), ({"time": time, "u": command[:5]}, "one length")):
     try:
         piezoloop.identify(wrong, "u", "y")

@@ -126,7 +126,7 @@ fn an_instrument_that_does_not_fit_is_refused() {
     for (options, safe, words) in [
         ("", &[0.0; 3][..], "has the axes 1, 2"),
         ("axes=1,7", &[0.0; 2], "choose with ?axes=1,2"),
-        ("", &[0.0, 50.0], "axis 2 goes from -2 to 12; the safe command 50"),
+        ("", &[0.0, 50.0], "axis 2 has a travel from -2 to 12; the safe command 50"),
         ("axis=1", &[0.0], "`axis=1` is none of axes"),
         ("timeout=0", &[0.0], "timeout=SECONDS"),
         ("axes=1,,2", &[0.0], "no name"),

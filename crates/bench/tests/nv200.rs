@@ -120,7 +120,7 @@ fn an_instrument_that_does_not_fit_is_refused() {
     for (options, safe, words) in [
         ("", &[0.0, 0.0][..], "has one axis, the run 2"),
         ("axes=1", &[0.0], "axes= is not for it"),
-        ("", &[50.0], "it goes from -2 to 12; the safe command 50"),
+        ("", &[50.0], "its travel is from -2 to 12; the safe command 50"),
     ] {
         let message = open(options, safe).unwrap_err();
         assert!(message.contains(words), "{message}");

@@ -151,7 +151,7 @@ pub static RATE_DEPENDENCE: Effect = Effect {
                  dependence vanishes",
 };
 
-/// Flattening of the strain towards the ends of the voltage range.
+/// Saturation of the strain towards both ends of the voltage range.
 pub static POLARISATION_SATURATION: Effect = Effect {
     name: "polarisation_saturation",
     stage: Actuator,
@@ -279,7 +279,7 @@ pub static THERMAL_DRIFT: Effect = Effect {
     name: "thermal_drift",
     stage: Environment,
     group: Some(Group::Slow),
-    signature: "not coherent with the command; goes on at zero command",
+    signature: "not coherent with the command; continues at zero command",
     confused_with: &["creep", "self_heating"],
     experiment: "record at zero command before and after",
 };

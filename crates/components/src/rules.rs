@@ -39,7 +39,7 @@ pub(crate) fn positive_frequency(quantity: &'static str, value: f64) -> Result<(
         value > 0.0,
         quantity,
         value,
-        "must be above zero; to leave the component out, set enabled = false",
+        "must be above zero; to disable the component, set enabled = false",
     )
 }
 

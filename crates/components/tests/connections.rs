@@ -244,5 +244,5 @@ fn couplings_have_one_order() {
     let couplings =
         vec![coupling(cross("one"), Some("mechanics")), coupling(cross("two"), Some("sensor"))];
     let text = messages(build(crossed, Connections { couplings, ..Connections::default() }));
-    assert!(text.join("\n").contains("stands behind another coupling on one axis"), "{text:?}");
+    assert!(text.join("\n").contains("is behind another coupling on one axis"), "{text:?}");
 }

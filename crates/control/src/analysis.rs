@@ -83,8 +83,7 @@ pub(crate) fn analyse(
             if map.line().is_none() {
                 let names = nodes.iter().map(|node| node.name.as_str()).collect::<Vec<_>>();
                 left[*axis].push(format!(
-                    "{}: stands behind the coupling; a straight line of it is undone, the rest is left to \
-                     feedback",
+                    "{}: acts behind the coupling; its linear part is compensated, the rest is left to feedback",
                     names.join(", ")
                 ));
             }

@@ -178,8 +178,7 @@ fn independence(motions: &[(String, Vec<f64>)]) -> Result<f64, Error> {
         .map(|((name, _), _)| name.as_str())
         .collect();
     refuse(format!(
-        "{} moved together (condition number {:.1e}): their columns of the Jacobian cannot be told \
-         apart; give each axis a frequency of its own",
+        "{} moved together (condition number {:.1e}): their columns of the Jacobian cannot be distinguished; give each axis its own frequency",
         names.join(" and "),
         greatest / least.max(f64::MIN_POSITIVE)
     ))

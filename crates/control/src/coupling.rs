@@ -154,7 +154,7 @@ impl Group {
         let Some(inverse) = inverse else {
             return Err(format!(
                 "the coupling's Jacobian has the condition number {condition:.3e}, above {CONDITION}: motions \
-                 of some axes cannot be told apart by the sensors; change the coupling"
+                 of some axes cannot be distinguished by the sensors; change the coupling"
             ));
         };
         let couplings = || {

@@ -221,9 +221,7 @@ impl Damped {
         let reached = figures.closed_loop_bandwidth / figures.resonance;
         (self.law != Damping::Notch && reached < BEYOND).then(|| {
             format!(
-                "the closed loop stays within 3 dB up to {reached:.2} times the resonance only; with a period for \
-                 computing, a mode needs some 35 samples a swing and a hysteresis that leaves the slope alone; a shorter \
-                 --period or a larger --sensitivity reaches further"
+                "the closed loop stays within 3 dB up to {reached:.2} times the resonance only; with one period of computing delay, more needs about 35 samples per oscillation and a hysteresis whose slope varies little; a shorter --period or a larger --sensitivity extends it"
             )
         })
     }

@@ -192,7 +192,7 @@ pub fn invert(
     let analysed = analyse(plant, (step, period)).map_err(refused)?;
     if settings.damping != Damping::None && analysed.groups.iter().any(|group| group.is_dynamic) {
         let reason = format!(
-            "--damping {} damps the mode of a single axis, and a coupling with dynamics joins these; they get notches \
+            "--damping {} damps the mode of a single axis, but a coupling with dynamics joins these axes; they get notches \
              that are designed for all of them together; leave --damping out",
             settings.damping.name()
         );
@@ -257,7 +257,7 @@ pub(crate) fn step_of(spec: &SystemSpec, period: f64) -> Result<f64, String> {
     if nodes.clone().any(sampled) {
         if steps > SUBSTEPS.1 {
             return Err(format!(
-                "a period of {period} s has {steps:.3e} internal steps of a plant with a sample time of its own; \
+                "a period of {period} s has {steps:.3e} internal steps of a plant with its own sample time; \
                  give at most {} s",
                 SUBSTEPS.1 * spec.period
             ));

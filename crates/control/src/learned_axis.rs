@@ -68,8 +68,7 @@ impl LearnedAxis {
         let refuse = |reason: String| Err(vec![reason]);
         if (own - period).abs() > 1e-9 * own {
             return refuse(format!(
-                "{} was learned with a sample time of {own} s, and the controller has {period} s: a learned inverse \
-                 works at the model's own; leave --period out, or resample the log and identify again",
+                "{} was learned with a sample time of {own} s, and the controller has {period} s: a learned inverse works at the sample time of the model only; leave --period out, or resample the log and identify again",
                 node.name
             ));
         }

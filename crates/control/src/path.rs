@@ -129,8 +129,7 @@ impl Path {
         let sweep = sweep_of(axis, &actuator, &maps[0], &maps[1], [low, high], times)?;
         if !(sweep.slope.is_finite() && sweep.mean_slope != 0.0 && sweep.mean_slope.is_finite()) {
             return Err(format!(
-                "the command moves nothing between its bounds {low} to {high}; check {} and what \
-                 stands around it",
+                "the command moves nothing between its bounds {low} to {high}; check {} and the components around it",
                 actuator.name
             ));
         }
@@ -340,7 +339,7 @@ impl Look<'_> {
             let first = probe.step(range[1])? - from;
             let end = probe.rest(range[1])? - from;
             self.left.push(format!(
-                "{}: creep without an inverse, left to feedback; the position goes on by {:.2} % of a step",
+                "{}: creep without an inverse, left to feedback; the position continues to move by {:.2} % of a step",
                 node.name,
                 100.0 * (end / first - 1.0).abs()
             ));
@@ -410,7 +409,7 @@ fn nature(
     let moved = held.iter().map(|y| (y - rest).abs()).fold(0.0, f64::max);
     if moved > SAME.0 * height {
         let cost = format!(
-            "moves by itself, left to feedback; {:.3} % of the range within {TRIAL} samples",
+            "moves without a command, left to feedback; {:.3} % of the range within {TRIAL} samples",
             100.0 * moved / height.max(f64::MIN_POSITIVE)
         );
         return Ok((Nature::Left, Some(cost)));

@@ -356,8 +356,7 @@ impl Work<'_> {
                 let reasons = bad.iter().map(|index| {
                     let (found, axis) = (&checks[*index][0], &self.plant.spec().axes[*index]);
                     let reason = format!(
-                        "along a wave of {:.4} Hz on its own plant the loop errs by {:.4} % of its reach, and by \
-                         {:.4} % with feedback alone; take another --feedforward, or --force",
+                        "along a wave of {:.4} Hz on its own plant the error of the loop is {:.4} % of its reach, and {:.4} % with feedback alone; choose another --feedforward, or give --force",
                         found.frequency,
                         100.0 * found.closed_loop,
                         100.0 * found.feedback

@@ -20,7 +20,7 @@ impl Lines {
 }
 
 /// Places that are no TOML and are told one by one.
-const MOST_TOLD: usize = 8;
+const MOST_TOLD: usize = 3;
 
 /// A text as TOML.
 ///

@@ -64,7 +64,7 @@ fn what_is_built_in_code_is_checked_the_same() {
     assert_eq!(
         text,
         "blueprint: axis[1].plays.w = 1 values: must have 2 values, as many as plays and the other \
-         lists say; give 2 values here, or mend the others"
+         lists say; give 2 values here, or correct the others"
     );
 }
 

@@ -516,7 +516,7 @@ fn doubtful_times_are_said() {
     let stray: String = (0..100)
         .map(|k| format!("{},1\n", if k == 99 { 1e9 } else { f64::from(k) * 1e-3 }))
         .collect();
-    assert!(notes(&read(format!("time,y\n{stray}"))).contains("is that a stray time?"));
+    assert!(notes(&read(format!("time,y\n{stray}"))).contains("is that a wrong time?"));
 }
 
 /// Every beginning of a text, and texts with a byte changed, end in a log or an error.

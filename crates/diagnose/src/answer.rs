@@ -515,7 +515,7 @@ fn own_offsets(o: &Outcome) -> Option<String> {
     let (left, factor) = (o.sigma * o.found.last.judged.held_out.max(0.0).sqrt(), o.problem.factor);
     (offset.as_it_stands.1 > MORE * left).then(|| {
         format!(
-            "{}: each record has an offset of its own that no model predicts: over a log as it stands the error of the repaired model is {:.3e} {}, without the record's own offset {:.3e} {}",
+            "{}: each record has its own offset, which no model predicts: over a log as recorded the error of the repaired model is {:.3e} {}, without the offset of the record {:.3e} {}",
             o.problem.output,
             offset.as_it_stands.1 / factor,
             o.problem.unit,

@@ -56,7 +56,7 @@ fn caption(found: &FrequencyResponse) -> String {
     };
     format!(
         "Local polynomial method over {how}. Coherence: the share of a signal's power that follows linearly \
-         from the command; hysteresis and noise take from it."
+         from the command; hysteresis and noise lower it."
     )
 }
 

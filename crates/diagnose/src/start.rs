@@ -93,7 +93,7 @@ pub(crate) fn find(problem: &mut Problem, base: &Candidate, count: &AtomicU64) -
         data.rest = Some(*rest);
         problem.warnings.push(format!(
             "{}: {} moves by {} {} before {} first changes: the machine is taken to have rested under {} {} before \
-             the first row (--drop S leaves the begin out)",
+             the first row (--drop S omits the beginning)",
             data.name,
             problem.output,
             report::format_number(-way / problem.factor, 3),

@@ -81,7 +81,7 @@ fn a_lag_is_named_within_its_group() {
     assert!(gap.effects[0].set.iter().any(|n| n == "delay"), "{:?}", gap.effects[0].set);
 }
 
-/// The names that are given, the frequency of a swing, and the part of the gap that goes with them.
+/// The names that are given, the frequency of a swing, and the explained part of the gap with them.
 fn names_of(effects: &[(Effect, f64)], seed: u64) -> (Vec<String>, Option<f64>, f64) {
     let add = |machine: Machine, (effect, size): &(Effect, f64)| machine.with(*effect, *size);
     let machine = effects.iter().fold(Machine::new(seed, 1.0), add);

@@ -110,8 +110,7 @@ fn tell(signal: c_int) {
             line.add(b" has not returned, because the FMU crashed (");
             line.add(name.as_bytes());
             line.add(
-                b"), and this program with it; with --isolate (simulate, system, sweep, tune, diagnose) it runs in \
-                  a process of its own, and what is done is kept\n",
+                b"), and this program with it; with --isolate (simulate, system, sweep, tune, diagnose) it runs in a separate process, and finished work is kept\n",
             );
         });
     }
@@ -123,7 +122,7 @@ fn tell(signal: c_int) {
         } else {
             b"), in no call of an FMU"
         });
-        line.add(b": by a library that it has loaded (a thread of an FMU, a driver), or a fault of its own\n");
+        line.add(b": by a library that it has loaded (a thread of an FMU, a driver), or a defect of this program\n");
     }
     line.write();
 }

@@ -106,8 +106,7 @@ mod linux {
         let names = if names.is_empty() { names } else { format!(" ({names})") };
         let _ = writeln!(
             std::io::stderr(),
-            "error: an FMU{names} has ended this program from inside (exit); run it in a process of its own, \
-             with --isolate, which keeps what is done"
+            "error: an FMU{names} has ended this program from inside (exit); run it in a separate process, with --isolate, which keeps finished work"
         );
         true
     }

@@ -134,7 +134,7 @@ pub const FAMILIES: &[Family] = &[
     },
     Family {
         name: "unknown",
-        about: "an effect in nobody's library",
+        about: "an effect that is in no library",
         full: 210,
         short: 3,
         content: Content::Stray,

@@ -148,7 +148,7 @@ impl Scores {
         let figure = XyLoop::new(
             "Shrink, cases in the order of the prediction",
             Axis::new("case", ""),
-            Axis::new("part of the gap that goes", "1"),
+            Axis::new("explained part of the gap", "1"),
         )
         .model("predicted", &number, &column(&|pair| pair.predicted))
         .line(Role::Other, "lower end", &number, &column(&|pair| pair.ci95[0]))

@@ -284,8 +284,7 @@ impl Real {
         }
         let section = Section::new("Machines")
             .paragraph(
-                "Right: the first name is documented and none is invented beside it, or no name is given where none \
-                 is right. Partly: a documented name is there, but not first, or an invented one stands beside it. \
+                "Right: the first name is documented and no wrong one is given, or no name is given where none is right. Partly: a documented name is given, but not first, or together with a wrong one. \
                  Leaves: root mean square of the held-out rows with the effects over that of the re-tuned model.",
             )
             .table(table);

@@ -262,7 +262,7 @@ fn figures(
             Goal::AtMost(0.01),
         ),
         Figure::rate(
-            "effect in nobody's library, \"unknown\"",
+            "effect that is not in the library, \"unknown\"",
             Rate::count(unknown.map(|j| j.answer.verdict == "unknown")),
             Goal::AtLeast(0.90),
         ),
@@ -289,12 +289,12 @@ fn figures(
             Goal::AtLeast(0.93),
         ),
         Figure::value(
-            "error of the repaired model over that of one told the effect, median",
+            "error of the repaired model, relative to one fitted with the true effect, median",
             quantile(&against_oracle, 0.5),
             Goal::AtMost(1.15),
         ),
         Figure::rate(
-            "repaired model within 1.15 of one told the effect",
+            "repaired model within 1.15 of one fitted with the true effect",
             Rate::count(against_oracle.iter().map(|ratio| *ratio <= 1.15)),
             Goal::None,
         ),

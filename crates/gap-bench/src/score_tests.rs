@@ -122,7 +122,7 @@ fn unknown_effects_want_the_verdict_unknown() {
         outcome(label("unknown", &["x_glitches"]), unknown),
         outcome(label("unknown", &["x_glitches"]), answer(&[("creep", &["creep"])])),
     ]);
-    assert_eq!(counts(figure(&scores, "effect in nobody").rate.unwrap()), (1, 2));
+    assert_eq!(counts(figure(&scores, "effect that is not in the library").rate.unwrap()), (1, 2));
     assert!(scores.singles.is_empty());
 }
 

@@ -27,7 +27,7 @@ pub enum Error {
         needed: usize,
     },
     /// A number that is not finite.
-    #[error("{what} {index} is {value}, no finite number; mend the record")]
+    #[error("{what} {index} is {value}, no finite number; correct the record")]
     NotFinite {
         /// What it belongs to.
         what: &'static str,

@@ -172,7 +172,7 @@ fn assumptions(one: &Reproduction) -> anyhow::Result<Section> {
             ]);
         }
     }
-    Ok(Section::new(format!("{paper}: what stands in, {}", one.part))
+    Ok(Section::new(format!("{paper}: assumed parts, {}", one.part))
         .paragraph(
             "The paper does not describe these parts of its machine. They were assumed; values are in the units of the blueprint.",
         )

@@ -57,7 +57,7 @@ impl<'a> Signals<'a> {
 
 /// Another number of parameters than a block takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{given} parameters in the place of {wanted}")]
+#[error("{given} parameters instead of {wanted}")]
 pub struct WrongCount {
     /// How many were given.
     pub given: usize,

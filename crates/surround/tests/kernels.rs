@@ -276,7 +276,7 @@ fn a_wrong_number_of_parameters_is_an_error_for_every_block() {
             assert_eq!(read.is_ok(), takes(&block, given), "{block:?} with {given} in a file");
             if let (Err(wrong), Err(error)) = (prepared, read) {
                 assert_eq!(wrong.given, given);
-                let text = format!("effect: {given} parameters in the place of {}", wrong.wanted);
+                let text = format!("effect: {given} parameters instead of {}", wrong.wanted);
                 assert!(error.to_string().contains(&text), "{error}");
             }
         }

@@ -173,7 +173,7 @@ impl Table {
             if table.about.first != end {
                 let is_missing = table.about.first > end;
                 let (from, to) = (end.min(table.about.first), end.max(table.about.first));
-                let what = if is_missing { "are missing" } else { "stand in two tables" };
+                let what = if is_missing { "are missing" } else { "are in two tables" };
                 let rule =
                     format!("{}: runs {from} to {} {what}", path.display(), to.saturating_sub(1));
                 return refuse(rule, "give each shard once: --shard 1/N to N/N");
@@ -307,7 +307,7 @@ mod tests {
     fn parts_that_are_no_whole_are_refused() {
         let said = |cuts: &[(u64, u64)]| Table::merge(parts(cuts)).unwrap_err().to_string();
         assert!(said(&[(0, 4), (6, 10)]).contains("runs 4 to 5 are missing"));
-        assert!(said(&[(0, 6), (4, 10)]).contains("runs 4 to 5 stand in two tables"));
+        assert!(said(&[(0, 6), (4, 10)]).contains("runs 4 to 5 are in two tables"));
         assert!(said(&[(0, 6)]).contains("runs 6 to 9 are missing"));
         assert!(said(&[]).contains("nothing to merge"));
         let mut torn = parts(&[(0, 10)]);

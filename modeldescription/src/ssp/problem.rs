@@ -97,5 +97,5 @@ pub(super) fn problem(format: Format, file: &str, line: u32, found: String) -> P
 pub(super) fn no_xml(format: Format, file: &str, error: &XmlError) -> Problem {
     problem(format, file, error.line().unwrap_or(0), error.to_string())
         .rule("it must be XML that can be read safely")
-        .way_out("mend the file, or write it anew with the tool it comes from")
+        .way_out("correct the file, or export it again with the tool it comes from")
 }

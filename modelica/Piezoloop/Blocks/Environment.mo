@@ -1,13 +1,13 @@
 within Piezoloop.Blocks;
 package Environment "Surroundings"
   extends Icons.Package;
-  block ThermalDrift "Thermal growth of the structure: steady, settling, and by a given temperature"
+  block ThermalDrift "Thermal growth of the structure: steady, settling, and in proportion to a given temperature"
     extends Interfaces.PositionFilter;
     parameter Real rate(unit="um/s") = 0 "Steady drift";
     parameter Real settling(unit="um") = 0 "Drift that settles after the start";
     parameter Real time_constant(unit="s", min = 0) = 1000 "Time constant";
     parameter Real expansion(unit="um/K") = 0 "Growth per kelvin";
-    parameter Real temperature_change(unit="K") = 0 "Temperature less the one at which the growth is zero";
+    parameter Real temperature_change(unit="K") = 0 "Difference from the temperature at which the growth is zero";
   protected
     Real g(unit="um") "Growth by the temperature";
   initial equation
@@ -16,10 +16,10 @@ package Environment "Surroundings"
     time_constant*der(g) = expansion*temperature_change - g;
     y_um = u_um + rate*time + settling*(1 - exp(-time/time_constant)) + g;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-49,-19},{-13,19},{29,49},{80,70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>thermal-drift</code>. Thermal growth of the structure: steady, settling, and by a given temperature.</p><p><code>y = x + rate*t + settling*(1 - exp(-t/time_constant)) + g; time_constant*g' = expansion*temperature_change - g</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>rate</td><td>{position}/s</td><td>0</td><td></td><td></td><td>Steady drift</td></tr><tr><td>settling</td><td>{position}</td><td>0</td><td></td><td></td><td>Drift that settles after the start</td></tr><tr><td>time_constant</td><td>s</td><td>1000</td><td>0</td><td></td><td>Time constant</td></tr><tr><td>expansion</td><td>{position}/K</td><td>0</td><td></td><td></td><td>Growth per kelvin</td></tr><tr><td>temperature_change</td><td>K</td><td>0</td><td></td><td></td><td>Temperature less the one at which the growth is zero</td></tr></table><p>Source: ISO 230-3, Determination of thermal effects.</p><p>Effect: <code>thermal_drift</code>.</p><p>In the residual: not coherent with the command; goes on at zero command.</p><p>Looks like: <code>creep</code>, <code>self_heating</code>.</p><p>Distinguished by: record at zero command before and after.</p><p>In <code>p0-truth</code>: 0.030 % at most, 0.003 % rms.</p></html>"));
+      Documentation(info="<html><p>Component <code>thermal-drift</code>. Thermal growth of the structure: steady, settling, and in proportion to a given temperature.</p><p><code>y = x + rate*t + settling*(1 - exp(-t/time_constant)) + g; time_constant*g' = expansion*temperature_change - g</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>rate</td><td>{position}/s</td><td>0</td><td></td><td></td><td>Steady drift</td></tr><tr><td>settling</td><td>{position}</td><td>0</td><td></td><td></td><td>Drift that settles after the start</td></tr><tr><td>time_constant</td><td>s</td><td>1000</td><td>0</td><td></td><td>Time constant</td></tr><tr><td>expansion</td><td>{position}/K</td><td>0</td><td></td><td></td><td>Growth per kelvin</td></tr><tr><td>temperature_change</td><td>K</td><td>0</td><td></td><td></td><td>Difference from the temperature at which the growth is zero</td></tr></table><p>Source: ISO 230-3, Determination of thermal effects.</p><p>Effect: <code>thermal_drift</code>.</p><p>In the residual: not coherent with the command; continues at zero command.</p><p>Looks like: <code>creep</code>, <code>self_heating</code>.</p><p>Distinguished by: record at zero command before and after.</p><p>In <code>p0-truth</code>: 0.030 % at most, 0.003 % rms.</p></html>"));
   end ThermalDrift;
 
-  block ThermalExpansion "Thermal growth of the structure by the temperature of the surroundings"
+  block ThermalExpansion "Thermal growth of the structure with the temperature of the surroundings"
     extends Interfaces.PositionFilter;
     parameter Real expansion(unit="um/K") "Growth per kelvin";
     parameter Real time_constant(unit="s", min = 0) = 1000 "Time constant of the structure";
@@ -36,10 +36,10 @@ package Environment "Surroundings"
     time_constant*der(T) = temperature_C - T;
     y_um = u_um + expansion*(T - reference);
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{80,70},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>thermal-expansion</code>. Thermal growth of the structure by the temperature of the surroundings.</p><p><code>y = x + expansion*(Ts - reference); time_constant*Ts' = temperature - Ts</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>expansion</td><td>{position}/K</td><td>required</td><td></td><td></td><td>Growth per kelvin</td></tr><tr><td>time_constant</td><td>s</td><td>1000</td><td>0</td><td></td><td>Time constant of the structure</td></tr><tr><td>reference</td><td>degC</td><td>20</td><td>-273.15</td><td></td><td>Temperature without growth</td></tr></table><p>Source: ISO 230-3, Determination of thermal effects.</p><p>Effect: <code>thermal_drift</code>.</p><p>In the residual: not coherent with the command; goes on at zero command.</p><p>Looks like: <code>creep</code>, <code>self_heating</code>.</p><p>Distinguished by: record at zero command before and after.</p></html>"));
+      Documentation(info="<html><p>Component <code>thermal-expansion</code>. Thermal growth of the structure with the temperature of the surroundings.</p><p><code>y = x + expansion*(Ts - reference); time_constant*Ts' = temperature - Ts</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>expansion</td><td>{position}/K</td><td>required</td><td></td><td></td><td>Growth per kelvin</td></tr><tr><td>time_constant</td><td>s</td><td>1000</td><td>0</td><td></td><td>Time constant of the structure</td></tr><tr><td>reference</td><td>degC</td><td>20</td><td>-273.15</td><td></td><td>Temperature without growth</td></tr></table><p>Source: ISO 230-3, Determination of thermal effects.</p><p>Effect: <code>thermal_drift</code>.</p><p>In the residual: not coherent with the command; continues at zero command.</p><p>Looks like: <code>creep</code>, <code>self_heating</code>.</p><p>Distinguished by: record at zero command before and after.</p></html>"));
   end ThermalExpansion;
 
-  block Disturbance "Disturbance of the position from outside, as from a log that is played back"
+  block Disturbance "External disturbance of the position, for example played back from a log"
     extends Interfaces.PositionFilter;
     parameter Real gain(unit="1") = 1 "Factor of the disturbance";
     Interfaces.PositionInput disturbance "Disturbance from outside" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
@@ -48,7 +48,7 @@ package Environment "Surroundings"
   equation
     y_um = u_um + gain*disturbance_um;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{80,70},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>disturbance</code>. Disturbance of the position from outside, as from a log that is played back.</p><p><code>y = x + gain*disturbance</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>1</td><td>1</td><td></td><td></td><td>Factor of the disturbance</td></tr></table><p>Source: definition.</p></html>"));
+      Documentation(info="<html><p>Component <code>disturbance</code>. External disturbance of the position, for example played back from a log.</p><p><code>y = x + gain*disturbance</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>1</td><td>1</td><td></td><td></td><td>Factor of the disturbance</td></tr></table><p>Source: definition.</p></html>"));
   end Disturbance;
 
   block FloorVibration "Floor vibration: noise through a mode"

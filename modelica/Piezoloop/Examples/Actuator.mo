@@ -2,7 +2,7 @@ within Piezoloop.Examples;
 package Actuator "Examples of single blocks: Actuator"
   extends Icons.ExamplesPackage;
 
-  model PolarisationSaturation "Flattening of the strain towards the ends of the voltage range"
+  model PolarisationSaturation "Saturation of the strain towards both ends of the voltage range"
     extends Icons.Example;
     Piezoloop.Blocks.Actuator.PolarisationSaturation device(flattening = 0.05, centre = 50.0, half_range = 45.0) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1.0, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -22,7 +22,7 @@ package Actuator "Examples of single blocks: Actuator"
       Documentation(info="<html><p>Block Piezoloop.Blocks.Actuator.ActuatorGain as it is compared with the FMU.</p></html>"));
   end ActuatorGain;
 
-  model ActuatorTemperature "Gain of the actuator over its temperature"
+  model ActuatorTemperature "Temperature dependence of the actuator's gain"
     extends Icons.Example;
     Piezoloop.Blocks.Actuator.ActuatorTemperature device(coefficient = 0.001, temperature = 35.0) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -42,7 +42,7 @@ package Actuator "Examples of single blocks: Actuator"
       Documentation(info="<html><p>Block Piezoloop.Blocks.Actuator.ActuatorAgeing as it is compared with the FMU.</p></html>"));
   end ActuatorAgeing;
 
-  model SelfHeating "Warming of the actuator by its own losses: gain and length"
+  model SelfHeating "Self-heating of the actuator by its losses, which changes gain and length"
     extends Icons.Example;
     Piezoloop.Blocks.Actuator.SelfHeating device(loss = 0.05, capacitance = 5e-06, resistance = 40.0, time_constant = 0.02, coefficient = 0.01, growth = 0.05, amplification = 2.0, averaging = 0.05, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -68,7 +68,7 @@ package Actuator "Examples of single blocks: Actuator"
       Documentation(info="<html><p>Block Piezoloop.Blocks.Actuator.ThermalPort as it is compared with the FMU.</p></html>"));
   end ThermalPort;
 
-  model Remanence "What an unknown past leaves in the position until the command has wiped it out"
+  model Remanence "Remanence of an unknown past, which fades until the command has wiped it out"
     extends Icons.Example;
     Piezoloop.Blocks.Actuator.Remanence device(remanence = 0.7, reach = 60.0, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));

@@ -12,7 +12,7 @@ package Controllers "Examples of single blocks: Controllers"
       Documentation(info="<html><p>Block Piezoloop.Controllers.ReferenceLead as it is compared with the FMU.</p></html>"));
   end ReferenceLead;
 
-  model FeedforwardGain "Linear feedforward: command proportional to the position that is wanted"
+  model FeedforwardGain "Linear feedforward: command proportional to the reference position"
     extends Icons.Example;
     Piezoloop.Controllers.FeedforwardGain device(gain = 12.0, offset = 0.3) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -22,7 +22,7 @@ package Controllers "Examples of single blocks: Controllers"
       Documentation(info="<html><p>Block Piezoloop.Controllers.FeedforwardGain as it is compared with the FMU.</p></html>"));
   end FeedforwardGain;
 
-  model ReferenceCurve "Curve through points in front of the feedforward, for a static nonlinearity of the sensor"
+  model ReferenceCurve "Curve through points before the feedforward, for a static nonlinearity of the sensor"
     extends Icons.Example;
     Piezoloop.Controllers.ReferenceCurve device(at = {0.0, 2.0, 5.0, 9.0}, value = {0.2, 1.9, 5.3, 8.8}, points = 4) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -152,7 +152,7 @@ package Controllers "Examples of single blocks: Controllers"
       Documentation(info="<html><p>Block Piezoloop.Controllers.Notch as it is compared with the FMU.</p></html>"));
   end Notch;
 
-  model ReferenceFilter "Low-pass of second order for the reference, for feedforward and feedback alike"
+  model ReferenceFilter "Second-order low-pass for the reference of both feedforward and feedback"
     extends Icons.Example;
     Piezoloop.Controllers.ReferenceFilter device(frequency = 200.0, damping = 0.8, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -165,7 +165,7 @@ package Controllers "Examples of single blocks: Controllers"
       Documentation(info="<html><p>Block Piezoloop.Controllers.ReferenceFilter as it is compared with the FMU.</p></html>"));
   end ReferenceFilter;
 
-  model ReferenceFilterCritical "Low-pass of second order for the reference, for feedforward and feedback alike"
+  model ReferenceFilterCritical "Second-order low-pass for the reference of both feedforward and feedback"
     extends Icons.Example;
     Piezoloop.Controllers.ReferenceFilter device(frequency = 200.0, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -178,7 +178,7 @@ package Controllers "Examples of single blocks: Controllers"
       Documentation(info="<html><p>Block Piezoloop.Controllers.ReferenceFilter as it is compared with the FMU.</p></html>"));
   end ReferenceFilterCritical;
 
-  model ReferenceFilterSlow "Low-pass of second order for the reference, for feedforward and feedback alike"
+  model ReferenceFilterSlow "Second-order low-pass for the reference of both feedforward and feedback"
     extends Icons.Example;
     Piezoloop.Controllers.ReferenceFilter device(frequency = 200.0, damping = 1.3, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -191,7 +191,7 @@ package Controllers "Examples of single blocks: Controllers"
       Documentation(info="<html><p>Block Piezoloop.Controllers.ReferenceFilter as it is compared with the FMU.</p></html>"));
   end ReferenceFilterSlow;
 
-  model ReferenceFilterWide "Low-pass of second order for the reference, for feedforward and feedback alike"
+  model ReferenceFilterWide "Second-order low-pass for the reference of both feedforward and feedback"
     extends Icons.Example;
     Piezoloop.Controllers.ReferenceFilter device(frequency = 5000.0, damping = 1.3, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -204,7 +204,7 @@ package Controllers "Examples of single blocks: Controllers"
       Documentation(info="<html><p>Block Piezoloop.Controllers.ReferenceFilter as it is compared with the FMU.</p></html>"));
   end ReferenceFilterWide;
 
-  model ReferencePreview "The reference input runs ahead: feedforward gets it at once, feedback later"
+  model ReferencePreview "Preview of the reference: feedforward uses it at once, feedback later"
     extends Icons.Example;
     Piezoloop.Controllers.ReferencePreview device(preview = 0.00033, longest = 0.001, cells = 12, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -217,7 +217,7 @@ package Controllers "Examples of single blocks: Controllers"
       Documentation(info="<html><p>Block Piezoloop.Controllers.ReferencePreview as it is compared with the FMU.</p></html>"));
   end ReferencePreview;
 
-  model DisturbanceObserver "Takes what the machine does beyond its model off the reference, in front of the inverse"
+  model DisturbanceObserver "Estimates the machine's deviation from its model and subtracts it from the reference, before the inverse"
     extends Icons.Example;
     Piezoloop.Controllers.DisturbanceObserver device(bandwidth = 90.0, lag = 0.001, delay_ = 0.00024, longest = 0.001, limit = 1.3, cells = 12, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -279,7 +279,7 @@ package Controllers "Examples of single blocks: Controllers"
       Documentation(info="<html><p>Block Piezoloop.Controllers.PositivePositionFeedback as it is compared with the FMU.</p></html>"));
   end PositivePositionFeedback;
 
-  model NonMinimumPhaseDamping "Non-minimum-phase damping: the position turned by an all-pass, with the same gain at all frequencies"
+  model NonMinimumPhaseDamping "Non-minimum-phase damping: feedback of the position through an all-pass, with constant gain and shifted phase"
     extends Icons.Example;
     Piezoloop.Controllers.NonMinimumPhaseDamping device(gain = 6.0, frequency = 500.0, setpoint_weight = 0.0, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 0.64, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));

@@ -12,7 +12,7 @@ package Creep "Examples of single blocks: Creep"
       Documentation(info="<html><p>Block Piezoloop.Blocks.Creep.KelvinVoigtCreep as it is compared with the FMU.</p></html>"));
   end KelvinVoigtCreep;
 
-  model LogarithmicCreep "Creep that is straight over the logarithm of time"
+  model LogarithmicCreep "Creep in proportion to the logarithm of time"
     extends Icons.Example;
     Piezoloop.Blocks.Creep.LogarithmicCreep device(gain = 0.02) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));

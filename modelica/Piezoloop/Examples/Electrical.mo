@@ -44,7 +44,7 @@ package Electrical "Examples of single blocks: Electrical"
       Documentation(info="<html><p>Block Piezoloop.Electrical.AmplifierSlew as it is compared with the FMU.</p></html>"));
   end AmplifierSlew;
 
-  model AmplifierFoldback "Average current limit of the amplifier: it falls back after fast driving for a while"
+  model AmplifierFoldback "Average current limit of the amplifier, which acts after sustained fast driving"
     extends Icons.Example;
     Piezoloop.Electrical.AmplifierFoldback device(continuous = 0.03, peak = 0.08, capacitance = 5e-06, time_constant = 0.01, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1.0, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));

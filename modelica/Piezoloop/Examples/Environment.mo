@@ -2,7 +2,7 @@ within Piezoloop.Examples;
 package Environment "Examples of single blocks: Environment"
   extends Icons.ExamplesPackage;
 
-  model ThermalDrift "Thermal growth of the structure: steady, settling, and by a given temperature"
+  model ThermalDrift "Thermal growth of the structure: steady, settling, and in proportion to a given temperature"
     extends Icons.Example;
     Piezoloop.Blocks.Environment.ThermalDrift device(rate = 0.5, settling = 0.3, time_constant = 0.02, expansion = 0.1, temperature_change = 2.0) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -12,7 +12,7 @@ package Environment "Examples of single blocks: Environment"
       Documentation(info="<html><p>Block Piezoloop.Blocks.Environment.ThermalDrift as it is compared with the FMU.</p></html>"));
   end ThermalDrift;
 
-  model ThermalExpansion "Thermal growth of the structure by the temperature of the surroundings"
+  model ThermalExpansion "Thermal growth of the structure with the temperature of the surroundings"
     extends Icons.Example;
     Piezoloop.Blocks.Environment.ThermalExpansion device(expansion = 0.2, time_constant = 0.01) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -24,7 +24,7 @@ package Environment "Examples of single blocks: Environment"
       Documentation(info="<html><p>Block Piezoloop.Blocks.Environment.ThermalExpansion as it is compared with the FMU.</p></html>"));
   end ThermalExpansion;
 
-  model Disturbance "Disturbance of the position from outside, as from a log that is played back"
+  model Disturbance "External disturbance of the position, for example played back from a log"
     extends Icons.Example;
     Piezoloop.Blocks.Environment.Disturbance device(gain = 0.8) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));

@@ -112,7 +112,7 @@ package Inverse "Examples of single blocks: Inverse"
       Documentation(info="<html><p>Block Piezoloop.Inverse.InverseDynamicPrandtlIshlinskii as it is compared with the FMU.</p></html>"));
   end InverseDynamicPrandtlIshlinskii;
 
-  model InverseKelvinVoigtCreep "Takes the creep of Kelvin-Voigt elements out of a reference"
+  model InverseKelvinVoigtCreep "Inverse of Kelvin-Voigt creep: removes it from the reference"
     extends Icons.Example;
     Piezoloop.Inverse.InverseKelvinVoigtCreep device(share = {0.05, 0.03}, time_constant = {0.003, 0.03}, elements = 2, step = 0.0001) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 8e-08, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));

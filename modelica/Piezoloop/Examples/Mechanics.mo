@@ -2,7 +2,7 @@ within Piezoloop.Examples;
 package Mechanics "Examples of single blocks: Mechanics"
   extends Icons.ExamplesPackage;
 
-  model LoadForce "Load force from outside, through the actuator's stiffness, in front of a mode"
+  model LoadForce "External load force through the actuator's stiffness, before a mode"
     extends Icons.Example;
     Piezoloop.Mechanics.LoadForce device(stiffness = 40.0) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
@@ -84,7 +84,7 @@ package Mechanics "Examples of single blocks: Mechanics"
       Documentation(info="<html><p>Block Piezoloop.Mechanics.Friction as it is compared with the FMU.</p></html>"));
   end Friction;
 
-  model NonlinearDamping "Mode with Coulomb friction and damping that grows with the speed"
+  model NonlinearDamping "Mode with Coulomb friction and speed-dependent damping"
     extends Icons.Example;
     Piezoloop.Mechanics.NonlinearDamping device(frequency = 300.0, damping = 0.05, coulomb = 0.1, velocity = 60.0, growth = 2e-05) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));

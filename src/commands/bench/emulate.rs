@@ -38,7 +38,7 @@ pub(crate) struct Emulate {
     plant: PathBuf,
     /// Address of the machine: udp://IP:PORT, shm://NAME, gcs://IP:PORT or nv200://IP:PORT [default for --protocol
     /// gcs: gcs://127.0.0.1:50000, for nv200: nv200://127.0.0.1:50023]
-    #[arg(long, value_name = "ADDRESS", required_unless_present = "protocol")]
+    #[arg(long, value_name = "ADDRESS", value_parser = super::address, required_unless_present = "protocol")]
     gateway: Option<Address>,
     /// Protocol [default: that of the address]
     #[arg(long, value_name = "NAME")]
@@ -139,7 +139,7 @@ impl Emulate {
             (None | Some(Protocol::Packet), Some(address)) => address.clone(),
         };
         if self.volts.is_some() {
-            bail!("--volts goes with --protocol gcs or nv200");
+            bail!("--volts needs --protocol gcs or nv200");
         }
         let script = self.script()?;
         let stop = Arc::new(AtomicBool::new(false));

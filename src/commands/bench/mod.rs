@@ -88,6 +88,13 @@ pub(super) struct KeyOptions {
     key: Option<PathBuf>,
 }
 
+/// An address, whose message clap puts behind the value.
+pub(super) fn address(text: &str) -> Result<Address, String> {
+    text.parse().map_err(|error: bench::gateway::GatewayError| {
+        error.to_string().replacen(&format!("gateway `{text}`: "), "", 1)
+    })
+}
+
 impl KeyOptions {
     fn is_given(&self) -> bool {
         self.key.is_some()
@@ -107,7 +114,7 @@ impl KeyOptions {
             return Ok((gateway, is_shared.then(|| note.to_owned())));
         };
         if !matches!(address, Address::Udp(_)) {
-            bail!("--key goes with udp://IP:PORT: nobody else speaks at {address}");
+            bail!("--key is for udp://IP:PORT only; {address} cannot be reached by others");
         }
         let key = Key::read(file)?;
         let mut line = format!(

@@ -36,7 +36,7 @@ pub(crate) struct Run {
     plan: Option<PathBuf>,
     /// Address of the machine: udp://IP:PORT, shm://NAME, ethercat://INTERFACE, gcs://IP:PORT, nv200://IP:PORT or
     /// plugin://FILE?OPTIONS
-    #[arg(long, value_name = "ADDRESS")]
+    #[arg(long, value_name = "ADDRESS", value_parser = super::address)]
     gateway: Option<Address>,
     /// Own address, for a machine on another computer [default: 127.0.0.1 and the next port]
     #[arg(long, value_name = "IP:PORT")]

@@ -54,7 +54,7 @@ pub(super) fn page(
                     axis.identified_percent,
                     "% of range",
                 )
-                .note(format!("held out; a straight line leaves {:.2} %", axis.line_percent)),
+                .note(format!("held out; a straight line {:.2} %", axis.line_percent)),
             );
     }
     report = report

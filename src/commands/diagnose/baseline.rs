@@ -115,7 +115,7 @@ fn of_response(asked: &Asked<'_>, table: &Path, most: usize) -> anyhow::Result<M
     let (mut blueprint, what, leaves) = fitted_to(&response, period, most, &plant)
         .with_context(|| format!("{}: no plant can be fitted", table.display()))?;
     notes.push(format!(
-        "no --model was given; a linear one is fitted to {}: {what}; it leaves {:.2} % of the response over {} lines from {} \
+        "no --model was given; a linear one is fitted to {}: {what}; its error is {:.2} % of the response over {} lines from {} \
          to {} Hz",
         table.display(),
         100.0 * leaves,
@@ -247,8 +247,7 @@ fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Made> {
             *parts = beside_plays(parts, &plant.axes[k].components, found);
             blueprint.step.clone_from(&plant.step);
             notes.push(format!(
-                "{}: plays leave {:.2} times as much as linear parts alone: delay, lag and mode of the linear model are \
-                 those beside plays, and no imitation of them",
+                "{}: the error with plays is {:.2} times that of linear parts alone: delay, lag and mode of the linear model are those found together with plays, so that they do not imitate plays",
                 axis.name,
                 left(found).zip(left(axis)).map_or(1.0, |(with, without)| with / without)
             ));
@@ -384,7 +383,7 @@ fn sentence(baseline: &Baseline) -> String {
         .map(|(name, p)| format!("{name} = {}{} {}", number(p.value), with_std(p.std), p.unit));
     let left = baseline.nrmse[1].map_or(String::new(), |part| {
         format!(
-            "; linear parts alone leave {} % of the range on the other rows",
+            "; the error of linear parts alone is {} % of the range on the other rows",
             number(100.0 * part)
         )
     });

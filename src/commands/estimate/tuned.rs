@@ -8,8 +8,8 @@ use cosim::{Driven, Memory, Value};
 use data::Log;
 use identify::calibration::Tunable;
 
-use super::LogFit;
 use super::asked::Asked;
+use super::{Curves, LogFit};
 use crate::commands::simulate::OutputFit;
 use crate::window::Window;
 
@@ -17,6 +17,8 @@ use crate::window::Window;
 pub(super) struct Series<'a> {
     pub(super) driven: Driven<'a>,
     held_out: bool,
+    /// Of each row of the log, in s.
+    time: Vec<f64>,
     compared: Vec<Compared>,
     records: Vec<Judged>,
 }
@@ -69,7 +71,7 @@ impl<'a> Series<'a> {
         if records.iter().all(|record| record.window.is_none()) {
             bail!("{}: no row is in the window that is judged", log.origin());
         }
-        Ok(Series { driven, held_out, compared: all, records })
+        Ok(Series { driven, held_out, time: log.time().to_vec(), compared: all, records })
     }
 
     /// Runs the FMU through all records, each with the shared values and its own; `number` is that of the
@@ -143,7 +145,13 @@ impl<'a> Series<'a> {
                 let of = |s: &[f64]| OutputFit::new(output, column, record.id, unit, &window, y, s);
                 let rmse_at_start = of(old)?.raw_rmse;
                 let (log, held_out) = (log.clone(), self.held_out);
-                fits.push(LogFit { log, held_out, rmse_at_start, fit: of(s)? });
+                let curves = Curves {
+                    time: self.time.get(window.clone()).unwrap_or_default().to_vec(),
+                    measured: y.to_vec(),
+                    start: old.to_vec(),
+                    estimated: s.to_vec(),
+                };
+                fits.push(LogFit { log, held_out, rmse_at_start, fit: of(s)?, curves });
             }
         }
         Ok(fits)

@@ -64,7 +64,7 @@ impl fmt::Display for OutputFit {
         let percent = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{p:.3} %"));
         write!(
             out,
-            "{} against {}, record {}, rows {} to {}: rmse {:.5} {u} = {} of range, max {:.5} {u}, offset {:.5} {u} taken out; as it stands rmse {:.5} {u}, max {:.5} {u}",
+            "{} against {}, record {}, rows {} to {}: rmse {:.5} {u} = {} of range, max {:.5} {u}, offset {:.5} {u} removed; with the offset rmse {:.5} {u}, max {:.5} {u}",
             self.output,
             self.against,
             self.record,

@@ -311,7 +311,7 @@ fn archive(path: &Path) -> anyhow::Result<Vec<u8>> {
 fn fmu_file(name: String, path: &Path, all_effects: bool) -> anyhow::Result<File> {
     if is_fmu(path) {
         if all_effects {
-            bail!("{}: all-effects goes with a blueprint or a rig, this is an FMU", path.display());
+            bail!("{}: all-effects needs a blueprint or a rig; this is an FMU", path.display());
         }
         return Ok(File::new(name, archive(path)?));
     }

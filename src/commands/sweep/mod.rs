@@ -153,7 +153,7 @@ impl Sweep {
         let all = part.end - part.start;
         if (rows.len() as u64) < all {
             bail!(
-                "stopped after {} of {all} runs; the same command goes on ({} keeps them)",
+                "stopped after {} of {all} runs; the same command resumes ({} keeps them)",
                 rows.len(),
                 path.display()
             );

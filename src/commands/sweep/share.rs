@@ -47,7 +47,7 @@ pub(super) struct Merge {
 pub(super) struct Bundle {
     /// The plan
     plan: PathBuf,
-    /// Seed in the place of the plan's
+    /// Seed, instead of the plan's
     #[arg(long, value_name = "S", value_parser = crate::ranges::seed())]
     seed: Option<u64>,
     /// The table that will be written; runs that it or its journal has are done

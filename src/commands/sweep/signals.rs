@@ -74,7 +74,7 @@ impl SignalRuns {
                 let fmus = planned.fmus.iter().map(|fmu| (fmu.name.clone(), fmu.path.clone()));
                 (fmus.collect(), "input.csv", &run.map)
             }
-            _ => bail!("this plan runs no FMUs by itself"),
+            _ => bail!("this plan runs no FMUs itself"),
         };
         let part = |(name, path): (String, PathBuf)| -> anyhow::Result<Part> {
             let addresses = Addresses::of(&fmus::load(&path, worker)?);
@@ -171,7 +171,7 @@ impl SignalRuns {
         match &self.plan.kind {
             Kind::Loop(closed) => self.ready_loop(closed, opened, starts),
             Kind::System(run) => self.ready_system(run, opened, starts),
-            _ => bail!("this plan runs no FMUs by itself"),
+            _ => bail!("this plan runs no FMUs itself"),
         }
     }
 

@@ -190,7 +190,7 @@ pub fn open(
             None => failed(
                 "the process data",
                 "the plan has no section [ethercat]",
-                "say there where commands and positions stand (docs/gateway.md)",
+                "state there the place of commands and positions (docs/gateway.md)",
             ),
             Some(data) => open_ethercat(interface, data, &site.safe),
         },

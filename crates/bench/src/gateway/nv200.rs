@@ -80,7 +80,7 @@ impl Nv200Device {
         let (least, greatest) = (least?, greatest?);
         if !(least..=greatest).contains(&safe) {
             return Err(Broken::Said(format!(
-                "it goes from {least} to {greatest}; the safe command {safe} of the plan is beyond that: give \
+                "its travel is from {least} to {greatest}; the safe command {safe} of the plan is outside it: give \
                  safe and command_limits in [[axis]], in the instrument's unit"
             )));
         }

@@ -1,4 +1,4 @@
-//! Flattening of the strain towards the ends of the voltage range.
+//! Saturation of the strain towards both ends of the voltage range.
 //!
 //! `v_eff = centre + half_range·S(ξ)`, `S(ξ) = ξ − flattening·ξ³`, ξ = (v − centre)/half_range
 //!
@@ -22,7 +22,7 @@ pub struct PolarisationSaturation;
 static DECLARATION: Declaration = Declaration {
     kind: "polarisation-saturation",
     name: "saturation",
-    summary: "Flattening of the strain towards the ends of the voltage range",
+    summary: "Saturation of the strain towards both ends of the voltage range",
     equation: "v = centre + half_range*(xi - flattening*xi^3); xi = (u - centre)/half_range, \
                straight beyond 1",
     reference: "IEEE Std 176-1987, IEEE Standard on Piezoelectricity (nonlinear limits)",
@@ -33,7 +33,7 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[],
     parameters: &[
-        Quantity::new("flattening", "1", "Loss at the ends as a part of half the range")
+        Quantity::new("flattening", "1", "Loss at the ends, relative to half the range")
             .min(0.0)
             .max(0.3)
             .fitted(),

@@ -1,4 +1,4 @@
-//! What an unknown past leaves in the position until the command has wiped it out.
+//! Remanence of an unknown past, which fades until the command has wiped it out.
 //!
 //! `y = x + remanence·max(0, 1 − w/reach)`,  `w = max |u(s) − u(0)|` over s ≤ t
 //!
@@ -29,7 +29,7 @@ pub struct Remanence;
 static DECLARATION: Declaration = Declaration {
     kind: "remanence",
     name: "remanence",
-    summary: "What an unknown past leaves in the position until the command has wiped it out",
+    summary: "Remanence of an unknown past, which fades until the command has wiped it out",
     equation: "y = x + remanence*max(0, 1 - w/reach); w = max |u(s) - u(0)|, s <= t",
     reference: "I. D. Mayergoyz, Mathematical Models of Hysteresis and Their Applications, 2003",
     stage: Stage::Actuator,

@@ -32,7 +32,7 @@ pub struct SelfHeating;
 static DECLARATION: Declaration = Declaration {
     kind: "self-heating",
     name: "heating",
-    summary: "Warming of the actuator by its own losses: gain and length",
+    summary: "Self-heating of the actuator by its losses, which changes gain and length",
     equation: "time_constant*T' = resistance*P - T; P = pi/2*loss*capacitance*|(v - mean(v))*v'|; \
                y = x*(1 + coefficient*T) + growth*T",
     reference: "K. Uchino, S. Hirose, IEEE Trans. UFFC 48 (2001) 307-321",

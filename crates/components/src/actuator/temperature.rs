@@ -1,4 +1,4 @@
-//! Gain of the actuator over its temperature.
+//! Temperature dependence of the actuator's gain.
 //!
 //! `y = x·[1 + coefficient·(temperature − reference)]`
 //!
@@ -21,7 +21,7 @@ pub struct ActuatorTemperature;
 static DECLARATION: Declaration = Declaration {
     kind: "actuator-temperature",
     name: "temperature",
-    summary: "Gain of the actuator over its temperature",
+    summary: "Temperature dependence of the actuator's gain",
     equation: "y = x*(1 + coefficient*(temperature - reference))",
     reference: "makers' tables of multilayer actuators",
     stage: Stage::Actuator,

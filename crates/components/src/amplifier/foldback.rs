@@ -27,7 +27,7 @@ pub struct AmplifierFoldback;
 static DECLARATION: Declaration = Declaration {
     kind: "amplifier-foldback",
     name: "foldback",
-    summary: "Average current limit of the amplifier: it falls back after fast driving for a while",
+    summary: "Average current limit of the amplifier, which acts after sustained fast driving",
     equation: "|v'| <= i/capacitance; i = peak while q <= continuous^2, else continuous; \
                time_constant*q' = (capacitance*v')^2 - q",
     reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning \

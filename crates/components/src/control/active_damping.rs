@@ -64,11 +64,11 @@ pub static NON_MINIMUM_PHASE_DAMPING: ActiveDamping =
     ActiveDamping { declaration: &NON_MINIMUM_PHASE, filter: Filter::AllPass };
 
 const GAIN: Quantity =
-    Quantity::new("gain", "{command}/{position}", "Gain of the feedback at rest").tunable();
+    Quantity::new("gain", "{command}/{position}", "Static gain of the feedback").tunable();
 const WEIGHT: Quantity = Quantity::new(
     "setpoint_weight",
     "1",
-    "Share of the reference that is taken off the measured position: 1 with an inverse as feedforward",
+    "Share of the reference that is subtracted from the measured position; 1 with an inverse as feedforward",
 )
 .start(1.0)
 .min(0.0)
@@ -115,15 +115,19 @@ static POSITIVE_POSITION: Declaration = Declaration {
 
 static NON_MINIMUM_PHASE: Declaration = Declaration {
     kind: "non-minimum-phase-damping",
-    summary: "Non-minimum-phase damping: the position turned by an all-pass, with the same gain at all frequencies",
+    summary: "Non-minimum-phase damping: feedback of the position through an all-pass, with constant gain and shifted phase",
     equation: "y = u + gain*F*(x - x0); F = (w - s)/(w + s); w = 2*pi*frequency; x = measured - \
                setpoint_weight*reference; x0 = x at rest and where the loop was closed",
     reference: "A. Natu, H. HosseinNia, arXiv 2412.18374 (2024)",
     parameters: &[
         GAIN,
-        Quantity::new("frequency", "Hz", "Where the all-pass turns by 90 degrees")
-            .min(0.0)
-            .tunable(),
+        Quantity::new(
+            "frequency",
+            "Hz",
+            "Frequency at which the phase of the all-pass is -90 degrees",
+        )
+        .min(0.0)
+        .tunable(),
         WEIGHT,
     ],
     ..INTEGRAL_RESONANT

@@ -35,7 +35,7 @@ pub static COMMAND_CURVE: Curve = Curve { declaration: &COMMAND };
 static REFERENCE: Declaration = Declaration {
     kind: "reference-curve",
     name: "sensor_curve",
-    summary: "Curve through points in front of the feedforward, for a static nonlinearity of the sensor",
+    summary: "Curve through points before the feedforward, for a static nonlinearity of the sensor",
     equation: "y = value[i] + (value[i+1] - value[i])/(at[i+1] - at[i])*(u - at[i]); at[i] <= u < at[i+1], the \
                first and the last interval without end",
     reference: "G. Tao, P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor \
@@ -47,8 +47,8 @@ static REFERENCE: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[Structural::count("points", "Number of points", 2, 4096)],
     parameters: &[
-        Quantity::new("at", "{position}", "Where the points are, increasing").per(0),
-        Quantity::new("value", "{position}", "What the curve is there").per(0),
+        Quantity::new("at", "{position}", "Inputs of the points, increasing").per(0),
+        Quantity::new("value", "{position}", "Output at each point").per(0),
     ],
 };
 
@@ -57,8 +57,8 @@ static COMMAND: Declaration = Declaration {
     name: "amplifier_curve",
     summary: "Curve through points behind the feedforward, for a static nonlinearity of the amplifier",
     parameters: &[
-        Quantity::new("at", "{command}", "Where the points are, increasing").per(0),
-        Quantity::new("value", "{command}", "What the curve is there").per(0),
+        Quantity::new("at", "{command}", "Inputs of the points, increasing").per(0),
+        Quantity::new("value", "{command}", "Output at each point").per(0),
     ],
     ..REFERENCE
 };

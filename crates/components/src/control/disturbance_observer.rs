@@ -32,7 +32,7 @@ pub struct DisturbanceObserver;
 static DECLARATION: Declaration = Declaration {
     kind: "disturbance-observer",
     name: "observer",
-    summary: "Takes what the machine does beyond its model off the reference, in front of the inverse",
+    summary: "Estimates the machine's deviation from its model and subtracts it from the reference, before the inverse",
     equation: "v = r - d; d = Q*(measured - M*v); M = exp(-s*delay)/(1 + s*lag); Q = 1/(1 + \
                s/(2*pi*bandwidth)); |d| <= limit",
     reference: "K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatronics 1 (1996) 56-67",
@@ -43,7 +43,7 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[Structural::real("longest", "s", "Longest delay that can be set", 0.1, 0.0, 10.0)],
     parameters: &[
-        Quantity::new("bandwidth", "Hz", "Up to where disturbances are taken off")
+        Quantity::new("bandwidth", "Hz", "Frequency up to which disturbances are compensated")
             .min(0.0)
             .tunable(),
         Quantity::new("lag", "s", "Time constant from the inverse to the measured position")
@@ -55,7 +55,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .at_most(0)
             .tunable(),
-        Quantity::new("limit", "{position}", "Greatest disturbance that is taken off")
+        Quantity::new("limit", "{position}", "Greatest disturbance that is compensated")
             .min(0.0)
             .tunable(),
     ],
@@ -85,7 +85,7 @@ impl Component for DisturbanceObserver {
         else {
             return Err(WRONG_LENGTH);
         };
-        let rule = "must be above 0; leave the observer out to switch it off";
+        let rule = "must be above 0; omit the observer to disable it";
         require(bandwidth > 0.0, "bandwidth", bandwidth, rule)?;
         *low_pass = lag_fraction(bandwidth, period);
         *follow = if lag > 0.0 { -libm::expm1(-period / lag) } else { 1.0 };

@@ -1,4 +1,4 @@
-//! Linear feedforward: command proportional to the position that is wanted.
+//! Linear feedforward: command proportional to the reference position.
 //!
 //! `u = gain · (y − offset)`
 //!
@@ -19,7 +19,7 @@ pub struct FeedforwardGain;
 static DECLARATION: Declaration = Declaration {
     kind: "feedforward-gain",
     name: "feedforward",
-    summary: "Linear feedforward: command proportional to the position that is wanted",
+    summary: "Linear feedforward: command proportional to the reference position",
     equation: "u = gain*(y - offset)",
     reference: "inverse of a linear actuator",
     stage: Stage::Control,

@@ -129,8 +129,7 @@ impl JacobianCoordinator {
         // Not a number counts as above.
         if condition.is_nan() || condition > limit {
             let rule = "is the condition number of the Jacobian, above condition_max: motions of some \
-                        axes cannot be told apart by the sensors; calibrate with motion that moves \
-                        every axis by itself, or set entries that do not belong there to 0";
+                        axes cannot be distinguished by the sensors; calibrate with motion that moves each axis separately, or set entries that do not belong there to 0";
             return Err(Violation { quantity: "matrix", index: None, value: condition, rule });
         }
         room.copy_from_slice(jacobian);

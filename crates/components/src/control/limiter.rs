@@ -25,16 +25,14 @@ pub(super) const RATE_MAX: Quantity =
 pub(super) const HOLD: Quantity = Quantity::new(
     "hold",
     "1",
-    "While disabled: 1 holds the last command, 0 goes to the safe one at the rate limit",
+    "While disabled: 1 holds the last command, 0 ramps to the safe command at the rate limit",
 )
 .start(1.0)
 .min(0.0)
 .max(1.0)
 .tunable();
 pub(super) const SAFE: Quantity =
-    Quantity::new("safe", "{command}", "Command while disabled, where it is not held")
-        .start(0.0)
-        .tunable();
+    Quantity::new("safe", "{command}", "Command while disabled, if hold is 0").start(0.0).tunable();
 
 /// Limits of the command, and what it is while the loop is open.
 #[derive(Clone, Copy)]

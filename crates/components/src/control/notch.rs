@@ -44,13 +44,9 @@ static DECLARATION: Declaration = Declaration {
 };
 
 const PARAMETERS: [Quantity; 3] = [
-    Quantity::new("frequency", "Hz", "Frequency that is taken out").min(0.0).tunable(),
+    Quantity::new("frequency", "Hz", "Frequency of the notch").min(0.0).tunable(),
     Quantity::new("damping", "1", "Damping ratio of the poles").start(0.5).min(0.0).tunable(),
-    Quantity::new("depth", "1", "What is left at the frequency")
-        .start(0.0)
-        .min(0.0)
-        .max(1.0)
-        .tunable(),
+    Quantity::new("depth", "1", "Gain at that frequency").start(0.0).min(0.0).max(1.0).tunable(),
 ];
 
 /// The component `feedback-notch`.

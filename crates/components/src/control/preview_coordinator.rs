@@ -45,14 +45,13 @@ static STRUCTURE: [Structural; 5] = [
     Structural::count("axes", "Number of coupled axes", 2, AXES),
     Structural::count("entries", "Number of entries of the matrix", 4, AXES * AXES),
     Structural::count("filter", "Entries of all taps", 4, ENTRIES),
-    Structural::real("sample_time", "s", "Period that the taps belong to", 1e-3, 1e-9, 1e3),
-    Structural::real("preview", "s", "How far the reference input is ahead", 0.0, 0.0, 1e3),
+    Structural::real("sample_time", "s", "Sample period of the taps", 1e-3, 1e-9, 1e3),
+    Structural::real("preview", "s", "Time by which the reference input is ahead", 0.0, 0.0, 1e3),
 ];
 static DECLARATION: Declaration = Declaration {
     kind: "preview-coordinator",
     name: "coordinator",
-    summary: "From coordinates to the motions of axes whose coupling has dynamics: inverse Jacobian, and filters \
-              that know the reference ahead",
+    summary: "From coordinates to the motions of axes whose coupling has dynamics: inverse Jacobian, and filters that use the reference in advance",
     equation: "theta_r = J^-1*(p_r - p0); theta_m = J^-1*(p - p0); path[i] = \
                sum(taps[k,i,j]*theta_r[j](t - k*T)); reference = theta_r(t - preview)",
     reference: "M. Tomizuka, ASME J. Dyn. Syst. Meas. Control 115 (1993) 412-418",

@@ -22,7 +22,7 @@ pub struct ReferenceFilter;
 static DECLARATION: Declaration = Declaration {
     kind: "reference-filter",
     name: "filter",
-    summary: "Low-pass of second order for the reference, for feedforward and feedback alike",
+    summary: "Second-order low-pass for the reference of both feedforward and feedback",
     equation: "r_f + 2*damping*r_f'/w + r_f''/w^2 = r; w = 2*pi*frequency",
     reference: "K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 5",
     stage: Stage::Control,
@@ -54,7 +54,7 @@ impl Component for ReferenceFilter {
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
         let &[frequency, damping] = parameters else { return Err(WRONG_LENGTH) };
-        let rule = "must be above 0; leave the filter out where nothing is to be smoothed";
+        let rule = "must be above 0; omit the filter if nothing is to be smoothed";
         require(frequency > 0.0, "frequency", frequency, rule)?;
         let own = <&mut [f64; 4]>::try_from(coefficients).map_err(|_| WRONG_LENGTH)?;
         *own = SecondOrder::new(frequency, damping, 1.0, period).to_array();

@@ -45,7 +45,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("inertia", "s2", "Second-order coefficient, 1/omega^2 for one mode")
             .min(0.0)
             .tunable(),
-        Quantity::new("limit", "{position}", "Greatest amount that is added or taken away")
+        Quantity::new("limit", "{position}", "Greatest correction in either direction")
             .min(0.0)
             .tunable(),
     ],

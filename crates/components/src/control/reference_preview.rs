@@ -28,7 +28,7 @@ pub struct ReferencePreview;
 static DECLARATION: Declaration = Declaration {
     kind: "reference-preview",
     name: "preview",
-    summary: "The reference input runs ahead: feedforward gets it at once, feedback later",
+    summary: "Preview of the reference: feedforward uses it at once, feedback later",
     equation: "path = r(t); reference = r(t - preview)",
     reference: "M. Tomizuka, ASME J. Dyn. Syst. Meas. Control 115 (1993) 412-418",
     stage: Stage::Control,
@@ -44,7 +44,7 @@ static DECLARATION: Declaration = Declaration {
         0.0,
         10.0,
     )],
-    parameters: &[Quantity::new("preview", "s", "How far the reference input is ahead")
+    parameters: &[Quantity::new("preview", "s", "Time by which the reference input is ahead")
         .min(0.0)
         .at_most(0)
         .tunable()],

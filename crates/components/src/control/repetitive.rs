@@ -71,12 +71,12 @@ static DECLARATION: Declaration = Declaration {
         },
     ],
     parameters: &[
-        Quantity::new("gain", "{command}/{position}", "Gain of learning").tunable(),
+        Quantity::new("gain", "{command}/{position}", "Learning gain").tunable(),
         Quantity::new("lead", "s", "Delay from the command to the measured position")
             .start(0.0)
             .min(0.0)
             .tunable(),
-        Quantity::new("keep", "1", "Part of what was learned that stays for the next cycle")
+        Quantity::new("keep", "1", "Share of the learned command that is kept for the next cycle")
             .start(1.0)
             .min(0.0)
             .max(1.0)

@@ -54,7 +54,7 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &STRUCTURE,
     parameters: &[
-        Quantity::new("direct", "1", "Motion per motion of what has no mode here, row by row")
+        Quantity::new("direct", "1", "Motion per motion outside the listed modes, row by row")
             .per(1)
             .fitted(),
         Quantity::new("frequency", "Hz", "Undamped natural frequency of each mode")

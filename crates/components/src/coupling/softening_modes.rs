@@ -60,7 +60,7 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &STRUCTURE,
     parameters: &[
-        Quantity::new("direct", "1", "Motion per motion of what has no mode here, row by row")
+        Quantity::new("direct", "1", "Motion per motion outside the listed modes, row by row")
             .per(1)
             .fitted(),
         Quantity::new("frequency", "Hz", "Undamped natural frequency of each mode, small motion")
@@ -106,15 +106,15 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new(
             "amplitude",
             "{position}",
-            "Rms of each axis' motion in front at which shift and growth are given",
+            "Rms of each axis' motion before the coupling at which shift and growth are given",
         )
         .per(0)
         .min(0.0),
-        Quantity::new("exponent", "1", "Power of the amplitude that shift and growth follow")
+        Quantity::new("exponent", "1", "Exponent of the amplitude in shift and growth")
             .min(0.0)
             .start(1.0)
             .fitted(),
-        Quantity::new("time_constant", "s", "Of the running rms").min(0.0).start(0.1),
+        Quantity::new("time_constant", "s", "Time constant of the running rms").min(0.0).start(0.1),
     ],
 };
 

@@ -21,7 +21,7 @@ pub struct InverseKelvinVoigtCreep;
 static DECLARATION: Declaration = Declaration {
     kind: "inverse-kelvin-voigt-creep",
     name: "creep",
-    summary: "Takes the creep of Kelvin-Voigt elements out of a reference",
+    summary: "Inverse of Kelvin-Voigt creep: removes it from the reference",
     equation: "u + sum(share[i]*z[i]) = y; time_constant[i]*z[i]' = u - z[i]",
     reference: "H. Janocha, K. Kuhnen, Sensors and Actuators A 79 (2000) 83-89",
     stage: Stage::Control,

@@ -36,7 +36,7 @@ pub(super) static DECLARATION: Declaration = Declaration {
     outputs: &[Output::PATH],
     structure: &[Structural::count("elements", "Number of elements", 1, 64)],
     parameters: &[
-        Quantity::new("share", "1", "Part of a step that each element adds in the end")
+        Quantity::new("share", "1", "Final creep of each element, relative to the step")
             .releases(&effects::CREEP)
             .per(0)
             .fitted(),

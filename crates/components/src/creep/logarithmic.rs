@@ -31,7 +31,7 @@ pub struct LogarithmicCreep;
 static DECLARATION: Declaration = Declaration {
     kind: "logarithmic-creep",
     name: "creep",
-    summary: "Creep that is straight over the logarithm of time",
+    summary: "Creep in proportion to the logarithm of time",
     equation: "y(t) = y(reference)*(1 + gain*log10(t/reference)) after a step",
     reference: "H. Jung, D.-G. Gweon, Rev. Sci. Instrum. 71 (2000) 1896-1900",
     stage: Stage::Actuator,
@@ -51,10 +51,10 @@ static DECLARATION: Declaration = Declaration {
         Structural::real("longest", "s", "Time after a step at which creep ends", 1e4, 1e-3, 1e9),
     ],
     parameters: &[
-        Quantity::new("gain", "1", "Growth of the position in a decade of time")
+        Quantity::new("gain", "1", "Relative growth of the position per decade of time")
             .releases(&effects::CREEP)
             .fitted(),
-        Quantity::new("reference", "s", "Time after a step at which the growth counts as zero")
+        Quantity::new("reference", "s", "Time after a step at which the growth is defined as zero")
             .start(0.1)
             .min(0.0)
             .from_to(0, 1),

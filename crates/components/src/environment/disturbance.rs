@@ -17,7 +17,7 @@ pub struct Disturbance;
 static DECLARATION: Declaration = Declaration {
     kind: "disturbance",
     name: "disturbance",
-    summary: "Disturbance of the position from outside, as from a log that is played back",
+    summary: "External disturbance of the position, for example played back from a log",
     equation: "y = x + gain*disturbance",
     reference: "definition",
     stage: Stage::Environment,

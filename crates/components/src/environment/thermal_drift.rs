@@ -1,4 +1,4 @@
-//! Thermal growth of the structure: steady, settling, and by a given temperature.
+//! Thermal growth of the structure: steady, settling, and in proportion to a given temperature.
 //!
 //! ```text
 //! y = x + rate·t + settling·(1 − exp(−t/time_constant)) + g
@@ -27,7 +27,7 @@ pub struct ThermalDrift;
 static DECLARATION: Declaration = Declaration {
     kind: "thermal-drift",
     name: "drift",
-    summary: "Thermal growth of the structure: steady, settling, and by a given temperature",
+    summary: "Thermal growth of the structure: steady, settling, and in proportion to a given temperature",
     equation: "y = x + rate*t + settling*(1 - exp(-t/time_constant)) + g; time_constant*g' = \
                expansion*temperature_change - g",
     reference: "ISO 230-3, Determination of thermal effects",
@@ -47,7 +47,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new(
             "temperature_change",
             "K",
-            "Temperature less the one at which the growth is zero",
+            "Difference from the temperature at which the growth is zero",
         )
         .start(0.0)
         .tunable(),

@@ -1,4 +1,4 @@
-//! Thermal growth of the structure by the temperature of the surroundings.
+//! Thermal growth of the structure with the temperature of the surroundings.
 //!
 //! `y = x + expansion·(T_s − reference)`, `time_constant·T_s′ = T − T_s`
 //!
@@ -22,7 +22,7 @@ pub struct ThermalExpansion;
 static DECLARATION: Declaration = Declaration {
     kind: "thermal-expansion",
     name: "expansion",
-    summary: "Thermal growth of the structure by the temperature of the surroundings",
+    summary: "Thermal growth of the structure with the temperature of the surroundings",
     equation: "y = x + expansion*(Ts - reference); time_constant*Ts' = temperature - Ts",
     reference: "ISO 230-3, Determination of thermal effects",
     stage: Stage::Environment,

@@ -40,10 +40,10 @@ pub(super) const PARAMETERS: [Quantity; 7] = [
     Quantity::new("gain", "{position}/{command}", "Position per command without hysteresis")
         .min(0.0)
         .fitted(),
-    Quantity::new("alpha", "1", "Share of the gain that the hysteresis takes after a reversal")
+    Quantity::new("alpha", "1", "Share of the gain that the hysteresis removes after a reversal")
         .min(0.0)
         .fitted(),
-    Quantity::new("beta", "1/{command}", "Decay of h that opposes it on both branches")
+    Quantity::new("beta", "1/{command}", "Decay of h towards zero on both branches")
         .min(0.0)
         .fitted(),
     Quantity::new("gamma", "1/{command}", "Decay of h that depends on the direction").fitted(),

@@ -45,9 +45,13 @@ static DECLARATION: Declaration = Declaration {
 pub(super) const PARAMETERS: [Quantity; 4] = [
     Quantity::new("gain", "{position}/{command}", "Slope of the centre line").fitted(),
     Quantity::new("height", "{position}", "Half height of the major loop").min(0.0).fitted(),
-    Quantity::new("length", "{command}", "Way in which a branch closes 63 % of its distance")
-        .min(0.0)
-        .fitted(),
+    Quantity::new(
+        "length",
+        "{command}",
+        "Change of the command over which a branch covers 63 % of its distance to the major loop",
+    )
+    .min(0.0)
+    .fitted(),
     Quantity::new("offset", "{position}", "Position at zero command in the virgin state")
         .start(0.0)
         .fitted(),

@@ -48,9 +48,13 @@ static DECLARATION: Declaration = Declaration {
 pub(super) const PARAMETERS: [Quantity; 4] = [
     Quantity::new("slope", "{position}/{command}", "Slope of the centre line").fitted(),
     Quantity::new("initial", "{position}/{command}", "Slope right after a reversal").fitted(),
-    Quantity::new("decay", "1/{command}", "How fast a branch joins the major loop")
-        .min(0.0)
-        .fitted(),
+    Quantity::new(
+        "decay",
+        "1/{command}",
+        "Rate at which a branch approaches the major loop, per unit of command",
+    )
+    .min(0.0)
+    .fitted(),
     Quantity::new("offset", "{position}", "Position at zero command in the virgin state")
         .start(0.0)
         .fitted(),

@@ -47,12 +47,12 @@ static DECLARATION: Declaration = Declaration {
         R,
         W,
         OFFSET,
-        Quantity::new("gain", "{position}/{command}", "Part of the elongation without memory")
+        Quantity::new("gain", "{position}/{command}", "Linear part without hysteresis")
             .role(Role::Slope)
             .start(0.0)
             .min(0.0)
             .fitted(),
-        Quantity::new("bandwidth", "Hz", "Frequency from which on the memory lags")
+        Quantity::new("bandwidth", "Hz", "Bandwidth of the low-pass before the plays")
             .min(0.0)
             .fitted(),
     ],

@@ -38,13 +38,16 @@ pub static INVERSE: NumericInverse<Mpi> =
     NumericInverse { forward: &Mpi, declaration: &INVERSE_DECLARATION };
 
 const LINEAR: Quantity =
-    Quantity::new("linear", "{position}/{command}", "Linear part without memory")
+    Quantity::new("linear", "{position}/{command}", "Linear part without hysteresis")
         .role(Role::Slope)
         .fitted();
-const CUBIC: Quantity =
-    Quantity::new("cubic", "{position}/{command}/{command}/{command}", "Cubic part without memory")
-        .start(0.0)
-        .fitted();
+const CUBIC: Quantity = Quantity::new(
+    "cubic",
+    "{position}/{command}/{command}/{command}",
+    "Cubic part without hysteresis",
+)
+.start(0.0)
+.fitted();
 const SCALE: Quantity =
     Quantity::new("scale", "1", "Factor of all thresholds").start(1.0).min(0.0).fitted();
 

@@ -35,7 +35,7 @@ pub static INVERSE: NumericInverse<RateDependentPlay> =
     NumericInverse { forward: &RateDependentPlay, declaration: &INVERSE_DECLARATION };
 
 const GAIN: Quantity =
-    Quantity::new("gain", "{position}/{command}", "Part of the elongation without memory")
+    Quantity::new("gain", "{position}/{command}", "Linear part without hysteresis")
         .role(Role::Slope)
         .start(0.0)
         .min(0.0)

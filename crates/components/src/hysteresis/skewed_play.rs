@@ -52,7 +52,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new(
             "skew",
             "{position}/{command}",
-            "Growth of the weight of each play's memory to the upper end of the range",
+            "Growth of the weight of each play's memory towards the upper end of the range",
         )
         .per(0)
         .fitted(),
@@ -64,14 +64,22 @@ static DECLARATION: Declaration = Declaration {
         )
         .start(0.0)
         .fitted(),
-        Quantity::new("width", "1", "Half width of that play at the centre over half_range")
-            .start(0.0)
-            .min(0.0)
-            .fitted(),
-        Quantity::new("width_growth", "1", "Growth of the width to the upper end of the range")
-            .start(0.0)
-            .fitted(),
-        Quantity::new("width_curvature", "1", "Growth of the width to both ends of the range")
+        Quantity::new(
+            "width",
+            "1",
+            "Half width of that play at the centre, relative to half_range",
+        )
+        .start(0.0)
+        .min(0.0)
+        .fitted(),
+        Quantity::new(
+            "width_growth",
+            "1",
+            "Growth of the width towards the upper end of the range",
+        )
+        .start(0.0)
+        .fitted(),
+        Quantity::new("width_curvature", "1", "Growth of the width towards both ends of the range")
             .start(0.0)
             .fitted(),
         Quantity::new("centre", "{command}", "Middle of the range"),

@@ -24,7 +24,7 @@ pub struct LoadForce;
 static DECLARATION: Declaration = Declaration {
     kind: "load-force",
     name: "load",
-    summary: "Load force from outside, through the actuator's stiffness, in front of a mode",
+    summary: "External load force through the actuator's stiffness, before a mode",
     equation: "y = u + force/stiffness",
     reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 3",
     stage: Stage::Mechanics,

@@ -40,7 +40,7 @@ pub struct NonlinearDamping;
 static DECLARATION: Declaration = Declaration {
     kind: "nonlinear-damping",
     name: "damping",
-    summary: "Mode with Coulomb friction and damping that grows with the speed",
+    summary: "Mode with Coulomb friction and speed-dependent damping",
     equation: "x'' + 2*(damping + growth*|x'|)*w*x' + w^2*(x + coulomb*tanh(x'/velocity)) = w^2*u; w \
                = 2*pi*frequency",
     reference: "A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, Wiley 1979, ch. 3",
@@ -65,10 +65,14 @@ static DECLARATION: Declaration = Declaration {
             .start(0.0)
             .min(0.0)
             .fitted(),
-        Quantity::new("velocity", "{position}/s", "Velocity of 76 % of the Coulomb friction")
-            .start(1.0)
-            .min(0.0)
-            .fitted(),
+        Quantity::new(
+            "velocity",
+            "{position}/s",
+            "Velocity at which 76 % of the Coulomb friction acts",
+        )
+        .start(1.0)
+        .min(0.0)
+        .fitted(),
         Quantity::new("growth", "s/{position}", "Growth of the damping ratio with the speed")
             .start(0.0)
             .min(0.0)

@@ -58,10 +58,10 @@ static DECLARATION: Declaration = Declaration {
             .releases(&effects::DAMPING)
             .min(0.0)
             .fitted(),
-        Quantity::new("linear", "1", "Relative growth of the stiffness to the upper end")
+        Quantity::new("linear", "1", "Relative growth of the stiffness towards the upper end")
             .start(0.0)
             .fitted(),
-        Quantity::new("quadratic", "1", "Relative growth of the stiffness to both ends")
+        Quantity::new("quadratic", "1", "Relative growth of the stiffness towards both ends")
             .start(0.0)
             .fitted(),
         Quantity::new("centre", "{position}", "Middle of the range").start(0.0),

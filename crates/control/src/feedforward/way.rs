@@ -58,10 +58,10 @@ impl Feedforward {
     #[must_use]
     pub const fn summary(self) -> &'static str {
         match self {
-            Self::Automatic => "the one that errs least on the plant itself",
+            Self::Automatic => "the kind with the least error on the plant itself",
             Self::Inverse => "the inverse that the plant's components declare",
             Self::InverseFree => {
-                "the hysteresis model itself beside the machine, without an inverse"
+                "the hysteresis model itself, in parallel to the machine, without an inverse"
             }
             Self::Fitted => "the inverse of a Prandtl-Ishlinskii model that is fitted to the plant",
             Self::Dynamic => {
@@ -72,7 +72,7 @@ impl Feedforward {
             }
             Self::Linear => "a straight line",
             Self::Preview => {
-                "the one of automatic, and the dynamics of a coupling undone too: the position follows the reference late, by a stated time"
+                "as automatic, and the dynamics of a coupling are compensated too: the position follows the reference with a stated delay"
             }
             Self::None => "feedback alone",
         }

@@ -61,8 +61,7 @@ impl Work<'_> {
         if self.settings.feedforward == Feedforward::Preview
             && self.previews.iter().all(Option::is_none)
         {
-            let reason = "--feedforward preview undoes the dynamics of a coupling between axes, and no coupling with \
-                          dynamics is here; leave it out";
+            let reason = "--feedforward preview compensates the dynamics of a coupling between axes, and this plant has no coupling with dynamics; leave it out";
             let place = self.plant.spec().name.clone();
             return Err(refused(vec![NotInvertible { place, reason: reason.to_owned() }]));
         }

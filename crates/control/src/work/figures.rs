@@ -28,8 +28,7 @@ impl Work<'_> {
             && ki != 0.0
         {
             left.push(format!(
-                "the feedback adds to what the feedforward alone leaves ({:.3} % of the reach for {:.3} %): the \
-                 position does not follow small commands smoothly; --feedback none leaves it out",
+                "with feedback the error is larger than with the feedforward alone ({:.3} % of the reach instead of {:.3} %): the position does not follow small commands smoothly; --feedback none omits the feedback",
                 100.0 * check.closed_loop,
                 100.0 * alone
             ));

@@ -306,7 +306,7 @@ impl Reader {
             else {
                 self.report(
                     connection,
-                    format!("nothing goes into function \"{function}\""),
+                    format!("nothing is connected to an input of function \"{function}\""),
                     "connect its signal in",
                 );
                 continue;

@@ -53,7 +53,7 @@ impl Plan {
 }
 
 /// Places that are no TOML and are told one by one.
-const MOST_TOLD: usize = 8;
+const MOST_TOLD: usize = 3;
 
 type Value<'i> = Spanned<DeValue<'i>>;
 

@@ -256,7 +256,7 @@ impl Member<'_> {
         let Some(wanted) = wanted.filter(|wanted| *wanted != found) else { return };
         let name = self.declaration.structure.get(setting).map_or("", |s| s.name);
         let rule = format!("must have {wanted} values, as many as {name} and the other lists say");
-        let way_out = format!("give {wanted} values here, or mend the others");
+        let way_out = format!("give {wanted} values here, or correct the others");
         checker.report(place, &format!("{found} values"), rule, way_out);
     }
 

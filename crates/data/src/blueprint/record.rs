@@ -166,7 +166,7 @@ pub(super) fn fill(
                     reader.note(place, name, problem.rule.clone(), &problem.way_out);
                 } else {
                     let rule = format!("cannot be taken: {problem}");
-                    reader.note(place, name, rule, "mend the record");
+                    reader.note(place, name, rule, "correct the record");
                 }
             }
             return;

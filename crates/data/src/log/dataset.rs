@@ -58,7 +58,7 @@ pub(super) fn beside(path: &Path, longest: u64) -> Result<Vec<Dataset>, Problems
             Err(error) => {
                 let rule = format!("cannot be read: {error}");
                 let file = path.display().to_string();
-                return Err(Problem::new(file, rule, "mend it or move it away").into());
+                return Err(Problem::new(file, rule, "correct it or move it away").into());
             }
         };
         found.push(parse(&text, &path.display().to_string(), is_sidecar)?);

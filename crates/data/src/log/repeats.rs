@@ -70,7 +70,7 @@ pub(super) fn doubt(time: &[f64], is_said: bool, base: f64) -> Option<String> {
         && pair[1] - pair[0] > STRAY * usual
     {
         return Some(format!(
-            "time goes from {} s to {} s behind row {}, where a row follows after {usual} s otherwise: is that a stray time?",
+            "time jumps from {} s to {} s after row {}, where otherwise a row follows after {usual} s: is that a wrong time?",
             pair[0],
             pair[1],
             row + 1
@@ -140,6 +140,6 @@ mod tests {
         let mut stray = grid(1e-3);
         stray[150] = 1e9;
         stray[151..].iter_mut().for_each(|time| *time += 1e9);
-        assert!(doubt(&stray, true, 0.0).unwrap().contains("behind row 150"));
+        assert!(doubt(&stray, true, 0.0).unwrap().contains("after row 150"));
     }
 }

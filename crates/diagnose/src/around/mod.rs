@@ -514,7 +514,7 @@ fn places(formula: &Formula) -> impl Iterator<Item = std::ops::Range<usize>> + '
 /// Why an effect is no part of a repaired model.
 pub(crate) fn stays_out(effect: &str, formula: &Formula) -> String {
     let why = if formula.nuisance.is_some() {
-        "a disturbance with a phase or course of its own in each record, which no model predicts"
+        "a disturbance whose phase or course differs from record to record, which no model predicts"
     } else if effect == "clock_offset" {
         "it lies between two clocks and not in the machine"
     } else if effect == "initial_state" {
@@ -529,8 +529,7 @@ pub(crate) fn stays_out(effect: &str, formula: &Formula) -> String {
 pub(crate) fn part_stays_out(effect: &str, formula: &Formula) -> Option<String> {
     formula.nuisance.as_ref().map(|_| {
         format!(
-            "{effect} ({}) is written with what is the same in each record; what has a phase of its own \
-             there stays out of the repaired model",
+            "{effect} ({}) is written with the part that is the same in each record; the part whose phase differs from record to record is not in the repaired model",
             formula.name
         )
     })

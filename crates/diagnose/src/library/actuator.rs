@@ -190,7 +190,7 @@ fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
             "cube, falling",
             "wider on both sides",
         ];
-        Formula::new("envelopes that bend each by itself")
+        Formula::new("envelopes that bend independently")
             .block(slot, block, names.map(bend).to_vec())
             .start(&[0.0; 7])
     });

@@ -56,6 +56,6 @@ pub const LOG_CATEGORIES: [(&str, &str); 5] = [
     ("logEvents", "Instantiation, initialisation, reset, termination"),
     ("logStatusWarning", "Calls that are answered although they break a rule"),
     ("logStatusDiscard", "Inquiries that cannot be answered"),
-    ("logStatusError", "Calls that are refused: variable, value, rule and way out"),
+    ("logStatusError", "Calls that are refused: variable, value, rule and how to fix it"),
     ("logAll", "All messages"),
 ];

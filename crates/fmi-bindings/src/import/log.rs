@@ -143,7 +143,7 @@ impl Log {
         if !self.foreign_noted.swap(true, Ordering::Relaxed) {
             let text = format!(
                 "calls the logger with an environment pointer that it was not given ({address:#x}); \
-                 its messages are told apart by thread and name"
+                 its messages are assigned by thread and name"
             );
             let (status, category) = (Status::Warning, super::host::HOST.to_owned());
             self.push(Message { status, category, text });

@@ -141,7 +141,7 @@ impl HeldPlant {
         let samples = (model.delay / period).round();
         if samples < 1.0 {
             return Err(Error::no_solution(
-                "the output follows the input of its own row; a plant needs a sample between them",
+                "the output depends on the input of the same row; a plant needs a sample between them",
             ));
         }
         // z⁻¹·(D + r/(z − p)) = (D − r/p)·z⁻¹ + (r/p)/(z − p).

@@ -139,8 +139,7 @@ pub fn learn(
     };
     if figures.error.is_nan() || figures.error > MOST_ERROR {
         let message = format!(
-            "the inverse that was learned errs by {:.2} % of the position's range on {} waves that it was not \
-             learned from, and more than {:.0} % is no inverse; give another --band, or identify the plant from \
+            "the learned inverse has an error of {:.2} % of the position's range on {} waves that it was not trained on; at most {:.0} % is accepted; give another --band, or identify the plant from \
              a log with loops of several sizes",
             100.0 * figures.error,
             figures.judged,

@@ -327,9 +327,9 @@ impl Lesson<'_> {
             (Family::Narx | Family::Process, Told::Rate) => {
                 refused("takes no rate beside its inputs; the rate belongs to lssvm-stops")
             }
-            (Family::Process, _) if self.learning.prune.is_some() => refused(
-                "is not pruned: each of its samples has a weight of its own; leave --prune out",
-            ),
+            (Family::Process, _) if self.learning.prune.is_some() => {
+                refused("is not pruned: each of its samples has its own weight; leave --prune out")
+            }
             (Family::Process, _) if self.learning.selection.is_some() => {
                 refused("finds its hyperparameters by the marginal likelihood; leave --select out")
             }

@@ -24,7 +24,7 @@ const fn count(name: &'static str, description: &'static str, min: f64, max: f64
 const SLOPE: Structural = Structural::real(
     "slope",
     "1",
-    "Of a straight line over the scaled input, on which the kernels stand",
+    "Slope of the straight line over the scaled input that is added to the kernels",
     0.0,
     -1e6,
     1e6,
@@ -39,7 +39,7 @@ const STOPS: &[Structural] = &[
     SAMPLE_TIME,
     count("stops", "Number of stop operators", 0.0, 1000.0),
     Structural::real("range", "1", "Greatest scaled input of the stops", 1.0, 1e-9, 1e9),
-    Structural::real("rate_scale", "1/s", "What the scaled rate is divided by", 1.0, 1e-12, 1e12),
+    Structural::real("rate_scale", "1/s", "Divisor of the scaled rate", 1.0, 1e-12, 1e12),
     SLOPE,
     Structural {
         name: "projected",
@@ -54,7 +54,7 @@ const STOPS: &[Structural] = &[
 const DERIVATIVES: &[Structural] = &[
     SAMPLE_TIME,
     count("inputs", "Number of inputs: 2, 6, 9 or 12", 2.0, 12.0),
-    count("half", "Half length of the low-pass, in samples: it delays by as many", 0.0, 1000.0),
+    count("half", "Half length of the low-pass in samples, which is also its delay", 0.0, 1000.0),
     Structural::real(
         "cutoff",
         "1",
@@ -72,10 +72,12 @@ pub(super) const NARX_SOURCE_XU: &str =
     "Q. Xu, IEEE Trans. Ind. Electron. 60 (2013) 3927-3937, eqs. (5)-(9)";
 
 const PARAMETERS: &[Quantity] = &[
-    Quantity::new("command_low", "{command}", "Command that is 0 in the table").start(0.0),
-    Quantity::new("command_high", "{command}", "Command that is 1 in the table"),
-    Quantity::new("position_low", "{position}", "Position that is 0 in the table").start(0.0),
-    Quantity::new("position_high", "{position}", "Position that is 1 in the table"),
+    Quantity::new("command_low", "{command}", "Command that corresponds to 0 in the table")
+        .start(0.0),
+    Quantity::new("command_high", "{command}", "Command that corresponds to 1 in the table"),
+    Quantity::new("position_low", "{position}", "Position that corresponds to 0 in the table")
+        .start(0.0),
+    Quantity::new("position_high", "{position}", "Position that corresponds to 1 in the table"),
 ];
 
 const NARX_SOURCE: &str = "Laser beam pointing with LS-SVM models of four piezo axes, eqs. (1)-(8), \

@@ -20,8 +20,7 @@ use crate::features::Features;
 static DECLARATION: Declaration = Declaration {
     kind: "lssvm-feedforward",
     name: "feedforward",
-    summary: "Feedforward by a hysteresis term that an LS-SVM learned over position and its own past, \
-              without an inverse",
+    summary: "Feedforward without an inverse, by a hysteresis term that an LS-SVM learned over the position and its own past",
     equation: "u = (inertia*y'' + lag*y' + y - offset)/gain - h; h(t) = bias + sum(w[i]*exp(-|x[i] - \
                z|^2)); z = [y(t), y(t-1), ..., h(t-1), ...], scaled",
     reference: NARX_SOURCE_XU,
@@ -37,10 +36,12 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("offset", "{position}", "Position at zero command").start(0.0).tunable(),
         Quantity::new("lag", "s", "Damping over stiffness").start(0.0).min(0.0).tunable(),
         Quantity::new("inertia", "s2", "Mass over stiffness").start(0.0).min(0.0).tunable(),
-        Quantity::new("h_low", "{command}", "Hysteresis term that is 0 in the table").start(0.0),
-        Quantity::new("h_high", "{command}", "Hysteresis term that is 1 in the table"),
-        Quantity::new("position_low", "{position}", "Position that is 0 in the table").start(0.0),
-        Quantity::new("position_high", "{position}", "Position that is 1 in the table"),
+        Quantity::new("h_low", "{command}", "Hysteresis term that corresponds to 0 in the table")
+            .start(0.0),
+        Quantity::new("h_high", "{command}", "Hysteresis term that corresponds to 1 in the table"),
+        Quantity::new("position_low", "{position}", "Position that corresponds to 0 in the table")
+            .start(0.0),
+        Quantity::new("position_high", "{position}", "Position that corresponds to 1 in the table"),
     ],
 };
 

@@ -52,7 +52,7 @@ pub(super) static INVERSE: NumericInverse<LearnedPlays> =
 
 const STRUCTURE: &[Structural] = &[
     Structural::count("plays", "Number of play operators", 1, 4096),
-    Structural::count("elements", "Number of creeps", 0, CREEPS),
+    Structural::count("elements", "Number of creep elements", 0, CREEPS),
     Structural::count("units", "Number of units of the network", 0, 100),
     Structural::count(
         "weights",
@@ -63,7 +63,7 @@ const STRUCTURE: &[Structural] = &[
     Structural {
         name: "activation",
         unit: "1",
-        description: "What a unit gives of its inputs: 1: a quintic that ends at -1 and 1; 0: tanh",
+        description: "Activation function of a unit: 1 a quintic limited to -1 and 1, 0 tanh",
         start: Some(0.0),
         min: 0.0,
         max: 1.0,
@@ -85,10 +85,18 @@ const PARAMETERS: [Quantity; 16] = [
         .min(0.0)
         .per(0)
         .fitted(),
-    number("share", "1", "Creep of each element over the elongation").min(0.0).per(1).fitted(),
+    number("share", "1", "Final creep of each element, relative to the elongation")
+        .min(0.0)
+        .per(1)
+        .fitted(),
     number("time_constant", "s", "Time constant of each element").min(1e-9).per(1).fitted(),
-    number("height", "1", "Most that a unit adds, over half the position's range").per(2),
-    number("bias", "1", "What a unit sees of nothing").per(2),
+    number(
+        "height",
+        "1",
+        "Greatest contribution of each unit, relative to half the position's range",
+    )
+    .per(2),
+    number("bias", "1", "Bias of each unit").per(2),
     number("weight", "1", "Weight of each input of each unit, unit after unit").per(3),
     number("offset", "{position}", "Position of the plays at zero command").start(0.0).fitted(),
     number("bend", "1", "Quadratic deviation of the command at the end of its range").start(0.0),
@@ -108,7 +116,7 @@ const PARAMETERS: [Quantity; 16] = [
 static DECLARATION: Declaration = Declaration {
     kind: "learned-plays",
     name: "hysteresis",
-    summary: "Plays between two curves with creep, and a small network over what they remember",
+    summary: "Plays between two curves with creep, and a small network over their states",
     equation: "v = offset + sum(w[i]*P[i]) + creep; y = v + position_half_range*(quadratic*eta^2 + \
                cubic*eta^3 + sum(height[n]*s(bias[n] + sum(weight[n,m]*x[m])))); s(a) = \
                c*(15 - 10*c^2 + 3*c^4)/8, c = 8*a/15 within -1 and 1, or tanh(a); x = command, \

@@ -33,7 +33,7 @@ pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
             Figure::new(RIG, format!("do-nothing error, signal {letter}"), "um", paper, error);
         all.push(match letter {
             'C' | 'F' | 'G' => {
-                figure.note("the wave form stands in: the paper gives its band only")
+                figure.note("the waveform is assumed: the paper gives its band only")
             }
             _ => figure,
         });

@@ -12,8 +12,8 @@ pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
     let mut all = Vec::new();
     for (name, paper, note) in [
         ("p2-train", 1.9, ""),
-        ("p2-test-1", 2.8, "the signal stands in: the paper shows it as a figure only"),
-        ("p2-test-2", 1.9, "the signal stands in: the paper shows it as a figure only"),
+        ("p2-test-1", 2.8, "the signal is assumed: the paper shows it as a figure only"),
+        ("p2-test-2", 1.9, "the signal is assumed: the paper shows it as a figure only"),
     ] {
         let (u, period) = signal(name, &[])?;
         let y = response(&mut system, 1, &u, period)?;

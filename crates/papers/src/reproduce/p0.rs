@@ -340,7 +340,7 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
     }
     answer.remarks.push(
         "the paper's method: NARX inputs, settings in simulation mode, Algorithm 1 with its tau or what the machine allows, the \
-         linear part by output error, an inverse that looks ahead as few rows as a stable one can. Settings by ten blocks of 2 s, the third column, run off over 20 s; those of all of the record do not, with a smaller gamma. \"Ours\": stop operators (P1's, without the rate), trained in turn with the linear part, \
+         linear part by output error, an inverse that looks ahead as few rows as a stable one can. With settings by ten blocks of 2 s (third column) the model diverges over 20 s; with those of the complete record, which have a smaller gamma, it does not. \"Ours\": stop operators (P1's, without the rate), trained in turn with the linear part, \
          and an inverse that looks up to three rows ahead"
             .into(),
     );

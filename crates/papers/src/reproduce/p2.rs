@@ -324,7 +324,7 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
         order("model II better than model I", own[1][k], own[0][k]);
     }
     answer.remarks.push(
-        "the paper's model III is told u_k and y_k and asked for h_k, which is an affine function of the two: an identity, and no row here. Model I is told u and gives y; II is told y and gives u, as the feedforward does; III is told u and the measured positions up to one sample before and gives y; its own past h is fed back, as in the paper. \"Ours\" has the settings of least error over five blocks in simulation mode; in the third column model III has its own positions too, a simulation. Test signals 1 and 2 stand in for figures"
+        "the inputs of the paper's model III are u_k and y_k, and its output h_k is an affine function of the two: an identity, so there is no row. Model I computes y from u; II computes u from y, as the feedforward does; III computes y from u and the measured positions up to one sample before; its own past h is fed back, as in the paper. \"Ours\" has the settings of least error over five blocks in simulation mode; in the third column model III uses its own positions as well, a simulation. Test signals 1 and 2 replace figures"
             .into(),
     );
     Ok(answer)

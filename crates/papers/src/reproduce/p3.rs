@@ -383,7 +383,7 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
         let baseline = percent(&answer_of_mpi, &tests[k]);
         let [_, loops_of_mpi] = settled_percent(&answer_of_mpi, &tests[k]);
         let printed = matching::p3::MPI.iter().find(|printed| printed.0 == *name);
-        let printed = printed.context("the MPI model stands in the same table")?.3;
+        let printed = printed.context("the MPI model is in the same table")?.3;
         let what = format!("MPI model, {name}");
         answer.rows.push(Row::new(ID, what, "%", printed, baseline, Aim::Baseline));
         let what = format!("MPI model, {name}, greatest error");
@@ -424,7 +424,7 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
         tried(&chirp, &tests, &mut answer, say)?;
     }
     answer.remarks.push(
-        "whole signals, as the paper's equation (20) has it, for processes and the MPI model alike, from rest at 0 V, where a signal begins above 0 V behind a rise of 20 ms; trained on the whole chirp. In rows of their own the last two thirds about their mean, alike too. A process without memory knows no virgin curve and no zero: where the loops lie depends on how a record began. \"Ours\" is the LS-SVM over stop operators with a linear part, which has a memory; the third column is the process of 12 inputs on a straight line, trained behind the chirp's first rise. The tones reach 37.5 and 40.5 V, the chirp that trains 30 V: beyond it a process goes back to its mean"
+        "whole signals, as in the paper's equation (20), for processes and the MPI model in the same way, from rest at 0 V; a signal that begins above 0 V follows a rise of 20 ms; trained on the whole chirp. Separate rows judge the last two thirds without their mean, in the same way. A process without memory knows neither virgin curve nor zero: the place of the loops depends on how a record began. \"Ours\" is the LS-SVM over stop operators with a linear part, which has a memory; the third column is the process of 12 inputs with a straight line as mean, trained after the chirp's first rise. The tones reach 37.5 and 40.5 V, the training chirp 30 V: beyond it a process returns to its mean"
             .into(),
     );
     answer.remarks.push(format!(

@@ -340,12 +340,11 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
         }
         let alone = Form::new(&fixed, &thresholds, &judged[..1], Per::Second)?.least().1;
         answer.remarks.push(format!(
-            "{name}: alpha and beta fitted to the loops of 10 Hz alone would leave {alone:.4} um there, and several um at 100 Hz (a row of what was \
-             tried): what plays leave of a slow loop is a matter of shape, and rates that make up for it at one frequency are ten times as large at the next"
+            "{name}: alpha and beta fitted to the loops of 10 Hz alone would have an error of {alone:.4} um there, and of several um at 100 Hz (a row of the variants): the error of plays on a slow loop is one of shape, and rates that compensate it at one frequency are ten times as large at the next"
         ));
         answer.remarks.push(format!(
             "{name}: alpha {:.3e} um s/V² and beta {:.3e} um s²/V² (segments 1 to 4) by the swarm of 100 particles over 100 \
-             iterations: {reached:.4} um over the four loops; the least that any alpha and beta leave is {least:.4} um",
+             iterations: {reached:.4} um over the four loops; the smallest error with any alpha and beta is {least:.4} um",
             Listed(&rates[..4]),
             Listed(&rates[4..]),
         ));

@@ -53,7 +53,7 @@ const SETTLE: Parameter = Parameter::real(
 );
 
 const STAND_IN: &str = "P0, section IV-D2 and figure 13; the text gives the time only (2 s at rate \
-                        1, 1 s at rate 2), the curves stand in for the figure";
+                        1, 1 s at rate 2), the curves replace the figure";
 const CURVES: &str = "on detector 1 a cardioid, x1 + j·y1 = c1 + j·size_1·(2e^(jφ) − e^(2jφ) + 3/4), \
                       on detector 2 a deltoid, x2 + j·y2 = c2 − j·size_2·(2e^(−jφ) + e^(2jφ)), \
                       φ = 2πτ/pass over the pass; both start and end in a cusp, at rest; c1, c2 is \
@@ -69,9 +69,8 @@ const REACHABLE: Rule = Rule {
 pub(crate) static P0_MOTIONS: &[SignalType] = &[
     SignalType {
         name: "p0-calibration",
-        summary: "Calibrates the Jacobian: normalised angles of four axes that move at once, each \
-                  with a frequency of its own",
-        source: "P0, section IV-D1; the text gives 5 s and 5 ms, the motion stands in",
+        summary: "Calibrates the Jacobian: normalised angles of four axes that move at once, each with its own frequency",
+        source: "P0, section IV-D1; the text gives 5 s and 5 ms, the motion is assumed",
         equation: "θ_i = top/2·(1 − cos(2π·k_i·t/duration)), k = 3, 4, 5, 7 waves",
         parameters: &[TOP, SAMPLE_TIME.start(5e-3).max(0.1), DURATION.start(5.0)],
         channels: &[

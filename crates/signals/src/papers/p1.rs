@@ -40,8 +40,7 @@ const T: Parameter = SAMPLE_TIME.start(2e-3).max(0.02);
 const PARAMETERS: &[Parameter] = &[T, DURATION];
 const FIVE_VOLTS: &[ChannelType] = &[ChannelType::new("u", "V", 0.0, 5.0)];
 
-const RANDOM_SOURCE: &str = "P1, table 2; the text gives the band only, the wave form and the \
-                             numbers stand in (at most the 8.5 V of table 3)";
+const RANDOM_SOURCE: &str = "P1, table 2; the text gives the band only, the waveform and the numbers are assumed (at most the 8.5 V of table 3)";
 const RANDOM_EQUATION: &str = "half cosine waves from 0 up, each of 1/(2f); the first two at the \
                                highest frequency, up to top and down, then f = f1 - (f1 - \
                                f0)·v^bias; upper reversals uniform in swing to 1, lower ones in 0 \

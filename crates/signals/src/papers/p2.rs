@@ -16,7 +16,7 @@ pub(crate) static P2: &[SignalType] = &[
     SignalType {
         name: "p2-sweep",
         summary: "Identifies the linear plant: swept sine of 0.5 V from 1 to 1000 Hz",
-        source: "P2, section IV-B; the text gives no duration, 20 s stands in",
+        source: "P2, section IV-B; the text gives no duration, 20 s is assumed",
         equation: "u = amplitude·sin 2π(f0·t + (f1 − f0)·t²/(2·duration))",
         parameters: &[
             AMPLITUDE,
@@ -46,7 +46,7 @@ pub(crate) static P2: &[SignalType] = &[
         name: "p2-test-1",
         summary: "Stand-in for test signal 1, called simple and shown as a figure only: sine of \
                   0.5 Hz over the whole range",
-        source: "stands in for P2, figure 4(a)",
+        source: "replaces P2, figure 4(a)",
         equation: "u = 5 − 5·cos(πt)",
         parameters: PARAMETERS,
         channels: TEN_VOLTS,
@@ -58,7 +58,7 @@ pub(crate) static P2: &[SignalType] = &[
         name: "p2-test-2",
         summary: "Stand-in for test signal 2, called more complex and shown as a figure only: two \
                   tones with minor loops over the whole range",
-        source: "stands in for P2, figure 5(a)",
+        source: "replaces P2, figure 5(a)",
         equation: "u = 5 − 2.5·cos(0.5πt) − 2.5·cos(2.5πt)",
         parameters: PARAMETERS,
         channels: TEN_VOLTS,
@@ -73,7 +73,7 @@ pub(crate) static P2: &[SignalType] = &[
         name: "p2-control",
         summary: "Reference of the control: sine of 2 Hz over 136 µm, from rest",
         source: "P2, section V-A; the text gives 2 Hz, and errors in µm and percent that fit a \
-                 range of 136 µm; offset and 2 s stand in",
+                 range of 136 µm; offset and 2 s are assumed",
         equation: "r = 68 + 68·sin(4πt − π/2)",
         parameters: &[SAMPLE_TIME.start(4e-3).max(0.05), DURATION.start(2.0)],
         channels: &[ChannelType::new("r", "um", 0.0, 136.0)],

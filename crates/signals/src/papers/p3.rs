@@ -22,8 +22,7 @@ pub(crate) static P3: &[SignalType] = &[
     SignalType {
         name: "p3-chirp",
         summary: "Trains all models: chirp from 25 to 1025 Hz, 0 to 30 V",
-        source: "P3, section 2.4; the text gives neither duration nor law; 0.2 s stand in, and a \
-                 logarithmic sweep: the errors of the MPI model fitted to it grow from 100 Hz to \
+        source: "P3, section 2.4; the text gives neither duration nor law; 0.2 s and a logarithmic sweep are assumed: the errors of the MPI model fitted to it grow from 100 Hz to \
                  1 kHz, which a linear sweep, most of it above 500 Hz, does not give",
         equation: "u = top/2·(1 − cos 2πφ), φ = f0·duration/L·(e^(L·t/duration) − 1), L = ln(f1/f0)",
         parameters: &[

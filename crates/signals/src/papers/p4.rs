@@ -38,7 +38,7 @@ pub(crate) static P4: &[SignalType] = &[
     SignalType {
         name: "p4-ellipse",
         summary: "Reference of the tool within what 120 V reach: Y 1 to 5 µm, Z 1 to 8 µm",
-        source: "stands in for P4, section 4, case 2, whose Z of 9 µm is over the 8.87 µm of tables \
+        source: "replaces P4, section 4, case 2, whose Z of 9 µm is over the 8.87 µm of tables \
                  2 and 3 at 120 V",
         parameters: &ellipse_parameters(20.0, [3.0, 4.5], REACHABLE),
         channels: &[ChannelType::new("y", "um", 0.0, 5.0), ChannelType::new("z", "um", 0.0, 8.0)],
@@ -67,7 +67,7 @@ const LOOP: SignalType = SignalType {
     name: "",
     summary: "",
     source: "P4, sections 2.1 and 2.3; the text gives no sample time, 1000 samples a period and \
-             three periods (the first starts from the virgin curve) stand in",
+             three periods (the first starts from the virgin curve) are assumed",
     equation: "u = top/2·(1 − cos(2π·frequency·t))",
     parameters: &[],
     channels: &[ChannelType::new("u", "V", 0.0, 120.0)],

@@ -95,8 +95,7 @@ impl GcsDevice {
         for ((axis, (least, greatest)), safe) in axes {
             if !self.options.open_loop && !(*least..=*greatest).contains(safe) {
                 return Err(Broken::Said(format!(
-                    "axis {axis} goes from {least} to {greatest}; the safe command {safe} of the plan is \
-                     beyond that: give safe and command_limits in [[axis]], in the instrument's unit"
+                    "axis {axis} has a travel from {least} to {greatest}; the safe command {safe} of the plan is outside it: give safe and command_limits in [[axis]], in the instrument's unit"
                 )));
             }
         }

@@ -501,7 +501,10 @@ fn check_is_text(head: &[u8], source: &Source<'_>) -> Result<(), Problems> {
         if source.origin.to_lowercase().ends_with(".fmu") {
             let rule = "is an FMU, no log";
             return Err(source
-                .problem(rule, "give measured data; a model goes to --model or stands first")
+                .problem(
+                    rule,
+                    "give measured data; a model is given with --model or as the first argument",
+                )
                 .into());
         }
         return refuse("is a zip archive or a workbook");
@@ -509,7 +512,10 @@ fn check_is_text(head: &[u8], source: &Source<'_>) -> Result<(), Problems> {
     if head.starts_with(b"piezoloop = ") {
         let rule = "is a blueprint, no log";
         return Err(source
-            .problem(rule, "give measured data; a model goes to --model or stands first")
+            .problem(
+                rule,
+                "give measured data; a model is given with --model or as the first argument",
+            )
             .into());
     }
     if head.contains(&0) {

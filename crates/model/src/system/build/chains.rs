@@ -51,8 +51,7 @@ impl<'a> Builder<'a> {
             let place = coupling_place(&couplings[index].node);
             self.error(
                 place,
-                "stands behind another coupling on one axis and in front of it on another; mend \
-                 their \"after\"",
+                "is behind another coupling on one axis and before it on another; correct their \"after\"",
             );
         }
         for cursor in &cursors {
@@ -212,7 +211,7 @@ impl<'a> Builder<'a> {
             let message = if coordinates {
                 "turns positions into motions; it belongs in a controller"
             } else {
-                "couples the axes of a machine; in a controller stands jacobian-coordinator, or nothing"
+                "couples the axes of a machine; a controller has jacobian-coordinator instead, or nothing"
             };
             self.error(&place, message);
         }

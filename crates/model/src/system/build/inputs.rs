@@ -24,7 +24,7 @@ impl Builder<'_> {
             }
             Kind::Controller => {
                 for axis in axes.clone() {
-                    self.axis_input(axis, "reference", 0, "Position that is wanted");
+                    self.axis_input(axis, "reference", 0, "Reference position");
                 }
                 for axis in axes {
                     self.axis_input(axis, "measured", 1, "Position that the sensor reads");

@@ -479,8 +479,7 @@ fn printed(
         let part = 100.0 * swings.count() as f64 / (run.command[0].len() - PASS_FROM) as f64;
         let error = errors(&run, PASS_FROM);
         answer.remarks.push(format!(
-            "printed gains 4.5, 0.4, 4.0, {reading}: system 2 at rate 1 errs {:.1} % and {:.1} % of \
-             range; its command jumps by more than 75 V in {part:.0} % of the rows: {}",
+            "printed gains 4.5, 0.4, 4.0, {reading}: the errors of system 2 at rate 1 are {:.1} % and {:.1} % of range; its command jumps by more than 75 V in {part:.0} % of the rows: {}",
             100.0 * error[0] / RANGES[0],
             100.0 * error[1] / RANGES[1],
             if part > 5.0 {

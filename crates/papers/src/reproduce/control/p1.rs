@@ -318,8 +318,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         });
     }
     answer.remarks.push(
-        "references have the shapes of the signals, over the range that the position has under them; signals \
-         C, F and G stand in, as the paper gives their bands only"
+        "references have the shapes of the signals, over the range that the position has under them; signals C, F and G are assumed, as the paper gives their bands only"
             .into(),
     );
     Ok(answer)
@@ -340,7 +339,7 @@ fn our_inverse(
     let simulated = forward.machine.simulate(first, runs[0].start);
     answer.remarks.push(format!(
         "our inverse: {} support vectors, trained on what the forward model simulates of the training signals and of {} \
-         waves of 1 to 20 Hz over its range; it errs {:.4} V on signal A. In front of it the linear part is undone. The reference runs one row ahead, so that the \
+         waves of 1 to 20 Hz over its range; its error is {:.4} V on signal A. The linear part is compensated before it. The reference runs one row ahead, so that the \
          command of a row leads to the position at its end",
         machine.machine.count(),
         WAVES.count,

@@ -205,8 +205,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
     let rings = ringing(&mut bed, [5.0, 0.3], PERIOD)?;
     let notch = Some(Notch { frequency: rings, damping: NOTCH });
     answer.remarks.push(format!(
-        "the mode of 404 Hz rings at {rings:.2} Hz in the controller's samples, for seconds, and any feedback feeds \
-         it: the command goes through a notch there"
+        "the mode of 404 Hz rings at {rings:.2} Hz in the controller's samples, for seconds, and any feedback excites it: the command passes a notch there"
     ));
     let found = ultimate(&mut bed, [5.0, 0.3], PERIOD, notch);
     let response = impulse(&mut bed, [5.0, 0.3], PERIOD, 400, notch)?;
@@ -382,8 +381,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
     );
     answer.remarks.push(
         "errors at the controller's instants; the 404 Hz mode lies above half the sampling rate of 250 Hz \
-         and aliases to 96 Hz. The hysteresis term is learned over positions and its own past (model II), as \
-         the present command is what is sought; at 20 ms, as in the paper, and runs in the controller of 4 ms"
+         and aliases to 96 Hz. The hysteresis term is learned over positions and its own past (model II), as the present command is unknown; at 20 ms, as in the paper, and runs in the controller of 4 ms"
             .into(),
     );
     Ok(answer)

@@ -427,8 +427,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         stage.bottom + stage.reach
     ));
     answer.remarks.push(
-        "the paper only cites the plays of its MPI model: those of Al Janaideh and Krejci stand in. With a preview \
-         of the reference, a compensator in the loop errs less than in the paper, which had none"
+        "the paper only cites the plays of its MPI model: those of Al Janaideh and Krejci are used. With a preview of the reference, a compensator in the loop has a smaller error than in the paper, which had none"
             .into(),
     );
     Ok(answer)

@@ -120,7 +120,7 @@ impl<'a> Channels<'a, '_> {
             };
             let name = format!("{name}{index}");
             let Some(place) = place else {
-                self.left_out.push((name, "stands outside the record".into()));
+                self.left_out.push((name, "lies outside the record".into()));
                 continue;
             };
             let conversion = Rc::clone(&conversion);
@@ -163,7 +163,7 @@ fn elements(array: &Block<'_>) -> Result<Vec<(String, usize)>, &'static str> {
     const MOST: u64 = 4096;
     let (storage, dimensions) = (array.byte(1), usize::from(array.u16(2)));
     if storage != 0 {
-        return Err("is an array whose elements stand in other groups");
+        return Err("is an array whose elements are in other groups");
     }
     let step = array.u32(8) as usize;
     let lengths: Vec<u64> = (0..dimensions).map(|at| array.u64(16 + 8 * at)).collect();

@@ -63,7 +63,7 @@ fn piece<'a>(block: &Block<'a>, budget: &mut Budget) -> Result<Cow<'a, [u8]>, Re
         }
         other => {
             let name = String::from_utf8_lossy(other).into_owned();
-            Err(damaged(block.place, format!("a block {name} stands in the place of data")))
+            Err(damaged(block.place, format!("a block {name} is where data are expected")))
         }
     }
 }

@@ -83,8 +83,7 @@ fn group(
         }
         if let Some((key, rows)) = &object.changed {
             found.notes.push(format!(
-                "channel \"{name}/{title}\" has another {key} behind row {rows}: its times go on from the first one, so \
-                 that a pause there is not seen"
+                "channel \"{name}/{title}\" has another {key} behind row {rows}: its times continue from the first one, so that a pause there is not seen"
             ));
         }
         let grid = Grid::of(&object, first);

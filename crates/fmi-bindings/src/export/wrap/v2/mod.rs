@@ -240,8 +240,7 @@ unsafe fn inner(
     };
     if component.is_null() {
         return Err(Notice::error(format!(
-            "the original inside, {}, makes no instance; its own message, if it has any, stands \
-             before this one",
+            "the original inside, {}, cannot be instantiated; its own message, if there is one, precedes this one",
             library.path().display()
         )));
     }
