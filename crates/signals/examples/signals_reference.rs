@@ -1,5 +1,5 @@
 //! Prints the reference of all signals: `cargo run -p piezoloop-signals --example
-//! signals_reference > signals/SIGNALS.md`.
+//! signals_reference > crates/signals/SIGNALS.md`.
 #![allow(clippy::print_stdout)]
 
 fn main() {

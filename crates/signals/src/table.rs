@@ -10,7 +10,7 @@ use crate::signal_type::SignalType;
 const HEAD: &str = "\
 # Signals
 
-Written by `cargo run -p piezoloop-signals --example signals_reference > signals/SIGNALS.md`.
+Written by `cargo run -p piezoloop-signals --example signals_reference > crates/signals/SIGNALS.md`.
 
 Value n stands at t = n·T, n = 0 … N − 1, and acts until (n + 1)·T. Limits, samples, duration and
 crest factor (of the alternating part) are those of the start values of all parameters.
