@@ -226,9 +226,6 @@ impl Coupled {
 
 /// The same of the answers of the readings.
 fn cost_of_readings(readings: &[Outcome]) -> f64 {
-    if readings.is_empty() {
-        return f64::INFINITY;
-    }
     let left = |o: &Outcome| {
         let square = mean_square(&o.found.last.judged.residual);
         effective(o) * square.max(1.0).ln()

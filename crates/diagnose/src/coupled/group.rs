@@ -334,7 +334,6 @@ fn condition(matrix: &DMatrix<f64>) -> f64 {
             column.iter_mut().for_each(|v| *v /= size.max(f64::MIN_POSITIVE));
         }
     }
-    let values = scaled.singular_values();
-    let (most, least) = (values.max(), values.min());
-    if least > 0.0 { most / least } else { f64::INFINITY }
+    // That of the transpose is the same.
+    components::control::condition(scaled.as_mut_slice(), matrix.nrows())
 }

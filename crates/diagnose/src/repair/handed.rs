@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicU64;
 
 use components::COMPONENTS;
 use components::sensor::SENSOR_SCALE;
-use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, Value};
+use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
 use model::Component;
 
 use super::retune;
@@ -49,10 +49,7 @@ pub(super) fn settle(
         return None;
     }
     let count = AtomicU64::new(0);
-    let read = |blueprint: &Blueprint| {
-        let checked = blueprint.clone().check(COMPONENTS).ok()?;
-        Written::new(o, last, &checked, (axis, given), &count)
-    };
+    let read = |blueprint: &Blueprint| Written::new(o, last, blueprint, (axis, given), &count);
     let written = read(blueprint)?;
     let judged = written.judge(&written.start)?;
     if judged.training <= OFF * last.judged.training {
@@ -81,76 +78,91 @@ pub(super) fn settle(
 pub(super) fn level(
     o: &Outcome,
     last: &Candidate,
-    (axis, given): (usize, &AxisBlueprint),
+    axis: (usize, &AxisBlueprint),
     blueprint: &mut Blueprint,
 ) -> Option<String> {
-    /// Changes of the offset until what is left is far below the noise.
-    const TURNS: usize = 4;
-    /// Part of the noise.
-    const SMALL: f64 = 1e-3;
-    let base = &o.problem.base;
     let shared = o.offset.map_or(0.0, |offset| offset.shared);
     // A reading has no actuator that holds its gain.
-    let gain = match base.part {
-        Part::Reading(_) => super::output_gain(base, (&last.chain, &last.fit.theta)),
+    let gain = match o.problem.base.part {
+        Part::Reading(_) => super::output_gain(&o.problem.base, (&last.chain, &last.fit.theta)),
         _ => 1.0,
     };
     if shared == 0.0 && gain == 1.0 {
         return None;
     }
-    let stays_out = format!(
+    if let Some(levelled) = levelled(o, last, axis, gain, blueprint) {
+        *blueprint = levelled;
+        return None;
+    }
+    Some(format!(
         "the offset that all records share, {:.4} {} of {}, stays out of the repaired blueprint",
         shared / o.problem.factor,
         o.problem.unit,
         o.problem.output
-    );
+    ))
+}
+
+/// The blueprint with that offset; none where the axis has no place for it or cannot be run by itself.
+fn levelled(
+    o: &Outcome,
+    last: &Candidate,
+    (axis, given): (usize, &AxisBlueprint),
+    gain: f64,
+    blueprint: &Blueprint,
+) -> Option<Blueprint> {
+    /// Changes of the offset until what is left is far below the noise.
+    const TURNS: usize = 4;
+    /// Part of the noise.
+    const SMALL: f64 = 1e-3;
+    let base = &o.problem.base;
+    if is_cut(base) {
+        return None;
+    }
     let count = AtomicU64::new(0);
     let left = |blueprint: &Blueprint| {
-        let checked = blueprint.clone().check(COMPONENTS).ok()?;
-        let written = Written::new(o, last, &checked, (axis, given), &count)?;
+        let written = Written::new(o, last, blueprint, (axis, given), &count)?;
         offset::left(&o.problem.data, (&written.chain, &written.start), 0.0, &count)
     };
-    if is_cut(base) {
-        return Some(stays_out);
-    }
-    let place = base.components.get(base.actuator).map(|at| at.place);
-    let name = place.and_then(|at| given.components.get(at)).map(|own| own.name.clone());
     let mut levelled = blueprint.clone();
-    let Some(own) = levelled.axes.get_mut(axis - 1) else { return Some(stays_out) };
-    let has_offset = |c: &ComponentBlueprint| {
-        let declaration = components::find(&c.kind).map(|kind| kind.declaration());
-        let is_offset = |q: &model::Quantity| q.name == OFFSET && q.unit == "{position}";
-        declaration.is_some_and(|d| d.parameters.iter().any(is_offset))
-    };
-    let actuator = own.components.iter().position(|c| Some(&c.name) == name.as_ref());
-    let at = match actuator.filter(|at| has_offset(&own.components[*at])) {
+    let own = &mut levelled.axes.get_mut(axis - 1)?.components;
+    let place = base.components.get(base.actuator).map(|at| at.place);
+    let name = place.and_then(|at| given.components.get(at)).map(|actuator| &actuator.name);
+    let actuator = own.iter().position(|c| Some(&c.name) == name);
+    let at = match actuator.filter(|at| has_offset(&own[*at])) {
         Some(at) => at,
-        None if base.part == Part::Motion => return Some(stays_out),
+        None if base.part == Part::Motion => return None,
         None => {
             let scale = ComponentBlueprint::new(SENSOR_SCALE.declaration().kind);
             let scale = scale.value("gain", gain).note("with the offset that all records share");
-            own.components.push(super::with_free_name(scale, own));
-            own.components.len() - 1
+            let scale = super::with_free_name(scale, &levelled.axes[axis - 1]);
+            levelled.axes[axis - 1].components.push(scale);
+            levelled.axes[axis - 1].components.len() - 1
         }
     };
-    let old = own.components[at].get(OFFSET).and_then(super::number).unwrap_or(0.0);
+    let start = levelled.axes[axis - 1].components[at].get(OFFSET).and_then(super::number);
     // What a unit of it gives at the output: known once it was moved.
     let (mut value, mut slope, mut before) = (0.0, 1.0, left(&levelled)?);
     for _ in 0..TURNS {
         let step = before / slope;
         value += step;
-        let own = &mut levelled.axes[axis - 1].components[at];
-        own.set(OFFSET, Value::Number(old + value / o.problem.factor));
+        let offset = start.unwrap_or(0.0) + value / o.problem.factor;
+        levelled.axes[axis - 1].components[at].set(OFFSET, Value::Number(offset));
         let after = left(&levelled)?;
         if after.abs() < SMALL * o.sigma {
-            *blueprint = levelled;
-            return None;
+            return Some(levelled);
         }
         let moved = (before - after) / step;
         slope = if moved.is_finite() && moved != 0.0 { moved } else { slope };
         before = after;
     }
-    Some(stays_out)
+    None
+}
+
+/// Whether a component has a quantity that shifts its positions.
+fn has_offset(component: &ComponentBlueprint) -> bool {
+    let declaration = components::find(&component.kind).map(|kind| kind.declaration());
+    let is_offset = |q: &model::Quantity| q.name == OFFSET && q.unit == "{position}";
+    declaration.is_some_and(|d| d.parameters.iter().any(is_offset))
 }
 
 /// Whether it is cut at a tap, and so only a part of the axis.
@@ -163,10 +175,11 @@ impl<'a> Written<'a> {
     fn new(
         o: &'a Outcome,
         last: &Candidate,
-        checked: &CheckedBlueprint,
+        blueprint: &Blueprint,
         (axis, given): (usize, &AxisBlueprint),
         count: &'a AtomicU64,
     ) -> Option<Self> {
+        let checked = blueprint.clone().check(COMPONENTS).ok()?;
         let now = checked.blueprint().axes.get(axis - 1)?;
         let tolerances: Vec<Tolerance> = now
             .components
@@ -178,7 +191,7 @@ impl<'a> Written<'a> {
             })
             .collect();
         let gain = o.problem.base.gain_tolerance;
-        let base = Base::white(checked, (axis, o.problem.base.part), &tolerances, gain).ok()?;
+        let base = Base::white(&checked, (axis, o.problem.base.part), &tolerances, gain).ok()?;
         // What each record has of its own is no part of the model and is taken out as before.
         let (disturbances, values) = disturbances(o, last);
         let chain = base.compose(&disturbances);
