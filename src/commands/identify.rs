@@ -62,11 +62,12 @@ pub(crate) struct Identify {
     /// Number of plays
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = ranges::count(1, 10_000))]
     plays: usize,
-    /// Inputs of a learned model: for lssvm-stops add the command's rate; for gp the number of inputs
+    /// Inputs of a learned model: for lssvm-stops add the command's rate; for lssvm-term its signals; for gp the number
+    /// of inputs
     #[arg(long, value_enum, value_name = "INPUTS")]
     features: Option<Features>,
-    /// Criterion for the settings of an LS-SVM [default: for lssvm-stops the evidence, for lssvm-narx the error on
-    /// the last third of the fitted rows]
+    /// Criterion for the settings of an LS-SVM [default: for lssvm-stops the evidence, for lssvm-narx and lssvm-term
+    /// the error on the last third of the fitted rows]
     #[arg(long, value_enum, value_name = "WAY")]
     select: Option<Select>,
     /// Search method for these settings, with --select
@@ -76,6 +77,10 @@ pub(crate) struct Identify {
     /// on the fewest centres with almost the same error]
     #[arg(long, value_name = "N", value_parser = ranges::count(2, 10_000))]
     prune: Option<usize>,
+    /// Give the plant of a gp the output deviation: the standard deviation that the process predicts of a measured
+    /// position
+    #[arg(long)]
+    deviation: bool,
     /// Run-in in s at the start of each record: simulated, but neither fitted nor judged [default: as long as the
     /// first rows differ from the prediction of the rest of the record]
     #[arg(long, value_name = "S", value_parser = ranges::time())]
@@ -106,6 +111,12 @@ pub(crate) struct Identify {
 enum Features {
     /// For lssvm-stops: stop operators, the command and its rate, one width
     Rate,
+    /// For lssvm-term: the command and past terms (model I)
+    Command,
+    /// For lssvm-term: the position and past terms (model II), which invert uses without an inverse
+    Position,
+    /// For lssvm-term: command, past positions and past terms (model III), the default
+    Both,
     /// For gp: the command and its rate
     #[value(name = "2")]
     Two,
@@ -208,6 +219,7 @@ impl Identify {
             select: None,
             search: Sought::Grid,
             prune: None,
+            deviation: false,
             drop,
             hold_out,
             is_static: false,
@@ -242,13 +254,14 @@ impl Identify {
             ("--features", self.features.is_some()),
             ("--select", self.select.is_some()),
             ("--prune", self.prune.is_some()),
+            ("--deviation", self.deviation),
         ];
         let is_learned = |name: &String| identify::is_learned(name);
         if let Some((option, _)) = given.iter().find(|(_, given)| *given)
             && !self.models.iter().any(is_learned)
         {
             bail!(
-                "{option} is for learned machines, and none is fitted; name one, --model lssvm-stops, lssvm-narx or gp, or \
+                "{option} is for learned machines, and none is fitted; name one, --model lssvm-stops, lssvm-narx, lssvm-term or gp, or \
                  leave {option} out"
             );
         }
@@ -427,12 +440,16 @@ impl Identify {
         let features = match self.features {
             None => Told::Usual,
             Some(Features::Rate) => Told::Rate,
+            Some(Features::Command) => Told::Command,
+            Some(Features::Position) => Told::Position,
+            Some(Features::Both) => Told::Both,
             Some(Features::Two) => Told::Inputs(2),
             Some(Features::Six) => Told::Inputs(6),
             Some(Features::Nine) => Told::Inputs(9),
             Some(Features::Twelve) => Told::Inputs(12),
         };
-        Learning { selection: selection.map(|way| (way, seek)), prune: self.prune, features }
+        let (selection, prune) = (selection.map(|way| (way, seek)), self.prune);
+        Learning { selection, prune, features, deviation: self.deviation }
     }
 
     fn model_name(&self) -> String {
@@ -579,10 +596,18 @@ impl Answer for Identified {
             }
             for candidate in &id.candidates {
                 let Some(predicted) = &candidate.predicted else { continue };
+                let output = match &predicted.output {
+                    Some(output) => format!(
+                        "; the plant's output deviation runs on {} of the samples and differs from it by at most {:.2} %",
+                        output.centres,
+                        100.0 * output.apart
+                    ),
+                    None => "; --deviation makes it an output of the plant".to_owned(),
+                };
                 writeln!(
                     out,
                     "  {}: its own standard deviation on {} rows held out: median {:.5} {u}, at most {:.5} {u} (noise {:.5} {u}); {:.0} % of the errors \
-                     lie within 1.96 of it (95 % where it knows what it does not know)",
+                     lie within 1.96 of it (95 % where it knows what it does not know){output}",
                     candidate.structure,
                     predicted.rows,
                     predicted.median,

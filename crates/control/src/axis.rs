@@ -166,7 +166,8 @@ pub(crate) fn buildable(way: Candidate, axis: &AxisSpec, period: f64) -> Result<
     let mut own = AxisBlueprint::new("x", &axis.command_unit, &axis.position_unit);
     own.command = own.command.between(axis.command_range.0, axis.command_range.1);
     own.components.clone_from(&way.chain);
-    let blueprint = Blueprint::new(Kind::Controller, "part", period).axis(own);
+    let mut blueprint = Blueprint::new(Kind::Controller, "part", period).axis(own);
+    blueprint.tables.extend(way.tables.iter().cloned());
     match blueprint.check(learned::COMPONENTS) {
         Ok(_) => Ok(way),
         Err(problems) => Err(format!("{} does not suit: {problems}", way.name)),

@@ -41,6 +41,8 @@ pub(crate) struct Candidate {
     /// For reports, as in `inverse-mpi (iteration with a bound)`.
     pub(crate) name: String,
     pub(crate) chain: Vec<ComponentBlueprint>,
+    /// Of its components that run one, by the names of their files.
+    pub(crate) tables: Vec<(String, Table)>,
     /// What it leaves to feedback.
     pub(crate) left: Vec<String>,
 }
@@ -56,16 +58,39 @@ pub(crate) fn declared(path: &Path) -> Vec<Result<Candidate, String>> {
         };
         let name = format!("{} ({})", inverse.kind, inverse.undoing.name());
         if let Some(folded) = folded(path, *inverse) {
-            return Ok(Candidate { way, name, chain: vec![folded?], left: Vec::new() });
+            return Ok(Candidate {
+                way,
+                name,
+                chain: vec![folded?],
+                tables: Vec::new(),
+                left: Vec::new(),
+            });
         }
         if let Some(obstacle) = obstacle(&path.actuator) {
             return Err(obstacle);
         }
         let own = undoing(&path.actuator, *inverse, path.bounds)?;
-        let (chain, left) = chain(path, own)?;
-        Ok(Candidate { way, name, chain, left })
+        let (mut chain, left) = chain(path, own)?;
+        let tables = own_table(path, *inverse, &mut chain);
+        Ok(Candidate { way, name, chain, tables, left })
     })
     .collect()
+}
+
+/// The actuator's own table, where what undoes it runs the same one.
+fn own_table(
+    path: &Path,
+    inverse: Inverse,
+    chain: &mut [ComponentBlueprint],
+) -> Vec<(String, Table)> {
+    let mut registry = learned::COMPONENTS.iter();
+    let takes = registry.any(|c| c.declaration().kind == inverse.kind && c.takes_table());
+    let own = path.actuator.component.table().filter(|_| takes);
+    let undoing = chain.iter_mut().find(|component| component.kind == inverse.kind);
+    let (Some(table), Some(undoing)) = (own, undoing) else { return Vec::new() };
+    let file = format!("{}-feedforward.npy", path.axis.name);
+    undoing.set("table", data::Value::Text(file.clone()));
+    vec![(file, table.clone())]
 }
 
 /// A straight line through the ends.
@@ -78,7 +103,7 @@ pub(crate) fn linear(path: &Path) -> Candidate {
         ComponentBlueprint::new("feedforward-gain").value("gain", gain).value("offset", offset),
     ];
     let name = "a straight line".to_owned();
-    Candidate { way: Feedforward::Linear, name, chain, left: Vec::new() }
+    Candidate { way: Feedforward::Linear, name, chain, tables: Vec::new(), left: Vec::new() }
 }
 
 type Suits<'a> = dyn Fn(Candidate) -> Result<Candidate, String> + 'a;
@@ -138,7 +163,10 @@ pub(crate) fn process(
     let mut chain = creep(path);
     chain.push(machine.component(true, file, path.times.1));
     let name = format!("gp-inverse (learned from {} samples of the plant)", command.len());
-    Ok((Candidate { way: Feedforward::Process, name, chain, left: Vec::new() }, table))
+    Ok((
+        Candidate { way: Feedforward::Process, name, chain, tables: Vec::new(), left: Vec::new() },
+        table,
+    ))
 }
 
 /// Commands that wave over the range and over its middle at three rates, the fastest of [`FASTEST`] samples a wave.
@@ -211,7 +239,8 @@ fn inverse_of(
                 let undone = undoing(&own.actuator, inverse, own.bounds)?;
                 let name = format!("inverse of a {model} that was fitted to the plant");
                 let (chain, left) = (chain(&own, undone)?.0, Vec::new());
-                suits(Candidate { way, name, chain, left }).map(|candidate| (error, candidate))
+                suits(Candidate { way, name, chain, tables: Vec::new(), left })
+                    .map(|candidate| (error, candidate))
             });
         match found {
             Ok((error, candidate)) => {

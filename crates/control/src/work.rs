@@ -117,6 +117,7 @@ impl Work<'_> {
                 way: Feedforward::Inverse,
                 name: format!("{} (learned)", kind.unwrap_or("inverse")),
                 chain,
+                tables: Vec::new(),
                 left: Vec::new(),
             });
             design.tables.push((file, table));
@@ -253,8 +254,8 @@ impl Work<'_> {
                 Some(way) => design.leads.iter().chain(&way.chain).cloned().collect(),
                 None => Vec::new(),
             };
-            if way.is_some() {
-                controller.tables.extend(design.tables.iter().cloned());
+            if let Some(way) = way {
+                controller.tables.extend(design.tables.iter().chain(&way.tables).cloned());
             }
             controller.axes.push(self.axis(index, blueprint, chain)?);
         }

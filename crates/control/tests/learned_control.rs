@@ -8,11 +8,11 @@ mod common;
 use core::f64::consts::TAU;
 
 use common::{Random, target};
-use control::{ControlSettings, Error, Inversion, invert, simulate_loop};
+use control::{ControlSettings, Error, Feedforward, Inversion, invert, simulate_loop};
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint};
 use identify::{
-    Columns, Dynamics, Identification, Methods, Observer, Record, Settings, Silent, identify,
-    simulate,
+    Columns, Dynamics, Identification, Learning, Methods, Observer, Record, Settings, Silent, Told,
+    identify, simulate,
 };
 use model::Kind;
 
@@ -24,24 +24,32 @@ fn checked(blueprint: &Blueprint) -> CheckedBlueprint {
 
 /// Hysteresis of 0 to 100 V behind a delay, and a lag of 25 Hz behind it.
 fn truth() -> CheckedBlueprint {
+    machine(vec![
+        ComponentBlueprint::new("delay").value("longest", 0.01).value("delay", 2.0 * PERIOD),
+        hysteresis(),
+        ComponentBlueprint::new("sensor-lag").value("bandwidth", 25.0),
+    ])
+}
+
+fn hysteresis() -> ComponentBlueprint {
+    ComponentBlueprint::new("bouc-wen")
+        .value("gain", 0.05)
+        .value("alpha", 0.4)
+        .value("beta", 0.06)
+        .value("gamma", 0.02)
+        .value("delta", 0.01)
+}
+
+fn machine(components: Vec<ComponentBlueprint>) -> CheckedBlueprint {
     let mut axis = AxisBlueprint::new("X", "V", "um");
     axis.command = SignalBlueprint::of_unit("V").named("u").between(0.0, 100.0);
     axis.position = SignalBlueprint::of_unit("um").named("y");
-    axis.components = vec![
-        ComponentBlueprint::new("delay").value("longest", 0.01).value("delay", 2.0 * PERIOD),
-        ComponentBlueprint::new("bouc-wen")
-            .value("gain", 0.05)
-            .value("alpha", 0.4)
-            .value("beta", 0.06)
-            .value("gamma", 0.02)
-            .value("delta", 0.01),
-        ComponentBlueprint::new("sensor-lag").value("bandwidth", 25.0),
-    ];
+    axis.components = components;
     checked(&Blueprint::new(Kind::Plant, "truth", PERIOD).axis(axis))
 }
 
 /// Loops of all sizes of the range, the same in the half that is fitted and in the half that judges.
-fn record(noise: f64) -> Record {
+fn record(truth: &CheckedBlueprint, noise: f64) -> Record {
     let half = 5000;
     let wave = |k: usize| {
         let t = (k % half) as f64 * PERIOD;
@@ -59,7 +67,7 @@ fn record(noise: f64) -> Record {
         output,
     };
     let record = Record::new(columns(&input)).unwrap_or_else(|e| panic!("{e:?}"));
-    let mut output = simulate(&truth(), &record).unwrap_or_else(|e| panic!("{e}"));
+    let mut output = simulate(truth, &record).unwrap_or_else(|e| panic!("{e}"));
     let mut random = Random::new(5);
     output.iter_mut().for_each(|y| *y += noise * random.normal());
     Record::new(columns(&output)).unwrap_or_else(|e| panic!("{e:?}"))
@@ -72,7 +80,7 @@ fn identified(method: &str) -> Identification {
         methods: Methods::Named(vec![method.to_owned()]),
         ..Settings::default()
     };
-    identify(&[record(0.002)], &target("found"), &settings, &mut Silent)
+    identify(&[record(&truth(), 0.002)], &target("found"), &settings, &mut Silent)
         .unwrap_or_else(|e| panic!("{method}: {e}"))
 }
 
@@ -124,6 +132,41 @@ fn the_learned_inverse_beats_feedback_alone_on_the_model_and_on_the_machine() {
         println!("{name}: {:.3} % with the inverse, {:.2} % without", 100.0 * both, 100.0 * alone);
         assert!(both < limit && 5.0 * both < alone, "{name}: {both} {alone}");
     }
+}
+
+/// Without delay and lag, as in the paper: the feedforward runs the term that the plant runs.
+#[test]
+fn a_term_of_positions_is_the_feedforward_without_an_inverse() {
+    let truth = machine(vec![hysteresis()]);
+    let learning = Learning { features: Told::Position, ..Learning::default() };
+    let settings = Settings {
+        plays: 20,
+        dynamics: Dynamics::Static,
+        methods: Methods::Named(vec!["lssvm-term".to_owned()]),
+        learning,
+        ..Settings::default()
+    };
+    let plant = identify(&[record(&truth, 0.002)], &target("found"), &settings, &mut Silent)
+        .unwrap_or_else(|e| panic!("{e}"))
+        .plant;
+    let settings =
+        ControlSettings { feedforward: Feedforward::InverseFree, ..ControlSettings::default() };
+    let found = invert(&plant, &settings, &mut Silent).unwrap_or_else(|e| panic!("{e}"));
+    let controller = found.controller.blueprint();
+    let term = controller.axes[0].components.iter().find(|c| c.kind == "lssvm-feedforward");
+    let term = term.unwrap_or_else(|| panic!("no feedforward"));
+    let Some(data::Value::Text(file)) = term.get("table") else { panic!("{term:?}") };
+    assert_eq!(controller.tables.get(file), plant.blueprint().tables.values().next());
+    let (low, high) = found.axes[0].reach;
+    let range = [low + 0.2 * (high - low), high - 0.2 * (high - low)];
+    let r = reference(low, range);
+    let run = |controller: &CheckedBlueprint| {
+        let run = simulate_loop(&truth, controller, std::slice::from_ref(&r), PERIOD);
+        rms(&r, &run.unwrap_or_else(|e| panic!("{e}")).position[0]) / (range[1] - range[0])
+    };
+    let (both, alone) = (run(&found.controller), run(&feedback_only(&found)));
+    println!("{:.3} % with the term, {:.2} % without", 100.0 * both, 100.0 * alone);
+    assert!(both < 0.01 && 2.0 * both < alone, "{both} {alone}");
 }
 
 #[test]

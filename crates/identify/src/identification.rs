@@ -92,7 +92,7 @@ pub struct Candidate {
 }
 
 /// The standard deviations that a Gaussian process predicts on rows held out, √(variance of the mean + σ_n²), beside its errors
-/// there. It is the process before it is compressed. In the position's unit.
+/// there. It is that of all samples. In the position's unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Predicted {
     /// Rows that were looked at, even over all that are held out.
@@ -105,6 +105,17 @@ pub struct Predicted {
     pub noise: f64,
     /// Part of the errors, less their mean of each record, within 1.96 standard deviations: 0.95 where the process knows what it does not know.
     pub within: f64,
+    /// The plant's output `deviation`, where it was asked for.
+    pub output: Option<DeviationOutput>,
+}
+
+/// The standard deviation as an output of the plant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DeviationOutput {
+    /// Samples that it runs on.
+    pub centres: usize,
+    /// Its greatest difference from that of all samples on these rows, as a part of it.
+    pub apart: f64,
 }
 
 /// A fitted parameter.

@@ -33,7 +33,8 @@ pub use error::{Error, NotInvertible, Problem, SettingsProblem};
 pub use fit::operator::Search;
 pub use fit::swarm::Swarm;
 pub use identification::{
-    Candidate, Correlation, Estimate, Identification, Predicted, RULES, RecordFit, Verdict,
+    Candidate, Correlation, DeviationOutput, Estimate, Identification, Predicted, RULES, RecordFit,
+    Verdict,
 };
 pub use identify::{SIGNIFICANT_FALL, identify};
 pub use judge::{Figures, compare, simulate, simulate_axes};

@@ -47,6 +47,8 @@ pub struct Learning {
     pub prune: Option<usize>,
     /// What a machine is told.
     pub features: Told,
+    /// Whether the plant of a process has the standard deviation that it predicts as an output.
+    pub deviation: bool,
 }
 
 /// What a learned machine is told.
@@ -59,6 +61,12 @@ pub enum Told {
     Rate,
     /// So many inputs of a process: 2, 6, 9 or 12.
     Inputs(usize),
+    /// The command, and past values of a hysteresis term.
+    Command,
+    /// The position, and past values of a hysteresis term.
+    Position,
+    /// Command and position, and past values of a hysteresis term.
+    Both,
 }
 
 /// Which hysteresis models are tried.

@@ -258,8 +258,49 @@ fn past_outputs_and_derivatives_are_learned_and_run_as_written() {
             assert!(predicted.median <= predicted.greatest, "{predicted:?}");
             let ratio = predicted.median / fit.held_out.rmse;
             assert!((0.2..5.0).contains(&ratio) && predicted.within > 0.5, "{predicted:?}");
+            assert_eq!(predicted.output, None);
         }
     }
+}
+
+#[test]
+fn a_process_has_its_deviation_as_an_output() {
+    let record = lagging_loop();
+    let run = |method: &str, features: Told| {
+        let methods = Methods::Named(vec![method.to_owned()]);
+        let learning = Learning { deviation: true, features, ..Learning::default() };
+        let settings = Settings { plays: 20, methods, learning, ..Settings::default() };
+        identify(std::slice::from_ref(&record), &target("found"), &settings, &mut Silent)
+    };
+    let id = run("gp", Told::Inputs(6)).unwrap_or_else(|e| panic!("{e}"));
+    let predicted = id.candidates.last().and_then(|candidate| candidate.predicted.clone());
+    let predicted = predicted.unwrap_or_else(|| panic!("nothing predicted"));
+    let output = predicted.output.clone().unwrap_or_else(|| panic!("no output"));
+    println!("{predicted:?}");
+    assert!(output.centres > 5 && output.apart < 0.05, "{output:?}");
+    // The plant runs it, row by row.
+    let mut plant = id.plant.build();
+    let [command, deviation] = ["command[1]", "deviation[1]"]
+        .map(|name| plant.variables().find(name).unwrap_or_else(|| panic!("no {name}")));
+    let mut all = Vec::new();
+    for row in 0..record.len() {
+        let held = record.input()[row.saturating_sub(1)];
+        plant.set(command, held).unwrap_or_else(|e| panic!("{e}"));
+        match row {
+            0 => plant.initialise(record.time(0)).unwrap_or_else(|e| panic!("{e:?}")),
+            _ => plant.advance(record.time(row)).map(|_| ()).unwrap_or_else(|e| panic!("{e:?}")),
+        }
+        all.push(plant.get(deviation).unwrap_or_else(|| panic!("no value")));
+    }
+    let mut held_out = all[all.len() / 2..].to_vec();
+    held_out.sort_by(f64::total_cmp);
+    let (median, greatest) = (held_out[held_out.len() / 2], held_out[held_out.len() - 1]);
+    println!("median {median}, greatest {greatest}");
+    assert!((median / predicted.median - 1.0).abs() < 0.05, "{median} {predicted:?}");
+    assert!(held_out[0] >= predicted.noise && greatest > 0.9 * predicted.greatest);
+    let error =
+        run("lssvm-narx", Told::Usual).map(|id| id.method).expect_err("refused").to_string();
+    assert!(error.contains("--deviation belongs to gp"), "{error}");
 }
 
 #[test]
@@ -274,6 +315,7 @@ fn inputs_selection_and_pruning_are_as_asked_for() {
     let pruned =
         Learning { selection: Some((cross, Seek::Grid)), prune: Some(80), ..Learning::default() };
     let rate = Learning { features: Told::Rate, ..Learning::default() };
+    let both = Learning { features: Told::Both, ..Learning::default() };
     let twelve = Learning { features: Told::Inputs(12), ..Learning::default() };
     for (method, learning) in [("lssvm-narx", pruned), ("lssvm-stops", rate), ("gp", twelve)] {
         let id = run(method, learning).unwrap_or_else(|e| panic!("{method}: {e}"));
@@ -301,9 +343,42 @@ fn inputs_selection_and_pruning_are_as_asked_for() {
         ("gp", pruned, "is not pruned"),
         ("lssvm-narx", rate, "the rate belongs to lssvm-stops"),
         ("lssvm-stops", twelve, "belong to gp"),
+        ("lssvm-term", rate, "the rate belongs to lssvm-stops"),
+        ("gp", both, "belong to lssvm-term"),
     ] {
         let error = run(method, learning).map(|id| id.method).expect_err("refused").to_string();
         assert!(error.contains(said), "{error}");
+    }
+}
+
+/// A slow loop without a lag: the term beside the line is all that there is.
+fn slow_loop() -> Record {
+    let mut axis = AxisBlueprint::new("Y", "V", "um");
+    axis.components = vec![bouc_wen()];
+    measured(axis, 0.002)
+}
+
+#[test]
+fn a_hysteresis_term_is_learned_over_commands_positions_or_both() {
+    let record = slow_loop();
+    for (features, inputs, limit) in
+        [(Told::Command, 1.0, 0.02), (Told::Position, 2.0, 0.02), (Told::Both, 3.0, 0.02)]
+    {
+        let methods = Methods::Named(vec!["lssvm-term".to_owned()]);
+        let learning = Learning { features, ..Learning::default() };
+        let settings = Settings { plays: 20, methods, learning, ..Settings::default() };
+        let id = identify(std::slice::from_ref(&record), &target("found"), &settings, &mut Silent)
+            .unwrap_or_else(|e| panic!("{features:?}: {e}"));
+        let fit = &id.records[0];
+        let (held, line) = (fit.held_out.nrmse, fit.baseline_held_out.nrmse);
+        println!("{features:?}: held out {:.3} %, a line {:.2} %", 100.0 * held, 100.0 * line);
+        assert!(held < limit && held < 0.5 * line, "{features:?}: {held} {line}");
+        let plant = id.plant.blueprint();
+        let component = plant.axes[0].components.last().unwrap_or_else(|| panic!("none"));
+        assert_eq!(component.kind, "lssvm-term");
+        assert_eq!(component.get("inputs"), Some(&data::Value::Number(inputs)));
+        let again = simulate(&id.plant, &record).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(again, id.candidates.last().unwrap_or_else(|| panic!("none")).simulations[0]);
     }
 }
 

@@ -5,21 +5,25 @@
 //! bias and the widths s_k, each other one a weight and a support vector. Where stop operators are projected on the
 //! command, a second row between them is 0, the weights of the stops, 0, 0.
 //!
+//! A Gaussian process may have a second output, the standard deviation that it predicts; its centres and factors are the
+//! table's last rows ([`Deviation`]).
+//!
 //! At rest the output is where a hundred steps with the input held lead to.
 
 mod declarations;
 mod feedforward;
 pub mod plays;
+mod term;
 
 use model::{Component, ComponentRef, Declaration, Inverse, Sizes, Table, Tick, Violation};
 
-use crate::KernelSum;
 use crate::features::{Derivatives, Features, Narx, Stops};
+use crate::{Deviation, KernelSum};
 
 /// All component types: those of the library, then those that run learned tables.
 pub static COMPONENTS: model::Registry = &ALL;
 
-const OWN: [&dyn Component; 9] = [
+const OWN: [&dyn Component; 10] = [
     &declarations::LSSVM_NARX,
     &declarations::LSSVM_STOPS,
     &declarations::GAUSSIAN_PROCESS,
@@ -27,6 +31,7 @@ const OWN: [&dyn Component; 9] = [
     &declarations::LSSVM_STOPS_INVERSE,
     &declarations::GP_INVERSE,
     &feedforward::Feedforward,
+    &term::Term,
     &plays::LearnedPlays,
     &plays::INVERSE,
 ];
@@ -56,6 +61,8 @@ struct Family {
     inverse: bool,
     /// The inputs that the structure (without its sample time, which comes first) asks for.
     features: fn(f64, &[f64]) -> Option<Features>,
+    /// The declaration with the output of a standard deviation, where the table may hold one.
+    deviating: Option<&'static Declaration>,
 }
 
 /// A learned component with its table.
@@ -65,6 +72,8 @@ struct Loaded {
     /// Of a straight line over the input.
     slope: f64,
     sum: KernelSum,
+    /// What it predicts of its own errors, with the declaration of this output.
+    deviation: Option<(&'static Declaration, Deviation)>,
     table: Table,
 }
 
@@ -90,46 +99,93 @@ impl Family {
             .split_first()
             .and_then(|(period, rest)| (self.features)(*period, rest))
             .ok_or("the structure does not give a set of inputs; inputs are 2, 6, 9 or 12")?;
-        let (d, columns) = (features.dimension(), table.columns());
-        let (slope, is_projected) = match (&features, structure) {
-            (Features::Stops(_), &[.., slope, projected]) => (slope, projected > 0.5),
-            (Features::Derivatives(_), &[.., slope]) => (slope, false),
-            _ => (0.0, false),
+        let d = features.dimension();
+        let (slope, is_projected, centres) = match (&features, structure) {
+            (Features::Stops(_), &[.., slope, projected]) => (slope, projected > 0.5, 0),
+            (Features::Derivatives(_), &[_, _, _, _, slope, ref rest @ ..]) => {
+                (slope, false, rest.first().map_or(0, |count| *count as usize))
+            }
+            _ => (0.0, false, 0),
         };
-        let least = 2 + usize::from(is_projected);
-        if columns != d + 1 || table.rows() < least {
-            return Err(format!(
-                "the table has {} rows of {columns} numbers, but this structure takes {d} inputs: {} \
-                 numbers in each row, in at least {least} rows; give the table that belongs to it",
-                table.rows(),
-                d + 1
-            ));
-        }
-        if let Some(at) = table.values().iter().position(|x| !x.is_finite()) {
-            return Err(format!(
-                "row {}, column {} of the table is no finite number; train it again",
-                at / columns + 1,
-                at % columns + 1
-            ));
-        }
-        let (head, mut rows) = table.values().split_at(columns);
-        if let Some(at) = head[1..].iter().position(|width| *width <= 0.0) {
-            return Err(format!(
-                "width {} in the table's first row is {}, but must be positive; train it again",
-                at + 1,
-                head[at + 1]
-            ));
-        }
+        let behind = Deviation::rows(centres, d + 1);
+        let (sum, before, behind) = kernels_of(table, d, [usize::from(is_projected), behind])?;
         if let (Features::Stops(stops), true) = (&mut features, is_projected) {
-            let (projection, centres) = rows.split_at(columns);
-            (stops.projection, rows) = (projection[1..=stops.count].to_vec(), centres);
+            stops.projection = before[1..=stops.count].to_vec();
         }
-        let weights: Vec<f64> = rows.chunks_exact(columns).map(|row| row[0]).collect();
-        let centres: Vec<f64> =
-            rows.chunks_exact(columns).flat_map(|row| row[1..].iter().copied()).collect();
-        let sum = KernelSum::new(d, &centres, &weights, &head[1..], head[0]);
-        Ok(Loaded { family: self, features, slope, sum, table: table.clone() })
+        let widths = &table.values()[1..=d];
+        let deviation = match (centres, self.deviating) {
+            (1.., Some(declaration)) => {
+                Some((declaration, Deviation::of_table(behind, centres, widths)?))
+            }
+            _ => None,
+        };
+        Ok(Loaded { family: self, features, slope, sum, deviation, table: table.clone() })
     }
+}
+
+/// The kernels of a table over `d` inputs, and the rows between its head and its centres and behind these.
+fn kernels_of(
+    table: &Table,
+    d: usize,
+    [before, behind]: [usize; 2],
+) -> Result<(KernelSum, &[f64], &[f64]), String> {
+    let columns = table.columns();
+    let least = 2 + before + behind;
+    if columns != d + 1 || table.rows() < least {
+        return Err(format!(
+            "the table has {} rows of {columns} numbers, but this structure takes {d} inputs: {} numbers in \
+             each row, in at least {least} rows; give the table that belongs to it",
+            table.rows(),
+            d + 1
+        ));
+    }
+    if let Some(at) = table.values().iter().position(|x| !x.is_finite()) {
+        return Err(format!(
+            "row {}, column {} of the table is no finite number; train it again",
+            at / columns + 1,
+            at % columns + 1
+        ));
+    }
+    let (head, rows) = table.values().split_at(columns);
+    if let Some(at) = head[1..].iter().position(|width| *width <= 0.0) {
+        return Err(format!(
+            "width {} in the table's first row is {}, but must be positive; train it again",
+            at + 1,
+            head[at + 1]
+        ));
+    }
+    let (before, rows) = rows.split_at(before * columns);
+    let (rows, behind) = rows.split_at(rows.len() - behind * columns);
+    let weights: Vec<f64> = rows.chunks_exact(columns).map(|row| row[0]).collect();
+    let centres: Vec<f64> =
+        rows.chunks_exact(columns).flat_map(|row| row[1..].iter().copied()).collect();
+    Ok((KernelSum::new(d, &centres, &weights, &head[1..], head[0]), before, behind))
+}
+
+/// That a component runs a table, and has none.
+fn no_table() -> Violation {
+    let rule = "must be given: the file of the learned table, as in table = \"hysteresis.npy\"";
+    Violation { quantity: "table", index: None, value: 0.0, rule }
+}
+
+/// Internal steps from one sample of the model to the next.
+fn ratio(structure: &[f64], period: f64) -> Result<f64, Violation> {
+    let sample = structure.first().copied().unwrap_or(0.0);
+    let ratio = libm::round(sample / period);
+    if ratio < 1.0 || libm::fabs(sample / period - ratio) > 1e-6 * ratio {
+        let rule = "must be a whole number of internal steps; choose the model's step so";
+        return Err(Violation { quantity: "sample_time", index: None, value: sample, rule });
+    }
+    Ok(ratio)
+}
+
+/// Refuses a range without width.
+fn check_range(quantity: &'static str, low: f64, high: f64) -> Result<(), Violation> {
+    if high <= low {
+        let rule = "must be greater than the lower end of the range";
+        return Err(Violation { quantity, index: None, value: high, rule });
+    }
+    Ok(())
 }
 
 impl Component for &'static Family {
@@ -160,8 +216,7 @@ impl Component for &'static Family {
         _period: f64,
         _coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let rule = "must be given: the file of the learned table, as in table = \"hysteresis.npy\"";
-        Err(Violation { quantity: "table", index: None, value: 0.0, rule })
+        Err(no_table())
     }
 
     fn rest(&self, _: &[f64], _: &[f64], _: &mut [f64], outputs: &mut [f64]) {
@@ -173,16 +228,18 @@ impl Component for &'static Family {
     }
 }
 
-/// Steps from one sample to the next, and the two ranges.
+/// Steps from one sample to the next, the two ranges, and the deviations of a process.
 struct Coefficients {
     ratio: u64,
     input: [f64; 2],
     output: [f64; 2],
+    signal: f64,
+    noise: f64,
 }
 
 fn read(coefficients: &[f64]) -> Option<Coefficients> {
-    let &[ratio, a, b, c, d] = coefficients else { return None };
-    Some(Coefficients { ratio: ratio as u64, input: [a, b], output: [c, d] })
+    let &[ratio, a, b, c, d, signal, noise] = coefficients else { return None };
+    Some(Coefficients { ratio: ratio as u64, input: [a, b], output: [c, d], signal, noise })
 }
 
 impl Loaded {
@@ -196,11 +253,45 @@ impl Loaded {
         self.features.output(y, memory);
         y
     }
+
+    /// Numbers of memory, input and room.
+    fn own(&self) -> usize {
+        self.features.memory() + 2 * self.features.dimension()
+    }
+
+    /// Centres of the deviation.
+    fn centres(&self) -> usize {
+        self.deviation.as_ref().map_or(0, |(_, deviation)| deviation.count())
+    }
+
+    /// Takes the last sample's deviation into the state's last number but one.
+    fn deviate(&self, c: &Coefficients, state: &mut [f64]) {
+        let (Some((_, deviation)), Some((held, state))) = (&self.deviation, state.split_last_mut())
+        else {
+            return;
+        };
+        let (own, room) = state.split_at_mut(self.own());
+        let (memory, d) = (self.features.memory(), self.features.dimension());
+        let left = deviation.left(&own[memory..memory + d], room);
+        *held = libm::sqrt(c.signal * c.signal * left + c.noise * c.noise);
+    }
+
+    /// What is held: the position, and the deviation where there is one.
+    fn write(&self, c: &Coefficients, state: &[f64], outputs: &mut [f64]) {
+        let mut held = state.iter().rev();
+        let mut outputs = outputs.iter_mut();
+        if let (Some(y), Some(held)) = (outputs.next(), held.next()) {
+            *y = c.output[0] + c.output[1] * held;
+        }
+        if let (Some(deviation), Some(held)) = (outputs.next(), held.next()) {
+            *deviation = *held;
+        }
+    }
 }
 
 impl Component for Loaded {
     fn declaration(&self) -> &'static Declaration {
-        self.family.declaration
+        self.deviation.as_ref().map_or(self.family.declaration, |(declaration, _)| declaration)
     }
 
     fn table(&self) -> Option<&Table> {
@@ -212,9 +303,9 @@ impl Component for Loaded {
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        // Memory, input, room, held output.
-        let states = self.features.memory() + 2 * self.features.dimension() + 1;
-        Sizes { coefficients: 5, states }
+        // Memory, input, room, then kernels and the held deviation, and the held output.
+        let deviation = if self.deviation.is_some() { self.centres() + 1 } else { 0 };
+        Sizes { coefficients: 7, states: self.own() + deviation + 1 }
     }
 
     fn prepare(
@@ -224,8 +315,7 @@ impl Component for Loaded {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (&[command_low, command_high, position_low, position_high], [sample, ..]) =
-            (parameters, structure)
+        let &[command_low, command_high, position_low, position_high, ref rest @ ..] = parameters
         else {
             return Err(Violation {
                 quantity: "sample_time",
@@ -234,42 +324,32 @@ impl Component for Loaded {
                 rule: "this component was given a wrong number of values",
             });
         };
-        let ratio = libm::round(sample / period);
-        if ratio < 1.0 || libm::fabs(sample / period - ratio) > 1e-6 * ratio {
-            let rule = "must be a whole number of internal steps; choose the model's step so";
-            return Err(Violation { quantity: "sample_time", index: None, value: *sample, rule });
-        }
-        let ranges = [
-            ("command_high", command_low, command_high),
-            ("position_high", position_low, position_high),
-        ];
-        for (quantity, low, high) in ranges {
-            if high <= low {
-                let rule = "must be greater than the lower end of the range";
-                return Err(Violation { quantity, index: None, value: high, rule });
-            }
-        }
+        let ratio = ratio(structure, period)?;
+        check_range("command_high", command_low, command_high)?;
+        check_range("position_high", position_low, position_high)?;
         let command = [command_low, command_high - command_low];
         let position = [position_low, position_high - position_low];
         let [input, output] =
             if self.family.inverse { [position, command] } else { [command, position] };
         let [a, b] = input;
         let [c, d] = output;
-        coefficients.copy_from_slice(&[ratio, a, b, c, d]);
+        let [signal, noise] = [0, 1].map(|at| rest.get(at).copied().unwrap_or(0.0));
+        coefficients.copy_from_slice(&[ratio, a, b, c, d, signal, noise]);
         Ok(())
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
-        let (Some(c), &[u], [y]) = (read(coefficients), inputs, outputs) else { return };
-        let Some((held, state)) = state.split_last_mut() else { return };
+        let (Some(c), &[u]) = (read(coefficients), inputs) else { return };
+        let Some((held, own)) = state.split_last_mut() else { return };
         let x = (u - c.input[0]) / c.input[1];
         let memory = self.features.memory();
         // Where the way to rest begins: both ranges in proportion.
-        self.features.rest(x, x.clamp(0.0, 1.0), &mut state[..memory]);
+        self.features.rest(x, x.clamp(0.0, 1.0), &mut own[..memory]);
         for _ in 0..STEPS_TO_REST {
-            *held = self.sample(x, state);
+            *held = self.sample(x, own);
         }
-        *y = c.output[0] + c.output[1] * *held;
+        self.deviate(&c, own);
+        self.write(&c, state, outputs);
     }
 
     fn step(
@@ -280,12 +360,13 @@ impl Component for Loaded {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (Some(c), &[u], [y]) = (read(coefficients), inputs, outputs) else { return };
-        let Some((held, state)) = state.split_last_mut() else { return };
+        let (Some(c), &[u]) = (read(coefficients), inputs) else { return };
         if tick.index.is_multiple_of(c.ratio.max(1)) {
-            *held = self.sample((u - c.input[0]) / c.input[1], state);
+            let Some((held, own)) = state.split_last_mut() else { return };
+            *held = self.sample((u - c.input[0]) / c.input[1], own);
+            self.deviate(&c, own);
         }
-        *y = c.output[0] + c.output[1] * *held;
+        self.write(&c, state, outputs);
     }
 }
 

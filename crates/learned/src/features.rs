@@ -4,12 +4,21 @@
 mod derivatives;
 mod narx;
 mod stops;
+pub mod term;
 
 pub use derivatives::Derivatives;
 pub use narx::Narx;
 pub use stops::Stops;
 
 use crate::KernelSum;
+
+/// A value in front of those that are remembered; the oldest is forgotten.
+fn push(memory: &mut [f64], x: f64) {
+    if let Some(last) = memory.len().checked_sub(1) {
+        memory.copy_within(..last, 1);
+        memory[0] = x;
+    }
+}
 
 /// Which inputs a model takes.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,6 +14,7 @@
 mod components;
 #[cfg(feature = "train")]
 mod compress;
+mod deviation;
 #[cfg(feature = "train")]
 mod error;
 pub mod features;
@@ -34,6 +35,7 @@ pub use components::COMPONENTS;
 pub use components::plays;
 #[cfg(feature = "train")]
 pub use compress::Compressor;
+pub use deviation::Deviation;
 #[cfg(feature = "train")]
 pub use error::Error;
 pub use kernel_sum::KernelSum;

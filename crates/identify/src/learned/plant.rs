@@ -7,17 +7,19 @@
 mod narx;
 mod process;
 mod stops;
+mod term;
 
 use data::ComponentBlueprint;
 use model::Table;
 
+use learned::Deviation;
 use learned::lssvm::{Pruning, Settings, prune};
 
 use super::series::rows;
 use super::{Arx, Frame, Machine, Run, Series, Span, Teaches, Turns};
 use crate::error::Error;
 use crate::fit::response::LinearPart;
-use crate::identification::Predicted;
+use crate::identification::{DeviationOutput, Predicted};
 use crate::observer::Observer;
 use crate::record::{Record, Rows};
 use crate::settings::{Learning, Told};
@@ -38,19 +40,22 @@ pub(crate) enum Family {
     Stops,
     /// An LS-SVM over past commands and its own past outputs.
     Narx,
+    /// An LS-SVM for the hysteresis term beside a straight line, over commands, positions and its own past.
+    Term,
     /// A Gaussian process over the command and its derivatives.
     Process,
 }
 
 impl Family {
     /// All of them.
-    pub(crate) const ALL: [Self; 3] = [Self::Stops, Self::Narx, Self::Process];
+    pub(crate) const ALL: [Self; 4] = [Self::Stops, Self::Narx, Self::Term, Self::Process];
 
     /// Its name on the command line.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Stops => "lssvm-stops",
             Self::Narx => "lssvm-narx",
+            Self::Term => "lssvm-term",
             Self::Process => "gp",
         }
     }
@@ -62,6 +67,9 @@ impl Family {
             Self::Narx => {
                 "LS-SVM over past commands and its own past outputs, and a linear part: learned"
             }
+            Self::Term => {
+                "Straight line with a hysteresis term by an LS-SVM over commands, positions and its own past: learned"
+            }
             Self::Process => "Gaussian process over the command and its derivatives: learned",
         }
     }
@@ -70,6 +78,7 @@ impl Family {
         match self {
             Self::Stops => "LS-SVM over stop operators",
             Self::Narx => "LS-SVM over past outputs",
+            Self::Term => "LS-SVM for a hysteresis term",
             Self::Process => "Gaussian process",
         }
     }
@@ -236,7 +245,10 @@ impl Lesson<'_> {
         let last = &scenes[scenes.len() - 1];
         self.check_learning()?;
         let at = scenes.len() - 1;
-        let mut predicted = None;
+        if self.family == Family::Term {
+            return Ok(Learned { late: late[at], ..term::learn(last, name, &mut stage)? });
+        }
+        let (mut predicted, mut process) = (None, None);
         let (number, series, settings) = match self.family {
             Family::Stops => {
                 let (number, series, settings) = stops::learn(&scenes, &mut stage)?;
@@ -246,9 +258,11 @@ impl Lesson<'_> {
                 let (series, settings) = narx::learn(last, &mut stage)?;
                 (at, series, Some(settings))
             }
-            Family::Process => {
+            Family::Term | Family::Process => {
                 let (series, whole) = process::learn(last, &mut stage)?;
-                predicted = self.predicted(&whole, late[at], middle);
+                let deviation = self.learning.deviation.then(|| whole.deviation()).transpose()?;
+                predicted = self.predicted((&whole, deviation.as_ref()), late[at], middle);
+                process = deviation.map(|deviation| (whole, deviation));
                 (at, series, None)
             }
         };
@@ -267,8 +281,19 @@ impl Lesson<'_> {
             Some(_) => machine,
             None => machine.compress(&own, CENTRES.0, CENTRES.1 * error).unwrap_or(machine),
         };
-        let table = machine.table().map_err(|message| Error::Learned { message })?;
-        let mut chain = vec![machine.component(false, name, self.period)];
+        let mut table = machine.table().map_err(|message| Error::Learned { message })?;
+        let mut component = machine.component(false, name, self.period);
+        if let Some((whole, deviation)) = &process {
+            let widths = &table.values()[1..table.columns()];
+            let rows = [table.values(), &deviation.table(widths)].concat();
+            table =
+                Table::new(table.columns(), rows).map_err(|message| Error::Learned { message })?;
+            component = component
+                .value("deviation_centres", deviation.count() as f64)
+                .value("signal", whole.signal())
+                .value("noise", whole.noise());
+        }
+        let mut chain = vec![component];
         if linear != none() {
             chain.push(
                 ComponentBlueprint::new("arx")
@@ -283,11 +308,16 @@ impl Lesson<'_> {
     }
 
     /// What a process says of its errors on the rows held out; `None` where there are none.
-    fn predicted(&self, whole: &process::Whole, late: usize, middle: f64) -> Option<Predicted> {
+    fn predicted(
+        &self,
+        (whole, few): (&process::Whole, Option<&Deviation>),
+        late: usize,
+        middle: f64,
+    ) -> Option<Predicted> {
         let count: usize = self.judged.iter().map(Rows::len).sum();
         let every = count.div_ceil(PREDICTED).max(1);
         let mut deviations = Vec::new();
-        let mut within = 0;
+        let (mut within, mut apart) = (0, 0.0_f64);
         for ((record, rows), offset) in self.records.iter().zip(self.judged).zip(self.offsets) {
             let command: Vec<f64> = std::iter::repeat_n(record.rest(), 1 + late)
                 .chain(record.input().iter().copied())
@@ -296,24 +326,21 @@ impl Lesson<'_> {
             let position: Vec<f64> =
                 record.output()[..rows.end].iter().map(|y| y - (offset - middle)).collect();
             let looked: Vec<usize> = (rows.first..rows.end).step_by(every).collect();
-            let found = whole.judged(&command, &position, &looked)?;
-            let mean =
-                found.iter().map(|(error, _)| error).sum::<f64>() / found.len().max(1) as f64;
-            within +=
-                found.iter().filter(|(e, deviation)| (e - mean).abs() <= 1.96 * deviation).count();
-            deviations.extend(found.into_iter().map(|(_, deviation)| deviation));
+            let found = whole.judged(few, (&command, &position), &looked)?;
+            let mean = found.iter().map(|row| row.error).sum::<f64>() / found.len().max(1) as f64;
+            let is_within = |row: &&process::Row| (row.error - mean).abs() <= 1.96 * row.deviation;
+            within += found.iter().filter(is_within).count();
+            let each = found.iter().filter_map(|row| Some(row.few? / row.deviation - 1.0));
+            apart = each.fold(apart, |m, x| m.max(x.abs()));
+            deviations.extend(found.iter().map(|row| row.deviation));
         }
         deviations.sort_by(f64::total_cmp);
         let rows = deviations.len();
         let greatest = *deviations.last()?;
         let within = within as f64 / rows as f64;
-        Some(Predicted {
-            rows,
-            median: deviations[rows / 2],
-            greatest,
-            noise: whole.noise(),
-            within,
-        })
+        let (median, noise) = (deviations[rows / 2], whole.noise());
+        let output = few.map(|few| DeviationOutput { centres: few.count(), apart });
+        Some(Predicted { rows, median, greatest, noise, within, output })
     }
 
     /// Refuses choices that the family has not.
@@ -321,11 +348,18 @@ impl Lesson<'_> {
         let name = self.family.name();
         let refused = |what: &str| Err(Error::Learned { message: format!("{name} {what}") });
         match (self.family, self.learning.features) {
-            (Family::Stops | Family::Narx, Told::Inputs(_)) => {
+            (Family::Stops | Family::Narx | Family::Term, Told::Inputs(_)) => {
                 refused("takes no number of inputs; 2, 6, 9 and 12 belong to gp")
             }
-            (Family::Narx | Family::Process, Told::Rate) => {
+            (Family::Narx | Family::Process | Family::Term, Told::Rate) => {
                 refused("takes no rate beside its inputs; the rate belongs to lssvm-stops")
+            }
+            (
+                Family::Stops | Family::Narx | Family::Process,
+                Told::Command | Told::Position | Told::Both,
+            ) => refused("has its own inputs; command, position and both belong to lssvm-term"),
+            (Family::Stops | Family::Narx | Family::Term, _) if self.learning.deviation => {
+                refused("predicts no standard deviation; --deviation belongs to gp")
             }
             (Family::Process, _) if self.learning.prune.is_some() => {
                 refused("is not pruned: each of its samples has its own weight; leave --prune out")

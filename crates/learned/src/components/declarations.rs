@@ -6,7 +6,7 @@ use model::{
 
 use super::Family;
 
-const SAMPLE_TIME: Structural = Structural {
+pub(super) const SAMPLE_TIME: Structural = Structural {
     name: "sample_time",
     unit: "s",
     description: "Sample time of the learned model, a whole number of internal steps",
@@ -17,7 +17,12 @@ const SAMPLE_TIME: Structural = Structural {
 };
 
 /// A count that must be given.
-const fn count(name: &'static str, description: &'static str, min: f64, max: f64) -> Structural {
+pub(super) const fn count(
+    name: &'static str,
+    description: &'static str,
+    min: f64,
+    max: f64,
+) -> Structural {
     Structural { name, unit: "1", description, start: None, min, max, integer: true }
 }
 
@@ -66,6 +71,23 @@ const DERIVATIVES: &[Structural] = &[
     SLOPE,
 ];
 
+const PROCESS_STRUCTURE: &[Structural] = &[
+    DERIVATIVES[0],
+    DERIVATIVES[1],
+    DERIVATIVES[2],
+    DERIVATIVES[3],
+    DERIVATIVES[4],
+    Structural {
+        name: "deviation_centres",
+        unit: "1",
+        description: "Number of centres of the standard deviation, which is then the output deviation; the table's last rows hold them",
+        start: Some(0.0),
+        min: 0.0,
+        max: 1000.0,
+        integer: true,
+    },
+];
+
 /// Of the feedforward without an inverse: its inputs are positions, its outputs hysteresis terms.
 pub(super) const FEEDFORWARD_STRUCTURE: &[Structural] = NARX;
 pub(super) const NARX_SOURCE_XU: &str =
@@ -80,6 +102,23 @@ const PARAMETERS: &[Quantity] = &[
     Quantity::new("position_high", "{position}", "Position that corresponds to 1 in the table"),
 ];
 
+const PROCESS_PARAMETERS: &[Quantity] = &[
+    PARAMETERS[0],
+    PARAMETERS[1],
+    PARAMETERS[2],
+    PARAMETERS[3],
+    Quantity::new(
+        "signal",
+        "{position}",
+        "Standard deviation of a position far from all samples, without noise",
+    )
+    .start(0.0)
+    .min(0.0),
+    Quantity::new("noise", "{position}", "Standard deviation of the noise of a measured position")
+        .start(0.0)
+        .min(0.0),
+];
+
 const NARX_SOURCE: &str = "Laser beam pointing with LS-SVM models of four piezo axes, eqs. (1)-(8), \
                            (12)";
 const STOPS_SOURCE: &str = "LS-SVM with stop operators tuned by particle swarm, eqs. (17)-(19)";
@@ -90,7 +129,7 @@ const NARX_EQUATION: &str = "y(t) = bias + sum(w[i]*exp(-|x[i] - z|^2)); z = [u(
 const STOPS_EQUATION: &str = "y(t) = slope*u + bias + sum(w[i]*exp(-|x[i] - z|^2)); z = [stops of \
                               u, u + sum(p[i]*stop[i]), u'], scaled";
 const GP_EQUATION: &str = "y(t) = slope*u + mean + sum(w[i]*exp(-|x[i] - z|^2)); z = [u, u', u'', u'''] about \
-                           t minus the delay, scaled";
+                           t minus the delay, scaled; deviation^2 = signal^2*(1 - |v|^2 + |w|^2) + noise^2; L*v = k(z); C*w = v";
 
 const fn plant(
     kind: &'static str,
@@ -153,6 +192,7 @@ pub(super) static LSSVM_NARX: &Family = &Family {
     inverses: &[],
     inverse: false,
     features: super::narx,
+    deviating: None,
 };
 pub(super) static LSSVM_STOPS: &Family = &Family {
     declaration: &plant(
@@ -166,19 +206,37 @@ pub(super) static LSSVM_STOPS: &Family = &Family {
     inverses: &[Inverse { kind: "lssvm-stops-inverse", undoing: Undoing::Learned }],
     inverse: false,
     features: super::stops,
+    deviating: None,
 };
-pub(super) static GAUSSIAN_PROCESS: &Family = &Family {
-    declaration: &plant(
+const PROCESS: Declaration = Declaration {
+    parameters: PROCESS_PARAMETERS,
+    ..plant(
         "gaussian-process",
         "Hysteresis learned by a Gaussian process over the command and its derivatives",
         GP_EQUATION,
         GP_SOURCE,
-        DERIVATIVES,
+        PROCESS_STRUCTURE,
         &HYSTERESIS,
-    ),
+    )
+};
+static PROCESS_AND_DEVIATION: Declaration = Declaration {
+    outputs: &[
+        Output::PATH,
+        Output::published(
+            "deviation",
+            "{position}",
+            "Standard deviation that the Gaussian process predicts of a measured position",
+            false,
+        ),
+    ],
+    ..PROCESS
+};
+pub(super) static GAUSSIAN_PROCESS: &Family = &Family {
+    declaration: &PROCESS,
     inverses: &[],
     inverse: false,
     features: super::derivatives,
+    deviating: Some(&PROCESS_AND_DEVIATION),
 };
 pub(super) static LSSVM_INVERSE: &Family = &Family {
     declaration: &inverse(
@@ -191,6 +249,7 @@ pub(super) static LSSVM_INVERSE: &Family = &Family {
     inverses: &[],
     inverse: true,
     features: super::narx,
+    deviating: None,
 };
 pub(super) static LSSVM_STOPS_INVERSE: &Family = &Family {
     declaration: &inverse(
@@ -203,6 +262,7 @@ pub(super) static LSSVM_STOPS_INVERSE: &Family = &Family {
     inverses: &[],
     inverse: true,
     features: super::stops,
+    deviating: None,
 };
 pub(super) static GP_INVERSE: &Family = &Family {
     declaration: &inverse(
@@ -215,4 +275,5 @@ pub(super) static GP_INVERSE: &Family = &Family {
     inverses: &[],
     inverse: true,
     features: super::derivatives,
+    deviating: None,
 };

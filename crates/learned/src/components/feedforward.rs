@@ -56,8 +56,13 @@ struct Loaded {
 }
 
 /// Only for its loading of tables.
-static TABLES: &Family =
-    &Family { declaration: &DECLARATION, inverses: &[], inverse: true, features: super::narx };
+static TABLES: &Family = &Family {
+    declaration: &DECLARATION,
+    inverses: &[],
+    inverse: true,
+    features: super::narx,
+    deviating: None,
+};
 
 impl Component for Feedforward {
     fn declaration(&self) -> &'static Declaration {
@@ -139,19 +144,12 @@ impl Component for Loaded {
             let rule = "this component was given a wrong number of values";
             return Err(wrong("sample_time", 0.0, rule));
         };
-        let ratio = libm::round(sample / period);
-        if ratio < 1.0 || libm::fabs(sample / period - ratio) > 1e-6 * ratio {
-            let rule = "must be a whole number of internal steps; choose the model's step so";
-            return Err(wrong("sample_time", sample, rule));
-        }
+        let ratio = super::ratio(structure, period)?;
         if gain == 0.0 {
             return Err(wrong("gain", gain, "must not be 0: it is the position per command"));
         }
         for (quantity, low, high) in [("h_high", h_low, h_high), ("position_high", low, high)] {
-            if high <= low {
-                let rule = "must be greater than the lower end of the range";
-                return Err(wrong(quantity, high, rule));
-            }
+            super::check_range(quantity, low, high)?;
         }
         let (first, second) = (lag / sample, inertia / (sample * sample));
         *coefficients =

@@ -32,21 +32,14 @@ impl Narx {
         let Some((first, rest)) = z.split_first_mut() else { return };
         *first = u;
         rest.iter_mut().zip(memory.iter()).for_each(|(z, m)| *z = *m);
-        push(memory, self.commands, u);
+        let commands = self.commands.min(memory.len());
+        super::push(&mut memory[..commands], u);
     }
 
     pub(super) fn output(&self, y: f64, memory: &mut [f64]) {
         let commands = self.commands.min(memory.len());
-        push(&mut memory[commands..], self.outputs, y);
-    }
-}
-
-/// `x` in front of the first `count` numbers.
-fn push(memory: &mut [f64], count: usize, x: f64) {
-    let count = count.min(memory.len());
-    if count > 0 {
-        memory.copy_within(..count - 1, 1);
-        memory[0] = x;
+        let outputs = self.outputs.min(memory.len() - commands);
+        super::push(&mut memory[commands..commands + outputs], y);
     }
 }
 

@@ -16,8 +16,12 @@ pub use likelihood::{Likelihood, likelihood};
 
 use crate::lssvm::{LsSvm, Samples};
 use crate::solve::kernel::Scaled;
+use crate::solve::pivoted::LowRank;
 use crate::solve::{factorise, solve_factored};
-use crate::{Compressor, Error, KernelSum};
+use crate::{Compressor, Deviation, Error, KernelSum};
+
+/// What the centres of a deviation may leave of the kernels, as a part of the noise's variance.
+const PART_OF_NOISE: f64 = 0.05;
 
 /// What a kernel needs. With one length it is the same for all inputs; with one per input the
 /// marginal likelihood weighs them (ARD).
@@ -165,6 +169,31 @@ impl GaussianProcess {
         self.parameters.signal.powi(2) * (1.0 - explained).max(0.0)
     }
 
+    /// The deviation on at most so many of the samples: those that say most of the others, until what they leave is
+    /// a twentieth of the noise's variance.
+    ///
+    /// # Errors
+    /// [`Error::IllPosed`].
+    pub fn deviation(&self, most: usize) -> Result<Deviation, Error> {
+        let (d, scales) = (self.dimension, self.scales());
+        let points = Scaled::new(&self.points, d, &scales);
+        let lambda = (self.parameters.noise / self.parameters.signal).powi(2);
+        let low = LowRank::up_to(&points, PART_OF_NOISE * lambda, most);
+        let count = low.rank();
+        let own = low.rows(&low.pivots);
+        let product = low.factor().transpose() * low.factor();
+        let mut evidence: Vec<f64> =
+            (0..count * count).map(|at| product[(at % count, at / count)] / lambda).collect();
+        factorise(&mut evidence, count, 1.0)?;
+        let triangle = |at: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+            (0..count).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect()
+        };
+        let kernels = triangle(&|i, j| own[(i, j)]);
+        let evidence = triangle(&|i, j| evidence[j * count + i]);
+        let centres: Vec<f64> = low.pivots.iter().flat_map(|i| points.point(*i)).copied().collect();
+        Ok(Deviation::new(&scales, centres, kernels, evidence))
+    }
+
     /// The mean as a machine over inputs that are divided by √2 l, so that it can be compressed: its
     /// σ² is 1.
     #[must_use]
@@ -232,6 +261,38 @@ mod tests {
         let process = GaussianProcess::train(&samples(100), &start(vec![0.5])).unwrap();
         assert!(process.variance(&[0.1, 0.1]) < 0.02);
         assert!((process.variance(&[50.0, 0.0]) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_deviation_on_few_samples_is_that_of_the_process() {
+        let process = GaussianProcess::train(&samples(300), &start(vec![0.7, 1.1])).unwrap();
+        let deviation = process.deviation(300).unwrap();
+        assert!(deviation.count() < 100, "{}", deviation.count());
+        let widths: Vec<f64> = process.scales().iter().map(|s| 1.0 / s).collect();
+        let count = deviation.count();
+        let again = Deviation::of_table(&deviation.table(&widths), count, &widths).unwrap();
+        let few = process.deviation(8).unwrap();
+        assert_eq!(few.count(), 8);
+        let mut room = vec![0.0; count];
+        let mut most = 0.0_f64;
+        let noise2 = process.parameters().noise.powi(2);
+        for k in 0..200 {
+            // The samples lie within 1: beyond, the centres stand for less of the others.
+            let (reach, part) = if k % 2 == 0 { (1.0, 0.05) } else { (1.5, 0.25) };
+            let [a, b] = [libm::sin(0.7 * f64::from(k)), libm::cos(1.1 * f64::from(k))];
+            let z = [reach * a, reach * b];
+            let exact = process.variance(&z);
+            let found = deviation.left(&z, &mut room);
+            let apart = (found - exact).abs();
+            assert!(apart < part * (noise2 + exact), "{z:?}: {found} {exact}");
+            assert!((again.left(&z, &mut room) - found).abs() < 1e-9);
+            // Too few centres do not know what the samples say.
+            most = most.max(few.left(&z, &mut room) - exact);
+        }
+        assert!(most > 0.2, "{most}");
+        assert!((deviation.left(&[50.0, 0.0], &mut room) - 1.0).abs() < 1e-12);
+        let broken = vec![0.0; deviation.table(&widths).len()];
+        assert!(Deviation::of_table(&broken, count, &widths).unwrap_err().contains("diagonal"));
     }
 
     #[test]

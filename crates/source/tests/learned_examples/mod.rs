@@ -10,14 +10,21 @@ type Example = (&'static str, &'static [f64], usize, &'static [f64]);
 
 const RANGES: &[f64] = &[0.0, 150.0, -20.0, 80.0];
 
+const PROCESS: &[f64] = &[0.0, 150.0, -20.0, 80.0, 5.0, 0.1];
+
+/// Centres of the deviation of the process, and their two triangles in one row of its table.
+const CENTRES: f64 = 2.0;
+const TRIANGLES: [f64; 7] = [1.0, 0.3, 0.95, 2.0, 0.5, 1.5, 0.0];
+
 const EXAMPLES: &[Example] = &[
     ("lssvm-narx", &[2.0 * T, 1.0, 1.0], 3, RANGES),
     ("lssvm-stops", &[T, 2.0, 1.0, 100.0, 0.8, 0.0], 4, RANGES),
-    ("gaussian-process", &[T, 6.0, 2.0, 0.25, 0.5], 6, RANGES),
+    ("gaussian-process", &[T, 6.0, 2.0, 0.25, 0.5, CENTRES], 6, PROCESS),
     ("lssvm-inverse", &[T, 1.0, 1.0], 3, RANGES),
     ("lssvm-stops-inverse", &[T, 2.0, 1.0, 100.0, 0.8, 0.0], 4, RANGES),
     ("gp-inverse", &[T, 6.0, 2.0, 0.25, 0.5], 6, RANGES),
     ("lssvm-feedforward", &[T, 1.0, 1.0], 3, &[0.5, 0.0, 1e-3, 1e-6, -5.0, 5.0, -20.0, 80.0]),
+    ("lssvm-term", &[T, 2.0, 2.0, 2.0], 5, &[0.5, 0.0, 0.0, 150.0, -5.0, 5.0, -20.0, 80.0]),
     ("learned-plays", &[5.0, 2.0, 1.0, 9.0, 1.0], 0, PLAYS.first_chunk::<34>().expect("its own")),
     ("inverse-learned-plays", &[5.0, 2.0, 1.0, 9.0, 0.0], 0, PLAYS),
 ];
@@ -30,13 +37,20 @@ const PLAYS: &[f64] = &[
 ];
 
 /// 40 support vectors in the unit cube, by the fractional parts of multiples of square roots.
-fn table(inputs: usize) -> Table {
+fn table(inputs: usize, deviates: bool) -> Table {
     let part = |i: usize, k: usize| (((i + 1) as f64) * ((k + 2) as f64).sqrt()).fract();
     let mut rows = vec![0.1];
     rows.extend((0..inputs).map(|k| 0.8 + 0.1 * k as f64));
     for i in 0..40 {
         rows.push(0.2 * (part(i, inputs) - 0.4));
         rows.extend((0..inputs).map(|k| part(i, k)));
+    }
+    if deviates {
+        for i in 50..52 {
+            rows.push(0.0);
+            rows.extend((0..inputs).map(|k| part(i, k)));
+        }
+        rows.extend(TRIANGLES);
     }
     Table::new(inputs + 1, rows).expect("rows")
 }
@@ -59,7 +73,12 @@ fn around((kind, structure, inputs, values): &Example) -> SystemSpec {
     let found = *found.expect("registered");
     let component = match inputs {
         0 => ComponentRef::from(found),
-        _ => found.with_table(structure, &table(*inputs)).expect("fits"),
+        _ => found
+            .with_table(
+                structure,
+                &table(*inputs, structure.last() == Some(&CENTRES) && *inputs == 6),
+            )
+            .expect("fits"),
     };
     let is_plant = component.declaration().conversion == Conversion::CommandToPosition;
     let node = NodeSpec {

@@ -11,6 +11,7 @@
 //!
 //! Source: Gaussian process with high-dimensional input, eqs. (8), (10), (13)-(19).
 
+use learned::Deviation;
 use learned::features::{Derivatives, Features};
 use learned::gp::GaussianProcess;
 
@@ -34,6 +35,18 @@ const LEARN: Search = Search { signal: SIGNAL, evaluations: [40, 80], most_sampl
 /// Most samples of a process that is tried.
 const TRIED: usize = 600;
 
+/// Most centres of the standard deviation in the plant: a step takes the square of this number of multiplications.
+const DEVIATION: usize = 400;
+
+/// Error and predicted standard deviation of a row, in the position's unit.
+pub(super) struct Row {
+    pub(super) error: f64,
+    /// By all samples.
+    pub(super) deviation: f64,
+    /// By those that the plant runs on.
+    pub(super) few: Option<f64>,
+}
+
 /// A process as it was trained, which knows its variance.
 pub(super) struct Whole {
     process: GaussianProcess,
@@ -46,22 +59,39 @@ impl Whole {
         self.process.parameters().noise * (self.frame.output.high - self.frame.output.low)
     }
 
-    /// Errors at some rows of a record and the standard deviations that are predicted there.
+    /// σ_f in the position's unit.
+    pub(super) fn signal(&self) -> f64 {
+        self.process.parameters().signal * (self.frame.output.high - self.frame.output.low)
+    }
+
+    /// Its standard deviation on few centres, as the plant runs it.
+    pub(super) fn deviation(&self) -> Result<Deviation, Error> {
+        self.process.deviation(DEVIATION).map_err(failed)
+    }
+
+    /// Errors at some rows of a record and the standard deviations that are predicted there, by all samples and by these
+    /// few.
     pub(super) fn judged(
         &self,
-        command: &[f64],
-        position: &[f64],
+        few: Option<&Deviation>,
+        (command, position): (&[f64], &[f64]),
         rows: &[usize],
-    ) -> Option<Vec<(f64, f64)>> {
+    ) -> Option<Vec<Row>> {
         let samples = self.frame.samples(&[(command, position)]).ok()?;
         let (mean, d) = (self.process.kernel_sum(), samples.dimension());
         let span = self.frame.output.high - self.frame.output.low;
-        let mut room = vec![0.0; d];
+        let (mut room, mut centres) = (vec![0.0; d], vec![0.0; few.map_or(0, Deviation::count)]);
+        let (noise, signal) = (self.process.parameters().noise, self.process.parameters().signal);
         let of = |row: &usize| {
             let z = samples.inputs().get(row * d..(row + 1) * d)?;
             let error = samples.outputs().get(*row)? - mean.value(z, &mut room);
-            let variance = self.process.variance(z) + self.process.parameters().noise.powi(2);
-            Some((span * error, span * variance.sqrt()))
+            let deviation = |variance: f64| span * (variance + noise.powi(2)).sqrt();
+            let own = few.map(|few| deviation(signal.powi(2) * few.left(z, &mut centres)));
+            Some(Row {
+                error: span * error,
+                deviation: deviation(self.process.variance(z)),
+                few: own,
+            })
         };
         rows.iter().map(of).collect()
     }
