@@ -190,7 +190,7 @@ const TABLE_5: [(usize, f64, f64); 7] = [
     (105, 8.233_014, 4.02981),
 ];
 /// Printed C and sigma squared, by annealing and by the swarm.
-const SETTINGS: [(&str, f64, f64); 2] =
+pub(crate) const SETTINGS: [(&str, f64, f64); 2] =
     [("annealing", 3.0450e7, 6.5814), ("the swarm", 3.8155e3, 3.13544 * 3.13544)];
 
 /// The paper's frame: so many stop operators, the command and its rate, each divided by its standard deviation.

@@ -8,6 +8,7 @@ use identify::learned::{
 };
 use learned::features::{Derivatives, Features, Stops};
 use learned::gp::{self, GaussianProcess, Hyperparameters};
+use learned::lssvm::Samples;
 
 use super::figures::{self, Chapter};
 use super::{Aim, Effort, Order, Reproduction, Response, Row, response};
@@ -95,15 +96,15 @@ pub(crate) fn top(y: &[f64]) -> usize {
 
 /// How a process is trained on the chirp.
 #[derive(Clone, Copy)]
-struct Training {
+pub(super) struct Training {
     /// Only on the rows behind the first rise, as a process without memory knows no virgin curve.
-    settled: bool,
+    pub(super) settled: bool,
     /// On the straight line of least error, so that it leads on beyond the 30 V of the chirp.
-    on_a_line: bool,
+    pub(super) on_a_line: bool,
     /// One length for all inputs, and not one for each.
-    one_length: bool,
+    pub(super) one_length: bool,
     /// Half length of the low-pass.
-    half: usize,
+    pub(super) half: usize,
 }
 
 /// On the whole chirp, as in the paper.
@@ -137,16 +138,25 @@ fn trained(dimension: usize, chirp: &Response, way: Training) -> anyhow::Result<
     let rows: Vec<usize> = (from..samples.count()).collect();
     let samples = samples.subset(&rows);
     let search = Search { signal: 5.0, ..SEARCH };
-    let process = if way.one_length {
-        let lengths = vec![(dimension as f64).sqrt()];
+    Ok(Machine::of_process(frame, &way.process(&samples, &search)?))
+}
+
+impl Training {
+    /// The process of greatest likelihood.
+    pub(super) fn process(
+        self,
+        samples: &Samples,
+        search: &Search,
+    ) -> Result<GaussianProcess, learned::Error> {
+        if !self.one_length {
+            return by_likelihood(samples, search);
+        }
+        let lengths = vec![(samples.dimension() as f64).sqrt()];
         let start = Hyperparameters { signal: search.signal, noise: 0.01, lengths };
         let evaluations = search.evaluations[0] + search.evaluations[1];
         let one = gp::Search { start, evaluations, most_samples: search.most_samples };
-        GaussianProcess::learn(&samples, &one)?.0
-    } else {
-        by_likelihood(&samples, &search)?
-    };
-    Ok(Machine::of_process(frame, &process))
+        Ok(GaussianProcess::learn(samples, &one)?.0)
+    }
 }
 
 /// Time in s over which a command rises from 0 to where a signal begins, and rows of it.

@@ -8,6 +8,7 @@ use identify::learned::{
     Arx, Frame, Machine, Recipe, Run, SEED, Seek, Series, Span, Teaches, Waves, rms_difference,
 };
 use learned::features::{Features, Narx, Stops};
+use learned::lssvm::Settings;
 use model::Kind;
 
 use super::bed::Bed;
@@ -20,7 +21,7 @@ use crate::machines;
 use crate::matching;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
 use crate::reproduce::p1::{
-    Parts, RANGE, STOPS, is_command, milliseconds, series, stops_and_rate, tuned,
+    Parts, RANGE, SETTINGS, STOPS, is_command, milliseconds, series, stops_and_rate, tuned,
 };
 use crate::reproduce::relays::Relays;
 
@@ -56,6 +57,32 @@ fn own_inverse(count: usize, runs: &[Run<'_>]) -> anyhow::Result<Machine> {
     let volts = Span { low: 0.0, high: GREATEST };
     let frame = stops_and_rate(count, (top, volts, PERIOD), &pairs);
     Ok(tuned(&frame, &pairs, Seek::Grid, Parts::InTurn)?.0)
+}
+
+/// Other ways inside the paper's method to train its inverse: how the samples are dealt out to the parts of the
+/// cross-validation, and printed settings.
+fn tried_inverses(
+    runs: &[Run<'_>],
+    tables: &mut Blueprint,
+) -> anyhow::Result<Vec<(&'static str, ComponentBlueprint)>> {
+    let pairs: Vec<(&[f64], &[f64])> = runs.iter().map(|run| (run.position, run.command)).collect();
+    let top = pairs.iter().flat_map(|(y, _)| *y).fold(0.0_f64, |top, y| top.max(y.abs()));
+    let volts = Span { low: 0.0, high: GREATEST };
+    let frame = stops_and_rate(STOPS, (top, volts, PERIOD), &pairs);
+    let [_, (_, gamma, sigma2)] = SETTINGS;
+    let all = [
+        ("in blocks", tuned(&frame, &pairs, Seek::Grid, Parts::Blocks)?.0),
+        ("a part for each signal", tuned(&frame, &pairs, Seek::Grid, Parts::Signals)?.0),
+        (
+            "printed C and sigma by the swarm",
+            Machine::train(frame.clone(), &pairs, Settings { gamma, sigma2 })?.0,
+        ),
+    ];
+    let mut components = Vec::new();
+    for (number, (name, machine)) in all.into_iter().enumerate() {
+        components.push((name, learned_inverse(tables, &format!("tried{number}"), &machine)?));
+    }
+    Ok(components)
 }
 
 /// What else is played on E: how a reference becomes a command.
@@ -148,6 +175,13 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         own.machine.count()
     ));
     let printed_inverse = [learned_inverse(&mut tables, "own", &own)?];
+    let tried_inverses = match quick {
+        true => Vec::new(),
+        false => {
+            say("tried: other inverses");
+            tried_inverses(&runs, &mut tables)?
+        }
+    };
     let inverse = match quick {
         true => None,
         false => Some(our_inverse(&runs, &mut tables, &mut answer, say)?),
@@ -264,6 +298,25 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         row(what, paper_both[k], own_both, 2, Aim::Reach);
         let what = format!("incremental PID alone, re-tuned, {upper}");
         answer.rows.push(Row::new(ID, what, "um", f64::NAN, feedback, Aim::Told));
+        for (name, inverse) in &tried_inverses {
+            for (with, gains, paper) in
+                [("alone", &none, paper_ff[k]), ("and PID", &robust, paper_both[k])]
+            {
+                let error = rmse(&of(std::slice::from_ref(inverse), gains)?, part);
+                let what = format!("tried: inverse LS-SVM {with}, {name}, {upper}");
+                answer.rows.push(Row::new(ID, what, "um", paper, error, Aim::Told));
+            }
+        }
+        if !quick {
+            for sensitivity in [1.3, 3.0] {
+                let gains = control::robust(&response, PERIOD, sensitivity, 20.0)?;
+                let error = rmse(&of(&printed_inverse, &gains)?, part);
+                let what = format!(
+                    "tried: inverse LS-SVM and PID, gains for a sensitivity of {sensitivity}, {upper}"
+                );
+                answer.rows.push(Row::new(ID, what, "um", paper_both[k], error, Aim::Told));
+            }
+        }
         let mut order = |what: &str, holds: bool| {
             answer.orders.push(Order { paper_id: ID, what: format!("{what}, {upper}"), holds });
         };

@@ -5,9 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use control::Gains;
 use data::{Blueprint, ComponentBlueprint};
-use identify::learned::{
-    Frame, Machine, Recipe, SEED, Search, Span, Waves, by_likelihood, rms_difference,
-};
+use identify::learned::{Frame, Machine, Recipe, SEED, Search, Span, Waves, rms_difference};
 use learned::features::{Derivatives, Features, Stops};
 use model::Kind;
 
@@ -22,7 +20,7 @@ use crate::machines;
 use crate::matching;
 use crate::reproduce::Response;
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
-use crate::reproduce::p3::{COUNT, SEARCH, group, series, top};
+use crate::reproduce::p3::{COUNT, SEARCH, Training, group, series, top};
 
 const ID: &str = "P3";
 const PERIOD: f64 = 50e-6;
@@ -248,17 +246,29 @@ const TESTS: [Test; 13] = [
 /// References of a quick reproduction.
 const QUICK: [&str; 3] = ["100 Hz", "1 kHz", "four tones"];
 
+/// How the compensators are trained: behind the first rise, below which no compensator without memory knows a way.
+const OWN: Training = Training { settled: true, on_a_line: false, one_length: false, half: HALF };
+/// Other ways inside the paper's method, and on which references they are tried.
+const TRIED: [(&str, Training); 4] = [
+    ("one length for all inputs", Training { one_length: true, ..OWN }),
+    ("on the whole chirp", Training { settled: false, ..OWN }),
+    ("no low-pass", Training { half: 0, ..OWN }),
+    ("on the whole chirp, no low-pass", Training { settled: false, half: 0, ..OWN }),
+];
+const TRIED_ON: [&str; 5] = ["100 Hz", "200 Hz", "300 Hz", "400 Hz", "four tones"];
+
 /// The inverse compensator of this many inputs.
-fn trained(dimension: usize, u: &[f64], y: &[f64]) -> anyhow::Result<Machine> {
-    let derivatives = Derivatives::new(dimension, HALF, CUTOFF, [1.0; 4]).context("a dimension")?;
-    let peak = top(y);
+fn trained(dimension: usize, u: &[f64], y: &[f64], way: Training) -> anyhow::Result<Machine> {
+    let derivatives =
+        Derivatives::new(dimension, way.half, CUTOFF, [1.0; 4]).context("a dimension")?;
+    let peak = if way.settled { top(y) } else { 0 };
     let (y, u) = (&y[peak..], &u[peak..]);
     let pairs = [(y, u)];
     let features = Features::Derivatives(derivatives);
     // The component holds its command within twice the output's span.
     let frame = Frame::new(features, Span::UNIT, Span::of(u), Recipe::Standardised, &pairs);
     let samples = frame.samples(&pairs)?;
-    let process = by_likelihood(&samples, &Search { signal: 2.0, ..SEARCH })?;
+    let process = way.process(&samples, &Search { signal: 2.0, ..SEARCH })?;
     let whole = Machine::of_process(frame, &process);
     let own = rms_difference(&whole.simulate(y, u[0]), u);
     Ok(whole.compress(&pairs, CENTRES, 1.05 * own).unwrap_or(whole))
@@ -306,9 +316,13 @@ fn of_stops(chirp: &Response, tables: &mut Blueprint) -> anyhow::Result<(Inverse
 /// The inverse of the paper's baseline.
 fn of_mpi(chirp: &Response) -> anyhow::Result<ComponentBlueprint> {
     let plant = matching::p3::mpi(chirp)?;
-    let forward = plant.blueprint().axes[0].components.iter().find(|c| c.kind == "mpi");
-    let mut inverse = forward.context("an MPI model")?.clone();
-    inverse.kind = "inverse-mpi".into();
+    // What declares an inverse is the hysteresis; its blueprint stands at the same place.
+    let mut nodes =
+        plant.spec().axes[0].components.iter().zip(&plant.blueprint().axes[0].components);
+    let undone = |node: &model::NodeSpec| node.component.inverses().first().copied();
+    let found = nodes.find_map(|(node, own)| undone(node).map(|inverse| (own.clone(), inverse)));
+    let (mut inverse, undoing) = found.context("an MPI model with an inverse")?;
+    inverse.kind = undoing.kind.into();
     let ends = [("command_min", COMMAND.0), ("command_max", COMMAND.1)];
     Ok(ends.into_iter().fold(inverse, |inverse, (name, end)| inverse.value(name, end)))
 }
@@ -379,7 +393,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
             continue;
         }
         say(&format!("inverse compensator of {dimension} inputs"));
-        let machine = trained(dimension, &u, &y[1..])?;
+        let machine = trained(dimension, &u, &y[1..], OWN)?;
         answer.remarks.push(format!(
             "inverse of {dimension} inputs: {} centres; late by {} rows, which the reference runs ahead",
             machine.machine.count(),
@@ -407,6 +421,9 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         say(test.name);
         tracked(&bed, test, (&tables, &all, &gains), (&stage, few), &mut answer)?;
     }
+    if !few {
+        tried(&bed, &stage, (&u, &y[1..]), &mut answer, say)?;
+    }
     if let Some(stops) = &all.stops {
         let still = bed.track(
             &control(&tables, zero, Some(stops), &gains),
@@ -431,6 +448,32 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
             .into(),
     );
     Ok(answer)
+}
+
+/// The compensator of 12 inputs trained in other ways, without PI.
+fn tried(
+    bed: &Bed,
+    stage: &Stage,
+    (u, y): (&[f64], &[f64]),
+    answer: &mut Reproduction,
+    say: &dyn Fn(&str),
+) -> anyhow::Result<()> {
+    for (way, training) in TRIED {
+        say(&format!("tried: 12 inputs, {way}"));
+        let machine = trained(12, u, y, training)?;
+        let ahead = machine.frame.features.delay() + 1;
+        let mut tables = Blueprint::new(Kind::Controller, "tables", PERIOD);
+        let inverse = (ahead, vec![learned_inverse(&mut tables, "tried", &machine)?]);
+        let blueprint = control(&tables, stage.zero, Some(&inverse), &Gains::default());
+        for test in TESTS.iter().filter(|test| TRIED_ON.contains(&test.name)) {
+            let (reference, scaled) = reference(test, stage)?;
+            let run = bed.track(&blueprint, &[reference], PERIOD, ahead)?;
+            let [error, _] = percent(&run, 400 + scaled.len() / 3, stage.reach);
+            let what = format!("tried: open loop, 12 inputs, {way}, {}", test.name);
+            answer.rows.push(Row::new(ID, what, "%", test.open[4][0], error, Aim::Told));
+        }
+    }
+    Ok(())
 }
 
 /// The reference of a test from rest: the first row at the bottom, a quarter wave of rise, then the signal; and the signal.
