@@ -107,17 +107,17 @@ impl RunTimes {
             Column::new("mean").unit("us"),
             Column::new("shortest").unit("us"),
             Column::new("longest").unit("us"),
-            Column::new("all").unit("s"),
+            Column::new("total").unit("s"),
             Column::new("of the run").unit("%"),
             Column::new("of real time").unit("%"),
         ];
         let caption = format!(
-            "Time of the FMUs' steps; {:.4} s on the clock for {} s, {} of {} steps timed",
+            "Time of the FMUs' steps; the run took {:.4} s for {} s, {} of {} steps were timed",
             self.wall_s, self.simulated_s, self.timed_steps, self.steps
         );
         let mut table = Table::new(caption, heads);
         let mut bins = Table::new(
-            "How often a step took so long",
+            "Distribution of the times of steps",
             [
                 Column::new("FMU"),
                 Column::new("from").unit("us"),

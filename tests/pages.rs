@@ -285,6 +285,12 @@ fn pages_of_the_commands_hold_in_a_browser() {
     reference(at);
     bench_pages(at);
     calibration_page(at);
+    let system = "step = 1e-4\n[fmus]\ncontroller = \"controller.fmu\"\nplant = \"plant.fmu\"\n\
+                  [connections]\n\"plant.command[1]\" = \"controller.command[1]\"\n\
+                  \"controller.measured[1]\" = \"plant.position[1]\"\n\
+                  [inputs]\n\"controller.reference[1]\" = \"reference[1]\"\n\
+                  [record]\ncommand = \"plant.command[1]\"\nposition = \"plant.position[1]\"\n";
+    fs::write(at.join("loop.toml"), system).expect("a system");
     for line in [
         "simulate plant.fmu --log stage.csv --map command[1]=u --map position[1]=y --report simulate.html --quiet",
         "simulate --loop plant.toml controller.toml --reference reference.csv --report loop.html --quiet",
@@ -292,6 +298,7 @@ fn pages_of_the_commands_hold_in_a_browser() {
         "invert plant.toml -o inverted.toml --report invert.html --quiet",
         "diagnose --model plant.toml --log stage.csv --map command[1]=u --map position[1]=y --max-effects 1 --report diagnose.html --quiet",
         "gap-bench --short --cases 1 -o bench --quiet",
+        "system loop.toml --input reference.csv --report system.html --quiet",
     ] {
         let said = piezoloop(&words(line), at);
         let errors = String::from_utf8_lossy(&said.stderr);
@@ -314,6 +321,7 @@ fn pages_of_the_commands_hold_in_a_browser() {
         "bench.html",
         "campaign.html",
         "calibrate.html",
+        "system.html",
         "plant-doc.html",
         "controller-doc.html",
     ];

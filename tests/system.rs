@@ -104,6 +104,12 @@ fn times_of_the_fmus_are_told_and_a_pace_is_kept() {
     assert!(times["wall_s"].as_f64().is_some_and(|wall| wall >= 0.5), "{times}");
     let page = fs::read_to_string(folder.join("page.html")).expect("a page");
     assert!(page.contains("of real time"), "the page has the times");
+    // The picture comes before them, and has every recorded variable with its unit.
+    let picture = page.find("Signals over time").expect("the page has the signals");
+    assert!(page.find("of real time").is_some_and(|times| picture < times));
+    for name in ["reference[1]", "position[1]"] {
+        assert!(page.contains(name), "{name} is drawn");
+    }
     let said = refuse(&["system", "loop.toml", "--input", "reference.csv", "--pace", "0"], folder);
     assert!(said.contains("1 is real time"), "{said}");
 }

@@ -90,7 +90,7 @@ impl Calibrate {
         let files: Vec<(&str, &Path)> = logs.iter().map(|log| ("log", *log)).collect();
         self.page.finish(screen, &answer, || {
             let provenance = pages::provenance(&files)?;
-            Ok(pages::calibration(&answer.calibration, &record, period, provenance))
+            Ok(pages::calibration(&answer.calibration, &record, period, &units, provenance))
         })
     }
 

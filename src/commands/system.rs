@@ -132,6 +132,9 @@ pub(crate) struct Ran {
     /// How long the FMUs took.
     pub(crate) times: RunTimes,
     pub(crate) notes: Vec<String>,
+    /// What the page draws.
+    #[serde(skip)]
+    pub(crate) drawn: Drawn,
 }
 
 /// What was written.
@@ -253,12 +256,13 @@ impl System {
             notes: Vec::new(),
             bar: progress::Rows::new(screen, "run", rows),
             rows: 0,
+            drawn: self.page.is_asked().then(Drawn::default),
         };
         let (no_stop_time, pace) = (self.no_stop_time, times::pace(self.pace)?);
         let run = Run { no_stop_time, pace, ..Run::new(points, &table) };
         let outcome = prepared.system.run(&run, &*prepared.algorithm, &mut recorder);
         recorder.bar.finish();
-        let Recording { file, rows, columns, notes: of_names, .. } = recorder;
+        let Recording { file, rows, columns, notes: of_names, drawn, .. } = recorder;
         if let Some((file, out)) = file {
             let written = file.finish().and_then(|()| records::renew(&columns, out));
             written.with_context(|| format!("{} cannot be written", out.display()))?;
@@ -321,6 +325,7 @@ impl System {
             messages: ear.said(),
             times,
             notes,
+            drawn: drawn.unwrap_or_default(),
         })
     }
 
@@ -428,6 +433,49 @@ impl System {
     }
 }
 
+/// The recorded variables of a run, for its page: all rows, or of a long run every `stride`-th.
+#[derive(Default)]
+pub(crate) struct Drawn {
+    pub(crate) columns: Vec<cosim::record::Column>,
+    pub(crate) time: Vec<f64>,
+    /// One list for each column.
+    pub(crate) values: Vec<Vec<f64>>,
+    pub(crate) stride: usize,
+    rows: usize,
+}
+
+impl Drawn {
+    /// The greatest number of values that are kept.
+    const MOST: usize = 4_000_000;
+
+    fn begin(&mut self, columns: &[cosim::record::Column]) {
+        let values = vec![Vec::new(); columns.len()];
+        *self = Drawn { columns: columns.to_vec(), values, stride: 1, ..Drawn::default() };
+    }
+
+    fn row(&mut self, time: f64, values: &[f64]) {
+        if self.rows.is_multiple_of(self.stride) {
+            if self.time.len() * self.values.len() >= Self::MOST {
+                self.thin();
+            }
+            // After thinning this row may be one of those that are left out.
+            if self.rows.is_multiple_of(self.stride) {
+                self.time.push(time);
+                self.values.iter_mut().zip(values).for_each(|(all, value)| all.push(*value));
+            }
+        }
+        self.rows += 1;
+    }
+
+    /// Leaves every second row out.
+    fn thin(&mut self) {
+        for all in self.values.iter_mut().chain([&mut self.time]) {
+            *all = all.iter().step_by(2).copied().collect();
+        }
+        self.stride *= 2;
+    }
+}
+
 /// Writes rows to the file, and moves the progress bar.
 struct Recording<'a> {
     file: Option<(RecordFile, &'a Path)>,
@@ -436,6 +484,8 @@ struct Recording<'a> {
     notes: Vec<String>,
     bar: progress::Rows,
     rows: usize,
+    /// Where a page was asked for.
+    drawn: Option<Drawn>,
 }
 
 impl Recorder for Recording<'_> {
@@ -445,6 +495,9 @@ impl Recorder for Recording<'_> {
         columns: &[cosim::record::Column],
         rows: usize,
     ) -> io::Result<()> {
+        if let Some(drawn) = &mut self.drawn {
+            drawn.begin(columns);
+        }
         let Some((file, out)) = &mut self.file else { return Ok(()) };
         let (columns, notes) = records::readable(columns, out).map_err(io::Error::other)?;
         file.begin(record, &columns, rows)?;
@@ -455,6 +508,9 @@ impl Recorder for Recording<'_> {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.rows += 1;
         self.bar.row(time, values)?;
+        if let Some(drawn) = &mut self.drawn {
+            drawn.row(time, values);
+        }
         self.file.as_mut().map_or(Ok(()), |(file, _)| file.row(time, values))
     }
 
@@ -500,5 +556,26 @@ impl Answer for Exported {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "{}: {}", self.system, self.fmus.join(", "))?;
         writeln!(out, "{}: written", self.ssp.display())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_run_is_drawn_by_every_nth_row() {
+        let column = |name: &str| cosim::record::Column { name: name.into(), unit: None };
+        let mut drawn = Drawn::default();
+        drawn.begin(&[column("a"), column("b")]);
+        let rows = 3 * Drawn::MOST / 2;
+        for k in 0..rows {
+            drawn.row(k as f64, &[2.0 * k as f64, -(k as f64)]);
+        }
+        assert_eq!(drawn.stride, 4);
+        assert_eq!(drawn.time.len(), rows.div_ceil(4));
+        assert!(drawn.time.iter().enumerate().all(|(k, t)| *t == 4.0 * k as f64));
+        assert!(drawn.time.iter().zip(&drawn.values[0]).all(|(t, a)| *a == 2.0 * t));
+        assert!(drawn.time.iter().zip(&drawn.values[1]).all(|(t, b)| *b == -t));
     }
 }

@@ -114,7 +114,11 @@ pub(crate) fn run(outcome: &Outcome, rows: &Rows, provenance: Provenance) -> Rep
         }
         let errors = differences(wanted, got);
         let label = format!("{name}: rms error");
-        let note = format!("largest {} {unit}", report::format_number(greatest(&errors), 4));
+        let note = format!(
+            "largest {} {}",
+            report::format_number(greatest(&errors), 4),
+            report::format_unit(unit)
+        );
         page = page.key_figure(KeyFigure::new(label, rms(&errors), unit).note(note));
     }
     let share = |p: &Percentiles| format!("99 %: {:.0} µs, largest {:.0} µs", p.p99_us, p.max_us);

@@ -19,7 +19,7 @@ pub fn reproduction(all: &[Reproduction], provenance: Provenance) -> anyhow::Res
     let sentence = match (judged, orders().count()) {
         (0, 0) => "No figure is judged.".to_owned(),
         (_, orders) => format!(
-            "{reached} of {judged} figures that the papers report are reached or beaten on our machines, and {held} of {orders} orders of methods hold."
+            "{reached} of {judged} figures that the papers report are reached or beaten on our machines, and {held} of {orders} rankings of methods hold."
         ),
     };
     let verdict = match (missed, held == orders().count(), judged) {
@@ -58,39 +58,25 @@ fn key_figure(one: &Reproduction) -> KeyFigure {
         (0, _) => Outcome::Pass,
         _ => Outcome::Caution,
     };
-    figure.outcome(outcome).note(format!("{held} of {} orders hold", one.orders.len()))
+    figure.outcome(outcome).note(format!("{held} of {} rankings hold", one.orders.len()))
 }
 
 fn figures(one: &Reproduction) -> Section {
     let paper = one.paper.to_uppercase();
-    let mut table = Table::new(
-        format!("Figures of {paper}, {}", one.part),
-        [
-            "figure",
-            "paper",
-            "its method here",
-            "ours",
-            "another way",
-            "of its baseline: paper",
-            "here",
-            "verdict",
-            "rests most on",
-        ],
-    );
-    for row in &one.rows {
-        table = table.row([
-            Value::from(in_unit(&row.what, row.unit)),
-            row.paper.into(),
-            row.own.into(),
-            told(row.ours),
-            told(row.other),
-            told(ratio(row).map(|ratio| ratio[0])),
-            told(ratio(row).map(|ratio| ratio[1])),
-            word(row.verdict).into(),
-            stand_ins::rests_on(row.paper_id, &row.what).into(),
-        ]);
-    }
-    let mut orders = Table::new(format!("Orders of methods, {paper}"), ["order", "holds"]);
+    let ratio = |row: &Row, at: usize| told(ratio(row).map(|ratio| ratio[at]));
+    let columns: [Shown<'_>; 9] = [
+        ("figure", &|row| in_unit(&row.what, row.unit).into()),
+        ("paper", &|row| row.paper.into()),
+        ("its method here", &|row| row.own.into()),
+        ("ours", &|row| told(row.ours)),
+        ("another way", &|row| told(row.other)),
+        ("ratio to the baseline, paper", &|row| ratio(row, 0)),
+        ("ratio to the baseline, here", &|row| ratio(row, 1)),
+        ("verdict", &|row| word(row.verdict).into()),
+        ("decisive assumptions", &|row| stand_ins::rests_on(row.paper_id, &row.what).into()),
+    ];
+    let table = filled(format!("Figures of {paper}, {}", one.part), &columns, &one.rows);
+    let mut orders = Table::new(format!("Rankings of methods, {paper}"), ["ranking", "holds"]);
     for order in &one.orders {
         orders = orders.row([Value::from(order.what.as_str()), order.holds.into()]);
     }
@@ -113,6 +99,21 @@ fn figures(one: &Reproduction) -> Section {
         section = section.list(remarks);
     }
     if one.matched.is_empty() { section } else { section.table(matched(one)) }
+}
+
+/// A column: its head, and what it has of a row.
+type Shown<'a> = (&'a str, &'a dyn Fn(&Row) -> Value);
+
+/// The table of these rows, without the columns that are empty in all of them.
+fn filled(caption: String, columns: &[Shown<'_>], rows: &[Row]) -> Table {
+    let is_empty = |value: Value| match value {
+        Value::Text(text) => text.is_empty(),
+        value => value == Value::Missing,
+    };
+    let used: Vec<_> =
+        columns.iter().filter(|(_, of)| !rows.iter().all(|row| is_empty(of(row)))).collect();
+    let table = Table::new(caption, used.iter().map(|(head, _)| *head));
+    rows.iter().fold(table, |table, row| table.row(used.iter().map(|(_, of)| of(row))))
 }
 
 fn told(value: Option<f64>) -> Value {
@@ -177,4 +178,38 @@ fn assumptions(one: &Reproduction) -> anyhow::Result<Section> {
             "The paper does not describe these parts of its machine. They were assumed; values are in the units of the blueprint.",
         )
         .table(table))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_that_no_row_fills_are_left_out() {
+        let row = |ours, verdict| Row {
+            paper_id: "P1",
+            what: "error".into(),
+            unit: "um",
+            paper: 0.1,
+            own: f64::NAN,
+            ours,
+            other: None,
+            aim: Aim::Reach,
+            verdict,
+        };
+        let columns: [Shown<'_>; 5] = [
+            ("figure", &|row| in_unit(&row.what, row.unit).into()),
+            ("own", &|row| row.own.into()),
+            ("ours", &|row| told(row.ours)),
+            ("other", &|row| told(row.other)),
+            ("verdict", &|row| word(row.verdict).into()),
+        ];
+        let rows = [row(None, Verdict::NotJudged), row(Some(0.2), Verdict::NotReached)];
+        let heads = |rows: &[Row]| -> Vec<String> {
+            let table = filled("a table".into(), &columns, rows);
+            table.columns.iter().map(|column| column.heading.clone()).collect()
+        };
+        assert_eq!(heads(&rows), ["figure", "ours", "verdict"]);
+        assert_eq!(heads(&rows[..1]), ["figure"]);
+    }
 }
