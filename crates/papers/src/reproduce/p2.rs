@@ -287,7 +287,7 @@ fn plays_and_position() -> anyhow::Result<[f64; 3]> {
         method: Some("curved-prandtl-ishlinskii"),
         thresholds,
         levels: 2,
-        dynamic: false,
+        dynamic: true,
     };
     let plant = baseline.fit(&[&runs[0]])?;
     let mut errors = [0.0; 3];
