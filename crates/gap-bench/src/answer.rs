@@ -51,6 +51,18 @@ pub struct Leftover {
 }
 
 impl Answer {
+    /// Whether several names stand for an effect.
+    #[must_use]
+    pub fn has_rivals(&self) -> bool {
+        self.effects.iter().any(|named| named.set.len() > 1)
+    }
+
+    /// Whether an effect is named and each has one name.
+    #[must_use]
+    pub fn is_single(&self) -> bool {
+        !self.effects.is_empty() && !self.has_rivals()
+    }
+
     /// Reads `gap.json`.
     ///
     /// # Errors

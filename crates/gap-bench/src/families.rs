@@ -252,4 +252,18 @@ pub const FAMILIES: &[Family] = &[
         offset: 30.0,
         ..OPEN
     },
+    Family {
+        name: "ambiguous",
+        about: "one effect, a log of production only; where several names are left, up to two experiments are made",
+        full: 1560,
+        short: 2,
+        content: Content::Single,
+        setting: Setting::Operation,
+        ..OPEN
+    },
 ];
+
+/// Whether further experiments are made where several names are left.
+pub(crate) fn is_ambiguous(family: &str) -> bool {
+    family == "ambiguous"
+}

@@ -23,6 +23,11 @@ pub(crate) fn is_first(answer: &Answer, truth: &TrueEffect) -> bool {
     first(answer) == truth.effect
 }
 
+/// Whether the truth is the only name.
+pub(crate) fn is_exactly(answer: &Answer, truth: &TrueEffect) -> bool {
+    matches!(&answer.effects[..], [named] if named.set == [truth.effect.as_str()])
+}
+
 /// Whether the truth is in the set of a named effect.
 pub(crate) fn is_in_set(answer: &Answer, truth: &TrueEffect) -> bool {
     answer.effects.iter().any(|named| named.set.contains(&truth.effect))

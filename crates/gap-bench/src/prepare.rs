@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use data::{Log, UnitPlace, WholeFile};
-use gap_machines::{Order, Record, Scene, TOLERANCES};
+use data::{Log, ReadOptions, UnitPlace, WholeFile};
+use gap_machines::{Kind, Order, Record, Scene, TOLERANCES};
 use serde::{Deserialize, Serialize};
 
 use crate::case::{Case, NoiseHint};
@@ -44,6 +44,17 @@ pub struct Question {
     pub repaired: String,
 }
 
+/// A case whose files are written.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// The truth.
+    pub label: Label,
+    /// What is asked.
+    pub question: Question,
+    /// The machine, for further measurements.
+    pub scene: Scene,
+}
+
 /// Draws the machine of a case and writes its files.
 ///
 /// # Errors
@@ -53,7 +64,7 @@ pub fn prepare(
     case: &Case,
     folders: &Folders,
     tool: &dyn Tool,
-) -> Result<Result<(Label, Question), String>, Error> {
+) -> Result<Result<Prepared, String>, Error> {
     let scene = match draw(&case.order) {
         Ok(scene) => scene,
         Err(message) => return Ok(Err(message)),
@@ -83,7 +94,7 @@ pub fn prepare(
     let question = question(case, &scene);
     write_json(&folder.join("question.json"), &question)?;
     write_json(&truth.join("label.json"), &label)?;
-    Ok(Ok((label, question)))
+    Ok(Ok(Prepared { label, question, scene }))
 }
 
 fn draw(order: &Order) -> Result<Scene, String> {
@@ -151,6 +162,25 @@ fn tolerances_of_fmu() -> Vec<String> {
         ("*.bandwidth", t.bandwidth),
     ];
     all.iter().flat_map(|(name, sd)| ["--tune".to_owned(), format!("{name}={sd}")]).collect()
+}
+
+/// Plays a signal that the diagnosis asks for (columns `time`, `u1` and perhaps `u2`) on the machine and writes the
+/// log of it. A neighbour that is not named rests at 50 V, the middle of its range.
+///
+/// # Errors
+/// The signal or the log, as a text.
+pub(crate) fn play(scene: &Scene, signal: &Path, number: usize, path: &Path) -> Result<(), String> {
+    let asked = Log::read(signal, &ReadOptions::default()).map_err(|error| error.to_string())?;
+    let column = |name: &str| -> Option<Vec<f64>> {
+        let column = asked.column(name)?;
+        Some(column.values.iter().map(|u| (u * 1e6).round() / 1e6).collect())
+    };
+    let command = column("u1").ok_or("the signal of the next experiment has no column u1")?;
+    let neighbour = column("u2").unwrap_or_else(|| vec![50.0; command.len()]);
+    let commands = [command, neighbour];
+    let readings = scene.play(&commands, 400 + number);
+    let record = Record { kind: Kind::Operation, commands, readings, missed: None };
+    log(&[&record], scene.period, path).map_err(|error| error.to_string())
 }
 
 /// Writes records as one log; several are numbered.

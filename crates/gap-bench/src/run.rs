@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 use crate::answer::Answer;
 use crate::case::{Case, Plan};
 use crate::error::{Error, at};
+use crate::families::is_ambiguous;
 use crate::label::{Label, Miss};
-use crate::prepare::{Folders, Question, prepare, read_json, write_json};
+use crate::prepare::{Folders, Prepared, Question, play, prepare, read_json, write_json};
 use crate::tool::Tool;
 
 /// How the cases are run.
@@ -41,6 +42,9 @@ pub struct Outcome {
     pub seconds: f64,
     /// What the repaired model does on records that the diagnosis never saw.
     pub realised: Option<Realised>,
+    /// Answers after each further experiment, where several names were left.
+    #[serde(default)]
+    pub after_experiments: Vec<Answer>,
 }
 
 /// Root mean squares over the records that nobody saw, without noise, in µm.
@@ -143,8 +147,9 @@ fn one(case: &Case, settings: &Settings, tool: &dyn Tool) -> Result<Outcome, Err
             failure: Some(message),
             seconds: 0.0,
             realised: None,
+            after_experiments: Vec::new(),
         },
-        Ok((label, question)) => ask(case, label, &question, settings, tool),
+        Ok(prepared) => ask(case, prepared, settings, tool),
     };
     let truth = folders.truth(&case.id);
     at(&truth, std::fs::create_dir_all(&truth))?;
@@ -156,17 +161,16 @@ fn one(case: &Case, settings: &Settings, tool: &dyn Tool) -> Result<Outcome, Err
     Ok(outcome)
 }
 
-fn ask(
-    case: &Case,
-    label: Label,
-    question: &Question,
-    settings: &Settings,
-    tool: &dyn Tool,
-) -> Outcome {
+fn ask(case: &Case, prepared: Prepared, settings: &Settings, tool: &dyn Tool) -> Outcome {
+    let Prepared { label, question, scene } = prepared;
     let folder = settings.folders.case(&case.id);
     let unseen = settings.folders.truth(&case.id).join("unseen.csv");
     let begin = Instant::now();
-    let said = diagnose(tool, &folder, &question.arguments, "gap.json", case.family == "long");
+    let mut arguments = question.arguments.clone();
+    if is_ambiguous(case.family) {
+        arguments.extend([NEXT.0, NEXT.1].map(str::to_owned));
+    }
+    let said = diagnose(tool, &folder, &arguments, "gap.json", case.family == "long");
     let seconds = begin.elapsed().as_secs_f64();
     let Said { answer, mut failure } = said;
     let mut realised = None;
@@ -178,14 +182,41 @@ fn ask(
                 let before = Miss::pooled(&label.missed);
                 let oracle = settings
                     .has_oracle
-                    .then(|| told(&label, question, &folder, &unseen, tool))
+                    .then(|| told(&label, &question, &folder, &unseen, tool))
                     .flatten();
                 realised = Some(Realised { before, after, oracle });
             }
         }
     }
-    Outcome { label: Some(label), answer, failure, seconds, realised }
+    let mut after_experiments = Vec::new();
+    if is_ambiguous(case.family) && failure.is_none() {
+        let mut last = answer.clone();
+        for number in 1..=EXPERIMENTS {
+            if !last.as_ref().is_some_and(Answer::has_rivals) || !folder.join(NEXT.1).exists() {
+                break;
+            }
+            let log = format!("experiment-{number}.csv");
+            if let Err(message) = play(&scene, &folder.join(NEXT.1), number, &folder.join(&log)) {
+                failure = Some(message);
+                break;
+            }
+            arguments.extend(["--log".to_owned(), log]);
+            // A signal is asked for anew.
+            let _ = std::fs::remove_file(folder.join(NEXT.1));
+            let file = format!("gap-{number}.json");
+            let said = diagnose(tool, &folder, &arguments, &file, false);
+            failure = said.failure;
+            last = said.answer;
+            after_experiments.extend(last.clone());
+        }
+    }
+    Outcome { label: Some(label), answer, failure, seconds, realised, after_experiments }
 }
+
+/// Experiments that a machine with several names left is given.
+const EXPERIMENTS: usize = 2;
+/// The option that asks for a signal, and its file.
+const NEXT: (&str, &str) = ("--next-experiment", "next.csv");
 
 /// What a diagnosis left: an answer, a complaint, or both where only the repair failed.
 struct Said {

@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::answer::Answer;
 use crate::case::SIZES;
-use crate::families::FAMILIES;
+use crate::families::{FAMILIES, is_ambiguous};
 use crate::judge::{
-    first, is_alarm, is_first, is_in_set, is_outside, is_right, truths_named, wrong_names,
+    first, is_alarm, is_exactly, is_first, is_in_set, is_outside, is_right, truths_named,
+    wrong_names,
 };
 use crate::label::{Label, TrueEffect};
 use crate::run::{Outcome, Realised};
@@ -160,9 +161,15 @@ pub(crate) struct Judged<'a> {
     pub(crate) answer: &'a Answer,
     pub(crate) seconds: f64,
     pub(crate) realised: Option<Realised>,
+    pub(crate) after_experiments: &'a [Answer],
 }
 
 impl Judged<'_> {
+    /// The answer after all experiments.
+    fn last(&self) -> &Answer {
+        self.after_experiments.last().unwrap_or(self.answer)
+    }
+
     fn truth(&self) -> Option<&TrueEffect> {
         match &self.label.effects[..] {
             [truth] => Some(truth),
@@ -182,7 +189,7 @@ impl Scores {
         let mut not_drawn = Vec::new();
         let mut failed: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         for outcome in outcomes {
-            let Outcome { label, answer, failure, seconds, realised } = outcome;
+            let Outcome { label, answer, failure, seconds, realised, after_experiments } = outcome;
             let Some(label) = label else {
                 not_drawn.push(failure.clone().unwrap_or_default());
                 continue;
@@ -191,7 +198,13 @@ impl Scores {
                 failed.entry(message).or_default().push(label.case.clone());
             }
             if let Some(answer) = answer {
-                all.push(Judged { label, answer, seconds: *seconds, realised: *realised });
+                all.push(Judged {
+                    label,
+                    answer,
+                    seconds: *seconds,
+                    realised: *realised,
+                    after_experiments,
+                });
             }
         }
         let failed: Vec<Failure> = failed
@@ -237,6 +250,8 @@ fn figures(
         pairs.filter(move |j| j.label.effects.iter().all(|e| e.is_other_formula == is_other))
     };
     let removed = removed(all);
+    let ambiguous =
+        || all.iter().filter(|j| is_ambiguous(&j.label.family) && j.answer.has_rivals());
     let inside = shrinks.iter().map(|s| (s.ci95[0]..=s.ci95[1]).contains(&s.realised));
     let against_oracle: Vec<f64> =
         all.iter().filter_map(|j| j.realised).filter_map(|r| Some(r.after / r.oracle?)).collect();
@@ -297,6 +312,20 @@ fn figures(
             "repaired model within 1.15 of one fitted with the true effect",
             Rate::count(against_oracle.iter().map(|ratio| *ratio <= 1.15)),
             Goal::None,
+        ),
+        Figure::rate(
+            "several names left, a single one after at most two experiments",
+            Rate::count(ambiguous().map(|j| j.last().is_single())),
+            Goal::AtLeast(0.95),
+        ),
+        Figure::rate(
+            "of those, right",
+            Rate::count(
+                ambiguous()
+                    .filter(|j| j.last().is_single())
+                    .map(|j| j.truth().is_some_and(|truth| is_exactly(j.last(), truth))),
+            ),
+            Goal::AtLeast(0.97),
         ),
         Figure::value("25 s at 10 kHz, native model, longest, s", times.long, Goal::AtMost(10.0)),
     ]

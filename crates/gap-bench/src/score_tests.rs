@@ -6,7 +6,15 @@ use crate::judge::tests::{answer, label, truth};
 
 fn outcome(label: Label, answer: Answer) -> Outcome {
     let (failure, realised) = (None, None);
-    Outcome { label: Some(label), answer: Some(answer), failure, seconds: 2.0, realised }
+    let after_experiments = Vec::new();
+    Outcome {
+        label: Some(label),
+        answer: Some(answer),
+        failure,
+        seconds: 2.0,
+        realised,
+        after_experiments,
+    }
 }
 
 fn sized(family: &str, effect: &str, size: f64) -> Label {
@@ -161,6 +169,30 @@ fn shrink_is_inside_or_outside_its_interval_and_ratios_are_to_the_oracle() {
     assert!((scores.shrinks[0].realised - 0.91).abs() < 1e-12);
     assert_eq!(counts(figure(&scores, "realised shrink").rate.unwrap()), (1, 3));
     assert_eq!(counts(figure(&scores, "repaired model within").rate.unwrap()), (1, 2));
+}
+
+#[test]
+fn experiments_count_where_several_names_were_left() {
+    let case = |first: Answer, after: Vec<Answer>| Outcome {
+        after_experiments: after,
+        ..outcome(label("ambiguous", &["delay"]), first)
+    };
+    let two = || answer(&[("delay", &["delay", "sensor_bandwidth"])]);
+    let right = || answer(&[("delay", &["delay"])]);
+    let scores = Scores::of(&[
+        // One name from the start: not ambiguous.
+        case(right(), vec![]),
+        case(two(), vec![two(), right()]),
+        case(two(), vec![answer(&[("sensor_bandwidth", &["sensor_bandwidth"])])]),
+        case(two(), vec![two(), two()]),
+        // Another name beside the right one is a wrong answer, no name is none.
+        case(two(), vec![answer(&[("delay", &["delay"]), ("creep", &["creep"])])]),
+        case(two(), vec![answer(&[])]),
+        // No signal was proposed.
+        case(two(), vec![]),
+    ]);
+    assert_eq!(counts(figure(&scores, "several names left").rate.unwrap()), (3, 6));
+    assert_eq!(counts(figure(&scores, "of those, right").rate.unwrap()), (1, 3));
 }
 
 #[test]

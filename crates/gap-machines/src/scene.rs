@@ -75,6 +75,8 @@ pub struct Record {
 /// A machine with its records.
 #[derive(Clone, Debug)]
 pub struct Scene {
+    /// What was asked for.
+    pub order: Order,
     /// Blueprint of the model.
     pub blueprint: String,
     /// Records to fit.
@@ -117,6 +119,15 @@ impl Scene {
     /// An effect cannot reach its size on this machine.
     pub fn draw(order: &Order) -> Result<Self, Unreachable> {
         Workshop::new(order).scene()
+    }
+
+    /// What the machine reads, with noise, while it is played these commands in V; `number` sets the noise apart
+    /// from that of other records. The machine begins at rest under the first values.
+    #[must_use]
+    pub fn play(&self, commands: &[Vec<f64>; 2], number: usize) -> Vec<Vec<f64>> {
+        let [command, neighbour] = commands.clone();
+        let drive = Drive { command, neighbour, record: number };
+        Workshop::new(&self.order).readings(&drive, &self.insertions, true)
     }
 }
 
@@ -178,6 +189,7 @@ impl<'a> Workshop<'a> {
         }
         let axes: Vec<Baseline> = (0..self.order.axes).map(|axis| self.model_of(axis)).collect();
         Scene {
+            order: self.order.clone(),
             blueprint: blueprint("machine", &axes.iter().collect::<Vec<_>>(), self.period),
             fit,
             held_out,
@@ -288,27 +300,31 @@ impl<'a> Workshop<'a> {
             drive.command = machine.run_loop(&drive, heard, slope, CROSSOVER).0;
             drive.command.iter_mut().for_each(|u| *u = rounded(*u));
         }
-        let mut readings = vec![machine.run(&drive)];
+        let readings = self.readings(&drive, insertions, is_noisy);
+        Record { kind, commands: [drive.command, drive.neighbour], readings, missed: None }
+    }
+
+    /// What all axes read under these commands.
+    fn readings(&self, drive: &Drive, insertions: &[Insertion], is_noisy: bool) -> Vec<Vec<f64>> {
+        let mut readings = vec![self.axis(insertions).run(drive)];
         if self.order.axes > 1 {
             let second = Drive {
                 command: drive.neighbour.clone(),
                 neighbour: drive.command.clone(),
-                record: number,
+                record: drive.record,
             };
             let machine = self.model_of(1).off(&mut Random::new(self.order.seed, &[13]));
             readings.push(Machine::plain(&machine, self.period).run(&second));
         }
-        if is_noisy {
-            for (axis, reading) in readings.iter_mut().enumerate() {
-                let noise = self.noise(reading.len(), number, axis);
+        for (axis, reading) in readings.iter_mut().enumerate() {
+            if is_noisy {
+                let noise = self.noise(reading.len(), drive.record, axis);
                 reading.iter_mut().zip(noise).for_each(|(y, n)| *y += n);
             }
-        }
-        for (axis, reading) in readings.iter_mut().enumerate() {
             let offset = self.order.offset * self.sigma_of(axis);
             reading.iter_mut().for_each(|y| *y = rounded(*y + offset));
         }
-        Record { kind, commands: [drive.command, drive.neighbour], readings, missed: None }
+        readings
     }
 
     fn noise(&self, rows: usize, number: usize, axis: usize) -> Vec<f64> {
@@ -382,6 +398,19 @@ mod tests {
             assert_ne!(seen.commands[0], unseen.commands[0]);
             assert!(unseen.missed.unwrap() > scene.sigma[0]);
         }
+    }
+
+    #[test]
+    fn what_is_played_is_answered_as_the_record_with_noise_of_its_own() {
+        let effects = vec![wish(Effect::Creep, Formula::Standard, 6.0)];
+        let scene = Scene::draw(&order(effects)).unwrap();
+        let record = &scene.fit[1];
+        assert_eq!(scene.play(&record.commands, 1), record.readings);
+        let again = scene.play(&record.commands, 400);
+        let apart: f64 =
+            again[0].iter().zip(&record.readings[0]).map(|(a, b)| (a - b).powi(2)).sum();
+        let rms = (apart / again[0].len() as f64).sqrt();
+        assert!((rms / scene.sigma[0] / 2.0_f64.sqrt() - 1.0).abs() < 0.15, "{rms}");
     }
 
     #[test]
