@@ -8,6 +8,9 @@ use crate::families::{Content, FAMILIES, Family};
 /// Sizes of a single effect, over the noise.
 pub const SIZES: [f64; 3] = [2.0, 6.0, 20.0];
 
+/// Sizes of a faint effect, over the noise.
+const FAINT: [f64; 3] = [0.5, 1.0, 2.0];
+
 /// What the diagnosis is told about the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoiseHint {
@@ -80,10 +83,11 @@ impl Plan {
         };
         let is_long = family.content == Content::Long;
         let fast = is_long || (!self.is_short && random.unit() < 0.1);
-        let length = match (is_long, self.is_short) {
-            (true, _) => 1.75,
-            (false, true) => 0.4,
-            (false, false) => 1.0,
+        let length = match (family.content, self.is_short) {
+            (Content::Long, _) => 1.75,
+            (Content::Faint, _) => 0.2,
+            (_, true) => 0.4,
+            (_, false) => 1.0,
         };
         let order = Order {
             seed: random.next_u64(),
@@ -118,6 +122,10 @@ impl Plan {
             Content::NoneLinear => (Vec::new(), 0.0, true),
             Content::Single | Content::Removed | Content::Long => {
                 (vec![turn(&listed(family.setting), &SIZES)], 0.0, false)
+            }
+            Content::Faint => {
+                let alike: Vec<_> = all_where(|effect| effect.group().is_some());
+                (vec![turn(&alike, &FAINT)], 0.0, false)
             }
             Content::Inside => {
                 let inside = [Effect::Asymmetry, Effect::RateDependence, Effect::Friction];

@@ -34,6 +34,8 @@ pub(crate) enum Content {
     NoneLinear,
     /// One effect of the list, all in turn.
     Single,
+    /// One effect that others resemble, about as large as the noise, in a record of 1.6 s.
+    Faint,
     /// One of the effects inside a box that its outside does not show: loops that are skewed or grow with the rate,
     /// and friction.
     Inside,
@@ -254,10 +256,10 @@ pub const FAMILIES: &[Family] = &[
     },
     Family {
         name: "ambiguous",
-        about: "one effect, a log of production only; where several names are left, up to two experiments are made",
-        full: 1560,
+        about: "one faint effect of a group, a short log of production; where several names are left, up to two experiments are made",
+        full: 1650,
         short: 2,
-        content: Content::Single,
+        content: Content::Faint,
         setting: Setting::Operation,
         ..OPEN
     },
