@@ -9,6 +9,7 @@ use model::{Conversion, Declaration, NodeSpec, Source, Stage, Unit, unit_on_axis
 use surround::Memory;
 
 use self::compose::Composer;
+pub(crate) use self::compose::RELEASED_DOWN;
 use crate::black_box::BlackBox;
 use crate::chain::{Chain, ComponentNode, Node};
 use crate::coupled;

@@ -20,6 +20,12 @@ use crate::select::Candidate;
 const ROWS: usize = 20_000;
 /// Lines of a multisine.
 const LINES: usize = 40;
+/// How many times more than the best a rival is to leave. Twice would do (odds of one to 64); the prediction is linear.
+const APART: f64 = 4.0;
+/// Part of the wanted misfit below which all are alike.
+const FAINTEST: f64 = 1e-3;
+/// Misfit in noise variances below which two names are not separated.
+const LEAST: f64 = 9.0;
 
 /// One signal of the menu.
 struct Item {
@@ -27,7 +33,7 @@ struct Item {
     command: Vec<f64>,
 }
 
-/// The experiment that separates the two most probable names of the most doubtful slot; for an unknown
+/// The experiment that separates the most probable name of the most doubtful slot from its rivals; for an unknown
 /// effect a record at rest and a rich one.
 pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
     // No command moves a reading under positions of the model alone.
@@ -38,15 +44,18 @@ pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
     for slot in 0..last.picks.len() {
         let looked = o.found.rivals.get(slot)?;
         let beliefs = belief::beliefs(&belief::Sight::of(o), looked, last);
-        let set = belief::set(&beliefs);
-        if set.len() < 2 {
-            continue;
-        }
         let of = |family: usize| {
-            looked.iter().find(|l| l.family == family).and_then(|l| l.best.as_ref())
+            let best = looked.iter().find(|l| l.family == family)?.best.as_ref()?;
+            Some((family, best))
         };
-        if let (Some(a), Some(b)) = (of(set[0]), of(set[1])) {
-            return separate(o, (set[0], a), (set[1], b));
+        let set: Vec<(usize, &Candidate)> =
+            belief::set(&beliefs).into_iter().filter_map(of).collect();
+        if let [first, rivals @ ..] = &set[..]
+            && !rivals.is_empty()
+        {
+            // Rivals are told apart by how many times more one leaves, the mean over all rows.
+            let best = beliefs.first().map_or(f64::INFINITY, |b| b.left);
+            return separate(o, *first, rivals, (APART - 1.0) * best);
         }
     }
     use crate::gap::Verdict;
@@ -59,8 +68,14 @@ pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
         }
         _ => return None,
     };
-    let item = menu(o).into_iter().next()?;
+    let item = menu(o, longest(o)).into_iter().next()?;
     Some(experiment(o, item, sentence.to_owned(), Vec::new(), None))
+}
+
+/// Rows of the longest log, within bounds.
+fn longest(o: &Outcome) -> usize {
+    let rows = o.problem.data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
+    rows.clamp(256, ROWS)
 }
 
 fn experiment(
@@ -86,22 +101,48 @@ fn experiment(
     }
 }
 
+/// The mildest signal that excludes all rivals and the re-tuned model: formulas are nearest to the truth where the
+/// machine is driven as in the logs. Where none does, the one that excludes most. `wanted` is the mean over all rows, in
+/// noise variances, by which a rival must be off.
 fn separate(
     o: &Outcome,
     (fa, a): (usize, &Candidate),
-    (fb, b): (usize, &Candidate),
+    rivals: &[(usize, &Candidate)],
+    wanted: f64,
 ) -> Option<NextExperiment> {
-    let (ea, eb) = (o.library[fa].effect, o.library[fb].effect);
-    let separates = vec![ea.name.to_owned(), eb.name.to_owned()];
-    let mut best: Option<(f64, Item)> = None;
-    for item in menu(o) {
-        let gain = gain(o, a, b, &item)?;
-        if best.as_ref().is_none_or(|(g, _)| gain > *g) {
-            best = Some((gain, item));
+    let known: usize = o.problem.data.records.iter().map(|r| r.rows.len()).sum();
+    // Whichever of two is true, the other must be off.
+    let gain =
+        |b: &Candidate, item: &Item| Some(misfit(o, a, b, item)?.min(misfit(o, b, a, item)?));
+    let (mut best, mut highest): (Option<(Vec<f64>, Item)>, _) = (None, (f64::NEG_INFINITY, 0.0));
+    // A longer signal where the logs' length is too short.
+    for rows in [longest(o), ROWS] {
+        let enough = wanted * (known + rows) as f64;
+        for item in menu(o, rows) {
+            let gains = rivals.iter().map(|(_, b)| gain(b, &item)).collect::<Option<Vec<f64>>>();
+            // The gap itself must not vanish among rows that do not show it.
+            let (Some(gains), Some(gap)) = (gains, misfit(o, a, &o.found.base, &item)) else {
+                continue;
+            };
+            let seen = gap * (wanted / (o.adequate - 1.0)).min(1.0);
+            // The product: one that is far off makes up for none that is near.
+            let all = gains.iter().chain([&seen]);
+            let excluded: f64 = all.map(|g| (g / enough).clamp(FAINTEST, 1.0).ln()).sum();
+            if (excluded, -gap) > highest {
+                (highest, best) = ((excluded, -gap), Some((gains, item)));
+            }
+        }
+        if highest.0 >= 0.0 || rows == ROWS {
+            break;
         }
     }
-    let (gain, item) = best?;
-    let advice = if gain < 9.0 {
+    let (gains, item) = best?;
+    // What is said is about the rival that it separates best.
+    let (at, gain) =
+        gains.iter().copied().enumerate().max_by(|x, y| x.1.total_cmp(&y.1).then(y.0.cmp(&x.0)))?;
+    let (ea, eb) = (o.library[fa].effect, o.library[rivals[at].0].effect);
+    let separates = vec![ea.name.to_owned(), eb.name.to_owned()];
+    let advice = if gain < LEAST {
         format!(
             "No signal within the command's range separates {} from {}; beyond it: {}",
             ea.name, eb.name, ea.experiment
@@ -117,7 +158,7 @@ fn separate(
 
 /// Expected misfit of the rival `b` on a record that `a` makes, with b's parameters profiled under what
 /// the training rows say about them.
-fn gain(o: &Outcome, a: &Candidate, b: &Candidate, item: &Item) -> Option<f64> {
+fn misfit(o: &Outcome, a: &Candidate, b: &Candidate, item: &Item) -> Option<f64> {
     let data = record(o, item);
     let count = std::sync::atomic::AtomicU64::new(0);
     let fitter = Fitter { data: &data, sigma: o.sigma, count: &count, weights: None };
@@ -216,11 +257,9 @@ pub(crate) fn csv(o: &Outcome, next: &NextExperiment) -> Option<String> {
 }
 
 /// Signals within the range of the command that the logs used, and of the machine.
-fn menu(o: &Outcome) -> Vec<Item> {
+fn menu(o: &Outcome, n: usize) -> Vec<Item> {
     let data = &o.problem.data;
     let sample = data.sample_time();
-    let longest = data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
-    let n = longest.clamp(256, ROWS);
     let (min, max) = o.problem.command_range;
     let (u, s) = (o.problem.command_factor, data.command_span);
     let low = (s.centre - s.half).max(min * u);
@@ -238,9 +277,16 @@ fn menu(o: &Outcome) -> Vec<Item> {
         let command = multisine(n, sample, (from, to), (centre, part * half), 2024);
         all.push(Item { name, command });
     }
-    for (part, periods) in [(0.95, 2.0), (0.3, 2.0), (0.95, 20.0), (0.95, 200.0)] {
+    let steepest = steepest(data);
+    // Triangles as steep as the logs: much speed and many turns.
+    let steep = [0.95, 0.5, 0.2, 0.05, 0.02].map(|part| {
+        let periods = (steepest * length / (4.0 * part * half.max(f64::MIN_POSITIVE))).floor();
+        (part, periods.clamp(1.0, (0.05 * nyquist * length).max(1.0)))
+    });
+    let slow = [(0.95, 2.0), (0.3, 2.0), (0.95, 20.0), (0.95, 200.0)];
+    for (part, periods) in slow.into_iter().chain(steep) {
         let name =
-            format!("triangle of {:.3} Hz at {:.0} % of the range", periods / length, 100.0 * part);
+            format!("triangle of {:.3} Hz at {} % of the range", periods / length, 100.0 * part);
         let wave = |k: usize| {
             let phase = (k as f64 / n as f64 * periods).fract();
             centre + part * half * (1.0 - 4.0 * (phase - 0.5).abs())
@@ -253,7 +299,6 @@ fn menu(o: &Outcome) -> Vec<Item> {
     let stairs = |k: usize| centre + half * steps[k * steps.len() / n];
     all.push(Item { name: "staircase with holds".into(), command: (0..n).map(stairs).collect() });
     all.push(Item { name: "hold in the middle".into(), command: vec![centre; n] });
-    let steepest = steepest(data);
     all.into_iter().map(|item| item.no_steeper(steepest, sample, centre)).collect()
 }
 

@@ -248,7 +248,8 @@ impl<'a> Search<'a> {
             .map(|k| {
                 let (promise, start) = &screened[*k];
                 let is_promising = *promise > PROMISING * greatest;
-                self.fit_one(from, &fixed, (jobs[*k], start, is_promising), &linear).ok()
+                let fit = self.fit_one(from, &fixed, (jobs[*k], start, is_promising), &linear);
+                Some(self.released_elsewhere(fit.ok()?, (1.0 - promise) * from.fit.mean_square))
             })
             .collect();
         let mut looked: Vec<Looked> = families

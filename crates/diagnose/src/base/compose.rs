@@ -6,6 +6,8 @@ use crate::library::{Formula, Slot};
 
 /// Where the prior's box ends, in standard deviations.
 const BOX: f64 = 3.0;
+/// Part of its value that a released parameter can lose.
+pub(crate) const RELEASED_DOWN: f64 = 0.95;
 /// What a released parameter can become, over its value.
 const MOST_OF_VALUE: f64 = 10.0;
 /// Damping ratio that a released one can reach whatever its value: a mode that creeps, three times
@@ -57,7 +59,7 @@ impl<'a> Composer<'a> {
             }
             of_base.push(Some(parameters.len()));
             let (low, high, prior) = if released(k) {
-                (-0.95 * p.value.abs() / p.deviation, p.most_added() / p.deviation, 0.0)
+                (-RELEASED_DOWN * p.value.abs() / p.deviation, p.most_added() / p.deviation, 0.0)
             } else {
                 (-BOX, BOX, 1.0)
             };

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::memo::Part;
 use super::{Candidate, MOST_FITTED_ANEW, Search, has_gap};
+use crate::base::RELEASED_DOWN;
 use crate::score::explained;
 
 /// Factors by which a parameter starts elsewhere.
@@ -12,6 +13,10 @@ const FACTORS: [f64; 4] = [1.3, 1.0 / 1.3, 1.8, 1.0 / 1.8];
 const ROUNDS: usize = 4;
 /// Most parameters that are moved.
 const MOVED: usize = 3;
+/// By how much of its value a released parameter of the model starts elsewhere.
+const SHIFTS: [f64; 6] = [-0.03, 0.03, -0.07, 0.07, -0.15, 0.15];
+/// How many times what was promised a fit leaves that ended on the way.
+const STUCK: f64 = 4.0;
 /// Part of the gap that the effect must explain: what explains little is not near.
 const NEAR: f64 = 0.8;
 
@@ -39,6 +44,30 @@ impl Search<'_> {
             Ok(best)
         });
         moved_away.unwrap_or(best)
+    }
+
+    /// A better fit where one that releases parameters of the model ended far above the mean square that it promised:
+    /// a resonance under a strong harmonic has several best places nearby.
+    pub(super) fn released_elsewhere(&self, fit: Candidate, promised: f64) -> Candidate {
+        let is_stuck = |c: &Candidate| c.fit.mean_square > STUCK * promised.max(self.adequate);
+        let released = fit.chain.parameters.iter().enumerate();
+        let released: Vec<(usize, f64)> = released
+            .filter(|(_, p)| p.is_base && p.prior == 0.0)
+            .map(|(k, p)| (k, p.low / -RELEASED_DOWN))
+            .collect();
+        if !is_stuck(&fit) || fit.chain.is_costly() || released.len() > MOVED {
+            return fit;
+        }
+        let starts = released.iter().flat_map(|(k, whole)| SHIFTS.map(|by| (*k, by * whole)));
+        let starts: Vec<(usize, f64)> = starts.collect();
+        let tried = starts.par_iter().with_max_len(1).filter_map(|(k, to)| {
+            let mut theta = fit.fit.theta.clone();
+            theta[*k] = *to;
+            let again = self.fitter().fit_again(&fit.chain, &theta).ok()?;
+            self.candidate(fit.picks.clone(), fit.chain.clone(), again).ok()
+        });
+        let best = tried.min_by(|a, b| a.rank.total_cmp(&b.rank));
+        best.filter(|other| other.rank < fit.rank).unwrap_or(fit)
     }
 
     /// Numbers of the parameters of the last effect that are fitted on a logarithmic scale and act in the simulation.
