@@ -1,6 +1,6 @@
 //! The one table of all families of cases.
 
-use gap_machines::Setting;
+use gap_machines::{Setting, Timing};
 
 /// What cases of a family have in common.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +23,12 @@ pub struct Family {
     pub(crate) axes: usize,
     /// Offset that all readings share, over the noise.
     pub(crate) offset: f64,
+    /// When readings are taken, and how the command runs between rows.
+    pub(crate) timing: Timing,
+    /// Whether a smooth part of the gap is in no formula: 1 to 5 % of its power.
+    pub(crate) is_smooth: bool,
+    /// Whether the model is what the tool identifies from one log of the machine without its effect.
+    pub(crate) is_identified: bool,
 }
 
 /// What is withheld.
@@ -67,6 +73,9 @@ const OPEN: Family = Family {
     is_black_box: false,
     axes: 1,
     offset: 0.0,
+    timing: Timing::Before,
+    is_smooth: false,
+    is_identified: false,
 };
 
 /// All families. A full benchmark has at least 500 cases without effect and 30 per effect and size.
@@ -261,6 +270,42 @@ pub const FAMILIES: &[Family] = &[
         short: 2,
         content: Content::Faint,
         setting: Setting::Operation,
+        ..OPEN
+    },
+    Family {
+        name: "reading-after",
+        about: "one effect, readings are taken at the end of their row's period",
+        full: 52,
+        short: 1,
+        content: Content::Single,
+        timing: Timing::After,
+        ..OPEN
+    },
+    Family {
+        name: "band-limited",
+        about: "one effect, the command is band-limited between the rows",
+        full: 52,
+        short: 1,
+        content: Content::Single,
+        timing: Timing::BandLimited,
+        ..OPEN
+    },
+    Family {
+        name: "smooth-rest",
+        about: "one effect, beside it a smooth 1 to 5 % of the gap's power that no formula has",
+        full: 52,
+        short: 1,
+        content: Content::Single,
+        is_smooth: true,
+        ..OPEN
+    },
+    Family {
+        name: "identified",
+        about: "one effect, the model is identified from one log of the machine without it",
+        full: 52,
+        short: 1,
+        content: Content::Single,
+        is_identified: true,
         ..OPEN
     },
 ];

@@ -1,6 +1,6 @@
 //! What only the scorer knows about a case.
 
-use gap_machines::{Effect, Formula, Scene, Setting};
+use gap_machines::{Effect, Formula, Scene, Setting, Timing};
 use serde::{Deserialize, Serialize};
 
 use crate::case::Case;
@@ -97,7 +97,10 @@ impl Label {
                 group: None,
             });
         }
-        let is_foretold = case.order.effects.iter().all(|wish| wish.effect.is_foretold());
+        // A simulation takes every log as read before its command acts, and an identified model is not the machine.
+        let is_plain = case.order.timing == Timing::Before && !case.is_identified;
+        let is_foretold =
+            is_plain && case.order.effects.iter().all(|wish| wish.effect.is_foretold());
         let missed = scene.unseen.iter().filter(|_| is_foretold).filter_map(|record| {
             record.missed.map(|rms| Miss { rms, rows: record.commands[0].len() })
         });

@@ -74,6 +74,13 @@ pub fn prepare(
         at(path, std::fs::create_dir_all(path))?;
     }
     write(&folder.join("model.toml"), scene.blueprint.as_bytes())?;
+    if case.is_identified {
+        let path = truth.join("before.csv");
+        log(&[&scene.without_effects()], scene.period, &path)?;
+        if let Err(message) = tool.identify(&path, &folder.join("model.toml")) {
+            return Ok(Err(format!("no model is identified: {message}")));
+        }
+    }
     if case.is_black_box {
         if let Err(message) = tool.pack(&folder.join("model.toml"), &folder.join("model.fmu")) {
             return Ok(Err(format!("the model cannot be packed: {message}")));

@@ -351,6 +351,9 @@ mod tests {
         fn pack(&self, _: &Path, _: &Path) -> Result<(), String> {
             Ok(())
         }
+        fn identify(&self, _: &Path, _: &Path) -> Result<(), String> {
+            Ok(())
+        }
         fn diagnose(&self, _: &Path, arguments: &[String]) -> Result<(), String> {
             let of = |option: &str| {
                 let at = arguments.iter().position(|a| a == option).ok_or("no such option")?;

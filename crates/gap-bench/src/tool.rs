@@ -16,6 +16,12 @@ pub trait Tool: Sync {
     /// What the tool said.
     fn pack(&self, blueprint: &Path, fmu: &Path) -> Result<(), String>;
 
+    /// Identifies a blueprint from the columns u1 and y1 of a log.
+    ///
+    /// # Errors
+    /// What the tool said.
+    fn identify(&self, log: &Path, blueprint: &Path) -> Result<(), String>;
+
     /// Diagnoses in a folder; the arguments name the files to read and to write.
     ///
     /// # Errors
@@ -135,6 +141,16 @@ impl Tool for Program {
         let arguments =
             ["--quiet".to_owned(), "pack".to_owned(), text(blueprint), "-o".to_owned(), text(fmu)];
         self.call(folder, &arguments).map(|_| ())
+    }
+
+    fn identify(&self, log: &Path, blueprint: &Path) -> Result<(), String> {
+        let folder = log.parent().unwrap_or(Path::new("."));
+        let (log, blueprint) = (text(log), text(blueprint));
+        let arguments = [
+            "--quiet", "identify", "--log", &log, "--input", "u1", "--output", "y1", "-o",
+            &blueprint,
+        ];
+        self.call(folder, &arguments.map(str::to_owned)).map(|_| ())
     }
 
     fn diagnose(&self, folder: &Path, arguments: &[String]) -> Result<(), String> {

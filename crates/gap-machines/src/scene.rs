@@ -1,5 +1,7 @@
 //! A machine drawn at random, its effects brought to size, and its records.
 
+use std::f64::consts::{PI, TAU};
+
 use crate::baseline::{Baseline, COMMAND_SPAN, blueprint};
 use crate::effect::{Effect, Formula, Insertion};
 use crate::machine::{Drive, Machine};
@@ -35,6 +37,17 @@ pub enum Setting {
     Operation,
 }
 
+/// When a reading is taken, and how the command runs between the rows of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Timing {
+    /// Before the command of its row acts; the command is held.
+    Before,
+    /// At the end of the period in which the command of its row acted; the command is held.
+    After,
+    /// At the instant of its row; the command runs on a band-limited course through its rows.
+    BandLimited,
+}
+
 /// What is asked of the generator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Order {
@@ -56,9 +69,14 @@ pub struct Order {
     pub axes: usize,
     /// Offset that all readings share, over the noise.
     pub offset: f64,
+    /// When readings are taken.
+    pub timing: Timing,
+    /// A smooth function of position and time that no formula has beside the effects: root mean square over that of
+    /// the effects; 0 for none.
+    pub smooth: f64,
 }
 
-/// Signals of one record. Row k of a reading is read before row k of the commands acts.
+/// Signals of one record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     /// What it is.
@@ -119,6 +137,13 @@ impl Scene {
     /// An effect cannot reach its size on this machine.
     pub fn draw(order: &Order) -> Result<Self, Unreachable> {
         Workshop::new(order).scene()
+    }
+
+    /// A record of falling triangles before the machine had its effects.
+    #[must_use]
+    pub fn without_effects(&self) -> Record {
+        let workshop = Workshop::new(&self.order);
+        workshop.record(Kind::FallingTriangle, 500, &[], true)
     }
 
     /// What the machine reads, with noise, while it is played these commands in V; `number` sets the noise apart
@@ -184,7 +209,7 @@ impl<'a> Workshop<'a> {
         let mut unseen = unseen;
         for record in &mut unseen {
             let drive = drive_of(record, 0);
-            let model = Machine::plain(&before.model, self.period).run(&drive);
+            let model = self.timed(&Machine::plain(&before.model, self.period), &drive);
             record.missed = record.readings.first().map(|y| spread(&model, y));
         }
         let axes: Vec<Baseline> = (0..self.order.axes).map(|axis| self.model_of(axis)).collect();
@@ -306,7 +331,8 @@ impl<'a> Workshop<'a> {
 
     /// What all axes read under these commands.
     fn readings(&self, drive: &Drive, insertions: &[Insertion], is_noisy: bool) -> Vec<Vec<f64>> {
-        let mut readings = vec![self.axis(insertions).run(drive)];
+        let mut readings = vec![self.timed(&self.axis(insertions), drive)];
+        self.add_smooth(&mut readings[0], drive.record);
         if self.order.axes > 1 {
             let second = Drive {
                 command: drive.neighbour.clone(),
@@ -314,7 +340,7 @@ impl<'a> Workshop<'a> {
                 record: drive.record,
             };
             let machine = self.model_of(1).off(&mut Random::new(self.order.seed, &[13]));
-            readings.push(Machine::plain(&machine, self.period).run(&second));
+            readings.push(self.timed(&Machine::plain(&machine, self.period), &second));
         }
         for (axis, reading) in readings.iter_mut().enumerate() {
             if is_noisy {
@@ -327,11 +353,81 @@ impl<'a> Workshop<'a> {
         readings
     }
 
+    /// What a machine reads without noise, at the times of the order.
+    fn timed(&self, machine: &Machine, drive: &Drive) -> Vec<f64> {
+        match self.order.timing {
+            Timing::Before => machine.run(drive),
+            Timing::After => {
+                // A row more, of which the first reading is left out.
+                let mut longer = drive.clone();
+                for values in [&mut longer.command, &mut longer.neighbour] {
+                    values.extend(values.last().copied());
+                }
+                machine.run(&longer).split_off(1)
+            }
+            Timing::BandLimited => {
+                let finer = Drive {
+                    command: band_limited(&drive.command),
+                    neighbour: band_limited(&drive.neighbour),
+                    record: drive.record,
+                };
+                let machine = Machine { period: self.period / FINER as f64, ..machine.clone() };
+                machine.run(&finer).into_iter().step_by(FINER).collect()
+            }
+        }
+    }
+
+    /// Three waves over position and time with hidden numbers.
+    fn add_smooth(&self, reading: &mut [f64], number: usize) {
+        if self.order.smooth == 0.0 {
+            return;
+        }
+        let size: f64 = self.order.effects.iter().map(|wish| wish.size.powi(2)).sum::<f64>().sqrt();
+        let height = self.order.smooth * size * self.sigma * (2.0_f64 / 3.0).sqrt();
+        let mut random = Random::new(self.order.seed, &[15]);
+        let mut own = Random::new(self.order.seed, &[16, number as u64]);
+        let waves: Vec<[f64; 3]> = (0..3)
+            .map(|_| {
+                let per_stroke = random.between(0.3, 1.2);
+                let per_second = random.between(0.1, 1.0);
+                [TAU * per_stroke, TAU * per_second, own.between(0.0, TAU)]
+            })
+            .collect();
+        let stroke = self.model.full_scale();
+        for (k, y) in reading.iter_mut().enumerate() {
+            let (p, t) = (*y / stroke, k as f64 * self.period);
+            *y += waves.iter().map(|[a, b, c]| height * (a * p + b * t + c).sin()).sum::<f64>();
+        }
+    }
+
     fn noise(&self, rows: usize, number: usize, axis: usize) -> Vec<f64> {
         let path = [14, number as u64, axis as u64];
         let mut random = Random::new(self.order.seed, &path);
         noise(rows, self.period, self.sigma_of(axis), &mut random)
     }
+}
+
+/// Steps of a band-limited command between two rows.
+const FINER: usize = 8;
+
+/// A course through the values without what lies above half their rate: a sum of sinc functions under a window of 16
+/// values to each side, the ends held.
+fn band_limited(values: &[f64]) -> Vec<f64> {
+    const REACH: i64 = 16;
+    let last = values.len().saturating_sub(1);
+    let kernel = |x: f64| {
+        let window = 0.5 + 0.5 * (PI * x / (REACH + 1) as f64).cos();
+        if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) * window }
+    };
+    let at = |k: i64| values[(k.max(0) as usize).min(last)];
+    let value = |step: usize| {
+        let (row, part) = ((step / FINER) as i64, (step % FINER) as f64 / FINER as f64);
+        let all = (-REACH..=REACH).map(|d| (d, kernel(d as f64 - part)));
+        let (sum, weights) =
+            all.fold((0.0, 0.0), |(sum, weights), (d, w)| (sum + w * at(row + d), weights + w));
+        sum / weights
+    };
+    (0..values.len() * FINER).map(value).collect()
 }
 
 /// Logs hold six digits behind the point.
@@ -363,6 +459,8 @@ mod tests {
             wrong_weights: 0.0,
             axes: 1,
             offset: 0.0,
+            timing: Timing::Before,
+            smooth: 0.0,
         }
     }
 
@@ -398,6 +496,48 @@ mod tests {
             assert_ne!(seen.commands[0], unseen.commands[0]);
             assert!(unseen.missed.unwrap() > scene.sigma[0]);
         }
+    }
+
+    #[test]
+    fn readings_after_their_command_are_those_before_the_next() {
+        let plain = Scene::draw(&order(Vec::new())).unwrap();
+        let moved = Scene::draw(&Order { timing: Timing::After, ..order(Vec::new()) }).unwrap();
+        // Of which only the noise stands with another row.
+        let (a, b) = (&plain.unseen[2].readings[0], &moved.unseen[2].readings[0]);
+        assert_eq!(a[1..], b[..b.len() - 1]);
+        assert_eq!(plain.fit[0].commands, moved.fit[0].commands);
+    }
+
+    #[test]
+    fn a_band_limited_course_goes_through_its_values_and_follows_a_sine_between_them() {
+        let sine = |x: f64| 50.0 + 20.0 * (TAU * x / 9.0).sin();
+        let values: Vec<f64> = (0..200).map(|k| sine(k as f64)).collect();
+        let course = band_limited(&values);
+        for (k, value) in values.iter().enumerate() {
+            assert!((course[FINER * k] - value).abs() < 1e-9);
+        }
+        let worst = (FINER * 30..FINER * 170)
+            .map(|k| (course[k] - sine(k as f64 / FINER as f64)).abs())
+            .fold(0.0, f64::max);
+        assert!(worst < 0.05, "{worst}");
+        let scene = Scene::draw(&Order { timing: Timing::BandLimited, ..order(Vec::new()) });
+        assert!(scene.is_ok());
+    }
+
+    #[test]
+    fn what_no_formula_has_is_as_large_as_stated() {
+        let effects = vec![wish(Effect::Creep, Formula::Standard, 20.0)];
+        let plain = Scene::draw(&order(effects.clone())).unwrap();
+        let smooth = Scene::draw(&Order { smooth: 0.2, ..order(effects) }).unwrap();
+        let all = plain.fit.iter().zip(&smooth.fit);
+        let (mut squares, mut rows) = (0.0, 0);
+        for (a, b) in all {
+            squares +=
+                crate::rms(&a.readings[0], &b.readings[0]).powi(2) * a.readings[0].len() as f64;
+            rows += a.readings[0].len();
+        }
+        let rms = (squares / rows as f64).sqrt() / plain.sigma[0];
+        assert!((rms / 4.0 - 1.0).abs() < 0.3, "{rms}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Every effect can be had at the stated sizes, on machines of every draw.
 
-use gap_machines::{Effect, Formula, Order, Scene, Setting, Wish};
+use gap_machines::{Effect, Formula, Order, Scene, Setting, Timing, Wish};
 
 fn draw(effect: Effect, formula: Formula, size: f64, seed: u64) -> Result<Scene, String> {
     let order = Order {
@@ -13,6 +13,8 @@ fn draw(effect: Effect, formula: Formula, size: f64, seed: u64) -> Result<Scene,
         wrong_weights: 0.0,
         axes: 1,
         offset: 0.0,
+        timing: Timing::Before,
+        smooth: 0.0,
     };
     Scene::draw(&order).map_err(|error| error.to_string())
 }
