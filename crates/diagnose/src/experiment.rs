@@ -320,10 +320,12 @@ impl Item {
         if own > most && most > 0.0 {
             let part = most / own;
             self.command.iter_mut().for_each(|u| *u = centre + part * (*u - centre));
-            self.name += &format!(
-                ", made smaller to {:.0} % so that it is no steeper than the logs",
-                100.0 * part
-            );
+            if part < 0.995 {
+                self.name += &format!(
+                    ", made smaller to {:.0} % so that it is no steeper than the logs",
+                    100.0 * part
+                );
+            }
         }
         self
     }
