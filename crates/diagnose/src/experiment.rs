@@ -10,7 +10,7 @@ use crate::base::Part;
 use crate::belief;
 use crate::chain::{Chain, Node};
 use crate::data_set::{DataSet, RecordRows};
-use crate::fit::Fitter;
+use crate::fit::{Fitter, Linear};
 use crate::gap::NextExperiment;
 use crate::outcome::Outcome;
 use crate::random::Random;
@@ -111,19 +111,12 @@ fn separate(
     wanted: f64,
 ) -> Option<NextExperiment> {
     let known: usize = o.problem.data.records.iter().map(|r| r.rows.len()).sum();
-    // Whichever of two is true, the other must be off.
-    let gain =
-        |b: &Candidate, item: &Item| Some(misfit(o, a, b, item)?.min(misfit(o, b, a, item)?));
     let (mut best, mut highest): (Option<(Vec<f64>, Item)>, _) = (None, (f64::NEG_INFINITY, 0.0));
     // A longer signal where the logs' length is too short.
     for rows in [longest(o), ROWS] {
         let enough = wanted * (known + rows) as f64;
         for item in menu(o, rows) {
-            let gains = rivals.iter().map(|(_, b)| gain(b, &item)).collect::<Option<Vec<f64>>>();
-            // The gap itself must not vanish among rows that do not show it.
-            let (Some(gains), Some(gap)) = (gains, misfit(o, a, &o.found.base, &item)) else {
-                continue;
-            };
+            let Some((gains, gap)) = gains(o, a, rivals, &item) else { continue };
             let seen = gap * (wanted / (o.adequate - 1.0)).min(1.0);
             // The product: one that is far off makes up for none that is near.
             let all = gains.iter().chain([&seen]);
@@ -156,14 +149,32 @@ fn separate(
     Some(experiment(o, item, advice, separates, Some(gain)))
 }
 
-/// Expected misfit of the rival `b` on a record that `a` makes, with b's parameters profiled under what
-/// the training rows say about them.
-fn misfit(o: &Outcome, a: &Candidate, b: &Candidate, item: &Item) -> Option<f64> {
+/// The misfit that a signal gives each rival of `a`, and the re-tuned model.
+fn gains(
+    o: &Outcome,
+    a: &Candidate,
+    rivals: &[(usize, &Candidate)],
+    item: &Item,
+) -> Option<(Vec<f64>, f64)> {
     let data = record(o, item);
     let count = std::sync::atomic::AtomicU64::new(0);
     let fitter = Fitter { data: &data, sigma: o.sigma, count: &count, weights: None };
-    let left = fitter.linearise(&over(&a.chain, &data), &a.fit.theta).ok()?;
-    let right = fitter.linearise(&over(&b.chain, &data), &b.fit.theta).ok()?;
+    let played = |of: &Candidate| fitter.linearise(&over(&of.chain, &data), &of.fit.theta).ok();
+    let left = played(a)?;
+    // Whichever of two is true, the other must be off.
+    let gain = |(_, b): &(usize, &Candidate)| {
+        let right = played(b)?;
+        Some(misfit(&data, &left, (&right, b))?.min(misfit(&data, &right, (&left, a))?))
+    };
+    let gains = rivals.iter().map(gain).collect::<Option<Vec<f64>>>()?;
+    // The gap itself must not vanish among rows that do not show it.
+    let base = &o.found.base;
+    Some((gains, misfit(&data, &left, (&played(base)?, base))?))
+}
+
+/// Expected misfit of the rival `b`, played as `right`, on a record that another makes, played as `left`, with b's
+/// parameters profiled under what the training rows say about them.
+fn misfit(data: &DataSet, left: &Linear, (right, b): (&Linear, &Candidate)) -> Option<f64> {
     // Both residuals are of the same measured zeros: their difference is that of the models.
     let apart: Vec<f64> = right.residual.iter().zip(&left.residual).map(|(x, y)| x - y).collect();
     let thinned = data.time.len() as f64 / apart.len().max(1) as f64;
