@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use data::{Log, ReadOptions, UnitPlace, WholeFile};
-use gap_machines::{Kind, Order, Record, Scene, TOLERANCES};
+use gap_machines::{Kind, Order, Record, Scene, TOLERANCES, rounded};
 use serde::{Deserialize, Serialize};
 
 use crate::case::{Case, NoiseHint};
@@ -180,7 +180,7 @@ pub(crate) fn play(scene: &Scene, signal: &Path, number: usize, path: &Path) -> 
     let asked = Log::read(signal, &ReadOptions::default()).map_err(|error| error.to_string())?;
     let column = |name: &str| -> Option<Vec<f64>> {
         let column = asked.column(name)?;
-        Some(column.values.iter().map(|u| (u * 1e6).round() / 1e6).collect())
+        Some(column.values.iter().map(|u| rounded(*u)).collect())
     };
     let command = column("u1").ok_or("the signal of the next experiment has no column u1")?;
     let neighbour = column("u2").unwrap_or_else(|| vec![50.0; command.len()]);

@@ -28,6 +28,6 @@ pub use effect::{Effect, Formula, Insertion};
 pub use machine::{Drive, Machine};
 pub use random::Random;
 pub use records::{Kind, neighbour, noise};
-pub use scene::{Order, Record, Scene, Setting, Timing, Wish};
+pub use scene::{Order, Record, Scene, Setting, Timing, Wish, rounded};
 pub use size::{Unreachable, magnitude};
 pub use tune::{Tuned, Tuner, rms};

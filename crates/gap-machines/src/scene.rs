@@ -430,8 +430,9 @@ fn band_limited(values: &[f64]) -> Vec<f64> {
     (0..values.len() * FINER).map(value).collect()
 }
 
-/// Logs hold six digits behind the point.
-fn rounded(x: f64) -> f64 {
+/// A value as a log holds it, with six digits behind the point.
+#[must_use]
+pub fn rounded(x: f64) -> f64 {
     (x * 1e6).round() / 1e6
 }
 
