@@ -13,15 +13,12 @@ use crate::gap::{
 };
 use crate::outcome::Outcome;
 use crate::place::Maps;
-use crate::problem::HELD_OUT;
 use crate::request::{Model, Request};
 use crate::score::{Judged, explained};
 use crate::select::{Candidate, Looked};
 use crate::shrink::Evidence;
 use crate::steps;
-
-/// Mean square over the noise's above which something is left.
-pub(crate) const LEFT: f64 = 1.15;
+use crate::thresholds::answer::Thresholds;
 
 /// Puts the answer together.
 pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> Gap {
@@ -34,11 +31,9 @@ pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> 
     effects.sort_by(|a, b| b.explained.total_cmp(&a.explained));
     let outcome = &outcomes[main];
     let maps = maps(outcome);
-    let stage =
-        effects.iter().find(|e| e.output == outcome.problem.output).map(|e| e.stage.clone());
-    let place = maps.place(&outcome.problem.output, &outcome.problem.input, stage.as_deref());
-    let mut warnings: Vec<String> =
-        outcomes.iter().flat_map(|o| o.problem.warnings.clone()).collect();
+    let stage = effects.iter().find(|e| e.output == outcome.task.output).map(|e| e.stage.clone());
+    let place = maps.place(&outcome.task.output, &outcome.task.input, stage.as_deref());
+    let mut warnings: Vec<String> = outcomes.iter().flat_map(|o| o.task.warnings.clone()).collect();
     warnings.extend(outcomes.iter().flat_map(cautions));
     let warnings = joined(warnings, outcomes);
     let mut gap = Gap {
@@ -67,9 +62,9 @@ fn joined(warnings: Vec<String>, outcomes: &[Outcome]) -> Vec<String> {
     let mut all: Vec<(Vec<&str>, String)> = Vec::new();
     for warning in warnings {
         let of = |o: &Outcome| {
-            warning.strip_prefix(&o.problem.output)?.strip_prefix(": ").map(str::to_owned)
+            warning.strip_prefix(&o.task.output)?.strip_prefix(": ").map(str::to_owned)
         };
-        let own = outcomes.iter().find_map(|o| Some((o.problem.output.as_str(), of(o)?)));
+        let own = outcomes.iter().find_map(|o| Some((o.task.output.as_str(), of(o)?)));
         let (output, text) =
             own.map_or((None, warning.clone()), |(output, text)| (Some(output), text));
         match all
@@ -101,10 +96,10 @@ fn worst(outcomes: &[Outcome]) -> Verdict {
 
 fn maps(outcome: &Outcome) -> Maps<'_> {
     Maps {
-        data: &outcome.problem.data,
+        data: &outcome.task.data,
         before: &outcome.robust,
         after: &outcome.found.last.judged.residual,
-        sigma: outcome.sigma / outcome.problem.factor,
+        sigma: outcome.sigma / outcome.task.factor,
     }
 }
 
@@ -116,7 +111,7 @@ pub(crate) fn hand_back(gap: &mut Gap, outcomes: &[Outcome], after: &[Option<Jud
         let Some(after) = after.as_ref().filter(|_| !o.found.last.picks.is_empty()) else {
             continue;
         };
-        let Some(own) = gap.outputs.iter_mut().find(|own| own.output == o.problem.output) else {
+        let Some(own) = gap.outputs.iter_mut().find(|own| own.output == o.task.output) else {
             continue;
         };
         let as_found = own.shrink.fraction;
@@ -134,36 +129,36 @@ pub(crate) fn hand_back(gap: &mut Gap, outcomes: &[Outcome], after: &[Option<Jud
 fn output(o: &Outcome, seed: u64) -> OutputGap {
     let shrink = shrink(o, &o.found.last.judged, seed);
     OutputGap {
-        output: o.problem.output.clone(),
+        output: o.task.output.clone(),
         verdict: o.verdict,
         effects: named(o).into_iter().map(|e| e.effect).collect(),
         shrink,
-        noise: o.problem.noise.clone(),
-        between: o.problem.course.between,
-        reading: o.problem.course.reading,
+        noise: o.task.noise.clone(),
+        between: o.task.course.between,
+        reading: o.task.course.reading,
     }
 }
 
 fn shrink(o: &Outcome, after: &Judged, seed: u64) -> Shrink {
-    let range = 2.0 * o.problem.data.output_span.half / o.problem.factor;
+    let range = 2.0 * o.task.data.output_span.half / o.task.factor;
     let stages = steps::against_noise(o, [&o.given, &o.found.base.judged, after]);
-    let sigma = o.problem.steps.map_or(o.sigma, |steps| steps.beside);
+    let sigma = o.task.steps.map_or(o.sigma, |steps| steps.beside);
     let [given, before, after] = match &stages {
         Some([given, before, after]) => [given, before, after],
         None => [&o.given, &o.found.base.judged, after],
     };
     let evidence = Evidence {
-        data: &o.problem.data,
+        data: &o.task.data,
         judge: &o.judge,
         given,
         before,
         after,
-        sigma: sigma / o.problem.factor,
-        unit: &o.problem.unit,
+        sigma: sigma / o.task.factor,
+        unit: &o.task.unit,
         range,
         seed,
     };
-    let factor = o.problem.factor;
+    let factor = o.task.factor;
     Shrink {
         second_opinion: o.second.clone(),
         offset: o.offset.map(|offset| offset.shared / factor).filter(|shared| *shared != 0.0),
@@ -180,7 +175,7 @@ pub(crate) fn estimate(o: &Outcome, p: &Parameter, q: f64, deviation: Option<f64
     let value = p.value(q);
     let deviation = deviation.map(|d| if p.log { value * d } else { d });
     let scale = scale_of(o, &p.unit);
-    let unit = model::unit_on_axis(&p.unit, &o.problem.command_unit, &o.problem.unit);
+    let unit = model::unit_on_axis(&p.unit, &o.task.command_unit, &o.task.unit);
     let finite = |v: f64| v.is_finite().then_some(v);
     Estimate {
         value: finite(value / scale).unwrap_or(0.0),
@@ -191,7 +186,7 @@ pub(crate) fn estimate(o: &Outcome, p: &Parameter, q: f64, deviation: Option<f64
 
 /// SI per unit of a formula's parameter, which is kept in SI.
 pub(crate) fn scale_of(o: &Outcome, unit: &str) -> f64 {
-    let (u, y) = (o.problem.command_factor, o.problem.factor);
+    let (u, y) = (o.task.command_factor, o.task.factor);
     match unit {
         "{command}" | "{command}/s" => u,
         "{position}" => y,
@@ -220,7 +215,7 @@ pub(crate) fn parameters(
                 all.insert(format!("{effect}.{}", p.name.replace(' ', "_")), value);
             }
             for k in &formula.releases {
-                let told = &o.problem.base.parameters[*k];
+                let told = &o.task.base.parameters[*k];
                 if let Some(at) = find(&candidate.chain, &told.name) {
                     let (q, d) = (candidate.fit.theta[at], candidate.fit.deviations[at]);
                     let estimate = Estimate {
@@ -243,18 +238,16 @@ fn find(chain: &Chain, name: &str) -> Option<usize> {
 
 /// Noise beside the one that was stated, as an effect of the sensor.
 fn noisier(o: &Outcome) -> Option<NamedEffect> {
-    /// Probability that white, even and normally distributed residuals are noise of the reading.
-    const SURE: f64 = 0.97;
-    let factor = o.louder?;
+    let factor = o.noise_ratio?;
     let effect = &effects::SENSOR_NOISE;
-    let value = o.sigma / o.problem.factor * (factor * factor - 1.0).max(0.0).sqrt();
-    let unit = o.problem.unit.clone();
+    let value = o.sigma / o.task.factor * (factor * factor - 1.0).max(0.0).sqrt();
+    let unit = o.task.unit.clone();
     let beside = Estimate { value, std: None, unit };
     Some(NamedEffect {
         effect: effect.name.to_owned(),
-        output: o.problem.output.clone(),
+        output: o.task.output.clone(),
         stage: effect.stage.name().to_owned(),
-        probability: SURE,
+        probability: Thresholds::SURE_OF_NOISE,
         set: vec![effect.name.to_owned()],
         group: None,
         parameters: BTreeMap::from([(format!("{}.standard_deviation", effect.name), beside)]),
@@ -264,20 +257,18 @@ fn noisier(o: &Outcome) -> Option<NamedEffect> {
 
 /// The steps of the reading that its values show.
 fn stepped(o: &Outcome) -> Option<NamedEffect> {
-    /// Probability that values on a coarse grid are a converter's.
-    const SURE: f64 = 0.97;
-    let steps = o.problem.steps?;
+    let steps = o.task.steps?;
     let effect = &effects::SENSOR_QUANTISATION;
     let of = |value: f64, unit: &str| Estimate { value, std: None, unit: unit.to_owned() };
     let parameters = BTreeMap::from([
-        (format!("{}.step", effect.name), of(steps.size / o.problem.factor, &o.problem.unit)),
+        (format!("{}.step", effect.name), of(steps.size / o.task.factor, &o.task.unit)),
         (format!("{}.phase", effect.name), of(steps.phase, "1")),
     ]);
     Some(NamedEffect {
         effect: effect.name.to_owned(),
-        output: o.problem.output.clone(),
+        output: o.task.output.clone(),
         stage: effect.stage.name().to_owned(),
-        probability: SURE,
+        probability: Thresholds::SURE_OF_STEPS,
         set: vec![effect.name.to_owned()],
         group: None,
         parameters,
@@ -326,7 +317,7 @@ fn effect_of(
     }
     NamedEffect {
         effect: effect.name.to_owned(),
-        output: o.problem.output.clone(),
+        output: o.task.output.clone(),
         stage: effect.stage.name().to_owned(),
         probability,
         set,
@@ -345,12 +336,12 @@ fn partial(o: &Outcome) -> Option<Partial> {
     let part = |c: &Candidate| explained(before, &c.judged);
     let fitted = o.found.first.iter().filter_map(|l| l.best.as_ref());
     let best = fitted.filter(|c| part(c) > 0.0).min_by(|a, b| a.rank.total_cmp(&b.rank))?;
-    let rms = |judged: &Judged| o.sigma / o.problem.factor * judged.held_out.max(0.0).sqrt();
+    let rms = |judged: &Judged| o.sigma / o.task.factor * judged.held_out.max(0.0).sqrt();
     Some(Partial {
         effect: effect_of(o, (best, 0), &o.found.first, part(best)),
         rms_before: rms(before),
         rms_after: rms(&best.judged),
-        unit: o.problem.unit.clone(),
+        unit: o.task.unit.clone(),
     })
 }
 
@@ -369,7 +360,7 @@ fn retuned(o: &Outcome, many: bool) -> Vec<(String, Retuned)> {
     let released: Vec<usize> =
         last.picks.iter().flat_map(|(f, k)| o.library[*f].formulas[*k].releases.clone()).collect();
     let mut all = Vec::new();
-    for (k, p) in o.problem.base.parameters.iter().enumerate() {
+    for (k, p) in o.task.base.parameters.iter().enumerate() {
         if released.contains(&k) {
             continue;
         }
@@ -388,8 +379,8 @@ fn retuned(o: &Outcome, many: bool) -> Vec<(String, Retuned)> {
         }
     }
     if let Some(at) = find(&last.chain, "output.gain") {
-        let (q, tolerance) = (last.fit.theta[at], o.problem.base.gain_tolerance);
-        let name = if many { format!("{}.gain", o.problem.output) } else { "output.gain".into() };
+        let (q, tolerance) = (last.fit.theta[at], o.task.base.gain_tolerance);
+        let name = if many { format!("{}.gain", o.task.output) } else { "output.gain".into() };
         let at_limit = q.abs() >= 3.0 - 1e-9;
         let unit = "1".to_owned();
         all.push((name, Retuned { from: 1.0, to: 1.0 + tolerance * q, tolerance, unit, at_limit }));
@@ -398,9 +389,10 @@ fn retuned(o: &Outcome, many: bool) -> Vec<(String, Retuned)> {
 }
 
 fn leftover(o: &Outcome, maps: &Maps<'_>) -> Leftover {
-    let over_noise = o.found.last.judged.held_out / o.louder.map_or(1.0, |factor| factor * factor);
+    let over_noise =
+        o.found.last.judged.held_out / o.noise_ratio.map_or(1.0, |factor| factor * factor);
     let left = Maps { before: maps.after, ..*maps };
-    let is_there = over_noise > LEFT;
+    let is_there = over_noise > Thresholds::LEFT;
     Leftover {
         present: is_there,
         over_noise,
@@ -417,9 +409,9 @@ fn leftover(o: &Outcome, maps: &Maps<'_>) -> Leftover {
 
 /// Size and time of what is left beside the noise, where it is more than the noise.
 fn discrepancy(o: &Outcome) -> Option<Discrepancy> {
-    let left = o.judge.discrepancy(&o.found.last.judged, &o.problem.data);
-    let rms = left.size * o.sigma / o.problem.factor;
-    let range = 2.0 * o.problem.data.output_span.half / o.problem.factor;
+    let left = o.judge.discrepancy(&o.found.last.judged, &o.task.data);
+    let rms = left.size * o.sigma / o.task.factor;
+    let range = 2.0 * o.task.data.output_span.half / o.task.factor;
     (left.size > 0.0 && range > 0.0).then(|| Discrepancy {
         rms,
         of_range: rms / range,
@@ -427,14 +419,12 @@ fn discrepancy(o: &Outcome) -> Option<Discrepancy> {
     })
 }
 
-/// The effect that would take most of what the named ones leave, on rows that were not used.
+/// The effect that would take the largest part of what the named ones leave, on held-out rows.
 fn looks_like(o: &Outcome) -> Option<String> {
-    /// Part of it.
-    const MUCH: f64 = 0.3;
     let beyond = o.found.beyond.as_ref()?;
     let (family, _) = beyond.picks.iter().find(|pick| !o.found.last.picks.contains(pick))?;
     let part = explained(&o.found.last.judged, &beyond.judged);
-    (part > MUCH).then(|| o.library[*family].effect.name.to_owned())
+    (part > Thresholds::LOOKS_LIKE).then(|| o.library[*family].effect.name.to_owned())
 }
 
 fn tried(o: &Outcome) -> Vec<Tried> {
@@ -453,7 +443,7 @@ fn tried(o: &Outcome) -> Vec<Tried> {
             let of_family = |b: &&belief::Belief| b.family == l.family;
             Tried {
                 effect: effect.to_owned(),
-                output: o.problem.output.clone(),
+                output: o.task.output.clone(),
                 formula: formula.to_owned(),
                 score: best.and_then(|c| finite(o.judge.score(&base.judged, &c.judged))),
                 training: best.and_then(|c| finite(c.fit.mean_square)),
@@ -470,19 +460,19 @@ fn tried(o: &Outcome) -> Vec<Tried> {
 
 fn cautions(o: &Outcome) -> Vec<String> {
     let mut all = Vec::new();
-    let noise = &o.problem.noise;
+    let noise = &o.task.noise;
     if let Some(periods) = noise.periods
         && periods > 2.0 * noise.sigma
     {
         all.push(format!(
             "{}: from period to period the reading changes by {periods:.3e} {}, {:.1} times the noise that is used: something is not driven by the command, or drifts",
-            o.problem.output, o.problem.unit, periods / noise.sigma
+            o.task.output, o.task.unit, periods / noise.sigma
         ));
     }
     if let Some(second) = o.second.as_ref().filter(|second| !second.agrees) {
         all.push(format!(
             "{}: of the records as a whole, left out one after the other, only {:.0} % of the gap's power is removed: what was fitted to one kind of record does not hold for another",
-            o.problem.output,
+            o.task.output,
             100.0 * second.fraction
         ));
     }
@@ -492,14 +482,14 @@ fn cautions(o: &Outcome) -> Vec<String> {
     {
         all.push(format!(
             "{}: the noise was estimated from the logs, which is a lower bound; the gap is small against it: give --rest or --noise before you believe it",
-            o.problem.output
+            o.task.output
         ));
     }
     all.extend(own_offsets(o));
-    if o.problem.base.parameters.iter().all(|p| !p.has_tolerance) {
+    if o.task.base.parameters.iter().all(|p| !p.has_tolerance) {
         all.push(format!(
             "{}: no parameter of the model has a tolerance, only the output's gain: an error of a parameter can look like an effect; give tolerances in the blueprint or with --tune",
-            o.problem.output
+            o.task.output
         ));
     }
     all
@@ -508,19 +498,17 @@ fn cautions(o: &Outcome) -> Vec<String> {
 /// What a user gets who lays the repaired model over a log as it stands, where that is clearly more than the shrink
 /// says, whose records may each have an offset of its own.
 fn own_offsets(o: &Outcome) -> Option<String> {
-    /// Over what is left with each record's own offset taken out.
-    const MORE: f64 = 1.5;
     let is_told = !o.found.last.picks.is_empty();
     let offset = o.offset.filter(|_| is_told)?;
-    let (left, factor) = (o.sigma * o.found.last.judged.held_out.max(0.0).sqrt(), o.problem.factor);
-    (offset.as_it_stands.1 > MORE * left).then(|| {
+    let (left, factor) = (o.sigma * o.found.last.judged.held_out.max(0.0).sqrt(), o.task.factor);
+    (offset.as_it_stands.1 > Thresholds::OWN_OFFSETS * left).then(|| {
         format!(
             "{}: each record has its own offset, which no model predicts: over a log as recorded the error of the repaired model is {:.3e} {}, without the offset of the record {:.3e} {}",
-            o.problem.output,
+            o.task.output,
             offset.as_it_stands.1 / factor,
-            o.problem.unit,
+            o.task.unit,
             left / factor,
-            o.problem.unit
+            o.task.unit
         )
     })
 }
@@ -533,7 +521,7 @@ fn provenance(request: &Request, simulations: u64) -> Provenance {
     let split = if request.holdout.is_empty() {
         format!(
             "the last {:.0} % of each record, simulated from the record's start",
-            100.0 * HELD_OUT
+            100.0 * crate::thresholds::base::Thresholds::HELD_OUT
         )
     } else {
         "the logs given for it".to_owned()

@@ -9,18 +9,13 @@ use model::{Conversion, Declaration, NodeSpec, Source, Stage, Unit, unit_on_axis
 use surround::Memory;
 
 use self::compose::Composer;
-pub(crate) use self::compose::RELEASED_DOWN;
 use crate::black_box::BlackBox;
 use crate::chain::{Chain, ComponentNode, Node};
 use crate::coupled;
 use crate::error::Error;
 use crate::library::{Formula, Slot};
 use crate::request::{Deviation, Tolerance};
-
-/// Parameters of one array that are free one by one; a longer array is free in groups.
-const MOST_OF_ARRAY: usize = 12;
-/// Deviation of a parameter without a tolerance, relative to its value, as a scale.
-const FREE: f64 = 0.1;
+use crate::thresholds::base::Thresholds;
 
 /// A parameter of the model that may be off.
 #[derive(Clone, Debug)]
@@ -235,7 +230,7 @@ impl Base {
         tolerances: &[Tolerance],
     ) {
         let live: Vec<usize> = (0..own.len()).filter(|k| own[*k] != 0.0).collect();
-        let groups = live.len().min(MOST_OF_ARRAY);
+        let groups = live.len().min(Thresholds::MOST_OF_ARRAY);
         for g in 0..groups {
             let members = &live[g * live.len() / groups..(g + 1) * live.len() / groups];
             let Some(&first) = members.first() else { continue };
@@ -430,7 +425,7 @@ pub(crate) fn tolerance(
     });
     match asked.or(relative.map(|r| r * value.abs())) {
         Some(deviation) if deviation > 0.0 => (deviation, true),
-        _ => (FREE * value.abs(), false),
+        _ => (Thresholds::FREE_DEVIATION * value.abs(), false),
     }
 }
 

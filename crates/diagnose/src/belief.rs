@@ -3,36 +3,7 @@
 use crate::library::Family;
 use crate::outcome::Outcome;
 use crate::select::{Candidate, Looked};
-
-/// Probability that the set must reach.
-pub(crate) const SET: f64 = 0.95;
-
-/// How much the odds of a rival fall with what it leaves: odds = times^−SHARPNESS. From the benchmark: with 3, names
-/// of 30 to 70 % were right in 86 of 89 cases whose effect was in the library.
-const SHARPNESS: f64 = 6.0;
-/// How much the logarithm of the odds falls with each coefficient more, among those that leave alike: a
-/// formula that can imitate many others says little when it fits no better.
-const ORDER: f64 = 1.6;
-/// Formulas leave alike up to this factor.
-const ALIKE: f64 = 1.25;
-/// Trust below which neither the name nor its group is given.
-pub(crate) const TRUSTED: f64 = 0.5;
-/// Probability that the cause is in the library where nothing is left; from the benchmark.
-const LIBRARY: f64 = 0.97;
-/// The same where the name is one of a group: what looks like the others of its group in a log, looks like
-/// many things that are in no library.
-const LIBRARY_OF_GROUPS: f64 = 0.87;
-/// Part of the gap that is left where the cause is as likely in the library as not, and how fast that
-/// changes; from the benchmark.
-const LEFT_OF_UNKNOWN: f64 = 0.12;
-const STEEPNESS: f64 = 1.2;
-/// Part of the noise's power that the right formula may leave unseen.
-const SEEN: f64 = 0.01;
-/// Part of the gap that a further effect takes away where it is as likely an effect as a repair of the
-/// others' formulas.
-const REPAIR: f64 = 0.01;
-/// The same for how many times what is left at last it takes away.
-const REPAIRED: f64 = 30.0;
+use crate::thresholds::belief::Thresholds;
 
 /// One name for a slot.
 #[derive(Clone, Debug)]
@@ -68,7 +39,11 @@ impl<'a> Sight<'a> {
 
 /// Probability that the cause is in the library where this name leaves nothing.
 fn prior(library: &[Family], family: usize) -> f64 {
-    if library[family].effect.group.is_some() { LIBRARY_OF_GROUPS } else { LIBRARY }
+    if library[family].effect.group.is_some() {
+        Thresholds::LIBRARY_OF_GROUPS
+    } else {
+        Thresholds::LIBRARY
+    }
 }
 
 /// Probabilities of the families for one slot, largest first; the rest to 1 is 'none of these'.
@@ -80,13 +55,15 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
     };
     // The noise is the same in all of them: by how much one leaves more than the best is known far better
     // than how far either is above the noise.
-    let seen = excess(best) + SEEN + sight.fine;
+    let seen = excess(best) + Thresholds::UNSEEN + sight.fine;
     let times = |c: &Candidate| 1.0 + (left(c) - left(best)).max(0.0) / seen;
     // Rows that no fit has seen must not tell them apart either.
-    let held_out = |c: &Candidate| (c.judged.held_out - 1.0).max(0.0) + SEEN + sight.fine;
+    let held_out =
+        |c: &Candidate| (c.judged.held_out - 1.0).max(0.0) + Thresholds::UNSEEN + sight.fine;
     let least = fitted.iter().map(|(_, c)| held_out(c)).fold(f64::INFINITY, f64::min);
     let is_alike = |c: &Candidate| {
-        times(c) < ALIKE && (held_out(c) < ALIKE * least || held_out(c) < sight.adequate - 1.0)
+        times(c) < Thresholds::ALIKE
+            && (held_out(c) < Thresholds::ALIKE * least || held_out(c) < sight.adequate - 1.0)
     };
     let simplest =
         fitted.iter().filter(|(_, c)| is_alike(c)).map(|(_, c)| c.freedom).min().unwrap_or(0);
@@ -96,8 +73,9 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
             // The right name leaves a small part of the gap where its formula is not the machine's: what
             // counts is how many times more a rival leaves, as far as the noise lets one see it.
             let nominal = 0.5 * (c.rank - best.rank).max(0.0);
-            let order = if is_alike(c) { ORDER * (c.freedom - simplest) as f64 } else { 0.0 };
-            (-(SHARPNESS * times(c).ln()).min(nominal) - order).exp()
+            let order =
+                if is_alike(c) { Thresholds::ORDER * (c.freedom - simplest) as f64 } else { 0.0 };
+            (-(Thresholds::SHARPNESS * times(c).ln()).min(nominal) - order).exp()
         })
         .collect();
     let total: f64 = weights.iter().sum();
@@ -111,7 +89,7 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
         .map(|((family, c), w)| Belief {
             family: *family,
             probability: known * w / total,
-            left: excess(c) + SEEN + sight.fine,
+            left: excess(c) + Thresholds::UNSEEN + sight.fine,
         })
         .collect();
     all.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.family.cmp(&b.family)));
@@ -132,15 +110,16 @@ fn excess(c: &Candidate) -> f64 {
 /// leave, and the larger a part of the gap that is, the less.
 pub(crate) fn formula_is_known(sight: &Sight<'_>, own: &Candidate) -> f64 {
     let left = (excess(own) - (sight.adequate - 1.0)).max(0.0) / sight.base_excess.max(0.1);
-    1.0 / (1.0 + (left / LEFT_OF_UNKNOWN).powf(STEEPNESS))
+    1.0 / (1.0 + (left / Thresholds::LEFT_OF_UNKNOWN).powf(Thresholds::STEEPNESS))
 }
 
 /// How likely one of several effects is one, and no repair of what the others' formulas leave: `alone` is
 /// the part of the gap that comes back without it. A repair takes a small part of the gap, and does not
 /// fit it much better than the formula that it repairs.
 pub(crate) fn is_effect(sight: &Sight<'_>, own: &Candidate, alone: f64) -> f64 {
-    let times = alone * sight.base_excess / (excess(own) + SEEN);
-    let odds = (alone / REPAIR).powf(STEEPNESS) + (times / REPAIRED).powf(STEEPNESS);
+    let times = alone * sight.base_excess / (excess(own) + Thresholds::UNSEEN);
+    let odds = (alone / Thresholds::REPAIR).powf(Thresholds::STEEPNESS)
+        + (times / Thresholds::REPAIRED).powf(Thresholds::STEEPNESS);
     odds / (1.0 + odds)
 }
 
@@ -153,7 +132,8 @@ pub(crate) fn trust(library: &[Family], beliefs: &[Belief], family: usize) -> f6
 /// The trust in a single effect and all names that leave alike: one of them is the answer, and the set says so.
 pub(crate) fn trust_of_alike(library: &[Family], beliefs: &[Belief], family: usize) -> f64 {
     let own = beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.left);
-    let is_alike = |b: &Belief| b.left < ALIKE * own && own < ALIKE * b.left;
+    let is_alike =
+        |b: &Belief| b.left < Thresholds::ALIKE * own && own < Thresholds::ALIKE * b.left;
     trust_with(library, beliefs, family, is_alike)
 }
 
@@ -184,7 +164,7 @@ pub(crate) fn set(beliefs: &[Belief]) -> Vec<usize> {
     for belief in beliefs {
         set.push(belief.family);
         sum += belief.probability;
-        if sum >= SET * known {
+        if sum >= Thresholds::SET * known {
             break;
         }
     }

@@ -20,8 +20,7 @@ use numerics::Complex;
 use numerics::fft::Fft;
 use serde::{Deserialize, Serialize};
 
-/// Largest part of a sample that times may be off a uniform grid.
-const UNIFORM: f64 = 1e-3;
+use crate::thresholds::base::Thresholds;
 
 /// What the command does between two rows of a log.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -203,7 +202,9 @@ impl Course {
 fn is_uniform(time: &[f64]) -> bool {
     let [first, .., last] = time else { return false };
     let period = (last - first) / (time.len() - 1) as f64;
-    let is_near = |(k, t): (usize, &f64)| (t - first - k as f64 * period).abs() <= UNIFORM * period;
+    let is_near = |(k, t): (usize, &f64)| {
+        (t - first - k as f64 * period).abs() <= Thresholds::UNIFORM_TIMES * period
+    };
     period > 0.0 && time.iter().enumerate().all(is_near)
 }
 

@@ -16,6 +16,7 @@ use self::known::Known;
 use crate::chain::{Failed, Link};
 use crate::data_set::RecordData;
 use crate::error::Error;
+use crate::thresholds::base::Thresholds;
 
 /// An FMU with one input that the chain drives, others that a record drives, and one output.
 #[derive(Clone)]
@@ -43,10 +44,6 @@ struct Shared {
     idle: Mutex<Vec<Box<dyn Slave>>>,
     incidents: Arc<Mutex<Incidents>>,
 }
-
-/// After so many crashes and hangs the search is given up: each costs a process, a hang the whole
-/// time that is allowed.
-const MOST_LOST: usize = 8;
 
 /// What the FMU did beside its answers.
 #[derive(Default)]
@@ -153,7 +150,7 @@ impl BlackBox {
         x: &[f64],
         out: &mut [f64],
     ) -> Result<(), Failed> {
-        if incidents_of(&self.shared.incidents).lost >= MOST_LOST {
+        if incidents_of(&self.shared.incidents).lost >= Thresholds::MOST_LOST {
             return Err(Failed);
         }
         let Err(error) = self.try_run(theta, record, x, out) else { return Ok(()) };
@@ -174,19 +171,21 @@ impl BlackBox {
     /// How the output is entered: the mode that it leaves through, where the answer to a small step of the driven
     /// input shows one and nothing else that moves.
     pub(crate) fn entry(&self, record: &RecordData, command: Span) -> Option<Entry> {
-        /// Rows of the answer at most, and those of them before the step.
-        const ROWS: usize = 4000;
-        const BEFORE: usize = 50;
-        /// Over half the range.
-        const SIZE: f64 = 0.1;
         let sample = self.sample(record)?;
-        let rows = self.times.get(&record.rows.start)?.len().min(ROWS);
-        if rows < 4 * BEFORE {
+        let rows = self.times.get(&record.rows.start)?.len().min(Thresholds::ENTRY_ROWS);
+        if rows < 4 * Thresholds::ENTRY_BEFORE {
             return None;
         }
-        let step = |row| command.centre + if row < BEFORE { 0.0 } else { SIZE * command.half };
+        let step = |row| {
+            command.centre
+                + if row < Thresholds::ENTRY_BEFORE {
+                    0.0
+                } else {
+                    Thresholds::ENTRY_SIZE * command.half
+                }
+        };
         let x: Vec<f64> = (0..rows).map(step).collect();
-        ringing(&self.answer(record, &x)?, BEFORE, sample)
+        ringing(&self.answer(record, &x)?, Thresholds::ENTRY_BEFORE, sample)
     }
 
     /// Sample time of the rows of a record in s, where they are even.
@@ -213,7 +212,7 @@ impl BlackBox {
     /// Refuses where the FMU crashed or hung too often to go on.
     pub(crate) fn is_alive(&self) -> Result<(), Error> {
         let incidents = incidents_of(&self.shared.incidents);
-        if incidents.lost < MOST_LOST {
+        if incidents.lost < Thresholds::MOST_LOST {
             return Ok(());
         }
         let first = incidents.first.as_deref().unwrap_or_default();
@@ -360,8 +359,6 @@ pub(crate) struct Entry {
 /// there but at most one lag: the input is held from row `step` on, and differences of rows then follow
 /// `d_n = Σ a_k·d_(n−k)`, with the two poles of the mode, and the lag's.
 fn ringing(response: &[f64], step: usize, sample: f64) -> Option<Entry> {
-    /// Part of a step by which what enters the mode may differ from a step, or from a lag's answer to it.
-    const ROUGH: f64 = 0.05;
     let d: Vec<f64> = response.windows(2).map(|w| w[1] - w[0]).collect();
     // From the difference of the first two rows after the step.
     let d = d.get(step + 1..)?;
@@ -396,14 +393,16 @@ fn ringing(response: &[f64], step: usize, sample: f64) -> Option<Entry> {
         off * off
     });
     let off = (off.sum::<f64>() / held.len() as f64).sqrt();
-    (off < ROUGH * (last - first).abs()).then_some(Entry { frequency, damping, lag })
+    (off < Thresholds::ENTRY_ROUGH * (last - first).abs()).then_some(Entry {
+        frequency,
+        damping,
+        lag,
+    })
 }
 
 /// The recursion that a signal follows, by least squares; none where it leaves something or the signal
 /// is too simple to tell.
 fn recursion(d: &[f64], order: usize) -> Option<Vec<f64>> {
-    /// Part of the signal's rms that may be something else.
-    const OTHER: f64 = 1e-3;
     let (mut normal, mut right) = (DMatrix::zeros(order, order), DVector::zeros(order));
     let rows = || {
         d.windows(order + 1).map(|w| (w[order], DVector::from_fn(order, |k, _| w[order - 1 - k])))
@@ -419,7 +418,8 @@ fn recursion(d: &[f64], order: usize) -> Option<Vec<f64>> {
     let a = normal.cholesky()?.solve(&right);
     let left: f64 = rows().map(|(now, past)| (now - a.dot(&past)).powi(2)).sum();
     let all: f64 = d.iter().skip(order).map(|d| d * d).sum();
-    (left <= OTHER * OTHER * all).then(|| a.iter().copied().collect())
+    (left <= Thresholds::MODE_OTHER * Thresholds::MODE_OTHER * all)
+        .then(|| a.iter().copied().collect())
 }
 
 /// A pole of `z³ = a₁z² + a₂z + a₃` between 0 and 1.

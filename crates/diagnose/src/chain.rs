@@ -14,6 +14,7 @@ use surround::{Block, ForcedMode, Signals};
 use crate::black_box::BlackBox;
 use crate::data_set::{DataSet, RecordData};
 use crate::path_block::PathBlock;
+use crate::thresholds::fit::Thresholds;
 
 /// A parameter of a chain, in the coordinate in which it is fitted.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,8 +128,7 @@ impl Chain {
 
     /// Whether its FMU has many parameters: each sensitivity to one is a run over all records.
     pub(crate) fn is_costly(&self) -> bool {
-        const MANY: usize = 8;
-        self.of_fmu().len() >= MANY
+        self.of_fmu().len() >= Thresholds::MANY_TUNED
     }
 
     /// For each parameter the number of the parameter of `from` that it continues: the model's own by
@@ -360,8 +360,6 @@ impl ComponentNode {
     /// Runs records side by side: a step waits for the one before it in its record, and a processor
     /// goes on with the others meanwhile.
     fn run(&self, theta: &[f64], step: f64, lanes: &mut [Lane<'_>]) -> Result<(), Failed> {
-        /// Records that are under way at once.
-        const ABREAST: usize = 4;
         let inputs = if self.reads_command { 2 } else { 1 };
         let component = &self.component;
         let sizes = component.sizes(&self.structure, step);
@@ -369,7 +367,7 @@ impl ComponentNode {
         let mut outputs = vec![0.0; component.declaration().outputs.len()];
         let values = self.values_at(theta);
         component.prepare(&self.structure, &values, step, &mut coefficients).map_err(|_| Failed)?;
-        for lanes in lanes.chunks_mut(ABREAST) {
+        for lanes in lanes.chunks_mut(Thresholds::ABREAST) {
             for Lane { x, command, out, state } in &mut *lanes {
                 state.resize(sizes.states, 0.0);
                 component.rest(&coefficients, &[x[0], command[0]][..inputs], state, &mut outputs);

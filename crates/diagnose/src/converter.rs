@@ -7,18 +7,7 @@ use numerics::{Complex, median};
 
 use surround::{Span, code};
 
-/// Most steps over the range.
-const STEPS: usize = 1024;
-/// Resolution of the search, in periods over the range.
-const FINE: f64 = 0.25;
-/// Places over the range that rows are gathered at.
-const PLACES: usize = 8192;
-/// A place counts as at most so many times the rows of a middling one.
-const OFTEN: f64 = 4.0;
-/// Codes of which one is missing.
-const CODES: [u32; 8] = [3, 4, 5, 6, 8, 10, 12, 16];
-/// Part of the residual's power that steps with missing codes must show to be tried, over that of one row.
-const SHOWN: f64 = 100.0;
+use crate::thresholds::search::Thresholds;
 
 /// Places where the residual of a model is looked at.
 pub(crate) struct Converted {
@@ -77,13 +66,14 @@ impl Converted {
         rows: impl Iterator<Item = usize>,
     ) -> Self {
         let first = (span.centre - span.half) / (2.0 * span.half);
-        let width = 1.0 / PLACES as f64;
+        let width = 1.0 / Thresholds::CONVERTER_PLACES as f64;
         let at = |k: usize| first + (k as f64 + 0.5) * width;
-        let mut places: Vec<Place> =
-            (0..PLACES).map(|k| Place { at: at(k), count: 0.0, sum: 0.0, squares: 0.0 }).collect();
+        let mut places: Vec<Place> = (0..Thresholds::CONVERTER_PLACES)
+            .map(|k| Place { at: at(k), count: 0.0, sum: 0.0, squares: 0.0 })
+            .collect();
         for row in rows {
             let (x, r) = (signal[row] / (2.0 * span.half) - first, residual[row]);
-            let place = &mut places[((x / width) as usize).min(PLACES - 1)];
+            let place = &mut places[((x / width) as usize).min(Thresholds::CONVERTER_PLACES - 1)];
             place.count += 1.0;
             place.sum += r;
             place.squares += r * r;
@@ -91,7 +81,8 @@ impl Converted {
         let mut counts: Vec<f64> =
             places.iter().map(|place| place.count).filter(|count| *count > 0.0).collect();
         counts.sort_unstable_by(f64::total_cmp);
-        let most = OFTEN * counts.get(counts.len() / 2).copied().unwrap_or_default();
+        let most =
+            Thresholds::CONVERTER_OFTEN * counts.get(counts.len() / 2).copied().unwrap_or_default();
         places.iter_mut().for_each(|place| place.limit(most));
         let sum = |of: fn(&Place) -> f64| places.iter().map(of).sum();
         let (rows, sums) = (sum(|p| p.count), (sum(|p| p.sum), sum(|p| p.squares)));
@@ -111,48 +102,43 @@ impl Converted {
         (s * s + c * c, s.atan2(c))
     }
 
-    /// Powers at all multiples of [`FINE`].
+    /// Powers at all multiples of [`Thresholds::CONVERTER_FINE`].
     fn powers(&self) -> Vec<f64> {
-        let length = (PLACES as f64 / FINE) as usize;
+        let length = (Thresholds::CONVERTER_PLACES as f64 / Thresholds::CONVERTER_FINE) as usize;
         let mut sums: Vec<f64> = self.places.iter().map(|place| place.sum).collect();
         sums.resize(length, 0.0);
         let lines = Fft::forward(length).of_real(&sums);
-        let count = (STEPS as f64 / FINE) as usize;
+        let count = (Thresholds::CONVERTER_STEPS as f64 / Thresholds::CONVERTER_FINE) as usize;
         lines.iter().take(count + 1).map(Complex::norm_sqr).collect()
     }
 
     /// The powers that stand out of those around them, and zero for the others: what is slow over the
     /// range is no converter's.
     fn standing_out(&self) -> Vec<f64> {
-        /// Periods on either side.
-        const AROUND: usize = 40;
-        /// Over the median of those.
-        const OVER: f64 = 12.0;
         let powers = self.powers();
         let over = |k: usize| {
-            let end = (k + AROUND + 1).min(powers.len());
-            let mut around = powers[k.saturating_sub(AROUND)..end].to_vec();
-            let stands_out = median(&mut around).is_some_and(|median| powers[k] > OVER * median);
+            let end = (k + Thresholds::CONVERTER_BESIDE + 1).min(powers.len());
+            let mut around = powers[k.saturating_sub(Thresholds::CONVERTER_BESIDE)..end].to_vec();
+            let stands_out = median(&mut around)
+                .is_some_and(|median| powers[k] > Thresholds::CONVERTER_OVER * median);
             if stands_out { powers[k] } else { 0.0 }
         };
         (0..powers.len()).map(over).collect()
     }
 
     fn strongest(&self) -> Vec<f64> {
-        /// A line is so wide at most.
-        const WIDE: usize = 4;
-        /// Lines that are kept.
-        const MOST: usize = 5;
         let over = self.standing_out();
         let is_peak = |k: &usize| {
-            let beside = k - WIDE..(k + WIDE + 1).min(over.len());
+            let beside = k - Thresholds::CONVERTER_WIDE
+                ..(k + Thresholds::CONVERTER_WIDE + 1).min(over.len());
             over[*k] > 0.0 && over[beside].iter().all(|other| *other <= over[*k])
         };
         let mut all: Vec<usize> = (8..over.len()).filter(is_peak).collect();
         all.sort_by(|a, b| over[*b].total_cmp(&over[*a]).then(a.cmp(b)));
-        all.truncate(MOST);
+        all.truncate(Thresholds::CONVERTER_LINES);
         let fine = |k: &usize| {
-            let near = (-8..=8).map(|i| FINE * *k as f64 + 0.03 * f64::from(i));
+            let near =
+                (-8..=8).map(|i| Thresholds::CONVERTER_FINE * *k as f64 + 0.03 * f64::from(i));
             near.max_by(|a, b| self.power(*a).0.total_cmp(&self.power(*b).0))
         };
         all.iter().filter_map(fine).collect()
@@ -171,20 +157,20 @@ impl Converted {
     /// Steps of which some are missing, where the residual shows them: each line may be any harmonic of a
     /// pattern that repeats over every few steps.
     pub(crate) fn gaps(&self) -> Option<Gaps> {
-        /// What the periods of a line are known to.
-        const KNOWN: f64 = 0.06;
-        /// What the place of a step at the end of the range must be known to, in steps.
-        const NEAR: f64 = 0.1;
         let mut best: Option<(f64, Gaps)> = None;
         for line in &self.lines {
-            for (every, harmonic) in CODES.iter().flat_map(|n| (1..=*n).map(move |j| (*n, j))) {
+            for (every, harmonic) in
+                Thresholds::CONVERTER_CODES.iter().flat_map(|n| (1..=*n).map(move |j| (*n, j)))
+            {
                 let (codes, harmonic) = (f64::from(every), f64::from(harmonic));
                 let patterns = line / harmonic;
-                if !(1.0..=STEPS as f64).contains(&(patterns * codes)) || patterns < 1.0 {
+                if !(1.0..=Thresholds::CONVERTER_STEPS as f64).contains(&(patterns * codes))
+                    || patterns < 1.0
+                {
                     continue;
                 }
-                let fine = NEAR / codes;
-                let around = (KNOWN / harmonic / fine).ceil() as i32;
+                let fine = Thresholds::CONVERTER_NEAR / codes;
+                let around = (Thresholds::CONVERTER_KNOWN / harmonic / fine).ceil() as i32;
                 for k in -around..=around {
                     let steps = (patterns + fine * f64::from(k)) * codes;
                     let found = self.pattern(every, steps);
@@ -195,15 +181,13 @@ impl Converted {
             }
         }
         let (share, gaps) = best?;
-        (share * self.rows > SHOWN).then_some(gaps)
+        (share * self.rows > Thresholds::CONVERTER_SHOWN).then_some(gaps)
     }
 
     /// The phase and the missing code that explain most of the residual's power, and which part, with this
     /// many steps over the range: the residual folded over the pattern, against what the steps do wrong.
     fn pattern(&self, every: u32, steps: f64) -> (f64, Gaps) {
-        /// Per step.
-        const BINS: usize = 12;
-        let bins = BINS * every as usize;
+        let bins = Thresholds::CONVERTER_BINS * every as usize;
         let (mut count, mut sum) = (vec![0.0; bins], vec![0.0; bins]);
         for place in self.places.iter().filter(|place| place.count > 0.0) {
             let folded = (place.at * steps / f64::from(every)).rem_euclid(1.0) * bins as f64;
@@ -213,7 +197,7 @@ impl Converted {
         }
         let (n, (r1, r2)) = (self.rows, self.sums);
         let error: Vec<f64> = (0..bins)
-            .map(|bin| (bin as f64 + 0.5) / BINS as f64)
+            .map(|bin| (bin as f64 + 0.5) / Thresholds::CONVERTER_BINS as f64)
             .map(|x| code(x, every, 0) + 0.5 - x)
             .collect();
         let share = |turn: usize| {
@@ -229,8 +213,8 @@ impl Converted {
         };
         let shares = (0..bins).map(|turn| (share(turn), turn));
         let (share, turn) = shares.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
-        let phase = (turn % BINS) as f64 / BINS as f64;
-        (share, Gaps { every, missing: (turn / BINS) as u32, steps, phase })
+        let phase = (turn % Thresholds::CONVERTER_BINS) as f64 / Thresholds::CONVERTER_BINS as f64;
+        (share, Gaps { every, missing: (turn / Thresholds::CONVERTER_BINS) as u32, steps, phase })
     }
 }
 

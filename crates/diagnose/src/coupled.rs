@@ -20,17 +20,17 @@ use crate::data_set::Auxiliary;
 use crate::error::Error;
 use crate::fit::Fitter;
 use crate::outcome::{self, Outcome};
-use crate::problem::{Port, Problem, assemble};
 use crate::request::Request;
 use crate::score::mean_square;
 use crate::select::has_gap;
 use crate::tap;
+use crate::task::{Port, Task, assemble};
 
 /// A group of axes, all of which are looked at.
 pub(crate) struct Coupled {
     group: Group,
     /// The reading of each axis as a function of its position, which is put in place of the command.
-    readings: Vec<Problem>,
+    readings: Vec<Task>,
 }
 
 /// The groups of axes that couplings join, in which one is chosen.
@@ -61,16 +61,16 @@ pub(crate) fn refused(blueprint: &CheckedBlueprint, coupling: &str, reason: &str
     Error::Model { model: blueprint.spec().name.clone(), message }
 }
 
-/// The problems of the axes that couplings join: their motions, worked out of the readings of all of them.
+/// The tasks of the axes that couplings join: their motions, worked out of the readings of all of them.
 ///
 /// # Errors
 /// [`Error`]: couplings that cannot be undone, or a log without a column for one of their outputs.
-pub(crate) fn problems(
+pub(crate) fn tasks(
     request: &Request,
     blueprint: &CheckedBlueprint,
     (inputs, outputs): (&[Port], &[Port]),
     chosen: &[usize],
-) -> Result<Vec<Problem>, Error> {
+) -> Result<Vec<Task>, Error> {
     let mut all = Vec::new();
     for group in groups(blueprint, chosen)? {
         let own: Vec<usize> =
@@ -134,7 +134,7 @@ pub(crate) fn in_readings(
 ) -> Result<(), Error> {
     let mut first = 0;
     while first < outcomes.len() {
-        let Some(coupled) = outcomes[first].problem.coupled.clone() else {
+        let Some(coupled) = outcomes[first].task.coupled.clone() else {
             first += 1;
             continue;
         };
@@ -148,14 +148,14 @@ pub(crate) fn in_readings(
         // Without a name there it is no better place to show what is left.
         let has_one = readings.iter().any(|o| !o.found.last.picks.is_empty());
         if has_one && cost_of_readings(&readings) < coupled.cost_of_motions(motions, &readings) {
-            let told = motions.iter().flat_map(|o| o.problem.warnings.clone());
+            let told = motions.iter().flat_map(|o| o.task.warnings.clone());
             let couplings = coupled.group.couplings.join(", ");
             let why = format!(
                 "the gap lies behind the coupling ({couplings}): changes of single readings explain all readings \
                  better than changes of the motions in front of it"
             );
             let told: Vec<String> = told.chain([why]).collect();
-            readings[0].problem.warnings.extend(told);
+            readings[0].task.warnings.extend(told);
             outcomes.splice(members, readings);
         }
     }
@@ -172,7 +172,7 @@ impl Coupled {
     ) -> Result<Vec<Outcome>, Error> {
         let moved = |o: &Outcome| {
             let chain = &o.found.base.chain;
-            let mut bench = Bench::new(chain, &o.problem.data, Horizon::All, count);
+            let mut bench = Bench::new(chain, &o.task.data, Horizon::All, count);
             let given = vec![0.0; chain.parameters.len()];
             bench.keep(&given).ok().map(<[f64]>::to_vec)
         };
@@ -181,9 +181,9 @@ impl Coupled {
         };
         let mut all = Vec::with_capacity(self.readings.len());
         for (i, reading) in self.readings.iter().enumerate() {
-            let mut problem = reading.clone();
-            problem.course = motions[i].problem.course;
-            let data = &mut problem.data;
+            let mut task = reading.clone();
+            task.course = motions[i].task.course;
+            let data = &mut task.data;
             for (hit, command) in data.command.iter_mut().enumerate() {
                 let sum = moved.iter().enumerate().map(|(j, m)| self.group.matrix[(i, j)] * m[hit]);
                 *command = self.group.at_zero[i] + sum.sum::<f64>();
@@ -192,16 +192,16 @@ impl Coupled {
             let others = moved.iter().enumerate().filter(|(j, _)| *j != i);
             data.aux = others
                 .map(|(j, m)| Auxiliary {
-                    name: motions[j].problem.output.clone(),
+                    name: motions[j].task.output.clone(),
                     is_command: true,
                     hits: m.clone(),
                     span: Span::of(m.iter().copied()),
                 })
                 .collect();
-            problem.input = format!("{} of the model", problem.output);
-            problem.command_unit.clone_from(&problem.unit);
-            problem.command_factor = problem.factor;
-            all.push(outcome::of(problem, request, count)?);
+            task.input = format!("{} of the model", task.output);
+            task.command_unit.clone_from(&task.unit);
+            task.command_factor = task.factor;
+            all.push(outcome::of(task, request, count)?);
         }
         Ok(all)
     }
@@ -209,7 +209,7 @@ impl Coupled {
     /// What the answers of the motions leave of the readings and need for it, in twice the logarithm of a likelihood.
     fn cost_of_motions(&self, motions: &[Outcome], readings: &[Outcome]) -> f64 {
         let left = |(i, reading): (usize, &Outcome)| {
-            let rows = reading.problem.data.y.len();
+            let rows = reading.task.data.y.len();
             let at = |row: usize| {
                 let own = motions.iter().enumerate();
                 let sum = own.map(|(j, o)| {
@@ -235,12 +235,12 @@ fn cost_of_readings(readings: &[Outcome]) -> f64 {
 
 fn effective(o: &Outcome) -> f64 {
     let count = AtomicU64::new(0);
-    Fitter { data: &o.problem.data, sigma: o.sigma, count: &count, weights: None }.effective()
+    Fitter { data: &o.task.data, sigma: o.sigma, count: &count, weights: None }.effective()
 }
 
 /// What the parameters of an answer count.
 fn needed(o: &Outcome) -> f64 {
-    let records = o.problem.data.records.len();
+    let records = o.task.data.records.len();
     let picks = o.found.last.picks.iter();
     let all = picks.map(|(family, k)| o.library[*family].formulas[*k].freedom(records));
     all.sum::<usize>() as f64 * effective(o).ln()

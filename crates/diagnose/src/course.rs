@@ -11,29 +11,23 @@ use crate::error::Error;
 use crate::fit::Fitter;
 use crate::gap::Verdict;
 use crate::outcome::{self, Outcome};
-use crate::problem::Problem;
 use crate::request::Request;
 use crate::select::{Candidate, has_gap};
-
-/// What another reading of the logs must leave, over what the usual one leaves.
-const LESS: f64 = 0.7;
+use crate::task::Task;
+use crate::thresholds::base::Thresholds;
 
 /// Diagnoses one output. Where something is left, the other readings of the logs are tried with what was found:
 /// one that leaves clearly less is taken, and the search made anew. A mode near half the sample rate is what a
 /// command looks like that moves between the rows: before it is named the search is made with those at any rate,
 /// and the one is taken that leaves less with fewer effects.
-pub(crate) fn settled(
-    problem: Problem,
-    request: &Request,
-    count: &AtomicU64,
-) -> Result<Outcome, Error> {
+pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
     let open = Course::open(request.between, request.reading);
-    if open.is_empty() || !problem.base.is_white {
-        return outcome::of(problem, request, count);
+    if open.is_empty() || !task.base.is_white {
+        return outcome::of(task, request, count);
     }
-    let fresh = problem.clone();
-    let mut outcome = outcome::of(problem, request, count)?;
-    let usual = outcome.problem.course;
+    let fresh = task.clone();
+    let mut outcome = outcome::of(task, request, count)?;
+    let usual = outcome.task.course;
     let mode = mode_near_nyquist(&outcome);
     let courses = match mode {
         Some(_) => {
@@ -44,8 +38,7 @@ pub(crate) fn settled(
     let first = outcome.left();
     for course in courses {
         let data = fresh.data.played(course);
-        let Ok(other) = outcome::of(Problem { course, data, ..fresh.clone() }, request, count)
-        else {
+        let Ok(other) = outcome::of(Task { course, data, ..fresh.clone() }, request, count) else {
             continue;
         };
         let is_better = match mode {
@@ -53,13 +46,14 @@ pub(crate) fn settled(
                 let count = |o: &Outcome| o.found.last.picks.len();
                 // With fewer effects it stands for the mode: what counts is what is left without that.
                 let stands_for_it = count(&other) < count(&outcome)
-                    && without_mode(&outcome).is_some_and(|left| held_out(&other) < LESS * left);
+                    && without_mode(&outcome)
+                        .is_some_and(|left| held_out(&other) < Thresholds::READING_LESS * left);
                 let leaves_less = count(&other) <= count(&outcome) && other.left() < outcome.left();
                 other.verdict == Verdict::Effects
                     && mode_near_nyquist(&other).is_none()
                     && (stands_for_it || leaves_less)
             }
-            None => other.left() < LESS * outcome.left(),
+            None => other.left() < Thresholds::READING_LESS * outcome.left(),
         };
         if is_better {
             outcome = other;
@@ -68,7 +62,7 @@ pub(crate) fn settled(
             }
         }
     }
-    let (output, course) = (outcome.problem.output.clone(), outcome.problem.course);
+    let (output, course) = (outcome.task.output.clone(), outcome.task.course);
     let said = |what: String| {
         format!(
             "{output}: the logs are read with {}: with {} {what} (--between {} --reading {} says otherwise)",
@@ -92,7 +86,7 @@ pub(crate) fn settled(
             (first / outcome.left()).sqrt()
         ))),
     };
-    outcome.problem.warnings.extend(warning);
+    outcome.task.warnings.extend(warning);
     Ok(outcome)
 }
 
@@ -110,7 +104,7 @@ fn promising(o: &Outcome, open: &[Course], count: &AtomicU64) -> Option<Course> 
         .par_iter()
         .with_max_len(1)
         .filter_map(|course| {
-            let data = o.problem.data.played(*course);
+            let data = o.task.data.played(*course);
             let left = |c: &Candidate| {
                 let fitter = Fitter { data: &data, sigma: o.sigma, count, weights: None };
                 let theta = fitter.fit_again(&c.chain, &c.fit.theta).ok()?.theta;
@@ -128,7 +122,7 @@ fn promising(o: &Outcome, open: &[Course], count: &AtomicU64) -> Option<Course> 
         })
         .collect();
     let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (best.1 < LESS).then_some(best.0)
+    (best.1 < Thresholds::READING_LESS).then_some(best.0)
 }
 
 /// Mean square in SI of what the answer leaves on held-out rows.
@@ -147,8 +141,6 @@ fn without_mode(o: &Outcome) -> Option<f64> {
 
 /// Frequency of a mode that was found within 10 % of half the sample rate, in Hz.
 fn mode_near_nyquist(o: &Outcome) -> Option<f64> {
-    /// In parts of the sample rate.
-    const NEAR: f64 = 0.45;
     let last = &o.found.last;
     let is_mode =
         |(family, _): &(usize, usize)| o.library[*family].effect.name == effects::EXTRA_MODE.name;
@@ -157,6 +149,6 @@ fn mode_near_nyquist(o: &Outcome) -> Option<f64> {
     }
     let own = last.chain.parameters.iter().zip(&last.fit.theta).filter(|(p, _)| !p.is_base);
     let frequencies = own.filter(|(p, _)| p.unit == "Hz").map(|(p, q)| p.value(*q));
-    let sample = o.problem.data.sample_time();
-    frequencies.filter(|f| f * sample >= NEAR).reduce(f64::max)
+    let sample = o.task.data.sample_time();
+    frequencies.filter(|f| f * sample >= Thresholds::MODE_NEAR_NYQUIST).reduce(f64::max)
 }

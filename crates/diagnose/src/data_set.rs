@@ -6,9 +6,7 @@ use numerics::median;
 use surround::Span;
 
 use crate::between::Course;
-
-/// Most rows that enter the normal equations; more are thinned evenly (all are simulated).
-const MOST_FIT_ROWS: usize = 8_000;
+use crate::thresholds::base::Thresholds;
 
 /// One record.
 #[derive(Clone, Debug)]
@@ -198,7 +196,7 @@ impl DataSet {
 
     fn choose_fit_rows(&mut self) {
         let total: usize = self.records.iter().map(|r| r.training.len()).sum();
-        let stride = total.div_ceil(MOST_FIT_ROWS).max(1);
+        let stride = total.div_ceil(Thresholds::MOST_FIT_ROWS).max(1);
         for record in &mut self.records {
             let first = self.fit_rows.len();
             self.fit_rows.extend(record.training.clone().step_by(stride).map(|row| row as u32));

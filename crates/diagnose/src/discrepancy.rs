@@ -16,16 +16,7 @@ use std::ops::Range;
 
 use crate::noise::Shape;
 use crate::spectrum::{self, Bands};
-
-/// Times and sizes that are tried, even on a logarithmic scale.
-const TIMES: usize = 16;
-const SIZES: usize = 40;
-/// Least size over the noise.
-const LEAST: f64 = 1e-2;
-/// Lines of a Hann window per independent one.
-const WINDOW: f64 = 1.5;
-/// What two numbers more must bring in −2 ln L.
-const BRINGS: f64 = 6.0;
+use crate::thresholds::answer::Thresholds;
 
 /// The discrepancy of a residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,16 +67,18 @@ pub(crate) fn of(
             let s = l.noise + size * size * density(time, l.frequency, sample);
             l.count * s.ln() + l.power / s
         };
-        2.0 / WINDOW * lines.iter().map(of_line).sum::<f64>()
+        2.0 / Thresholds::HANN_LINES * lines.iter().map(of_line).sum::<f64>()
     };
     let largest = lines.iter().map(|l| l.power / l.count).fold(1.0, f64::max).sqrt();
     let length = longest as f64 * sample;
-    let times = logarithmic(sample, length.max(2.0 * sample), TIMES);
-    let all = times
-        .flat_map(|time| logarithmic(LEAST, 10.0 * largest, SIZES).map(move |size| (size, time)));
+    let times = logarithmic(sample, length.max(2.0 * sample), Thresholds::DISCREPANCY_TIMES);
+    let all = times.flat_map(|time| {
+        logarithmic(Thresholds::DISCREPANCY_LEAST, 10.0 * largest, Thresholds::DISCREPANCY_SIZES)
+            .map(move |size| (size, time))
+    });
     let with = all.map(|(size, time)| (loss(size, time), size, time));
     let best = with.min_by(|a, b| a.0.total_cmp(&b.0));
-    let most = loss(0.0, sample) - BRINGS;
+    let most = loss(0.0, sample) - Thresholds::DISCREPANCY_BRINGS;
     let (_, size, time) = best.filter(|best| best.0 < most).unwrap_or((0.0, 0.0, sample));
     Discrepancy { size, time }
 }

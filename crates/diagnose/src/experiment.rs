@@ -15,17 +15,7 @@ use crate::gap::NextExperiment;
 use crate::outcome::Outcome;
 use crate::random::Random;
 use crate::select::Candidate;
-
-/// Most rows of a signal.
-const ROWS: usize = 20_000;
-/// Lines of a multisine.
-const LINES: usize = 40;
-/// How many times more than the best a rival is to leave. Twice would do (odds of one to 64); the prediction is linear.
-const APART: f64 = 4.0;
-/// Part of the wanted misfit below which all are alike.
-const FAINTEST: f64 = 1e-3;
-/// Misfit in noise variances below which two names are not separated.
-const LEAST: f64 = 9.0;
+use crate::thresholds::answer::Thresholds;
 
 /// One signal of the menu.
 struct Item {
@@ -37,7 +27,7 @@ struct Item {
 /// effect a record at rest and a rich one.
 pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
     // No command moves a reading under positions of the model alone.
-    if matches!(o.problem.base.part, Part::Reading(_)) {
+    if matches!(o.task.base.part, Part::Reading(_)) {
         return None;
     }
     let last = &o.found.last;
@@ -55,7 +45,7 @@ pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
         {
             // Rivals are told apart by how many times more one leaves, the mean over all rows.
             let best = beliefs.first().map_or(f64::INFINITY, |b| b.left);
-            return separate(o, *first, rivals, (APART - 1.0) * best);
+            return separate(o, *first, rivals, (Thresholds::EXPERIMENT_APART - 1.0) * best);
         }
     }
     use crate::gap::Verdict;
@@ -74,8 +64,8 @@ pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
 
 /// Rows of the longest log, within bounds.
 fn longest(o: &Outcome) -> usize {
-    let rows = o.problem.data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
-    rows.clamp(256, ROWS)
+    let rows = o.task.data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
+    rows.clamp(256, Thresholds::EXPERIMENT_ROWS)
 }
 
 fn experiment(
@@ -85,18 +75,18 @@ fn experiment(
     separates: Vec<String>,
     predicted_gain: Option<f64>,
 ) -> NextExperiment {
-    let scale = o.problem.command_factor;
+    let scale = o.task.command_factor;
     let n = item.command.len();
     let values = item.command.iter().map(|u| u / scale).collect();
-    let mut columns = BTreeMap::from([(o.problem.input.clone(), values)]);
-    let neighbours = o.problem.data.aux.iter().enumerate().filter(|(_, aux)| aux.is_command);
+    let mut columns = BTreeMap::from([(o.task.input.clone(), values)]);
+    let neighbours = o.task.data.aux.iter().enumerate().filter(|(_, aux)| aux.is_command);
     columns.extend(neighbours.map(|(k, aux)| (aux.name.clone(), beside(o, k, n))));
     NextExperiment {
         sentence,
         separates,
         signal: item.name,
         predicted_gain,
-        period: Some(o.problem.data.sample_time()),
+        period: Some(o.task.data.sample_time()),
         columns,
     }
 }
@@ -110,22 +100,23 @@ fn separate(
     rivals: &[(usize, &Candidate)],
     wanted: f64,
 ) -> Option<NextExperiment> {
-    let known: usize = o.problem.data.records.iter().map(|r| r.rows.len()).sum();
+    let known: usize = o.task.data.records.iter().map(|r| r.rows.len()).sum();
     let (mut best, mut highest): (Option<(Vec<f64>, Item)>, _) = (None, (f64::NEG_INFINITY, 0.0));
     // A longer signal where the logs' length is too short.
-    for rows in [longest(o), ROWS] {
+    for rows in [longest(o), Thresholds::EXPERIMENT_ROWS] {
         let enough = wanted * (known + rows) as f64;
         for item in menu(o, rows) {
             let Some((gains, gap)) = gains(o, a, rivals, &item) else { continue };
             let seen = gap * (wanted / (o.adequate - 1.0)).min(1.0);
             // The product: one that is far off makes up for none that is near.
             let all = gains.iter().chain([&seen]);
-            let excluded: f64 = all.map(|g| (g / enough).clamp(FAINTEST, 1.0).ln()).sum();
+            let excluded: f64 =
+                all.map(|g| (g / enough).clamp(Thresholds::EXPERIMENT_FAINTEST, 1.0).ln()).sum();
             if (excluded, -gap) > highest {
                 (highest, best) = ((excluded, -gap), Some((gains, item)));
             }
         }
-        if highest.0 >= 0.0 || rows == ROWS {
+        if highest.0 >= 0.0 || rows == Thresholds::EXPERIMENT_ROWS {
             break;
         }
     }
@@ -135,7 +126,7 @@ fn separate(
         gains.iter().copied().enumerate().max_by(|x, y| x.1.total_cmp(&y.1).then(y.0.cmp(&x.0)))?;
     let (ea, eb) = (o.library[fa].effect, o.library[rivals[at].0].effect);
     let separates = vec![ea.name.to_owned(), eb.name.to_owned()];
-    let advice = if gain < LEAST {
+    let advice = if gain < Thresholds::EXPERIMENT_LEAST {
         format!(
             "No signal within the command's range separates {} from {}; beyond it: {}",
             ea.name, eb.name, ea.experiment
@@ -208,7 +199,7 @@ fn over(chain: &Chain, data: &DataSet) -> Chain {
 
 /// What is played on a neighbour's command; anything else stays where it was in the middle.
 fn beside(o: &Outcome, number: usize, n: usize) -> Vec<f64> {
-    let (aux, sample) = (&o.problem.data.aux[number], o.problem.data.sample_time());
+    let (aux, sample) = (&o.task.data.aux[number], o.task.data.sample_time());
     let Span { centre, half } = aux.span;
     if !aux.is_command {
         return vec![centre; n];
@@ -219,7 +210,7 @@ fn beside(o: &Outcome, number: usize, n: usize) -> Vec<f64> {
 
 /// A record of the signal with a measured output of zero.
 fn record(o: &Outcome, item: &Item) -> DataSet {
-    let source = &o.problem.data;
+    let source = &o.task.data;
     let sample = source.sample_time();
     let n = item.command.len();
     let aux = (0..source.aux.len()).map(|k| beside(o, k, n));
@@ -240,15 +231,15 @@ fn record(o: &Outcome, item: &Item) -> DataSet {
     };
     let names: Vec<(String, bool)> =
         source.aux.iter().map(|a| (a.name.clone(), a.is_command)).collect();
-    DataSet::new(vec![rows], &names, o.problem.base.is_white.then_some(source.step))
+    DataSet::new(vec![rows], &names, o.task.base.is_white.then_some(source.step))
 }
 
 /// The signal as a log without readings: time, command, and what is played beside it (in SI units).
 pub(crate) fn csv(o: &Outcome, next: &NextExperiment) -> Option<String> {
     let period = next.period?;
     let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\"\""));
-    let unit = |name: &str| match name == o.problem.input {
-        true => format!(" [{}]", o.problem.command_unit),
+    let unit = |name: &str| match name == o.task.input {
+        true => format!(" [{}]", o.task.command_unit),
         false => String::new(),
     };
     let names = next.columns.keys().map(|name| quoted(&format!("{name}{}", unit(name))));
@@ -269,10 +260,10 @@ pub(crate) fn csv(o: &Outcome, next: &NextExperiment) -> Option<String> {
 
 /// Signals within the range of the command that the logs used, and of the machine.
 fn menu(o: &Outcome, n: usize) -> Vec<Item> {
-    let data = &o.problem.data;
+    let data = &o.task.data;
     let sample = data.sample_time();
-    let (min, max) = o.problem.command_range;
-    let (u, s) = (o.problem.command_factor, data.command_span);
+    let (min, max) = o.task.command_range;
+    let (u, s) = (o.task.command_factor, data.command_span);
     let low = (s.centre - s.half).max(min * u);
     let high = (s.centre + s.half).min(max * u);
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
@@ -352,9 +343,11 @@ fn multisine(
 ) -> Vec<f64> {
     let mut random = Random::new(seed);
     let length = n as f64 * sample;
-    let lines: Vec<(f64, f64)> = (0..LINES)
+    let lines: Vec<(f64, f64)> = (0..Thresholds::EXPERIMENT_LINES)
         .map(|k| {
-            let f = from * (to / from).powf((k as f64 + random.uniform()) / LINES as f64);
+            let f = from
+                * (to / from)
+                    .powf((k as f64 + random.uniform()) / Thresholds::EXPERIMENT_LINES as f64);
             let whole = (f * length).round().max(1.0) / length;
             (whole, std::f64::consts::TAU * random.uniform())
         })

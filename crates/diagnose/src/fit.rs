@@ -17,25 +17,7 @@ use crate::chain::{Bench, Chain, Failed, Horizon};
 use crate::data_set::DataSet;
 use crate::normal::{dot, normal_equations};
 use crate::nuisance::{Nuisance, Projector};
-
-/// Most iterations.
-const ITERATIONS: usize = 16;
-/// Fall of the cost below which an iteration ends the fit.
-const SMALL: f64 = 0.2;
-/// Fall of the cost above which a thorough fit computes all sensitivities anew.
-const LARGE: f64 = 20.0;
-/// Most iterations where the sensitivities of an FMU are corrected from step to step.
-const CORRECTED: usize = 40;
-/// Part of a step's change of the residual that its sensitivities may miss: with more they are computed anew.
-const MISSED: f64 = 0.7;
-/// How many times what the best candidate leaves another one may leave to be fitted to its end where that is costly.
-pub(crate) const FAR: f64 = 3.0;
-/// Fall of the cost since all sensitivities of an FMU were computed anew, up to which they still hold.
-const STILL_FRESH: f64 = 4.0;
-/// Rows per independent one.
-const CORRELATION: f64 = 10.0;
-/// Most rows that count as independent: in a structured residual more rows are no more knowledge.
-const MOST_EFFECTIVE: f64 = 4000.0;
+use crate::thresholds::fit::Thresholds;
 
 /// What fits are made with.
 #[derive(Clone, Copy)]
@@ -81,7 +63,7 @@ impl<'a> Fitter<'a> {
     /// Effective number of training rows.
     pub(crate) fn effective(&self) -> f64 {
         let rows: usize = self.data.records.iter().map(|r| r.training.len()).sum();
-        (rows as f64 / CORRELATION).clamp(50.0, MOST_EFFECTIVE)
+        (rows as f64 / Thresholds::CORRELATED_ROWS).clamp(50.0, Thresholds::MOST_EFFECTIVE)
     }
 
     fn work(self, chain: &'a Chain) -> Work<'a> {
@@ -120,7 +102,7 @@ impl<'a> Fitter<'a> {
         if !chain.is_costly() {
             return work.fit(start, None, true);
         }
-        work.enough = best * FAR * self.data.fit_rows.len() as f64;
+        work.enough = best * Thresholds::FAR * self.data.fit_rows.len() as f64;
         work.fit(start, Some(known), true)
     }
 
@@ -272,17 +254,17 @@ impl<'a> Work<'a> {
         let own: Vec<usize> = (base..all).filter(|k| !kept.contains(k)).collect();
         let mut is_fresh = known.is_none();
         let mut damping = 1e-3;
-        for _ in 0..ITERATIONS {
+        for _ in 0..Thresholds::ITERATIONS {
             let before = point.cost;
             let next = self.improve(&point, &columns, &mut damping);
             let mut has_stopped = next.is_none();
             if let Some(next) = next {
                 point = next;
                 self.keep(&point.theta)?;
-                has_stopped = before - point.cost < SMALL;
+                has_stopped = before - point.cost < Thresholds::SMALL_FALL;
                 is_fresh &= has_stopped;
             }
-            if !has_stopped && is_thorough && before - point.cost > LARGE {
+            if !has_stopped && is_thorough && before - point.cost > Thresholds::LARGE_FALL {
                 self.fill(&point, &(0..all).collect::<Vec<_>>(), &mut columns)?;
                 is_fresh = true;
             } else if !has_stopped {
@@ -315,26 +297,26 @@ impl<'a> Work<'a> {
     ) -> Result<Fit, Failed> {
         let cheap: Vec<usize> = (0..columns.len()).filter(|k| !costly.contains(k)).collect();
         let mut damping = 1e-3;
-        for _ in 0..CORRECTED {
+        for _ in 0..Thresholds::ITERATIONS_CORRECTED {
             let next = self.improve(&point, &columns, &mut damping);
             let mut has_stopped = true;
             if let Some(next) = next {
                 self.keep(&next.theta)?;
-                has_stopped = point.cost - next.cost < SMALL;
+                has_stopped = point.cost - next.cost < Thresholds::SMALL_FALL;
                 let before = std::mem::replace(&mut point, next);
                 if !has_stopped {
                     let old: Vec<Vec<f64>> =
                         cheap.iter().map(|k| std::mem::take(&mut columns[*k])).collect();
                     self.fill(&point, &cheap, &mut columns)?;
                     let missed = correct((&before, &point), &mut columns, costly, (&cheap, &old));
-                    if missed > MISSED {
+                    if missed > Thresholds::CHANGE_MISSED {
                         self.fill(&point, costly, &mut columns)?;
                         fresh = Some(point.cost);
                     }
                 }
             }
             if has_stopped {
-                let still_holds = |cost: f64| cost - point.cost < STILL_FRESH;
+                let still_holds = |cost: f64| cost - point.cost < Thresholds::STILL_FRESH;
                 if fresh.map_or(point.squares > self.enough, still_holds) {
                     break;
                 }
@@ -350,12 +332,10 @@ impl<'a> Work<'a> {
     /// behind) without slopes: rows on the wrong step grow in number with the distance, so that the cost falls
     /// towards the answer from as far as half a step at either end of the range.
     fn settle(&mut self, mut point: Point, steps: usize) -> Result<Point, Failed> {
-        /// In steps.
-        const DISTANCES: [f64; 6] = [0.16, 0.08, 0.04, 0.02, 0.01, 0.005];
         /// More steps over the range, and what stays where it is: nothing, its begin, middle or end.
         const WAYS: [(f64, f64); 4] = [(0.0, 1.0), (1.0, 0.0), (1.0, 0.5), (1.0, 1.0)];
         let phase = steps + 1;
-        for distance in DISTANCES {
+        for distance in Thresholds::STEP_DISTANCES {
             let mut still = 0;
             for (more, shift) in WAYS.iter().cycle() {
                 let before = point.cost;
@@ -372,7 +352,7 @@ impl<'a> Work<'a> {
                             break;
                         }
                         let next = self.beside(&theta)?;
-                        if next.cost >= point.cost - SMALL {
+                        if next.cost >= point.cost - Thresholds::SMALL_FALL {
                             break;
                         }
                         point = next;

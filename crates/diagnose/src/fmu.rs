@@ -1,4 +1,4 @@
-//! A black box as a problem: which input drives which output, which parameters may be off.
+//! A black box as a task: which input drives which output, which parameters may be off.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,8 +13,9 @@ use crate::black_box::{BlackBox, Entry, Times};
 use crate::chain::{ComponentNode, Node};
 use crate::error::Error;
 use crate::library::Slot;
-use crate::problem::{Port, Problem, assemble, check_names, check_rows, choose};
 use crate::request::Request;
+use crate::task::{Port, Task, assemble, check_names, check_rows, choose};
+use crate::thresholds::base::Thresholds;
 
 /// Opens an FMU, to run in this process or in others.
 pub(crate) fn open(path: &Path, worker: Option<&Worker>) -> Result<Fmu, Error> {
@@ -30,8 +31,8 @@ pub(crate) fn inner_step(description: &ModelDescription) -> Option<f64> {
     fixed.or_else(|| description.default_experiment.as_ref().and_then(|e| e.step_size))
 }
 
-/// All problems of a black box.
-pub(crate) fn problems(request: &Request, path: &Path) -> Result<Vec<Problem>, Error> {
+/// All tasks of a black box.
+pub(crate) fn tasks(request: &Request, path: &Path) -> Result<Vec<Task>, Error> {
     let fmu = open(path, request.worker.as_ref())?;
     let description = fmu.description();
     let model = description.model_name.clone();
@@ -59,11 +60,11 @@ pub(crate) fn problems(request: &Request, path: &Path) -> Result<Vec<Problem>, E
     };
     let mut unknown = check_names(request, &model, &inputs, &outputs)?;
     let chosen = choose(request, &model, &outputs)?;
-    let mut all: Vec<Problem> = Vec::new();
+    let mut all: Vec<Task> = Vec::new();
     for output in chosen {
         // As many inputs as outputs: a machine of axes, each with its own input.
         let input = if fed.len() == outputs.len() { fed[output] } else { main };
-        all.push(problem(request, path, &inputs, &outputs, input, output)?);
+        all.push(task(request, path, &inputs, &outputs, input, output)?);
     }
     if let Some(first) = all.first_mut() {
         first.warnings.append(&mut unknown);
@@ -71,14 +72,14 @@ pub(crate) fn problems(request: &Request, path: &Path) -> Result<Vec<Problem>, E
     Ok(all)
 }
 
-fn problem(
+fn task(
     request: &Request,
     path: &Path,
     inputs: &[Port],
     outputs: &[Port],
     input: usize,
     output: usize,
-) -> Result<Problem, Error> {
+) -> Result<Task, Error> {
     let fmu = open(path, request.worker.as_ref())?;
     let tuned = tuned(request, &fmu);
     let mut names = vec![inputs[input].name.clone()];
@@ -106,10 +107,10 @@ fn problem(
         is_white: false,
         part: Part::Axis,
     };
-    let mut problem = assemble(request, inputs, outputs, input, output, base, None)?;
-    let times: Times = problem.data.times().collect();
+    let mut task = assemble(request, inputs, outputs, input, output, base, None)?;
+    let times: Times = task.data.times().collect();
     if let Some(step) = inner_step(fmu.description()) {
-        for record in &problem.data.records {
+        for record in &task.data.records {
             check_rows(&record.name, &times[&record.rows.start], step)?;
         }
     }
@@ -117,14 +118,14 @@ fn problem(
     let mut node = BlackBox::new(fmu, names, outputs[output].name.clone(), units, times);
     node.parameters = tuned.iter().map(|p| (p.name.clone(), p.value)).collect();
     // Said once, in full, before a failure only means a bad candidate.
-    let mut out = vec![0.0; problem.data.command.len()];
-    for record in &problem.data.records {
+    let mut out = vec![0.0; task.data.command.len()];
+    for record in &task.data.records {
         let range = record.hits.clone();
-        let x = &problem.data.command[range.clone()];
+        let x = &task.data.command[range.clone()];
         node.try_run(&vec![0.0; tuned.len()], record, x, &mut out[range])?;
     }
-    let longest = problem.data.records.iter().max_by_key(|r| r.rows.len());
-    let command = problem.data.command_span;
+    let longest = task.data.records.iter().max_by_key(|r| r.rows.len());
+    let command = task.data.command_span;
     let modes: Option<(Entry, _)> = longest.and_then(|record| {
         let mode = node.entry(record, command)?;
         let moved = tuned.iter().enumerate().map(|(k, p)| {
@@ -133,22 +134,20 @@ fn problem(
         });
         Some((mode, moved.map(Option::unwrap_or_default).collect()))
     });
-    problem.base.memory = longest.and_then(|record| {
-        let first = problem.data.command[record.hits.start];
+    task.base.memory = longest.and_then(|record| {
+        let first = task.data.command[record.hits.start];
         node.memory(record, command, first, modes.as_ref().map(|(entry, _)| *entry))
     });
-    problem.base.nodes.push(Node::BlackBox(node));
+    task.base.nodes.push(Node::BlackBox(node));
     if let Some((mode, moved)) = modes {
-        open_up(&mut problem.base, (mode.frequency, mode.damping), moved);
+        open_up(&mut task.base, (mode.frequency, mode.damping), moved);
     }
-    Ok(problem)
+    Ok(task)
 }
 
 /// Takes the mode, frequency and damping, out behind the FMU and puts it in again, so that effects can
 /// act on what enters it. `moved` is what each of the FMU's parameters does to it at one deviation.
 fn open_up(base: &mut Base, (frequency, damping): (f64, f64), moved: Vec<(f64, f64)>) {
-    /// Part of a parameter's relative change by which it must move the mode.
-    const OWN: f64 = 0.1;
     let mode = ComponentNode {
         component: model::ComponentRef::Static(&components::mechanics::MODE),
         structure: Vec::new(),
@@ -162,7 +161,9 @@ fn open_up(base: &mut Base, (frequency, damping): (f64, f64), moved: Vec<(f64, f
     base.mode = Some(again);
     for (p, (by_frequency, by_damping)) in base.parameters.iter_mut().zip(moved) {
         // What it does says more than its name.
-        let share = |by: f64, of: f64| (by / of).abs() > OWN * (p.deviation / p.value).abs();
+        let share = |by: f64, of: f64| {
+            (by / of).abs() > Thresholds::MOVES_MODE * (p.deviation / p.value).abs()
+        };
         p.effect = match (share(by_frequency, frequency), share(by_damping, damping)) {
             (true, _) => Some("resonance_shift"),
             (false, true) => Some("damping"),

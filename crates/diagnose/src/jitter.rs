@@ -6,17 +6,7 @@ use numerics::fft::Fft;
 
 use crate::data_set::DataSet;
 use crate::normal::dot;
-
-/// Frequencies that are tried.
-const MOST: usize = 2;
-/// Part of the residual that a swing must take to be tried, as the sums over the records of the rms of both.
-const LEAST: f64 = 0.1;
-/// Highest frequency, times the sample time: faster jitter is noise.
-pub(crate) const HIGHEST: f64 = 0.1;
-/// Length of the transform over that of the longest record, so that no peak lies between its lines.
-const FINE: usize = 4;
-/// Rows that a record must have to show one.
-const FEWEST: usize = 64;
+use crate::thresholds::search::Thresholds;
 
 /// Change of a signal per row, over the range of the output.
 pub(crate) fn rate(signal: &[f64], data: &DataSet) -> Vec<f64> {
@@ -43,18 +33,18 @@ pub(crate) fn frequencies(
     sample: f64,
 ) -> Vec<f64> {
     let longest = data.records.iter().map(|r| r.training.len()).max().unwrap_or(0);
-    if longest < FEWEST {
+    if longest < Thresholds::JITTER_ROWS {
         return Vec::new();
     }
     let rate = rate(simulated, data);
-    let length = (FINE * longest).next_power_of_two();
+    let length = (Thresholds::JITTER_FINE * longest).next_power_of_two();
     let transform = Fft::forward(length);
     let mut taken = vec![0.0; length / 2];
     let mut total = 0.0;
     for rows in data.records.iter().map(|record| record.training.clone()) {
         let v = &rate[rows.clone()];
         let power: f64 = v.iter().map(|v| v * v).sum();
-        if rows.len() < FEWEST || power <= 0.0 {
+        if rows.len() < Thresholds::JITTER_ROWS || power <= 0.0 {
             continue;
         }
         let left = without_steady(&residual[rows], v);
@@ -68,12 +58,13 @@ pub(crate) fn frequencies(
     }
     let step = 1.0 / (length as f64 * sample);
     let first = length.div_ceil(longest);
-    let last = ((HIGHEST * length as f64) as usize).min(taken.len() - 1);
+    let last = ((Thresholds::JITTER_HIGHEST * length as f64) as usize).min(taken.len() - 1);
     let is_peak = |k: &usize| taken[*k] >= taken[k - 1] && taken[*k] > taken[k + 1];
-    let mut peaks: Vec<usize> =
-        (first..last).filter(|k| taken[*k] > LEAST * total && is_peak(k)).collect();
+    let mut peaks: Vec<usize> = (first..last)
+        .filter(|k| taken[*k] > Thresholds::JITTER_LEAST * total && is_peak(k))
+        .collect();
     peaks.sort_by(|a, b| taken[*b].total_cmp(&taken[*a]).then(a.cmp(b)));
-    peaks.into_iter().take(MOST).map(|k| k as f64 * step).collect()
+    peaks.into_iter().take(Thresholds::JITTER_TRIED).map(|k| k as f64 * step).collect()
 }
 
 /// A residual less what it has of a constant, of the rate, and of the rate times the time.

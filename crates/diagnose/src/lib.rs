@@ -20,6 +20,7 @@ mod course;
 mod data_set;
 mod discrepancy;
 mod error;
+mod excess_noise;
 mod experiment;
 pub mod figures;
 mod fit;
@@ -27,7 +28,6 @@ mod fmu;
 mod gap;
 mod jitter;
 mod library;
-mod louder;
 mod noise;
 mod normal;
 mod nuisance;
@@ -36,7 +36,6 @@ mod outcome;
 mod page;
 mod path_block;
 mod place;
-mod problem;
 mod random;
 mod repair;
 mod request;
@@ -52,6 +51,8 @@ mod stand_in;
 mod start;
 mod steps;
 mod tap;
+mod task;
+mod thresholds;
 
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -91,7 +92,7 @@ impl Diagnosis {
     /// inputs or parameters than its own, what it changed of the program that ran it.
     #[must_use]
     pub fn incidents(&self) -> Vec<String> {
-        let boxes = self.outcomes.iter().flat_map(|outcome| outcome.problem.base.black_boxes());
+        let boxes = self.outcomes.iter().flat_map(|outcome| outcome.task.base.black_boxes());
         let mut all: Vec<String> = boxes.flat_map(|fmu| fmu.incidents()).collect();
         all.sort();
         all.dedup();
@@ -116,7 +117,7 @@ impl Diagnosis {
     #[must_use]
     pub fn next_experiment_csv(&self) -> Option<String> {
         let next = self.gap.next_experiment.as_ref()?;
-        let own = |o: &&outcome::Outcome| next.columns.contains_key(&o.problem.input);
+        let own = |o: &&outcome::Outcome| next.columns.contains_key(&o.task.input);
         experiment::csv(self.outcomes.iter().find(own)?, next)
     }
 
@@ -151,7 +152,7 @@ impl Diagnosis {
         let mut repaired = blueprint.clone();
         let (mut notes, mut after) = (Vec::new(), Vec::new());
         for outcome in &self.outcomes {
-            let (own, judged) = repair::repair(outcome, outcome.problem.axis, &mut repaired);
+            let (own, judged) = repair::repair(outcome, outcome.task.axis, &mut repaired);
             notes.extend(own);
             after.push(judged);
         }
@@ -186,7 +187,7 @@ pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnos
         request.to_mut().drop = Some(drop);
         outcomes = self::outcomes(&request, observer, (&pool, &count))?;
         if let Some(first) = outcomes.first_mut() {
-            first.problem.warnings.push(format!(
+            first.task.warnings.push(format!(
                 "{record} begins during a motion: the first {drop} s of each record are neither fitted nor judged \
                  (--drop 0 uses them)"
             ));
@@ -202,13 +203,13 @@ fn outcomes(
     observer: &mut dyn Observer,
     (pool, count): (&rayon::ThreadPool, &AtomicU64),
 ) -> Result<Vec<outcome::Outcome>, Error> {
-    let problems = problem::problems(request)?;
-    let total = problems.len();
+    let tasks = task::tasks(request)?;
+    let total = tasks.len();
     let mut outcomes = Vec::with_capacity(total);
-    for (number, problem) in problems.into_iter().enumerate() {
+    for (number, task) in tasks.into_iter().enumerate() {
         observer.progress("diagnose", number, total);
-        let boxes = problem.base.black_boxes();
-        let outcome = pool.install(|| course::settled(problem, request, count));
+        let boxes = task.base.black_boxes();
+        let outcome = pool.install(|| course::settled(task, request, count));
         // Without its FMU a search finds nothing; what it says of that is no answer.
         boxes.iter().try_for_each(black_box::BlackBox::is_alive)?;
         outcomes.push(

@@ -5,12 +5,7 @@ use std::ops::Range;
 use numerics::median;
 
 use crate::spectrum::{self, Bands};
-
-/// Most that the part growing as 1/f may add to the white part, where only logs of a driven machine
-/// can tell: more of it could be an effect.
-const MOST_COLOUR: f64 = 1.0;
-/// Mean of the lines of a band that are below five times their median over the mean of all, for noise.
-const TRIMMED: f64 = 0.91;
+use crate::thresholds::noise::Thresholds;
 
 /// How the power of the noise is spread over frequency: its density over that of white noise of the
 /// same variance is `white·(1 + corner/f)`.
@@ -88,7 +83,7 @@ fn trimmed(mut powers: Vec<f64>) -> Option<(f64, f64)> {
     let limit = 5.0 * powers[powers.len() / 2];
     let kept = powers.partition_point(|p| *p <= limit);
     let mean = powers[..kept].iter().sum::<f64>() / kept as f64;
-    Some((mean / TRIMMED.max(1.0 - 0.03 * kept as f64), kept as f64))
+    Some((mean / Thresholds::TRIMMED_MEAN.max(1.0 - 0.03 * kept as f64), kept as f64))
 }
 
 /// Corner in Hz of the noise under residuals whose white part has the variance `white`: from the
@@ -125,7 +120,7 @@ pub(crate) fn corner_under(
     corners.sort_by(f64::total_cmp);
     let middle = corners.get(corners.len() / 2).copied().unwrap_or(0.0);
     let low = bands.ends[0];
-    middle.min(MOST_COLOUR * (nyquist - low) / (nyquist / low).ln())
+    middle.min(Thresholds::MOST_COLOUR * (nyquist - low) / (nyquist / low).ln())
 }
 
 /// Variance between two frequencies over that of the white part.

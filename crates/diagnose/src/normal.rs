@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::thresholds::fit::Thresholds;
+
 /// Inner product.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Four sums at once: the compiler may not reorder one.
@@ -47,12 +49,10 @@ pub(crate) fn within(
     gradient: &DVector<f64>,
     room: &[(f64, f64)],
 ) -> Option<DVector<f64>> {
-    /// Rounds in which more are held.
-    const ROUNDS: usize = 4;
     let n = gradient.len();
     let mut held: Vec<Option<f64>> = vec![None; n];
     let mut step = DVector::zeros(n);
-    for _ in 0..ROUNDS {
+    for _ in 0..Thresholds::BOUND_ROUNDS {
         let free: Vec<usize> = (0..n).filter(|k| held[*k].is_none()).collect();
         let matrix = DMatrix::from_fn(free.len(), free.len(), |i, j| normal[(free[i], free[j])]);
         let right = DVector::from_fn(free.len(), |i, _| {

@@ -8,14 +8,10 @@ use std::sync::atomic::AtomicU64;
 use crate::chain::{Bench, Chain, Horizon};
 use crate::data_set::DataSet;
 use crate::nuisance::Projector;
-use crate::problem::Problem;
 use crate::score::mean_square;
 use crate::select::Candidate;
-
-/// Standard errors from which an offset is shared.
-const SHARED: f64 = 2.0;
-/// Part of the noise below which an offset is none.
-const LEAST: f64 = 0.1;
+use crate::task::Task;
+use crate::thresholds::repair::Thresholds;
 
 /// Offsets of the records under a model, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,12 +25,12 @@ pub(crate) struct Offset {
 
 /// Offsets of the records under the model with its effects, and what is left without taking them out.
 pub(crate) fn of(
-    problem: &Problem,
+    task: &Task,
     (base, last): (&Candidate, &Candidate),
     sigma: f64,
     count: &AtomicU64,
 ) -> Option<Offset> {
-    let data = &problem.data;
+    let data = &task.data;
     let given = vec![0.0; base.chain.parameters.len()];
     let before = residual(data, &base.chain, &given, count)?;
     let mut after = residual(data, &last.chain, &last.fit.theta, count)?;
@@ -78,7 +74,11 @@ fn shared(offsets: &[f64], sigma: f64) -> f64 {
     let mean = offsets.iter().sum::<f64>() / n;
     let squares: f64 = offsets.iter().map(|o| (o - mean).powi(2)).sum();
     let error = if offsets.len() > 1 { (squares / (n - 1.0) / n).sqrt() } else { 0.0 };
-    if mean.abs() > (SHARED * error).max(LEAST * sigma) { mean } else { 0.0 }
+    if mean.abs() > (Thresholds::OFFSET_SHARED * error).max(Thresholds::OFFSET_LEAST * sigma) {
+        mean
+    } else {
+        0.0
+    }
 }
 
 /// Root mean square over the rows that are held out, or over all where none is.

@@ -1,8 +1,21 @@
-//! The diagnosis of one output: noise, base, search, verdict.
+//! The diagnosis of one output, stage by stage.
+//!
+//! ```text
+//! task ─▶ noise ─▶ base ─▶ search ─▶ belief ─▶ repair ─▶ outcome       (the answer is put together in `answer`)
+//! ```
+//!
+//! | stage | takes | gives |
+//! |---|---|---|
+//! | noise | the logs and the model | size and colour of the noise, and up to which error nothing is left |
+//! | base | the noise | the re-tuned model and the model as given, both judged by that noise |
+//! | search | the base | the effects that are found, with the rivals of each |
+//! | belief | what was found | the same under the noise that the effects reveal, and the verdict |
+//! | repair | what is believed | the offset and the evidence that belong to the repaired model |
 
 use std::sync::atomic::AtomicU64;
 
 use components::effects;
+use surround::Span;
 
 use crate::data_set::DataSet;
 use crate::error::Error;
@@ -10,17 +23,18 @@ use crate::gap::{SecondOpinion, Verdict};
 use crate::library::{self, Family};
 use crate::noise::{self, Shape};
 use crate::offset::Offset;
-use crate::problem::Problem;
 use crate::request::Request;
 use crate::score::{Judge, Judged};
 use crate::select::{Candidate, Found, Memo, Search, has_gap};
 use crate::setting::{setting, simulated_span};
 use crate::steps::Steps;
-use crate::{louder, offset, robust, second, shrink, start};
+use crate::task::Task;
+use crate::thresholds::noise::Thresholds;
+use crate::{excess_noise, offset, robust, second, shrink, start};
 
 /// The diagnosis of one output.
 pub(crate) struct Outcome {
-    pub(crate) problem: Problem,
+    pub(crate) task: Task,
     pub(crate) library: Vec<Family>,
     pub(crate) judge: Judge,
     /// Standard deviation of the noise in SI.
@@ -30,25 +44,18 @@ pub(crate) struct Outcome {
     /// What the user calls good enough, in powers of the noise.
     pub(crate) fine: f64,
     pub(crate) verdict: Verdict,
-    /// The model as it came.
+    /// The model as given, judged.
     pub(crate) given: Judged,
     pub(crate) found: Found,
     /// Residual of the robustly re-tuned model, in standard deviations.
     pub(crate) robust: Vec<f64>,
-    /// Standard deviation of the noise over the one that was stated, where that is all that is missing.
-    pub(crate) louder: Option<f64>,
-    /// What whole records that are left out say.
+    /// Standard deviation of the noise over the stated one, where that is all that is missing.
+    pub(crate) noise_ratio: Option<f64>,
+    /// How well complete records that are left out of the fit are predicted.
     pub(crate) second: Option<SecondOpinion>,
     /// Offsets of the records.
     pub(crate) offset: Option<Offset>,
 }
-
-/// Mean square over the noise's up to which nothing is left where the noise is estimated: logs of a driven machine
-/// show a part of it only.
-pub(crate) const ADEQUATE: f64 = 1.6;
-
-/// Part of what is left at last that rounding must be, for the steps of the reading to be named.
-const STEPS: f64 = 0.25;
 
 impl Outcome {
     /// The answer's candidate, or the best single effect where none is named.
@@ -61,18 +68,55 @@ impl Outcome {
         fitted.min_by(|a, b| a.rank.total_cmp(&b.rank)).unwrap_or(&found.base)
     }
 
-    /// What that leaves, as a mean square in SI, on fitted and held-out rows alike.
+    /// Mean square in SI that [`Self::best`] leaves, on fitted and held-out rows alike.
     pub(crate) fn left(&self) -> f64 {
         let judged = &self.best().judged;
         0.5 * (judged.training + judged.held_out) * self.sigma.powi(2)
     }
 }
 
-/// What residuals are measured by.
+/// Diagnoses one output.
+///
+/// # Errors
+/// [`Error::Model`]: the model cannot be simulated over the logs.
+pub(crate) fn of(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
+    let memo = Memo::default();
+    let run = Run { request, count, memo: &memo };
+    let (task, level) = run.noise(task)?;
+    let base = run.base(&task, level)?;
+    let (task, library) = run.library(task, &base);
+    let searched = run.search(&task, &library, base)?;
+    let (task, believed) = run.belief(task, &library, searched);
+    Ok(run.repair(task, library, believed))
+}
+
+/// What all stages of one diagnosis share.
+struct Run<'a> {
+    request: &'a Request,
+    /// Simulations so far.
+    count: &'a AtomicU64,
+    /// Parts of the search that are known.
+    memo: &'a Memo,
+}
+
+/// The noise, and the fit whose residual shows it.
+struct Level {
+    shape: Shape,
+    /// Part of the noise's power up to which nothing is left.
+    sure: f64,
+    /// The re-tuned model, judged by white noise of the size `guess`.
+    retuned: Candidate,
+    /// Standard deviation of the noise in SI before it was settled.
+    guess: f64,
+}
+
+/// By what residuals are measured.
 struct Scale {
     judge: Judge,
     /// Standard deviation of the noise in SI.
     sigma: f64,
+    /// Part of the noise's power up to which nothing is left, whatever the user calls good enough.
+    sure: f64,
     /// Mean square over the noise's up to which nothing is left.
     adequate: f64,
     /// What the user calls good enough, in powers of the noise.
@@ -81,204 +125,248 @@ struct Scale {
 
 impl Scale {
     /// Nothing is left within `sure` times the noise's power, nor within what the user calls good enough.
-    fn new(problem: &Problem, judge: Judge, sigma: f64, sure: f64, request: &Request) -> Self {
-        let fine = (request.accuracy * 2.0 * problem.data.output_span.half / sigma).powi(2);
-        Self { judge, sigma, adequate: sure.max(1.0 + fine), fine }
+    fn new(task: &Task, shape: Shape, sigma: f64, sure: f64, request: &Request) -> Self {
+        let fine = (request.accuracy * 2.0 * task.data.output_span.half / sigma).powi(2);
+        let judge = Judge::new(&task.data, shape);
+        Self { judge, sigma, sure, adequate: sure.max(1.0 + fine), fine }
     }
 }
 
-/// Diagnoses one output.
-pub(crate) fn of(
-    mut problem: Problem,
-    request: &Request,
-    count: &AtomicU64,
-) -> Result<Outcome, Error> {
-    let (base, given, scale, sure) = grounded(&mut problem, request, count)?;
-    let position = simulated_span(&base, &problem.data, count).unwrap_or(problem.data.output_span);
-    let moves = position.half > 3.0 * scale.sigma && problem.data.command_span.half > 0.0;
-    problem.steps = problem.steps.filter(|_| !moves_in_steps(&problem, &base, scale.sigma));
-    let written = setting(&problem, &base, position, scale.sigma);
-    let mut library = library::families(&written, &request.without);
-    // The values show the steps better than any fit.
-    library
-        .retain(|f| problem.steps.is_none() || f.effect.name != effects::SENSOR_QUANTISATION.name);
-    let is_asked = !request.without.iter().any(|name| name == effects::SENSOR_NOISE.name);
-    let is_stated = problem.noise.source == "given" && has_gap(&base, scale.adequate);
-    let louder = (is_asked && is_stated)
-        .then(|| louder::factor(&base.judged.residual, &problem.data))
-        .flatten();
-    let memo = Memo::default();
-    let found = if louder.is_none() && has_gap(&base, scale.adequate) {
-        let search = search_in((&problem, &library, &scale), request, count, &memo);
-        search.run(base).map_err(|_| cannot_run(&problem))?
-    } else {
-        Found::nothing(base)
-    };
-    let with = (found, given, scale);
-    let (found, given, scale) =
-        with_quieter_noise(&mut problem, (&library, &memo), with, sure, request, count);
-    let has_gap = has_gap(&found.base, scale.adequate);
-    problem.steps = problem.steps.filter(|steps| steps.share(&found.last, scale.sigma) > STEPS);
-    let has_one = !found.last.picks.is_empty() || louder.is_some() || problem.steps.is_some();
-    let verdict = if has_one {
-        Verdict::Effects
-    } else if has_gap {
-        Verdict::Unknown
-    } else if !moves {
-        Verdict::InsufficientExcitation
-    } else if given.held_out.max(given.training) > scale.adequate {
-        Verdict::Retune
-    } else {
-        Verdict::Adequate
-    };
-    let fitter = search_in((&problem, &library, &scale), request, count, &memo).fitter();
-    let robust = (has_gap && louder.is_none())
-        .then(|| robust::residual(fitter, &scale.judge, &found.base))
-        .flatten();
-    let robust = robust.unwrap_or_else(|| found.base.judged.residual.clone());
-    let second = if request.holdout.is_empty() {
-        let first = shrink::fraction(found.base.judged.held_out, found.last.judged.held_out);
-        let both = (&found.base, &found.last);
-        second::of(fitter, &scale.judge, both, scale.sigma / problem.factor, first)
-    } else {
-        None
-    };
-    let Scale { judge, sigma, adequate, fine } = scale;
-    let offset = offset::of(&problem, (&found.base, &found.last), sigma, count);
-    Ok(Outcome {
-        problem,
-        library,
-        judge,
-        sigma,
-        adequate,
-        fine,
-        verdict,
-        given,
-        found,
-        robust,
-        louder,
-        second,
-        offset,
-    })
+/// The re-tuned model, the model as given, and by what both are measured.
+struct Base {
+    retuned: Candidate,
+    given: Judged,
+    scale: Scale,
+    /// Span of the simulated output.
+    position: Span,
 }
 
-/// Whether the model's own output moves in steps.
-fn moves_in_steps(problem: &Problem, base: &Candidate, sigma: f64) -> bool {
-    let data = &problem.data;
-    let residual = base.judged.residual.iter().map(|r| sigma * r);
-    let simulated: Vec<f64> = data.y.iter().zip(residual).map(|(y, r)| y - r).collect();
-    Steps::of(&DataSet { y: simulated, ..data.clone() }).is_some()
+/// What was found.
+struct Searched {
+    found: Found,
+    given: Judged,
+    scale: Scale,
+    /// Whether the command moves the output out of its noise.
+    moves: bool,
+    /// Standard deviation of the noise over the stated one, where that is all that is missing.
+    noise_ratio: Option<f64>,
 }
 
-fn cannot_run(problem: &Problem) -> Error {
-    let message = "the model cannot be simulated over these logs with its own parameters and with ones \
-                   beside them; check units and range of the command, and run `piezoloop simulate` \
-                   for the details";
-    Error::Model { model: problem.output.clone(), message: message.to_owned() }
+/// What is believed of it.
+struct Believed {
+    searched: Searched,
+    verdict: Verdict,
+    /// Whether the re-tuned model leaves something to explain.
+    has_gap: bool,
 }
 
-/// The re-tuned model, the model as it came, and what both are measured by: the noise is settled on the way, and
-/// where the machine rested before the logs begin. With it the part of the noise's power that is sure.
-fn grounded(
-    problem: &mut Problem,
-    request: &Request,
-    count: &AtomicU64,
-) -> Result<(Candidate, Judged, Scale, f64), Error> {
-    let retuned = |problem: &Problem, judge: &Judge, sigma: f64| {
-        let (base, data) = (&problem.base, &problem.data);
-        let memo = Memo::default();
+impl Run<'_> {
+    /// Noise: its size, its colour, and up to which error nothing is left.
+    ///
+    /// The noise is seen in what the re-tuned model leaves. The fit does not depend on the noise's size; it is made
+    /// again where the first readings show that the machine rested under another command than the model.
+    fn noise(&self, mut task: Task) -> Result<(Task, Level), Error> {
+        let white = Judge::new(&task.data, Shape::WHITE);
+        let guess = task.noise.sigma * task.factor;
+        let mut retuned = self.retuned(&task, &white, guess)?;
+        if start::find(&mut task, &retuned, self.count) {
+            retuned = self.retuned(&task, &white, guess)?;
+        }
+        let (shape, sure) = settle_noise(&mut task, &retuned.judged.residual);
+        Ok((task, Level { shape, sure, retuned, guess }))
+    }
+
+    /// Base: the re-tuned model and the model as given, in standard deviations of the noise. Nothing is fitted again.
+    fn base(&self, task: &Task, level: Level) -> Result<Base, Error> {
+        let Level { shape, sure, retuned, guess } = level;
+        let sigma = task.noise.sigma * task.factor;
+        let scale = Scale::new(task, shape, sigma, sure, self.request);
+        let search = self.search_in(task, &[], &scale);
+        let retuned = search.judged_again(retuned, sigma / guess).map_err(|_| cannot_run(task))?;
+        let values = vec![0.0; retuned.chain.parameters.len()];
+        let given = scale.judge.judge(&retuned.chain, &values, &task.data, sigma, self.count);
+        let given = given.map_err(|_| cannot_run(task))?;
+        let position = simulated_span(&retuned, &task.data, self.count);
+        let position = position.unwrap_or(task.data.output_span);
+        Ok(Base { retuned, given, scale, position })
+    }
+
+    /// The effects that can act in these logs, and the task without the steps of the reading that the model makes.
+    fn library(&self, mut task: Task, base: &Base) -> (Task, Vec<Family>) {
+        let Base { retuned, scale, position, .. } = base;
+        task.steps = task.steps.filter(|_| !moves_in_steps(&task, retuned, scale.sigma));
+        let setting = setting(&task, retuned, *position, scale.sigma);
+        let mut library = library::families(&setting, &self.request.without);
+        // The values show the steps better than any fit.
+        library
+            .retain(|f| task.steps.is_none() || f.effect.name != effects::SENSOR_QUANTISATION.name);
+        (task, library)
+    }
+
+    /// Search: the effects that explain the gap, each with its rivals. Nothing is searched where no error is left, or
+    /// where a reading that is noisier than stated is all of it.
+    fn search(&self, task: &Task, library: &[Family], base: Base) -> Result<Searched, Error> {
+        let Base { retuned, given, scale, position } = base;
+        let moves = position.half > 3.0 * scale.sigma && task.data.command_span.half > 0.0;
+        let is_open = has_gap(&retuned, scale.adequate);
+        let is_asked = !self.request.without.iter().any(|n| n == effects::SENSOR_NOISE.name);
+        let noise_ratio = (is_open && is_asked && task.noise.source == "given")
+            .then(|| excess_noise::ratio(&retuned.judged.residual, &task.data))
+            .flatten();
+        let found = if is_open && noise_ratio.is_none() {
+            self.search_in(task, library, &scale).run(retuned).map_err(|_| cannot_run(task))?
+        } else {
+            Found::nothing(retuned)
+        };
+        Ok(Searched { found, given, scale, moves, noise_ratio })
+    }
+
+    /// Belief: what was found, judged by the noise that the effects reveal, and the verdict.
+    fn belief(&self, task: Task, library: &[Family], searched: Searched) -> (Task, Believed) {
+        let (mut task, searched) = self.with_quieter_noise(task, library, searched);
+        let Searched { found, given, scale, moves, noise_ratio } = &searched;
+        let is_left =
+            |steps: &Steps| steps.share(&found.last, scale.sigma) > Thresholds::STEPS_NAMED;
+        task.steps = task.steps.filter(is_left);
+        let has_gap = has_gap(&found.base, scale.adequate);
+        let has_one = !found.last.picks.is_empty() || noise_ratio.is_some() || task.steps.is_some();
+        let verdict = if has_one {
+            Verdict::Effects
+        } else if has_gap {
+            Verdict::Unknown
+        } else if !moves {
+            Verdict::InsufficientExcitation
+        } else if given.held_out.max(given.training) > scale.adequate {
+            Verdict::Retune
+        } else {
+            Verdict::Adequate
+        };
+        (task, Believed { searched, verdict, has_gap })
+    }
+
+    /// Repair: what belongs to the repaired model beside its effects, and the evidence for it: the offset that the
+    /// records share, the residual for the maps, and the prediction of complete records.
+    fn repair(&self, task: Task, library: Vec<Family>, believed: Believed) -> Outcome {
+        let Believed { searched, verdict, has_gap } = believed;
+        let Searched { found, given, scale, noise_ratio, .. } = searched;
+        let fitter = self.search_in(&task, &library, &scale).fitter();
+        let robust = (has_gap && noise_ratio.is_none())
+            .then(|| robust::residual(fitter, &scale.judge, &found.base))
+            .flatten();
+        let robust = robust.unwrap_or_else(|| found.base.judged.residual.clone());
+        let second = if self.request.holdout.is_empty() {
+            let first = shrink::fraction(found.base.judged.held_out, found.last.judged.held_out);
+            let both = (&found.base, &found.last);
+            second::of(fitter, &scale.judge, both, scale.sigma / task.factor, first)
+        } else {
+            None
+        };
+        let Scale { judge, sigma, adequate, fine, .. } = scale;
+        let offset = offset::of(&task, (&found.base, &found.last), sigma, self.count);
+        Outcome {
+            task,
+            library,
+            judge,
+            sigma,
+            adequate,
+            fine,
+            verdict,
+            given,
+            found,
+            robust,
+            noise_ratio,
+            second,
+            offset,
+        }
+    }
+
+    /// The re-tuned model, judged by noise of this size and colour.
+    fn retuned(&self, task: &Task, judge: &Judge, sigma: f64) -> Result<Candidate, Error> {
         let search = Search {
-            base,
-            data,
+            base: &task.base,
+            data: &task.data,
             judge,
             library: &[],
             sigma,
             adequate: f64::INFINITY,
             fine: 0.0,
-            count,
+            count: self.count,
             max_effects: 0,
-            memo: &memo,
+            memo: self.memo,
         };
-        search.retune().map_err(|_| cannot_run(problem))
-    };
-    let white = Judge::new(&problem.data, Shape::WHITE);
-    let guess = problem.noise.sigma * problem.factor;
-    let mut first = retuned(problem, &white, guess)?;
-    if start::find(problem, &first, count) {
-        first = retuned(problem, &white, guess)?;
+        search.retune().map_err(|_| cannot_run(task))
     }
-    let (shape, sure) = settle_noise(problem, &first.judged.residual);
-    let sigma = problem.noise.sigma * problem.factor;
-    let scale = Scale::new(problem, Judge::new(&problem.data, shape), sigma, sure, request);
-    // The fit is the same for any noise.
-    let memo = Memo::default();
-    let search = search_in((problem, &[], &scale), request, count, &memo);
-    let base = search.judged_again(first, sigma / guess).map_err(|_| cannot_run(problem))?;
-    let nothing = vec![0.0; base.chain.parameters.len()];
-    let given = scale.judge.judge(&base.chain, &nothing, &problem.data, sigma, count);
-    let given = given.map_err(|_| cannot_run(problem))?;
-    Ok((base, given, scale, sure))
-}
 
-/// Once the effects are found, the noise may be less than it was taken for: measured by that there may be more
-/// to see.
-fn with_quieter_noise(
-    problem: &mut Problem,
-    (library, memo): (&[Family], &Memo),
-    (mut found, given, scale): (Found, Judged, Scale),
-    sure: f64,
-    request: &Request,
-    count: &AtomicU64,
-) -> (Found, Judged, Scale) {
-    let Some((ratio, shape)) = quieter(problem, &found) else { return (found, given, scale) };
-    let judge = Judge::new(&problem.data, shape);
-    let scale = Scale::new(problem, judge, ratio * scale.sigma, sure, request);
-    let search = search_in((problem, library, &scale), request, count, memo);
-    let judge = &scale.judge;
-    let given = judge.figures(scaled(&given.residual, ratio), &problem.data);
-    found.each(|c| *c = search.in_units(c.clone(), ratio));
-    if has_gap(&found.last, scale.adequate) {
-        let base = found.base.clone();
-        // What was found stands where it cannot be looked for again.
-        match search.run(base) {
-            Ok(again) => found = again,
-            Err(_) => search.name_again(&mut found),
+    /// Under noise that the effects reveal to be less than it was taken for, more may be seen: the search is made
+    /// again from there. Where it cannot be, what was found stands.
+    fn with_quieter_noise(
+        &self,
+        mut task: Task,
+        library: &[Family],
+        searched: Searched,
+    ) -> (Task, Searched) {
+        let Some((ratio, shape)) = quieter(&task, &searched.found) else { return (task, searched) };
+        let Searched { mut found, given, scale, moves, noise_ratio } = searched;
+        let scale = Scale::new(&task, shape, ratio * scale.sigma, scale.sure, self.request);
+        let search = self.search_in(&task, library, &scale);
+        let given = given.residual.iter().map(|r| r / ratio).collect();
+        let given = scale.judge.figures(given, &task.data);
+        found.each(|c| *c = search.in_units(c.clone(), ratio));
+        let again = has_gap(&found.last, scale.adequate).then(|| search.run(found.base.clone()));
+        match again {
+            Some(Ok(again)) => found = again,
+            _ => search.name_again(&mut found),
         }
-    } else {
-        search.name_again(&mut found);
+        task.noise.sigma *= ratio;
+        task.noise.corner = Some(shape.corner).filter(|c| *c > 0.0);
+        (task, Searched { found, given, scale, moves, noise_ratio })
     }
-    problem.noise.sigma *= ratio;
-    problem.noise.corner = Some(shape.corner).filter(|c| *c > 0.0);
-    (found, given, scale)
+
+    fn search_in<'b>(
+        &'b self,
+        task: &'b Task,
+        library: &'b [Family],
+        scale: &'b Scale,
+    ) -> Search<'b> {
+        Search {
+            base: &task.base,
+            data: &task.data,
+            judge: &scale.judge,
+            library,
+            sigma: scale.sigma,
+            adequate: scale.adequate,
+            fine: scale.fine,
+            count: self.count,
+            max_effects: self.request.max_effects,
+            memo: self.memo,
+        }
+    }
 }
 
-fn scaled(residual: &[f64], ratio: f64) -> Vec<f64> {
-    residual.iter().map(|r| r / ratio).collect()
+/// Whether the model's own output moves in steps.
+fn moves_in_steps(task: &Task, base: &Candidate, sigma: f64) -> bool {
+    let data = &task.data;
+    let residual = base.judged.residual.iter().map(|r| sigma * r);
+    let simulated: Vec<f64> = data.y.iter().zip(residual).map(|(y, r)| y - r).collect();
+    Steps::of(&DataSet { y: simulated, ..data.clone() }).is_some()
 }
 
-fn search_in<'a>(
-    (problem, library, scale): (&'a Problem, &'a [Family], &'a Scale),
-    request: &Request,
-    count: &'a AtomicU64,
-    memo: &'a Memo,
-) -> Search<'a> {
-    let (base, data, max_effects) = (&problem.base, &problem.data, request.max_effects);
-    let Scale { judge, sigma, adequate, fine } = scale;
-    let (sigma, adequate, fine) = (*sigma, *adequate, *fine);
-    Search { base, data, judge, library, sigma, adequate, fine, count, max_effects, memo }
+fn cannot_run(task: &Task) -> Error {
+    let message = "the model cannot be simulated over these logs with its own parameters and with ones \
+                   beside them; check units and range of the command, and run `piezoloop simulate` \
+                   for the details";
+    Error::Model { model: task.output.clone(), message: message.to_owned() }
 }
 
-/// Where the noise was estimated from residuals that held the gap: the noise over it and its shape,
-/// from what the effects leave, where that is clearly less.
-fn quieter(problem: &Problem, found: &Found) -> Option<(f64, Shape)> {
-    /// A ratio that is worth another look.
-    const LESS: f64 = 0.95;
-    let is_estimated = problem.noise.source == "second differences";
+/// Ratio and shape of the noise in what the effects leave, where the noise was estimated from residuals that held the
+/// gap and is clearly less.
+fn quieter(task: &Task, found: &Found) -> Option<(f64, Shape)> {
+    let is_estimated = task.noise.source == "second differences";
     if !is_estimated || found.last.picks.is_empty() {
         return None;
     }
-    let estimate = estimated(&problem.data, &found.last.judged.residual);
-    Some(estimate).filter(|(ratio, _)| *ratio > 0.0 && *ratio < LESS)
+    let estimate = estimated(&task.data, &found.last.judged.residual);
+    Some(estimate).filter(|(ratio, _)| *ratio > 0.0 && *ratio < Thresholds::QUIETER)
 }
 
 /// The noise over what residuals are given in, and its shape, from the residuals themselves.
@@ -292,33 +380,31 @@ fn estimated(data: &DataSet, residual: &[f64]) -> (f64, Shape) {
     (finest * colour.sqrt(), Shape { white: 1.0 / colour, corner })
 }
 
-/// Says how large the noise is, how it is spread over frequency, and up to which mean square over it
-/// nothing is left: the less is known about it, the more.
-fn settle_noise(problem: &mut Problem, residual: &[f64]) -> (Shape, f64) {
-    /// A standard deviation that was given may be off by a tenth or so.
-    const GIVEN: f64 = 1.3;
-    /// A record at rest is one draw of the noise.
-    const RESTED: f64 = 1.35;
-    let data = &problem.data;
+/// Settles the size of the noise in `task` and gives its shape and the part of its power up to which nothing is left:
+/// the less is known about the noise, the larger that part.
+fn settle_noise(task: &mut Task, residual: &[f64]) -> (Shape, f64) {
+    let data = &task.data;
     let sample = data.sample_time();
     let (low, high) = (1.0 / data.longest(), 0.5 / sample);
     let rows = || data.records.iter().map(|r| r.rows.clone());
     // In standard deviations of what was taken for the noise so far.
     let finest = noise::fourth_differences(residual, rows()).unwrap_or(1.0);
-    let noise = &mut problem.noise;
-    let (shape, adequate) = match (noise.source.as_str(), problem.rest_corner) {
-        ("steps of the reading", _) => (Shape::WHITE, ADEQUATE),
+    let noise = &mut task.noise;
+    let (shape, sure) = match (noise.source.as_str(), task.rest_corner) {
+        ("steps of the reading", _) => (Shape::WHITE, Thresholds::ADEQUATE_ESTIMATED),
         (_, Some(corner)) => {
             let white = 1.0 / noise::coloured(corner, low, high);
-            (Shape { white, corner }, RESTED)
+            (Shape { white, corner }, Thresholds::ADEQUATE_AT_REST)
         }
-        ("given", None) => (Shape::with_white(finest * finest, low, high), GIVEN),
+        ("given", None) => {
+            (Shape::with_white(finest * finest, low, high), Thresholds::ADEQUATE_GIVEN)
+        }
         _ => {
             let (ratio, shape) = estimated(data, residual);
             noise.sigma *= ratio;
-            (shape, ADEQUATE)
+            (shape, Thresholds::ADEQUATE_ESTIMATED)
         }
     };
     noise.corner = Some(shape.corner).filter(|c| *c > 0.0);
-    (shape, adequate)
+    (shape, sure)
 }

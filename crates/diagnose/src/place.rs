@@ -9,12 +9,7 @@ use crate::gap::{BandShare, Place, RecordShare};
 use crate::noise::Repeats;
 use crate::score::mean_square;
 use crate::spectrum::{self, Bands};
-
-/// Bands that are listed.
-const LISTED: usize = 5;
-/// Part of the gap's power that differs between periods of the command, of an answer to it at most, and of what is
-/// none at least.
-const DIFFERS: (f64, f64) = (0.3, 0.8);
+use crate::thresholds::answer::Thresholds;
 
 /// Residuals before and after, in standard deviations, and where they are from.
 pub(crate) struct Maps<'a> {
@@ -92,7 +87,7 @@ impl Maps<'_> {
             })
             .collect();
         all.sort_by(|a, b| b.share.total_cmp(&a.share).then(a.hz[0].total_cmp(&b.hz[0])));
-        all.truncate(LISTED);
+        all.truncate(Thresholds::BANDS_LISTED);
         all
     }
 
@@ -159,9 +154,8 @@ impl Maps<'_> {
 
     /// Mean residual on rising and on falling commands, level by level.
     fn branch(&self, command: &[f64]) -> Option<String> {
-        const LEVELS: usize = 12;
         let span = Span::of(command.iter().copied());
-        let mut sums = [[(0.0, 0.0); 2]; LEVELS];
+        let mut sums = [[(0.0, 0.0); 2]; Thresholds::BRANCH_LEVELS];
         let (mut squares, mut rows) = (0.0, 0.0);
         for record in &self.data.records {
             for k in record.rows.start + 1..record.rows.end {
@@ -169,8 +163,10 @@ impl Maps<'_> {
                 if way == 0.0 {
                     continue;
                 }
-                let level = (0.5 * (span.unit(command[k]) + 1.0) * LEVELS as f64) as usize;
-                let cell = &mut sums[level.min(LEVELS - 1)][usize::from(way < 0.0)];
+                let level = (0.5 * (span.unit(command[k]) + 1.0) * Thresholds::BRANCH_LEVELS as f64)
+                    as usize;
+                let cell =
+                    &mut sums[level.min(Thresholds::BRANCH_LEVELS - 1)][usize::from(way < 0.0)];
                 cell.0 += self.before[k];
                 cell.1 += 1.0;
                 squares += self.before[k].powi(2);
@@ -289,8 +285,8 @@ impl Maps<'_> {
         let differs = Repeats::of(command, residual, rows)?.sigma()?;
         let part = (differs * differs - 1.0).max(0.0) / (mean_square(residual) - 1.0).max(0.1);
         match part {
-            p if p < DIFFERS.0 => Some(true),
-            p if p > DIFFERS.1 => Some(false),
+            p if p < Thresholds::DIFFERS.0 => Some(true),
+            p if p > Thresholds::DIFFERS.1 => Some(false),
             _ => None,
         }
     }

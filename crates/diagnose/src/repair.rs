@@ -17,6 +17,7 @@ use crate::outcome::Outcome;
 use crate::score::Judged;
 use crate::select::Candidate;
 use crate::stand_in::stand_in;
+use crate::thresholds::repair::Thresholds;
 
 /// One change of an axis.
 #[derive(Clone)]
@@ -41,10 +42,10 @@ pub(crate) fn repair(
     };
     let (last, mut notes) = stand_in(o, &is_written);
     let last = &last;
-    if o.louder.is_some() {
+    if o.noise_ratio.is_some() {
         notes.push(format!("{}: noise is no part of a repaired model", effects::SENSOR_NOISE.name));
     }
-    retune(&o.problem.base, (&last.chain, &last.fit.theta), o, (blueprint, axis));
+    retune(&o.task.base, (&last.chain, &last.fit.theta), o, (blueprint, axis));
     let given = blueprint.clone();
     let mut first = last.chain.parameters.iter().take_while(|p| p.is_base).count();
     let mut changes: Vec<Change> = Vec::new();
@@ -78,8 +79,8 @@ pub(crate) fn repair(
             )),
         }
     }
-    if let Some(steps) = o.problem.steps {
-        let span = o.problem.data.output_span;
+    if let Some(steps) = o.task.steps {
+        let span = o.task.data.output_span;
         let (slot, block) = (Slot::Reading, Block::Rounding { half: span.half }.into());
         let piece = Piece { slot, block, count: 2, aux: 0, of_command: false };
         let values = [2.0 * span.half / steps.size, steps.phase];
@@ -101,7 +102,7 @@ pub(crate) fn repair(
         return (notes, judged);
     }
     *blueprint = given_blueprint;
-    retune(&o.problem.base, (&base.chain, &base.fit.theta), o, (blueprint, axis));
+    retune(&o.task.base, (&base.chain, &base.fit.theta), o, (blueprint, axis));
     notes.extend(handed::level(o, base, (axis, &axis_given), blueprint));
     notes.push(
         "the effects stay out of the repaired blueprint: with what components can do in their place \
@@ -152,7 +153,7 @@ fn write(
     values: &[f64],
     (given, now): (&AxisBlueprint, &AxisBlueprint),
 ) -> Option<Vec<Change>> {
-    let base = &o.problem.base;
+    let base = &o.task.base;
     let note = format!("{effect}, found by diagnosis");
     let place_of =
         |node: usize| base.components.get(node).map_or(given.components.len(), |at| at.place);
@@ -181,8 +182,8 @@ fn write(
             Some(Block::Gain) if base.part == Part::Motion => own.first().copied(),
             _ => None,
         };
-        let louder = || Some(scaled(old?, 1.0 + gain?));
-        if let Some(component) = bent.or_else(plays).or_else(louder) {
+        let scaled_up = || Some(scaled(old?, 1.0 + gain?));
+        if let Some(component) = bent.or_else(plays).or_else(scaled_up) {
             all.push(Change::Replace { place: actuator, component: component.note(&note) });
             continue;
         }
@@ -251,7 +252,7 @@ fn actuator_with(
     p: &[f64],
     old: &ComponentBlueprint,
 ) -> Option<ComponentBlueprint> {
-    let u = o.problem.command_factor;
+    let u = o.task.command_factor;
     let plays = Plays::of(old)?;
     let mut component = match block {
         Block::Plays { r, slope } => {
@@ -261,7 +262,7 @@ fn actuator_with(
             let mut all = plays;
             all.add(0.0, weight(linear.first().copied().unwrap_or(0.0) - sum));
             r.iter().zip(weights).for_each(|(r, w)| all.add(r / u, weight(*w)));
-            let command: Vec<f64> = o.problem.data.command.iter().map(|v| v / u).collect();
+            let command: Vec<f64> = o.task.data.command.iter().map(|v| v / u).collect();
             all.no_negative(&command);
             all.written(old, Extension::Plays)?
         }
@@ -284,8 +285,8 @@ fn actuator_with(
 
 /// Fitted weights of plays as a blueprint has them: with the re-tuned gain of the output, in the axis' units.
 fn weight_of(o: &Outcome, last: &Candidate) -> impl Fn(f64) -> f64 + use<> {
-    let factor = output_gain(&o.problem.base, (&last.chain, &last.fit.theta));
-    let (u, y) = (o.problem.command_factor, o.problem.factor);
+    let factor = output_gain(&o.task.base, (&last.chain, &last.fit.theta));
+    let (u, y) = (o.task.command_factor, o.task.factor);
     move |w| factor * w * u / y
 }
 
@@ -297,7 +298,7 @@ fn skewed(
     p: &[f64],
     (mut plays, old): (Plays, &ComponentBlueprint),
 ) -> Option<ComponentBlueprint> {
-    let (u, weight) = (o.problem.command_factor, weight_of(o, last));
+    let (u, weight) = (o.task.command_factor, weight_of(o, last));
     let (span, skew, [wide, width, growth, curvature]) = match (block, p) {
         (Block::SkewedPlays { r, span }, weights) => {
             let of = |(r, w): (&f64, &f64)| (r / u, weight(*w));
@@ -386,8 +387,6 @@ impl Plays {
     /// Where weights are negative, which no component takes: the weights of zero and above that come
     /// nearest under this command, by least squares.
     fn no_negative(&mut self, command: &[f64]) {
-        const ROWS: usize = 20_000;
-        const SWEEPS: usize = 20_000;
         if self.pairs.iter().all(|(_, w)| *w >= 0.0) {
             return;
         }
@@ -395,7 +394,7 @@ impl Plays {
         let mut states = vec![0.0_f64; n];
         let mut normal = vec![vec![0.0; n]; n];
         let mut target = vec![0.0; n];
-        let stride = command.len().div_ceil(ROWS).max(1);
+        let stride = command.len().div_ceil(Thresholds::PLAYS_ROWS).max(1);
         for (k, u) in command.iter().enumerate() {
             for (state, (r, _)) in states.iter_mut().zip(&self.pairs) {
                 *state = play(*u, *r, *state);
@@ -413,7 +412,7 @@ impl Plays {
         }
         // One weight after the other to its best value, which converges as the problem is convex.
         let mut w: Vec<f64> = self.pairs.iter().map(|(_, w)| w.max(0.0)).collect();
-        for _ in 0..SWEEPS {
+        for _ in 0..Thresholds::PLAYS_SWEEPS {
             let mut change = 0.0_f64;
             for i in 0..n {
                 if normal[i][i] <= 0.0 {
@@ -489,7 +488,7 @@ fn retune(
         let mut at = 0;
         for (k, quantity) in declaration.parameters.iter().enumerate() {
             let length = declaration.length(k, &component.structure);
-            let units = (o.problem.command_unit.as_str(), o.problem.unit.as_str());
+            let units = (o.task.command_unit.as_str(), o.task.unit.as_str());
             let text = model::unit_on_axis(quantity.unit, units.0, units.1);
             let unit = model::Unit::parse(&text).unwrap_or(model::Unit::ONE);
             // A factor of the position is one of everything that an actuator gives in positions.

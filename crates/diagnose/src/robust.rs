@@ -8,22 +8,14 @@ use crate::data_set::DataSet;
 use crate::fit::Fitter;
 use crate::score::{Judge, mean_square};
 use crate::select::Candidate;
-
-/// Length of a block in s.
-const BLOCK: f64 = 0.05;
-/// Least rows of a block.
-const LEAST: usize = 8;
-/// Mean square over the noise's at which a block counts half.
-const HALF: f64 = 2.0;
-/// Fits.
-const ROUNDS: usize = 2;
+use crate::thresholds::fit::Thresholds;
 
 /// Residual of each row in standard deviations; none where a fit fails.
 pub(crate) fn residual(fitter: Fitter<'_>, judge: &Judge, base: &Candidate) -> Option<Vec<f64>> {
     let data = fitter.data;
     let mut theta = base.fit.theta.clone();
     let mut residual = base.judged.residual.clone();
-    for _ in 0..ROUNDS {
+    for _ in 0..Thresholds::ROBUST_ROUNDS {
         let weights = weights(data, &residual);
         let weighted = Fitter { weights: Some(&weights), ..fitter };
         theta = weighted.fit_again(&base.chain, &theta).ok()?.theta;
@@ -35,7 +27,8 @@ pub(crate) fn residual(fitter: Fitter<'_>, judge: &Judge, base: &Candidate) -> O
 
 /// Square roots of the weights of the rows of the fit.
 fn weights(data: &DataSet, residual: &[f64]) -> Vec<f64> {
-    let length = ((BLOCK / data.sample_time()).round() as usize).max(LEAST);
+    let length = ((Thresholds::ROBUST_BLOCK / data.sample_time()).round() as usize)
+        .max(Thresholds::ROBUST_ROWS);
     let mut weights = vec![1.0; data.fit_rows.len()];
     for record in &data.records {
         for (weight, row) in
@@ -44,7 +37,8 @@ fn weights(data: &DataSet, residual: &[f64]) -> Vec<f64> {
             let block = (*row as usize - record.rows.start) / length;
             let start = record.rows.start + block * length;
             let end = (start + length).min(record.rows.end);
-            *weight = (1.0 / (1.0 + mean_square(&residual[start..end]) / HALF)).sqrt();
+            *weight =
+                (1.0 / (1.0 + mean_square(&residual[start..end]) / Thresholds::ROBUST_HALF)).sqrt();
         }
     }
     weights

@@ -9,13 +9,7 @@ use crate::discrepancy::{self, Discrepancy};
 use crate::noise::Shape;
 use crate::nuisance::Projector;
 use crate::spectrum::{self, Bands};
-
-/// Least ratio to the noise that a band counts with.
-const BAND_FLOOR: f64 = 1.3;
-/// Standard deviations of a band's mean power that its floor lies above the noise.
-const BAND_SPREAD: f64 = 1.6;
-/// Blocks of all records together.
-const BLOCKS: usize = 400;
+use crate::thresholds::search::Thresholds;
 
 /// Residuals of one chain on all rows.
 #[derive(Clone, Debug)]
@@ -57,7 +51,7 @@ pub(crate) struct BlockOfRows {
 
 impl Judge {
     pub(crate) fn new(data: &DataSet, shape: Shape) -> Self {
-        let length = (data.time.len() / BLOCKS).max(20);
+        let length = (data.time.len() / Thresholds::JUDGED_BLOCKS).max(20);
         let mut blocks = Vec::new();
         let mut stretches = Vec::new();
         for (k, record) in data.records.iter().enumerate() {
@@ -84,7 +78,8 @@ impl Judge {
             .map(|ends| {
                 // Lines of the longest stretch: with few of them the noise's own power spreads.
                 let lines = ((ends[1] - ends[0]) * longest as f64 * sample).max(1.0);
-                let margin = BAND_FLOOR.max(1.0 + BAND_SPREAD / lines.sqrt());
+                let margin =
+                    Thresholds::BAND_FLOOR.max(1.0 + Thresholds::BAND_SPREAD / lines.sqrt());
                 (shape.density(ends[0], ends[1]), margin)
             })
             .collect();
@@ -148,14 +143,9 @@ impl Judge {
     /// Takes out of the held-out end of a record what its mean may differ from that of the record's
     /// begin by noise that grows as 1/f; an offset that is larger stays with the rest.
     fn level_off(&self, residual: &mut [f64], data: &DataSet) {
-        /// Variance of the difference of the means of the first 70 and the last 30 % of a record, of
-        /// noise with the density 1/f: ∫ |H|²/f df.
-        const DIFFERENCE: f64 = 2.9;
-        /// Standard deviations.
-        const MOST: f64 = 2.0;
         let nyquist = 0.5 / data.sample_time();
         let pink = self.shape.white * self.shape.corner / nyquist;
-        let most = MOST * (DIFFERENCE * pink).sqrt();
+        let most = Thresholds::SLOW_DEVIATIONS * (Thresholds::SLOW_DIFFERENCE * pink).sqrt();
         for record in data.records.iter().filter(|r| !r.training.is_empty()) {
             let rows = DataSet::held_out(record);
             if rows.is_empty() {

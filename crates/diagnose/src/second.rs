@@ -9,13 +9,7 @@ use crate::gap::{HeldOut, SecondOpinion};
 use crate::score::{Judge, mean_square};
 use crate::select::Candidate;
 use crate::shrink::fraction;
-
-/// Records that are needed.
-const LEAST: usize = 3;
-/// Most fits; with more records several are left out at once.
-const FOLDS: usize = 6;
-/// The opinions agree where the second one has at least this part of the first one's fraction.
-const AGREES: f64 = 0.5;
+use crate::thresholds::answer::Thresholds;
 
 /// What the effects take away in records that were left out, where there are enough of them; `unit` is
 /// a standard deviation of the noise in the output's unit, `first` the fraction of the first opinion.
@@ -28,10 +22,10 @@ pub(crate) fn of(
 ) -> Option<SecondOpinion> {
     let data = fitter.data;
     let count = data.records.len();
-    if count < LEAST || last.picks.is_empty() {
+    if count < Thresholds::SECOND_RECORDS || last.picks.is_empty() {
         return None;
     }
-    let folds = count.min(FOLDS);
+    let folds = count.min(Thresholds::SECOND_FITS);
     let judged: Vec<(usize, f64, f64)> = (0..folds)
         .into_par_iter()
         .with_max_len(1)
@@ -56,7 +50,7 @@ pub(crate) fn of(
         })
         .collect();
     records.sort_by(|a, b| a.record.cmp(&b.record));
-    let agrees = first.is_none_or(|first| fraction_of_all >= AGREES * first);
+    let agrees = first.is_none_or(|first| fraction_of_all >= Thresholds::SECOND_AGREES * first);
     let split = if folds == count {
         "each record in turn is left out of the fit and judged".to_owned()
     } else {

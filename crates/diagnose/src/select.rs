@@ -19,22 +19,7 @@ use crate::fit::{Fit, Fitter, Linear};
 use crate::library::{Family, Formula, Slot, gain};
 use crate::score::{Judge, Judged};
 use crate::spectrum;
-
-/// Families that are fitted after screening.
-const FITTED: usize = 7;
-/// The same where an effect is found already.
-const FITTED_BESIDE: usize = 5;
-/// Families whose best formula is fitted thoroughly.
-const REFINED: usize = 4;
-/// Most numbers of a model that are fitted thoroughly while effects are still compared: each takes a simulation
-/// for every step of the fit.
-const MOST_FITTED_ANEW: usize = 24;
-/// Part of the best promise from which a formula that needs a thorough fit gets one.
-const PROMISING: f64 = 0.7;
-/// Weight of the training rows in the rank; the rest is that of the held-out ones.
-const TRAINING: f64 = 0.5;
-/// What must be left without the effect, over what is left with it.
-const NULL: f64 = 1.1;
+use crate::thresholds::search::Thresholds;
 
 /// A fitted and judged set of effects.
 #[derive(Clone)]
@@ -177,7 +162,8 @@ impl<'a> Search<'a> {
         let level = |m: f64| m.max(1e-12).ln();
         // What is learned on the training rows must hold on the others.
         let training = fit.mean_square + self.judge.taken(&chain, &fit.theta, self.data);
-        let data = TRAINING * level(training) + (1.0 - TRAINING) * level(judged.held_out);
+        let data = Thresholds::TRAINING_WEIGHT * level(training)
+            + (1.0 - Thresholds::TRAINING_WEIGHT) * level(judged.held_out);
         let prior: f64 =
             chain.parameters.iter().zip(&fit.theta).map(|(p, q)| p.prior * q * q).sum();
         let rank = rows * data + prior + freedom as f64 * rows.ln();
@@ -232,7 +218,11 @@ impl<'a> Search<'a> {
         if (1.0 - greatest) * from.fit.mean_square > most {
             return Err(Failed);
         }
-        let most = if from.picks.is_empty() { FITTED } else { FITTED_BESIDE };
+        let most = if from.picks.is_empty() {
+            Thresholds::FAMILIES_FITTED
+        } else {
+            Thresholds::FAMILIES_FITTED_BESIDE
+        };
         let kept: Vec<usize> = families.iter().take(most).map(|(family, _)| *family).collect();
         let to_fit: Vec<usize> = (0..jobs.len())
             .filter(|k| {
@@ -247,7 +237,7 @@ impl<'a> Search<'a> {
             .with_max_len(1)
             .map(|k| {
                 let (promise, start) = &screened[*k];
-                let is_promising = *promise > PROMISING * greatest;
+                let is_promising = *promise > Thresholds::PROMISING * greatest;
                 let fit = self.fit_one(from, &fixed, (jobs[*k], start, is_promising), &linear);
                 Some(self.released_elsewhere(fit.ok()?, (1.0 - promise) * from.fit.mean_square))
             })
@@ -283,7 +273,7 @@ impl<'a> Search<'a> {
         sort(&mut looked);
         let best = looked.iter().find_map(|l| l.best.as_ref());
         let known = (&linear, best.map_or(f64::INFINITY, |best| best.fit.mean_square));
-        let nearest = looked.par_iter_mut().take(REFINED).with_max_len(1);
+        let nearest = looked.par_iter_mut().take(Thresholds::FAMILIES_REFINED).with_max_len(1);
         nearest.for_each(|entry| self.refine(entry, known));
         sort(&mut looked);
         Ok(looked)
@@ -320,14 +310,17 @@ impl<'a> Search<'a> {
         let is_gain = family.effect.name == effects::ACTUATOR_GAIN.name;
         let mut holds = |null: f64, entry: &mut Looked| {
             // What promised far more than it came to was not fitted to its end.
-            let is_small =
-                entry.best.as_ref().is_some_and(|c| c.fit.theta.len() <= MOST_FITTED_ANEW);
-            let has_promised = (1.0 - entry.screening) * from.fit.mean_square < null / NULL;
-            if null < NULL * left && has_promised && is_small {
+            let is_small = entry
+                .best
+                .as_ref()
+                .is_some_and(|c| c.fit.theta.len() <= Thresholds::MOST_FITTED_ANEW);
+            let has_promised =
+                (1.0 - entry.screening) * from.fit.mean_square < null / Thresholds::OVER_NULL;
+            if null < Thresholds::OVER_NULL * left && has_promised && is_small {
                 self.refine(entry, (linear, f64::INFINITY));
                 left = entry.best.as_ref().map_or(left, own);
             }
-            null >= NULL * left
+            null >= Thresholds::OVER_NULL * left
         };
         let nulls = || {
             let all = family.nulls.par_iter().with_max_len(1);
@@ -410,7 +403,7 @@ impl<'a> Search<'a> {
         with.push(formula);
         let chain = self.base.compose(&with);
         let theta = self.carry(from, &chain, formula, start);
-        let is_small = theta.len() <= MOST_FITTED_ANEW;
+        let is_small = theta.len() <= Thresholds::MOST_FITTED_ANEW;
         let fit = match formula.is_fitted_anew && is_promising && is_small {
             true => self.fitter().fit(&chain, &theta)?,
             false => self.fitter().fit_quickly(&chain, &theta, linear)?,

@@ -1,12 +1,10 @@
 //! The answer in one sentence.
 
 use crate::gap::{Gap, NamedEffect, Partial, Verdict};
+use crate::thresholds::answer::Thresholds;
 
 /// The one effect that no model foretells.
 const NOISE: &str = components::effects::SENSOR_NOISE.name;
-
-/// Part of the gap that a repaired blueprint may leave without its being said.
-const HELD: f64 = 0.02;
 
 fn number(value: f64) -> String {
     report::format_number(value, 4)
@@ -79,7 +77,7 @@ fn effects(gap: &Gap) -> String {
     let how = match (s.fraction, s.ci95) {
         (Some(f), Some([low, high])) => {
             let interval = format!("95 %: {:.0} to {:.0} %", percent(low), percent(high));
-            match s.as_found.filter(|found| found - f > HELD) {
+            match s.as_found.filter(|found| found - f > Thresholds::REPAIR_LOSS) {
                 None => format!(
                     "removes {:.0} % of the gap's power on held-out rows ({interval})",
                     percent(f)

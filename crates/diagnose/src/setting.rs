@@ -9,8 +9,9 @@ use crate::chain::{Bench, Horizon};
 use crate::converter::Converted;
 use crate::data_set::DataSet;
 use crate::library::Setting;
-use crate::problem::Problem;
 use crate::select::Candidate;
+use crate::task::Task;
+use crate::thresholds::search::Thresholds;
 use crate::{jitter, spectrum};
 
 /// Range of the simulated output.
@@ -27,12 +28,12 @@ pub(crate) fn simulated_span(base: &Candidate, data: &DataSet, count: &AtomicU64
 
 /// What formulas are written for, from the re-tuned model.
 pub(crate) fn setting<'a>(
-    problem: &'a Problem,
+    task: &'a Task,
     base: &Candidate,
     position: Span,
     sigma: f64,
 ) -> Setting<'a> {
-    let data = &problem.data;
+    let data = &task.data;
     let sample = data.sample_time();
     let length = data
         .records
@@ -59,7 +60,7 @@ pub(crate) fn setting<'a>(
     let lines = own_lines(data, &base.judged.residual, sample);
     let training = || data.records.iter().flat_map(|r| r.training.clone());
     let residual = &base.judged.residual;
-    let before = before_mode(problem, residual);
+    let before = before_mode(task, residual);
     let command = Converted::new(&rows, data.command_span, &before, training());
     // The reading less what the model leaves of it: the simulated one.
     let simulated: Vec<f64> = data.y.iter().zip(residual).map(|(y, r)| y - sigma * r).collect();
@@ -67,7 +68,7 @@ pub(crate) fn setting<'a>(
     let swings = jitter::frequencies(data, residual, &simulated, sample);
     let half = if position.half > 0.0 { position.half } else { 1.0 };
     Setting {
-        base: &problem.base,
+        base: &task.base,
         data,
         command: data.command_span,
         position: Span { half, ..position },
@@ -79,7 +80,7 @@ pub(crate) fn setting<'a>(
         apparent_power,
         lines,
         swings,
-        resonance: problem.base.resonance(),
+        resonance: task.base.resonance(),
         steps: command.steps(),
         gaps: command.gaps(),
         reading_steps: reading.steps(),
@@ -91,14 +92,6 @@ pub(crate) fn setting<'a>(
 /// where most records have a line just there, by whatever command. Those of most records first, then the
 /// strongest ones.
 fn own_lines(data: &DataSet, residual: &[f64], sample: f64) -> Vec<f64> {
-    /// Lines that are kept.
-    const MOST: usize = 6;
-    /// Most that a multiple is off, in parts of the frequency.
-    const SLOW: f64 = 0.25;
-    /// Records that have a line, where in all but one it may be an answer.
-    const SEEN: usize = 3;
-    /// How near such lines are, over the resolution: a place between lines is known well.
-    const SAME: f64 = 0.25;
     let neighbours = data.aux.iter().filter(|a| a.is_command).map(|a| (&a.hits, a.span));
     let commands: Vec<_> =
         std::iter::once((&data.command, data.command_span)).chain(neighbours).collect();
@@ -109,9 +102,9 @@ fn own_lines(data: &DataSet, residual: &[f64], sample: f64) -> Vec<f64> {
     let mut seen: Vec<(f64, f64)> = Vec::new();
     for (record, rows) in records.into_iter().enumerate() {
         let resolution = 2.0 / (rows.len() as f64 * sample);
-        let mut lines = spectrum::lines(&residual[rows.clone()], sample, MOST);
+        let mut lines = spectrum::lines(&residual[rows.clone()], sample, Thresholds::LINES);
         lines.retain(|f| !is_mains(*f));
-        seen.extend(lines.iter().map(|f| (*f, SAME * resolution)));
+        seen.extend(lines.iter().map(|f| (*f, Thresholds::LINE_SAME * resolution)));
         for (hits, span) in commands.iter().filter(|(_, span)| span.half > 0.0) {
             let at = data.row_hit[rows.clone()].iter();
             let command: Vec<f64> = at.map(|h| hits[*h as usize] * 1e3 / span.half).collect();
@@ -121,7 +114,8 @@ fn own_lines(data: &DataSet, residual: &[f64], sample: f64) -> Vec<f64> {
                 let is_multiple = driven.first().is_some_and(|d| {
                     let times = (f / d).round().max(1.0);
                     // Near a multiple of a slow command is every line, if near is not a part of its frequency.
-                    times <= 20.0 && (f - times * d).abs() < resolution.min(SLOW * d)
+                    times <= 20.0
+                        && (f - times * d).abs() < resolution.min(Thresholds::LINE_MULTIPLE * d)
                 });
                 !is_multiple && driven.iter().all(|d| (f - d).abs() > resolution)
             });
@@ -134,9 +128,11 @@ fn own_lines(data: &DataSet, residual: &[f64], sample: f64) -> Vec<f64> {
         }
     }
     let times = |line: f64| seen.iter().filter(|(f, near)| (f - line).abs() < *near).count();
-    all.retain(|(f, records, first, _)| *records > 1 || *first == 0 || times(*f) >= SEEN);
+    all.retain(|(f, records, first, _)| {
+        *records > 1 || *first == 0 || times(*f) >= Thresholds::LINE_RECORDS
+    });
     all.sort_by(|a, b| b.1.cmp(&a.1).then(a.3.cmp(&b.3)).then(a.0.total_cmp(&b.0)));
-    all.into_iter().take(MOST).map(|(f, ..)| f).collect()
+    all.into_iter().take(Thresholds::LINES).map(|(f, ..)| f).collect()
 }
 
 /// Whether a frequency is that of the mains or a multiple of it.
@@ -147,11 +143,9 @@ fn is_mains(frequency: f64) -> bool {
 
 /// What an error of the command would have to be at each row to leave this residual, in σ: the residual
 /// with the model's first mode taken out, as far as noise permits.
-fn before_mode(problem: &Problem, residual: &[f64]) -> Vec<f64> {
-    /// Least power over that of noise which is sought.
-    const LEAST: f64 = 0.01;
-    let data = &problem.data;
-    let Some((frequency, damping)) = problem.base.mode_values() else { return residual.to_vec() };
+fn before_mode(task: &Task, residual: &[f64]) -> Vec<f64> {
+    let data = &task.data;
+    let Some((frequency, damping)) = task.base.mode_values() else { return residual.to_vec() };
     let transition = Transition::new(frequency, damping, data.sample_time());
     let mut sought = residual.to_vec();
     for record in &data.records {
@@ -166,7 +160,8 @@ fn before_mode(problem: &Problem, residual: &[f64]) -> Vec<f64> {
             })
             .collect();
         let power = part.iter().map(|r| r * r).sum::<f64>() / part.len().max(1) as f64;
-        let found = spectrum::deconvolve(part, &response, 1.0 / (power - 1.0).max(LEAST));
+        let found =
+            spectrum::deconvolve(part, &response, 1.0 / (power - 1.0).max(Thresholds::LEFT_SOUGHT));
         part.copy_from_slice(&found);
     }
     sought

@@ -4,11 +4,7 @@ use crate::data_set::DataSet;
 use crate::gap::{HeldOut, Shrink};
 use crate::random::Random;
 use crate::score::{Judge, Judged, mean_square};
-
-/// Draws of the bootstrap.
-const DRAWS: usize = 400;
-/// Spread of the logarithm of what is left over what was, from one set of records to another.
-const RATIO: f64 = 0.35;
+use crate::thresholds::answer::Thresholds;
 
 /// What the figures are made from.
 pub(crate) struct Evidence<'a> {
@@ -94,8 +90,8 @@ impl Evidence<'_> {
             return [-1.0, 1.0];
         }
         let mut random = Random::new(self.seed);
-        let mut draws: Vec<f64> = Vec::with_capacity(DRAWS);
-        for _ in 0..DRAWS {
+        let mut draws: Vec<f64> = Vec::with_capacity(Thresholds::BOOTSTRAP_DRAWS);
+        for _ in 0..Thresholds::BOOTSTRAP_DRAWS {
             let group = &groups[random.below(groups.len())];
             let (mut before, mut after) = (0.0, 0.0);
             for _ in 0..group.len() {
@@ -126,7 +122,8 @@ impl Evidence<'_> {
         // What is left over what was is another ratio in a record of another level, and with a model
         // that was re-tuned to other records.
         let left = |spread: f64| 1.0 - (1.0 - total) * (1.96 * spread).exp();
-        let (low, high) = (low.min(left(RATIO)), high.max(left(-RATIO)));
+        let (low, high) =
+            (low.min(left(Thresholds::RATIO_SPREAD)), high.max(left(-Thresholds::RATIO_SPREAD)));
         [low.max(-1.0), high.min(1.0)]
     }
 }

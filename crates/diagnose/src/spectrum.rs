@@ -6,8 +6,7 @@ use numerics::fft::Fft;
 use numerics::spectrum::windowed;
 use numerics::{Complex, median};
 
-/// Number of bands.
-const BANDS: usize = 18;
+use crate::thresholds::search::Thresholds;
 
 /// Bands of frequency, even on a logarithmic scale.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +20,9 @@ impl Bands {
     pub(crate) fn new(rows: usize, sample: f64) -> Self {
         let length = (rows.max(8) as f64) * sample;
         let (low, high) = (1.0 / length, 0.5 / sample);
-        let ends = (0..=BANDS).map(|k| low * (high / low).powf(k as f64 / BANDS as f64)).collect();
+        let ends = (0..=Thresholds::BANDS)
+            .map(|k| low * (high / low).powf(k as f64 / Thresholds::BANDS as f64))
+            .collect();
         Self { ends }
     }
 
@@ -109,21 +110,11 @@ pub(crate) fn resonances(
     stretches: impl Iterator<Item = Range<usize>>,
     sample: f64,
 ) -> Vec<f64> {
-    /// Longest and shortest segment.
-    const LONGEST: usize = 4096;
-    const SHORTEST: usize = 256;
-    /// Segments of the longest stretch at least.
-    const SEGMENTS: usize = 8;
-    /// Frequencies at most.
-    const MOST: usize = 4;
-    /// Lines beside a peak that are lower, and part of the frequency within which the median is taken.
-    const BESIDE: usize = 2;
-    const AROUND: f64 = 0.2;
-    /// Least answer over the median around it.
-    const ABOVE: f64 = 1.5;
     let stretches: Vec<Range<usize>> = stretches.collect();
-    let most = stretches.iter().map(Range::len).max().unwrap_or(0) / SEGMENTS;
-    let length = (SHORTEST..=LONGEST).rev().find(|n| n.is_power_of_two() && *n <= most);
+    let most = stretches.iter().map(Range::len).max().unwrap_or(0) / Thresholds::SEGMENTS;
+    let length = (Thresholds::SEGMENT_SHORTEST..=Thresholds::SEGMENT_LONGEST)
+        .rev()
+        .find(|n| n.is_power_of_two() && *n <= most);
     let Some(length) = length else { return Vec::new() };
     let half = length / 2;
     let (mut cross, mut drive, mut power) =
@@ -145,22 +136,26 @@ pub(crate) fn resonances(
     let explained = |k: usize| cross[k].norm() * answer(k);
     let answers: Vec<f64> = (0..half).map(answer).collect();
     let mut peaks: Vec<(f64, usize)> = Vec::new();
-    for k in 4..half.saturating_sub(BESIDE) {
-        let beside = &answers[k - BESIDE..=k + BESIDE];
+    for k in 4..half.saturating_sub(Thresholds::PEAK_BESIDE) {
+        let beside = &answers[k - Thresholds::PEAK_BESIDE..=k + Thresholds::PEAK_BESIDE];
         let is_peak = beside.iter().all(|a| *a <= answers[k]);
         // Noise alone is coherent by one over the segments.
         if !is_peak || explained(k) < 5.0 / segments * power[k] {
             continue;
         }
-        let width = ((AROUND * k as f64) as usize).max(2 * BESIDE);
+        let width =
+            ((Thresholds::PEAK_MEDIAN * k as f64) as usize).max(2 * Thresholds::PEAK_BESIDE);
         let mut around = answers[k.saturating_sub(width).max(1)..(k + width).min(half)].to_vec();
-        if median(&mut around).is_some_and(|median| answers[k] > ABOVE * median) {
-            peaks.push(((k - BESIDE..=k + BESIDE).map(explained).sum(), k));
+        if median(&mut around).is_some_and(|median| answers[k] > Thresholds::PEAK_ABOVE * median) {
+            peaks.push((
+                (k - Thresholds::PEAK_BESIDE..=k + Thresholds::PEAK_BESIDE).map(explained).sum(),
+                k,
+            ));
         }
     }
     peaks.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let step = 1.0 / (length as f64 * sample);
-    peaks.iter().take(MOST).map(|(_, k)| step * *k as f64).collect()
+    peaks.iter().take(Thresholds::RESONANCES).map(|(_, k)| step * *k as f64).collect()
 }
 
 /// Frequencies of the lines that stand out of their surroundings most, strongest first.

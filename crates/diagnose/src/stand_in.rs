@@ -6,9 +6,7 @@ use crate::library::Formula;
 use crate::outcome::Outcome;
 use crate::score::explained;
 use crate::select::{Candidate, Memo, Search};
-
-/// Part of the gap's power that another formula must take, beside that of the other effects.
-const WORTH: f64 = 0.02;
+use crate::thresholds::repair::Thresholds;
 
 /// The effects of an outcome with formulas that `is_written` takes, where a family has one that takes
 /// away enough; what was exchanged, one sentence each.
@@ -18,8 +16,8 @@ pub(crate) fn stand_in(
 ) -> (Candidate, Vec<String>) {
     let (count, memo) = (AtomicU64::new(0), Memo::default());
     let search = Search {
-        base: &o.problem.base,
-        data: &o.problem.data,
+        base: &o.task.base,
+        data: &o.task.data,
         judge: &o.judge,
         library: &o.library,
         sigma: o.sigma,
@@ -63,7 +61,7 @@ pub(crate) fn stand_in(
         });
         let stand_in = fitted
             .max_by(|a, b| goes(&a.1).total_cmp(&goes(&b.1)))
-            .filter(|(_, other)| goes(other) > goes(&without) + WORTH);
+            .filter(|(_, other)| goes(other) > goes(&without) + Thresholds::STAND_IN_WORTH);
         if let Some((formula, other)) = stand_in {
             notes.push(format!(
                 "{effect} is written as {}, as no component does what was found ({}): {:.0} % of the gap's power is removed in place of {:.0} %",

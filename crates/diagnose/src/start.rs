@@ -12,37 +12,16 @@ use numerics::median;
 use crate::chain::{Bench, Horizon};
 use crate::data_set::{DataSet, RecordRows};
 use crate::outcome::Outcome;
-use crate::problem::Problem;
 use crate::select::Candidate;
-
-/// Least way of the reading while the command stands, over its range and over the noise.
-const MOVES: (f64, f64) = (0.05, 10.0);
-/// How far the reading may be from where it comes to stand, over the way: it swings, and goes nowhere else.
-const SWINGS: f64 = 1.5;
-/// Rows for which the command stands.
-const ROWS: usize = 4;
-/// Where u₀ is looked for, in half ranges of the command about its centre.
-const FAR: f64 = 3.0;
-const HALVINGS: usize = 50;
-
-/// Blocks of a record by which its start is compared with the rest, and least rows of one.
-const BLOCKS: usize = 200;
-const LEAST: usize = 8;
-/// Part of a record that a run-in may take.
-const LONGEST: f64 = 0.1;
-/// Mean square of the first block over the greatest one behind the longest run-in.
-const STANDS_OUT: f64 = 9.0;
-/// Least distance of one of the first two rows, over the effective value of the first block.
-const AT_ONCE: f64 = 0.2;
-/// Part of the later blocks in which less is left than in the last one of the run-in.
-const USUAL: f64 = 0.9;
+use crate::task::Task;
+use crate::thresholds::base::Thresholds;
 
 /// A record that begins during a motion, which no model follows that starts at rest, and the time in s until what
 /// that leaves has decayed: the record whose run-in is longest.
 pub(crate) fn in_motion(outcome: &Outcome) -> Option<(String, f64)> {
     // Without a mode nothing swings on by itself: what stands out then is a first stroke from rest.
-    outcome.problem.base.mode?;
-    let data = &outcome.problem.data;
+    outcome.task.base.mode?;
+    let data = &outcome.task.data;
     let all = data.records.iter().filter_map(|record| {
         let blocks = run_in(&outcome.found.last.judged.residual[record.rows.clone()])?;
         let time = &data.time[record.rows.clone()];
@@ -56,8 +35,8 @@ pub(crate) fn in_motion(outcome: &Outcome) -> Option<(String, f64)> {
 
 /// Rows at the start of a residual that stand out.
 fn run_in(residual: &[f64]) -> Option<usize> {
-    let rows = (residual.len() / BLOCKS).max(LEAST);
-    let longest = ((residual.len() / rows) as f64 * LONGEST) as usize;
+    let rows = (residual.len() / Thresholds::RUN_IN_BLOCKS).max(Thresholds::RUN_IN_ROWS);
+    let longest = ((residual.len() / rows) as f64 * Thresholds::RUN_IN_LONGEST) as usize;
     if longest < 2 {
         return None;
     }
@@ -66,10 +45,10 @@ fn run_in(residual: &[f64]) -> Option<usize> {
     let blocks: Vec<f64> = residual.chunks_exact(rows).map(squares).collect();
     let mut later = blocks[longest..].to_vec();
     later.sort_by(f64::total_cmp);
-    let usual = later[((later.len() - 1) as f64 * USUAL) as usize];
+    let usual = later[((later.len() - 1) as f64 * Thresholds::RUN_IN_USUAL) as usize];
     // What a machine at rest does that no model has begins with nothing.
-    let at_once = AT_ONCE * (blocks[0] / rows as f64).sqrt();
-    let stands_out = blocks[0] > STANDS_OUT * later.last()?
+    let at_once = Thresholds::RUN_IN_AT_ONCE * (blocks[0] / rows as f64).sqrt();
+    let stands_out = blocks[0] > Thresholds::RUN_IN_STANDS_OUT * later.last()?
         && residual[..2].iter().any(|e| (e - level).abs() > at_once);
     let end = blocks[..longest].iter().position(|block| *block <= usual)?;
     stands_out.then_some(end * rows)
@@ -77,34 +56,34 @@ fn run_in(residual: &[f64]) -> Option<usize> {
 
 /// Takes each record from the rest that its first readings show, and says so; whether any is another one than
 /// that of the first row's command.
-pub(crate) fn find(problem: &mut Problem, base: &Candidate, count: &AtomicU64) -> bool {
-    if !problem.base.is_white {
+pub(crate) fn find(task: &mut Task, base: &Candidate, count: &AtomicU64) -> bool {
+    if !task.base.is_white {
         return false;
     }
-    let sigma = problem.noise.sigma * problem.factor;
-    let found: Vec<(usize, f64, f64)> = (0..problem.data.records.len())
+    let sigma = task.noise.sigma * task.factor;
+    let found: Vec<(usize, f64, f64)> = (0..task.data.records.len())
         .filter_map(|record| {
-            let (first, way) = moved(&problem.data, record, sigma)?;
-            Some((record, rest_before(&problem.data, base, first, way, count)?, way))
+            let (first, way) = moved(&task.data, record, sigma)?;
+            Some((record, rest_before(&task.data, base, first, way, count)?, way))
         })
         .collect();
     for (record, rest, way) in &found {
-        let data = &mut problem.data.records[*record];
+        let data = &mut task.data.records[*record];
         data.rest = Some(*rest);
-        problem.warnings.push(format!(
+        task.warnings.push(format!(
             "{}: {} moves by {} {} before {} first changes: the machine is taken to have rested under {} {} before \
              the first row (--drop S omits the beginning)",
             data.name,
-            problem.output,
-            report::format_number(-way / problem.factor, 3),
-            problem.unit,
-            problem.input,
-            report::format_number(rest / problem.command_factor, 4),
-            problem.command_unit
+            task.output,
+            report::format_number(-way / task.factor, 3),
+            task.unit,
+            task.input,
+            report::format_number(rest / task.command_factor, 4),
+            task.command_unit
         ));
     }
     if !found.is_empty() {
-        problem.data = problem.data.played(problem.course);
+        task.data = task.data.played(task.course);
     }
     !found.is_empty()
 }
@@ -114,15 +93,16 @@ pub(crate) fn find(problem: &mut Problem, base: &Candidate, count: &AtomicU64) -
 fn moved(data: &DataSet, record: usize, sigma: f64) -> Option<(f64, f64)> {
     let record = &data.records[record];
     let still = record.still();
-    if !record.run_in.is_empty() || still < ROWS || still >= record.rows.len() {
+    if !record.run_in.is_empty() || still < Thresholds::START_ROWS || still >= record.rows.len() {
         return None;
     }
     // The reading of a row is taken before its command acts.
     let y = &data.y[record.rows.start..=record.rows.start + still];
     let (first, stands) = (y[0], y[still]);
     let way = first - stands;
-    let is_seen = way.abs() > MOVES.0 * 2.0 * data.output_span.half && way.abs() > MOVES.1 * sigma;
-    let is_one_way = y.iter().all(|y| (y - stands).abs() <= SWINGS * way.abs());
+    let is_seen = way.abs() > Thresholds::START_MOVES.0 * 2.0 * data.output_span.half
+        && way.abs() > Thresholds::START_MOVES.1 * sigma;
+    let is_one_way = y.iter().all(|y| (y - stands).abs() <= Thresholds::START_SWINGS * way.abs());
     let first_command = data.command[record.hits.start];
     (is_seen && is_one_way).then_some((first_command, way))
 }
@@ -138,12 +118,15 @@ fn rest_before(
     let target = rest(data, base, first, count)? + way;
     let beside = |u: f64| rest(data, base, u, count).map(|y| y - target);
     let span = data.command_span;
-    let (mut low, mut high) = (span.centre - FAR * span.half, span.centre + FAR * span.half);
+    let (mut low, mut high) = (
+        span.centre - Thresholds::REST_FAR * span.half,
+        span.centre + Thresholds::REST_FAR * span.half,
+    );
     let (at_low, at_high) = (beside(low)?, beside(high)?);
     if at_low * at_high > 0.0 || at_low == at_high {
         return None;
     }
-    for _ in 0..HALVINGS {
+    for _ in 0..Thresholds::REST_HALVINGS {
         let middle = 0.5 * (low + high);
         if beside(middle)? * at_low > 0.0 {
             low = middle;

@@ -8,19 +8,7 @@ use crate::data_set::DataSet;
 use crate::outcome::Outcome;
 use crate::score::Judged;
 use crate::select::Candidate;
-
-/// Places to which a grid is known, over the step; and rows that may lie off it.
-const OFF: f64 = 0.02;
-const STRAY: f64 = 1e-3;
-/// Least number of values, and rows for each.
-const LEVELS: usize = 8;
-const ROWS: usize = 8;
-/// Rows of a stretch, and the part of its rows that have the value of the row before, in one of four stretches: steps of
-/// 2.3 standard deviations of the noise or more.
-const STRETCH: usize = 50;
-const SAME: f64 = 0.5;
-/// Relative rounding of numbers of single precision.
-const SINGLE: f64 = 2.5e-7;
+use crate::thresholds::noise::Thresholds;
 
 /// The steps of a reading, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,17 +28,18 @@ impl Steps {
         let mut moved: Vec<f64> = data
             .records
             .iter()
-            .flat_map(|record| data.y[record.rows.clone()].chunks_exact(STRETCH))
+            .flat_map(|record| data.y[record.rows.clone()].chunks_exact(Thresholds::STRETCH_ROWS))
             .map(|part| {
                 let moves = part.windows(2).filter(|w| (w[1] - w[0]).abs() > 0.5 * size).count();
-                moves as f64 / (STRETCH - 1) as f64
+                moves as f64 / (Thresholds::STRETCH_ROWS - 1) as f64
             })
             .collect();
         moved.sort_by(f64::total_cmp);
         // Of rows at rest under noise of σ the part 2σ/(√π·q) is another one than the row before.
         let moved = *moved.get(moved.len() / 4)?;
-        let beside = (0.5 * std::f64::consts::PI.sqrt() * moved * size).max(OFF * size);
-        (moved < 1.0 - SAME).then_some(Self { size, phase, beside })
+        let beside =
+            (0.5 * std::f64::consts::PI.sqrt() * moved * size).max(Thresholds::GRID_OFF * size);
+        (moved < 1.0 - Thresholds::STRETCH_REPEATED).then_some(Self { size, phase, beside })
     }
 
     /// With this noise before the rounding.
@@ -84,8 +73,8 @@ impl Steps {
 /// What is left as given, re-tuned and at last, the last one rounded as the reading is, over the noise before the
 /// rounding; none where the reading moves in no steps that are named.
 pub(crate) fn against_noise(o: &Outcome, left: [&Judged; 3]) -> Option<[Judged; 3]> {
-    let steps = o.problem.steps?;
-    let data = &o.problem.data;
+    let steps = o.task.steps?;
+    let data = &o.task.data;
     let over = o.sigma / steps.beside;
     let [given, before, after] =
         left.map(|judged| -> Vec<f64> { judged.residual.iter().map(|r| over * r).collect() });
@@ -99,17 +88,17 @@ fn grid(values: &[f64]) -> Option<(f64, f64)> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let far = sorted.first()?.abs().max(sorted.last()?.abs());
-    let near = SINGLE * far;
+    let near = Thresholds::SINGLE_PRECISION * far;
     let mut levels: Vec<f64> = Vec::new();
     for value in &sorted {
         if levels.last().is_none_or(|last| value - last > near) {
             levels.push(*value);
-            if levels.len() * ROWS > values.len() {
+            if levels.len() * Thresholds::GRID_ROWS > values.len() {
                 return None;
             }
         }
     }
-    if levels.len() < LEVELS {
+    if levels.len() < Thresholds::GRID_LEVELS {
         return None;
     }
     let mut gaps: Vec<f64> = levels.windows(2).map(|w| w[1] - w[0]).collect();
@@ -133,10 +122,10 @@ fn grid(values: &[f64]) -> Option<(f64, f64)> {
     let phase = ((mean_y - size * mean_k) / size).rem_euclid(1.0);
     let is_off = |y: &&f64| {
         let place = *y / size - phase;
-        (place - place.round()).abs() > OFF
+        (place - place.round()).abs() > Thresholds::GRID_OFF
     };
     let stray = values.iter().filter(is_off).count() as f64;
-    (stray <= STRAY * values.len() as f64).then_some((size, phase))
+    (stray <= Thresholds::GRID_STRAY * values.len() as f64).then_some((size, phase))
 }
 
 #[cfg(test)]

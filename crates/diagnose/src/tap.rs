@@ -1,7 +1,7 @@
 //! Taps: a column that reads the command behind the amplifier cuts the path in two.
 //!
 //! ```text
-//! command ─▶ timing, amplifier ─▶ monitor          one problem: what does the monitor read?
+//! command ─▶ timing, amplifier ─▶ monitor          one task: what does the monitor read?
 //!                                 monitor ─▶ actuator … sensor ─▶ output      and another one
 //! ```
 //!
@@ -11,13 +11,9 @@ use data::Log;
 
 use crate::base::Base;
 use crate::error::Error;
-use crate::problem::{Port, Problem, assemble, correlation};
 use crate::request::Request;
-
-/// Least correlation with the command.
-const LIKE: f64 = 0.9;
-/// How far the slope against the command may be from 1: a monitor in another scale is none.
-const SCALE: f64 = 0.25;
+use crate::task::{Port, Task, assemble, correlation};
+use crate::thresholds::base::Thresholds;
 
 /// The column of a monitor of this input: by its name, in the input's unit, and like the command.
 pub(crate) fn monitor(request: &Request, input: &Port) -> Option<String> {
@@ -40,7 +36,8 @@ pub(crate) fn monitor(request: &Request, input: &Port) -> Option<String> {
     columns
         .filter(|c| {
             let values = to_si(c);
-            correlation(&values, &command) > LIKE && (slope(&values, &command) - 1.0).abs() < SCALE
+            correlation(&values, &command) > Thresholds::MONITOR_LIKE
+                && (slope(&values, &command) - 1.0).abs() < Thresholds::MONITOR_SCALE
         })
         .map(|c| c.name.clone())
         .next()
@@ -69,7 +66,7 @@ fn advance(log: &mut Log, monitor: &str, name: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// The two problems of an output whose command is read at `monitor`.
+/// The two tasks of an output whose command is read at `monitor`.
 pub(crate) fn cut(
     request: &Request,
     (inputs, outputs): (&[Port], &[Port]),
@@ -77,7 +74,7 @@ pub(crate) fn cut(
     base: &Base,
     step: Option<f64>,
     monitor: &str,
-) -> Result<[Problem; 2], Error> {
+) -> Result<[Task; 2], Error> {
     let input = &inputs[index];
     if base.reads_command() {
         return Err(Error::Model {

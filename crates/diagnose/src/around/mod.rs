@@ -93,8 +93,7 @@ impl<'a> Maker<'a> {
     ) -> Result<Self, Error> {
         let description = fmu.description();
         let co_simulation = description.co_simulation.as_ref();
-        let step =
-            outcomes.iter().map(|o| o.problem.data.sample_time()).fold(f64::INFINITY, f64::min);
+        let step = outcomes.iter().map(|o| o.task.data.sample_time()).fold(f64::INFINITY, f64::min);
         let own_step = inner_step(description);
         let any_step =
             co_simulation.is_some_and(|cs| cs.can_handle_variable_communication_step_size);
@@ -150,7 +149,7 @@ impl<'a> Maker<'a> {
 
     /// The auxiliary signal of a column: another input of the FMU, or a new one.
     fn auxiliary(&mut self, o: &Outcome, number: usize) -> Result<usize, Error> {
-        let aux = &o.problem.data.aux[number];
+        let aux = &o.task.data.aux[number];
         let inputs = self.fmu.names(Causality::Input);
         let column = |input: &str| self.names.column(input).unwrap_or(input) == aux.name;
         if let Some(name) = inputs.iter().find(|input| column(input)) {
@@ -191,7 +190,7 @@ impl<'a> Maker<'a> {
             self.repair.effects.iter().any(|e| e.name == name)
                 || variables.iter().any(|v| v.name.starts_with(&head))
         };
-        let with_output = format!("{wanted}_{}", plain(&o.problem.output));
+        let with_output = format!("{wanted}_{}", plain(&o.task.output));
         let mut tried = vec![wanted.to_owned()];
         if self.outcomes.len() > 1 {
             tried.push(with_output);
@@ -225,17 +224,17 @@ impl<'a> Maker<'a> {
         values: &[f64],
     ) -> Result<(), Error> {
         let mut blocks = Vec::new();
-        let base = &o.problem.base;
+        let base = &o.task.base;
         let mode = base.mode_in(&o.found.last.chain, &o.found.last.fit.theta);
         for (piece, place) in formula.pieces.iter().zip(places(formula)) {
             // Between two clocks, or of the start of a record.
             let Some(block) = piece.block.effect().cloned() else { continue };
             let slot = place_of(piece.slot);
             let at = base.slots.get(&piece.slot).copied();
-            let drive = self.port(&o.problem.input, true, &o.problem.command_unit)?;
+            let drive = self.port(&o.task.input, true, &o.task.command_unit)?;
             let (side, port) = match at {
                 Some(0) => (Side::Input, drive),
-                _ => (Side::Output, self.port(&o.problem.output, false, &o.problem.unit)?),
+                _ => (Side::Output, self.port(&o.task.output, false, &o.task.unit)?),
             };
             let auxiliary =
                 block.reads_auxiliary().then(|| self.auxiliary(o, piece.aux)).transpose()?;
@@ -256,8 +255,8 @@ impl<'a> Maker<'a> {
             let far = centre.abs() + half;
             let piece = Piece {
                 side: Side::Output,
-                port: self.port(&o.problem.output, false, &o.problem.unit)?,
-                drive: self.port(&o.problem.input, true, &o.problem.command_unit)?,
+                port: self.port(&o.task.output, false, &o.task.unit)?,
+                drive: self.port(&o.task.input, true, &o.task.command_unit)?,
                 auxiliary: None,
                 place: place_of(Slot::BeforeMechanics),
                 parameters: (0..force.count()).collect(),
@@ -279,7 +278,7 @@ impl<'a> Maker<'a> {
         if known {
             self.notes.push(format!(
                 "{name} before the FMU was found for {} as well; it is there once, as for the output with the larger gap",
-                o.problem.output
+                o.task.output
             ));
             return Ok(());
         }
@@ -297,7 +296,7 @@ impl<'a> Maker<'a> {
             let factor = scale_of(o, free.unit);
             let start = value / factor;
             let min = free.log.then(|| start.min(free.low / factor));
-            let unit = model::unit_on_axis(free.unit, &o.problem.command_unit, &o.problem.unit);
+            let unit = model::unit_on_axis(free.unit, &o.task.command_unit, &o.task.unit);
             effect.parameters.push(Parameter {
                 name: plain(free.name),
                 description: format!("{}: {}", effect.name, free.name),
@@ -325,7 +324,7 @@ impl<'a> Maker<'a> {
         number: usize,
         effect: &mut Effect,
     ) -> Result<(), Error> {
-        let told = &o.problem.base.parameters[base];
+        let told = &o.task.base.parameters[base];
         let last = &o.found.last;
         let at = last.chain.parameters.iter().position(|p| p.is_base && p.name == told.name);
         let Some(at) = at else { return Ok(()) };
@@ -363,22 +362,22 @@ impl<'a> Maker<'a> {
             .iter()
             .flat_map(|(f, k)| o.library[*f].formulas[*k].releases.clone())
             .collect();
-        for (k, p) in o.problem.base.parameters.iter().enumerate() {
+        for (k, p) in o.task.base.parameters.iter().enumerate() {
             if with_parameters && p.has_tolerance && !released.contains(&k) {
                 self.change(o, k, number, &mut effect)?;
             }
         }
         let gain = last.chain.parameters.iter().position(|p| p.is_base && p.name == "output.gain");
         if let Some(k) = gain {
-            let drive = self.port(&o.problem.input, true, &o.problem.command_unit)?;
-            let port = self.port(&o.problem.output, false, &o.problem.unit)?;
+            let drive = self.port(&o.task.input, true, &o.task.command_unit)?;
+            let port = self.port(&o.task.output, false, &o.task.unit)?;
             let parameters = vec![effect.parameters.len()];
             effect.parameters.push(Parameter {
                 name: "gain".to_owned(),
-                description: format!("factor of {}", o.problem.output),
+                description: format!("factor of {}", o.task.output),
                 unit: "1".to_owned(),
                 factor: 1.0,
-                start: 1.0 + o.problem.base.gain_tolerance * last.fit.theta[k],
+                start: 1.0 + o.task.base.gain_tolerance * last.fit.theta[k],
                 min: None,
                 max: None,
                 reference: self.reference(),
@@ -399,11 +398,11 @@ impl<'a> Maker<'a> {
         if shared == 0.0 {
             return Ok(());
         }
-        let factor = o.problem.factor;
+        let factor = o.task.factor;
         let piece = Piece {
             side: Side::Output,
-            port: self.port(&o.problem.output, false, &o.problem.unit)?,
-            drive: self.port(&o.problem.input, true, &o.problem.command_unit)?,
+            port: self.port(&o.task.output, false, &o.task.unit)?,
+            drive: self.port(&o.task.input, true, &o.task.command_unit)?,
             auxiliary: None,
             place: LAST,
             parameters: vec![effect.parameters.len()],
@@ -413,9 +412,9 @@ impl<'a> Maker<'a> {
             name: "offset".to_owned(),
             description: format!(
                 "is added to {}: the offset that all records share",
-                o.problem.output
+                o.task.output
             ),
-            unit: o.problem.unit.clone(),
+            unit: o.task.unit.clone(),
             factor,
             start: shared / factor,
             min: None,
@@ -428,12 +427,12 @@ impl<'a> Maker<'a> {
 
     /// The steps of the reading that its values show, behind everything.
     fn steps(&mut self, o: &Outcome) -> Result<(), Error> {
-        let Some(steps) = o.problem.steps else { return Ok(()) };
-        let half = o.problem.data.output_span.half;
+        let Some(steps) = o.task.steps else { return Ok(()) };
+        let half = o.task.data.output_span.half;
         let piece = Piece {
             side: Side::Output,
-            port: self.port(&o.problem.output, false, &o.problem.unit)?,
-            drive: self.port(&o.problem.input, true, &o.problem.command_unit)?,
+            port: self.port(&o.task.output, false, &o.task.unit)?,
+            drive: self.port(&o.task.input, true, &o.task.command_unit)?,
             auxiliary: None,
             place: LAST + 1,
             parameters: vec![0, 1],

@@ -3,22 +3,17 @@
 use super::{Base, BaseParameter};
 use crate::chain::{Acting, Chain, Link, Node, Parameter};
 use crate::library::{Formula, Slot};
-
-/// Where the prior's box ends, in standard deviations.
-const BOX: f64 = 3.0;
-/// Part of its value that a released parameter can lose.
-pub(crate) const RELEASED_DOWN: f64 = 0.95;
-/// What a released parameter can become, over its value.
-const MOST_OF_VALUE: f64 = 10.0;
-/// Damping ratio that a released one can reach whatever its value: a mode that creeps, three times
-/// over critical. The model's may be that of a bare resonance, the machine's that of a damped one.
-const OVERDAMPED: f64 = 3.0;
+use crate::thresholds::base::Thresholds;
 
 impl BaseParameter {
     /// How far above its value it can go where an effect releases it, in its own unit.
     fn most_added(&self) -> f64 {
-        let most = MOST_OF_VALUE * self.value.abs();
-        let reach = if self.effect == Some("damping") { most.max(OVERDAMPED) } else { most };
+        let most = Thresholds::RELEASED_UP * self.value.abs();
+        let reach = if self.effect == Some("damping") {
+            most.max(Thresholds::RELEASED_DAMPING)
+        } else {
+            most
+        };
         reach - self.value.abs()
     }
 }
@@ -59,9 +54,13 @@ impl<'a> Composer<'a> {
             }
             of_base.push(Some(parameters.len()));
             let (low, high, prior) = if released(k) {
-                (-RELEASED_DOWN * p.value.abs() / p.deviation, p.most_added() / p.deviation, 0.0)
+                (
+                    -Thresholds::RELEASED_DOWN * p.value.abs() / p.deviation,
+                    p.most_added() / p.deviation,
+                    0.0,
+                )
             } else {
-                (-BOX, BOX, 1.0)
+                (-Thresholds::PRIOR_BOX, Thresholds::PRIOR_BOX, 1.0)
             };
             parameters.push(Parameter {
                 name: p.name.clone(),
@@ -80,8 +79,8 @@ impl<'a> Composer<'a> {
         parameters.push(Parameter {
             name: "output.gain".to_owned(),
             unit: "1".to_owned(),
-            low: -BOX,
-            high: BOX,
+            low: -Thresholds::PRIOR_BOX,
+            high: Thresholds::PRIOR_BOX,
             log: false,
             step: 0.2,
             prior: 1.0,

@@ -71,7 +71,7 @@ fn what_was_not_fitted_has_no_probability() {
     let found = all(&[looked(3, None), looked(5, Some(candidate((0.0, 0.0), 0.0, 1)))]);
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].0, 5);
-    close(found[0].1, LIBRARY);
+    close(found[0].1, Thresholds::LIBRARY);
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn a_rival_that_leaves_twice_as_much_has_a_64th_of_the_odds() {
     let far = looked(1, Some(candidate((0.25, 0.13), 1e3, 1)));
     let found = all(&[near.clone(), far]);
     close(odds(&found, 1, 0), 1.0 / 64.0);
-    close(found[0].1 + found[1].1, LIBRARY);
+    close(found[0].1 + found[1].1, Thresholds::LIBRARY);
     // Four times as much: 0.39.
     let farther = looked(1, Some(candidate((0.39, 0.39), 1e3, 1)));
     close(odds(&all(&[near, farther]), 1, 0), 1.0 / 4096.0);
@@ -153,15 +153,15 @@ fn the_more_is_left_the_less_is_the_cause_in_the_library() {
         let found = beliefs(sight, &[looked(0, Some(own.clone()))], &own);
         found[0].probability
     };
-    close(known(0.0, &sight), LIBRARY);
-    close(known(0.1, &sight), LIBRARY);
+    close(known(0.0, &sight), Thresholds::LIBRARY);
+    close(known(0.1, &sight), Thresholds::LIBRARY);
     // 12 % of the gap over what may be left: as likely in the library as not.
-    close(known(0.1 + 1.2, &sight), LIBRARY / 2.0);
-    close(known(0.1 + 2.4, &sight), LIBRARY / (1.0 + 2.0_f64.powf(1.2)));
+    close(known(0.1 + 1.2, &sight), Thresholds::LIBRARY / 2.0);
+    close(known(0.1 + 2.4, &sight), Thresholds::LIBRARY / (1.0 + 2.0_f64.powf(1.2)));
     // A smaller gap: the same is a larger part. One that is hardly there counts as a tenth of the noise.
-    close(known(0.1 + 0.6, &Sight { base_excess: 5.0, ..sight }), LIBRARY / 2.0);
-    close(known(0.1 + 0.012, &Sight { base_excess: 0.01, ..sight }), LIBRARY / 2.0);
-    close(known(0.3 + 1.2, &Sight { adequate: 1.3, ..sight }), LIBRARY / 2.0);
+    close(known(0.1 + 0.6, &Sight { base_excess: 5.0, ..sight }), Thresholds::LIBRARY / 2.0);
+    close(known(0.1 + 0.012, &Sight { base_excess: 0.01, ..sight }), Thresholds::LIBRARY / 2.0);
+    close(known(0.3 + 1.2, &Sight { adequate: 1.3, ..sight }), Thresholds::LIBRARY / 2.0);
 }
 
 #[test]
@@ -176,11 +176,11 @@ fn a_name_of_a_group_is_less_sure_as_what_is_in_no_library_looks_like_it_too() {
             .collect();
         beliefs(&sight, &looked, &own).iter().map(|b| b.probability).collect::<Vec<_>>()
     };
-    close(believe(&[(0, 0.0)])[0], LIBRARY_OF_GROUPS);
-    close(believe(&[(1, 0.0)])[0], LIBRARY);
+    close(believe(&[(0, 0.0)])[0], Thresholds::LIBRARY_OF_GROUPS);
+    close(believe(&[(1, 0.0)])[0], Thresholds::LIBRARY);
     // Half of each: none of these is between, and the shares stay what they are.
     let even = believe(&[(0, 0.0), (1, 0.0)]);
-    close(even[0], 0.25 * (LIBRARY + LIBRARY_OF_GROUPS));
+    close(even[0], 0.25 * (Thresholds::LIBRARY + Thresholds::LIBRARY_OF_GROUPS));
     close(even[0], even[1]);
 }
 
@@ -217,15 +217,18 @@ fn a_name_is_trusted_with_its_group() {
     // Delay and amplifier bandwidth are one group; clock offset and quantisation are in none.
     let found = believe(&[(0, 0.4), (1, 0.2), (2, 0.1), (3, 0.06), (4, 0.04)]);
     // What they would have at most, by their shares.
-    let most = (0.54 * LIBRARY_OF_GROUPS + 0.26 * LIBRARY) / 0.8;
+    let most = (0.54 * Thresholds::LIBRARY_OF_GROUPS + 0.26 * Thresholds::LIBRARY) / 0.8;
     close(trust(&library, &found, 0), 0.5 / most);
     close(trust(&library, &found, 2), 0.5 / most);
     close(trust(&library, &found, 1), 0.2 / most);
     close(trust(&library, &found, 4), 0.04 / most);
     // That more of a group is in no library says nothing against the one that was found.
-    close(trust(&library, &believe(&[(0, 0.5 * LIBRARY_OF_GROUPS)]), 0), 0.5);
-    close(trust(&library, &believe(&[(1, 0.5 * LIBRARY)]), 1), 0.5);
-    assert_eq!(trust(&library, &[], 1).partial_cmp(&TRUSTED), Some(std::cmp::Ordering::Less));
+    close(trust(&library, &believe(&[(0, 0.5 * Thresholds::LIBRARY_OF_GROUPS)]), 0), 0.5);
+    close(trust(&library, &believe(&[(1, 0.5 * Thresholds::LIBRARY)]), 1), 0.5);
+    assert_eq!(
+        trust(&library, &[], 1).partial_cmp(&Thresholds::TRUSTED),
+        Some(std::cmp::Ordering::Less)
+    );
 }
 
 #[test]

@@ -2,8 +2,7 @@
 
 use std::collections::VecDeque;
 
-/// Values that are kept, of courses and answers together.
-const MOST: usize = 8_000_000;
+use crate::thresholds::base::Thresholds;
 
 /// One run.
 struct Run {
@@ -50,7 +49,7 @@ impl Known {
         let (course, answer) = (course.to_vec(), answer.to_vec());
         self.kept += course.len() + answer.len();
         self.runs.push_front(Run { record, values, course, answer });
-        while self.kept > MOST
+        while self.kept > Thresholds::KEPT_VALUES
             && let Some(last) = self.runs.pop_back()
         {
             self.kept -= last.course.len() + last.answer.len();
@@ -81,7 +80,7 @@ mod tests {
     #[test]
     fn what_was_used_longest_ago_is_forgotten() {
         let mut known = Known::default();
-        let long = vec![0.0; MOST / 5];
+        let long = vec![0.0; Thresholds::KEPT_VALUES / 5];
         for record in 0..3 {
             known.keep(record, Vec::new(), &long, &long);
         }

@@ -8,21 +8,7 @@ use surround::{Block, Memory, Signals, Span};
 
 use super::{BlackBox, Entry};
 use crate::data_set::RecordData;
-
-/// Levels over the range of the command.
-const LEVELS: usize = 48;
-/// Rows that a level is held for, where nothing but the mode moves.
-const HELD: usize = 8;
-/// What is left of a lag's answer at the end of a level.
-const SETTLED: f64 = 1e-6;
-/// Part of the slope below which a weight is rounding.
-const NOTHING: f64 = 1e-4;
-/// Part of the slope that all plays together must have.
-const SOME: f64 = 2e-3;
-/// Rows of a record under which the plays must do what the box does.
-const CHECKED: usize = 20_000;
-/// Part of what the plays do by which the box may differ.
-const OFF: f64 = 0.05;
+use crate::thresholds::base::Thresholds;
 
 impl BlackBox {
     /// Thresholds and weights of the plays between the driven input and the mode that the output leaves through;
@@ -35,26 +21,33 @@ impl BlackBox {
         entry: Option<Entry>,
     ) -> Option<Memory> {
         let held = match entry.map_or(0.0, |entry| entry.lag) {
-            lag if lag > 0.0 => HELD + (SETTLED.ln() / lag.ln()).ceil() as usize,
-            _ => HELD,
+            lag if lag > 0.0 => {
+                Thresholds::PLAY_HELD + (Thresholds::PLAY_SETTLED.ln() / lag.ln()).ceil() as usize
+            }
+            _ => Thresholds::PLAY_HELD,
         };
-        let (low, step) = (command.centre - command.half, 2.0 * command.half / LEVELS as f64);
+        let (low, step) =
+            (command.centre - command.half, 2.0 * command.half / Thresholds::PLAY_LEVELS as f64);
         // Up from below, down to the bottom, up again.
-        let way = (0..=LEVELS).chain((0..LEVELS).rev()).chain(1..=LEVELS);
+        let way = (0..=Thresholds::PLAY_LEVELS)
+            .chain((0..Thresholds::PLAY_LEVELS).rev())
+            .chain(1..=Thresholds::PLAY_LEVELS);
         let course: Vec<f64> =
             way.flat_map(|k| std::iter::repeat_n(low + k as f64 * step, held)).collect();
         let entered = self.entered(record, &course, entry)?;
         let at = |level: usize| entered[(level + 1) * held - 1];
-        let falling: Vec<f64> = (0..=LEVELS).map(|k| at(LEVELS) - at(LEVELS + k)).collect();
+        let falling: Vec<f64> = (0..=Thresholds::PLAY_LEVELS)
+            .map(|k| at(Thresholds::PLAY_LEVELS) - at(Thresholds::PLAY_LEVELS + k))
+            .collect();
         let memory = of_branch(&falling, step)?;
         // The staircase itself, then loops of several sizes from rest.
-        if left(&course, &entered, entry, &memory) > OFF {
+        if left(&course, &entered, entry, &memory) > Thresholds::PLAY_OFF {
             return None;
         }
-        let rows = self.times.get(&record.rows.start)?.len().min(CHECKED);
+        let rows = self.times.get(&record.rows.start)?.len().min(Thresholds::PLAY_CHECKED);
         let own: Vec<f64> = moved(command, first, rows);
         let entered = self.entered(record, &own, entry)?;
-        (left(&own, &entered, entry, &memory) <= OFF).then_some(memory)
+        (left(&own, &entered, entry, &memory) <= Thresholds::PLAY_OFF).then_some(memory)
     }
 
     /// What enters the mode under this course of the driven input, the others held.
@@ -122,7 +115,10 @@ fn of_branch(branch: &[f64], step: f64) -> Option<Memory> {
     // The weight at threshold k/2 steps.
     let mut weights = vec![0.0];
     weights.extend(branch.windows(3).map(bend));
-    weights.iter_mut().filter(|w| w.abs() < NOTHING * slope.abs()).for_each(|w| *w = 0.0);
+    weights
+        .iter_mut()
+        .filter(|w| w.abs() < Thresholds::PLAY_NOTHING * slope.abs())
+        .for_each(|w| *w = 0.0);
     let (mut r, mut w) = (Vec::new(), Vec::new());
     let mut k = 1;
     while k < weights.len() {
@@ -140,7 +136,7 @@ fn of_branch(branch: &[f64], step: f64) -> Option<Memory> {
         k += run.max(1);
     }
     let all: f64 = w.iter().map(|w: &f64| w.abs()).sum();
-    (all > SOME * slope.abs()).then_some(Memory { r, w })
+    (all > Thresholds::PLAY_SOME * slope.abs()).then_some(Memory { r, w })
 }
 
 #[cfg(test)]
@@ -155,14 +151,14 @@ mod tests {
             let x = k as f64 * step;
             x + r.iter().zip(&w).map(|(r, w)| w * (x - 2.0 * r).max(0.0)).sum::<f64>()
         };
-        let branch: Vec<f64> = (0..=LEVELS).map(at).collect();
+        let branch: Vec<f64> = (0..=Thresholds::PLAY_LEVELS).map(at).collect();
         let memory = of_branch(&branch, step).unwrap();
         assert_eq!(memory.r.len(), 3, "{memory:?}");
         for k in 0..3 {
             assert!((memory.r[k] - r[k]).abs() < 1e-9, "{memory:?}");
             assert!((memory.w[k] - w[k]).abs() < 1e-9, "{memory:?}");
         }
-        let line: Vec<f64> = (0..=LEVELS).map(|k| 0.7 * k as f64).collect();
+        let line: Vec<f64> = (0..=Thresholds::PLAY_LEVELS).map(|k| 0.7 * k as f64).collect();
         assert_eq!(of_branch(&line, step), None);
     }
 }

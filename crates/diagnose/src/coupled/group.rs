@@ -7,13 +7,9 @@ use nalgebra::DMatrix;
 use super::motion_unit;
 use crate::base::is_noise;
 use crate::error::Error;
-use crate::problem::{Port, column, unit_text};
 use crate::request::{Noise, Request};
-
-/// Greatest condition number of couplings that are undone.
-const CONDITION: f64 = 1000.0;
-/// Relative deviation from a straight line that is rounding.
-const ROUNDING: f64 = 1e-9;
+use crate::task::{Port, column, unit_text};
+use crate::thresholds::base::Thresholds;
 
 /// Axes that couplings join, with what the couplings do.
 pub(super) struct Group {
@@ -67,15 +63,17 @@ impl Group {
                 .collect();
             for (i, (at, zero)) in positions(&motion)?.iter().zip(&zero).enumerate() {
                 let line = zero + (0..n).map(|j| matrix[(i, j)] * motion[j]).sum::<f64>();
-                if (at - line).abs() > ROUNDING * (at.abs() + zero.abs() + line.abs()) {
+                if (at - line).abs()
+                    > Thresholds::AFFINE_ROUNDING * (at.abs() + zero.abs() + line.abs())
+                {
                     return Err("what they do is no straight line".to_owned());
                 }
             }
         }
-        let condition = condition(&matrix);
-        let inverse = matrix.clone().try_inverse().filter(|_| condition <= CONDITION).ok_or_else(|| {
+        let (condition, most) = (condition(&matrix), Thresholds::CONDITION);
+        let inverse = matrix.clone().try_inverse().filter(|_| condition <= most).ok_or_else(|| {
             format!(
-                "their matrix has the condition number {condition:.3e}, above {CONDITION}: the readings do not tell \
+                "their matrix has the condition number {condition:.3e}, above {most}: the readings do not tell \
                  the motions apart"
             )
         })?;
@@ -230,21 +228,21 @@ fn run(node: &NodeSpec, x: &[f64], step: f64) -> Option<Vec<f64>> {
 
 /// Whether a component is linear in its input and gives nothing for nothing.
 fn is_linear(node: &NodeSpec, step: f64) -> bool {
-    const STEPS: usize = 400;
     let wave = |rate: f64, size: f64| -> Vec<f64> {
-        (0..STEPS).map(|n| size * (rate * n as f64 + 0.3).sin()).collect()
+        (0..Thresholds::LINEAR_STEPS).map(|n| size * (rate * n as f64 + 0.3).sin()).collect()
     };
     let (a, b) = (wave(0.05, 1.0), wave(0.173, -7.0));
     let sum: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a + b).collect();
     let out = |x: &[f64]| run(node, x, step);
     let (Some(zero), Some(a), Some(b), Some(sum)) =
-        (out(&[0.0; STEPS]), out(&a), out(&b), out(&sum))
+        (out(&[0.0; Thresholds::LINEAR_STEPS]), out(&a), out(&b), out(&sum))
     else {
         return false;
     };
     let largest = a.iter().chain(&b).fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
     zero.iter().all(|v| *v == 0.0)
-        && (0..STEPS).all(|n| (sum[n] - a[n] - b[n]).abs() <= ROUNDING * largest)
+        && (0..Thresholds::LINEAR_STEPS)
+            .all(|n| (sum[n] - a[n] - b[n]).abs() <= Thresholds::AFFINE_ROUNDING * largest)
 }
 
 /// What the filter gives for a value that has been held for ever.

@@ -5,16 +5,13 @@ use surround::{Block, Growth, Loss, Memory};
 
 use super::{Family, Formula, Free, Setting, Slot};
 use crate::path_block::RecordBlock;
+use crate::thresholds::search::Thresholds;
 
 /// Names of the parameters of a bank of plays.
 const WEIGHTS: [&str; 8] = [
     "weight 1", "weight 2", "weight 3", "weight 4", "weight 5", "weight 6", "weight 7", "weight 8",
 ];
 const WEIGHT: &str = "{position}/{command}";
-/// Part of the way to the rate of a row by which the smoothed one moves, where thresholds grow up to a limit.
-const SATURATING: f64 = 0.3;
-/// Part of the way to the rate of a row by which the smoothed one moves, where the loop grows.
-const GROWING: f64 = 0.1;
 
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     let memory = s.base.memory.clone().unwrap_or_else(|| generic(s));
@@ -286,7 +283,7 @@ fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
                     memory: memory.clone(),
                     law: Growth::Limited,
                     scale: s.steepest,
-                    smoothing: Some(surround::time_of(SATURATING, s.data.step)),
+                    smoothing: Some(surround::time_of(Thresholds::RATE_SATURATING, s.data.step)),
                 },
                 vec![
                     Free::linear("growth", "1", 0.0, 20.0).step(0.01),
@@ -304,7 +301,7 @@ fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
                 Block::RateMemory {
                     memory: memory.clone(),
                     half: s.command.half,
-                    smoothing: surround::time_of(GROWING, s.data.step),
+                    smoothing: surround::time_of(Thresholds::RATE_GROWING, s.data.step),
                 },
                 vec![time()],
             )

@@ -6,9 +6,9 @@ use surround::{Block, Span};
 
 use super::{Family, Formula, Free, Setting, Slot};
 use crate::converter::Gaps;
-use crate::jitter;
 use crate::nuisance::Nuisance;
 use crate::path_block::RecordBlock;
+use crate::thresholds::search::Thresholds;
 
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(delay(s));
@@ -52,7 +52,8 @@ fn swinging(formula: &Formula, name: &'static str, s: &Setting<'_>) -> Option<Fo
     all.screened = formula.parameters.len();
     // Less than a period in a record is a ramp.
     let lowest = 1.0 / s.length;
-    let frequency = Free::log("frequency", "Hz", lowest, 2.0 * jitter::HIGHEST / s.sample);
+    let frequency =
+        Free::log("frequency", "Hz", lowest, 2.0 * Thresholds::JITTER_HIGHEST / s.sample);
     all.parameters.push(frequency.step(1e-3 * lowest));
     (!all.starts.is_empty()).then_some(all)
 }

@@ -7,6 +7,7 @@ use surround::Block;
 use super::{Family, Formula, Free, Setting, Slot};
 use crate::chain::Force;
 use crate::nuisance::Nuisance;
+use crate::thresholds::search::Thresholds;
 
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(Family::new(&effects::RESONANCE_SHIFT, resonance(s)));
@@ -44,9 +45,6 @@ pub(super) fn released(s: &Setting<'_>, effect: &Effect) -> Option<Formula> {
     (!releases.is_empty()).then_some(Formula { releases, ..formula })
 }
 
-/// Factor by which a resonance may have moved.
-const FAR: f64 = 1.6;
-
 /// For a black box: the poles of a resonance moved, as a filter behind the model.
 fn resonance(s: &Setting<'_>) -> Vec<Formula> {
     // A box whose own parameter moves its mode is as good as a blueprint.
@@ -56,7 +54,7 @@ fn resonance(s: &Setting<'_>) -> Vec<Formula> {
     }
     // A pair of poles far from the model's own is another mode, or a lag.
     let (low, high) = match s.resonance {
-        Some(f) => (f / FAR, f * FAR),
+        Some(f) => (f / Thresholds::RESONANCE_FAR, f * Thresholds::RESONANCE_FAR),
         None => (0.5 / s.length, 0.45 / s.sample),
     };
     let parameters = vec![
@@ -256,15 +254,12 @@ fn periodic(s: &Setting<'_>) -> Vec<Formula> {
     let mut all = vec![formula("one line", 1), formula("line with two harmonics", 3)];
     let resolution = 1.0 / s.length;
     if let Some(fundamental) = fundamental(&s.lines, resolution) {
-        let mut pulses = formula("pulses: line with nine harmonics", PULSE);
+        let mut pulses = formula("pulses: line with nine harmonics", Thresholds::PULSE_LINES);
         pulses.starts = vec![vec![fundamental]];
         all.push(pulses);
     }
     all
 }
-
-/// Lines of a train of pulses, as of a force that acts during a part of each turn.
-const PULSE: usize = 10;
 
 /// The largest frequency of which most lines are multiples, where these are at least three and one of
 /// them is above the third.
@@ -273,7 +268,7 @@ fn fundamental(lines: &[f64], resolution: f64) -> Option<f64> {
         let order = |line: &f64| {
             let order = (line / f).round();
             let is_near = (line - order * f).abs() < resolution * order.sqrt();
-            (is_near && order <= PULSE as f64).then_some(order)
+            (is_near && order <= Thresholds::PULSE_LINES as f64).then_some(order)
         };
         lines.iter().filter_map(order).collect()
     };

@@ -7,6 +7,7 @@ use report::{Axis, Histogram, Role, Section, Spectrum, TimeSeries, XyLoop};
 use crate::figures::{self, Answered};
 use crate::outcome::Outcome;
 use crate::spectrum::{self, Bands};
+use crate::thresholds::answer::Thresholds;
 
 /// Adds all pictures of an output.
 pub(super) fn add(section: Section, o: &Outcome) -> Section {
@@ -15,33 +16,30 @@ pub(super) fn add(section: Section, o: &Outcome) -> Section {
 
 /// The command of some rows, in its unit.
 fn command_of(o: &Outcome, rows: Range<usize>) -> Vec<f64> {
-    let data = &o.problem.data;
+    let data = &o.task.data;
     let hits = data.row_hit[rows].iter();
-    hits.map(|hit| data.command[*hit as usize] / o.problem.command_factor).collect()
+    hits.map(|hit| data.command[*hit as usize] / o.task.command_factor).collect()
 }
-
-/// Rows of a stretch on which single waves can be seen.
-const STRETCH: usize = 600;
 
 /// Measured, model, repaired model and what each leaves, on the stretch of the records in which the gap is largest.
 pub(super) fn proof(o: &Outcome) -> Option<TimeSeries> {
-    let data = &o.problem.data;
+    let data = &o.task.data;
     let largest = o.robust.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?.0;
     let record = data.records.iter().find(|record| record.rows.contains(&largest))?;
     let all = record.rows.clone();
-    let first = largest.saturating_sub(STRETCH / 2).max(all.start);
-    let rows = first..(first + STRETCH).min(all.end);
-    let title = format!("{}: {} where the gap is largest", o.problem.output, record.name);
+    let first = largest.saturating_sub(Thresholds::STRETCH_SHOWN / 2).max(all.start);
+    let rows = first..(first + Thresholds::STRETCH_SHOWN).min(all.end);
+    let title = format!("{}: {} where the gap is largest", o.task.output, record.name);
     Some(over_time(o, title, rows))
 }
 
 /// Measured, model, repaired model and what each leaves, over time, in these rows.
 fn over_time(o: &Outcome, title: String, rows: Range<usize>) -> TimeSeries {
-    let data = &o.problem.data;
-    let scale = o.sigma / o.problem.factor;
-    let unit = o.problem.unit.as_str();
+    let data = &o.task.data;
+    let scale = o.sigma / o.task.factor;
+    let unit = o.task.unit.as_str();
     let in_unit = |v: &[f64]| v[rows.clone()].iter().map(|r| r * scale).collect::<Vec<f64>>();
-    let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.problem.factor).collect();
+    let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.task.factor).collect();
     let without = |residual: &[f64]| y.iter().zip(residual).map(|(y, r)| y - r).collect::<Vec<_>>();
     let (before, after) =
         (in_unit(&o.found.base.judged.residual), in_unit(&o.found.last.judged.residual));
@@ -65,23 +63,23 @@ fn histogram(o: &Outcome, record: &str, before: &[f64], after: &[f64]) -> Histog
     if !o.found.last.picks.is_empty() {
         sets.push((Role::Other, "after", after));
     }
-    let title = format!("{}: size of the gap, {record}", o.problem.output);
-    figures::histogram(title, o.problem.unit.as_str(), &sets)
+    let title = format!("{}: size of the gap, {record}", o.task.output);
+    figures::histogram(title, o.task.unit.as_str(), &sets)
 }
 
 /// Measured, simulated and what is left, record by record; spectra before and after.
 fn signals(mut section: Section, o: &Outcome) -> Section {
-    let data = &o.problem.data;
-    let scale = o.sigma / o.problem.factor;
-    let unit = o.problem.unit.as_str();
+    let data = &o.task.data;
+    let scale = o.sigma / o.task.factor;
+    let unit = o.task.unit.as_str();
     for record in &data.records {
         let rows = record.rows.clone();
         let in_unit = |v: &[f64]| v[rows.clone()].iter().map(|r| r * scale).collect::<Vec<f64>>();
-        let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.problem.factor).collect();
+        let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.task.factor).collect();
         let (before, after) =
             (in_unit(&o.found.base.judged.residual), in_unit(&o.found.last.judged.residual));
         let model: Vec<f64> = y.iter().zip(&before).map(|(y, r)| y - r).collect();
-        let title = format!("{}: {}", o.problem.output, record.name);
+        let title = format!("{}: {}", o.task.output, record.name);
         section = section.figure(over_time(o, title, rows.clone()));
         let mut errors = vec![(Role::Residual, "before", &before[..])];
         if !o.found.last.picks.is_empty() {
@@ -108,8 +106,8 @@ fn signals(mut section: Section, o: &Outcome) -> Section {
             outputs.push((Role::Other, "model, repaired", &repaired));
         }
         let answered = Answered { input: &command, outputs, period: data.sample_time() };
-        let title = format!("{}: frequency response, {}", o.problem.output, record.name);
-        let gain = format!("{unit}/{}", o.problem.command_unit);
+        let title = format!("{}: frequency response, {}", o.task.output, record.name);
+        let gain = format!("{unit}/{}", o.task.command_unit);
         if let Some(figure) = figures::bode(title, &gain, &answered) {
             section = section.figure(figure);
         }
@@ -119,7 +117,7 @@ fn signals(mut section: Section, o: &Outcome) -> Section {
 
 /// Level of the gap over the noise, record by record and band by band, before and after.
 fn map(mut section: Section, o: &Outcome) -> Section {
-    let data = &o.problem.data;
+    let data = &o.task.data;
     let sample = data.sample_time();
     let longest = data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
     let bands = Bands::new(longest, sample);
@@ -134,7 +132,7 @@ fn map(mut section: Section, o: &Outcome) -> Section {
             let known = powers.iter().enumerate().filter(|(_, p)| p.is_finite() && **p > 0.0);
             known.map(|(k, p)| (centre(k), 10.0 * p.log10())).unzip()
         };
-        let title = format!("{}: gap over the noise by band, {}", o.problem.output, record.name);
+        let title = format!("{}: gap over the noise by band, {}", o.task.output, record.name);
         let (f, before) = level(&o.robust);
         let mut figure =
             Spectrum::new(title, axis()).linear().trace(Role::Residual, "before", &f, &before);
@@ -149,7 +147,7 @@ fn map(mut section: Section, o: &Outcome) -> Section {
 
 /// The gap over the command: loops are memory or lag, lines are maps.
 fn over_command(section: Section, o: &Outcome) -> Section {
-    let all = gap_over_command(o, "all records", 0..o.problem.data.row_hit.len());
+    let all = gap_over_command(o, "all records", 0..o.task.data.row_hit.len());
     section.figure(all.caption(
         "A loop means memory or lag, a line that is the same both ways a static map, a cloud a disturbance.",
     ))
@@ -158,7 +156,7 @@ fn over_command(section: Section, o: &Outcome) -> Section {
 /// The gap over the command of the record in which the command changes most slowly; a fast one is a
 /// cloud.
 pub(super) fn slowest(o: &Outcome) -> Option<XyLoop> {
-    let records = o.problem.data.records.iter().map(|record| {
+    let records = o.task.data.records.iter().map(|record| {
         let command = command_of(o, record.rows.clone());
         let steps = command.windows(2).map(|pair| (pair[1] - pair[0]).abs());
         (steps.fold(0.0, f64::max), record)
@@ -170,13 +168,13 @@ pub(super) fn slowest(o: &Outcome) -> Option<XyLoop> {
 /// Before and after, of these rows.
 fn gap_over_command(o: &Outcome, name: &str, rows: Range<usize>) -> XyLoop {
     let command = command_of(o, rows.clone());
-    let scale = o.sigma / o.problem.factor;
+    let scale = o.sigma / o.task.factor;
     let in_unit = |all: &[f64]| all[rows.clone()].iter().map(|r| r * scale).collect::<Vec<f64>>();
-    let title = format!("{}: gap over the command, {name}", o.problem.output);
+    let title = format!("{}: gap over the command, {name}", o.task.output);
     let mut figure = XyLoop::new(
         title,
-        Axis::new(o.problem.input.as_str(), o.problem.command_unit.as_str()),
-        Axis::new("gap", o.problem.unit.as_str()),
+        Axis::new(o.task.input.as_str(), o.task.command_unit.as_str()),
+        Axis::new("gap", o.task.unit.as_str()),
     )
     .line(Role::Residual, "before", &command, &in_unit(&o.robust));
     if !o.found.last.picks.is_empty() {

@@ -61,8 +61,8 @@ fn figures(mut page: Report, gap: &Gap) -> Report {
 }
 
 fn place(gap: &Gap, o: &Outcome) -> Section {
-    let mut section = Section::new(format!("Where: {}", o.problem.output));
-    if gap.place.output == o.problem.output {
+    let mut section = Section::new(format!("Where: {}", o.task.output));
+    if gap.place.output == o.task.output {
         let p = &gap.place;
         let lines = [
             ("Amplitude", &p.amplitude),
@@ -269,8 +269,8 @@ fn next(diagnosis: &Diagnosis, files: &Files<'_>) -> Section {
         section = section.paragraph(format!("The signal to play is in {}.", file.display()));
     }
     let unit = |name: &str| {
-        let own = diagnosis.outcomes.iter().find(|o| o.problem.input == name);
-        own.map_or("1", |o| o.problem.command_unit.as_str())
+        let own = diagnosis.outcomes.iter().find(|o| o.task.input == name);
+        own.map_or("1", |o| o.task.command_unit.as_str())
     };
     if let (Some(period), Some(rows)) = (e.period, e.columns.values().map(Vec::len).max()) {
         let time: Vec<f64> = (0..rows).map(|k| k as f64 * period).collect();

@@ -20,13 +20,10 @@ use crate::outcome::Outcome;
 use crate::request::{Deviation, Tolerance};
 use crate::score::Judged;
 use crate::select::Candidate;
+use crate::thresholds::repair::Thresholds;
 
 /// The quantity of a component that shifts its positions.
 const OFFSET: &str = "offset";
-/// Mean square over that of the fitted formulas above which the written axis is tuned again.
-const OFF: f64 = 1.02;
-/// How far values of components that were found may be tuned again, relative (1 σ).
-const FOUND: f64 = 0.2;
 
 /// The written axis under the logs.
 struct Written<'a> {
@@ -45,14 +42,14 @@ pub(super) fn settle(
     (axis, given): (usize, &AxisBlueprint),
     blueprint: &mut Blueprint,
 ) -> Option<Judged> {
-    if is_cut(&o.problem.base) {
+    if is_cut(&o.task.base) {
         return None;
     }
     let count = AtomicU64::new(0);
     let read = |blueprint: &Blueprint| Written::new(o, last, blueprint, (axis, given), &count);
     let written = read(blueprint)?;
     let judged = written.judge(&written.start)?;
-    if judged.training <= OFF * last.judged.training {
+    if judged.training <= Thresholds::WRITTEN_OFF * last.judged.training {
         return Some(judged);
     }
     let better = written.tuned().and_then(|theta| {
@@ -83,8 +80,8 @@ pub(super) fn level(
 ) -> Option<String> {
     let shared = o.offset.map_or(0.0, |offset| offset.shared);
     // A reading has no actuator that holds its gain.
-    let gain = match o.problem.base.part {
-        Part::Reading(_) => super::output_gain(&o.problem.base, (&last.chain, &last.fit.theta)),
+    let gain = match o.task.base.part {
+        Part::Reading(_) => super::output_gain(&o.task.base, (&last.chain, &last.fit.theta)),
         _ => 1.0,
     };
     if shared == 0.0 && gain == 1.0 {
@@ -96,9 +93,9 @@ pub(super) fn level(
     }
     Some(format!(
         "the offset that all records share, {:.4} {} of {}, stays out of the repaired blueprint",
-        shared / o.problem.factor,
-        o.problem.unit,
-        o.problem.output
+        shared / o.task.factor,
+        o.task.unit,
+        o.task.output
     ))
 }
 
@@ -110,18 +107,14 @@ fn levelled(
     gain: f64,
     blueprint: &Blueprint,
 ) -> Option<Blueprint> {
-    /// Changes of the offset until what is left is far below the noise.
-    const TURNS: usize = 4;
-    /// Part of the noise.
-    const SMALL: f64 = 1e-3;
-    let base = &o.problem.base;
+    let base = &o.task.base;
     if is_cut(base) {
         return None;
     }
     let count = AtomicU64::new(0);
     let left = |blueprint: &Blueprint| {
         let written = Written::new(o, last, blueprint, (axis, given), &count)?;
-        offset::left(&o.problem.data, (&written.chain, &written.start), 0.0, &count)
+        offset::left(&o.task.data, (&written.chain, &written.start), 0.0, &count)
     };
     let mut levelled = blueprint.clone();
     let own = &mut levelled.axes.get_mut(axis - 1)?.components;
@@ -142,13 +135,13 @@ fn levelled(
     let start = levelled.axes[axis - 1].components[at].get(OFFSET).and_then(super::number);
     // What a unit of it gives at the output: known once it was moved.
     let (mut value, mut slope, mut before) = (0.0, 1.0, left(&levelled)?);
-    for _ in 0..TURNS {
+    for _ in 0..Thresholds::OFFSET_TURNS {
         let step = before / slope;
         value += step;
-        let offset = start.unwrap_or(0.0) + value / o.problem.factor;
+        let offset = start.unwrap_or(0.0) + value / o.task.factor;
         levelled.axes[axis - 1].components[at].set(OFFSET, Value::Number(offset));
         let after = left(&levelled)?;
-        if after.abs() < SMALL * o.sigma {
+        if after.abs() < Thresholds::OFFSET_SMALL * o.sigma {
             return Some(levelled);
         }
         let moved = (before - after) / step;
@@ -187,11 +180,11 @@ impl<'a> Written<'a> {
             .filter(|c| !given.components.iter().any(|own| is_same(own, c)))
             .map(|c| Tolerance {
                 name: format!("axis[{axis}].{}.*", c.name),
-                deviation: Deviation::Relative(FOUND),
+                deviation: Deviation::Relative(Thresholds::WRITTEN_DEVIATION),
             })
             .collect();
-        let gain = o.problem.base.gain_tolerance;
-        let base = Base::white(&checked, (axis, o.problem.base.part), &tolerances, gain).ok()?;
+        let gain = o.task.base.gain_tolerance;
+        let base = Base::white(&checked, (axis, o.task.base.part), &tolerances, gain).ok()?;
         // What each record has of its own is no part of the model and is taken out as before.
         let (disturbances, values) = disturbances(o, last);
         let chain = base.compose(&disturbances);
@@ -201,12 +194,12 @@ impl<'a> Written<'a> {
     }
 
     fn judge(&self, theta: &[f64]) -> Option<Judged> {
-        let data = &self.o.problem.data;
+        let data = &self.o.task.data;
         self.o.judge.judge(&self.chain, theta, data, self.o.sigma, self.count).ok()
     }
 
     fn tuned(&self) -> Option<Vec<f64>> {
-        let data = &self.o.problem.data;
+        let data = &self.o.task.data;
         let fitter = Fitter { data, sigma: self.o.sigma, count: self.count, weights: None };
         fitter.fit(&self.chain, &self.start).ok().map(|fit| fit.theta)
     }

@@ -19,7 +19,7 @@ pub(super) fn forced(
     mode: &ComponentBlueprint,
 ) -> Option<ComponentBlueprint> {
     let gain = mode.get("gain").and_then(number).unwrap_or(1.0);
-    let y = o.problem.factor;
+    let y = o.task.factor;
     let new = |by: Extension| {
         let kind = components::find(&mode.kind)?.extended(by)?.declaration().kind;
         let mut component = ComponentBlueprint::new(kind);
@@ -75,11 +75,11 @@ pub(super) fn forced(
 /// The components that do what a block does with these values, where there are any.
 pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<ComponentBlueprint>> {
     let new = ComponentBlueprint::new;
-    let (u, y) = (o.problem.command_factor, o.problem.factor);
-    let step = o.problem.data.step;
+    let (u, y) = (o.task.command_factor, o.task.factor);
+    let step = o.task.data.step;
     let is_sensor = piece.slot == crate::library::Slot::Reading;
     let is_command = piece.slot < crate::library::Slot::AfterActuator;
-    let span = o.problem.data.command_span;
+    let span = o.task.data.command_span;
     let far = 10.0 * (span.half + span.centre.abs());
     let one = |c: ComponentBlueprint| Some(vec![c]);
     match (piece.block.effect()?, p) {
@@ -181,7 +181,7 @@ fn warming(mean: f64, time: f64, o: &Outcome) -> ComponentBlueprint {
         .value("time_constant", time)
         .value("coefficient", 0.0)
         .value("growth", 0.0)
-        .value("averaging", o.problem.data.longest())
+        .value("averaging", o.task.data.longest())
 }
 
 /// Every formula of creep is a sum of elements.

@@ -7,13 +7,7 @@ use super::{Plays, number, output_gain, take_place};
 use crate::library::{Piece, Slot};
 use crate::outcome::Outcome;
 use crate::select::Candidate;
-
-/// Straight pieces on each side of zero.
-const PIECES: usize = 24;
-/// How far beyond the range of the logs the pieces go, over that range.
-const BEYOND: f64 = 0.05;
-/// Least change of slope that is written.
-const SEEN: f64 = 1e-9;
+use crate::thresholds::repair::Thresholds;
 
 /// The actuator with the map of a block behind it; none where the block is no static map there.
 pub(super) fn bent(
@@ -26,24 +20,20 @@ pub(super) fn bent(
     if piece.slot != Slot::AfterActuator {
         return None;
     }
-    let kernel = piece.block.effect()?.prepare(p, o.problem.data.step).ok()?;
+    let kernel = piece.block.effect()?.prepare(p, o.task.data.step).ok()?;
     kernel.map(0.0)?;
     let mut plays = Plays::of(old)?;
-    let y = o.problem.factor;
+    let y = o.task.factor;
     let offset = old.get("offset").and_then(number).unwrap_or(0.0);
     // The gain of the output is in the plays already; the map lies before it.
-    let gain = output_gain(&o.problem.base, (&last.chain, &last.fit.theta));
+    let gain = output_gain(&o.task.base, (&last.chain, &last.fit.theta));
     let map = |s: f64| gain * kernel.map((offset + s) * y / gain).unwrap_or(f64::NAN) / y;
     let slope: f64 = plays.pairs.iter().map(|(_, w)| w).sum();
-    let span = o.problem.data.command_span;
+    let span = o.task.data.command_span;
     let end = |side: f64| {
-        let end =
-            slope * (span.centre + side * (1.0 + BEYOND) * span.half) / o.problem.command_factor;
-        if end * side > 0.0 {
-            end
-        } else {
-            side * 0.02 * slope * span.half / o.problem.command_factor
-        }
+        let end = slope * (span.centre + side * (1.0 + Thresholds::ZONES_BEYOND) * span.half)
+            / o.task.command_factor;
+        if end * side > 0.0 { end } else { side * 0.02 * slope * span.half / o.task.command_factor }
     };
     let zones = Zones::of(&map, end(-1.0), end(1.0))?;
     plays.pairs.iter_mut().for_each(|(_, w)| *w *= zones.slope);
@@ -69,7 +59,7 @@ impl Zones {
     /// Of a map between an end below zero and one above.
     fn of(map: &dyn Fn(f64) -> f64, low: f64, high: f64) -> Option<Self> {
         let side = |end: f64| -> Vec<f64> {
-            (1..=PIECES).map(|k| end * k as f64 / PIECES as f64).collect()
+            (1..=Thresholds::ZONES).map(|k| end * k as f64 / Thresholds::ZONES as f64).collect()
         };
         let (below, above) = (side(low), side(high));
         let (near, far) = (*below.first()?, *above.first()?);
@@ -87,7 +77,7 @@ impl Zones {
                 before = own;
                 (slope * pair[0], change / slope)
             });
-            pairs.filter(|(_, change)| change.abs() > SEEN).collect()
+            pairs.filter(|(_, change)| change.abs() > Thresholds::ZONES_SLOPE).collect()
         };
         let mut all = changes(&below);
         all.reverse();

@@ -4,59 +4,7 @@ use super::{Candidate, Found, Looked, Search, has_gap};
 use crate::belief::{self, Sight};
 use crate::chain::Failed;
 use crate::score::explained;
-
-/// Factor by which a further effect must cut what is left.
-const CUT: f64 = 1.5;
-/// The same where nothing is left with it, however small it is.
-const CUT_TO_NOISE: f64 = 3.0;
-/// The same where it brings little of the whole and less than the noise is left with it: a repair of another
-/// effect's formula seldom cuts so much.
-const CUT_SHARPLY: f64 = 10.0;
-const NEARLY_NOISE: f64 = 1.0;
-/// Part of the gap that is next to nothing, too, where the gap is large.
-const NEARLY_NOTHING: f64 = 0.003;
-/// How many times as much a pair may promise to leave in the first order, to be fitted.
-const OUT_OF_REACH: f64 = 30.0;
-/// Part of what two effects leave on held-out rows that a third one must take where it brings little of the
-/// whole: what repairs another effect's formula seldom takes nearly all of it on rows that no fit has seen.
-const REST: f64 = 0.9;
-/// Score that the effects together must reach.
-const EXPLAINED: f64 = 0.6;
-/// Part of the held-out gap's power that the effects together must explain.
-const POWER: f64 = 0.5;
-/// Part of the power with which a lower score is enough, and that score.
-const MOST: f64 = 0.9;
-const SOME: f64 = 0.35;
-/// Standard errors by which the blocks must be better there: few large strokes are few blocks.
-const FEW_BLOCKS: f64 = 2.0;
-/// Below both limits by this much, a set of effects is not looked at again.
-const HOPELESS: f64 = 0.2;
-/// The same where the effect is a line in the spectrum.
-const LINES: f64 = 0.8;
-/// Least part of the gap's power, or of the score, that each further effect must bring.
-const FURTHER: (f64, f64) = (0.08, 0.15);
-/// Part of the held-out power from which a first effect is clear, or imitates a pair.
-const CLEAR: f64 = 0.8;
-/// Single effects beside the best one that a pair is looked for from.
-const RIVALS: usize = 3;
-/// How many times what the best one leaves they may leave.
-const NEAR: f64 = 3.0;
-/// Probability that the formulas of several effects are the machine's, from what they leave: two together
-/// imitate much that is in no library, and then leave more than they do of a pair.
-const OF_SEVERAL: f64 = 0.8;
-/// Least trust in each of several names, which says in addition that no other does nearly as well in its
-/// place, that is as good where most of the gap's power goes.
-const OF_CLEAR_NAMES: f64 = 0.6;
-/// Least probability that each of several effects is one, whatever its name, and no repair of the others'
-/// formulas.
-const LIKELY: f64 = 0.5;
-/// Most members that are exchanged once the search stands.
-const MOST_SWAPS: usize = 2;
-/// Part of the fitted rows' gap that must go, and most coefficients of each effect, where the rows that
-/// are held out have no gap to be explained.
-const FITTED: (f64, usize) = (0.9, 4);
-/// Loss of score below which an effect is dropped again.
-const DROPPED: f64 = 0.02;
+use crate::thresholds::belief::Thresholds;
 
 /// What is left over the noise's power, on training and held-out rows alike.
 fn left(c: &Candidate) -> f64 {
@@ -160,7 +108,7 @@ impl Search<'_> {
             let is_effect = |slot: usize| belief::is_effect(&sight, &best, alone[slot]);
             let all = (0..best.picks.len()).map(|slot| (slot, is_effect(slot)));
             match all.min_by(|a, b| a.1.total_cmp(&b.1)) {
-                Some((slot, is_effect)) if is_effect < LIKELY => {
+                Some((slot, is_effect)) if is_effect < Thresholds::LIKELY => {
                     let Ok(less) = self.refit_without(&best, slot) else {
                         return (base.clone(), Vec::new());
                     };
@@ -197,13 +145,13 @@ impl Search<'_> {
     ) -> Candidate {
         let mut best = single.clone();
         // A formula that leaves much imitates nothing: what is missing may be in no library.
-        if explained(&base.judged, &single.judged) < CLEAR {
+        if explained(&base.judged, &single.judged) < Thresholds::CLEAR {
             return best;
         }
         let others = first.iter().filter_map(|l| l.best.as_ref());
-        let most = NEAR * left(&single);
+        let most = Thresholds::PAIR_NEAR * left(&single);
         let others = others.filter(|c| c.picks[0].0 != single.picks[0].0 && left(c) < most);
-        for other in others.take(RIVALS) {
+        for other in others.take(Thresholds::PAIR_RIVALS) {
             let Ok(looked) = self.expand(other) else { continue };
             let Some(pair) = looked.iter().find_map(|l| l.best.clone()) else { continue };
             if pair.rank < best.rank && self.is_worth_it(base, &single, &pair) {
@@ -226,9 +174,9 @@ impl Search<'_> {
         let fitted = first.iter().filter_map(|l| l.best.as_ref());
         // The search went on from the best one.
         let others = fitted.filter(|c| found.picks.first() != c.picks.first());
-        let little = NEARLY_NOISE.max(NEARLY_NOTHING * left(base));
-        for other in others.take(RIVALS) {
-            let promised = self.expand_where(other, 1.0 + OUT_OF_REACH * little);
+        let little = Thresholds::NEARLY_NOISE.max(Thresholds::NEARLY_NOTHING * left(base));
+        for other in others.take(Thresholds::PAIR_RIVALS) {
+            let promised = self.expand_where(other, 1.0 + Thresholds::OUT_OF_REACH * little);
             let Ok(looked) = promised else { continue };
             let Some(pair) = looked.iter().find_map(|l| l.best.clone()) else { continue };
             let pair = self.with_best_formulas(pair);
@@ -271,14 +219,15 @@ impl Search<'_> {
             let worst = (0..best.picks.len())
                 .map(|slot| (slot, trust(slot)))
                 .min_by(|a, b| a.1.total_cmp(&b.1));
-            let is_clear = worst.is_some_and(|(_, trust)| trust >= OF_CLEAR_NAMES)
-                && explained(&base.judged, &best.judged) >= MOST;
-            let is_known = is_clear || belief::formula_is_known(&sight, &best) >= OF_SEVERAL;
+            let is_clear = worst.is_some_and(|(_, trust)| trust >= Thresholds::OF_CLEAR_NAMES)
+                && explained(&base.judged, &best.judged) >= Thresholds::POWER_CLEAR;
+            let is_known =
+                is_clear || belief::formula_is_known(&sight, &best) >= Thresholds::OF_SEVERAL;
             if best.picks.len() > 1 && !is_known {
                 return base.clone();
             }
             match worst {
-                Some((slot, trust)) if trust < belief::TRUSTED => {
+                Some((slot, trust)) if trust < Thresholds::TRUSTED => {
                     if best.picks.len() == 1 {
                         return base.clone();
                     }
@@ -294,8 +243,9 @@ impl Search<'_> {
     /// Where even all together explain too little, which of them it is is no question.
     fn is_hopeless(&self, base: &Candidate, best: &Candidate) -> bool {
         !self.is_fitted_well(base, best)
-            && self.judge.score(&base.judged, &best.judged) < EXPLAINED - HOPELESS
-            && explained(&base.judged, &best.judged) < POWER - HOPELESS
+            && self.judge.score(&base.judged, &best.judged)
+                < Thresholds::SCORE - Thresholds::HOPELESS
+            && explained(&base.judged, &best.judged) < Thresholds::POWER - Thresholds::HOPELESS
     }
 
     /// Whether the effects together explain so much that they can be named.
@@ -303,11 +253,16 @@ impl Search<'_> {
         let power = explained(&base.judged, &best.judged);
         let has_lines = self.formulas(&best.picks).iter().any(|f| f.is_line_of_own());
         // A line that is no multiple of the mains is a disturbance only where it is nearly all.
-        let least = if has_lines && best.picks.len() == 1 { LINES } else { POWER };
+        let least = if has_lines && best.picks.len() == 1 {
+            Thresholds::POWER_OF_LINE
+        } else {
+            Thresholds::POWER
+        };
         let reached = self.judge.score(&base.judged, &best.judged);
         // Nearly all of the power is as good as a good score: bands that nothing in the library
         // reaches do not take a name from what does.
-        let is_enough = reached >= EXPLAINED || (power >= MOST && reached >= SOME);
+        let is_enough = reached >= Thresholds::SCORE
+            || (power >= Thresholds::POWER_CLEAR && reached >= Thresholds::SCORE_WITH_POWER);
         (is_enough && power >= least) || self.is_fitted_well(base, best)
     }
 
@@ -318,9 +273,12 @@ impl Search<'_> {
         let (before, after) = (&base.judged, &with.judged);
         let is_seen_there = before.held_out <= self.adequate && before.training > self.adequate;
         let gone = 1.0 - (after.training - 1.0).max(0.0) / (before.training - 1.0).max(0.1);
-        let is_plain = with.freedom <= FITTED.1 * with.picks.len()
+        let is_plain = with.freedom <= Thresholds::FITTED_WELL.1 * with.picks.len()
             && self.formulas(&with.picks).iter().all(|f| f.nuisance.is_none());
-        is_seen_there && is_plain && gone >= FITTED.0 && after.held_out <= before.held_out
+        is_seen_there
+            && is_plain
+            && gone >= Thresholds::FITTED_WELL.0
+            && after.held_out <= before.held_out
     }
 
     /// A single effect gives way to the more probable of its rivals: of those that leave alike the one
@@ -367,8 +325,10 @@ impl Search<'_> {
             // Most of the power on rows that no fit has seen needs no count of blocks: few steps may
             // be all that shows the effect.
             let power = explained(&base.judged, &after.judged);
-            let is_clear = (s1 >= EXPLAINED && power >= CLEAR)
-                || (s1 >= SOME && power >= MOST && paired > FEW_BLOCKS);
+            let is_clear = (s1 >= Thresholds::SCORE && power >= Thresholds::CLEAR)
+                || (s1 >= Thresholds::SCORE_WITH_POWER
+                    && power >= Thresholds::POWER_CLEAR
+                    && paired > Thresholds::BLOCKS_WITH_POWER);
             return (s1 > 0.2 && paired > 3.0) || is_clear || self.is_fitted_well(base, after);
         }
         let e0 = explained(&base.judged, &before.judged);
@@ -376,15 +336,17 @@ impl Search<'_> {
         // Where nothing is left the two effects are the whole of it, however small the second one is;
         // what only takes a part of what is left may repair another formula of the first.
         let cut = left(before) / left(after);
-        let is_large = e1 - e0 > FURTHER.0 || s1 - s0 > FURTHER.1;
-        let is_whole = !has_gap(after, self.adequate) && cut > CUT_TO_NOISE;
+        let is_large = e1 - e0 > Thresholds::FURTHER.0 || s1 - s0 > Thresholds::FURTHER.1;
+        let is_whole = !has_gap(after, self.adequate) && cut > Thresholds::CUT_TO_NOISE;
         // Nor does that need a count of blocks where it is most of what was left.
-        let is_clear = is_whole && explained(&before.judged, &after.judged) >= CLEAR;
-        let is_sharp = cut > CUT_SHARPLY && left(after) < NEARLY_NOISE;
+        let is_clear = is_whole && explained(&before.judged, &after.judged) >= Thresholds::CLEAR;
+        let is_sharp = cut > Thresholds::CUT_SHARPLY && left(after) < Thresholds::NEARLY_NOISE;
         let is_rest = before.picks.len() > 1
-            && cut > CUT_TO_NOISE
-            && explained(&before.judged, &after.judged) >= REST;
-        is_clear || (paired > 4.0 && ((is_large && cut > CUT) || is_whole || is_sharp || is_rest))
+            && cut > Thresholds::CUT_TO_NOISE
+            && explained(&before.judged, &after.judged) >= Thresholds::THIRD_TAKES;
+        is_clear
+            || (paired > 4.0
+                && ((is_large && cut > Thresholds::CUT) || is_whole || is_sharp || is_rest))
     }
 
     /// Looks at each slot again with the others in place, and takes what is better there.
@@ -399,7 +361,7 @@ impl Search<'_> {
             };
             let top = looked.iter().find_map(|l| l.best.clone());
             match top {
-                Some(top) if top.rank < best.rank - 1.0 && swaps < MOST_SWAPS => {
+                Some(top) if top.rank < best.rank - 1.0 && swaps < Thresholds::MOST_SWAPS => {
                     // The new member stands last; its list goes with it, and the others are new.
                     rivals.remove(slot);
                     rivals.push(looked);
@@ -453,7 +415,7 @@ impl Search<'_> {
                 - self.judge.score(&base.judged, &less.judged);
             let linear =
                 explained(&base.judged, &best.judged) - explained(&base.judged, &less.judged);
-            if loss < DROPPED && linear < DROPPED {
+            if loss < Thresholds::DROPPED && linear < Thresholds::DROPPED {
                 best = less;
                 rivals.remove(slot);
                 slot = 0;

@@ -3,36 +3,26 @@
 use rayon::prelude::*;
 
 use super::memo::Part;
-use super::{Candidate, MOST_FITTED_ANEW, Search, has_gap};
-use crate::base::RELEASED_DOWN;
+use super::{Candidate, Search, has_gap};
 use crate::score::explained;
-
-/// Factors by which a parameter starts elsewhere.
-const FACTORS: [f64; 4] = [1.3, 1.0 / 1.3, 1.8, 1.0 / 1.8];
-/// Moves at most.
-const ROUNDS: usize = 4;
-/// Most parameters that are moved.
-const MOVED: usize = 3;
-/// By how much of its value a released parameter of the model starts elsewhere.
-const SHIFTS: [f64; 6] = [-0.03, 0.03, -0.07, 0.07, -0.15, 0.15];
-/// How many times what was promised a fit leaves that ended on the way.
-const STUCK: f64 = 4.0;
-/// Part of the gap that the effect must explain: what explains little is not near.
-const NEAR: f64 = 0.8;
+use crate::thresholds::{base, search};
 
 impl Search<'_> {
     /// A better fit of the last effect, where one of its times, rates or widths starts from elsewhere: plays whose
     /// thresholds move shift what they do from row to row, and such fits end on the way.
     pub(super) fn away(&self, base: &Candidate, best: Candidate) -> Candidate {
-        let is_near =
-            has_gap(&best, self.adequate) && explained(&base.judged, &best.judged) >= NEAR;
+        let is_near = has_gap(&best, self.adequate)
+            && explained(&base.judged, &best.judged) >= search::Thresholds::AWAY_NEAR;
         let moved = self.moved(&best);
-        if !is_near || moved.is_empty() || best.fit.theta.len() > MOST_FITTED_ANEW {
+        if !is_near
+            || moved.is_empty()
+            || best.fit.theta.len() > search::Thresholds::MOST_FITTED_ANEW
+        {
             return best;
         }
         let moved_away = self.once_one(Part::Away, &best, || {
             let mut best = best.clone();
-            for _ in 0..ROUNDS {
+            for _ in 0..search::Thresholds::AWAY_ROUNDS {
                 match self.elsewhere(&best, &moved) {
                     Some(other) if other.rank < best.rank - 1.0 => best = other,
                     _ => break,
@@ -49,16 +39,23 @@ impl Search<'_> {
     /// A better fit where one that releases parameters of the model ended far above the mean square that it promised:
     /// a resonance under a strong harmonic has several best places nearby.
     pub(super) fn released_elsewhere(&self, fit: Candidate, promised: f64) -> Candidate {
-        let is_stuck = |c: &Candidate| c.fit.mean_square > STUCK * promised.max(self.adequate);
+        let is_stuck = |c: &Candidate| {
+            c.fit.mean_square > search::Thresholds::STUCK * promised.max(self.adequate)
+        };
         let released = fit.chain.parameters.iter().enumerate();
         let released: Vec<(usize, f64)> = released
             .filter(|(_, p)| p.is_base && p.prior == 0.0)
-            .map(|(k, p)| (k, p.low / -RELEASED_DOWN))
+            .map(|(k, p)| (k, p.low / -base::Thresholds::RELEASED_DOWN))
             .collect();
-        if !is_stuck(&fit) || fit.chain.is_costly() || released.len() > MOVED {
+        if !is_stuck(&fit)
+            || fit.chain.is_costly()
+            || released.len() > search::Thresholds::AWAY_MOVED
+        {
             return fit;
         }
-        let starts = released.iter().flat_map(|(k, whole)| SHIFTS.map(|by| (*k, by * whole)));
+        let starts = released
+            .iter()
+            .flat_map(|(k, whole)| search::Thresholds::RELEASED_SHIFTS.map(|by| (*k, by * whole)));
         let starts: Vec<(usize, f64)> = starts.collect();
         let tried = starts.par_iter().with_max_len(1).filter_map(|(k, to)| {
             let mut theta = fit.fit.theta.clone();
@@ -80,12 +77,14 @@ impl Search<'_> {
         let first = best.chain.parameters.len() - formula.parameters.len();
         let own = (first..best.chain.parameters.len()).filter(|k| best.chain.parameters[*k].log);
         let own: Vec<usize> = own.collect();
-        if own.len() > MOVED { Vec::new() } else { own }
+        if own.len() > search::Thresholds::AWAY_MOVED { Vec::new() } else { own }
     }
 
     fn elsewhere(&self, best: &Candidate, moved: &[usize]) -> Option<Candidate> {
-        let starts: Vec<(usize, f64)> =
-            moved.iter().flat_map(|k| FACTORS.map(|factor| (*k, factor.ln()))).collect();
+        let starts: Vec<(usize, f64)> = moved
+            .iter()
+            .flat_map(|k| search::Thresholds::AWAY_FACTORS.map(|factor| (*k, factor.ln())))
+            .collect();
         let tried: Vec<Option<Candidate>> = starts
             .par_iter()
             .with_max_len(1)

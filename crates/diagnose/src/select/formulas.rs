@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::memo::Part;
 use super::{Candidate, Looked, Search};
 use crate::chain::Failed;
-use crate::fit::FAR;
+use crate::thresholds::fit::Thresholds;
 
 impl Search<'_> {
     /// The same effects with the best other formula of the family of effect `slot`, where that is better.
@@ -48,7 +48,7 @@ impl Search<'_> {
         let best = fitted.into_iter().flatten().min_by(|a, b| a.rank.total_cmp(&b.rank));
         let Some(best) = best else { return Ok(None) };
         // What leaves far more is not fitted to its end where that is costly.
-        if best.chain.is_costly() && best.fit.mean_square > FAR * from.fit.mean_square {
+        if best.chain.is_costly() && best.fit.mean_square > Thresholds::FAR * from.fit.mean_square {
             return Ok(None);
         }
         let mut picks = from.picks.clone();

@@ -6,11 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use super::{Candidate, Looked, Search};
 use crate::chain::Failed;
 use crate::fit::Fit;
-
-/// Parts that are kept.
-const MOST: usize = 40;
-/// Relative difference of the mean squares up to which two fits of the same effects are one.
-const SAME: f64 = 1e-3;
+use crate::thresholds::search::Thresholds;
 
 /// A part of the search.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -57,7 +53,7 @@ impl Search<'_> {
         }
         let gave = make()?;
         let mut all = lock();
-        if all.len() >= MOST {
+        if all.len() >= Thresholds::PARTS_KEPT {
             all.remove(0);
         }
         all.push(Made { part, from: from.clone(), sigma: self.sigma, gave: gave.clone() });
@@ -81,7 +77,7 @@ impl Search<'_> {
     fn is_same(&self, made: &Made, from: &Candidate) -> bool {
         let square = |c: &Candidate, sigma: f64| c.fit.mean_square * sigma * sigma;
         let (a, b) = (square(&made.from, made.sigma), square(from, self.sigma));
-        made.from.picks == from.picks && (a - b).abs() <= SAME * a.max(b)
+        made.from.picks == from.picks && (a - b).abs() <= Thresholds::PARTS_SAME * a.max(b)
     }
 
     /// The same in standard deviations of this search's noise.

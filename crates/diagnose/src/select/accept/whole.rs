@@ -433,7 +433,7 @@ fn what_is_small_and_alone_in_its_bands_is_not_dropped() {
     let (search, base) = (made.search(), made.retuned());
     let pair = made.families(&[0, 1]);
     let alone = search.alone(&base, &pair);
-    assert!(alone[1] < DROPPED, "{alone:?}");
+    assert!(alone[1] < Thresholds::DROPPED, "{alone:?}");
     let best = search.eliminate(&base, pair, &mut marked(2));
     assert_eq!(names(&best), [0, 1]);
 }

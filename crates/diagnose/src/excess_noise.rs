@@ -4,21 +4,14 @@
 use crate::data_set::DataSet;
 use crate::noise;
 use crate::score::mean_square;
-
-/// Least rows of a record that is looked at.
-const ROWS: usize = 200;
-/// How far records may differ in their white level, relative, beside the spread of few rows.
-const ALIKE: f64 = 0.1;
-/// What may be left beside white noise: in variances of the noise that was stated, which may hold a
-/// part that grows as 1/f, and relative to the white part.
-const COLOUR: (f64, f64) = (0.6, 0.1);
-/// How far the fourth moment may be from 3.
-const TAILS: f64 = 0.4;
+use crate::thresholds::noise::Thresholds;
 
 /// Standard deviation of the noise over the one that was stated, where residuals (in standard
 /// deviations) are noise and nothing else.
-pub(crate) fn factor(residual: &[f64], data: &DataSet) -> Option<f64> {
-    let records = || data.records.iter().map(|r| r.rows.clone()).filter(|r| r.len() >= ROWS);
+pub(crate) fn ratio(residual: &[f64], data: &DataSet) -> Option<f64> {
+    let records = || {
+        data.records.iter().map(|r| r.rows.clone()).filter(|r| r.len() >= Thresholds::WHITE_ROWS)
+    };
     let level = noise::fourth_differences(residual, records())?;
     let white = level * level;
     let is_noise = records().all(|rows| {
@@ -30,11 +23,13 @@ pub(crate) fn factor(residual: &[f64], data: &DataSet) -> Option<f64> {
         let mean = part.iter().sum::<f64>() / n;
         let variance = mean_square(part) - mean * mean;
         // Neighbouring fourth differences are alike: a tenth of the rows says something.
-        let spread = ALIKE + 3.0 / (0.2 * n).sqrt();
+        let spread = Thresholds::WHITE_LEVELS_ALIKE + 3.0 / (0.2 * n).sqrt();
         let beside = variance - white;
         (own / level - 1.0).abs() < spread
             && beside > -2.0 * spread * white
-            && beside < COLOUR.0 + (COLOUR.1 + 3.0 / (0.5 * n).sqrt()) * white
+            && beside
+                < Thresholds::COLOUR_LEFT.0
+                    + (Thresholds::COLOUR_LEFT.1 + 3.0 / (0.5 * n).sqrt()) * white
     });
     let (mut squares, mut fourth, mut count) = (0.0, 0.0, 0.0);
     for rows in records() {
@@ -47,5 +42,5 @@ pub(crate) fn factor(residual: &[f64], data: &DataSet) -> Option<f64> {
         }
     }
     let tails = fourth * count / (squares * squares).max(f64::MIN_POSITIVE);
-    (count > 0.0 && is_noise && (tails - 3.0).abs() < TAILS).then_some(level)
+    (count > 0.0 && is_noise && (tails - 3.0).abs() < Thresholds::FOURTH_MOMENT).then_some(level)
 }

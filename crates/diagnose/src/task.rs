@@ -1,4 +1,4 @@
-//! From a request to one problem per output: data in SI, model as a chain, noise.
+//! From a request to one task per output: data in SI, model as a chain, noise.
 
 use std::sync::Arc;
 
@@ -16,13 +16,12 @@ use crate::noise;
 use crate::request::{Model, Noise, Request};
 use crate::steps::Steps;
 use crate::tap;
-
-/// Part of each record that is held out where no log is.
-pub(crate) const HELD_OUT: f64 = 0.3;
+use crate::thresholds::base::Thresholds;
+use crate::thresholds::noise::Thresholds as NoiseThresholds;
 
 /// One output, ready to be diagnosed.
 #[derive(Clone)]
-pub(crate) struct Problem {
+pub(crate) struct Task {
     /// Name in reports: the short name where there is one.
     pub(crate) output: String,
     /// Unit of the output.
@@ -86,12 +85,12 @@ impl Port {
     }
 }
 
-/// All problems of a request.
-pub(crate) fn problems(request: &Request) -> Result<Vec<Problem>, Error> {
+/// All tasks of a request.
+pub(crate) fn tasks(request: &Request) -> Result<Vec<Task>, Error> {
     check(request)?;
     match &request.model {
         Model::Blueprint(blueprint) => white(request, blueprint),
-        Model::Fmu(path) => crate::fmu::problems(request, path),
+        Model::Fmu(path) => crate::fmu::tasks(request, path),
     }
 }
 
@@ -129,7 +128,7 @@ fn check(request: &Request) -> Result<(), Error> {
     Ok(())
 }
 
-fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Problem>, Error> {
+fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Task>, Error> {
     let system = blueprint.system();
     let port = |name: String| {
         let reference = system.variables().find(&name)?;
@@ -154,8 +153,8 @@ fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Problem>
     let chosen = choose(request, model, &outputs)?;
     let step = Some(blueprint.spec().period);
     let tuned = (&request.tolerances[..], request.gain_tolerance);
-    let mut all = coupled::problems(request, blueprint, (&inputs, &outputs), &chosen)?;
-    let is_coupled = |index: &usize| all.iter().any(|p: &Problem| p.axis == index + 1);
+    let mut all = coupled::tasks(request, blueprint, (&inputs, &outputs), &chosen)?;
+    let is_coupled = |index: &usize| all.iter().any(|p: &Task| p.axis == index + 1);
     let apart: Vec<usize> = chosen.into_iter().filter(|index| !is_coupled(index)).collect();
     for index in apart {
         let base = Base::white(blueprint, (index + 1, Part::Axis), tuned.0, tuned.1)?;
@@ -260,7 +259,7 @@ pub(crate) fn choose(
     Ok(chosen)
 }
 
-/// Puts one problem together: output number `output` as a function of input number `input`.
+/// Puts one task together: output number `output` as a function of input number `input`.
 pub(crate) fn assemble(
     request: &Request,
     inputs: &[Port],
@@ -269,7 +268,7 @@ pub(crate) fn assemble(
     output: usize,
     base: Base,
     step: Option<f64>,
-) -> Result<Problem, Error> {
+) -> Result<Task, Error> {
     let (u, y) = (&inputs[input], &outputs[output]);
     let aux = auxiliaries(request, inputs, outputs, input);
     let names: Vec<(String, bool)> = aux.iter().map(|a| (a.column.clone(), a.is_command)).collect();
@@ -278,7 +277,7 @@ pub(crate) fn assemble(
     let mut warnings = Vec::new();
     let logs = request.logs.iter().map(|log| (log, false));
     let judged = request.holdout.iter().map(|log| (log, true));
-    let training = if request.holdout.is_empty() { 1.0 - HELD_OUT } else { 1.0 };
+    let training = if request.holdout.is_empty() { 1.0 - Thresholds::HELD_OUT } else { 1.0 };
     for (log, is_judged) in logs.chain(judged) {
         warnings.extend(log.notes());
         let training = if is_judged { 0.0 } else { training };
@@ -338,7 +337,7 @@ pub(crate) fn assemble(
     let is_asked = !request.without.iter().any(|name| name == SENSOR_QUANTISATION.name);
     let steps = Steps::of(&data).filter(|_| is_asked);
     let (noise, rest_corner, steps) = floor(request, y, &data, steps)?;
-    Ok(Problem {
+    Ok(Task {
         output: y.label().to_owned(),
         unit: unit_text(y).to_owned(),
         factor: y.si.factor,
@@ -438,8 +437,6 @@ fn auxiliaries(
         .collect()
 }
 
-/// Most steps of the grid on which the logs lie, over those that are allowed between two rows.
-const GRID: f64 = 200.0;
 const KELVIN: [i8; 8] = [0, 0, 0, 0, 1, 0, 0, 0];
 
 /// `u2`, `u_z`, `command[2]`, or anything in the unit of the command that is no monitor of it.
@@ -467,9 +464,6 @@ pub(crate) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     }
     if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
 }
-
-/// Part of what differences of neighbours show that differences of periods are below where the command is rich.
-const RICH: f64 = 0.5;
 
 /// The noise of an output, in its unit.
 fn floor(
@@ -506,7 +500,8 @@ fn floor(
         }
         Noise::Estimated => {
             // Where the command fills the whole band no difference of neighbours cancels it.
-            let rich = |s: &f64| second.is_none_or(|second| *s < RICH * second);
+            let rich =
+                |s: &f64| second.is_none_or(|second| *s < NoiseThresholds::PERIODS_RICH * second);
             let found = periods.filter(rich);
             let shape = |r: &noise::Repeats| r.shape(data.sample_time()).map(|(_, corner)| corner);
             rest_corner = found.and(repeats.as_ref()).and_then(shape);
@@ -558,7 +553,7 @@ fn check_steps(records: &[RecordRows], step: f64) -> Result<(), Error> {
     }
     let length = |r: &RecordRows| r.time.last().zip(r.time.first()).map_or(0.0, |(b, a)| b - a);
     let steps = records.iter().map(length).sum::<f64>() / step;
-    let most = GRID * inner_steps::allowed() as f64;
+    let most = Thresholds::MOST_STEPS * inner_steps::allowed() as f64;
     if steps > most {
         let log = records.first().map_or_else(String::new, |record| record.name.clone());
         let message = format!(
