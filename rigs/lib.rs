@@ -135,7 +135,7 @@ pub const EFFECTS: &str = include_str!("effects.toml");
 pub struct Record {
     /// Name, as blueprints write it.
     pub name: &'static str,
-    /// Its text.
+    /// The record's text.
     pub text: &'static str,
 }
 

@@ -67,9 +67,9 @@ fn notes() -> MutexGuard<'static, Notes> {
 
 /// Says what was assumed about a log, skipped or left out: at once on standard error, each sentence once,
 /// and as `log_notes` in the answer's JSON.
-pub(crate) fn note_on_log(said: &[String]) {
+pub(crate) fn note_on_log(on_log: &[String]) {
     let mut notes = notes();
-    for note in said {
+    for note in on_log {
         if notes.all.contains(note) {
             continue;
         }
@@ -115,13 +115,13 @@ fn files_of_the_call() -> (Vec<String>, Vec<String>) {
 
 /// What an error says, from what was to be done to the cause: each text once.
 pub(crate) fn sentence(error: &anyhow::Error) -> String {
-    error.chain().map(ToString::to_string).fold(String::new(), |said, cause| {
-        if said.is_empty() || cause.contains(&said) {
+    error.chain().map(ToString::to_string).fold(String::new(), |message, cause| {
+        if message.is_empty() || cause.contains(&message) {
             cause
-        } else if said.contains(&cause) {
-            said
+        } else if message.contains(&cause) {
+            message
         } else {
-            format!("{said}: {cause}")
+            format!("{message}: {cause}")
         }
     })
 }
@@ -132,9 +132,9 @@ pub(crate) fn rounded(x: f64) -> f64 {
 }
 
 /// The file beside an absent one that was probably meant.
-fn meant(absent: &Path, said: &str) -> Option<PathBuf> {
-    let is_it = said.to_lowercase().contains("no such file")
-        && said.contains(&*absent.to_string_lossy())
+fn meant(absent: &Path, message: &str) -> Option<PathBuf> {
+    let is_it = message.to_lowercase().contains("no such file")
+        && message.contains(&*absent.to_string_lossy())
         && !absent.exists();
     let folder = match absent.parent()? {
         here if here.as_os_str().is_empty() => Path::new("."),
@@ -186,14 +186,14 @@ impl Screen {
 
     /// Shows an answer and returns its exit code. A closed pipe is no error: the reader has enough.
     pub(crate) fn show(&self, answer: &dyn ErasedAnswer) -> anyhow::Result<u8> {
-        let mut said = Vec::new();
+        let mut message = Vec::new();
         if self.json {
-            writeln!(said, "{}", answer.json()?)?;
+            writeln!(message, "{}", answer.json()?)?;
         } else if !self.quiet {
-            answer.write(&mut said)?;
+            answer.write(&mut message)?;
         }
         let mut out = standard_output();
-        let written = out.write_all(harmless(&String::from_utf8_lossy(&said)).as_bytes());
+        let written = out.write_all(harmless(&String::from_utf8_lossy(&message)).as_bytes());
         match written.and_then(|()| out.flush()) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(answer.exit_code()),
             Err(error) => Err(error.into()),
@@ -210,31 +210,31 @@ impl Screen {
 
     /// Shows an error on standard error; `named` are the files of the call.
     pub(crate) fn error(&self, error: &anyhow::Error, named: &[PathBuf]) {
-        let mut said = sentence(error);
+        let mut message = sentence(error);
         if let Some(way_out) = way_out(error) {
-            said = format!("{said}; {way_out}");
+            message = format!("{message}; {way_out}");
         }
-        if let Some(meant) = named.iter().find_map(|path| meant(path, &said)) {
-            said = format!("{said}; did you mean {}?", meant.display());
+        if let Some(meant) = named.iter().find_map(|path| meant(path, &message)) {
+            message = format!("{message}; did you mean {}?", meant.display());
         }
-        let error = harmless(&said);
+        let error = harmless(&message);
         let (written, missing) = files_of_the_call();
         let _ = if self.json {
-            let mut told = serde_json::json!({ "error": error });
+            let mut described = serde_json::json!({ "error": error });
             if !written.is_empty() {
-                told["written"] = written.into();
-                told["not_written"] = missing.into();
+                described["written"] = written.into();
+                described["not_written"] = missing.into();
             }
-            writeln!(io::stderr(), "{told}")
+            writeln!(io::stderr(), "{described}")
         } else {
-            let mut told = format!("error: {error}");
+            let mut described = format!("error: {error}");
             if !written.is_empty() {
-                told += &format!("\n  written before: {}", harmless(&written.join(", ")));
+                described += &format!("\n  written before: {}", harmless(&written.join(", ")));
                 if !missing.is_empty() {
-                    told += &format!("; not written: {}", harmless(&missing.join(", ")));
+                    described += &format!("; not written: {}", harmless(&missing.join(", ")));
                 }
             }
-            writeln!(io::stderr(), "{told}")
+            writeln!(io::stderr(), "{described}")
         };
     }
 }

@@ -64,14 +64,14 @@ fn section(d: &Declaration) -> String {
         d.reference
     );
     let inverses = learned::COMPONENTS.iter().filter(|c| c.declaration().kind == d.kind);
-    let undone: Vec<String> = inverses
+    let cancelled: Vec<String> = inverses
         .flat_map(|component| component.inverses())
         .map(|inverse| format!("[{0}](#{0}) ({1})", inverse.kind, inverse.undoing.name()))
         .collect();
-    if !undone.is_empty() {
+    if !cancelled.is_empty() {
         text.push_str(&format!(
             "Compensated in front of the machine by {}.\n\n",
-            undone.join(", ")
+            cancelled.join(", ")
         ));
     }
     text.push_str(
@@ -273,7 +273,7 @@ fn machines() -> anyhow::Result<Vec<Machine>> {
 }
 
 impl Machine {
-    /// What it is without this component, where it has one that can be left out.
+    /// What the machine is without this component, where it has one that can be left out.
     fn without(&self, declaration: &Declaration) -> anyhow::Result<String> {
         let mut blueprint = self.blueprint.clone();
         let mut count = 0;
@@ -458,8 +458,8 @@ mod tests {
         for machine in machines().unwrap_or_else(|e| panic!("{e:#}")) {
             for component in components::COMPONENTS {
                 let declaration = component.declaration();
-                let told = machine.without(declaration).unwrap_or_else(|e| panic!("{e:#}"));
-                let idle = told.contains(": 0.0e0 % at most");
+                let described = machine.without(declaration).unwrap_or_else(|e| panic!("{e:#}"));
+                let idle = described.contains(": 0.0e0 % at most");
                 assert!(!idle, "{} in {} changes nothing", declaration.kind, machine.name);
             }
         }

@@ -121,7 +121,7 @@ pub(crate) fn column(log: &Log, name: &str, unit: &mut Option<String>) -> anyhow
 pub(crate) struct BlueprintText {
     /// As it stands in the file; with the values of records put in.
     pub(crate) text: String,
-    /// What it says.
+    /// What the blueprint text says.
     pub(crate) blueprint: Blueprint,
 }
 

@@ -46,7 +46,7 @@ struct Cli {
     /// Greatest number of internal steps between two rows of a log; beyond it the log's time is taken to be in a
     /// wrong unit
     #[arg(long, global = true, help_heading = COMMON, value_name = "N", default_value_t = data::inner_steps::MOST, hide_short_help = true)]
-    #[arg(value_parser = ranges::whole(1_u64, 1_000_000_000_000))]
+    #[arg(value_parser = ranges::integers(1_u64, 1_000_000_000_000))]
     most_steps: u64,
     #[command(subcommand)]
     command: commands::Command,

@@ -79,7 +79,7 @@ pub(crate) struct Ear {
 
 #[derive(Default)]
 struct Heard {
-    said: Vec<Said>,
+    received: Vec<FmuMessage>,
     /// Messages of further kinds.
     more: usize,
     file: Option<File>,
@@ -89,7 +89,7 @@ struct Heard {
 
 /// A message of an FMU.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Said {
+pub(crate) struct FmuMessage {
     fmu: String,
     status: String,
     category: String,
@@ -126,14 +126,14 @@ impl Ear {
     }
 
     /// What was said so far, in the order of the first of each kind; ask when the FMUs are gone.
-    pub(crate) fn said(&self) -> Vec<Said> {
-        self.heard().said.clone()
+    pub(crate) fn received(&self) -> Vec<FmuMessage> {
+        self.heard().received.clone()
     }
 
-    /// The same as sentences.
+    /// As `received`, as sentences.
     pub(crate) fn notes(&self) -> Vec<String> {
         let heard = self.heard();
-        let mut notes: Vec<String> = heard.said.iter().map(Said::sentence).collect();
+        let mut notes: Vec<String> = heard.received.iter().map(FmuMessage::sentence).collect();
         if heard.more > 0 {
             notes.push(format!(
                 "the FMUs sent {} more messages of other kinds; --fmu-log FILE writes them all",
@@ -159,19 +159,19 @@ impl Heard {
     fn keep(&mut self, fmu: &str, message: &Message) {
         let pattern = pattern(&message.text);
         let status = message.status.to_string();
-        let room = self.said.len() < KINDS;
-        let known = self.said.iter_mut().find(|said| {
-            said.fmu == fmu
-                && said.status == status
-                && said.category == message.category
-                && said.pattern == pattern
+        let room = self.received.len() < KINDS;
+        let known = self.received.iter_mut().find(|received| {
+            received.fmu == fmu
+                && received.status == status
+                && received.category == message.category
+                && received.pattern == pattern
         });
         match known {
-            Some(said) => {
-                said.count += 1;
-                said.numbers_differ |= said.text != message.text;
+            Some(received) => {
+                received.count += 1;
+                received.numbers_differ |= received.text != message.text;
             }
-            None if room => self.said.push(Said {
+            None if room => self.received.push(FmuMessage {
                 fmu: fmu.to_owned(),
                 status,
                 category: message.category.clone(),
@@ -185,9 +185,9 @@ impl Heard {
     }
 }
 
-impl Said {
+impl FmuMessage {
     fn sentence(&self) -> String {
-        let Said { fmu, status, category, text, count, .. } = self;
+        let FmuMessage { fmu, status, category, text, count, .. } = self;
         let count = match count {
             1 => String::new(),
             _ if self.numbers_differ => format!(" ({count} times, with other numbers)"),
@@ -237,9 +237,9 @@ mod tests {
             heard.keep("a", &message(Status::Warning, "the same"));
         }
         heard.keep("b", &message(Status::Error, "the same"));
-        let told: Vec<String> = heard.said.iter().map(Said::sentence).collect();
+        let described: Vec<String> = heard.received.iter().map(FmuMessage::sentence).collect();
         assert_eq!(
-            told,
+            described,
             [
                 "FMU `a` says [Warning]: at 0e-3 s it slips (100 times, with other numbers)",
                 "FMU `a` says [Warning]: the same (100 times)",
@@ -255,6 +255,6 @@ mod tests {
             (0..8).map(|i| char::from(b'a' + (k >> (2 * i) & 3) as u8)).collect::<String>()
         };
         (0..5000).for_each(|k| heard.keep("a", &message(Status::Warning, &word(k))));
-        assert_eq!((heard.said.len(), heard.more), (KINDS, 5000 - KINDS));
+        assert_eq!((heard.received.len(), heard.more), (KINDS, 5000 - KINDS));
     }
 }

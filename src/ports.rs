@@ -50,7 +50,7 @@ impl Port {
         }
     }
 
-    /// Its members without the number of the axis, and how FMI 3.0 counts each: what flows in, what flows
+    /// The port's members without the number of the axis, and how FMI 3.0 counts each: what flows in, what flows
     /// out, or a signal.
     pub(crate) fn members(self) -> &'static [(&'static str, &'static str)] {
         match self {
@@ -300,12 +300,12 @@ impl Maker<'_> {
                 continue;
             }
             let mut component = ComponentBlueprint::new(part.kind);
-            let (mut missing, mut told) = (Vec::new(), Vec::new());
+            let (mut missing, mut described) = (Vec::new(), Vec::new());
             for quantity in part.needs.iter().chain(part.takes) {
                 match self.value(part.kind, quantity) {
                     Some((value, from)) => {
                         let shown = shown(&value);
-                        told.push(format!("{quantity} {from}"));
+                        described.push(format!("{quantity} {from}"));
                         component.set(quantity, value);
                         offered.values.insert(quantity, Stated { value: shown, from });
                     }
@@ -316,7 +316,7 @@ impl Maker<'_> {
             if !missing.is_empty() {
                 bail!("{}", self.must_be_stated(&missing, " and "));
             }
-            component.note = told.join("; ");
+            component.note = described.join("; ");
             self.insert(component, part)?;
             added_force |= part.gives == "force";
         }
@@ -335,10 +335,10 @@ impl Maker<'_> {
     /// Whether the values that were put in fit their components; they stand in no line of a file.
     fn values_fit(&self) -> anyhow::Result<()> {
         let Err(problems) = self.blueprint.check(learned::COMPONENTS) else { return Ok(()) };
-        let said = problems.as_slice().iter().map(|problem| {
+        let message = problems.as_slice().iter().map(|problem| {
             format!("{} = {}: {}; {}", problem.place, problem.value, problem.rule, problem.way_out)
         });
-        bail!("{}", said.collect::<Vec<_>>().join("\n"))
+        bail!("{}", message.collect::<Vec<_>>().join("\n"))
     }
 
     fn refuse_what_is_no_length(&mut self) -> anyhow::Result<()> {
@@ -467,18 +467,18 @@ impl Maker<'_> {
             );
         }
         if let Some((share, frequency)) = self.probe()?.gives_back()? {
-            let said = format!(
+            let message = format!(
                 "a force at the tip would get out more energy than it puts in: at {frequency:.4} Hz the velocity runs \
                  against the force, by {:.2} % of its greatest answer",
                 100.0 * share
             );
             if added_force {
                 bail!(
-                    "{said}. The mode in front of the tip is not collocated with it (a mode of negative share?); put \
+                    "{message}. The mode in front of the tip is not collocated with it (a mode of negative share?); put \
                      load-force in the blueprint where the force acts"
                 );
             }
-            offered.notes.push(said);
+            offered.notes.push(message);
         }
         let axis = self.axis();
         let behind: Vec<String> = axis

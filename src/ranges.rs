@@ -60,11 +60,11 @@ pub(crate) fn step() -> Ranged<f64> {
 
 /// Counts from `low` to `high`.
 pub(crate) fn count(low: usize, high: usize) -> Ranged<usize> {
-    whole(low, high)
+    integers(low, high)
 }
 
 /// Whole numbers of any type from `low` to `high`.
-pub(crate) fn whole<T>(low: T, high: T) -> Ranged<T>
+pub(crate) fn integers<T>(low: T, high: T) -> Ranged<T>
 where
     T: FromStr + PartialOrd + fmt::Display + Clone,
 {
@@ -74,7 +74,7 @@ where
 
 /// Seeds: every whole number of 64 bits.
 pub(crate) fn seed() -> Ranged<u64> {
-    Ranged { range: "0 to 2^64 - 1".to_owned(), ..whole(0, u64::MAX) }
+    Ranged { range: "0 to 2^64 - 1".to_owned(), ..integers(0, u64::MAX) }
 }
 
 /// Threads; 0 stands for one per processor.
@@ -134,8 +134,8 @@ where
 pub(crate) fn shown(command: Command) -> Command {
     let with_range = |arg: Arg| {
         let Some(range) = of(&arg) else { return arg };
-        let said = |help: Option<&StyledStr>| help.map(|help| format!("{help} ({range})"));
-        let (help, long) = (said(arg.get_help()), said(arg.get_long_help()));
+        let message = |help: Option<&StyledStr>| help.map(|help| format!("{help} ({range})"));
+        let (help, long) = (message(arg.get_help()), message(arg.get_long_help()));
         // A negative number is a value that is refused, no option.
         let arg = arg.hide_possible_values(true).allow_hyphen_values(true);
         let arg = help.into_iter().fold(arg, Arg::help);
@@ -146,9 +146,9 @@ pub(crate) fn shown(command: Command) -> Command {
 
 /// The range of an option, if it takes numbers.
 pub(crate) fn of(arg: &Arg) -> Option<String> {
-    let told = arg.get_possible_values();
-    let told = told.first().filter(|told| told.get_name() == MARK)?;
-    told.get_help().map(ToString::to_string)
+    let described = arg.get_possible_values();
+    let described = described.first().filter(|described| described.get_name() == MARK)?;
+    described.get_help().map(ToString::to_string)
 }
 
 /// Large and small numbers by their power of ten.

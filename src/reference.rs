@@ -30,7 +30,7 @@ const STRIDE: f64 = 5.0;
 /// Largest difference of an output, in parts of its peak-to-peak value, of a model whose arithmetic is
 /// the same on every machine.
 pub(crate) const OURS: f64 = 1e-9;
-/// The same with an FMU of another vendor inside.
+/// As `OURS`, with an FMU of another vendor inside.
 pub(crate) const FOREIGN: f64 = 1e-6;
 
 /// Name, unit and values of a signal.

@@ -25,7 +25,7 @@ pub(crate) struct RunTimes {
 #[derive(Clone, Debug, Serialize)]
 struct FmuTimes {
     name: String,
-    /// Its steps.
+    /// The FMU times' steps.
     calls: u64,
     timed: u64,
     mean_s: f64,

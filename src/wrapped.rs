@@ -11,7 +11,7 @@ use crate::{documentation, reference};
 
 /// Completes the package and writes it.
 pub(crate) fn finish(
-    around: &mut Repaired,
+    wrapper: &mut Repaired,
     original: &Package,
     file: &Path,
     worker: Option<&Worker>,
@@ -19,7 +19,7 @@ pub(crate) fn finish(
     let notice =
         b"The shared library of this FMU is licensed under MIT or Apache-2.0, at your option.\n\
         The FMU in resources/inner belongs to whoever made it.\n";
-    let package = &mut around.package;
+    let package = &mut wrapper.package;
     package.license("license.txt", notice.to_vec())?;
     package.license("LICENSE-MIT.txt", include_bytes!("../LICENSE-MIT").to_vec())?;
     package.license("LICENSE-APACHE.txt", include_bytes!("../LICENSE-APACHE").to_vec())?;
@@ -33,14 +33,14 @@ pub(crate) fn finish(
     let reference = match pack::reference_of(package, reference::FOREIGN, worker) {
         Ok(reference) => Some(reference),
         Err(error) => {
-            around.notes.push(format!("no reference results are inside: {error:#}"));
+            wrapper.notes.push(format!("no reference results are inside: {error:#}"));
             None
         }
     };
     if let Some(reference) = &reference {
-        reference.pack(&mut around.package)?;
+        reference.pack(&mut wrapper.package)?;
     }
-    let page = documentation::repaired(around, own, reference.as_ref())?;
-    around.package.documentation("index.html", page.into_bytes())?;
-    Ok(around.package.write(file)?)
+    let page = documentation::repaired(wrapper, own, reference.as_ref())?;
+    wrapper.package.documentation("index.html", page.into_bytes())?;
+    Ok(wrapper.package.write(file)?)
 }

@@ -187,12 +187,12 @@ fn a_connection_to_nothing_names_its_file_once() {
     let system = "name = \"s\"\nstep = 1e-3\nstop = 2e-3\n[fmus]\na = \"plant.fmu\"\nb = \"plant.fmu\"\n\
                   [connections]\n\"b.command[1]\" = \"a.positon[1]\"\n";
     write(at, "system.toml", system);
-    let said = refuse(&["system", "system.toml", "-o", "x.csv"], at);
+    let messages = refuse(&["system", "system.toml", "-o", "x.csv"], at);
     assert!(
-        said.starts_with("error: system.toml:8: FMU `a` has no variable `positon[1]`"),
-        "{said}"
+        messages.starts_with("error: system.toml:8: FMU `a` has no variable `positon[1]`"),
+        "{messages}"
     );
-    assert_eq!(said.matches("positon").count(), 1, "{said}");
+    assert_eq!(messages.matches("positon").count(), 1, "{messages}");
 }
 
 #[test]

@@ -18,8 +18,8 @@ fn run(port: u16, more: &[&str], folder: &Path) -> (Value, Option<i32>) {
     let mut all = vec!["--json", "bench", "run", "--plan", "plan.toml", "--gateway", &gateway];
     all.extend(more);
     let output = common::piezoloop(&all, folder);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    let answer = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
+    let messages = String::from_utf8_lossy(&output.stderr).into_owned();
+    let answer = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{messages}"));
     (answer, output.status.code())
 }
 
@@ -35,8 +35,8 @@ fn what_the_emulator_injects_the_runner_counts() {
     let (answer, code) = run(port, &["--record", "run.parquet"], folder.path());
     assert_eq!((code, answer["state"].as_str()), (Some(0), Some("safe")), "{answer}");
     machine.signal("-TERM");
-    let (said, _) = machine.end();
-    println!("{answer:#}\n{said}");
+    let (messages, _) = machine.end();
+    println!("{answer:#}\n{messages}");
     for counter in ["lost", "corrupt", "duplicate"] {
         assert!(answer["measurements"][counter].as_u64().unwrap() > 3, "{counter}");
     }
@@ -80,9 +80,11 @@ fn a_record_has_units_and_provenance_in_every_format() {
                   \x20   print('asammdf', len(u.samples))\n";
     let Some(python) = common::foreign::python() else { return };
     std::fs::write(folder.path().join("script.py"), script).unwrap();
-    let said =
-        common::foreign::said(Command::new(python).args(["script.py", "run.mf4"]), folder.path());
-    assert!(said.contains("asammdf"), "{said}");
+    let messages = common::foreign::message(
+        Command::new(python).args(["script.py", "run.mf4"]),
+        folder.path(),
+    );
+    assert!(messages.contains("asammdf"), "{messages}");
 }
 
 #[test]
@@ -92,8 +94,8 @@ fn a_run_that_cannot_begin_leaves_nothing_to_recover() {
     let gateway = format!("gcs://127.0.0.1:{port}");
     for _ in 0..2 {
         let run = ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway];
-        let said = refuse(&[&run[..], &["--record", "run.csv"]].concat(), folder.path());
-        assert!(said.contains("the device"), "{said}");
+        let messages = refuse(&[&run[..], &["--record", "run.csv"]].concat(), folder.path());
+        assert!(messages.contains("the device"), "{messages}");
         let names = std::fs::read_dir(folder.path()).unwrap().flatten();
         let names: Vec<_> = names.map(|entry| entry.file_name()).collect();
         assert_eq!(names, ["plan.toml"]);
@@ -124,22 +126,26 @@ fn a_killed_runner_leaves_its_rows_and_the_machine_stops_itself() {
         folder.path(),
     );
     assert!(message.contains("bench recover"), "{message}");
-    let said = succeed(&["bench", "recover", "run.csv.journal"], folder.path());
-    println!("{said}");
+    let messages = succeed(&["bench", "recover", "run.csv.journal"], folder.path());
+    println!("{messages}");
     let log = data::Log::read(&folder.path().join("run.csv"), &data::ReadOptions::default());
     // 18 columns of 8 bytes.
     assert!(log.unwrap().len() as u64 >= 60_000 / (8 * 18) - 40);
     // What is there stays unless it is named; a file of another hand beside it in any case.
-    let said = refuse(&["bench", "recover", "run.csv.journal"], folder.path());
-    assert!(said.contains("run.csv: is there") && said.contains("-o FILE"), "{said}");
+    let messages = refuse(&["bench", "recover", "run.csv.journal"], folder.path());
+    assert!(messages.contains("run.csv: is there") && messages.contains("-o FILE"), "{messages}");
     succeed(&["bench", "recover", "run.csv.journal", "-o", "run.csv"], folder.path());
     std::fs::write(folder.path().join("mine.about.json"), "{}").unwrap();
-    let said = refuse(&["bench", "recover", "run.csv.journal", "-o", "mine.csv"], folder.path());
-    assert!(said.contains("mine.about.json") && !folder.path().join("mine.csv").exists(), "{said}");
+    let messages =
+        refuse(&["bench", "recover", "run.csv.journal", "-o", "mine.csv"], folder.path());
+    assert!(
+        messages.contains("mine.about.json") && !folder.path().join("mine.csv").exists(),
+        "{messages}"
+    );
     std::thread::sleep(Duration::from_millis(400));
     machine.signal("-TERM");
-    let (said, _) = machine.end();
-    assert!(said.contains("the machine stopped itself"), "{said}");
+    let (messages, _) = machine.end();
+    assert!(messages.contains("the machine stopped itself"), "{messages}");
 }
 
 #[test]
@@ -152,9 +158,9 @@ fn sigterm_ends_in_the_safe_state_with_the_record_complete() {
     let runner = Process::tool(&plan, folder.path());
     std::thread::sleep(Duration::from_millis(1500));
     runner.signal("-TERM");
-    let (said, code) = runner.end();
-    assert_eq!(code, Some(0), "{said}");
-    assert!(said.contains("state safe: somebody stopped it"), "{said}");
+    let (messages, code) = runner.end();
+    assert_eq!(code, Some(0), "{messages}");
+    assert!(messages.contains("state safe: somebody stopped it"), "{messages}");
     let log =
         data::Log::read(&folder.path().join("run.csv"), &data::ReadOptions::default()).unwrap();
     assert_eq!(log.column("command[1]").unwrap().values.last(), Some(&0.0));
@@ -179,9 +185,9 @@ fn the_third_interruption_ends_a_run_wherever_its_command_is() {
         assert!(runner.child.try_wait().unwrap().is_none(), "it waits for the safe value");
     }
     runner.signal("-INT");
-    let (said, _) = runner.end();
-    assert!(said.contains("state safe: somebody stopped it"), "{said}");
-    assert!(said.contains("a third interruption ended the run"), "{said}");
+    let (messages, _) = runner.end();
+    assert!(messages.contains("state safe: somebody stopped it"), "{messages}");
+    assert!(messages.contains("a third interruption ended the run"), "{messages}");
 }
 
 #[test]
@@ -209,8 +215,8 @@ fn with_a_key_only_its_holder_is_believed() {
     );
     assert_eq!(answer["keyed"]["forged"], 0);
     keyed.signal("-TERM");
-    let (said, _) = keyed.end();
-    assert!(said.contains("packets without a right tag"), "{said}");
+    let (messages, _) = keyed.end();
+    assert!(messages.contains("packets without a right tag"), "{messages}");
     let far = ["bench", "run", "--plan", "plan.toml", "--gateway", "shm://x", "--key", "a.key"];
     assert!(refuse(&far, at).contains("--key is for udp://"));
 }
@@ -304,8 +310,8 @@ fn the_controller_fmu_that_was_simulated_runs_on_the_bench() {
                 "0..120",
             ];
             let output = common::piezoloop(&arguments, here);
-            let said = String::from_utf8_lossy(&output.stderr).into_owned();
-            assert_eq!(output.status.code(), Some(0), "{gateway}: {said}{:?}", output.stdout);
+            let messages = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(0), "{gateway}: {messages}{:?}", output.stdout);
             drop(machine);
             let log =
                 data::Log::read(&here.join("run.csv"), &data::ReadOptions::default()).unwrap();
@@ -382,8 +388,8 @@ fn dumped_page(browser: &str, seconds: f64) -> String {
         .args(["--virtual-time-budget=2000", "--dump-dom", &url])
         .output()
         .expect("the browser runs");
-    let (said, code) = runner.end();
-    assert_eq!(code, Some(0), "{said}");
+    let (messages, code) = runner.end();
+    assert_eq!(code, Some(0), "{messages}");
     String::from_utf8_lossy(&page.stdout).into_owned()
 }
 
@@ -455,13 +461,16 @@ fn a_campaign_is_tried_and_what_ends_otherwise_is_told() {
         [[case.fault]]\nkind = \"corrupt\"\nprobability = 0.1\ndirection = \"both\"\n";
     let write = |text: &str| std::fs::write(folder.path().join("faults.toml"), text).unwrap();
     write(campaign);
-    let said = succeed(&["bench", "campaign", "faults.toml"], folder.path());
-    assert!(said.contains("3 of 3 trials ended as expected"), "{said}");
+    let messages = succeed(&["bench", "campaign", "faults.toml"], folder.path());
+    assert!(messages.contains("3 of 3 trials ended as expected"), "{messages}");
     write(&campaign.replace("within = 155", "within = 100"));
     let output = common::piezoloop(&["bench", "campaign", "faults.toml"], folder.path());
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("FAILED silence, from cycle 60") && said.contains("1 of 3"), "{said}");
+    let messages = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{messages}");
+    assert!(
+        messages.contains("FAILED silence, from cycle 60") && messages.contains("1 of 3"),
+        "{messages}"
+    );
     write(&campaign.replace("sample-lost", "sample-gone").replace("0.1", "1.1"));
     let message = refuse(&["bench", "campaign", "faults.toml"], folder.path());
     assert!(message.contains("faults.toml:7") && message.contains("sample-lost"), "{message}");

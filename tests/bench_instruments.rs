@@ -38,15 +38,15 @@ fn drives(scheme: &str, protocol: &str, identity: &str, mode: &str) {
         ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--record", "run.csv"];
     let answer = json(&call, here);
     assert_eq!(answer["reason"], "the plan has ended", "{answer:#}");
-    let said = answer["machine"].as_str().unwrap();
-    assert!(said.contains(identity) && said.contains(mode), "{said}");
+    let messages = answer["machine"].as_str().unwrap();
+    assert!(messages.contains(identity) && messages.contains(mode), "{messages}");
     let log = data::Log::read(&here.join("run.csv"), &data::ReadOptions::default()).unwrap();
     let greatest = log.column("position[1]").unwrap().values.iter().fold(0.0_f64, |m, y| m.max(*y));
     assert!((1.5..2.5).contains(&greatest), "{greatest} um of 2");
     assert_eq!(json(&["bench", "replay", "run.csv"], here)["different"], 0);
     machine.signal("-TERM");
-    let (said, code) = machine.end();
-    assert!(code == Some(0) && said.contains("1 connections"), "{said}");
+    let (messages, code) = machine.end();
+    assert!(code == Some(0) && messages.contains("1 connections"), "{messages}");
 
     let message = refuse(&call, here);
     assert!(
@@ -76,7 +76,7 @@ fn pis_own_client_works_with_the_instrument() {
     let folder = tempfile::tempdir().unwrap();
     let port = port();
     let _machine = instrument("gcs", "GCS 2.0", port, folder.path());
-    let said = foreign::script(&python, "pi_client.py", &[&port.to_string()], folder.path());
-    println!("{said}");
-    assert!(said.contains("PIPython"));
+    let messages = foreign::script(&python, "pi_client.py", &[&port.to_string()], folder.path());
+    println!("{messages}");
+    assert!(messages.contains("PIPython"));
 }

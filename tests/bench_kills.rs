@@ -44,9 +44,9 @@ fn rows(path: &Path) -> usize {
 /// What is left: `None` where there was no row yet, else the rows that are there or come back.
 fn left(folder: &Path, record: &str) -> Option<usize> {
     let (file, journal) = (folder.join(record), folder.join(format!("{record}.journal")));
-    let whole = file.is_file().then(|| rows(&file));
+    let complete = file.is_file().then(|| rows(&file));
     let Ok(journal_bytes) = fs::metadata(&journal).map(|found| found.len() as usize) else {
-        return whole;
+        return complete;
     };
     let name = format!("{record}.journal");
     let recover = ["bench", "recover", &name, "-o", "recovered.csv"];
@@ -57,15 +57,15 @@ fn left(folder: &Path, record: &str) -> Option<usize> {
         assert!(journal_bytes < 8 * COLUMNS + LONGEST_HEAD, "{journal_bytes} bytes: {message}");
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains("delete it"), "{message}");
-        assert_eq!(whole, None);
+        assert_eq!(complete, None);
         return None;
     }
     let found = rows(&folder.join("recovered.csv"));
     // Nothing that the system took is lost.
     let written = journal_bytes.saturating_sub(LONGEST_HEAD) / (8 * COLUMNS);
     assert!(found >= written, "{found} rows of {journal_bytes} bytes");
-    if let Some(whole) = whole {
-        assert_eq!(whole, found, "the record and its journal");
+    if let Some(complete) = complete {
+        assert_eq!(complete, found, "the record and its journal");
     }
     Some(found)
 }

@@ -66,8 +66,8 @@ fn the_record_of_a_controller_fmu_is_its_replay() {
         let notes = found[0]["notes"].to_string();
         assert!(notes.contains("rows have an older position"), "{notes}");
     }
-    let said = succeed(&["bench", "replay", "records/0002.csv"], here);
-    assert!(said.contains("the same bits"), "{said}");
+    let messages = succeed(&["bench", "replay", "records/0002.csv"], here);
+    assert!(messages.contains("the same bits"), "{messages}");
 
     // One number of the record is changed in its last place.
     let text = std::fs::read_to_string(here.join("records/0001.csv")).unwrap();
@@ -79,10 +79,13 @@ fn the_record_of_a_controller_fmu_is_its_replay() {
     lines[300] = cells.join(",");
     std::fs::write(here.join("records/0001.csv"), lines.join("\n") + "\n").unwrap();
     let output = common::piezoloop(&["bench", "replay", "records/0001.csv"], here);
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("1 of") && said.contains("row 299), command[1]: recorded"), "{said}");
-    assert!(said.contains(&format!("replayed {recorded:?}")), "{said}");
+    let messages = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{messages}");
+    assert!(
+        messages.contains("1 of") && messages.contains("row 299), command[1]: recorded"),
+        "{messages}"
+    );
+    assert!(messages.contains(&format!("replayed {recorded:?}")), "{messages}");
 
     // Another FMU, a moved one, none.
     std::fs::rename(here.join("controller.fmu"), here.join("moved.fmu")).unwrap();

@@ -19,8 +19,8 @@ fn the_blueprint_of_the_page_is_packed_and_checked() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("stage.toml"), examples()[0]).unwrap();
     succeed(&["pack", "stage.toml", "-o", "stage.fmu"], folder.path());
-    let said = succeed(&["check", "stage.fmu"], folder.path());
-    assert!(said.contains("no problem"), "{said}");
+    let message = succeed(&["check", "stage.fmu"], folder.path());
+    assert!(message.contains("no problem"), "{message}");
 }
 
 #[test]
@@ -35,8 +35,8 @@ fn the_record_of_the_page_fills_a_component_of_a_blueprint_beside_it() {
     succeed(&["pack", "stage.toml", "-o", "stage.fmu"], folder.path());
     let wrong = plant.replace("my-stage.toml", "no-stage.toml");
     fs::write(folder.path().join("stage.toml"), wrong).unwrap();
-    let said = refuse(&["pack", "stage.toml", "-o", "stage.fmu"], folder.path());
-    assert!(said.contains("stage.toml:14") && said.contains("no-stage.toml"), "{said}");
+    let message = refuse(&["pack", "stage.toml", "-o", "stage.fmu"], folder.path());
+    assert!(message.contains("stage.toml:14") && message.contains("no-stage.toml"), "{message}");
 }
 
 #[test]
@@ -44,7 +44,7 @@ fn a_connection_of_different_quantities_is_refused_with_its_line() {
     let folder = tempfile::tempdir().unwrap();
     let wrong = examples()[0].replace("from = \"Y.displacement\"", "from = \"Y.voltage\"");
     fs::write(folder.path().join("stage.toml"), &wrong).unwrap();
-    let said = refuse(&["pack", "stage.toml", "-o", "stage.fmu"], folder.path());
+    let message = refuse(&["pack", "stage.toml", "-o", "stage.fmu"], folder.path());
     let line = wrong.lines().position(|line| line.starts_with("from =")).unwrap() + 1;
-    assert!(said.contains(&format!("stage.toml:{line}")), "{said}");
+    assert!(message.contains(&format!("stage.toml:{line}")), "{message}");
 }

@@ -44,7 +44,7 @@ fn packed(
     archive
 }
 
-fn said(output: &Output) -> String {
+fn message(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 
@@ -64,11 +64,15 @@ fn what_cannot_be_opened_is_not_without_problem() {
     let at = folder.path();
     packed(at, "sound.fmu", None, |xml| xml);
     let output = piezoloop(&["check", "sound.fmu"], at);
-    assert!(said(&output).contains("no problem") && output.status.success(), "{}", said(&output));
+    assert!(
+        message(&output).contains("no problem") && output.status.success(),
+        "{}",
+        message(&output)
+    );
     // Nowhere to unpack it.
     let output = check_in("/nowhere/at/all", &["sound.fmu"], at);
-    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
-    let text = said(&output);
+    assert_eq!(output.status.code(), Some(2), "{}", message(&output));
+    let text = message(&output);
     assert!(text.contains("sound.fmu") && !text.contains("no problem"), "{text}");
     // A name that no file system holds, a name that is too long as a whole.
     for (name, length) in [("part.fmu", 300), ("whole.fmu", 2000)] {
@@ -76,8 +80,8 @@ fn what_cannot_be_opened_is_not_without_problem() {
             format!("resources/{}", "x/".repeat(length / 400 * 400) + &"n".repeat(length % 400));
         packed(at, name, Some(&entry), |xml| xml);
         let output = piezoloop(&["check", name], at);
-        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
-        assert!(!said(&output).contains("no problem"), "{}", said(&output));
+        assert_eq!(output.status.code(), Some(1), "{}", message(&output));
+        assert!(!message(&output).contains("no problem"), "{}", message(&output));
     }
     // Characters that no XML holds, wherever they stand.
     for (number, byte) in [0_u8, 1, 0x0b, 0x1f].into_iter().enumerate() {
@@ -92,8 +96,8 @@ fn what_cannot_be_opened_is_not_without_problem() {
             };
             packed(at, &name, None, spoiled);
             let output = piezoloop(&["check", &name], at);
-            assert_eq!(output.status.code(), Some(1), "{byte} in {place}: {}", said(&output));
-            assert!(said(&output).contains("modelDescription.xml:"), "{}", said(&output));
+            assert_eq!(output.status.code(), Some(1), "{byte} in {place}: {}", message(&output));
+            assert!(message(&output).contains("modelDescription.xml:"), "{}", message(&output));
         }
     }
 }
@@ -108,7 +112,7 @@ fn one_missing_file_does_not_hide_the_others() {
     packed(at, "sound.fmu", None, |xml| xml);
     fs::write(at.join("text.fmu"), "no archive").expect("writable");
     let output = piezoloop(&["check", "missing.fmu", "sound.fmu", "text.fmu"], at);
-    let text = said(&output);
+    let text = message(&output);
     assert_eq!(output.status.code(), Some(2), "{text}");
     for words in
         ["missing.fmu: not checked: cannot read", "sound.fmu: \"faulty\", FMI 2.0", "text.fmu"]
@@ -145,14 +149,14 @@ fn code_runs_only_with_replay_and_never_succeeds_by_leaving() {
         let fmu = build(at, fault, &[&format!("FAULT={fault}"), "ALL"], Lie::None);
         with_reference(&at.join(&fmu));
         let output = piezoloop(&["check", &fmu], at);
-        let text = said(&output);
+        let text = message(&output);
         assert!(
             output.status.success() && text.contains("--replay runs its code"),
             "{fault}: {text}"
         );
         let begin = Instant::now();
         let output = piezoloop(&["check", &fmu, "--replay", "--timeout", "2"], at);
-        let text = said(&output);
+        let text = message(&output);
         assert_eq!(output.status.code(), Some(1), "{fault}: {text}");
         assert!(text.contains("the reference results cannot be repeated"), "{fault}: {text}");
         assert!(begin.elapsed() < Duration::from_secs(20), "{fault}: {:?}", begin.elapsed());
@@ -160,8 +164,8 @@ fn code_runs_only_with_replay_and_never_succeeds_by_leaving() {
     let fmu = build(at, "SOUND", &["FAULT=SOUND", "ALL"], Lie::None);
     with_reference(&at.join(&fmu));
     let output = piezoloop(&["check", &fmu, "--replay"], at);
-    assert!(output.status.success(), "{}", said(&output));
-    assert!(said(&output).contains("reference results repeated"), "{}", said(&output));
+    assert!(output.status.success(), "{}", message(&output));
+    assert!(message(&output).contains("reference results repeated"), "{}", message(&output));
 }
 
 #[test]
@@ -187,11 +191,11 @@ fn a_model_identifier_never_leads_out_of_the_fmu() {
         assert_ne!(lie, text);
         fs::write(fmu.join("modelDescription.xml"), lie).expect("writable");
         for more in [&[][..], &["--isolate"]] {
-            let said =
+            let message =
                 refuse(&[&["simulate", "inside.fmu", "--log", "log.csv"], more].concat(), at);
-            assert!(said.contains("is no file name"), "{identifier}: {said}");
+            assert!(message.contains("is no file name"), "{identifier}: {message}");
         }
         let output = piezoloop(&["check", "inside.fmu"], at);
-        assert_eq!(output.status.code(), Some(1), "{identifier}: {}", said(&output));
+        assert_eq!(output.status.code(), Some(1), "{identifier}: {}", message(&output));
     }
 }

@@ -36,9 +36,9 @@ fn a_local_cluster_gives_the_bytes_of_the_local_run_and_survives_a_kill() {
     prepared(folder.path(), 200);
     let mut run = Command::new(python);
     run.arg(root().join("tests/python/sweep_on_dask.py")).arg("plan.toml");
-    let said = foreign::said(with_package(&mut run), folder.path());
-    println!("{said}");
-    assert!(said.contains("Dask gives the bytes of the local run"), "{said}");
+    let message = foreign::message(with_package(&mut run), folder.path());
+    println!("{message}");
+    assert!(message.contains("Dask gives the bytes of the local run"), "{message}");
 }
 
 #[test]
@@ -49,8 +49,8 @@ fn two_hosts_without_a_shared_disk_give_the_bytes_of_one() {
     let mut run = Command::new("sh");
     run.arg(root().join("tests/python/dask_in_namespaces.sh")).arg(python);
     run.arg(root().join("tests/python/sweep_on_dask.py")).arg("plan.toml");
-    let said = foreign::said(with_package(&mut run), folder.path());
-    println!("{said}");
-    let fine = said.contains("100 runs on 2 workers: the same bytes");
-    assert!(fine || said.contains("SKIPPED"), "{said}");
+    let message = foreign::message(with_package(&mut run), folder.path());
+    println!("{message}");
+    let fine = message.contains("100 runs on 2 workers: the same bytes");
+    assert!(fine || message.contains("SKIPPED"), "{message}");
 }

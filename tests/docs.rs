@@ -67,9 +67,9 @@ fn run(page: &str) {
         .env("PATH", std::env::join_paths(paths).expect("a PATH"))
         .output()
         .expect("a shell");
-    let said = String::from_utf8_lossy(&output.stdout);
+    let message = String::from_utf8_lossy(&output.stdout);
     let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{page}:\n{said}{errors}");
+    assert!(output.status.success(), "{page}:\n{message}{errors}");
     println!("{page}: {} blocks run", commands.len());
 }
 
@@ -192,8 +192,8 @@ fn is_command(line: &str) -> bool {
 
 /// The commands of the tool in a text, each on one line.
 fn commands(text: &str) -> Vec<String> {
-    let whole = text.replace("\\\n", " ");
-    let lines = whole.lines().filter_map(|line| {
+    let complete = text.replace("\\\n", " ");
+    let lines = complete.lines().filter_map(|line| {
         let at = line.find("piezoloop ")?;
         (!line.trim_start().starts_with('#')).then(|| line[at..].to_owned())
     });
@@ -275,8 +275,8 @@ fn the_site_builds_without_a_warning() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut site = Command::new(python);
     site.arg(root().join("dev/tools/site")).arg(env!("CARGO_BIN_EXE_piezoloop")).arg(folder.path());
-    let said = foreign::said(&mut site, folder.path());
-    println!("{said}");
+    let message = foreign::message(&mut site, folder.path());
+    println!("{message}");
     let page = |name: &str| {
         fs::read_to_string(folder.path().join("site").join(name)).expect("a page of the site")
     };

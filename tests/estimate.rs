@@ -81,7 +81,7 @@ fn log(file: &Path, phase: usize, noise: [f64; 2], random: &mut Random) {
     log_from(file, 0.0, phase, noise, random);
 }
 
-/// The same of a machine that begins elsewhere than at rest.
+/// As `log`, of a machine that begins elsewhere than at rest.
 fn log_from(file: &Path, begin: f64, phase: usize, noise: [f64; 2], random: &mut Random) {
     let (mut y, mut text) = (begin, "time,u,y,z\n".to_owned());
     for k in 0..ROWS {
@@ -333,14 +333,16 @@ fn what_is_asked_wrongly_is_refused_with_the_way_out() {
         ("other.csv", "a=1", "no column measures an output"),
         ("missing.csv", "a=1", "missing.csv"),
     ] {
-        let said = refuse(&["estimate", "lag.fmu", "--log", log, "--tune", tune], at);
-        assert!(said.contains(words), "{words}: {said}");
+        let message = refuse(&["estimate", "lag.fmu", "--log", log, "--tune", tune], at);
+        assert!(message.contains(words), "{words}: {message}");
     }
-    let said = refuse(&["estimate", "lag.fmu", "--log", "a.csv", "--tune", "a", "--tune", "a"], at);
-    assert!(said.contains("asked for twice"), "{said}");
-    let said = refuse(&["estimate", "lag.fmu", "--log", "a.csv", "--tune", "a", "-o", "a.csv"], at);
+    let message =
+        refuse(&["estimate", "lag.fmu", "--log", "a.csv", "--tune", "a", "--tune", "a"], at);
+    assert!(message.contains("asked for twice"), "{message}");
+    let message =
+        refuse(&["estimate", "lag.fmu", "--log", "a.csv", "--tune", "a", "-o", "a.csv"], at);
     assert!(
-        said.contains("a.csv") && said.contains("this command already uses the file"),
-        "{said}"
+        message.contains("a.csv") && message.contains("this command already uses the file"),
+        "{message}"
     );
 }

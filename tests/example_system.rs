@@ -94,11 +94,11 @@ fn a_set_that_does_not_fit_is_refused_with_its_line() {
     ] {
         fs::write(folder.join("bad.ssv"), text.replace(old, new)).expect("writable");
         let table = ["system", "loop.ssp", "--input", "short.csv", "--parameters", "bad.ssv"];
-        let said = refuse(&table, folder);
-        assert!(said.contains(words), "{said}");
+        let message = refuse(&table, folder);
+        assert!(message.contains(words), "{message}");
     }
-    let said = refuse(&["system", "loop.ssp", "--parameters", "none.ssv"], folder);
-    assert!(said.contains("none.ssv: cannot be read"), "{said}");
+    let message = refuse(&["system", "loop.ssp", "--parameters", "none.ssv"], folder);
+    assert!(message.contains("none.ssv: cannot be read"), "{message}");
 }
 
 /// Two kernels that start at once may choose the same ports, and one of them dies.
@@ -121,25 +121,25 @@ fn notebook(example: &str, files: &[&str]) -> Option<String> {
     run.env("PATH", std::env::join_paths(paths).expect("a PATH"));
     run.env("PYTHONPATH", root().join("python"));
     let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
-    Some(foreign::said(&mut run, folder.path()))
+    Some(foreign::message(&mut run, folder.path()))
 }
 
 #[test]
 fn the_notebook_of_the_hysteresis_runs() {
-    let Some(said) = notebook("02_fmu_in_fmpy", &["hysteresis.ipynb"]) else { return };
-    println!("{said}");
-    assert!(said.contains("nominal: 5.96") && said.contains("with creep: 6.0"), "{said}");
-    assert!(said.contains("1 pictures"), "{said}");
+    let Some(message) = notebook("02_fmu_in_fmpy", &["hysteresis.ipynb"]) else { return };
+    println!("{message}");
+    assert!(message.contains("nominal: 5.96") && message.contains("with creep: 6.0"), "{message}");
+    assert!(message.contains("1 pictures"), "{message}");
 }
 
 /// Arrays go into the diagnosis; the repaired FMU leaves the noise, 1 nm, in fmpy.
 #[test]
 fn the_notebook_goes_from_a_log_to_a_repaired_fmu() {
-    let Some(said) = notebook("04_gap", &["gap.ipynb"]) else { return };
-    println!("{said}");
-    assert!(said.contains("effects [('delay'"), "{said}");
-    assert!(said.contains("repaired in fmpy: 0.0010 um"), "{said}");
-    assert!(said.contains("1 pictures"), "{said}");
+    let Some(message) = notebook("04_gap", &["gap.ipynb"]) else { return };
+    println!("{message}");
+    assert!(message.contains("effects [('delay'"), "{message}");
+    assert!(message.contains("repaired in fmpy: 0.0010 um"), "{message}");
+    assert!(message.contains("1 pictures"), "{message}");
 }
 
 #[test]
@@ -157,8 +157,8 @@ fn the_notebook_runs_and_its_ten_lines_stand_in_the_readme() {
     assert_eq!(ten[0].lines().count(), 10);
     assert!(README.contains(&format!("```python\n{}\n```", ten[0])), "the README differs");
     let files = ["loop.toml", "nominal.ssv", "repaired.ssv", "loop.ipynb"];
-    let Some(said) = notebook("03_system", &files) else { return };
-    println!("{said}");
-    assert!(said.contains("nominal: ") && said.contains("repaired: "), "{said}");
-    assert!(said.contains("1 pictures"), "{said}");
+    let Some(message) = notebook("03_system", &files) else { return };
+    println!("{message}");
+    assert!(message.contains("nominal: ") && message.contains("repaired: "), "{message}");
+    assert!(message.contains("1 pictures"), "{message}");
 }

@@ -47,13 +47,13 @@ fn last_number(line: &str) -> f64 {
 #[test]
 fn log_to_loop() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = run("01_log_to_loop", folder.path());
-    println!("{said}");
-    let held_out = number(&said, ".csv: held out ", "% of range");
-    let line = number(&said, "a straight line ", "%");
+    let message = run("01_log_to_loop", folder.path());
+    println!("{message}");
+    let held_out = number(&message, ".csv: held out ", "% of range");
+    let line = number(&message, "a straight line ", "%");
     assert!(held_out < 1.0 && line > 3.0, "{held_out} {line}");
-    assert_eq!(said.matches("no problem").count(), 2);
-    let loop_line = said.lines().find(|line| line.contains("against reference[1]"));
+    assert_eq!(message.matches("no problem").count(), 2);
+    let loop_line = message.lines().find(|line| line.contains("against reference[1]"));
     let largest = last_number(loop_line.expect("the loop's line"));
     assert!(largest < 0.02 * 4.0, "largest error {largest} um of 4 um");
     for file in
@@ -66,30 +66,30 @@ fn log_to_loop() {
 #[test]
 fn fmu_in_fmpy() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = run("02_fmu_in_fmpy", folder.path());
-    println!("{said}");
-    assert_eq!(said.matches("no problem").count(), 2);
-    assert_eq!(said.matches("the same bits").count(), 2);
-    assert_eq!(said.matches(": True").count(), 2);
+    let message = run("02_fmu_in_fmpy", folder.path());
+    println!("{message}");
+    assert_eq!(message.matches("no problem").count(), 2);
+    assert_eq!(message.matches("the same bits").count(), 2);
+    assert_eq!(message.matches(": True").count(), 2);
     // What the README tells.
     let readme = include_str!("../examples/02_fmu_in_fmpy/README.md");
     for figure in ["5.535 um", "2.739 um", "3.648 um", "16.4 %"] {
-        assert!(said.contains(figure) && readme.contains(figure), "{figure}: {said}");
+        assert!(message.contains(figure) && readme.contains(figure), "{figure}: {message}");
     }
 }
 
 #[test]
 fn gap() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = run("04_gap", folder.path());
-    println!("{said}");
-    let named: Vec<&str> = said.lines().filter(|line| line.starts_with("The model ")).collect();
+    let message = run("04_gap", folder.path());
+    println!("{message}");
+    let named: Vec<&str> = message.lines().filter(|line| line.starts_with("The model ")).collect();
     for line in &named {
         assert!(line.starts_with("The model lacks delay (timing, "), "{line}");
         assert!(line.contains(") and creep (actuator, "), "{line}");
     }
     assert_eq!(named.len(), 2, "as a blueprint and as an FMU");
-    let errors: Vec<f64> = said
+    let errors: Vec<f64> = message
         .lines()
         .filter_map(|line| line.split_once("rows 1 to 12000: rmse "))
         .map(|(_, rest)| rest.split_once(" um").expect("a unit").0.parse().expect("a number"))
@@ -108,17 +108,17 @@ fn measured_gaps() {
         [("06_pea_p885", "hysteresis"), ("08_piezo_stage_closedloop", "bandwidth")]
     {
         let folder = tempfile::tempdir().expect("a folder");
-        let said = run(example, folder.path());
-        println!("{said}");
-        if said.starts_with("SKIPPED") {
+        let message = run(example, folder.path());
+        println!("{message}");
+        if message.starts_with("SKIPPED") {
             continue;
         }
-        assert!(said.contains(word), "{said}");
+        assert!(message.contains(word), "{message}");
         // The README quotes the sentence, in lines that begin with >.
         let readme = common::root().join("examples").join(example).join("README.md");
         let readme = std::fs::read_to_string(readme).expect("a README");
         let quoted: Vec<&str> = readme.lines().filter_map(|line| line.strip_prefix("> ")).collect();
-        assert_eq!(said.lines().next(), Some(&*quoted.join(" ")), "{example}");
+        assert_eq!(message.lines().next(), Some(&*quoted.join(" ")), "{example}");
         for file in ["gap.json", "gap.html", "repaired.toml", "gap.svg"] {
             assert!(folder.path().join(file).is_file(), "{file}");
         }
@@ -128,9 +128,9 @@ fn measured_gaps() {
 #[test]
 fn measured_mirror() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = run("09_fsm_mirror", folder.path());
-    println!("{said}");
-    if said.starts_with("SKIPPED") {
+    let message = run("09_fsm_mirror", folder.path());
+    println!("{message}");
+    if message.starts_with("SKIPPED") {
         return;
     }
     let readme = common::root().join("examples/09_fsm_mirror/README.md");
@@ -138,7 +138,7 @@ fn measured_mirror() {
     let quoted: Vec<&str> = readme.lines().filter_map(|line| line.strip_prefix("> ")).collect();
     let quoted = quoted.join(" ");
     assert!(quoted.starts_with("The model lacks resonance shift"), "{quoted}");
-    assert!(said.lines().any(|line| line == quoted), "{said}");
+    assert!(message.lines().any(|line| line == quoted), "{message}");
     for file in ["mirror.toml", "response.html", "gap.json", "gap.html", "repaired.fmu"] {
         assert!(folder.path().join(file).is_file(), "{file}");
     }
@@ -146,7 +146,7 @@ fn measured_mirror() {
     for (band, part) in [("200", 0.1), ("0", 0.5)] {
         let errors = ["integral", "preview"].map(|controller| {
             let begin = format!("tracking, {controller} {band}:");
-            let line = said.lines().find(|line| line.starts_with(&begin)).expect("a line");
+            let line = message.lines().find(|line| line.starts_with(&begin)).expect("a line");
             ["y1 ", "y2 ", "y3 "].map(|axis| number(line, axis, "um"))
         });
         for (integral, preview) in errors[0].iter().zip(&errors[1]) {
@@ -158,16 +158,21 @@ fn measured_mirror() {
 #[test]
 fn bench() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = run("05_bench", folder.path());
-    println!("{said}");
-    assert!(said.contains("ended in the state safe: the plan has ended"), "{said}");
-    assert!(said.contains("The model lacks delay"), "{said}");
-    let line = said.lines().find(|line| line.contains("delay.delay =")).expect("the delay's line");
+    let message = run("05_bench", folder.path());
+    println!("{message}");
+    assert!(message.contains("ended in the state safe: the plan has ended"), "{message}");
+    assert!(message.contains("The model lacks delay"), "{message}");
+    let line =
+        message.lines().find(|line| line.contains("delay.delay =")).expect("the delay's line");
     let delay: f64 = number(line, "delay.delay =", "±");
     assert!((delay - 2e-3).abs() < 4e-4, "{line}");
     // The loop, closed by a controller FMU: 10 um of a wave.
-    assert_eq!(said.matches("ended in the state safe: the plan has ended").count(), 2, "{said}");
-    let error = number(&said, "loop.csv: rms error ", "um");
+    assert_eq!(
+        message.matches("ended in the state safe: the plan has ended").count(),
+        2,
+        "{message}"
+    );
+    let error = number(&message, "loop.csv: rms error ", "um");
     assert!(error < 0.2, "{error} um of 10 um");
     for file in ["run.parquet", "gap.html", "loop.csv"] {
         assert!(folder.path().join(file).is_file(), "{file}");
@@ -177,8 +182,8 @@ fn bench() {
 #[test]
 fn laser_beam_steering() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = run("10_laser_beam_steering", folder.path());
-    println!("{said}");
+    let message = run("10_laser_beam_steering", folder.path());
+    println!("{message}");
     // In parts of the detectors' ranges: the paper has 0.3 and 0.2 % on hardware, for passes in 2 and in 1 s.
     for (what, most) in [
         ("in fmpy, rate 1, PSD 1: rms ", 0.2),
@@ -188,16 +193,16 @@ fn laser_beam_steering() {
         ("on the bench, rate 1, PSD 1: rms ", 0.3),
         ("on the bench, rate 1, PSD 2: rms ", 0.3),
     ] {
-        let error = number(&said, what, "% of its range");
+        let error = number(&message, what, "% of its range");
         assert!(error < most, "{what}{error} %");
     }
-    assert!(said.contains("ended in the state safe: the plan has ended"), "{said}");
+    assert!(message.contains("ended in the state safe: the plan has ended"), "{message}");
     // The machine's hysteresis is asymmetric, that of the data sheet is not.
-    let lacks = said.split("The model lacks ").nth(1).expect("an answer");
+    let lacks = message.split("The model lacks ").nth(1).expect("an answer");
     let names = lacks.lines().next().unwrap_or_default();
     assert!(names.contains("asymmetry") && names.contains("hysteresis"), "{names}");
     let errors = |model: &str| {
-        let line = said.split(&format!("{model} model: rms error ")).nth(1).expect("errors");
+        let line = message.split(&format!("{model} model: rms error ")).nth(1).expect("errors");
         let line = line.lines().next().unwrap_or_default().to_owned();
         ["x1 ", "y1 ", "x2 ", "y2 "].map(|name| number(&line, name, "um"))
     };
@@ -212,9 +217,9 @@ fn laser_beam_steering() {
 #[test]
 fn compare_hysteresis_models() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = run("07_compare_hysteresis_models", folder.path());
-    println!("{said}");
-    let (rig, rest) = said.split_once("best.toml: written").expect("the rig comes first");
+    let message = run("07_compare_hysteresis_models", folder.path());
+    println!("{message}");
+    let (rig, rest) = message.split_once("best.toml: written").expect("the rig comes first");
     let (network, stack) = rest.split_once("network.toml: written").expect("then the network");
     // What the README says of the network.
     for (text, figure) in [(network, "0.924 %"), (stack, "0.187 %")] {

@@ -101,8 +101,9 @@ fn every_number_has_a_bound_or_a_reason_in_the_documentation() {
             }
         }
     }
-    let told = format!("bounds of {bounded} of the {numbers} numbers of the rigs and a controller");
-    assert!(page.contains(&told), "docs/fmi.md should say: {told}");
+    let described =
+        format!("bounds of {bounded} of the {numbers} numbers of the rigs and a controller");
+    assert!(page.contains(&described), "docs/fmi.md should say: {described}");
 }
 
 #[test]
@@ -110,9 +111,9 @@ fn what_a_blueprint_says_of_its_maker_is_in_the_fmu() {
     let folder = tempfile::tempdir().expect("a folder");
     let stage = root().join("tests/blueprints/stage.toml");
     let blueprint = fs::read_to_string(&stage).expect("the blueprint");
-    let told = "author = \"A. Smith, Motion Ltd\"\nversion = \"1.2\"\ncopyright = \"© Motion Ltd\"\n\
+    let described = "author = \"A. Smith, Motion Ltd\"\nversion = \"1.2\"\ncopyright = \"© Motion Ltd\"\n\
                 license = \"proprietary\"\n";
-    fs::write(folder.path().join("told.toml"), told.to_owned() + &blueprint).expect("a file");
+    fs::write(folder.path().join("told.toml"), described.to_owned() + &blueprint).expect("a file");
     for version in ["2", "3"] {
         let package = packed("told.toml", version, folder.path());
         let description = package.description();
@@ -146,8 +147,8 @@ fn check_repeats_the_reference_results_and_tells_a_difference() {
     let at = folder.path();
     for (blueprint, version) in [(PLANT, "2"), (CONTROLLER, "3")] {
         let package = packed(blueprint, version, at);
-        let said = succeed(&["check", "model.fmu", "--strict", "--replay"], at);
-        assert!(said.contains("reference results repeated, largest difference 0"), "{said}");
+        let message = succeed(&["check", "model.fmu", "--strict", "--replay"], at);
+        assert!(message.contains("reference results repeated, largest difference 0"), "{message}");
 
         // A value in the middle, off by a millionth of the range.
         let changed = at.join("changed");
@@ -169,17 +170,20 @@ fn check_repeats_the_reference_results_and_tells_a_difference() {
         lines[101] = row.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
         fs::write(&file, lines.join("\n") + "\n").expect("a file");
         let output = piezoloop(&["check", "changed", "--replay"], at);
-        let said = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert_eq!(output.status.code(), Some(1), "{said}");
-        assert!(said.contains("output.csv") && said.contains("1.000e-6"), "{said}");
+        let message = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(message.contains("output.csv") && message.contains("1.000e-6"), "{message}");
         succeed(&["check", "changed"], at);
 
         // Nothing to compare with: said, not skipped.
         fs::write(changed.join(REFERENCE).join("reference.toml"), "format = 7\n").expect("a file");
         let output = piezoloop(&["check", "changed", "--replay"], at);
-        let said = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert_eq!(output.status.code(), Some(1), "{said}");
-        assert!(said.contains("cannot be repeated") && said.contains("reference.toml"), "{said}");
+        let message = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(
+            message.contains("cannot be repeated") && message.contains("reference.toml"),
+            "{message}"
+        );
         fs::remove_dir_all(&changed).expect("it goes");
     }
 }

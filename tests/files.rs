@@ -34,8 +34,8 @@ fn holds(job: &Job, out: &Path, had_old: bool, when: &str) {
             continue;
         }
         let is_old = had_old && *bytes == old(name);
-        let whole = is_old || job.is_new(name, bytes);
-        assert!(whole, "{}, killed {when}: {name} has {} bytes", job.name, bytes.len());
+        let complete = is_old || job.is_new(name, bytes);
+        assert!(complete, "{}, killed {when}: {name} has {} bytes", job.name, bytes.len());
     }
     if had_old {
         for (name, _) in &job.files {
@@ -100,8 +100,8 @@ fn killed_at_any_moment_files_are_old_or_new() {
             left += leftovers(folder.path());
             // What killed ones left is in nobody's way.
             let output = job.command(folder.path()).output().expect("the tool starts");
-            let said = String::from_utf8_lossy(&output.stderr);
-            assert!(output.status.success(), "{}: {said}", job.name);
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{}: {message}", job.name);
             for (name, _) in &job.files {
                 let bytes = fs::read(folder.path().join(name)).expect(name);
                 assert!(job.is_new(name, &bytes), "{}: {name} after all", job.name);
@@ -205,14 +205,14 @@ impl Drop for SmallDisk {
 fn refuses(job: &Job, out: &Path, command: &mut Command, words: &[&str]) {
     let before = listing(out);
     let output = command.output().expect("the tool starts");
-    let said = String::from_utf8_lossy(&output.stderr);
+    let message = String::from_utf8_lossy(&output.stderr);
     let code = output.status.code();
-    assert_eq!(code, Some(2), "{}: {said}", job.name);
-    assert!(!said.contains("panicked"), "{}: {said}", job.name);
-    let is_named = job.files.iter().any(|(name, _)| said.contains(name.as_str()));
-    assert!(is_named, "{}: no file is named in: {said}", job.name);
+    assert_eq!(code, Some(2), "{}: {message}", job.name);
+    assert!(!message.contains("panicked"), "{}: {message}", job.name);
+    let is_named = job.files.iter().any(|(name, _)| message.contains(name.as_str()));
+    assert!(is_named, "{}: no file is named in: {message}", job.name);
     for words in words {
-        assert!(said.contains(words), "{}: \"{words}\" is not in: {said}", job.name);
+        assert!(message.contains(words), "{}: \"{words}\" is not in: {message}", job.name);
     }
     let mut after = listing(out);
     // A sweep keeps its journal, to go on from.
@@ -248,26 +248,26 @@ fn what_is_written_and_what_is_not_is_said() {
         }
         disk.remount(&format!("size={}k", total.saturating_sub(8).max(4)));
         let output = job.command(disk.path()).output().expect("the tool starts");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{}: {said}", job.name);
-        assert!(said.contains("No space left on device"), "{}: {said}", job.name);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{}: {message}", job.name);
+        assert!(message.contains("No space left on device"), "{}: {message}", job.name);
         let is_there = |name: &str| disk.path().join(name).exists();
         let (there, absent): (Vec<&str>, Vec<&str>) =
             job.files.iter().map(|(name, _)| name.as_str()).partition(|name| is_there(name));
         if there.is_empty() {
             continue;
         }
-        let (before, written) = said.split_once("written before: ").unwrap_or((&said, ""));
+        let (before, written) = message.split_once("written before: ").unwrap_or((&message, ""));
         let (written, missing) = written.split_once("; not written: ").unwrap_or((written, ""));
         for name in there {
             let path = disk.path().join(name).display().to_string();
-            assert!(written.contains(&path), "{}, {name}: {said}", job.name);
+            assert!(written.contains(&path), "{}, {name}: {message}", job.name);
         }
         for name in absent {
             let path = disk.path().join(name).display().to_string();
             // A file that nobody named is told where it fails.
             let is_told = missing.contains(&path) || before.contains(&path);
-            assert!(is_told && !written.contains(&path), "{}, {name}: {said}", job.name);
+            assert!(is_told && !written.contains(&path), "{}, {name}: {message}", job.name);
         }
         said_both += 1;
     }
@@ -337,10 +337,10 @@ fn several_at_once_in_one_folder_do_not_disturb_each_other() {
         let mut done = 0;
         for child in children {
             let output = child.wait_with_output().expect("it ends");
-            let said = String::from_utf8_lossy(&output.stderr);
+            let message = String::from_utf8_lossy(&output.stderr);
             // Of one sweep only one works at a time; the others say so.
-            let waits = job.name == "sweep" && said.contains("another process runs this sweep");
-            assert!(output.status.success() || waits, "{}: {said}", job.name);
+            let waits = job.name == "sweep" && message.contains("another process runs this sweep");
+            assert!(output.status.success() || waits, "{}: {message}", job.name);
             done += usize::from(output.status.success());
         }
         assert!(done > 0, "{}", job.name);

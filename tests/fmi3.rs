@@ -277,8 +277,8 @@ for command, up, down in ((20.0, both, both), (20.0, both, first), (15.0, first,
 #[test]
 fn the_tool_tells_the_version() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = json(&["pack", "evc", "--fmi", "3", "-o", "evc.fmu"], folder.path());
-    assert_eq!(said["fmi_version"], "3.0");
+    let message = json(&["pack", "evc", "--fmi", "3", "-o", "evc.fmu"], folder.path());
+    assert_eq!(message["fmi_version"], "3.0");
 }
 
 /// One axis is an array of one; fmpy took its short name for a second variable.

@@ -49,8 +49,8 @@ fn build() -> Option<PathBuf> {
 }
 
 /// Runs the importer; it must succeed. Returns all it printed.
-fn said(importer: &Path, arguments: &[&str], folder: &Path) -> String {
-    foreign::said(Command::new(importer).args(arguments), folder)
+fn message(importer: &Path, arguments: &[&str], folder: &Path) -> String {
+    foreign::message(Command::new(importer).args(arguments), folder)
 }
 
 #[test]
@@ -61,14 +61,14 @@ fn fmi_rs_finds_nothing_wrong_with_our_fmus() {
         for version in ["2", "3"] {
             let file = format!("{version}.fmu");
             succeed(&["pack", blueprint, "--fmi", version, "-o", &file], folder.path());
-            assert_eq!(said(importer, &["check", &file], folder.path()), "", "{blueprint}");
+            assert_eq!(message(importer, &["check", &file], folder.path()), "", "{blueprint}");
         }
     }
     // It does find what is wrong with others.
     let xml = modeldescription::Package::open(folder.path().join("2.fmu")).expect("an FMU");
     let bad = folder.path().join("bad.fmu");
     spoil(xml.folder(), &bad);
-    assert_ne!(said(importer, &["check", "bad.fmu"], folder.path()), "");
+    assert_ne!(message(importer, &["check", "bad.fmu"], folder.path()), "");
 }
 
 /// Writes an FMU in which an output is missing from the model structure.
@@ -81,7 +81,7 @@ fn spoil(unpacked: &Path, to: &Path) {
     fs::write(folder.join("bad.xml"), text[..from].to_owned() + &text[end..]).expect("written");
     let code =
         "import zipfile; zipfile.ZipFile('bad.fmu', 'w').write('bad.xml', 'modelDescription.xml')";
-    foreign::said(Command::new(python).args(["-c", code]), folder);
+    foreign::message(Command::new(python).args(["-c", code]), folder);
 }
 
 /// The inputs of the plant as a log for our tool and as fmi-rs reads them: scalars in FMI 2.0,
@@ -118,20 +118,20 @@ fn a_run_in_fmi_rs_is_our_run_bit_by_bit_and_goes_on_from_a_serialised_state() {
         json(&[&["simulate", "plant.fmu"], &outputs[..]].concat(), folder.path());
         let ours = rows(&folder.path().join("run.csv"));
         let input = format!("input{version}.csv");
-        let (half, whole) = (f64::from(STEPS / 2) * STEP, f64::from(STEPS) * STEP);
+        let (half, complete) = (f64::from(STEPS / 2) * STEP, f64::from(STEPS) * STEP);
         let simulate = |output: &str, start: f64, stop: f64, states: &[&str]| {
             let time = [start, stop, STEP].map(|t| t.to_string());
             let first = ["simulate", "plant.fmu", &input, output, "log.txt"];
             let second = [time[0].as_str(), &time[1], &time[2]];
             let all = [&first[..], &second[..], states].concat();
-            assert_eq!(said(importer, &all, folder.path()), "");
+            assert_eq!(message(importer, &all, folder.path()), "");
             let log = fs::read_to_string(folder.path().join("log.txt")).expect("a log");
             for line in log.lines() {
                 assert!(line.starts_with("[INFO]"), "{log}");
             }
             rows(&folder.path().join(output))
         };
-        let theirs = simulate("whole.csv", 0.0, whole, &[]);
+        let theirs = simulate("whole.csv", 0.0, complete, &[]);
         assert_eq!(theirs.len(), STEPS as usize + 1);
         let width = theirs[0].len();
         assert!(width == 3 && ours[0].len() >= width, "{:?}", theirs[0]);
@@ -141,7 +141,7 @@ fn a_run_in_fmi_rs_is_our_run_bit_by_bit_and_goes_on_from_a_serialised_state() {
             assert_eq!(row[1..], wanted[..], "FMI {version}, row {k}");
         }
         let first = simulate("first.csv", 0.0, half, &["save=state.bin"]);
-        let second = simulate("second.csv", half, whole, &["load=state.bin"]);
+        let second = simulate("second.csv", half, complete, &["load=state.bin"]);
         assert_eq!(first[..], theirs[..=STEPS as usize / 2], "FMI {version}");
         assert_eq!(second[..], theirs[STEPS as usize / 2..], "FMI {version}: from the state");
         println!("fmi-rs, FMI {version}: {} rows, the same bits", theirs.len());

@@ -41,8 +41,8 @@ for name in sys.argv[1:]:
         bad += 1
 sys.exit(bad)
 "#;
-    let said = python::script(code, &["plant.fmu", "controller.fmu"], folder.path());
-    assert_eq!(said.trim(), "");
+    let message = python::script(code, &["plant.fmu", "controller.fmu"], folder.path());
+    assert_eq!(message.trim(), "");
 }
 
 #[test]

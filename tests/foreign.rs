@@ -43,13 +43,14 @@ fn fmutool_has_nothing_to_say_against_our_fmus() {
             let file = format!("{version}.fmu");
             succeed(&["pack", blueprint, "--fmi", version, "-o", &file], folder.path());
             let mut fmutool = foreign::tool(python, "fmutool");
-            let said = foreign::said(fmutool.args(["-check", "-input", &file]), folder.path());
+            let message =
+                foreign::message(fmutool.args(["-check", "-input", &file]), folder.path());
             assert!(
-                said.contains(&format!("seems to be compliant with FMI-{version}.0")),
-                "{said}"
+                message.contains(&format!("seems to be compliant with FMI-{version}.0")),
+                "{message}"
             );
-            assert!(said.contains("No semantic error"), "{said}");
-            assert!(!said.contains("WARNING") && !said.contains("ERROR"), "{said}");
+            assert!(message.contains("No semantic error"), "{message}");
+            assert!(!message.contains("WARNING") && !message.contains("ERROR"), "{message}");
         }
     }
 }
@@ -64,13 +65,13 @@ fn the_loop_in_fmucontainer_is_ours() {
             our_run(coupling, "plant.fmu", "controller.fmu", folder.path());
             let arguments = [coupling, version];
             let script = "loop_in_fmucontainer.py";
-            let said = foreign::script(python, script, &arguments, folder.path());
+            let message = foreign::script(python, script, &arguments, folder.path());
             // The container says these whatever is in it, through the wrong level of its log.
             let banner = ["FMUContainer 'V2.0'", "Solver configure....", "Container use "];
-            for line in said.lines().filter(|line| line.starts_with('[')) {
-                assert!(banner.iter().any(|words| line.contains(words)), "{said}");
+            for line in message.lines().filter(|line| line.starts_with('[')) {
+                assert!(banner.iter().any(|words| line.contains(words)), "{message}");
             }
-            said.lines().filter(|l| !l.starts_with('[')).for_each(|line| println!("{line}"));
+            message.lines().filter(|l| !l.starts_with('[')).for_each(|line| println!("{line}"));
             run_container(version, folder.path());
         }
     }
@@ -88,9 +89,9 @@ fn run_container(version: &str, folder: &Path) {
         // The positions are the last two columns of both.
         assert_eq!(ours[ours.len() - 2..], theirs[theirs.len() - 2..]);
     }
-    let said = piezoloop(&["check", "loop.fmu"], folder);
-    assert_eq!(said.status.success(), version == "2");
-    let text = String::from_utf8_lossy(&said.stdout);
+    let message = piezoloop(&["check", "loop.fmu"], folder);
+    assert_eq!(message.status.success(), version == "2");
+    let text = String::from_utf8_lossy(&message.stdout);
     assert_eq!(text.contains("<Start> stands in <Float64>"), version == "3", "{text}");
 }
 
@@ -158,8 +159,8 @@ fn pyssp_standard_finds_our_systems_compliant() {
         succeed(&["pack", CONTROLLER, "--fmi", version, "-o", "controller.fmu"], folder.path());
         let file = format!("loop{version}.ssp");
         succeed(&["system", "loop.toml", "--export", &file], folder.path());
-        let said = foreign::script(python, "ssp_in_pyssp.py", &[&file], folder.path());
-        assert_eq!(said, format!("pyssp-standard, {file}: compliant\n"));
+        let message = foreign::script(python, "ssp_in_pyssp.py", &[&file], folder.path());
+        assert_eq!(message, format!("pyssp-standard, {file}: compliant\n"));
     }
 }
 
@@ -167,8 +168,8 @@ fn pyssp_standard_finds_our_systems_compliant() {
 fn interpreter_library(python: &Path, folder: &Path) -> Option<String> {
     let code = "import sysconfig as s; v = s.get_config_var; \
                 print(f\"{v('LIBDIR')}/{v('INSTSONAME')}\" if v('Py_ENABLE_SHARED') else '')";
-    let said = foreign::said(Command::new(python).args(["-c", code]), folder);
-    Some(said.trim().to_owned()).filter(|path| Path::new(path).is_file())
+    let message = foreign::message(Command::new(python).args(["-c", code]), folder);
+    Some(message.trim().to_owned()).filter(|path| Path::new(path).is_file())
 }
 
 #[test]
@@ -182,7 +183,7 @@ fn a_controller_of_pythonfmu_runs_in_our_master() {
     succeed(&["pack", STAGE, "-o", "stage.fmu"], folder.path());
     let law = root().join("tests/python/integral_law.py");
     let mut build = foreign::tool(python, "pythonfmu");
-    foreign::said(build.args(["build", "-f"]).arg(law), folder.path());
+    foreign::message(build.args(["build", "-f"]).arg(law), folder.path());
     let mut text = String::from("time,reference[1]\n");
     for k in 0..1001 {
         let t = f64::from(k) * 50e-6;
@@ -193,12 +194,12 @@ fn a_controller_of_pythonfmu_runs_in_our_master() {
     ours.args(["simulate", "--loop", "stage.fmu", "IntegralLaw.fmu"]);
     ours.args(["--reference", "reference.csv", "--coupling", "controller-first"]);
     ours.args(["--step", "50e-6", "-o", "run.csv"]);
-    let packages = foreign::said(
+    let packages = foreign::message(
         Command::new(python).args(["-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]),
         folder.path(),
     );
     ours.env("LD_PRELOAD", library).env("PYTHONPATH", packages.trim());
-    foreign::said(&mut ours, folder.path());
+    foreign::message(&mut ours, folder.path());
     print!("{}", foreign::script(python, "law_by_hand.py", &[], folder.path()));
 }
 
@@ -210,10 +211,10 @@ fn a_life_in_fmpys_low_level_classes_is_the_same_in_both_versions() {
         succeed(&["pack", PLANT, "--fmi", version, "-o", &file], folder.path());
     }
     let python = common::python::python();
-    let said = foreign::script(&python, "life_in_fmpy.py", &[], folder.path());
+    let message = foreign::script(&python, "life_in_fmpy.py", &[], folder.path());
     // Messages about events are welcome, about anything else are not.
-    for line in said.lines().filter(|line| line.starts_with('[')) {
-        assert!(line.starts_with("[OK]"), "{said}");
+    for line in message.lines().filter(|line| line.starts_with('[')) {
+        assert!(line.starts_with("[OK]"), "{message}");
     }
-    println!("{}", said.lines().last().unwrap_or_default());
+    println!("{}", message.lines().last().unwrap_or_default());
 }

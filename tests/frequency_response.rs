@@ -304,9 +304,9 @@ fn what_cannot_be_measured_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
     measure(at, 0.0);
-    let with = |more: &[&str], said: &[&str]| {
+    let with = |more: &[&str], message: &[&str]| {
         let error = refuse(&[&COLUMNS[..], more].concat(), at);
-        for part in said {
+        for part in message {
             assert!(error.contains(part), "{more:?}: {error}");
         }
     };

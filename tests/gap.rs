@@ -92,8 +92,8 @@ fn all_flags_work_as_documented_and_every_answer_is_valid() {
         "--next-experiment",
         "next.csv",
     ];
-    let said = succeed(&diagnose(STAGE, &[&map[..], &all[..]].concat()), at);
-    assert!(said.contains("white.json: written"), "{said}");
+    let messages = succeed(&diagnose(STAGE, &[&map[..], &all[..]].concat()), at);
+    assert!(messages.contains("white.json: written"), "{messages}");
     for file in ["white.json", "gap.html", "repaired.toml"] {
         assert!(at.join(file).is_file(), "{file}");
     }
@@ -128,8 +128,8 @@ fn exit_codes_tell_the_verdict_from_bad_input() {
         folder.path(),
     );
     assert_eq!(fails.status.code(), Some(1), "{}", String::from_utf8_lossy(&fails.stdout));
-    let said = String::from_utf8_lossy(&fails.stdout);
-    assert!(said.contains("The model lacks"), "the answer is given all the same: {said}");
+    let messages = String::from_utf8_lossy(&fails.stdout);
+    assert!(messages.contains("The model lacks"), "the answer is given all the same: {messages}");
     for bad in [
         &["--tune", "nonsense"][..],
         &["--without", "crep"],
@@ -278,21 +278,21 @@ fn a_frequency_response_stands_for_the_model() {
         let call = ["diagnose", "--log", "a.csv", "--input", "drive", "--output", "reading"];
         let more =
             ["--frequency-response", name, "--baseline", "linear.toml", "--json", "gap.json"];
-        let said = succeed(&[&call[..], &more[..]].concat(), at);
+        let messages = succeed(&[&call[..], &more[..]].concat(), at);
         validate(&["gap.json"], at);
         let gap: serde_json::Value =
             serde_json::from_str(&fs::read_to_string(at.join("gap.json")).expect("gap.json"))
                 .expect("JSON");
-        assert_eq!(gap["effects"][0]["effect"], "hysteresis", "{name}: {said}");
+        assert_eq!(gap["effects"][0]["effect"], "hysteresis", "{name}: {messages}");
         let parameters = &gap["baseline"][0]["parameters"];
         let near = |key: &str, value: f64| {
             let found = parameters[key]["value"].as_f64().unwrap_or(f64::NAN);
-            assert!((found / value - 1.0).abs() < 5e-3, "{name}: {key} = {found}; {said}");
+            assert!((found / value - 1.0).abs() < 5e-3, "{name}: {key} = {found}; {messages}");
             assert!(parameters[key]["std"].as_f64().is_some(), "{name}: {parameters}");
         };
         near("axis[1].gain.gain", 0.13);
         near("axis[1].amplifier.bandwidth", corner);
-        assert!(said.contains("a linear one is fitted to"), "{said}");
+        assert!(messages.contains("a linear one is fitted to"), "{messages}");
         let model = fs::read_to_string(at.join("linear.toml")).expect("the linear model");
         assert!(model.contains("tolerance") && !model.contains("modal-matrix"), "{model}");
     }
@@ -322,20 +322,20 @@ fn a_log_alone_is_diagnosed_against_a_linear_model_of_its_own() {
     fs::write(at.join("a.csv"), log_of_plays(0.0)).expect("a log");
     let columns = ["diagnose", "--log", "a.csv", "--input", "drive", "--output", "reading"];
     let files = ["--baseline", "linear.toml", "--repair", "repaired.toml", "--json", "gap.json"];
-    let said = succeed(&[&columns[..], &files[..]].concat(), at);
+    let messages = succeed(&[&columns[..], &files[..]].concat(), at);
     validate(&["gap.json"], at);
     let gap: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(at.join("gap.json")).expect("gap.json"))
             .expect("JSON");
-    assert_eq!(gap["effects"][0]["effect"], "hysteresis", "{said}");
+    assert_eq!(gap["effects"][0]["effect"], "hysteresis", "{messages}");
     let baseline = &gap["baseline"][0];
     assert_eq!(baseline["output"], "reading");
     let gain = &baseline["parameters"]["axis[1].gain.gain"];
     let value = gain["value"].as_f64().expect("a gain");
     assert!((0.1..0.16).contains(&value) && gain["std"].as_f64().is_some(), "{baseline}");
     assert!(
-        said.contains("a linear one is identified") && said.contains("axis[1].gain.gain"),
-        "{said}"
+        messages.contains("a linear one is identified") && messages.contains("axis[1].gain.gain"),
+        "{messages}"
     );
     // What was made is a model as any other, and so is what is handed back.
     let model = fs::read_to_string(at.join("linear.toml")).expect("the linear model");

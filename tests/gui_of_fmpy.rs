@@ -16,27 +16,27 @@ fn write_inputs(folder: &Path, kind: &str, arrays: &[&str]) {
     for name in arrays {
         header += &format!(",{name}[1],{name}[2]");
     }
-    let (mut elements, mut whole) = (header, format!("time,{}", arrays.join(",")));
+    let (mut elements, mut complete) = (header, format!("time,{}", arrays.join(",")));
     let enable = if kind == "controller" { ",1" } else { "" };
     if kind == "controller" {
         elements += ",enable";
-        whole += ",enable";
+        complete += ",enable";
     }
     for k in 0..301 {
         let t = f64::from(k) * 1e-4;
         elements += &format!("\n{t}");
-        whole += &format!("\n{t}");
+        complete += &format!("\n{t}");
         for place in 0..arrays.len() {
             let phase = place as f64;
             let values = [3.0 - 2.0 * (44.0 * t + phase).cos(), 3.0 + (131.0 * t + phase).sin()];
             elements += &format!(",{},{}", values[0], values[1]);
-            whole += &format!(",{} {}", values[0], values[1]);
+            complete += &format!(",{} {}", values[0], values[1]);
         }
         elements += enable;
-        whole += enable;
+        complete += enable;
     }
     fs::write(folder.join(format!("{kind}2.csv")), elements + "\n").expect("written");
-    fs::write(folder.join(format!("{kind}3.csv")), whole + "\n").expect("written");
+    fs::write(folder.join(format!("{kind}3.csv")), complete + "\n").expect("written");
 }
 
 #[test]
@@ -58,10 +58,10 @@ fn fmpys_gui_shows_and_runs_our_fmus_without_a_warning() {
         }
     }
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let said = foreign::script(&python, "gui_of_fmpy.py", &arguments, folder.path());
-    print!("{said}");
+    let message = foreign::script(&python, "gui_of_fmpy.py", &arguments, folder.path());
+    print!("{message}");
     let fine = |line: &str| line.starts_with("FMPy's GUI, ") || line.starts_with("SKIPPED");
-    assert!(said.lines().all(fine) && !said.is_empty(), "{said}");
+    assert!(message.lines().all(fine) && !message.is_empty(), "{message}");
     // For whoever wants to see the pages.
     if let Some(keep) = std::env::var_os("PIEZOLOOP_PICTURES") {
         for picture in fs::read_dir(folder.path()).expect("a folder").flatten() {

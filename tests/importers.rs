@@ -49,13 +49,13 @@ fn our_master_calls_as_the_standard_says() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let calls = spy::calls(&record);
 
-    let [made] = spy::of(&calls, "Instantiate")[..] else { panic!("one instance: {calls:#?}") };
-    assert_eq!(made["type"], 1, "co-simulation");
+    let [built] = spy::of(&calls, "Instantiate")[..] else { panic!("one instance: {calls:#?}") };
+    assert_eq!(built["type"], 1, "co-simulation");
     for given in ["callbacks", "logger", "allocate", "free"] {
-        assert_eq!(made[given], 1, "{given}: {made}");
+        assert_eq!(built[given], 1, "{given}: {built}");
     }
-    assert_eq!(made["visible"], 0, "nobody looks");
-    let resources = made["resources"].as_str().expect("a location");
+    assert_eq!(built["visible"], 0, "nobody looks");
+    let resources = built["resources"].as_str().expect("a location");
     assert!(resources.starts_with("file:///") && resources.ends_with("/resources"), "{resources}");
 
     let order: Vec<_> = calls.iter().map(|call| call["call"].as_str().expect("a name")).collect();
@@ -104,9 +104,9 @@ simulate_fmu("spy.fmu", stop_time=1.0, output_interval=0.1, start_values={"u": 1
 "#;
     python::script(code, &[record.to_str().expect("UTF-8")], folder.path());
     let calls = spy::calls(&record);
-    let made = &calls[0];
-    assert_eq!((&made["allocate"], &made["free"]), (&1.into(), &1.into()), "{made}");
-    assert_eq!((&made["stepFinished"], &made["environment"]), (&0.into(), &0.into()), "{made}");
+    let built = &calls[0];
+    assert_eq!((&built["allocate"], &built["free"]), (&1.into(), &1.into()), "{built}");
+    assert_eq!((&built["stepFinished"], &built["environment"]), (&0.into(), &0.into()), "{built}");
     let order: Vec<_> = calls.iter().filter_map(|call| call["call"].as_str()).collect();
     let at = |name: &str| order.iter().position(|n| *n == name).unwrap_or_else(|| panic!("{name}"));
     assert!(at("SetReal") < at("EnterInitializationMode"), "inputs come before: {order:?}");

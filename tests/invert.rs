@@ -124,8 +124,8 @@ fn what_is_printed_stands_in_the_blueprint_and_in_the_answer() {
         let error = |name: &str| check[name].as_f64().expect("a number");
         assert!(error("closed_loop") < 0.1 * error("feedback"), "{axis}");
     }
-    let said = succeed(&["invert", "p2", "-o", "c.toml"], at);
-    assert!(said.contains("curls over") && said.contains("fitted"), "{said}");
+    let messages = succeed(&["invert", "p2", "-o", "c.toml"], at);
+    assert!(messages.contains("curls over") && messages.contains("fitted"), "{messages}");
 }
 
 #[test]
@@ -185,8 +185,8 @@ fn what_a_reference_asks_beyond_the_limits_is_said() {
     }
     assert!((number(&of("M2y")["asked"][0]) + 3.31).abs() < 0.05, "{answer}");
     assert!(number(&of("M2y")["beyond"]) > 0.02 && number(&of("M2y")["error"]) > 2e-3, "{answer}");
-    let said = succeed(&rig, at);
-    assert!(said.contains("asks M2y for -3.3") && said.contains("limit 0"), "{said}");
+    let messages = succeed(&rig, at);
+    assert!(messages.contains("asks M2y for -3.3") && messages.contains("limit 0"), "{messages}");
     let message = refuse(&["invert", "p1", "--reference", "path.csv", "-o", "c.toml"], at);
     assert!(message.contains("reference[1]"), "{message}");
 }
@@ -248,8 +248,8 @@ fn a_damped_loop_is_printed_written_and_runs_in_the_fmu_to_the_bit() {
         assert!(answer["axes"][0]["sensitivity"].as_f64().is_some_and(|s| s <= 2.0), "{answer}");
         if law != "notch" {
             assert!(number("closed_loop_bandwidth") >= 1.1 * number("resonance"), "{found}");
-            let said = succeed(&asked, at);
-            assert!(said.contains("times the resonance of 400.0 Hz"), "{said}");
+            let messages = succeed(&asked, at);
+            assert!(messages.contains("times the resonance of 400.0 Hz"), "{messages}");
         }
         let text = fs::read_to_string(at.join("c.toml")).expect("a blueprint");
         assert!(text.contains(kind) && text.contains("resonance 400"), "{text}");
@@ -257,10 +257,10 @@ fn a_damped_loop_is_printed_written_and_runs_in_the_fmu_to_the_bit() {
         runs_to_the_bit(at, &["reference[1]", "measured[1]"], &["command[1]"], period, inputs);
     }
     let asked = ["invert", "light.toml", "--damping", "nrc", "--feedback", "none"];
-    let said = refuse(&asked, at);
-    assert!(said.contains("--feedback pid or pi"), "{said}");
-    let said = refuse(&["invert", "p885", "--damping", "nrc"], at);
-    assert!(said.contains("no mode") && said.contains("--damping"), "{said}");
+    let messages = refuse(&asked, at);
+    assert!(messages.contains("--feedback pid or pi"), "{messages}");
+    let messages = refuse(&["invert", "p885", "--damping", "nrc"], at);
+    assert!(messages.contains("no mode") && messages.contains("--damping"), "{messages}");
 }
 
 /// Two axes whose coupling has two modes.
@@ -283,8 +283,8 @@ fn coupled_axes_get_one_loop_and_a_preview_that_runs_in_the_fmu_to_the_bit() {
     assert_eq!(found["coupled_loop"]["plants"], 30, "{answer}");
     assert!(found["coupled_loop"]["sensitivity"].as_f64().is_some_and(|s| s <= 1.5), "{found}");
     assert!(found["preview"]["preview"].as_f64().is_some_and(|s| s > 0.0), "{found}");
-    let said = succeed(&asked, at);
-    assert!(said.contains("all axes together") && said.contains("ms late"), "{said}");
+    let messages = succeed(&asked, at);
+    assert!(messages.contains("all axes together") && messages.contains("ms late"), "{messages}");
     let text = fs::read_to_string(at.join("c.toml")).expect("a blueprint");
     assert!(text.contains("preview-coordinator") && text.contains("feedback-notch"), "{text}");
     let values = |k: usize| {
@@ -300,12 +300,12 @@ fn coupled_axes_get_one_loop_and_a_preview_that_runs_in_the_fmu_to_the_bit() {
     fs::write(at.join("in.csv"), table + "\n").expect("a file");
     let inputs = ["reference[1]", "reference[2]", "measured[1]", "measured[2]"];
     runs_to_the_bit(at, &inputs, &["command[1]", "command[2]"], 2e-4, values);
-    let said = refuse(&["invert", "mirror.toml", "--damping", "nrc"], at);
+    let messages = refuse(&["invert", "mirror.toml", "--damping", "nrc"], at);
     assert!(
-        said.contains("mode of a single axis") && said.contains("leave --damping out"),
-        "{said}"
+        messages.contains("mode of a single axis") && messages.contains("leave --damping out"),
+        "{messages}"
     );
     fs::write(at.join("light.toml"), LIGHT).expect("a file");
-    let said = refuse(&["invert", "light.toml", "--feedforward", "preview"], at);
-    assert!(said.contains("no coupling with dynamics"), "{said}");
+    let messages = refuse(&["invert", "light.toml", "--feedforward", "preview"], at);
+    assert!(messages.contains("no coupling with dynamics"), "{messages}");
 }

@@ -96,7 +96,7 @@ fn few_threads_and_processes_are_enough_or_said() {
     }
     inputs(at);
     let port = common::bench::port().to_string();
-    let (mut told, mut worked) = (0, 0);
+    let (mut described, mut worked) = (0, 0);
     for most in [1, 2, 3, 4, 16] {
         for call in CALLS {
             let out = tempfile::tempdir().expect("a folder");
@@ -106,23 +106,23 @@ fn few_threads_and_processes_are_enough_or_said() {
             let words: Vec<String> =
                 call.split(' ').map(|w| w.replace("OUT", own).replace("PORT", &port)).collect();
             let output = limited(most, &words, at, temporary.path());
-            let said = [output.stdout, output.stderr].concat();
-            let said = String::from_utf8_lossy(&said);
-            let when = format!("{call} with {most}: {:?}: {said}", output.status);
-            assert!(!said.contains("panicked"), "{when}");
+            let message = [output.stdout, output.stderr].concat();
+            let message = String::from_utf8_lossy(&message);
+            let when = format!("{call} with {most}: {:?}: {message}", output.status);
+            assert!(!message.contains("panicked"), "{when}");
             assert_eq!(fs::read_dir(temporary.path()).unwrap().count(), 0, "{when}");
-            let is_limit = said.contains("ulimit -u");
+            let is_limit = message.contains("ulimit -u");
             // No machine answers the bench.
             let is_alone = call.starts_with("bench run");
             match output.status.code() {
                 Some(0) => worked += 1,
-                Some(1 | 2) if is_limit => told += 1,
+                Some(1 | 2) if is_limit => described += 1,
                 Some(1 | 2) if is_alone => assert!(most > 1, "{when}"),
                 _ => panic!("{when}"),
             }
             assert!(!is_limit || most < 16, "{when}");
             // The FMU is as good as it was, and a run that did not begin leaves nothing to recover.
-            assert!(!said.contains("1 error"), "{when}");
+            assert!(!message.contains("1 error"), "{when}");
             let left: Vec<_> = fs::read_dir(out.path())
                 .expect("a folder")
                 .map(|entry| entry.expect("an entry").file_name().into_string().expect("UTF-8"))
@@ -131,6 +131,6 @@ fn few_threads_and_processes_are_enough_or_said() {
             assert!(left.is_empty(), "{when}: {left:?}");
         }
     }
-    println!("{worked} calls worked, {told} said that they need more");
-    assert!(worked > 40 && told > 10, "{worked} {told}");
+    println!("{worked} calls worked, {described} said that they need more");
+    assert!(worked > 40 && described > 10, "{worked} {described}");
 }

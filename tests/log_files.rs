@@ -14,8 +14,8 @@ fn written() -> Option<tempfile::TempDir> {
     let python = foreign::python()?;
     let folder = tempfile::tempdir().unwrap();
     let script = common::root().join("tests/python/write_logs.py");
-    let made = Command::new(python).arg(script).arg(folder.path()).output().unwrap();
-    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let built = Command::new(python).arg(script).arg(folder.path()).output().unwrap();
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     Some(folder)
 }
 
@@ -296,7 +296,7 @@ fn damaged_files_end_in_an_error() {
     ];
     let (mut read_anyway, mut refused) = (0, 0);
     for name in names {
-        let whole = std::fs::read(folder.path().join(name)).unwrap();
+        let complete = std::fs::read(folder.path().join(name)).unwrap();
         let damaged = folder.path().join(format!("damaged-{name}"));
         let mut state = 12345_u64;
         let mut random = || {
@@ -306,13 +306,13 @@ fn damaged_files_end_in_an_error() {
             (state >> 33) as usize
         };
         for round in 0..60 {
-            let mut bytes = whole.clone();
+            let mut bytes = complete.clone();
             if round % 2 == 0 {
-                bytes.truncate(random() % whole.len());
+                bytes.truncate(random() % complete.len());
             } else {
                 for _ in 0..8 {
                     // The first kilobytes hold the structure.
-                    let at = random() % whole.len().min(4096);
+                    let at = random() % complete.len().min(4096);
                     bytes[at] = random() as u8;
                 }
             }

@@ -36,11 +36,11 @@ fn log(folder: &Path) {
 fn log_says_what_it_recognised_and_left_out() {
     let folder = tempfile::tempdir().unwrap();
     log(folder.path());
-    let said = piezoloop(folder.path(), &["log", "log.csv"]);
-    let words = text(&said.stdout);
+    let message = piezoloop(folder.path(), &["log", "log.csv"]);
+    let words = text(&message.stdout);
     assert!(words.contains("note: log.csv: cells are separated by semicolons"), "{words}");
     assert!(words.contains("column \"state\" is left out: it holds texts"), "{words}");
-    assert_eq!(text(&said.stderr), "", "it is said once");
+    assert_eq!(text(&message.stderr), "", "it is said once");
     let answer = &json(&piezoloop(folder.path(), &["log", "--json", "log.csv"]))["logs"][0];
     assert_eq!(answer["left_out"][0]["name"], "state");
     assert!(answer["notes"].as_array().unwrap().len() >= 2, "{answer}");

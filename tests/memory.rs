@@ -116,9 +116,11 @@ fn the_address_sanitizer_finds_no_wrong_access_and_no_leak() {
                 host.run(&with(fmu.arguments(), &["threads"]));
                 // It would have seen something.
                 let output = overread.output(&fmu.arguments());
-                let said = String::from_utf8_lossy(&output.stderr);
+                let message = String::from_utf8_lossy(&output.stderr);
                 assert!(!output.status.success(), "the sanitizer sees nothing in the library");
-                assert!(said.contains("heap-buffer-overflow") && said.contains("fmi2SetReal"));
+                assert!(
+                    message.contains("heap-buffer-overflow") && message.contains("fmi2SetReal")
+                );
             }
         }
     }

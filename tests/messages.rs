@@ -113,21 +113,24 @@ fn messages_are_finished_texts_with_names() {
         assert_eq!(messages[1]["text"], "at 0 s position[1] slips");
         assert_eq!((&messages[1]["category"], &messages[1]["count"]), (&"slip".into(), &19.into()));
     }
-    let told = succeed(&simulate(&fmu, &[]), at);
-    assert!(told.contains("slips (19 times, with other numbers)"), "{told}");
+    let described = succeed(&simulate(&fmu, &[]), at);
+    assert!(described.contains("slips (19 times, with other numbers)"), "{described}");
     // All of them, or none; escapes of terminals are written out.
-    let told = succeed(&simulate(&fmu, &["--log-level", "info"]), at);
-    assert!(told.contains("says [OK, chat]: \\u{1b}[31mall is well (19 times)"), "{told}");
-    let told = succeed(&simulate(&fmu, &["--log-level", "none", "--fmu-log", "said.txt"]), at);
-    assert!(!told.contains("slips"), "{told}");
-    let said = fs::read_to_string(at.join("said.txt")).expect("written");
-    assert_eq!(said.lines().count(), 3 * 19);
-    assert_eq!(said.lines().nth(1), Some("Warning\tfaulty\tslip\tat 0 s position[1] slips"));
-    // It is never written over an input.
-    let said = refuse(&simulate(&fmu, &["--fmu-log", "log.csv"]), at);
+    let described = succeed(&simulate(&fmu, &["--log-level", "info"]), at);
     assert!(
-        said.contains("log.csv cannot be written: this command already uses the file"),
-        "{said}"
+        described.contains("says [OK, chat]: \\u{1b}[31mall is well (19 times)"),
+        "{described}"
+    );
+    let described = succeed(&simulate(&fmu, &["--log-level", "none", "--fmu-log", "said.txt"]), at);
+    assert!(!described.contains("slips"), "{described}");
+    let message = fs::read_to_string(at.join("said.txt")).expect("written");
+    assert_eq!(message.lines().count(), 3 * 19);
+    assert_eq!(message.lines().nth(1), Some("Warning\tfaulty\tslip\tat 0 s position[1] slips"));
+    // It is never written over an input.
+    let message = refuse(&simulate(&fmu, &["--fmu-log", "log.csv"]), at);
+    assert!(
+        message.contains("log.csv cannot be written: this command already uses the file"),
+        "{message}"
     );
 }
 
@@ -137,14 +140,17 @@ fn an_fmu_that_leaves_the_program_is_no_success() {
     let at = folder.path();
     for fault in ["EXIT_STEP", "EXIT_GET", "EXIT_FREE"] {
         let output = piezoloop(&simulate(&fmu(at, fault, &[]), &[]), at);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
         if cfg!(target_env = "gnu") {
-            assert_eq!(output.status.code(), Some(2), "{fault}: {said}");
-            assert!(said.contains("an FMU (faulty) has ended this program"), "{said}");
+            assert_eq!(output.status.code(), Some(2), "{fault}: {message}");
+            assert!(message.contains("an FMU (faulty) has ended this program"), "{message}");
         }
     }
-    let told = succeed(&simulate(&fmu(at, "EXIT_FREE", &[]), &["--isolate"]), at);
-    assert!(told.contains("FreeInstance crashed: its process ended with exit status: 0"), "{told}");
+    let described = succeed(&simulate(&fmu(at, "EXIT_FREE", &[]), &["--isolate"]), at);
+    assert!(
+        described.contains("FreeInstance crashed: its process ended with exit status: 0"),
+        "{described}"
+    );
 }
 
 #[test]
@@ -152,8 +158,8 @@ fn the_time_of_a_call_is_bounded_however_much_is_said() {
     let Some(folder) = prepared() else { return };
     let at = folder.path();
     let begin = Instant::now();
-    let said = refuse(&simulate(&fmu(at, "FLOOD", &[]), &["--isolate", "--timeout", "1"]), at);
-    assert!(said.contains("fmi2DoStep has not returned within 1 s"), "{said}");
+    let message = refuse(&simulate(&fmu(at, "FLOOD", &[]), &["--isolate", "--timeout", "1"]), at);
+    assert!(message.contains("fmi2DoStep has not returned within 1 s"), "{message}");
     assert!(begin.elapsed() < Duration::from_secs(20), "{:?}", begin.elapsed());
 }
 
@@ -163,15 +169,15 @@ fn what_feeds_nothing_is_told_and_nothing_at_all_is_an_error() {
     let at = folder.path();
     let fmu = fmu(at, "SOUND", &[]);
     let plain = ["simulate", &fmu, "--log", "log.csv", "-o", "run.csv"];
-    let said = refuse(&plain, at);
+    let message = refuse(&plain, at);
     for words in ["no column feeds an input", "`u`", "`command[1]`", "--map command[1]=u"] {
-        assert!(said.contains(words), "\"{words}\" is not in {said}");
+        assert!(message.contains(words), "\"{words}\" is not in {message}");
     }
     assert!(!at.join("run.csv").exists());
     // A name that differs by case is the way out.
     fs::write(at.join("case.csv"), "time,Command[1]\n0,1\n1,1\n").expect("writable");
-    let said = refuse(&["simulate", &fmu, "--log", "case.csv"], at);
-    assert!(said.contains("--map command[1]=Command[1]"), "{said}");
+    let message = refuse(&["simulate", &fmu, "--log", "case.csv"], at);
+    assert!(message.contains("--map command[1]=Command[1]"), "{message}");
     // Measured only: the input keeps its start value, which is said.
     fs::write(at.join("half.csv"), "time,position[1],spare\n0,0,1\n1,0,1\n").expect("writable");
     let answer = json(&["simulate", &fmu, "--log", "half.csv"], at);

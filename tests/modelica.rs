@@ -14,15 +14,15 @@ fn run(task: &str) -> Option<String> {
     let package = root().join("modelica/Piezoloop");
     let package = package.to_str().expect("a path in UTF-8");
     let tool = Path::new(env!("CARGO_BIN_EXE_piezoloop")).to_str().expect("a path in UTF-8");
-    let said = foreign::script(&python, "modelica.py", &[task, tool, package], folder.path());
-    print!("{said}");
-    Some(said)
+    let message = foreign::script(&python, "modelica.py", &[task, tool, package], folder.path());
+    print!("{message}");
+    Some(message)
 }
 
 #[test]
 fn names_units_starts_bounds_and_equations_are_those_of_the_registry() {
-    let Some(said) = run("text") else { return };
-    assert!(said.contains(": as the registry says"), "{said}");
+    let Some(message) = run("text") else { return };
+    assert!(message.contains(": as the registry says"), "{message}");
 }
 
 /// One line per component, each with its greatest difference; the script fails beyond a bound.
@@ -30,32 +30,32 @@ fn names_units_starts_bounds_and_equations_are_those_of_the_registry() {
 fn components_move_as_in_the_fmu() {
     for (task, one) in [("plant", "bouc-wen"), ("coupling", "mode-coupling"), ("controller", "pid")]
     {
-        let Some(said) = run(task) else { return };
-        assert!(said.lines().any(|line| line.starts_with(one)), "{said}");
+        let Some(message) = run(task) else { return };
+        assert!(message.lines().any(|line| line.starts_with(one)), "{message}");
     }
 }
 
 #[test]
 fn each_class_has_icon_documentation_and_example_and_two_compilers_take_it() {
-    let Some(said) = run("library") else { return };
-    assert!(said.contains("each with icon and documentation"), "{said}");
+    let Some(message) = run("library") else { return };
+    assert!(message.contains("each with icon and documentation"), "{message}");
 }
 
 #[test]
 fn chains_with_pins_and_flanges_keep_their_energy() {
-    let Some(said) = run("energy") else { return };
-    assert!(said.contains("StageWithFriction, balance"), "{said}");
+    let Some(message) = run("energy") else { return };
+    assert!(message.contains("StageWithFriction, balance"), "{message}");
 }
 
 #[test]
 fn a_voltage_at_an_input_for_a_position_is_refused() {
-    let Some(said) = run("units") else { return };
-    assert!(said.contains("incompatible connector types"), "{said}");
+    let Some(message) = run("units") else { return };
+    assert!(message.contains("incompatible connector types"), "{message}");
 }
 
 /// The values are those of the rigs' FMUs: the models are made from them (`text`).
 #[test]
 fn the_rigs_move_as_their_fmus() {
-    let Some(said) = run("rig") else { return };
-    assert_eq!(said.lines().filter(|line| line.starts_with("rig ")).count(), 17, "{said}");
+    let Some(message) = run("rig") else { return };
+    assert_eq!(message.lines().filter(|line| line.starts_with("rig ")).count(), 17, "{message}");
 }

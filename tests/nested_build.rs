@@ -128,8 +128,8 @@ fn vendored_frozen_read_only_and_in_folders_with_blanks() {
         cargo.env("CARGO_TARGET_DIR", at(&format!("target {number}")));
         cargo.env("RUSTFLAGS", "--cfg of_the_tool --check-cfg cfg(of_the_tool)");
         let output = cargo.output().unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{from}: {said}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{from}: {message}");
         assert_eq!(String::from_utf8_lossy(&output.stdout), "42\n", "{from}");
     }
     lock(&root, false);

@@ -126,7 +126,7 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// The same for one call.
+/// As `folder`, for one call.
 fn copy(template: &Path) -> tempfile::TempDir {
     let own = tempfile::tempdir().expect("a temporary folder");
     for entry in fs::read_dir(template).expect("a folder") {
@@ -153,11 +153,11 @@ fn called(words: &[&str], folder: &Path) -> (Option<i32>, Option<i32>, Duration,
         .stderr(Stdio::piped())
         .spawn()
         .expect("the tool starts");
-    let mut said = child.stderr.take().expect("piped");
+    let mut message = child.stderr.take().expect("piped");
     let reader = std::thread::spawn(move || {
         let mut text = Vec::new();
         // What it said until it was ended is enough.
-        let _ = std::io::Read::read_to_end(&mut said, &mut text);
+        let _ = std::io::Read::read_to_end(&mut message, &mut text);
         String::from_utf8_lossy(&text).into_owned()
     });
     let status = loop {
@@ -229,11 +229,11 @@ fn no_option_of_any_command_panics_or_hangs() {
                     let Some(words) = next.lock().expect("no panic").next() else { break };
                     let words: Vec<&str> = words.iter().map(String::as_str).collect();
                     let own = copy(at);
-                    let (code, signal, took, said) = called(&words, own.path());
-                    let is_bad = !matches!(code, Some(0..=2)) || said.contains("panicked");
+                    let (code, signal, took, message) = called(&words, own.path());
+                    let is_bad = !matches!(code, Some(0..=2)) || message.contains("panicked");
                     if is_bad || took > LONGEST {
                         let fault = format!(
-                            "{words:?}: exit {code:?}, signal {signal:?}, {took:?}: {said}"
+                            "{words:?}: exit {code:?}, signal {signal:?}, {took:?}: {message}"
                         );
                         faults.lock().expect("no panic").push(fault);
                     }
@@ -255,6 +255,6 @@ fn ranges_stand_in_the_help_and_in_the_refusal() {
     let folder = folder();
     let help = succeed(&["tune", "--help"], folder.path());
     assert!(help.contains("(1 to 200000)") && help.contains("(above 1, up to 100)"), "{help}");
-    let said = refuse(&["simulate", "plant.fmu", "--log", "in.csv", "--rate=-1"], folder.path());
-    assert!(said.contains("must be above 0, up to 1e12"), "{said}");
+    let message = refuse(&["simulate", "plant.fmu", "--log", "in.csv", "--rate=-1"], folder.path());
+    assert!(message.contains("must be above 0, up to 1e12"), "{message}");
 }

@@ -29,20 +29,20 @@ fn an_input_is_never_written() {
     let at = folder.path();
     symlink("in.csv", at.join("link.csv")).unwrap();
     for output in ["in.csv", "./in.csv", "link.csv"] {
-        let said = refuse(&["log", "in.csv", "-o", output], at);
-        assert!(said.contains("give"), "{said}");
+        let message = refuse(&["log", "in.csv", "-o", output], at);
+        assert!(message.contains("give"), "{message}");
         is_unchanged(at);
     }
     let identify =
         ["identify", "--log", "in.csv", "--input", "u", "--output", "y", "-o", "plant.toml"];
     for option in ["--picture", "--report"] {
-        let said = refuse(&[&identify[..], &[option, "in.csv"]].concat(), at);
-        assert!(said.contains("already uses the file"), "{said}");
+        let message = refuse(&[&identify[..], &[option, "in.csv"]].concat(), at);
+        assert!(message.contains("already uses the file"), "{message}");
         is_unchanged(at);
     }
     let twice = [&identify[..7], &["-o", "same.html", "--report", "same.html"]].concat();
-    let said = refuse(&twice, at);
-    assert!(said.contains("already uses the file"), "{said}");
+    let message = refuse(&twice, at);
+    assert!(message.contains("already uses the file"), "{message}");
     assert!(!at.join("same.html").exists());
 }
 
@@ -64,8 +64,8 @@ fn a_companion_of_another_hand_stays() {
     let at = folder.path();
     let own = "# measured on Monday\n[columns]\ny = { unit = \"nm\" }\n";
     fs::write(at.join("out.dataset.toml"), own).unwrap();
-    let said = refuse(&["log", "in.csv", "-o", "out.csv"], at);
-    assert!(said.contains("out.dataset.toml") && said.contains("another name"), "{said}");
+    let message = refuse(&["log", "in.csv", "-o", "out.csv"], at);
+    assert!(message.contains("out.dataset.toml") && message.contains("another name"), "{message}");
     assert_eq!(fs::read_to_string(at.join("out.dataset.toml")).unwrap(), own);
     assert!(!at.join("out.csv").exists());
     // Its own it replaces.
@@ -121,8 +121,11 @@ fn counts_out_of_range_are_refused_before_the_work() {
         for value in values.iter().chain(&["-1", "NaN", "inf", "1e300", "18446744073709551615", ""])
         {
             let option = format!("{option}={value}");
-            let said = refuse(&[command, &[&option]].concat(), folder.path());
-            assert!(said.contains("invalid value") && said.contains("--help"), "{option}: {said}");
+            let message = refuse(&[command, &[&option]].concat(), folder.path());
+            assert!(
+                message.contains("invalid value") && message.contains("--help"),
+                "{option}: {message}"
+            );
         }
     }
 }
@@ -139,14 +142,14 @@ fn a_second_call_writes_the_same_and_streams_are_guarded() {
     .unwrap();
     for _ in 0..2 {
         common::piezoloop(&["log", "in.csv", "-o", "copy.csv"], at);
-        let said = common::piezoloop(&["log", "copy.csv", "-o", "copy.csv"], at);
-        assert_eq!(said.status.code(), Some(2));
+        let message = common::piezoloop(&["log", "copy.csv", "-o", "copy.csv"], at);
+        assert_eq!(message.status.code(), Some(2));
     }
     succeed(&["pack", "p1-truth", "-o", "plant.fmu"], at);
     for log in ["in.csv", "plant.fmu"] {
         let call = ["simulate", "plant.fmu", "--log", "in.csv", "--map", "u=u", "--fmu-log", log];
-        let said = refuse(&call, at);
-        assert!(said.contains("already uses the file"), "{said}");
+        let message = refuse(&call, at);
+        assert!(message.contains("already uses the file"), "{message}");
         is_unchanged(at);
     }
     // What another hand has put into a folder stays.
@@ -159,8 +162,8 @@ fn a_second_call_writes_the_same_and_streams_are_guarded() {
             // A page is what an earlier demo leaves.
             fs::rename(at.join("mine/index.html"), at.join("mine/notes.txt")).unwrap();
         }
-        let said = refuse(call, at);
-        assert!(said.contains("earlier call"), "{said}");
+        let message = refuse(call, at);
+        assert!(message.contains("earlier call"), "{message}");
         assert_eq!(fs::read_dir(at.join("mine")).unwrap().count(), 1);
     }
 }
@@ -170,15 +173,15 @@ fn the_column_of_time_is_named_by_map() {
     let folder = folder();
     let at = folder.path();
     fs::write(at.join("t.csv"), LOG.replacen("time [s]", "abscissa", 1)).unwrap();
-    let said = refuse(&["log", "t.csv"], at);
-    assert!(said.contains("time"), "{said}");
-    let told = common::piezoloop(&["log", "t.csv", "--map", "time=abscissa"], at);
-    assert!(String::from_utf8_lossy(&told.stdout).contains("1000 Hz"), "{told:?}");
+    let message = refuse(&["log", "t.csv"], at);
+    assert!(message.contains("time"), "{message}");
+    let reported = common::piezoloop(&["log", "t.csv", "--map", "time=abscissa"], at);
+    assert!(String::from_utf8_lossy(&reported.stdout).contains("1000 Hz"), "{reported:?}");
     // A name that is nearly one of a file beside it, and an option before its command.
-    let said = refuse(&["log", "tt.csv"], at);
-    assert!(said.contains("did you mean t.csv?"), "{said}");
-    let said = refuse(&["--rate", "5", "log", "t.csv"], at);
-    assert!(said.contains("after the command: piezoloop log"), "{said}");
+    let message = refuse(&["log", "tt.csv"], at);
+    assert!(message.contains("did you mean t.csv?"), "{message}");
+    let message = refuse(&["--rate", "5", "log", "t.csv"], at);
+    assert!(message.contains("after the command: piezoloop log"), "{message}");
 }
 
 #[test]
@@ -188,13 +191,13 @@ fn escapes_of_terminals_are_shown() {
     let evil = LOG.replacen("u [V]", "u\u{1b}]0;evil\u{7}\u{9b}31m [V]", 1);
     fs::write(at.join("evil.csv"), evil).unwrap();
     for more in [&[][..], &["--json"], &["--map", "x"]] {
-        let told = common::piezoloop(&[&["log", "evil.csv"][..], more].concat(), at);
-        let all = [told.stdout, told.stderr].concat();
+        let reported = common::piezoloop(&[&["log", "evil.csv"][..], more].concat(), at);
+        let all = [reported.stdout, reported.stderr].concat();
         let text = String::from_utf8_lossy(&all);
         assert!(!text.contains(|c: char| c.is_control() && c != '\n' && c != '\t'), "{text}");
     }
-    let told = common::piezoloop(&["log", "evil.csv"], at);
-    assert!(String::from_utf8_lossy(&told.stdout).contains("u\\u001b]0;evil"), "{told:?}");
+    let reported = common::piezoloop(&["log", "evil.csv"], at);
+    assert!(String::from_utf8_lossy(&reported.stdout).contains("u\\u001b]0;evil"), "{reported:?}");
 }
 
 /// A signal ends a call with the files that it found, and without a trace of its own.
@@ -262,10 +265,10 @@ fn a_signal_ends_invert_at_once() {
 
 /// An FMU that takes a while to unpack: with many files in folders of their own.
 fn with_many_files(from: &Path, to: &Path) {
-    let mut whole = zip::ZipArchive::new(fs::File::open(from).unwrap()).unwrap();
+    let mut complete = zip::ZipArchive::new(fs::File::open(from).unwrap()).unwrap();
     let mut packed = zip::ZipWriter::new(fs::File::create(to).unwrap());
-    for index in 0..whole.len() {
-        packed.raw_copy_file(whole.by_index_raw(index).unwrap()).unwrap();
+    for index in 0..complete.len() {
+        packed.raw_copy_file(complete.by_index_raw(index).unwrap()).unwrap();
     }
     let options = zip::write::SimpleFileOptions::default();
     for number in 0..3000 {
@@ -349,8 +352,8 @@ fn all_models_go_into_a_folder_of_their_own() {
     let fit = [&fit[..], &["--static", "--model", "linear", "-o", "p.toml"]].concat();
     fs::create_dir(at.join("mine")).unwrap();
     fs::write(at.join("mine/y-linear.toml"), "mine").unwrap();
-    let said = refuse(&[&fit[..], &["--all", "mine"]].concat(), at);
-    assert!(said.contains("earlier call"), "{said}");
+    let message = refuse(&[&fit[..], &["--all", "mine"]].concat(), at);
+    assert!(message.contains("earlier call"), "{message}");
     assert!(!at.join("p.toml").exists(), "told before the work");
     assert_eq!(fs::read_to_string(at.join("mine/y-linear.toml")).unwrap(), "mine");
     // Its own it replaces; what somebody has put there since, not.
@@ -362,14 +365,14 @@ fn all_models_go_into_a_folder_of_their_own() {
     let list = fs::read_to_string(at.join("own/candidates.json")).unwrap();
     let of_another = list.replace("y-linear.toml", "z-linear.toml");
     fs::write(at.join("own/candidates.json"), of_another).unwrap();
-    let said = refuse(&[&fit[..], &["--all", "own"]].concat(), at);
-    assert!(said.contains("not written by this program"), "{said}");
+    let message = refuse(&[&fit[..], &["--all", "own"]].concat(), at);
+    assert!(message.contains("not written by this program"), "{message}");
     // Nor is one of them another output.
     let twice =
         [&fit[..8], &["--model", "linear", "-o", "new/y-linear.toml", "--all", "new"]].concat();
     fs::create_dir(at.join("new")).unwrap();
-    let said = refuse(&twice, at);
-    assert!(said.contains("file of this call itself"), "{said}");
+    let message = refuse(&twice, at);
+    assert!(message.contains("file of this call itself"), "{message}");
 }
 
 #[test]
@@ -419,15 +422,15 @@ fn what_describes_a_log_is_bounded() {
     let at = folder.path();
     let long = fs::File::create(at.join("in.dataset.toml")).unwrap();
     long.set_len(20 << 30).unwrap();
-    let said = refuse(&["log", "in.csv"], at);
-    assert!(said.contains("16777216 bytes") && said.contains("--log-memory"), "{said}");
+    let message = refuse(&["log", "in.csv"], at);
+    assert!(message.contains("16777216 bytes") && message.contains("--log-memory"), "{message}");
     for (call, file) in [
         (&["pack", "long.toml"][..], "long.toml"),
         (&["system", "long.toml"], "long.toml"),
         (&["sweep", "long.toml"], "long.toml"),
     ] {
         fs::File::create(at.join(file)).unwrap().set_len(20 << 30).unwrap();
-        let said = refuse(call, at);
-        assert!(said.contains("longer than 16777216 bytes"), "{call:?}: {said}");
+        let message = refuse(call, at);
+        assert!(message.contains("longer than 16777216 bytes"), "{call:?}: {message}");
     }
 }

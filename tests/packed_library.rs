@@ -92,8 +92,8 @@ fn only_the_standards_functions_are_exported_and_only_the_c_library_is_needed() 
         assert_eq!(names.len(), 44 + 75, "more than the standard's: {names:?}");
         // What Windows' linkers are told to export.
         let list = include_str!("../crates/fmi-bindings/fmi.def").lines();
-        let told: BTreeSet<&str> = list.filter_map(|line| line.strip_prefix("    ")).collect();
-        assert_eq!(told, names.into_iter().collect());
+        let described: BTreeSet<&str> = list.filter_map(|line| line.strip_prefix("    ")).collect();
+        assert_eq!(described, names.into_iter().collect());
 
         let dynamic = tool("readelf", &["-d", "-W"], &file);
         let needed: Vec<_> = dynamic
@@ -129,9 +129,9 @@ fn a_host_that_exports_the_same_names_reaches_each_librarys_own_functions() {
     let with_it = with(plant.arguments(), &[path, "x", "x", "1e-3", "0", "1"]);
     compile_library("calls_by_name.c", &[], &library);
     let output = host.output(&with_it);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("the host's fmi2SetReal was reached"), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("the host's fmi2SetReal was reached"), "{message}");
     compile_library("calls_by_name.c", &["-Wl,-Bsymbolic"], &library);
     host.run(&with_it);
 
@@ -189,8 +189,8 @@ fn resources_are_found_whatever_the_path_and_however_it_is_spelt() {
         "(null)".to_owned(),
         "file:///nowhere/at/all".to_owned(),
     ] {
-        let said = host.run(&fmu.arguments_at(&library, &resources));
-        assert_eq!(said, wanted, "{resources}");
+        let message = host.run(&fmu.arguments_at(&library, &resources));
+        assert_eq!(message, wanted, "{resources}");
     }
 }
 
@@ -202,9 +202,9 @@ fn an_fmu_without_its_resources_is_refused_with_the_folders_that_were_tried() {
     std::fs::remove_dir_all(temporary.path().join("resources")).expect("removed");
     let moved = modeldescription::Package::open(temporary.path()).expect("an FMU");
     let arguments = fmu.arguments_at(&moved.binary().expect("a library"), "file:///nowhere");
-    let said = Host::new("run.c").run(&arguments);
-    assert!(said.starts_with("refused: fmi2Instantiate: no blueprint.toml"), "{said}");
-    assert!(said.contains("/nowhere") && said.contains("resources"), "{said}");
+    let message = Host::new("run.c").run(&arguments);
+    assert!(message.starts_with("refused: fmi2Instantiate: no blueprint.toml"), "{message}");
+    assert!(message.contains("/nowhere") && message.contains("resources"), "{message}");
 }
 
 #[test]
@@ -214,9 +214,12 @@ fn the_guid_of_another_fmu_is_refused() {
     for guid in [controller.guid(), "", "{00000000-0000-0000-0000-000000000000}"] {
         let mut arguments = plant.arguments();
         arguments[1] = guid.to_owned();
-        let said = host.run(&arguments);
-        assert!(said.starts_with("refused: fmi2Instantiate: the GUID"), "{said}");
-        assert!(said.contains(plant.guid()) && said.contains("pack the FMU again"), "{said}");
+        let message = host.run(&arguments);
+        assert!(message.starts_with("refused: fmi2Instantiate: the GUID"), "{message}");
+        assert!(
+            message.contains(plant.guid()) && message.contains("pack the FMU again"),
+            "{message}"
+        );
     }
 }
 
@@ -225,9 +228,9 @@ fn a_library_with_the_resources_of_the_other_kind_is_refused() {
     let (plant, controller) = (Packed::new(PLANT, "2"), Packed::new(CONTROLLER, "2"));
     let host = Host::new("run.c");
     for (fmu, other) in [(&plant, &controller), (&controller, &plant)] {
-        let said = host.run(&fmu.arguments_at(&fmu.library(), &other.package.resources_uri()));
-        assert!(said.starts_with("refused: fmi2Instantiate: "), "{said}");
-        assert!(said.contains("kind = "), "{said}");
+        let message = host.run(&fmu.arguments_at(&fmu.library(), &other.package.resources_uri()));
+        assert!(message.starts_with("refused: fmi2Instantiate: "), "{message}");
+        assert!(message.contains("kind = "), "{message}");
     }
 }
 
@@ -243,9 +246,9 @@ fn a_library_that_is_given_takes_the_place_of_the_tools_own() {
         for platform in ["linux64", "x86_64-linux"] {
             let binary = format!("{platform}=other.so");
             let arguments = ["pack", blueprint, "--fmi", version, "--binary", &binary];
-            let said = succeed(&[&arguments[..], &["-o", "x.fmu"]].concat(), folder.path());
+            let message = succeed(&[&arguments[..], &["-o", "x.fmu"]].concat(), folder.path());
             let of_version = if version == "2" { "linux64" } else { "x86_64-linux" };
-            assert!(said.contains(&format!("for {of_version}, ")), "{said}");
+            assert!(message.contains(&format!("for {of_version}, ")), "{message}");
             let packed = modeldescription::Package::open(folder.path().join("x.fmu"));
             let packed = packed.expect("an FMU");
             let library = packed.binary().expect("a library");
@@ -291,9 +294,9 @@ fn a_library_that_would_not_serve_is_refused() {
         ("linux64", path(&plant.file), ["no library", "shared library"]),
     ] {
         let binary = format!("{platform}={file}");
-        let said = refuse(&["pack", PLANT, "--binary", &binary, "-o", "x.fmu"], folder.path());
-        assert!(words.iter().all(|word| said.contains(word)), "{words:?}: {said}");
-        assert!(said.contains(&binary) && !folder.path().join("x.fmu").exists(), "{said}");
+        let message = refuse(&["pack", PLANT, "--binary", &binary, "-o", "x.fmu"], folder.path());
+        assert!(words.iter().all(|word| message.contains(word)), "{words:?}: {message}");
+        assert!(message.contains(&binary) && !folder.path().join("x.fmu").exists(), "{message}");
     }
     let twice = format!("linux64={}", path(&plant.library()));
     let arguments = ["pack", PLANT, "--binary", &twice, "--binary", &twice, "-o", "x.fmu"];

@@ -18,8 +18,8 @@ fn every_partition_of_an_interval_gives_the_same_bits() {
     for blueprint in BOTH {
         let fmu = Packed::new(blueprint, "2");
         for (coarse, seed) in COARSE.into_iter().zip(["11", "12", "13", "14"]) {
-            let said = host.run(&with(fmu.arguments(), &[coarse, seed]));
-            print!("{}: {said}", fmu.name());
+            let message = host.run(&with(fmu.arguments(), &[coarse, seed]));
+            print!("{}: {message}", fmu.name());
         }
     }
 }
@@ -64,8 +64,11 @@ fn a_state_of_another_model_is_refused() {
     host.run(&with(plant.arguments(), &["write", file, "0"]));
     let output = host.output(&with(controller.arguments(), &["read", file, "0"]));
     assert_eq!(output.status.code(), Some(1));
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(said.contains("belongs to another model") && said.contains(plant.guid()), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        message.contains("belongs to another model") && message.contains(plant.guid()),
+        "{message}"
+    );
 }
 
 #[test]
@@ -75,8 +78,8 @@ fn no_call_of_any_function_crashes_or_leaves_a_trace_after_a_reset() {
         let host = Host::new(source);
         for blueprint in BOTH {
             let fmu = Packed::new(blueprint, version);
-            let said = host.run(&random_calls(&fmu, version, "3000"));
-            print!("{}, FMI {version}.0, {said}", fmu.name());
+            let message = host.run(&random_calls(&fmu, version, "3000"));
+            print!("{}, FMI {version}.0, {message}", fmu.name());
         }
     }
 }

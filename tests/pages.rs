@@ -85,14 +85,14 @@ fn check(browser: &Browser, folder: &Path, pages: &[&str]) -> Vec<serde_json::Va
         command.env("PICTURES", pictures);
     }
     let output = command.args(pages).current_dir(folder).output().expect("node starts");
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    print!("{said}");
+    let message = String::from_utf8_lossy(&output.stdout).into_owned();
+    print!("{message}");
     let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && !said.contains("FAILED"), "{said}{errors}");
-    let facts = said.lines().filter_map(|line| line.split_once(": "));
+    assert!(output.status.success() && !message.contains("FAILED"), "{message}{errors}");
+    let facts = message.lines().filter_map(|line| line.split_once(": "));
     let facts: Vec<_> =
         facts.map(|(_, text)| serde_json::from_str(text).expect("facts as JSON")).collect();
-    assert_eq!(facts.len(), pages.len(), "{said}");
+    assert_eq!(facts.len(), pages.len(), "{message}");
     facts
 }
 
@@ -242,11 +242,11 @@ fn bench_pages(at: &Path) {
     let out = machine.stdout.take().expect("a pipe");
     std::io::BufRead::read_line(&mut std::io::BufReader::new(out), &mut first).expect("it speaks");
     let run = ["bench", "run", "--plan", "bench-plan.toml", "--gateway", &gateway, "--quiet"];
-    let said = piezoloop(&[&run[..], &["--report", "bench.html"]].concat(), at);
+    let message = piezoloop(&[&run[..], &["--report", "bench.html"]].concat(), at);
     machine.kill().expect("it ends");
     machine.wait().expect("it ends");
-    let errors = String::from_utf8_lossy(&said.stderr);
-    assert!(said.status.code().is_some_and(|code| code < 2), "{errors}");
+    let errors = String::from_utf8_lossy(&message.stderr);
+    assert!(message.status.code().is_some_and(|code| code < 2), "{errors}");
     let left = fs::read_dir(at).expect("a folder").flatten();
     let journals = left.filter(|e| e.path().extension().is_some_and(|e| e == "journal")).count();
     assert_eq!(journals, 0, "the page's own journal is gone");
@@ -255,9 +255,10 @@ fn bench_pages(at: &Path) {
                     at = [30]\nexpect = { state = \"safe\", reason = \"sample-lost\", within = 400 }\n\
                     [[case.fault]]\nkind = \"loss\"\nprobability = 1\n";
     fs::write(at.join("faults.toml"), campaign).expect("a campaign");
-    let said = piezoloop(&words("bench campaign faults.toml --report campaign.html --quiet"), at);
-    let errors = String::from_utf8_lossy(&said.stderr);
-    assert!(said.status.code().is_some_and(|code| code < 2), "{errors}");
+    let message =
+        piezoloop(&words("bench campaign faults.toml --report campaign.html --quiet"), at);
+    let errors = String::from_utf8_lossy(&message.stderr);
+    assert!(message.status.code().is_some_and(|code| code < 2), "{errors}");
 }
 
 /// Four coordinates of two motions with a little noise.
@@ -300,9 +301,9 @@ fn pages_of_the_commands_hold_in_a_browser() {
         "gap-bench --short --cases 1 -o bench --quiet",
         "system loop.toml --input reference.csv --report system.html --quiet",
     ] {
-        let said = piezoloop(&words(line), at);
-        let errors = String::from_utf8_lossy(&said.stderr);
-        assert!(said.status.code().is_some_and(|code| code < 2), "{line}: {errors}");
+        let message = piezoloop(&words(line), at);
+        let errors = String::from_utf8_lossy(&message.stderr);
+        assert!(message.status.code().is_some_and(|code| code < 2), "{line}: {errors}");
     }
     for (fmu, page) in [("plant.fmu", "plant-doc.html"), ("controller.fmu", "controller-doc.html")]
     {
@@ -386,11 +387,11 @@ fn plot_opens_the_page_with_the_systems_opener() {
     opener(at, 3);
     for bin in [bin.as_path(), Path::new("/nowhere")] {
         let output = run(bin, &["--report", "run.html"]);
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{said}");
-        assert!(said.contains("xdg-open") && said.contains("run.html"), "{said}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains("xdg-open") && message.contains("run.html"), "{message}");
     }
     // A page is not written over what is read.
-    let said = refuse(&["simulate", "evc.fmu", "--log", "log.csv", "--report", "log.csv"], at);
-    assert!(said.contains("log.csv"), "{said}");
+    let message = refuse(&["simulate", "evc.fmu", "--log", "log.csv", "--report", "log.csv"], at);
+    assert!(message.contains("log.csv"), "{message}");
 }

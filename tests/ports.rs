@@ -329,8 +329,8 @@ fn what_is_not_known_is_refused_with_the_way_out() {
         (&["controller.toml", "--ports", "mechanical"], "this is a controller"),
     ] {
         println!("{arguments:?}");
-        let said = refuse(&[&["pack"], arguments, &["-o", "no.fmu"]].concat(), folder);
-        assert!(said.contains(words), "{arguments:?}: {said}");
+        let message = refuse(&[&["pack"], arguments, &["-o", "no.fmu"]].concat(), folder);
+        assert!(message.contains(words), "{arguments:?}: {message}");
         assert!(!folder.join("no.fmu").exists());
     }
     // One axis of two; a force that the blueprint has; a stiffness from the record of the printed values.
@@ -432,19 +432,22 @@ for name in ("evc3.fmu", "p13.fmu", "plain3.fmu"):
         assert f"terminalsAndIcons/{icon}.png" in entries, entries
         print(name, terminal.get("name"), terminal.get("matchingRule"), members)
 "#;
-    let said = python::script(code, &[], folder);
-    println!("{said}");
-    assert_eq!(said.matches("plug").count(), 6, "{said}");
-    assert!(!said.contains("plain3.fmu"), "{said}");
+    let message = python::script(code, &[], folder);
+    println!("{message}");
+    assert_eq!(message.matches("plug").count(), 6, "{message}");
+    assert!(!message.contains("plain3.fmu"), "{message}");
     assert!(
-        said.contains("[('force', 'inflow'), ('tip', 'signal'), ('tip_velocity', 'signal')]"),
-        "{said}"
+        message.contains("[('force', 'inflow'), ('tip', 'signal'), ('tip_velocity', 'signal')]"),
+        "{message}"
     );
     assert!(
-        said.contains("[('voltage', 'signal'), ('current', 'inflow'), ('charge', 'signal')]"),
-        "{said}"
+        message.contains("[('voltage', 'signal'), ('current', 'inflow'), ('charge', 'signal')]"),
+        "{message}"
     );
-    assert!(said.contains("[('actuator_temperature', 'signal'), ('heat', 'outflow')]"), "{said}");
+    assert!(
+        message.contains("[('actuator_temperature', 'signal'), ('heat', 'outflow')]"),
+        "{message}"
+    );
 }
 
 /// Example 11 in other masters: the same motion, force and power as in ours.
@@ -459,7 +462,7 @@ fn the_cutting_process_runs_in_other_masters_as_in_ours() {
     let mut sh = std::process::Command::new("sh");
     sh.arg(example).arg(folder).env("PYTHON", python::python());
     sh.env("PATH", std::env::join_paths(paths).expect("a PATH"));
-    println!("{}", foreign::said(&mut sh, folder));
+    println!("{}", foreign::message(&mut sh, folder));
     let (cut, ssp) = (fs::read(folder.join("cut.csv")), fs::read(folder.join("ssp.csv")));
     assert!(cut.expect("a run") == ssp.expect("a run"), "the SSP says what the TOML says");
     let jacobi = [

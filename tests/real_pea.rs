@@ -12,7 +12,7 @@ use data::{Blueprint, Value};
 
 /// Largest error on the held-out half, rmse over range, in %.
 const HELD_OUT: f64 = 0.4;
-/// The same on the other record.
+/// As `HELD_OUT`, on the other record.
 const OTHER: f64 = 0.45;
 
 #[test]
@@ -63,7 +63,7 @@ fn the_identified_stack_follows_the_measured_one() {
     assert!(error <= OTHER);
 }
 
-/// The same with nothing said but the run-in: every model is tried, and the first rows tell that the machine had rested
+/// As `the_identified_stack_follows_the_measured_one`, with nothing said but the run-in: every model is tried, and the first rows tell that the machine had rested
 /// at 0 V.
 #[test]
 fn the_default_holds_on_the_other_record() {

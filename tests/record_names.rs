@@ -130,8 +130,8 @@ fn every_legal_name_is_recorded_in_every_format_and_read_again() {
         for call in [&simulate[..], &system] {
             // Beside the file the units of the one before may stand.
             let out = format!("run.{ending}");
-            let told = json(&[call, &["-o", &out]].concat(), at);
-            let renamed: BTreeMap<String, String> = told["notes"]
+            let reported = json(&[call, &["-o", &out]].concat(), at);
+            let renamed: BTreeMap<String, String> = reported["notes"]
                 .as_array()
                 .unwrap()
                 .iter()

@@ -52,8 +52,8 @@ print(json.dumps(out))
 /// Holds a repaired FMU against its original in fmpy, and against the noise of 2 nm.
 fn compare(original: &str, repaired: &str, (u, y): (&str, &str), folder: &Path) -> Value {
     let step = STEP.to_string();
-    let said = python::script(COMPARE, &[original, repaired, u, y, &step], folder);
-    let out: Value = serde_json::from_str(said.trim()).expect("a line of JSON");
+    let message = python::script(COMPARE, &[original, repaired, u, y, &step], folder);
+    let out: Value = serde_json::from_str(message.trim()).expect("a line of JSON");
     println!("{repaired}: {out}");
     assert_eq!(out["problems"], serde_json::json!([]), "fmpy finds no problem");
     assert_eq!(out["same"], true, "switched off it is the original to the bit");
@@ -94,9 +94,9 @@ fn our_stage_repaired(version: &str) {
     let out = compare("stage.fmu", "repaired.fmu", ports, folder);
     assert_nearer(&out, 2e-3);
     let checked = piezoloop(&["check", "repaired.fmu", "--replay"], folder);
-    let said = String::from_utf8_lossy(&checked.stdout);
-    assert!(checked.status.success(), "{said}");
-    assert!(said.contains("reference results repeated"), "{said}");
+    let message = String::from_utf8_lossy(&checked.stdout);
+    assert!(checked.status.success(), "{message}");
+    assert!(message.contains("reference results repeated"), "{message}");
     // It explains itself: a page with switches and the original's page, the original's icon.
     let page = fs::read_to_string(fmu.package.folder().join("documentation/index.html"));
     let page = page.expect("a page");
@@ -105,9 +105,9 @@ fn our_stage_repaired(version: &str) {
     }
     let icon = if version == "2" { "model.png" } else { "terminalsAndIcons/icon.png" };
     assert!(fmu.package.folder().join(icon).is_file(), "{icon}");
-    let told = fmu.package.description();
-    assert!(told.version.as_deref().is_some_and(|text| text.ends_with("repaired")));
-    assert!(told.generation_date_and_time.is_some() && told.license.is_some());
+    let described = fmu.package.description();
+    assert!(described.version.as_deref().is_some_and(|text| text.ends_with("repaired")));
+    assert!(described.generation_date_and_time.is_some() && described.license.is_some());
     // The original travels inside, untouched.
     let mut inner = Vec::new();
     let original = Package::open(folder.join("stage.fmu")).expect("an FMU");
@@ -252,14 +252,14 @@ fn derivatives_go_through_the_effects() {
         // With a delay nothing of a step's input is in the output at its end.
         for (off, moves) in [("none", false), ("delay.enabled", true), ("all", true)] {
             let arguments = ["repaired.fmu", u, y, &STEP.to_string(), off];
-            let said = python::script(DERIVATIVE, &arguments, folder);
-            println!("FMI {version}, switched off {off}: {said}");
-            let figures = said.split_whitespace().map(|f| f.parse().expect("a number"));
+            let message = python::script(DERIVATIVE, &arguments, folder);
+            println!("FMI {version}, switched off {off}: {message}");
+            let figures = message.split_whitespace().map(|f| f.parse().expect("a number"));
             let [worst, size, at_rest] = figures.collect::<Vec<f64>>()[..] else {
-                panic!("{said}")
+                panic!("{message}")
             };
-            assert_eq!(size > 1e-6, moves, "{said}");
-            assert!(worst <= 1e-6 * size && at_rest < 1e-6, "{said}");
+            assert_eq!(size > 1e-6, moves, "{message}");
+            assert!(worst <= 1e-6 * size && at_rest < 1e-6, "{message}");
         }
     }
 }
@@ -400,20 +400,20 @@ fn a_repair_needs_something_to_repair_and_a_fitting_name() {
     measure(folder.path());
     succeed(&["pack", STAGE, "-o", "stage.fmu"], folder.path());
     let arguments = ["diagnose", "--model", "stage.fmu", "--log", "stairs.csv", "--repair"];
-    let said = refuse(&[&arguments[..], &["x.toml"]].concat(), folder.path());
-    assert!(said.contains("x.toml") && said.contains(".fmu"), "{said}");
-    let said = refuse(&[&arguments[..], &["x.zip"]].concat(), folder.path());
-    assert!(said.contains("x.zip"), "{said}");
+    let message = refuse(&[&arguments[..], &["x.toml"]].concat(), folder.path());
+    assert!(message.contains("x.toml") && message.contains(".fmu"), "{message}");
+    let message = refuse(&[&arguments[..], &["x.zip"]].concat(), folder.path());
+    assert!(message.contains("x.zip"), "{message}");
     // Without an effect nothing is written, and that is said.
     let truth = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/blueprints/stage_truth.toml");
     let log = ["--log", "stairs.csv", "--log", "multisine.csv", "--map", "u=u"];
-    let said = succeed(
+    let message = succeed(
         &[&["diagnose", "--model", truth, "--noise", "0.002", "--repair", "no.toml"], &log[..]]
             .concat(),
         folder.path(),
     );
-    assert!(!folder.path().join("no.toml").exists(), "{said}");
-    assert!(said.contains("no.toml is not written"), "{said}");
+    assert!(!folder.path().join("no.toml").exists(), "{message}");
+    assert!(message.contains("no.toml is not written"), "{message}");
 }
 
 #[test]
@@ -423,7 +423,7 @@ fn an_fmu_of_pythonfmu_is_repaired() {
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/stage_law.py");
     fs::copy(source, folder.path().join("stage_law.py")).expect("a copy");
     let mut build = foreign::tool(interpreter, "pythonfmu");
-    foreign::said(build.args(["build", "-f", "stage_law.py"]), folder.path());
+    foreign::message(build.args(["build", "-f", "stage_law.py"]), folder.path());
     measure_lag(folder.path());
     // A stage of Python is slow: a short record, and the effects that are in the machine.
     let log = fs::read_to_string(folder.path().join("multisine.csv")).expect("a log");
@@ -466,10 +466,10 @@ fn an_fmu_of_pythonfmu_is_repaired() {
         .current_dir(folder.path())
         .output()
         .expect("the tool starts");
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let message = String::from_utf8_lossy(&output.stdout).into_owned();
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{said}{errors}");
-    assert!(said.contains("delay"), "{said}");
+    assert!(output.status.success(), "{message}{errors}");
+    assert!(message.contains("delay"), "{message}");
     let out = compare("StageLaw.fmu", "repaired.fmu", C_PORTS, folder.path());
     for (before, after) in rms(&out) {
         assert!(after < before, "{before} before, {after} after");

@@ -152,6 +152,6 @@ fn a_quick_reproduction_says_what_it_leaves_out_and_what_it_keeps_runs_in_fmpy()
 #[test]
 fn quick_and_long_searches_are_not_asked_for_together() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = refuse(&["reproduce", "p4", "--quick", "--searches"], folder.path());
-    assert!(said.contains("--quick") && said.contains("--searches"), "{said}");
+    let message = refuse(&["reproduce", "p4", "--quick", "--searches"], folder.path());
+    assert!(message.contains("--quick") && message.contains("--searches"), "{message}");
 }

@@ -24,9 +24,9 @@ fn cc() -> Option<Command> {
 
 fn done(command: &mut Command) -> String {
     let output = command.output().expect("it starts");
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{command:?}: {said}");
-    String::from_utf8_lossy(&output.stdout).into_owned() + &said
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{command:?}: {message}");
+    String::from_utf8_lossy(&output.stdout).into_owned() + &message
 }
 
 /// Packs with sources and unpacks them; the folder of `sources`.
@@ -74,9 +74,9 @@ fn compiled_sources_pass_for_the_shared_library() {
             Host::new(partition).run(&with(compiled.arguments(), &["41.37", "14"]));
         }
         let host = Host::new(calls);
-        let said = host.run(&random_calls(&compiled, version, "300"));
-        assert_eq!(said, host.run(&random_calls(&native, version, "300")), "random calls");
-        println!("{}: {said}", native.name());
+        let message = host.run(&random_calls(&compiled, version, "300"));
+        assert_eq!(message, host.run(&random_calls(&native, version, "300")), "random calls");
+        println!("{}: {message}", native.name());
     }
 }
 
@@ -102,9 +102,9 @@ fn two_fmus_link_into_one_program_and_a_panic_stays_in_its_instance() {
     let main = root().join("tests/c/source_two.c");
     one.arg(format!("-DSECOND_TOKEN={token}"));
     done(one.arg("-I").arg(&from).arg(&main).arg(&object).arg("-o").arg(&program));
-    let said = done(&mut Command::new(&program));
-    assert!(said.contains("capacity overflow"), "{said}");
-    println!("{said}");
+    let message = done(&mut Command::new(&program));
+    assert!(message.contains("capacity overflow"), "{message}");
+    println!("{message}");
     let symbols =
         done(Command::new("nm").args(["-g", "--defined-only", "--format=posix"]).arg(&object));
     for line in symbols.lines() {
@@ -119,8 +119,8 @@ fn a_compiler_that_would_change_the_results_is_refused() {
     let Some(mut cc) = cc() else { return };
     let output =
         cc.args(["-ffast-math", "-fsyntax-only"]).arg(from.join("fmu.c")).output().expect("cc");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(!output.status.success() && said.contains("without -ffast-math"), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && message.contains("without -ffast-math"), "{message}");
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn pack_says_what_is_in_and_check_and_fmpy_know_it() {
             assert_eq!(python::script(code, &[file], at).trim(), "[]", "{version} {file}");
         }
     }
-    let said =
+    let message =
         refuse(&["pack", "evc", "--sources=only", "--binary", "win64=x.dll", "-o", "x.fmu"], at);
-    assert!(said.contains("--sources=only"), "{said}");
+    assert!(message.contains("--sources=only"), "{message}");
 }

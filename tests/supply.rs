@@ -308,12 +308,12 @@ fn no_socket_is_opened() {
             .current_dir(folder.path())
             .output()
             .expect("strace starts");
-        let said = String::from_utf8_lossy(&output.stderr);
-        if said.contains("ptrace") && said.contains("not permitted") {
+        let message = String::from_utf8_lossy(&output.stderr);
+        if message.contains("ptrace") && message.contains("not permitted") {
             println!("SKIPPED: no process may be traced here");
             return;
         }
-        assert!(output.status.success(), "{call:?}: {said}");
+        assert!(output.status.success(), "{call:?}: {message}");
         let trace = fs::read_to_string(&trace).expect("a trace");
         assert!(trace.contains("execve("), "the trace is that of the tool");
         for line in trace.lines().filter(|line| !line.contains("execve(")) {
@@ -344,8 +344,8 @@ fn everything_works_without_a_network() {
     for call in WAY {
         let tool = env!("CARGO_BIN_EXE_piezoloop");
         let output = without().arg(tool).args(call).output().expect("unshare starts");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{call:?}: {said}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{call:?}: {message}");
     }
     let here = fs::read(folder.path().join("run.csv")).expect("a run");
     succeed(&["simulate", "plant.fmu", "--log", "u.csv", "-o", "run.csv"], folder.path());

@@ -42,23 +42,23 @@ fn threads_shards_and_a_kill_leave_no_trace() {
     plan(folder, 300, VARY);
     succeed(&["sweep", "plan.toml", "--threads", "1", "-o", "one.parquet"], folder);
     succeed(&["sweep", "plan.toml", "--threads", "5", "-o", "five.parquet"], folder);
-    let whole = bytes(folder, "one.parquet");
-    assert!(whole == bytes(folder, "five.parquet"));
+    let complete = bytes(folder, "one.parquet");
+    assert!(complete == bytes(folder, "five.parquet"));
     // A pipe gets the table too; nobody looks whether there is one in it already.
     assert!(Command::new("mkfifo").arg(folder.join("pipe")).status().expect("mkfifo").success());
     let pipe = folder.join("pipe");
     let reader = std::thread::spawn(move || fs::read(pipe).expect("a table"));
     succeed(&["sweep", "plan.toml", "-o", "pipe"], folder);
-    assert!(whole == reader.join().expect("read"));
+    assert!(complete == reader.join().expect("read"));
     // Shards, in any order.
     for shard in ["3/3", "1/3", "2/3"] {
         succeed(&["sweep", "plan.toml", "--shard", shard], folder);
     }
     let parts = ["plan.2-of-3.parquet", "plan.3-of-3.parquet", "plan.1-of-3.parquet"];
     succeed(&[&["sweep", "merge"], &parts[..], &["-o", "merged.parquet"]].concat(), folder);
-    assert!(whole == bytes(folder, "merged.parquet"));
-    let said = refuse(&["sweep", "merge", parts[0], parts[1], "-o", "less.parquet"], folder);
-    assert!(said.contains("runs 0 to 99 are missing"), "{said}");
+    assert!(complete == bytes(folder, "merged.parquet"));
+    let message = refuse(&["sweep", "merge", parts[0], parts[1], "-o", "less.parquet"], folder);
+    assert!(message.contains("runs 0 to 99 are missing"), "{message}");
     assert!(!folder.join("less.parquet").exists());
     // Killed in the midst, then called again.
     let mut killed = Command::new(env!("CARGO_BIN_EXE_piezoloop"))
@@ -80,11 +80,11 @@ fn threads_shards_and_a_kill_leave_no_trace() {
     let answer: serde_json::Value = serde_json::from_str(&answer).expect("JSON");
     let fresh = answer["fresh"].as_u64().expect("a number");
     assert!(fresh > 0 && fresh < 300, "{fresh} runs were run again");
-    assert!(whole == bytes(folder, "killed.parquet"));
+    assert!(complete == bytes(folder, "killed.parquet"));
     assert!(!journal.exists());
     // Called once more, nothing is run.
-    let said = succeed(&["sweep", "plan.toml", "-o", "killed.parquet"], folder);
-    assert!(said.contains("there already"), "{said}");
+    let message = succeed(&["sweep", "plan.toml", "-o", "killed.parquet"], folder);
+    assert!(message.contains("there already"), "{message}");
 }
 
 #[test]
@@ -148,8 +148,8 @@ fn effects_and_gains_vary_on_grids() {
     let text = fs::read_to_string(folder.join("plan.toml")).expect("the plan");
     let all = text.replace("from = 0.02", "from = 0.02\nall-effects = true");
     fs::write(folder.join("plan.toml"), all).expect("the folder is writable");
-    let said = succeed(&["sweep", "plan.toml"], folder);
-    assert!(said.contains("4 runs") && said.contains("false 2, true 2"), "{said}");
+    let message = succeed(&["sweep", "plan.toml"], folder);
+    assert!(message.contains("4 runs") && message.contains("false 2, true 2"), "{message}");
     // A run that fails is a row that says so, and an exit code of 1: an amplifier without bandwidth.
     plan(folder, 1, "\"plant.axis[1].amplifier.bandwidth\" = { grid = [3000, 0] }\n");
     let output = Command::new(env!("CARGO_BIN_EXE_piezoloop"))
@@ -157,10 +157,10 @@ fn effects_and_gains_vary_on_grids() {
         .current_dir(folder)
         .output()
         .expect("the tool starts");
-    let said = String::from_utf8_lossy(&output.stdout);
-    println!("{said}");
+    let message = String::from_utf8_lossy(&output.stdout);
+    println!("{message}");
     assert_eq!(output.status.code(), Some(1));
-    assert!(said.contains("1 failed, the first is run 1: "), "{said}");
+    assert!(message.contains("1 failed, the first is run 1: "), "{message}");
 }
 
 #[test]
@@ -205,16 +205,16 @@ fn systems_and_campaigns_are_swept_too() {
                     \"option.plays\" = { grid = [\"5\", \"10\"] }\n\
                     \"machine.*.seed\" = { whole = [1, 1000] }\n";
     fs::write(folder.join("identify.toml"), identify).expect("the folder is writable");
-    let said = succeed(&["sweep", "identify.toml"], folder);
-    println!("{said}");
-    assert!(said.contains("4 runs") && said.contains("held_out_nrmse"), "{said}");
-    assert!(said.contains("option.plays: 10 2, 5 2"), "{said}");
+    let message = succeed(&["sweep", "identify.toml"], folder);
+    println!("{message}");
+    assert!(message.contains("4 runs") && message.contains("held_out_nrmse"), "{message}");
+    assert!(message.contains("option.plays: 10 2, 5 2"), "{message}");
     let diagnose = "runs = 1\n[diagnose]\nmachine = \"p1\"\nmodel = \"p1\"\nlogs = \
                     [\"triangles.csv\"]\n[vary]\n\"option.seed\" = { grid = [\"1\", \"2\"] }\n";
     fs::write(folder.join("diagnose.toml"), diagnose).expect("the folder is writable");
-    let said = succeed(&["sweep", "diagnose.toml"], folder);
-    println!("{said}");
-    assert!(said.contains("2 runs") && said.contains("verdict: "), "{said}");
+    let message = succeed(&["sweep", "diagnose.toml"], folder);
+    println!("{message}");
+    assert!(message.contains("2 runs") && message.contains("verdict: "), "{message}");
 }
 
 #[test]
@@ -238,8 +238,8 @@ fn what_is_wrong_with_a_plan_is_told() {
         ("x = { even = 3 }", ["plan.toml:12:", "expected one of"]),
     ] {
         plan(folder, 3, vary);
-        let said = refuse(&["sweep", "plan.toml"], folder);
-        assert!(words.iter().all(|word| said.contains(word)), "{said}");
+        let message = refuse(&["sweep", "plan.toml"], folder);
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
     }
     plan(folder, 3, VARY);
     fs::create_dir(folder.join("open.fmu")).expect("writable");
@@ -251,17 +251,17 @@ fn what_is_wrong_with_a_plan_is_told() {
         ("= \"y\"", "= \"x\"", ["x", "y"]),
     ] {
         fs::write(folder.join("bad.toml"), text.replace(old, new)).expect("writable");
-        let said = refuse(&["sweep", "bad.toml"], folder);
-        assert!(words.iter().all(|word| said.contains(word)), "{said}");
+        let message = refuse(&["sweep", "bad.toml"], folder);
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
     }
-    let said = refuse(&["sweep", "none.toml"], folder);
-    assert!(said.contains("none.toml") && said.contains("plan of a sweep"), "{said}");
-    let said = refuse(&["sweep", "plan.toml", "--shard", "4/3"], folder);
-    assert!(said.contains("PART/PARTS"), "{said}");
+    let message = refuse(&["sweep", "none.toml"], folder);
+    assert!(message.contains("none.toml") && message.contains("plan of a sweep"), "{message}");
+    let message = refuse(&["sweep", "plan.toml", "--shard", "4/3"], folder);
+    assert!(message.contains("PART/PARTS"), "{message}");
     // The journal of another plan is not gone on with.
     fs::write(folder.join("t.parquet.journal"), "piezoloop-sweep/1 0\n").expect("writable");
-    let said = refuse(&["sweep", "plan.toml", "-o", "t.parquet"], folder);
-    assert!(said.contains("another sweep") && said.contains("--out"), "{said}");
+    let message = refuse(&["sweep", "plan.toml", "-o", "t.parquet"], folder);
+    assert!(message.contains("another sweep") && message.contains("--out"), "{message}");
 }
 
 #[test]
@@ -291,8 +291,11 @@ fn a_reference_whose_times_cannot_be_seconds_is_asked_about() {
         for call in
             [&["sweep", "plan.toml"][..], &closed, &["system", "system.toml", "--input", file]]
         {
-            let said = refuse(call, at);
-            assert!(said.contains(asked) && said.contains("--most-steps"), "{call:?}: {said}");
+            let message = refuse(call, at);
+            assert!(
+                message.contains(asked) && message.contains("--most-steps"),
+                "{call:?}: {message}"
+            );
         }
     }
 }

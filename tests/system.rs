@@ -110,8 +110,9 @@ fn times_of_the_fmus_are_told_and_a_pace_is_kept() {
     for name in ["reference[1]", "position[1]"] {
         assert!(page.contains(name), "{name} is drawn");
     }
-    let said = refuse(&["system", "loop.toml", "--input", "reference.csv", "--pace", "0"], folder);
-    assert!(said.contains("1 is real time"), "{said}");
+    let message =
+        refuse(&["system", "loop.toml", "--input", "reference.csv", "--pace", "0"], folder);
+    assert!(message.contains("1 is real time"), "{message}");
 }
 
 /// A lag feeds a gain over communication steps of ten internal ones: held, the gain is a step behind;
@@ -147,7 +148,7 @@ fn extrapolated_inputs_are_nearer_to_the_truth_than_held_ones() {
     let (held, straight) = (largest("jacobi"), largest("jacobi-extrapolated"));
     println!("largest error: {held} held, {straight} on straight lines");
     assert!(straight > 0.0 && held > 4.0 * straight, "{held}, {straight}");
-    let said = refuse(
+    let message = refuse(
         &[
             "system",
             "chain.toml",
@@ -159,7 +160,7 @@ fn extrapolated_inputs_are_nearer_to_the_truth_than_held_ones() {
         ],
         folder,
     );
-    assert!(said.contains("leave out --isolate"), "{said}");
+    assert!(message.contains("leave out --isolate"), "{message}");
 }
 
 #[test]
@@ -167,21 +168,21 @@ fn what_cannot_be_run_is_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     prepared(folder);
-    let said = refuse(&["system", "loop.toml"], folder);
-    assert!(said.contains("has the inputs reference[1], reference[2]"), "{said}");
+    let message = refuse(&["system", "loop.toml"], folder);
+    assert!(message.contains("has the inputs reference[1], reference[2]"), "{message}");
     let table = ["system", "loop.toml", "--input", "reference.csv"];
-    let said = refuse(&[&table[..], &["-o", "run.mat"]].concat(), folder);
-    assert!(said.contains("run.mat: records are written as .csv, .npy, .npz"), "{said}");
-    let said = refuse(&[&table[..], &["-o", "reference.csv"]].concat(), folder);
+    let message = refuse(&[&table[..], &["-o", "run.mat"]].concat(), folder);
+    assert!(message.contains("run.mat: records are written as .csv, .npy, .npz"), "{message}");
+    let message = refuse(&[&table[..], &["-o", "reference.csv"]].concat(), folder);
     assert!(
-        said.contains("reference.csv cannot be written: this command already uses the file"),
-        "{said}"
+        message.contains("reference.csv cannot be written: this command already uses the file"),
+        "{message}"
     );
     let text = fs::read_to_string(folder.join("loop.toml")).expect("the loop");
     fs::write(folder.join("loop.toml"), text.replace("plant.position[2]", "plant.positon[2]"))
         .expect("writable");
-    let said = refuse(&table, folder);
-    assert!(said.contains("did you mean `position[2]` or"), "{said}");
+    let message = refuse(&table, folder);
+    assert!(message.contains("did you mean `position[2]` or"), "{message}");
     fs::write(folder.join("bad.ssp"), b"no archive").expect("writable");
     assert!(refuse(&["system", "bad.ssp"], folder).contains("not a readable zip archive"));
     let help = piezoloop(&["system", "--help"], folder);

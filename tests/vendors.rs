@@ -48,15 +48,15 @@ fn simulate<'a>(fmu: &'a str, more: &[&'a str]) -> Vec<&'a str> {
 /// The exit code of bad input, of which a failing FMU is one, and the message.
 fn fails(arguments: &[&str], folder: &Path) -> String {
     let output = piezoloop(arguments, folder);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
-    assert!(!said.contains("panicked"), "{said}");
-    said
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    assert!(!message.contains("panicked"), "{message}");
+    message
 }
 
-fn contains(said: &str, words: &[&str]) {
+fn contains(message: &str, words: &[&str]) {
     for word in words {
-        assert!(said.contains(word), "\"{word}\" is not in: {said}");
+        assert!(message.contains(word), "\"{word}\" is not in: {message}");
     }
 }
 
@@ -96,9 +96,9 @@ fn a_step_that_crashes_or_hangs_is_named_and_the_record_kept() {
         let fmu = build(at, fault, &[&format!("FAULT={fault}")], Lie::None);
         fs::write(at.join("run.csv"), "old").expect("writable");
         let begin = Instant::now();
-        let said = fails(&simulate(&fmu, &ISOLATED), at);
-        contains(&said, &["at t = 0.5 s: FMU `faulty`", "6 rows until then are in run.csv"]);
-        contains(&said, &words);
+        let message = fails(&simulate(&fmu, &ISOLATED), at);
+        contains(&message, &["at t = 0.5 s: FMU `faulty`", "6 rows until then are in run.csv"]);
+        contains(&message, &words);
         assert!(begin.elapsed() < Duration::from_secs(20), "{:?}", begin.elapsed());
         holds_rows(at, KEPT);
     }
@@ -133,19 +133,22 @@ fn a_crash_of_this_process_is_told_of_with_the_fmu_and_its_call() {
         // Rust's runtime ends the program of which a stack has overflowed.
         ("OVERFLOW_STEP", "`faulty`: fmi2DoStep", "SIGSEGV", &[segv, abort]),
     ] {
-        let (status, said) = run(fault);
-        assert!(status.signal().is_some_and(|s| signals.contains(&s)), "{fault}: {status}: {said}");
-        let told: Vec<&str> = said.lines().filter(|l| l.starts_with("error: ")).collect();
-        assert_eq!(told.len(), 1, "{fault}: {said}");
-        contains(told[0], &[call, "because the FMU crashed", names, "--isolate"]);
+        let (status, message) = run(fault);
+        assert!(
+            status.signal().is_some_and(|s| signals.contains(&s)),
+            "{fault}: {status}: {message}"
+        );
+        let described: Vec<&str> = message.lines().filter(|l| l.starts_with("error: ")).collect();
+        assert_eq!(described.len(), 1, "{fault}: {message}");
+        contains(described[0], &[call, "because the FMU crashed", names, "--isolate"]);
         let left: Vec<_> = fs::read_dir(temporary.path()).expect("there").collect();
         assert!(left.is_empty(), "{fault} leaves {left:?}");
     }
-    let (status, said) = run("CRASH_END");
-    assert_eq!(status.signal(), Some(segv), "{said}");
-    contains(&said, &["this program has crashed (SIGSEGV)", "in no call of an FMU"]);
-    let (status, said) = run("CRASH_CHILD");
-    assert!(status.success() && !said.contains("crashed"), "{said}");
+    let (status, message) = run("CRASH_END");
+    assert_eq!(status.signal(), Some(segv), "{message}");
+    contains(&message, &["this program has crashed (SIGSEGV)", "in no call of an FMU"]);
+    let (status, message) = run("CRASH_CHILD");
+    assert!(status.success() && !message.contains("crashed"), "{message}");
 }
 
 #[test]
@@ -157,16 +160,16 @@ fn memory_beyond_the_limit_is_not_given_and_the_limit_told() {
     let at = folder.path();
     let limited = [&ISOLATED[..], &["--memory", "200"]].concat();
     let fmu = build(at, "LEAK_MUCH", &["FAULT=LEAK_MUCH"], Lie::None);
-    let said = fails(&simulate(&fmu, &limited), at);
-    contains(&said, &["at t = 0.5 s: FMU `faulty`", "the 200 MB that it is allowed"]);
-    contains(&said, &["6 rows until then are in run.csv"]);
+    let message = fails(&simulate(&fmu, &limited), at);
+    contains(&message, &["at t = 0.5 s: FMU `faulty`", "the 200 MB that it is allowed"]);
+    contains(&message, &["6 rows until then are in run.csv"]);
     holds_rows(at, KEPT);
     // A sound one does not notice; so little that the process itself cannot live is refused.
     let fmu = build(at, "SOUND", &["FAULT=SOUND"], Lie::None);
     succeed(&simulate(&fmu, &[&ISOLATED[..], &["--memory", "32"]].concat()), at);
     holds_rows(at, ROWS);
-    let said = fails(&simulate(&fmu, &[&ISOLATED[..], &["--memory", "1"]].concat()), at);
-    contains(&said, &["'1' for '--memory <MB>'", "must be 32 to"]);
+    let message = fails(&simulate(&fmu, &[&ISOLATED[..], &["--memory", "1"]].concat()), at);
+    contains(&message, &["'1' for '--memory <MB>'", "must be 32 to"]);
 }
 
 #[test]
@@ -200,8 +203,8 @@ fn an_fmu_that_ends_badly_costs_no_row() {
         ("HANG_FREE", "fmi2FreeInstance has not returned within 1 s and was ended"),
     ] {
         let fmu = build(at, fault, &[&format!("FAULT={fault}")], Lie::None);
-        let said = succeed(&simulate(&fmu, &ISOLATED), at);
-        contains(&said, &["note: FMU `faulty`", words]);
+        let message = succeed(&simulate(&fmu, &ISOLATED), at);
+        contains(&message, &["note: FMU `faulty`", words]);
         holds_rows(at, ROWS);
     }
 }
@@ -226,9 +229,9 @@ fn statuses_lies_and_numbers_that_are_none_are_named_and_the_record_kept() {
         let fmu = build(at, fault, &[&format!("FAULT={fault}")], Lie::None);
         for more in [&[][..], &ISOLATED[..]] {
             fs::write(at.join("run.csv"), "old").expect("writable");
-            let said = fails(&simulate(&fmu, more), at);
-            contains(&said, &["FMU `faulty`", "6 rows until then are in run.csv"]);
-            contains(&said, &words);
+            let message = fails(&simulate(&fmu, more), at);
+            contains(&message, &["FMU `faulty`", "6 rows until then are in run.csv"]);
+            contains(&message, &words);
             holds_rows(at, KEPT);
         }
     }
@@ -264,9 +267,9 @@ fn what_an_fmu_changes_of_the_program_is_put_back_and_told() {
     for (fault, note) in faults {
         let fmu = build(at, fault, &[&format!("FAULT={fault}")], Lie::None);
         for more in [&[][..], &ISOLATED[..]] {
-            let said = succeed(&simulate(&fmu, more), at);
-            contains(&said, &[note.unwrap_or("20 rows"), "run.csv: written"]);
-            assert_eq!(said.contains("note: FMU `faulty`"), note.is_some(), "{said}");
+            let message = succeed(&simulate(&fmu, more), at);
+            contains(&message, &[note.unwrap_or("20 rows"), "run.csv: written"]);
+            assert_eq!(message.contains("note: FMU `faulty`"), note.is_some(), "{message}");
             holds_rows(at, ROWS);
             fs::remove_file(at.join("run.csv")).expect("it was there");
         }
@@ -319,10 +322,10 @@ fn in_a_loop_and_in_a_system_the_one_that_fails_is_named() {
     for (call, name) in [(&closed[..], "FMU `plant`"), (&system[..], "FMU `stage`")] {
         sound("SOUND");
         succeed(call, at);
-        let whole = run(at);
-        assert_eq!(whole.len(), ROWS);
+        let complete = run(at);
+        assert_eq!(complete.len(), ROWS);
         succeed(&[call, &ISOLATED].concat(), at);
-        assert_eq!(run(at), whole, "isolated or not");
+        assert_eq!(run(at), complete, "isolated or not");
         for (fault, words, isolated) in [
             ("CRASH_STEP", "the FMU crashed", true),
             ("HANG_STEP", "has not returned within 1 s", true),
@@ -335,16 +338,16 @@ fn in_a_loop_and_in_a_system_the_one_that_fails_is_named() {
             sound(fault);
             fs::write(at.join("run.csv"), "old").expect("writable");
             let more = if isolated { &ISOLATED[..] } else { &[] };
-            let said = fails(&[call, more].concat(), at);
-            contains(&said, &[name, "at t = 0.5 s", words, "6 rows until then are in run.csv"]);
-            assert_eq!(run(at), whole[..KEPT], "{fault}");
+            let message = fails(&[call, more].concat(), at);
+            contains(&message, &[name, "at t = 0.5 s", words, "6 rows until then are in run.csv"]);
+            assert_eq!(run(at), complete[..KEPT], "{fault}");
             // The units beside it were right already.
-            assert!(!said.contains("not written"), "{fault}: {said}");
+            assert!(!message.contains("not written"), "{fault}: {message}");
         }
         sound("FOLDER");
-        let said = succeed(call, at);
-        contains(&said, &["note: ", name, "the working folder had become /"]);
-        assert_eq!(run(at), whole);
+        let message = succeed(call, at);
+        contains(&message, &["note: ", name, "the working folder had become /"]);
+        assert_eq!(run(at), complete);
     }
 }
 
@@ -367,10 +370,10 @@ fn a_sweep_outlives_an_fmu_that_crashes() {
     fs::write(at.join("plan.toml"), plan).expect("writable");
     let output = piezoloop(&[&["sweep", "plan.toml"][..], &ISOLATED].concat(), at);
     assert_eq!(output.status.code(), Some(1), "one run has failed");
-    let said = String::from_utf8_lossy(&output.stdout);
+    let message = String::from_utf8_lossy(&output.stdout);
     let first = "1 failed, the first is run 1: in record 1 at t = 0 s: FMU `plant`: fmi2DoStep has not \
                  returned, because the FMU crashed";
-    contains(&said, &["3 runs", first]);
+    contains(&message, &["3 runs", first]);
 }
 
 #[test]

@@ -68,10 +68,10 @@ fn a_failure_over_the_log_is_told_with_time_and_row() {
             fs::write(at.join("gap.json"), "old").expect("writable");
             let output =
                 piezoloop(&diagnose(&fmu, &[more, &["--json", "gap.json"][..]].concat()), at);
-            let said = String::from_utf8_lossy(&output.stderr);
-            assert_eq!(output.status.code(), Some(2), "{name}: {said}");
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{name}: {message}");
             for words in ["FMU `faulty`", "at t = 0.5", "of 600 rows", "log", words] {
-                assert!(said.contains(words), "{name}: \"{words}\" is not in: {said}");
+                assert!(message.contains(words), "{name}: \"{words}\" is not in: {message}");
             }
             assert_eq!(fs::read_to_string(at.join("gap.json")).expect("there"), "old");
         }
@@ -116,8 +116,8 @@ fn what_an_fmu_changes_is_a_note() {
         [("ROUNDING", "another floating-point mode"), ("FOLDER", "the working folder had become /")]
     {
         let fmu = fault(at, name);
-        let said = succeed(&diagnose(&fmu, &["--json", "gap.json"]), at);
-        assert!(said.contains("note: FMU `faulty`") && said.contains(words), "{said}");
+        let message = succeed(&diagnose(&fmu, &["--json", "gap.json"]), at);
+        assert!(message.contains("note: FMU `faulty`") && message.contains(words), "{message}");
         assert!(at.join("gap.json").is_file(), "where it was asked for");
     }
 }
@@ -134,9 +134,9 @@ fn a_run_that_fails_is_repeated() {
     let sound = json(&diagnose(&fault(at, "SOUND"), &tuned), at);
     let sometimes = fault(at, "ERROR_SOMETIMES");
     assert_eq!(json(&diagnose(&sometimes, &tuned), at)["outputs"], sound["outputs"]);
-    let said = succeed(&diagnose(&sometimes, &tuned), at);
+    let message = succeed(&diagnose(&sometimes, &tuned), at);
     for words in ["note: the FMU failed ", "but ran when that was repeated", "not now"] {
-        assert!(said.contains(words), "\"{words}\" is not in: {said}");
+        assert!(message.contains(words), "\"{words}\" is not in: {message}");
     }
 }
 
@@ -150,16 +150,16 @@ fn failures_with_other_parameters_are_passed_over_unless_nothing_else_comes() {
     let at = folder.path();
     let tuned = ["--tune", "gain=0.05"];
     let fmu = fault(at, "ERROR_HIGH");
-    let said = succeed(&diagnose(&fmu, &tuned), at);
+    let message = succeed(&diagnose(&fmu, &tuned), at);
     for words in ["note: the FMU failed ", "0 of which ran", "passed over", "the gain is too high"]
     {
-        assert!(said.contains(words), "\"{words}\" is not in: {said}");
+        assert!(message.contains(words), "\"{words}\" is not in: {message}");
     }
     let fmu = fault(at, "ERROR_TUNED");
     let output = piezoloop(&diagnose(&fmu, &tuned), at);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("faulty: ") && said.contains("the gain is not 2"), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("faulty: ") && message.contains("the gain is not 2"), "{message}");
     for (name, words) in [
         (
             "CRASH_TUNED",
@@ -170,10 +170,10 @@ fn failures_with_other_parameters_are_passed_over_unless_nothing_else_comes() {
         let fmu = fault(at, name);
         let begin = Instant::now();
         let output = piezoloop(&diagnose(&fmu, &[&tuned[..], &ISOLATED].concat()), at);
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{name}: {said}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{name}: {message}");
         for words in ["faulty: ", words, "because the FMU crashed", "SIGSEGV"] {
-            assert!(said.contains(words), "{name}: \"{words}\" is not in: {said}");
+            assert!(message.contains(words), "{name}: \"{words}\" is not in: {message}");
         }
         assert!(begin.elapsed() < Duration::from_secs(60), "{:?}", begin.elapsed());
     }

@@ -35,15 +35,15 @@ fn components_compute_what_the_libraries_do() {
     command.arg(root().join("tests/python/component.py")).current_dir(here);
     for model in RIGS.into_iter().chain(["controller.toml"]) {
         let fmu = format!("{}.fmu", model.trim_end_matches(".toml"));
-        let said = succeed(&["pack", model, "--fmi", "3", "--wasm", "-o", &fmu], here);
-        assert!(said.contains("WebAssembly (component)"), "{said}");
+        let message = succeed(&["pack", model, "--fmi", "3", "--wasm", "-o", &fmu], here);
+        assert!(message.contains("WebAssembly (component)"), "{message}");
         command.arg(fmu);
     }
     let output = command.output().expect("Python");
-    let said = String::from_utf8_lossy(&output.stdout);
-    println!("{said}");
+    let message = String::from_utf8_lossy(&output.stdout);
+    println!("{message}");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert!(said.contains("13 FMUs, 1500 steps: the same bits"), "{said}");
+    assert!(message.contains("13 FMUs, 1500 steps: the same bits"), "{message}");
     assert!(
         succeed(&["check", "evc.fmu"], here).contains("wasm32-wasip2, x86_64-linux: no problem")
     );
@@ -57,8 +57,8 @@ fn a_component_alone_is_an_fmu() {
     assert_eq!((&packed["wasm"], &packed["platforms"]), (&true.into(), &serde_json::json!([])));
     assert!(succeed(&["check", "only.fmu"], here).contains("for wasm32-wasip2: no problem"));
     // Nobody here runs it, which is said.
-    let said = succeed(&["check", "--replay", "only.fmu"], here);
-    assert!(said.contains("no library for this machine is there to repeat them"), "{said}");
+    let message = succeed(&["check", "--replay", "only.fmu"], here);
+    assert!(message.contains("no library for this machine is there to repeat them"), "{message}");
     let error = refuse(&["pack", "p1", "--wasm"], here);
     assert!(error.contains("add --fmi 3"), "{error}");
     let error = refuse(&["pack", "p1", "--fmi", "3", "--wasm=only", "--libraries", "there"], here);
@@ -108,7 +108,7 @@ fn check_says_what_is_wrong_with_a_component() {
         (manifest, None, "requires the manifest"),
     ] {
         changed(&here.join("good.fmu"), &here.join("bad.fmu"), entry, content);
-        let said = found(&["check", "bad.fmu"], here);
-        assert!(said.contains(wanted), "{entry}: {said}");
+        let message = found(&["check", "bad.fmu"], here);
+        assert!(message.contains(wanted), "{entry}: {message}");
     }
 }

@@ -83,7 +83,7 @@ pub enum DescribeError {
     Start {
         /// Name of the variable.
         name: String,
-        /// Its type.
+        /// The name's type.
         data_type: DataType,
         /// The start value.
         start: f64,
@@ -214,16 +214,16 @@ fn scalar_or_array(table: &VariableTable, bundle: &Bundle) -> Result<Variable, D
     let rows: Vec<&Row> = bundle.elements.iter().filter_map(|r| table.get(*r)).collect();
     let scalars = bundle.elements.iter().zip(&rows).map(|(reference, row)| scalar(*reference, row));
     let mut scalars = scalars.collect::<Result<Vec<_>, _>>()?;
-    let mut whole = scalars.remove(0);
+    let mut array = scalars.remove(0);
     if bundle.is_array {
-        whole.name.clone_from(&bundle.name);
-        whole.description = array_description(&rows);
-        whole.dimensions = vec![Dimension::Size(rows.len() as u64)];
+        array.name.clone_from(&bundle.name);
+        array.description = array_description(&rows);
+        array.dimensions = vec![Dimension::Size(rows.len() as u64)];
     }
     for element in scalars {
-        whole.properties.min = wider(whole.properties.min, element.properties.min, f64::lt);
-        whole.properties.max = wider(whole.properties.max, element.properties.max, f64::gt);
-        match (&mut whole.start, element.start) {
+        array.properties.min = wider(array.properties.min, element.properties.min, f64::lt);
+        array.properties.max = wider(array.properties.max, element.properties.max, f64::gt);
+        match (&mut array.start, element.start) {
             (Some(Start::Float(all)), Some(Start::Float(one))) => all.extend(one),
             (Some(Start::Integer(all)), Some(Start::Integer(one))) => all.extend(one),
             (Some(Start::Boolean(all)), Some(Start::Boolean(one))) => all.extend(one),
@@ -233,10 +233,10 @@ fn scalar_or_array(table: &VariableTable, bundle: &Bundle) -> Result<Variable, D
     // An alias would be the better place, but fmpy 0.3.32 takes it for a second variable: it misses
     // an input of that name, and an output among the initial unknowns.
     if let [Row { alias: Some(alias), .. }] = rows[..] {
-        let sentence = whole.description.unwrap_or_default();
-        whole.description = Some(format!("{sentence} ({alias})").trim_start().to_owned());
+        let sentence = array.description.unwrap_or_default();
+        array.description = Some(format!("{sentence} ({alias})").trim_start().to_owned());
     }
-    Ok(whole)
+    Ok(array)
 }
 
 /// The bound that holds for both, none where one has none.
@@ -279,7 +279,7 @@ fn properties(row: &Row, data_type: DataType) -> Properties {
     let bound = |value: f64| match data_type {
         DataType::Float64 => value.is_finite().then_some(Number::Float(value)),
         // Bounds outside the type say nothing.
-        DataType::Int32 => whole(value).map(|value| Number::Integer(value.into())),
+        DataType::Int32 => integer(value).map(|value| Number::Integer(value.into())),
         _ => None,
     };
     Properties {
@@ -296,7 +296,7 @@ fn start(row: &Row, data_type: DataType) -> Result<Start, DescribeError> {
     match row.data_type {
         Kind::Real if start.is_finite() => Ok(Start::Float(vec![start])),
         Kind::Real => Err(wrong("it must be finite")),
-        Kind::Integer => match whole(start) {
+        Kind::Integer => match integer(start) {
             Some(value) => Ok(Start::Integer(vec![value.into()])),
             None => Err(wrong("it must be a whole number of 32 bits")),
         },
@@ -306,7 +306,7 @@ fn start(row: &Row, data_type: DataType) -> Result<Start, DescribeError> {
 }
 
 /// The value as a 32-bit integer, if it is one.
-fn whole(value: f64) -> Option<i32> {
+fn integer(value: f64) -> Option<i32> {
     let is_whole = value.fract() == 0.0;
     let fits = value >= f64::from(i32::MIN) && value <= f64::from(i32::MAX);
     (is_whole && fits).then_some(value as i32)
@@ -331,7 +331,7 @@ fn add_structure(description: &mut ModelDescription, table: &VariableTable) {
         }
         FmiVersion::V3 => {
             let bundles = table.bundles();
-            let whole: HashMap<u32, u32> = bundles
+            let arrays: HashMap<u32, u32> = bundles
                 .iter()
                 .flat_map(|bundle| bundle.elements.iter().map(|e| (*e, bundle.elements[0])))
                 .collect();
@@ -342,7 +342,7 @@ fn add_structure(description: &mut ModelDescription, table: &VariableTable) {
                     // An array depends on what any of its elements does.
                     let knowns = rows.iter().map(|row| row.initial_dependencies.as_deref());
                     let knowns: Option<Vec<&[u32]>> = knowns.collect();
-                    let home = |reference| whole.get(&reference).copied().unwrap_or(reference);
+                    let home = |reference| arrays.get(&reference).copied().unwrap_or(reference);
                     let knowns = knowns.map(|knowns| knowns.concat());
                     add_output(description, &home, bundle.elements[0], knowns);
                 }

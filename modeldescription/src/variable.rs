@@ -291,7 +291,7 @@ pub struct Variable {
     pub value_reference: u32,
     /// One sentence about it.
     pub description: Option<String>,
-    /// What it is for.
+    /// What the variable is for.
     pub causality: Causality,
     /// When it may change, if stated; see [`Variable::variability`].
     pub stated_variability: Option<Variability>,

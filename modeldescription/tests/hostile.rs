@@ -281,14 +281,14 @@ fn every_hostile_archive_is_refused_within_bounded_memory() {
             found.unwrap_or_else(|| panic!("{name}: no {key} in {text}")).to_owned()
         };
         for reader in ["open: ", "check: ", "ssp: "] {
-            let said = line(reader);
+            let message = line(reader);
             // An SSP has no model description to be wrong.
-            let is_archives = reader != "ssp: " || !said.contains("SystemStructure.ssd");
-            let names_file = said.contains("hostile.fmu") || reader == "check: ";
+            let is_archives = reader != "ssp: " || !message.contains("SystemStructure.ssd");
+            let names_file = message.contains("hostile.fmu") || reader == "check: ";
             // What is packed that densely is refused before it is read, but by the checker.
-            let is_dense = reader != "check: " && said.contains("more than 100 times as many");
-            if !names_file || (is_archives && !is_dense && !said.contains(says)) {
-                wrong.push(format!("{name}, {says:?} is not in {reader}{said}"));
+            let is_dense = reader != "check: " && message.contains("more than 100 times as many");
+            if !names_file || (is_archives && !is_dense && !message.contains(says)) {
+                wrong.push(format!("{name}, {says:?} is not in {reader}{message}"));
             }
         }
         assert_eq!(listing(outer.path()), before, "{name}: nothing is left behind");

@@ -269,10 +269,10 @@ fn set_in_headers(bytes: &mut [u8], name: &str, (local, central): (usize, usize)
 #[test]
 fn cut_off_archives_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let whole = packed(FmiVersion::V2).to_bytes().unwrap();
+    let complete = packed(FmiVersion::V2).to_bytes().unwrap();
     let path = folder.path().join("cut.fmu");
-    for length in [0, 3, whole.len() / 2, whole.len() - 1] {
-        fs::write(&path, &whole[..length]).unwrap();
+    for length in [0, 3, complete.len() / 2, complete.len() - 1] {
+        fs::write(&path, &complete[..length]).unwrap();
         let error = Package::open(&path).unwrap_err();
         assert!(matches!(error, PackageError::NotAnArchive { .. }), "{length}: {error}");
         assert!(error.to_string().contains("cut.fmu"), "{error}");
@@ -446,7 +446,7 @@ fn damaged_archives_are_answered() {
     let functions = library(&required_functions(&description));
     fmu.binary(host_folder(FmiVersion::V2), functions).unwrap();
     fmu.resource("blueprint.toml", b"plays = 10".to_vec()).unwrap();
-    let whole = fmu.to_bytes().unwrap();
+    let complete = fmu.to_bytes().unwrap();
     let mut random = 0x2545_f491_4f6c_dd1d_u64;
     let mut next = |below: usize| {
         random ^= random << 13;
@@ -456,7 +456,7 @@ fn damaged_archives_are_answered() {
     };
     let (mut opened, mut refused) = (0, 0);
     for _ in 0..600 {
-        let mut bytes = whole.clone();
+        let mut bytes = complete.clone();
         for _ in 0..=next(4) {
             // Half of the damage goes to the central directory at the end.
             let from = if next(2) == 0 { bytes.len() - 400 } else { 0 };

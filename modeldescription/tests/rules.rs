@@ -436,8 +436,11 @@ fn a_draft_of_the_standard_is_said() {
     };
     for draft in ["3.0-beta.2", "3.0-rc.1", "3.0-alpha.5"] {
         let problems = check_description(text(draft).as_bytes());
-        let said = listing(&problems);
-        assert!(said.contains(draft) && said.contains("is a draft of the standard"), "{said}");
+        let message = listing(&problems);
+        assert!(
+            message.contains(draft) && message.contains("is a draft of the standard"),
+            "{message}"
+        );
         let read = ModelDescription::parse(text(draft).as_bytes()).unwrap();
         assert_eq!((read.draft.as_deref(), read.fmi_version), (Some(draft), FmiVersion::V3));
         assert!(read.to_xml().unwrap().contains(&format!("fmiVersion=\"{draft}\"")));

@@ -389,17 +389,17 @@ fn what_meets_in_a_signal_dictionary_is_connected() {
 
 #[test]
 fn what_is_wrong_with_a_signal_dictionary_is_told() {
-    let told = |change: &dyn Fn(&mut SystemStructure)| {
+    let described = |change: &dyn Fn(&mut SystemStructure)| {
         let mut structure = meeting();
         change(&mut structure);
         let found = structure.flatten("a.ssd").unwrap_err();
         found.iter().map(|problem| format!("{problem}\n")).collect::<String>()
     };
-    let nothing = told(&|s| s.system.dictionaries[0].name = "other".to_owned());
+    let nothing = described(&|s| s.system.dictionaries[0].name = "other".to_owned());
     assert!(nothing.contains("there is no signal dictionary \"bus\""), "{nothing}");
-    let no_signal = told(&|s| s.system.dictionaries[0].signals = Some(Vec::new()));
+    let no_signal = described(&|s| s.system.dictionaries[0].signals = Some(Vec::new()));
     assert!(no_signal.contains("\"bus\" has no signal \"command\""), "{no_signal}");
-    let twice = told(&|s| {
+    let twice = described(&|s| {
         let Element::Component(controller) = &mut s.system.elements[1] else { return };
         controller.connectors.push(connector("v", Kind::Output, Some("V")));
         let second = Connection::new(end("controller", "v"), end("outer", "command"));
@@ -523,8 +523,8 @@ fn read_by(module: &str, script: &str) {
     let folder = tempfile::tempdir().unwrap();
     let ssp = packed(folder.path());
     let output = Command::new(python).args(["-c", script]).arg(ssp).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(text.lines().any(|line| line == "read"), "{text}");
 }

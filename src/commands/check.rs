@@ -172,7 +172,7 @@ fn problem(package: &Package, file: &str, found: String) -> Problem {
 
 fn differences(package: &Package, replay: &Replay) -> Vec<Problem> {
     let far = replay.outputs.iter().filter(|output| !output.is_within);
-    let said = far.map(|output| {
+    let message = far.map(|output| {
         let found = format!(
             "output \"{}\" differs by {:.3e} of its peak-to-peak value, at {} s",
             output.name, output.difference, output.at
@@ -181,7 +181,7 @@ fn differences(package: &Package, replay: &Replay) -> Vec<Problem> {
             .rule(format!("reference results are repeated within {}", replay.tolerance))
             .way_out("pack the FMU again, or find out which of blueprint, tables and library was exchanged")
     });
-    said.collect()
+    message.collect()
 }
 
 fn not_repeated(package: &Package, error: &anyhow::Error) -> Problem {
@@ -195,7 +195,7 @@ fn not_repeated(package: &Package, error: &anyhow::Error) -> Problem {
 }
 
 impl Fmu {
-    /// What it runs on, for people.
+    /// What the FMU runs on, for people.
     fn targets(&self) -> String {
         let sources = self.sources.then(|| "compilers of its C sources".to_owned());
         let all: Vec<_> = self.platforms.iter().cloned().chain(sources).collect();

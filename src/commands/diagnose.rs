@@ -154,14 +154,14 @@ enum Source {
     Fmu(PathBuf),
     Blueprint(Box<BlueprintText>),
     /// Made of the logs.
-    Made(Box<baseline::Made>),
+    Generated(Box<baseline::Generated>),
 }
 
 impl Source {
     fn blueprint(&self) -> anyhow::Result<&BlueprintText> {
         match self {
             Self::Blueprint(text) => Ok(text),
-            Self::Made(made) => Ok(&made.text),
+            Self::Generated(identified) => Ok(&identified.text),
             Self::Fmu(path) => bail!("{} is no blueprint", path.display()),
         }
     }
@@ -268,8 +268,8 @@ impl Diagnose {
         let source = self.source(screen)?;
         let mut written = Vec::new();
         // Before the diagnosis, which may refuse it: coupled axes are packed first.
-        if let (Source::Made(made), Some(file)) = (&source, &self.baseline) {
-            made.text.blueprint.write(file)?;
+        if let (Source::Generated(identified), Some(file)) = (&source, &self.baseline) {
+            identified.text.blueprint.write(file)?;
             written.push(file.clone());
         }
         let libraries = self.libraries(&source)?;
@@ -280,10 +280,10 @@ impl Diagnose {
         bar.0.finish_and_clear();
         let mut diagnosis = diagnosis?;
         diagnosis.gap.warnings.extend(unmatched);
-        if let Source::Made(made) = &source {
-            diagnosis.gap.baseline.clone_from(&made.baselines);
-            let told = std::mem::take(&mut diagnosis.gap.warnings);
-            diagnosis.gap.warnings = made.notes.iter().cloned().chain(told).collect();
+        if let Source::Generated(identified) = &source {
+            diagnosis.gap.baseline.clone_from(&identified.baselines);
+            let described = std::mem::take(&mut diagnosis.gap.warnings);
+            diagnosis.gap.warnings = identified.notes.iter().cloned().chain(described).collect();
         }
         // Before the answer, which speaks of the model that is handed back; where that cannot be
         // written the answer is there all the same.
@@ -371,7 +371,7 @@ impl Diagnose {
                     drop: self.drop.filter(|drop| *drop > 0.0),
                     response: self.frequency_response.as_deref().map(|table| (table, self.modes)),
                 };
-                Ok(Source::Made(Box::new(baseline::made(&asked, screen)?)))
+                Ok(Source::Generated(Box::new(baseline::identified(&asked, screen)?)))
             }
         }
     }
@@ -382,7 +382,7 @@ impl Diagnose {
         };
         let model = match source {
             Source::Fmu(path) => Model::Fmu(path.clone()),
-            Source::Blueprint(_) | Source::Made(_) => {
+            Source::Blueprint(_) | Source::Generated(_) => {
                 let blueprint = source.blueprint()?.blueprint.clone();
                 Model::Blueprint(Box::new(blueprint.check(learned::COMPONENTS)?))
             }
@@ -394,15 +394,15 @@ impl Diagnose {
         request.reading = self.reading.as_deref().and_then(diagnose::Reading::find);
         request.accuracy = self.accuracy;
         request.names = self.options.names()?;
-        if let Source::Made(made) = source {
-            request.drop = Some(made.run_in).filter(|drop| *drop > 0.0).or(self.drop);
+        if let Source::Generated(identified) = source {
+            request.drop = Some(identified.run_in).filter(|drop| *drop > 0.0).or(self.drop);
             // Those of --input and --output are in the map of the model that was made.
             let is_own = |pair: &&String| {
                 let name = pair.split_once('=').map_or(pair.as_str(), |(name, _)| name.trim());
                 self.inputs.iter().chain(&self.output_columns).any(|own| own == name)
             };
             let given = self.options.map.iter().filter(|pair| !is_own(pair));
-            let all: Vec<&String> = given.chain(&made.map).collect();
+            let all: Vec<&String> = given.chain(&identified.map).collect();
             request.names = data::NameMap::parse(&all)?;
         }
         request.outputs.clone_from(&self.outputs);

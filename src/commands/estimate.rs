@@ -15,7 +15,7 @@ use super::simulate::{self, OutputFit};
 use crate::answer::{Answer, Screen};
 use crate::fmus::{self, Addresses, Isolation};
 use crate::inputs::{self, LogOptions};
-use crate::messages::{MessageOptions, Said};
+use crate::messages::{FmuMessage, MessageOptions};
 use crate::pages::{self, PageOptions};
 use crate::window::Window;
 
@@ -61,7 +61,7 @@ pub(crate) struct Estimate {
     #[arg(long = "start", value_name = "NAME=VALUE")]
     fixed: Vec<String>,
     /// Number of starting points of the search: the given one, and others around it
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = crate::ranges::whole(1_u64, 1000))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = crate::ranges::integers(1_u64, 1000))]
     starts: u64,
     #[command(flatten)]
     options: LogOptions,
@@ -103,7 +103,7 @@ pub(crate) struct Estimated {
     pub(crate) set: Option<PathBuf>,
     /// The FMU that begins with what was found.
     pub(crate) fmu: Option<PathBuf>,
-    pub(crate) messages: Vec<Said>,
+    pub(crate) messages: Vec<FmuMessage>,
     pub(crate) notes: Vec<String>,
 }
 
@@ -276,7 +276,7 @@ impl Estimate {
             failed_runs: found.failures,
             set,
             fmu: self.fmu.clone(),
-            messages: ear.said(),
+            messages: ear.received(),
             notes,
         })
     }

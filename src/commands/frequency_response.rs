@@ -95,7 +95,7 @@ pub(crate) struct Signal {
 }
 
 impl Signal {
-    /// Its unit; 1 where none is known.
+    /// The signal's unit; 1 where none is known.
     pub(crate) fn unit(&self) -> &str {
         self.unit.as_deref().unwrap_or("1")
     }

@@ -10,8 +10,8 @@ use clap::Args;
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, Log, SignalBlueprint};
 use identify::learned::{Seek, Selection};
 use identify::{
-    Dynamics, Identification, Learning, Methods, Observer, Record, Search, Settings, Swarm, Target,
-    Told,
+    Dynamics, FeatureChoice, Identification, Learning, Methods, Observer, Record, Search, Settings,
+    Swarm, Target,
 };
 use serde::Serialize;
 
@@ -438,15 +438,15 @@ impl Identify {
             Select::HeldOut => Selection::HeldOut,
         });
         let features = match self.features {
-            None => Told::Usual,
-            Some(Features::Rate) => Told::Rate,
-            Some(Features::Command) => Told::Command,
-            Some(Features::Position) => Told::Position,
-            Some(Features::Both) => Told::Both,
-            Some(Features::Two) => Told::Inputs(2),
-            Some(Features::Six) => Told::Inputs(6),
-            Some(Features::Nine) => Told::Inputs(9),
-            Some(Features::Twelve) => Told::Inputs(12),
+            None => FeatureChoice::Usual,
+            Some(Features::Rate) => FeatureChoice::Rate,
+            Some(Features::Command) => FeatureChoice::Command,
+            Some(Features::Position) => FeatureChoice::Position,
+            Some(Features::Both) => FeatureChoice::Both,
+            Some(Features::Two) => FeatureChoice::Inputs(2),
+            Some(Features::Six) => FeatureChoice::Inputs(6),
+            Some(Features::Nine) => FeatureChoice::Inputs(9),
+            Some(Features::Twelve) => FeatureChoice::Inputs(12),
         };
         let (selection, prune) = (selection.map(|way| (way, seek)), self.prune);
         Learning { selection, prune, features, deviation: self.deviation }
@@ -538,8 +538,8 @@ fn join(axes: &[AxisResult]) -> anyhow::Result<CheckedBlueprint> {
     let period = |axis: &AxisResult| axis.identification.plant.spec().period;
     // The finest step serves all: an axis that needs fewer steps in a sample of the log does not mind more.
     let finest = axes.iter().min_by(|a, b| period(a).total_cmp(&period(b))).unwrap_or(first);
-    let mut whole: Blueprint = first.identification.plant.blueprint().clone();
-    whole.step.clone_from(&finest.identification.plant.blueprint().step);
+    let mut complete: Blueprint = first.identification.plant.blueprint().clone();
+    complete.step.clone_from(&finest.identification.plant.blueprint().step);
     for axis in axes {
         let ratio = period(axis) / period(finest);
         if (ratio - ratio.round()).abs() > 1e-9 * ratio {
@@ -555,10 +555,10 @@ fn join(axes: &[AxisResult]) -> anyhow::Result<CheckedBlueprint> {
     }
     for axis in &axes[1..] {
         let other = axis.identification.plant.blueprint();
-        whole.axes.extend(other.axes.iter().cloned());
-        whole.tables.extend(other.tables.clone());
+        complete.axes.extend(other.axes.iter().cloned());
+        complete.tables.extend(other.tables.clone());
     }
-    Ok(whole.check(learned::COMPONENTS)?)
+    Ok(complete.check(learned::COMPONENTS)?)
 }
 
 /// Internal step of an axis' plant, as text.

@@ -71,7 +71,7 @@ pub(crate) struct Invert {
     feedback_only: bool,
     /// One of the four control systems for two mirrors with two axes each: 1 PID, each mirror uses its own sensor; 2
     /// PID, coordinated; 3 feedforward, coordinated; 4 both, coordinated
-    #[arg(long, value_name = "N", value_parser = ranges::whole(1_u8, 4), conflicts_with_all = ["feedforward", "feedback", "feedback_only", "damping"])]
+    #[arg(long, value_name = "N", value_parser = ranges::integers(1_u8, 4), conflicts_with_all = ["feedforward", "feedback", "feedback_only", "damping"])]
     system: Option<u8>,
     /// Also run the controller on the plant along this reference (a log with the columns reference[i] or the axes'
     /// own names), and report where it needs commands beyond their limits
@@ -121,7 +121,7 @@ pub(crate) struct Inverted {
     pub(crate) axes: Vec<LoopFigures>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) coordinators: Vec<Coordinator>,
-    /// What it does along the reference that was given.
+    /// What the inverted does along the reference that was given.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) along: Vec<Along>,
     /// What the page shows; empty without one.

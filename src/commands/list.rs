@@ -66,7 +66,7 @@ struct RigRow {
 struct OptionRow {
     command: String,
     option: String,
-    /// What it takes; none: it is a switch.
+    /// What the option row takes; none: it is a switch.
     value: Option<String>,
     range: Option<String>,
 }

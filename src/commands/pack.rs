@@ -537,7 +537,7 @@ impl Binary {
 }
 
 impl Packed {
-    /// What it runs on, for people.
+    /// What the packed runs on, for people.
     fn targets(&self) -> String {
         let mut targets = self.platforms.clone();
         targets.extend(self.sources.then(|| "every C99 compiler (sources)".to_owned()));

@@ -76,12 +76,12 @@ struct Reproductions(Vec<Reproduction>);
 impl Reproduce {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         const ALL: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
-        let whole = self.papers.is_empty() || self.papers.iter().any(|paper| paper == "all");
-        let papers = if whole { ALL.map(String::from).to_vec() } else { self.papers.clone() };
+        let complete = self.papers.is_empty() || self.papers.iter().any(|paper| paper == "all");
+        let papers = if complete { ALL.map(String::from).to_vec() } else { self.papers.clone() };
         let effort = match (self.quick, self.searches) {
             (true, _) => Effort::Quick,
             (_, true) => Effort::Searches,
-            _ => Effort::Whole,
+            _ => Effort::Full,
         };
         let mut jobs = Vec::new();
         for paper in &papers {
@@ -92,7 +92,7 @@ impl Reproduce {
             if self.part != Part::Control && (models || !loops) {
                 jobs.push((paper.as_str(), Part::Modelling));
             }
-            if self.part != Part::Modelling && (loops || self.part == Part::Control && !whole) {
+            if self.part != Part::Modelling && (loops || self.part == Part::Control && !complete) {
                 jobs.push((paper.as_str(), Part::Control));
             }
         }
@@ -237,13 +237,13 @@ fn write_one(one: &Reproduction, out: &mut dyn Write) -> io::Result<()> {
         let verdict = word(row.verdict);
         let what = format!("{} {} [{}]", row.paper_id, row.what, row.unit);
         let paper = if row.paper.is_nan() { "-".to_owned() } else { row.paper.to_string() };
-        let told = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));
+        let described = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));
         let ratio = match row.aim {
             Aim::Ratio { paper, own } => format!("{paper:.2} > {own:.2}"),
             _ => String::new(),
         };
-        let (ours, other) = (told(row.ours), told(row.other));
-        let own = told((!row.own.is_nan()).then_some(row.own));
+        let (ours, other) = (described(row.ours), described(row.other));
+        let own = described((!row.own.is_nan()).then_some(row.own));
         writeln!(out, "{what:58} {paper:>8} {own:>8} {ours:>8} {other:>8} {ratio:>13}  {verdict}")?;
     }
     for order in &one.orders {

@@ -14,7 +14,7 @@ use serde::Serialize;
 use crate::answer::{Answer, Screen, rounded};
 use crate::fmus::{self, Addresses, Isolation};
 use crate::inputs::{self, LogOptions};
-use crate::messages::{MessageOptions, Said};
+use crate::messages::{FmuMessage, MessageOptions};
 use crate::pages::{self, PageOptions};
 use crate::times::RunTimes;
 use crate::window::Window;
@@ -113,7 +113,7 @@ pub(crate) struct Simulated {
     /// Inputs that no column feeds.
     pub(crate) unfed_inputs: Vec<String>,
     /// What FMUs said, each message once.
-    pub(crate) messages: Vec<Said>,
+    pub(crate) messages: Vec<FmuMessage>,
     /// How long the FMUs took.
     pub(crate) times: RunTimes,
     pub(crate) notes: Vec<String>,
@@ -144,7 +144,7 @@ impl EarlyEnd {
 struct About {
     endings: Vec<EarlyEnd>,
     matched: Matched,
-    messages: Vec<Said>,
+    messages: Vec<FmuMessage>,
     times: RunTimes,
     notes: Vec<String>,
 }
@@ -223,7 +223,7 @@ impl Simulate {
         notes.extend(unrecorded);
         notes.extend(ear.notes());
         let (fits, measured) = self.fits(&memory, &log, &names, &addresses, &mut notes)?;
-        let about = About { endings, matched, messages: ear.said(), times, notes };
+        let about = About { endings, matched, messages: ear.received(), times, notes };
         self.result(opened.name, memory, fits, measured, about)
     }
 
@@ -333,7 +333,7 @@ impl Simulate {
         notes.extend(endings.iter().map(EarlyEnd::note));
         notes.extend(ear.notes());
         let name = format!("{} with {}", plant.name, controller.name);
-        let messages = ear.said();
+        let messages = ear.received();
         let about = About { endings, messages, times, notes, ..About::default() };
         self.result(name, memory, fits, Vec::new(), about)
     }

@@ -17,7 +17,7 @@ use super::simulate;
 use crate::answer::{Answer, Screen, rounded};
 use crate::fmus::{self, Isolation};
 use crate::inputs::{self, LogOptions};
-use crate::messages::{MessageOptions, Said};
+use crate::messages::{FmuMessage, MessageOptions};
 use crate::pages::{self, PageOptions};
 use crate::times::{self, RunTimes};
 use crate::{progress, records};
@@ -128,7 +128,7 @@ pub(crate) struct Ran {
     unused_columns: Vec<String>,
     /// Inputs that nothing feeds.
     unfed_inputs: Vec<String>,
-    messages: Vec<Said>,
+    messages: Vec<FmuMessage>,
     /// How long the FMUs took.
     pub(crate) times: RunTimes,
     pub(crate) notes: Vec<String>,
@@ -322,7 +322,7 @@ impl System {
             endings,
             unused_columns,
             unfed_inputs,
-            messages: ear.said(),
+            messages: ear.received(),
             times,
             notes,
             drawn: drawn.unwrap_or_default(),

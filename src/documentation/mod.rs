@@ -64,7 +64,7 @@ fn figures(page: Report, description: &ModelDescription) -> Report {
 
 fn provenance(description: &ModelDescription, source: &str) -> Provenance {
     let mut all = Provenance::new("piezoloop", crate::VERSION);
-    let told = [
+    let described = [
         ("Model version", description.version.as_deref()),
         ("Author", description.author.as_deref()),
         ("Copyright", description.copyright.as_deref()),
@@ -72,7 +72,7 @@ fn provenance(description: &ModelDescription, source: &str) -> Provenance {
         ("Source", Some(source)),
         ("GUID", Some(description.instantiation_token.as_str())),
     ];
-    for (name, text) in told {
+    for (name, text) in described {
         if let Some(text) = text.filter(|text| !text.is_empty()) {
             all = all.remark(name, text);
         }

@@ -241,23 +241,23 @@ fn run_figure(run: &TimeRun, period: f64, [command, position]: &[String; 2]) -> 
         Some(frequency) => format!("Wave of {} Hz", format_number(frequency, 4)),
     };
     let errors = |values: &[f64]| differences(&run.reference, values);
-    let whole = errors(&run.whole.0);
+    let complete = errors(&run.complete.0);
     let mut figure = TimeSeries::new(title, &time)
         .panel("position")
         .reference("reference", position, &run.reference)
-        .model("controller", position, &run.whole.0)
+        .model("controller", position, &run.complete.0)
         .other("feedback alone", position, &run.feedback)
         .panel("error")
-        .residual("controller", position, &whole);
+        .residual("controller", position, &complete);
     if let Some(alone) = &run.feedforward {
         figure = figure.other("feedforward alone", position, &errors(alone));
     }
     figure = figure.other("feedback alone", position, &errors(&run.feedback));
-    figure = figure.panel("command").other("command", command, &run.whole.1);
+    figure = figure.panel("command").other("command", command, &run.complete.1);
     let number = |x: f64| format!("{} {position}", format_number(x, 3));
     figure.caption(format!(
         "Error of the controller, behind the run-in: rms {}, at most {}.",
-        number(rms(&whole)),
-        number(greatest(&whole))
+        number(rms(&complete)),
+        number(greatest(&complete))
     ))
 }

@@ -37,7 +37,7 @@ pub(crate) fn terminals(variables: &model::VariableTable, offered: &[Offered]) -
 }
 
 impl Port {
-    /// What it carries and how it counts.
+    /// What the port carries and how it counts.
     fn sentence(self) -> &'static str {
         match self {
             Self::Mechanical => {

@@ -44,7 +44,7 @@ impl Process {
         assert!(super::kill(&[name, &id]).status().expect("kill runs").success());
     }
 
-    /// What it said until its end, and its exit code.
+    /// What the process said until its end, and its exit code.
     pub(crate) fn end(mut self) -> (String, Option<i32>) {
         let mut text = self.first.clone();
         self.out.read_to_string(&mut text).expect("UTF-8");

@@ -16,11 +16,11 @@ pub(crate) fn python() -> Option<&'static Path> {
 /// `target/`; or `None` with a line that says why tests are skipped. The variable
 /// `PIEZOLOOP_<NAME>_PYTHON` may name an interpreter that has them.
 pub(crate) fn environment(name: &str) -> Option<PathBuf> {
-    let made = make(name);
-    if let Err(reason) = &made {
+    let built = make(name);
+    if let Err(reason) = &built {
         println!("SKIPPED: no environment of requirements-{name}.txt: {reason}");
     }
-    made.ok()
+    built.ok()
 }
 
 fn make(name: &str) -> Result<PathBuf, String> {
@@ -39,7 +39,7 @@ pub(crate) fn tool(python: &Path, name: &str) -> Command {
 }
 
 /// Runs a command in a folder; it must succeed. Returns all it printed.
-pub(crate) fn said(command: &mut Command, folder: &Path) -> String {
+pub(crate) fn message(command: &mut Command, folder: &Path) -> String {
     let output = command.current_dir(folder).output().expect("the tool starts");
     let text = String::from_utf8_lossy(&output.stdout).into_owned()
         + &String::from_utf8_lossy(&output.stderr);
@@ -50,5 +50,5 @@ pub(crate) fn said(command: &mut Command, folder: &Path) -> String {
 /// Runs a script of `tests/python` in a folder; it must succeed. Returns all it printed.
 pub(crate) fn script(python: &Path, name: &str, arguments: &[&str], folder: &Path) -> String {
     let file = root().join("tests/python").join(name);
-    said(Command::new(python).arg(file).args(arguments), folder)
+    message(Command::new(python).arg(file).args(arguments), folder)
 }

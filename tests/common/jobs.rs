@@ -127,8 +127,8 @@ pub(crate) fn jobs() -> &'static [Job] {
             let begin = Instant::now();
             let output = job.command(out.path()).output().expect("the tool starts");
             job.time = begin.elapsed();
-            let said = String::from_utf8_lossy(&output.stderr);
-            assert!(output.status.success(), "{name}: {said}");
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{name}: {message}");
             job.files = listing(out.path());
             assert!(job.files.iter().all(|(_, bytes)| !bytes.is_empty()), "{name}");
             job

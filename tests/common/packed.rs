@@ -36,7 +36,7 @@ impl Packed {
         Self { package: Package::open(&file).expect("a sound FMU"), file, _folder: folder }
     }
 
-    /// Its shared library for this machine.
+    /// The packed's shared library for this machine.
     pub(crate) fn library(&self) -> PathBuf {
         self.package.binary().expect("a library for this machine")
     }

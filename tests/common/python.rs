@@ -14,8 +14,8 @@ pub(crate) fn python() -> PathBuf {
         return PathBuf::from(given);
     }
     let requirements = root().join("tests/python/requirements.txt");
-    let made = environment("python-env", &requirements, "");
-    made.unwrap_or_else(|error| {
+    let built = environment("python-env", &requirements, "");
+    built.unwrap_or_else(|error| {
         panic!("{error}\nThe tests need Python 3 with venv (Debian: python3-venv), and PyPI once")
     })
 }

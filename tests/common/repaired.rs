@@ -44,7 +44,7 @@ pub(crate) fn measure(folder: &Path) {
     measure_of(&truth(), folder);
 }
 
-/// The same of a machine without the mode and with a slow amplifier, for models of a lag.
+/// As `measure`, of a machine without the mode and with a slow amplifier, for models of a lag.
 pub(crate) fn measure_lag(folder: &Path) {
     let truth = truth().replace("bandwidth = 1500", "bandwidth = 200");
     let (head, rest) = truth.split_once("[[axis.component]]\ntype = \"mode\"").expect("a mode");
@@ -57,7 +57,7 @@ fn truth() -> String {
     fs::read_to_string(file).expect("the blueprint")
 }
 
-/// The same of the machine of this blueprint.
+/// As `truth`, of the machine of this blueprint.
 pub(crate) fn measure_of(truth: &str, folder: &Path) {
     fs::write(folder.join("truth.toml"), truth).expect("the folder is writable");
     let truth = "truth.toml";

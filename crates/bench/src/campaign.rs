@@ -51,7 +51,7 @@ pub struct Campaign {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// What it is called.
+    /// What the case is called.
     pub name: String,
     /// Cycles of the machine from which the times of the faults count; one trial for each.
     #[serde(default = "from_the_begin")]
@@ -76,7 +76,7 @@ fn from_the_begin() -> Vec<u32> {
 pub struct Expect {
     /// Last state.
     pub state: State,
-    /// Its reason.
+    /// The reason.
     pub reason: Reason,
     /// Most cycles from the trial's `at` to the last state; none: before the plan has ended.
     pub within: Option<u32>,
@@ -89,11 +89,11 @@ pub struct Trial {
     pub case: String,
     /// Cycle from which its faults' times count.
     pub at: u32,
-    /// Its seed.
+    /// The trial's seed.
     pub seed: u64,
     /// Last state.
     pub state: &'static str,
-    /// Its reason.
+    /// The trial's reason.
     pub reason: String,
     /// Cycles from `at` to the last state.
     pub took: u64,

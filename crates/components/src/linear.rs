@@ -114,10 +114,10 @@ pub fn quantise(x: f64, resolution: f64) -> f64 {
     const EXACT: f64 = (1u64 << 53) as f64;
     let steps = x / resolution;
     if steps.abs() < EXACT {
-        let whole = steps as i64 as f64;
+        let integer = steps as i64 as f64;
         // The difference is exact.
-        let up = if (steps - whole).abs() >= 0.5 { 1.0_f64.copysign(steps) } else { 0.0 };
-        resolution * (whole + up)
+        let up = if (steps - integer).abs() >= 0.5 { 1.0_f64.copysign(steps) } else { 0.0 };
+        resolution * (integer + up)
     } else {
         x
     }

@@ -71,11 +71,11 @@ mod tests {
 
     #[test]
     fn quarters_are_exact_however_many_turns() {
-        for whole in [0.0, 1.0, -7.0, 1e12] {
-            assert_eq!(sin_cos(whole), [0.0, 1.0]);
-            assert_eq!(sin_cos(whole + 0.25), [1.0, 0.0]);
-            assert_eq!(sin_cos(whole + 0.5), [0.0, -1.0]);
-            assert_eq!(sin_cos(whole + 0.75), [-1.0, 0.0]);
+        for integer in [0.0, 1.0, -7.0, 1e12] {
+            assert_eq!(sin_cos(integer), [0.0, 1.0]);
+            assert_eq!(sin_cos(integer + 0.25), [1.0, 0.0]);
+            assert_eq!(sin_cos(integer + 0.5), [0.0, -1.0]);
+            assert_eq!(sin_cos(integer + 0.75), [-1.0, 0.0]);
         }
         assert_eq!(sin_cos(1e300), [0.0, 1.0]);
         assert!(sin_cos(f64::NAN)[0].is_nan() && sin_cos(f64::INFINITY)[0].is_nan());

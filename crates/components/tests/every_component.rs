@@ -25,8 +25,8 @@ fn outputs_of(declaration: &Declaration) -> usize {
     declaration.outputs.len() * if declaration.is_coupling() { 2 } else { 1 }
 }
 
-fn around(node: NodeSpec) -> System {
-    System::new(&examples::around(node)).unwrap_or_else(|errors| panic!("{errors:?}"))
+fn system_of(node: NodeSpec) -> System {
+    System::new(&examples::system_of(node)).unwrap_or_else(|errors| panic!("{errors:?}"))
 }
 
 /// Sets command, or reference and measured, from one number in 0 … 1.
@@ -95,7 +95,7 @@ fn rest_is_an_equilibrium() {
         "disturbance-observer",
     ];
     for example in EXAMPLES.iter().filter(|e| !moves_on.contains(&e.0)) {
-        let mut system = around(node(example));
+        let mut system = system_of(node(example));
         for x in [0.0, 0.37, 1.0] {
             drive(&mut system, x);
             system.initialise(0.0).expect("valid");
@@ -192,15 +192,15 @@ proptest! {
     ) {
         cuts.sort_by(f64::total_cmp);
         for example in EXAMPLES {
-            let mut whole = around(node(example));
-            let mut cut = whole.clone();
-            let fresh = whole.clone();
+            let mut complete = system_of(node(example));
+            let mut cut = complete.clone();
+            let fresh = complete.clone();
             let interval = 7.3 * T;
             for (k, x) in (0u32..).zip(&inputs) {
                 let (from, to) = (f64::from(k) * interval, f64::from(k + 1) * interval);
-                drive(&mut whole, *x);
+                drive(&mut complete, *x);
                 drive(&mut cut, *x);
-                whole.advance(to).expect("finite");
+                complete.advance(to).expect("finite");
                 for c in &cuts {
                     cut.advance(from + c * interval).expect("finite");
                 }
@@ -210,7 +210,7 @@ proptest! {
                 let saved = cut.context().with_bytes(&saved).expect("same length");
                 cut.restore(&saved).expect("same model");
                 cut.advance(to).expect("finite");
-                prop_assert_eq!(bits(&whole), bits(&cut), "{}: partition", example.0);
+                prop_assert_eq!(bits(&complete), bits(&cut), "{}: partition", example.0);
             }
         }
     }
@@ -221,10 +221,10 @@ proptest! {
     #[test]
     fn a_step_is_repeated_from_its_state(inputs in prop::collection::vec(0.0..1.0f64, 1..12)) {
         for example in EXAMPLES {
-            let mut whole = around(node(example));
-            let (mut past, mut room) = (whole.past(), whole.derivative_room());
-            let mut single = whole.clone();
-            let outputs: Vec<u32> = whole
+            let mut complete = system_of(node(example));
+            let (mut past, mut room) = (complete.past(), complete.derivative_room());
+            let mut single = complete.clone();
+            let outputs: Vec<u32> = complete
                 .variables()
                 .with(Causality::Output)
                 .filter(|(_, v)| v.data_type == DataType::Real)
@@ -232,10 +232,10 @@ proptest! {
                 .collect();
             let read = |s: &System| outputs.iter().map(|o| s.get(*o).unwrap()).collect::<Vec<_>>();
             for (k, x) in (0u32..).zip(&inputs) {
-                drive(&mut whole, *x);
+                drive(&mut complete, *x);
                 drive(&mut single, *x);
                 let hit = |n: u32| f64::from(4 * k + n) * T;
-                whole.advance_noted(hit(4), hit(0), &[], &mut past).expect("finite");
+                complete.advance_noted(hit(4), hit(0), &[], &mut past).expect("finite");
                 for n in 1..4 {
                     single.advance(hit(n)).expect("finite");
                 }
@@ -244,7 +244,7 @@ proptest! {
                 let moved = read(&single).into_iter().zip(before).map(|(y, x)| (y - x) / T);
                 let mut slopes = vec![f64::NAN; outputs.len()];
                 let write = |at: usize, slope| slopes[at] = slope;
-                whole.output_slopes(&mut room, &past, &outputs, write).expect("outputs");
+                complete.output_slopes(&mut room, &past, &outputs, write).expect("outputs");
                 prop_assert_eq!(slopes, moved.collect::<Vec<_>>(), "{}", example.0);
             }
         }
@@ -259,8 +259,8 @@ proptest! {
                 continue;
             }
             off.enabled = false;
-            let mut with = around(off);
-            let mut without = around(gain("actuator-gain"));
+            let mut with = system_of(off);
+            let mut without = system_of(gain("actuator-gain"));
             for (k, x) in (1u32..).zip(&inputs) {
                 let mut positions = [0u64; 2];
                 for (system, position) in [&mut with, &mut without].into_iter().zip(&mut positions) {

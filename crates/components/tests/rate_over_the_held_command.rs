@@ -71,14 +71,14 @@ fn the_internal_step_does_not_change_what_a_rate_does() {
     for (kind, structure, values) in MODELS {
         let run =
             |rate, parts: f64| positions(machine(kind, structure, values(rate), SAMPLE / parts), 1);
-        let whole = run(1e-3, 1.0);
+        let complete = run(1e-3, 1.0);
         for parts in [2.0, 5.0, 7.0] {
             let divided = run(1e-3, parts);
             let cut =
                 positions(machine(kind, structure, values(1e-3), SAMPLE / parts), parts as u32);
             assert_eq!(divided, cut, "{kind}: in {parts} communication steps");
             // Three samples pass until it is known how long a command is held.
-            let off = whole[SETTLED..]
+            let off = complete[SETTLED..]
                 .iter()
                 .zip(&divided[SETTLED..])
                 .map(|(a, b)| (a - b).abs())

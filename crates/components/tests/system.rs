@@ -92,17 +92,17 @@ proptest! {
     ) {
         cuts.sort_by(f64::total_cmp);
         let interval = 23.7 * T;
-        let (mut whole, mut cut) = (plant(), plant());
+        let (mut complete, mut cut) = (plant(), plant());
         for (k, (y, z)) in (0u32..).zip(&commands) {
-            drive(&mut whole, &[*y, *z]);
+            drive(&mut complete, &[*y, *z]);
             drive(&mut cut, &[*y, *z]);
             let (from, to) = (f64::from(k) * interval, f64::from(k + 1) * interval);
-            whole.advance(to).expect("advances");
+            complete.advance(to).expect("advances");
             for c in &cuts {
                 cut.advance(from + c * (to - from)).expect("advances");
             }
             cut.advance(to).expect("advances");
-            prop_assert_eq!(all_bits(&whole), all_bits(&cut));
+            prop_assert_eq!(all_bits(&complete), all_bits(&cut));
         }
     }
 

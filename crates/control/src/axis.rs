@@ -5,14 +5,14 @@ use identify::learned::InverseFigures;
 use model::{AxisSpec, Kind, NodeSpec};
 
 use crate::analysis::{Analysed, linear_of};
-use crate::damping::{self, Around, Damped, Damping};
+use crate::damping::{self, Damped, DampedPlant, Damping};
 use crate::design::{Feedback, Linear, SHIFTS, design};
 use crate::feedforward::{self, Candidate};
+use crate::inverse_filter::InverseFilter;
 use crate::invert::ControlSettings;
 use crate::learned_axis::LearnedAxis;
 use crate::linearised::{is_discrete, lead_of, modes, shifted, varied};
 use crate::loop_shape::{Limits, Shaped};
-use crate::undone::Undone;
 
 /// One axis on its way to a controller.
 pub(crate) struct Design {
@@ -82,7 +82,7 @@ pub(crate) fn axis_design(
         let impulses = damping::grid()
             .map(|(shift, damping)| response(&varied(&nodes, shift, damping)).map_err(one))
             .collect::<Result<Vec<_>, _>>()?;
-        let around = Around {
+        let axis_plant = DampedPlant {
             impulses: &impulses,
             modes: &all_modes,
             slopes: (slope, path.sweep.least_slope),
@@ -90,7 +90,8 @@ pub(crate) fn axis_design(
             period,
         };
         let derivative = settings.feedback == Feedback::Pid;
-        let found = damping::damped(&around, settings.damping, derivative, settings.acts, limits);
+        let found =
+            damping::damped(&axis_plant, settings.damping, derivative, settings.acts, limits);
         Some(found.map_err(one)?)
     };
     let shaped = match &damped {
@@ -109,12 +110,12 @@ pub(crate) fn axis_design(
         Some(learned) => {
             let others: Vec<NodeSpec> =
                 nodes.iter().filter(|node| !is_discrete(node)).cloned().collect();
-            let undone = Undone::of(&learned.linear, period);
-            if others.is_empty() && !undone.filters() {
+            let inverse_filter = InverseFilter::of(&learned.linear, period);
+            if others.is_empty() && !inverse_filter.filters() {
                 None
             } else {
                 let own = lead_of(&response(&others).map_err(one)?, period);
-                let (lag, inertia) = (undone.lag, undone.inertia);
+                let (lag, inertia) = (inverse_filter.lag, inverse_filter.inertia);
                 let both = (own.0 + lag, own.1 + lag * own.0 + inertia);
                 lead_component(both, learned.reach)
             }

@@ -46,11 +46,11 @@ pub struct CalibrationRecord {
 pub struct CoordinateFit {
     /// The coordinate's name.
     pub coordinate: String,
-    /// Its row of J; structural zeros are 0.
+    /// The coordinate fit's row of J; structural zeros are 0.
     pub row: Vec<f64>,
     /// Half widths of the 95 % intervals of the row.
     pub row_ci95: Vec<f64>,
-    /// Its offset p0.
+    /// The coordinate fit's offset p0.
     pub offset: f64,
     /// Half width of the 95 % interval of the offset.
     pub offset_ci95: f64,
@@ -61,7 +61,7 @@ pub struct CoordinateFit {
 /// A calibrated Jacobian.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
-    /// Its rows.
+    /// The calibration's rows.
     pub coordinates: Vec<CoordinateFit>,
     /// Greatest over least singular value of J; infinite where J is singular, `None` where it is not
     /// square.
@@ -189,11 +189,11 @@ fn fits(
     rows: &[usize],
     delay: f64,
 ) -> Result<Vec<CoordinateFit>, Error> {
-    let (whole, fraction) = (delay.floor() as usize, delay - delay.floor());
+    let (integer, fraction) = (delay.floor() as usize, delay - delay.floor());
     let motion = |axis: usize, row: usize| {
         let values = &record.motions[axis].1;
-        let newer = values[row - whole];
-        if fraction == 0.0 { newer } else { newer + fraction * (values[row - whole - 1] - newer) }
+        let newer = values[row - integer];
+        if fraction == 0.0 { newer } else { newer + fraction * (values[row - integer - 1] - newer) }
     };
     record
         .positions

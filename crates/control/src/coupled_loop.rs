@@ -108,17 +108,17 @@ pub(crate) struct CoupledPlants<'a> {
 /// # Errors
 /// That there is none.
 pub(crate) fn coupled(
-    around: &CoupledPlants<'_>,
+    coupled_plants: &CoupledPlants<'_>,
     shapes: &[Shape],
     law: Feedback,
     acts: CommandActs,
     limits: Limits,
 ) -> Result<CoupledLoop, String> {
     let n = shapes.len();
-    let whole: Vec<Vec<Line>> =
-        around.responses.iter().map(|plant| lines(plant, around.slopes)).collect();
-    let thin: Vec<Vec<Line>> = whole.iter().map(|lines| thinned(lines)).collect();
-    let loops = Loops { n, period: around.period, acts, limits };
+    let complete: Vec<Vec<Line>> =
+        coupled_plants.responses.iter().map(|plant| lines(plant, coupled_plants.slopes)).collect();
+    let thin: Vec<Vec<Line>> = complete.iter().map(|lines| thinned(lines)).collect();
+    let loops = Loops { n, period: coupled_plants.period, acts, limits };
     // The lightest modes at every frequency decide.
     let lightest: Vec<&Vec<Line>> = thin
         .iter()
@@ -130,17 +130,19 @@ pub(crate) fn coupled(
     let mut laws = vec![Laws { shapes: integral.clone(), notches: Vec::new() }];
     if law != Feedback::Integral {
         laws.push(Laws { shapes: shapes.to_vec(), notches: Vec::new() });
-        if let Some(first) = around.first.filter(|first| first * around.period < 0.4) {
+        if let Some(first) =
+            coupled_plants.first.filter(|first| first * coupled_plants.period < 0.4)
+        {
             // Half a period less: the trapezoidal rule, which leaves nothing at half the sample rate.
             let name = "integral and notches";
-            let rule = Shape { name, a: -0.5 * around.period, b: 0.0, filter: 0.0 };
+            let rule = Shape { name, a: -0.5 * coupled_plants.period, b: 0.0, filter: 0.0 };
             laws.push(loops.notched(&lightest, &vec![rule; n], first));
         }
     }
     let mut found: Option<(Laws, Vec<f64>)> = None;
     let mut alone = vec![0.0; n];
     let all: Vec<&Vec<Line>> = thin.iter().collect();
-    let every: Vec<&Vec<Line>> = whole.iter().collect();
+    let every: Vec<&Vec<Line>> = complete.iter().collect();
     for (at, laws) in laws.into_iter().enumerate() {
         let Some(gains) = loops.raised(&all, &every, &laws) else { continue };
         if at == 0 {
@@ -166,13 +168,16 @@ pub(crate) fn coupled(
     let sensitivity = loops.sensitivity(&every, &laws, &gains);
     let gain_margin = loops.gain_margin(&all, &laws, &gains);
     let phase_margin = 2.0 * (0.5 / sensitivity).asin();
-    let nominal = whole.first().ok_or_else(none)?;
+    let nominal = complete.first().ok_or_else(none)?;
     let width = |laws: &Laws, axis: usize, gain: f64| {
         let within = nominal.iter().find(|line| {
-            (line.matrix[axis * n + axis] * laws.at(axis, line.back, around.period) * gain).norm()
+            (line.matrix[axis * n + axis] * laws.at(axis, line.back, coupled_plants.period) * gain)
+                .norm()
                 <= 1.0
         });
-        within.map_or(0.5 / around.period, |line| -line.back.arg() / (TAU * around.period))
+        within.map_or(0.5 / coupled_plants.period, |line| {
+            -line.back.arg() / (TAU * coupled_plants.period)
+        })
     };
     let plain = Laws { shapes: integral, notches: Vec::new() };
     let integral_bandwidth =
@@ -181,12 +186,12 @@ pub(crate) fn coupled(
         sensitivity,
         gain_margin,
         plants: every.len() * acts.later().len(),
-        notches: laws.notches.iter().map(|notch| notch.parameters(around.period)).collect(),
+        notches: laws.notches.iter().map(|notch| notch.parameters(coupled_plants.period)).collect(),
         integral_bandwidth: integral_bandwidth.collect(),
     };
     let axes = (0..n).map(|axis| Shaped {
         shape: laws.shapes[axis],
-        ki: gains[axis] / around.slopes[axis],
+        ki: gains[axis] / coupled_plants.slopes[axis],
         sensitivity,
         gain_margin,
         phase_margin,

@@ -78,7 +78,7 @@ pub enum Damping {
 }
 
 impl Damping {
-    /// All of them.
+    /// All damping laws.
     pub const ALL: [Self; 6] = [
         Self::None,
         Self::Automatic,
@@ -90,7 +90,7 @@ impl Damping {
     /// Those that damp.
     const LAWS: [Self; 3] = [Self::NonMinimumPhase, Self::IntegralResonant, Self::PositivePosition];
 
-    /// Its name on the command line.
+    /// The damping's name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -126,7 +126,7 @@ impl Damping {
         }
     }
 
-    /// Its component.
+    /// The damping's component.
     const fn kind(self) -> &'static str {
         match self {
             Self::IntegralResonant => "integral-resonant-control",
@@ -171,7 +171,7 @@ pub struct DampingFigures {
     pub closed_loop_bandwidth: f64,
     /// The least of these over all plants of the grid.
     pub least_closed_loop_bandwidth: f64,
-    /// The same from reference to position with the inverse feedforward, on the plant as given.
+    /// As `least_closed_loop_bandwidth`, from reference to position with the inverse feedforward, on the plant as given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bandwidth_with_feedforward: Option<f64>,
     /// Time in s after which a step stays within 2 %: plant as given, mean slope.
@@ -183,7 +183,7 @@ pub struct DampingFigures {
     pub notch_settling: Option<(f64, f64)>,
     /// Greatest response to a disturbance of the command, |G·S|, over that at rest at the steepest slope, all plants.
     pub peak: f64,
-    /// The same without control.
+    /// As `peak`, without control.
     pub undamped_peak: f64,
     /// Standard deviation of the command, as a position, per standard deviation of white sensor noise.
     pub noise: f64,
@@ -243,7 +243,7 @@ impl Damped {
 }
 
 /// The plant of an axis.
-pub(crate) struct Around<'a> {
+pub(crate) struct DampedPlant<'a> {
     /// Impulse responses at the steepest slope: for each of [`FREQUENCIES`] each of [`DAMPINGS`].
     pub(crate) impulses: &'a [Vec<f64>],
     /// Modes in Hz with their damping.
@@ -260,13 +260,13 @@ pub(crate) struct Around<'a> {
 /// # Errors
 /// Why there is none.
 pub(crate) fn damped(
-    around: &Around<'_>,
+    axis_plant: &DampedPlant<'_>,
     damping: Damping,
     derivative: bool,
     acts: CommandActs,
     limits: Limits,
 ) -> Result<Damped, String> {
-    let plants = Plants::of(around, acts)?;
+    let plants = Plants::of(axis_plant, acts)?;
     let laws: &[Damping] = match damping {
         Damping::Automatic => &Damping::LAWS,
         _ => std::slice::from_ref(&damping),
@@ -284,5 +284,5 @@ pub(crate) fn damped(
         ));
     }
     let notch = (best.law != Damping::Notch).then(|| plants.search(Damping::Notch, false, limits));
-    Ok(plants.finished(&best, notch.filter(|notch| notch.cost < UNFIT).as_ref(), around))
+    Ok(plants.finished(&best, notch.filter(|notch| notch.cost < UNFIT).as_ref(), axis_plant))
 }

@@ -37,11 +37,11 @@ pub enum Feedback {
 }
 
 impl Feedback {
-    /// All of them.
+    /// All kinds of feedback.
     pub const ALL: [Self; 5] =
         [Self::Pid, Self::IncrementalPid, Self::Pi, Self::Integral, Self::None];
 
-    /// Its name on the command line.
+    /// The feedback's name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -79,7 +79,7 @@ pub enum CommandActs {
 }
 
 impl CommandActs {
-    /// All of them.
+    /// All assumptions about when a command acts.
     pub const ALL: [Self; 3] = [Self::Either, Self::AtOnce, Self::NextPeriod];
 
     /// For each of the times that are meant, whether it is a period later.
@@ -91,7 +91,7 @@ impl CommandActs {
         }
     }
 
-    /// Its name on the command line.
+    /// The command acts' name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -43,7 +43,7 @@ pub(crate) struct Candidate {
     pub(crate) chain: Vec<ComponentBlueprint>,
     /// Of its components that run one, by the names of their files.
     pub(crate) tables: Vec<(String, Table)>,
-    /// What it leaves to feedback.
+    /// What the candidate leaves to feedback.
     pub(crate) left: Vec<String>,
 }
 
@@ -236,9 +236,9 @@ fn inverse_of(
                 let count = axis.components.len();
                 let own = Path::of(&axis, count, (step, step))?;
                 let inverse = *own.actuator.component.inverses().first().ok_or("no inverse")?;
-                let undone = undoing(&own.actuator, inverse, own.bounds)?;
+                let inverse_filter = undoing(&own.actuator, inverse, own.bounds)?;
                 let name = format!("inverse of a {model} that was fitted to the plant");
-                let (chain, left) = (chain(&own, undone)?.0, Vec::new());
+                let (chain, left) = (chain(&own, inverse_filter)?.0, Vec::new());
                 suits(Candidate { way, name, chain, tables: Vec::new(), left })
                     .map(|candidate| (error, candidate))
             });

@@ -98,7 +98,7 @@ pub struct Coordinator {
     /// The inverse of the coupling's dynamics, where one is asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preview: Option<PreviewFigures>,
-    /// What it does not undo; empty where the coupling is static and straight.
+    /// What the coordinator does not undo; empty where the coupling is static and straight.
     pub note: String,
 }
 

@@ -19,6 +19,7 @@ mod curve;
 mod damping;
 mod design;
 mod feedforward;
+mod inverse_filter;
 mod invert;
 mod learned_axis;
 mod linearised;
@@ -31,7 +32,6 @@ mod random;
 mod responses;
 mod search;
 mod tuning;
-mod undone;
 mod work;
 
 pub use along::{Along, along};

@@ -51,7 +51,7 @@ const GAIN_STEPS: usize = 194;
 /// Shape of the controller: ki·(1 + a s + b s²/(1 + filter·s))/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shape {
-    /// What it does, for reports.
+    /// What the shape does, for reports.
     pub(crate) name: &'static str,
     /// In s.
     pub(crate) a: f64,
@@ -71,7 +71,7 @@ impl Shape {
         (self.a + period + derivative).hypot(tail)
     }
 
-    /// Its response for ki = 1 where z⁻¹ is `back`.
+    /// The shape's response for ki = 1 where z⁻¹ is `back`.
     pub(crate) fn at(&self, back: Complex<f64>, period: f64) -> Complex<f64> {
         let one = Complex::new(1.0, 0.0);
         let keep = self.keep(period);

@@ -91,7 +91,7 @@ pub(crate) fn inverse(
         .collect();
     let inverse = Fft::inverse(LINES);
     // Of each entry, the response from −LINES/2 on, going round.
-    let whole: Vec<Vec<f64>> = (0..n * n)
+    let complete: Vec<Vec<f64>> = (0..n * n)
         .map(|at| {
             let mut lines = vec![Complex::new(0.0, 0.0); LINES];
             for (bin, matrix) in filter.iter().enumerate() {
@@ -106,7 +106,7 @@ pub(crate) fn inverse(
         .collect();
     let cut = |ahead: usize, behind: usize| -> Vec<f64> {
         let taps = 0..ahead + behind;
-        taps.flat_map(|tap| whole.iter().map(move |entry| entry[(LINES + tap - ahead) % LINES]))
+        taps.flat_map(|tap| complete.iter().map(move |entry| entry[(LINES + tap - ahead) % LINES]))
             .collect()
     };
     let mut tried: Vec<(usize, usize, f64)> = Vec::new();

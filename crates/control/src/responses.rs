@@ -67,7 +67,7 @@ pub struct TimeRun {
     /// Reference, later by the controller's preview; all behind the run-in.
     pub reference: Vec<f64>,
     /// The whole controller: position, command.
-    pub whole: (Vec<f64>, Vec<f64>),
+    pub complete: (Vec<f64>, Vec<f64>),
     /// Position with the feedforward alone; `None` where there is none.
     pub feedforward: Option<Vec<f64>>,
     /// Position with the feedback alone.
@@ -104,23 +104,24 @@ pub fn responses(
     let mut slowed = plant.blueprint().clone();
     slowed.step = Value::Number(step);
     let slowed = slowed.check(learned::COMPONENTS).map_err(|e| wrong(e.to_string()))?;
-    let whole = Runs::new(&slowed, controller, axes)?;
+    let complete = Runs::new(&slowed, controller, axes)?;
     let mut all = Vec::new();
     for (index, figures) in axes.iter().enumerate() {
-        let around = Around { plant, analysed: &analysed, index, figures, acts, step, period };
+        let plant_axis =
+            PlantAxis { plant, analysed: &analysed, index, figures, acts, step, period };
         let curves = if figures.ki == 0.0 && figures.damping.is_none() {
             None
         } else {
-            Some(around.curves(controller).map_err(wrong)?)
+            Some(plant_axis.curves(controller).map_err(wrong)?)
         };
-        let (runs, notes) = whole.of(index);
+        let (runs, notes) = complete.of(index);
         all.push(AxisResponses { period, curves, runs, notes });
     }
     Ok(all)
 }
 
 /// An axis of the plant.
-struct Around<'a> {
+struct PlantAxis<'a> {
     plant: &'a CheckedBlueprint,
     analysed: &'a Analysed,
     index: usize,
@@ -130,7 +131,7 @@ struct Around<'a> {
     period: f64,
 }
 
-impl Around<'_> {
+impl PlantAxis<'_> {
     fn curves(&self, controller: &CheckedBlueprint) -> Result<FrequencyCurves, String> {
         let (index, period) = (self.index, self.period);
         let law = law_of(controller.blueprint(), index)?;
@@ -275,7 +276,7 @@ fn impulse(law: &CheckedBlueprint, input: &str, period: f64) -> Result<Vec<f64>,
 /// Runs of plant and controller, and of the controller's parts.
 struct Runs<'a> {
     plant: &'a CheckedBlueprint,
-    whole: &'a CheckedBlueprint,
+    complete: &'a CheckedBlueprint,
     forward: Option<CheckedBlueprint>,
     back: CheckedBlueprint,
     axes: &'a [LoopFigures],
@@ -285,7 +286,7 @@ struct Runs<'a> {
 impl<'a> Runs<'a> {
     fn new(
         plant: &'a CheckedBlueprint,
-        whole: &'a CheckedBlueprint,
+        complete: &'a CheckedBlueprint,
         axes: &'a [LoopFigures],
     ) -> Result<Self, Error> {
         let checked = |blueprint: Blueprint| {
@@ -294,14 +295,14 @@ impl<'a> Runs<'a> {
             found.map_err(|problems| Error::Model { name, message: problems.to_string() })
         };
         let feeds = axes.iter().any(|axis| axis.checks.iter().any(|c| c.feedforward.is_some()));
-        let forward = check::without_feedback(whole.blueprint());
+        let forward = check::without_feedback(complete.blueprint());
         Ok(Self {
             plant,
-            whole,
+            complete,
             forward: if feeds { Some(checked(forward)?) } else { None },
-            back: checked(check::without_feedforward(whole.blueprint()))?,
+            back: checked(check::without_feedforward(complete.blueprint()))?,
             axes,
-            period: whole.spec().period,
+            period: complete.spec().period,
         })
     }
 
@@ -341,17 +342,17 @@ impl<'a> Runs<'a> {
             simulate_loop(self.plant, controller, references, self.period)
         };
         let kept = |mut rows: Vec<f64>| rows.split_off(from.min(rows.len()));
-        let (mut whole, mut back) = (run(self.whole)?, run(&self.back)?);
+        let (mut complete, mut back) = (run(self.complete)?, run(&self.back)?);
         let has = self.axes[index].checks.iter().any(|check| check.feedforward.is_some());
         let forward = self.forward.as_ref().filter(|_| has).map(run).transpose()?;
         let reference = &references[index];
-        let wanted = check::delayed(reference, late(self.whole, index));
+        let wanted = check::delayed(reference, late(self.complete, index));
         Ok(TimeRun {
             wave,
             reference: kept(wanted.take(reference.len()).collect()),
-            whole: (
-                kept(std::mem::take(&mut whole.position[index])),
-                kept(std::mem::take(&mut whole.command[index])),
+            complete: (
+                kept(std::mem::take(&mut complete.position[index])),
+                kept(std::mem::take(&mut complete.command[index])),
             ),
             feedforward: forward.map(|mut run| kept(std::mem::take(&mut run.position[index]))),
             feedback: kept(std::mem::take(&mut back.position[index])),

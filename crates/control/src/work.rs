@@ -18,10 +18,10 @@ use crate::coupled_loop::CoupledFigures;
 use crate::damping::Damping;
 use crate::design::Feedback;
 use crate::feedforward::{self, Candidate, Feedforward, is_feedforward};
+use crate::inverse_filter::InverseFilter;
 use crate::invert::{ControlSettings, Inversion, refused};
 use crate::loop_shape::Shaped;
 use crate::preview::Preview;
-use crate::undone::Undone;
 
 /// Error of a declared inverse on the plant, in parts of the reach, up to which nothing else is tried.
 const GOOD: f64 = 2e-3;
@@ -33,13 +33,13 @@ const HARMFUL: f64 = 5e-3;
 const WORSE: (f64, f64) = (1.05, 1e-4);
 
 /// The component of the filter, where it does anything.
-fn filter(undone: &Undone, period: f64) -> Option<ComponentBlueprint> {
+fn filter(inverse_filter: &InverseFilter, period: f64) -> Option<ComponentBlueprint> {
     let none: &[f64] = &[0.0];
-    let a = if undone.filter.a.is_empty() { none } else { &undone.filter.a };
-    undone.filters().then(|| {
+    let a = if inverse_filter.filter.a.is_empty() { none } else { &inverse_filter.filter.a };
+    inverse_filter.filters().then(|| {
         ComponentBlueprint::new("arx")
             .value("sample_time", period)
-            .value("b", &undone.filter.b[..])
+            .value("b", &inverse_filter.filter.b[..])
             .value("a", a)
             .note("the plant's discrete linear part, undone")
     })
@@ -108,9 +108,9 @@ impl Work<'_> {
             )?;
             let file = format!("{name}.npy");
             let table = machine.table().map_err(|message| Error::Learned { message })?;
-            let undone = Undone::of(&learned.linear, period);
+            let inverse_filter = InverseFilter::of(&learned.linear, period);
             let own = machine.component(true, &file, period);
-            let chain = filter(&undone, period).into_iter().chain([own]).collect();
+            let chain = filter(&inverse_filter, period).into_iter().chain([own]).collect();
             let inverses = self.analysed.paths[index].actuator.component.inverses().iter();
             let kind = inverses.filter(|i| i.undoing == Undoing::Learned).map(|i| i.kind).next();
             design.ways.push(Candidate {
@@ -394,13 +394,13 @@ impl Work<'_> {
 
     /// For each axis what the controller does along the waves.
     fn checks(&self, runs: &Runs, picks: &[usize]) -> Result<Vec<Vec<Check>>, String> {
-        let whole = self.controller(picks)?;
+        let complete = self.controller(picks)?;
         let checked = |blueprint: &Blueprint| {
             blueprint.check(learned::COMPONENTS).map_err(|problems| problems.to_string())
         };
-        let controller = checked(&whole)?;
-        let forward = checked(&check::without_feedback(&whole))?;
-        let back = checked(&check::without_feedforward(&whole))?;
+        let controller = checked(&complete)?;
+        let forward = checked(&check::without_feedback(&complete))?;
+        let back = checked(&check::without_feedforward(&complete))?;
         let widths = self.designs.iter().map(|design| design.shaped.bandwidth);
         let bandwidth = widths.fold(f64::INFINITY, f64::min);
         let mut found = vec![Vec::new(); self.designs.len()];
@@ -410,7 +410,7 @@ impl Work<'_> {
             let run = |controller: &CheckedBlueprint| {
                 check::errors(&runs.plant, controller, &references, from, self.period, &late)
             };
-            let (whole, forward, back) = (run(&controller), run(&forward), run(&back));
+            let (complete, forward, back) = (run(&controller), run(&forward), run(&back));
             for (index, checks) in found.iter_mut().enumerate() {
                 let reach = runs.reaches[index].1 - runs.reaches[index].0;
                 let part = |errors: &[Vec<f64>]| check::rms(&errors[index]) / reach;
@@ -419,7 +419,7 @@ impl Work<'_> {
                     frequency,
                     swing: check::swing(),
                     feedforward: has.then(|| part(&forward)),
-                    closed_loop: part(&whole),
+                    closed_loop: part(&complete),
                     feedback: part(&back),
                 });
             }

@@ -63,21 +63,21 @@ fn two_coupled_modes_are_followed_with_a_fraction_of_an_integral_controller_s_er
         // 1 % off: what it was not designed on.
         plant(&[(313.1, 0.012, [0.6, 0.6, 0.6, 0.6]), (425.7, 0.018, [0.5, -0.5, -0.5, 0.5])])
     });
-    let made =
+    let built =
         |settings: ControlSettings| invert(&plant, &settings, &mut Silent).expect("inverted");
-    let integral = made(ControlSettings {
+    let integral = built(ControlSettings {
         feedback: Feedback::Integral,
         feedforward: Feedforward::None,
         ..ControlSettings::default()
     });
     let notched =
-        made(ControlSettings { feedforward: Feedforward::None, ..ControlSettings::default() });
-    let whole = made(ControlSettings {
+        built(ControlSettings { feedforward: Feedforward::None, ..ControlSettings::default() });
+    let complete = built(ControlSettings {
         feedforward: Feedforward::Preview,
         acts: control::CommandActs::AtOnce,
         ..ControlSettings::default()
     });
-    for found in [&integral, &notched, &whole] {
+    for found in [&integral, &notched, &complete] {
         let figures = found.coordinators[0].coupled_loop.as_ref().expect("one loop of both axes");
         assert!(figures.sensitivity <= 1.5 && figures.gain_margin >= 2.9, "{figures:?}");
         for axis in &found.axes {
@@ -92,13 +92,13 @@ fn two_coupled_modes_are_followed_with_a_fraction_of_an_integral_controller_s_er
     for (one, other) in notched.axes.iter().zip(&integral.axes) {
         assert!(one.bandwidth > 4.0 * other.bandwidth, "{one:?} {other:?}");
     }
-    let preview = whole.coordinators[0].preview.clone().expect("a preview");
+    let preview = complete.coordinators[0].preview.clone().expect("a preview");
     let late = (preview.preview / PERIOD).round() as usize;
     for (name, machine) in [("own", &plant), ("other", &other)] {
         let errors = [
             error(machine, &integral.controller, 0),
             error(machine, &notched.controller, 0),
-            error(machine, &whole.controller, late),
+            error(machine, &complete.controller, late),
         ];
         assert!(errors[2] < 0.1 * errors[0] && errors[2] < 0.1 * errors[1], "{name}: {errors:?}");
     }
@@ -137,6 +137,6 @@ fn what_does_not_suit_is_said() {
     axis.command = SignalBlueprint::of_unit("V").between(-5.0, 5.0);
     alone = alone.axis(axis.component(ComponentBlueprint::new("actuator-gain").value("gain", 2.0)));
     let alone = alone.check(learned::COMPONENTS).unwrap_or_else(|e| panic!("{e}"));
-    let said = say(&alone, preview);
-    assert!(said.contains("no coupling with dynamics"), "{said}");
+    let message = say(&alone, preview);
+    assert!(message.contains("no coupling with dynamics"), "{message}");
 }

@@ -210,14 +210,14 @@ fn what_cannot_be_damped_is_refused_with_the_way_out() {
     };
     let damped = settings(Damping::NonMinimumPhase);
     let incremental = ControlSettings { feedback: Feedback::IncrementalPid, ..damped.clone() };
-    let said = refused(&stage(RESONANCE, false), &incremental);
-    assert!(said.contains("--feedback pid or pi"), "{said}");
-    let said = refused(&stage((739.0, 0.7), false), &damped);
-    assert!(said.contains("no mode") && said.contains("--damping"), "{said}");
+    let message = refused(&stage(RESONANCE, false), &incremental);
+    assert!(message.contains("--feedback pid or pi"), "{message}");
+    let message = refused(&stage((739.0, 0.7), false), &damped);
+    assert!(message.contains("no mode") && message.contains("--damping"), "{message}");
     let slow = ControlSettings { period: Some(4e-4), ..damped.clone() };
-    let said = refused(&stage(RESONANCE, false), &slow);
-    assert!(said.contains("--period of at most"), "{said}");
+    let message = refused(&stage(RESONANCE, false), &slow);
+    assert!(message.contains("--period of at most"), "{message}");
     let strict = ControlSettings { sensitivity: 1.01, ..damped };
-    let said = refused(&stage(RESONANCE, false), &strict);
-    assert!(said.contains("--sensitivity"), "{said}");
+    let message = refused(&stage(RESONANCE, false), &strict);
+    assert!(message.contains("--sensitivity"), "{message}");
 }

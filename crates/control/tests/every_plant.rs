@@ -34,14 +34,14 @@ fn plays(kind: &str) -> ComponentBlueprint {
     ComponentBlueprint::new(kind).value("r", [0.0, 8.0, 20.0]).value("w", [0.05, 0.02, 0.01])
 }
 
-fn made(plant: &CheckedBlueprint, settings: &ControlSettings) -> Inversion {
+fn built(plant: &CheckedBlueprint, settings: &ControlSettings) -> Inversion {
     invert(plant, settings, &mut Silent).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// A controller whose loop errs by no more than this part of the reach on its own plant, and its feedforward by no
 /// more than that.
 fn follows(name: &str, plant: &CheckedBlueprint, looped: f64, alone: f64) -> Inversion {
-    let found = made(plant, &ControlSettings::default());
+    let found = built(plant, &ControlSettings::default());
     for axis in &found.axes {
         let check = axis.checks[0];
         println!("{name} {}: {} {check:?}", axis.axis, axis.feedforward);
@@ -132,7 +132,7 @@ fn curves_of_amplifier_and_sensor_and_creep_are_undone_not_dropped() {
 #[test]
 fn the_reach_is_that_of_full_swings_however_late_the_position_is() {
     for (delay, bandwidth) in [(0.0, 400.0), (0.02, 400.0), (0.0, 3.0)] {
-        let found = made(
+        let found = built(
             &plant(vec![
                 component("delay", &[("longest", 0.02), ("delay", delay)]),
                 component("amplifier-lag", &[("bandwidth", bandwidth)]),
@@ -279,7 +279,7 @@ fn any_period_is_answered_soon() {
     for period in [1e-6, 1.0, 1e6] {
         let started = std::time::Instant::now();
         let settings = ControlSettings { period: Some(period), ..ControlSettings::default() };
-        let found = made(&machine, &settings);
+        let found = built(&machine, &settings);
         assert!(found.axes[0].checks[0].closed_loop < 1e-2, "{period} s: {:?}", found.axes[0]);
         assert!(started.elapsed().as_secs() < 60, "{period} s took {:?}", started.elapsed());
     }
@@ -291,7 +291,7 @@ fn ways_and_laws_can_be_chosen_and_what_is_worse_is_refused() {
     let machine = plant(vec![component("bouc-wen", &values)]);
     let with = |feedforward, feedback| {
         let settings = ControlSettings { feedforward, feedback, ..ControlSettings::default() };
-        made(&machine, &settings)
+        built(&machine, &settings)
     };
     let free = with(Feedforward::InverseFree, Feedback::Pi);
     assert!(free.axes[0].feedforward.starts_with("bouc-wen-feedforward"), "{:?}", free.axes[0]);

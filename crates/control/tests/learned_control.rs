@@ -11,8 +11,8 @@ use common::{Random, target};
 use control::{ControlSettings, Error, Feedforward, Inversion, invert, simulate_loop};
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint};
 use identify::{
-    Columns, Dynamics, Identification, Learning, Methods, Observer, Record, Settings, Silent, Told,
-    identify, simulate,
+    Columns, Dynamics, FeatureChoice, Identification, Learning, Methods, Observer, Record,
+    Settings, Silent, identify, simulate,
 };
 use model::Kind;
 
@@ -138,7 +138,7 @@ fn the_learned_inverse_beats_feedback_alone_on_the_model_and_on_the_machine() {
 #[test]
 fn a_term_of_positions_is_the_feedforward_without_an_inverse() {
     let truth = machine(vec![hysteresis()]);
-    let learning = Learning { features: Told::Position, ..Learning::default() };
+    let learning = Learning { features: FeatureChoice::Position, ..Learning::default() };
     let settings = Settings {
         plays: 20,
         dynamics: Dynamics::Static,

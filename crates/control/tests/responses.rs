@@ -70,7 +70,7 @@ fn steps_end_at_their_reference_and_waves_err_as_the_checks_say() {
         let reach = figures.reach.1 - figures.reach.0;
         let jump = step.reference.last().unwrap() - step.reference[0];
         assert!((jump / reach - 0.1).abs() < 1e-9, "{jump}");
-        for position in [&step.whole.0, &step.feedback] {
+        for position in [&step.complete.0, &step.feedback] {
             let left = (position.last().unwrap() - step.reference.last().unwrap()).abs();
             assert!(left < 0.05 * jump, "{left}");
         }
@@ -81,7 +81,7 @@ fn steps_end_at_their_reference_and_waves_err_as_the_checks_say() {
                 (squares.sum::<f64>() / position.len() as f64).sqrt() / reach
             };
             assert_eq!(wave.wave, Some(check.frequency));
-            assert!((rms(&wave.whole.0) - check.closed_loop).abs() < 1e-12);
+            assert!((rms(&wave.complete.0) - check.closed_loop).abs() < 1e-12);
             assert!((rms(&wave.feedback) - check.feedback).abs() < 1e-12);
             let alone = wave.feedforward.as_ref().map(|position| rms(position));
             let both = alone.zip(check.feedforward);

@@ -71,26 +71,27 @@ fn best(mut run: impl FnMut()) -> f64 {
     nanoseconds.fold(f64::INFINITY, f64::min)
 }
 
-/// The same by the bare C functions, in a C program.
+/// As `best`, by the bare C functions, in a C program.
 fn bare(fmus: &common::Fmus) -> f64 {
     let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/bare.c");
     let program = fmus.path("bare");
-    let made = Command::new("cc")
+    let built = Command::new("cc")
         .args(["-std=gnu11", "-O2", "-o"])
         .args([&program, &source])
         .arg("-ldl")
         .status()
         .expect("the C compiler runs");
-    assert!(made.success(), "{} does not compile", source.display());
+    assert!(built.success(), "{} does not compile", source.display());
     let output = Command::new(program)
         .args([fmus.compile("controller"), fmus.compile("integrator")])
         .args([STEPS.to_string(), REPEATS.to_string()])
         .output()
         .expect("it starts");
-    let said = String::from_utf8_lossy(&output.stdout);
-    said.trim()
+    let message = String::from_utf8_lossy(&output.stdout);
+    message
+        .trim()
         .parse()
-        .unwrap_or_else(|_| panic!("{said}{}", String::from_utf8_lossy(&output.stderr)))
+        .unwrap_or_else(|_| panic!("{message}{}", String::from_utf8_lossy(&output.stderr)))
 }
 
 fn master(

@@ -30,7 +30,7 @@ pub enum Error {
         fmu: String,
         /// Name of the variable.
         variable: String,
-        /// Its type.
+        /// The variable's type.
         data_type: &'static str,
         /// The value.
         value: String,
@@ -84,9 +84,9 @@ pub enum Error {
         iterations: usize,
         /// The output that changes most.
         worst: String,
-        /// Its value.
+        /// The worst's value.
         value: f64,
-        /// Its last change.
+        /// The value's last change.
         change: f64,
         /// The tolerance.
         tolerance: f64,

@@ -11,7 +11,7 @@ use crate::time::Points;
 pub(crate) struct Pace {
     /// It steps once every so many communication steps.
     pub(crate) every: usize,
-    /// Its own step begins at this communication point.
+    /// The pace's own step begins at this communication point.
     pub(crate) due: bool,
     /// Begin and length of its own step in s; none: the communication step.
     pub(crate) own: Option<(f64, f64)>,

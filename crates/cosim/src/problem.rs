@@ -72,7 +72,7 @@ pub enum Problem {
         variable: String,
         /// Causality or type it has.
         is: String,
-        /// What it must be.
+        /// What the is must be.
         must_be: &'static str,
         /// What for.
         role: String,
@@ -97,11 +97,11 @@ pub enum Problem {
     Units {
         /// The source.
         from: String,
-        /// Its unit.
+        /// The from's unit.
         from_unit: String,
         /// The input.
         to: String,
-        /// Its unit.
+        /// The to's unit.
         to_unit: String,
         /// What is wrong.
         why: String,

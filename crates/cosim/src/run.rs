@@ -72,7 +72,7 @@ impl System {
         let step = self.common_step(&run.points)?;
         recorder.begin(run.record, &self.columns, run.points.steps() + 1)?;
         let mut stepping = Stepping { system: self, run, algorithm, recorder, time: 0.0 };
-        let outcome = stepping.whole(&mut held, step);
+        let outcome = stepping.complete_run(&mut held, step);
         let time = stepping.time;
         // What the FMU says is more than what the recorder says.
         let ended = recorder.end().map_err(Error::from);
@@ -164,7 +164,11 @@ struct Stepping<'s, 'r> {
 }
 
 impl Stepping<'_, '_> {
-    fn whole(&mut self, held: &mut Held<'_>, step: Option<f64>) -> Result<Option<Ending>, Error> {
+    fn complete_run(
+        &mut self,
+        held: &mut Held<'_>,
+        step: Option<f64>,
+    ) -> Result<Option<Ending>, Error> {
         self.time = self.run.points.start();
         if self.system.used {
             self.system.reset()?;
@@ -210,11 +214,11 @@ impl Stepping<'_, '_> {
 
     fn steps(&mut self, held: &mut Held<'_>, common: Option<f64>) -> Result<Option<Ending>, Error> {
         let mut watch = Stopwatch::start(self.system.len());
-        let mut made = 0;
-        let outcome = self.each_step(held, common, &mut watch, &mut made);
+        let mut steps_done = 0;
+        let outcome = self.each_step(held, common, &mut watch, &mut steps_done);
         self.system.is_timed = false;
-        let simulated = self.run.points.at(made) - self.run.points.start();
-        watch.stop(&mut self.system.total, made, simulated);
+        let simulated = self.run.points.at(steps_done) - self.run.points.start();
+        watch.stop(&mut self.system.total, steps_done, simulated);
         outcome
     }
 
@@ -224,7 +228,7 @@ impl Stepping<'_, '_> {
         held: &mut Held<'_>,
         common: Option<f64>,
         watch: &mut Stopwatch,
-        made: &mut usize,
+        steps_done: &mut usize,
     ) -> Result<Option<Ending>, Error> {
         let (points, pace) = (&self.run.points, self.run.pace);
         let (start, mut next) = (points.start(), points.start());
@@ -236,7 +240,7 @@ impl Stepping<'_, '_> {
                 watch.wait((self.time - start) / pace, (next - self.time) / pace);
             }
             self.system.is_timed = watch.is_due(n);
-            *made = n + 1;
+            *steps_done = n + 1;
             let step = common.unwrap_or(next - self.time);
             self.hold(held, self.time);
             self.system.tap_outputs();

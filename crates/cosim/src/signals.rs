@@ -18,9 +18,9 @@ pub struct Signals<'a> {
 /// One column of a table.
 #[derive(Clone, Debug)]
 pub struct Signal<'a> {
-    /// Its name.
+    /// The signal's name.
     pub name: String,
-    /// Its unit, if known; without one the values are in the unit of the variable they feed.
+    /// The signal's unit, if known; without one the values are in the unit of the variable they feed.
     pub unit: Option<Unit>,
     /// One value per row.
     pub values: &'a [f64],

@@ -88,7 +88,7 @@ impl Times {
     }
 
     /// What is told of an FMU of this name.
-    pub(crate) fn told(&self, name: &str) -> FmuTimes {
+    pub(crate) fn report(&self, name: &str) -> FmuTimes {
         let seconds = |nanoseconds: u64| nanoseconds as f64 * 1e-9;
         let first = self.bins.iter().position(|count| *count > 0).unwrap_or(BINS);
         let last = self.bins.iter().rposition(|count| *count > 0).map_or(first, |last| last + 1);
@@ -207,14 +207,14 @@ mod tests {
             times.note(Duration::from_nanos(nanoseconds));
         }
         times.calls = 12;
-        let told = times.told("p");
-        assert_eq!((told.timed, told.range), (6, (1e-9, 1.024e-6)));
-        assert!((told.total() - 12.0 * 3053e-9 / 6.0).abs() < 1e-18);
-        let counts: Vec<u64> = told.histogram.iter().map(|bin| bin.1).collect();
+        let report = times.report("p");
+        assert_eq!((report.timed, report.range), (6, (1e-9, 1.024e-6)));
+        assert!((report.total() - 12.0 * 3053e-9 / 6.0).abs() < 1e-18);
+        let counts: Vec<u64> = report.histogram.iter().map(|bin| bin.1).collect();
         assert_eq!(counts, [1, 2, 0, 0, 0, 0, 0, 0, 0, 2, 1]);
-        assert!((told.histogram[0].0 - 2e-9).abs() < 1e-20, "{:?}", told.histogram);
-        assert!((told.histogram[10].0 - 2.048e-6).abs() < 1e-18, "{:?}", told.histogram);
-        assert!(Times::default().told("p").histogram.is_empty());
+        assert!((report.histogram[0].0 - 2e-9).abs() < 1e-20, "{:?}", report.histogram);
+        assert!((report.histogram[10].0 - 2.048e-6).abs() < 1e-18, "{:?}", report.histogram);
+        assert!(Times::default().report("p").histogram.is_empty());
     }
 
     #[test]

@@ -351,8 +351,8 @@ impl System {
 
     /// How long the steps of all runs so far took.
     pub fn statistics(&self) -> Statistics {
-        let told = |participant: &Participant| participant.times.told(participant.slave.name());
-        Statistics { fmus: self.participants.iter().map(told).collect(), ..self.total.clone() }
+        let report = |participant: &Participant| participant.times.report(participant.slave.name());
+        Statistics { fmus: self.participants.iter().map(report).collect(), ..self.total.clone() }
     }
 
     /// The columns that a run records.

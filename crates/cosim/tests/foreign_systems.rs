@@ -92,11 +92,14 @@ fn a_fault_is_blamed_on_its_file_and_line() {
     let elements = |content: &str| format!("<ssd:Elements>{content}</ssd:Elements>");
     // In the SSD, whatever it is called.
     let unit = component.replace("unit=\" \"", "unit=\"furlong\"");
-    let said = run(&written(&fmus, &elements(&unit))).unwrap_err();
-    assert!(said.contains("mine.ssd:7: error: unit \"furlong\" is not defined"), "{said}");
-    let said =
+    let message = run(&written(&fmus, &elements(&unit))).unwrap_err();
+    assert!(message.contains("mine.ssd:7: error: unit \"furlong\" is not defined"), "{message}");
+    let message =
         run(&written(&fmus, &elements(&component.replace("plant.fmu", "none.fmu")))).unwrap_err();
-    assert!(said.contains("mine.ssd:4: component \"p\": there is no file \"none.fmu\""), "{said}");
+    assert!(
+        message.contains("mine.ssd:4: component \"p\": there is no file \"none.fmu\""),
+        "{message}"
+    );
     // In a parameter set of its own.
     let set = format!(
         "<?xml version=\"1.0\"?>\n<ssv:ParameterSet {NAMESPACES} version=\"1.0\" name=\"s\"><ssv:Parameters>\n\
@@ -109,15 +112,15 @@ fn a_fault_is_blamed_on_its_file_and_line() {
         "<ssd:ParameterBindings><ssd:ParameterBinding source=\"set.ssv\"/></ssd:ParameterBindings>{}",
         elements(&component)
     );
-    let said = run(&written(&fmus, &bound)).unwrap_err();
-    assert!(said.contains("set.ssv:5: error: unit \"cubit\" is not defined"), "{said}");
+    let message = run(&written(&fmus, &bound)).unwrap_err();
+    assert!(message.contains("set.ssv:5: error: unit \"cubit\" is not defined"), "{message}");
     fs::write(fmus.path("set.ssv"), set.replace(" unit=\"cubit\"", "")).unwrap();
     let file = written(&fmus, &bound);
     assert!(run(&file).is_ok());
     let missing = fs::read_to_string(&file).unwrap().replace("set.ssv", "other.ssv");
     fs::write(&file, missing).unwrap();
-    let said = run(&file).unwrap_err();
-    assert!(said.contains("mine.ssd:4: error: there is no file \"other.ssv\""), "{said}");
+    let message = run(&file).unwrap_err();
+    assert!(message.contains("mine.ssd:4: error: there is no file \"other.ssv\""), "{message}");
 }
 
 #[test]
@@ -171,8 +174,8 @@ fn a_plain_folder_may_name_fmus_beside_it_and_an_archive_may_not() {
     zip.start_file("SystemStructure.ssd", zip::write::SimpleFileOptions::default()).unwrap();
     std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
     zip.finish().unwrap();
-    let said = run(&archive).unwrap_err();
-    assert!(said.contains("leads out of the SSP"), "{said}");
+    let message = run(&archive).unwrap_err();
+    assert!(message.contains("leads out of the SSP"), "{message}");
     for outside in ["/etc/passwd", "file:///etc/passwd", "a/%00"] {
         fs::write(folder.join("SystemStructure.ssd"), text.replace("../plant.fmu", outside))
             .unwrap();
@@ -217,8 +220,8 @@ fn arrays_are_connected_element_by_element() {
             assert_eq!(values("b.y"), [0.0, 1.0, 3.0, 6.0, 10.0]);
         }
     }
-    let said = run(&written(&fmus, &system(three, "<ssd:Dimension size=\"2\"/>"))).unwrap_err();
-    assert!(said.contains("an array of 2 elements is connected to one of 3"), "{said}");
+    let message = run(&written(&fmus, &system(three, "<ssd:Dimension size=\"2\"/>"))).unwrap_err();
+    assert!(message.contains("an array of 2 elements is connected to one of 3"), "{message}");
 }
 
 #[test]
@@ -267,18 +270,18 @@ fn the_file_of_the_open_simulation_platform_is_read() {
         ("name=\"measured[1]\"", "name=\"command[1]\"", 10, "`command[1]` of FMU `c`"),
     ] {
         fs::write(&file, text.replacen(from, to, 1)).unwrap();
-        let said = run(&file).unwrap_err();
+        let message = run(&file).unwrap_err();
         let place = format!("OspSystemStructure.xml:{line}: ");
-        assert!(said.contains(words) && said.contains(&place), "{from}: {said}");
-        assert_eq!(said.lines().count(), 1, "{said}");
+        assert!(message.contains(words) && message.contains(&place), "{from}: {message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
     }
     let twice = "<Variable simulator=\"c\" name=\"command[1]\"/></VariableConnection>";
     let once = "<VariableConnection><Variable simulator=\"p\" name=\"command[1]\"/>";
     let more = text.replace("</Connections>", &format!("\n{once}{twice}</Connections>"));
     fs::write(&file, more).unwrap();
-    let said = run(&file).unwrap_err();
-    assert!(said.contains("two sources") && said.contains("xml:12)"), "{said}");
-    assert!(said.contains("xml:11: ") && said.lines().count() == 1, "{said}");
+    let message = run(&file).unwrap_err();
+    assert!(message.contains("two sources") && message.contains("xml:12)"), "{message}");
+    assert!(message.contains("xml:11: ") && message.lines().count() == 1, "{message}");
     for (from, to, words) in [
         (
             "simulator=\"p\" name=\"position",
@@ -298,8 +301,8 @@ fn the_file_of_the_open_simulation_platform_is_read() {
         ("name=\"in\"", "name=\"inn\"", "there is no signal \"inn\""),
     ] {
         fs::write(&file, text.replace(from, to)).unwrap();
-        let said = run(&file).unwrap_err();
-        assert!(said.contains(words) && said.contains("OspSystemStructure.xml"), "{said}");
+        let message = run(&file).unwrap_err();
+        assert!(message.contains(words) && message.contains("OspSystemStructure.xml"), "{message}");
     }
 }
 
@@ -321,8 +324,12 @@ fn a_large_file_of_the_open_simulation_platform_takes_no_time() {
     }
     text += "</Connections></OspSystemStructure>";
     let begin = std::time::Instant::now();
-    let said = cosim::Plan::parse_osp(&text, Path::new("large.xml")).unwrap_err().to_string();
+    let message = cosim::Plan::parse_osp(&text, Path::new("large.xml")).unwrap_err().to_string();
     assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
-    assert!(said.contains("\"t0\"") && said.contains("s0, s1, s10") && said.contains("19980 more"));
-    assert!(said.len() < 10_000_000, "{} bytes", said.len());
+    assert!(
+        message.contains("\"t0\"")
+            && message.contains("s0, s1, s10")
+            && message.contains("19980 more")
+    );
+    assert!(message.len() < 10_000_000, "{} bytes", message.len());
 }

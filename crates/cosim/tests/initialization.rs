@@ -147,7 +147,7 @@ type Make = fn(&System, &[&str]) -> Box<dyn Algorithm>;
 #[test]
 fn the_controller_begins_with_the_position_that_the_plant_begins_with() {
     for order in [["controller", "plant"], ["plant", "controller"]] {
-        let made = || {
+        let built = || {
             let mut slaves = vec![
                 Linear::new("controller", 3.0, &[0.0], Some(&[])),
                 Linear::new("plant", 0.5, &[2.0], Some(&[1])),
@@ -162,7 +162,7 @@ fn the_controller_begins_with_the_position_that_the_plant_begins_with() {
             |system, order| Box::new(GaussSeidel::in_order(system, order).unwrap()),
         ];
         for algorithm in algorithms {
-            let (mut system, noted) = made();
+            let (mut system, noted) = built();
             let algorithm = algorithm(&system, &order);
             begin(&mut system, &*algorithm).unwrap();
             let at = |name: &str| &noted[order.iter().position(|there| *there == name).unwrap()];
@@ -195,17 +195,17 @@ fn a_chain_against_the_order_is_passed_on_to_its_end() {
 /// `x = 1 + 2y`, `y = −3x` has the solution `x = 1/7`, from which substitution runs away.
 #[test]
 fn a_circle_is_solved_by_every_algorithm() {
-    let made = || {
+    let built = || {
         let slaves =
             vec![Linear::new("x", 1.0, &[2.0], None), Linear::new("y", 0.0, &[-3.0], Some(&[1]))];
         system(slaves, &[("y", "x", 1), ("x", "y", 1)])
     };
-    let (mut jacobi, noted) = made();
+    let (mut jacobi, noted) = built();
     begin(&mut jacobi, &Jacobi).unwrap();
     assert_eq!(jacobi.unsolved(), [""; 0]);
     assert!((inputs(&noted[0])[0] + 3.0 / 7.0).abs() < 1e-9, "{noted:?}");
     assert!((inputs(&noted[1])[0] - 1.0 / 7.0).abs() < 1e-9, "{noted:?}");
-    let (mut seidel, noted) = made();
+    let (mut seidel, noted) = built();
     let algorithm = GaussSeidel::by_dependency(&seidel);
     begin(&mut seidel, &algorithm).unwrap();
     assert!((inputs(&noted[1])[0] - 1.0 / 7.0).abs() < 1e-9, "{noted:?}");
@@ -215,7 +215,7 @@ fn a_circle_is_solved_by_every_algorithm() {
 /// pass and say so.
 #[test]
 fn a_circle_without_a_solution_is_told() {
-    let made = || {
+    let built = || {
         let mut slaves =
             vec![Linear::new("x", 1.0, &[1.0], None), Linear::new("y", 0.0, &[1.0], None)];
         for slave in &mut slaves {
@@ -224,12 +224,12 @@ fn a_circle_without_a_solution_is_told() {
         }
         system(slaves, &[("y", "x", 1), ("x", "y", 1)])
     };
-    let (mut jacobi, noted) = made();
+    let (mut jacobi, noted) = built();
     begin(&mut jacobi, &Jacobi).unwrap();
     assert_eq!(jacobi.unsolved().len(), 1);
     assert!(jacobi.unsolved()[0].contains("`y` of FMU `y`"), "{:?}", jacobi.unsolved());
     assert!(noted.iter().flat_map(inputs).all(|input| input.abs() <= 2.0), "{noted:?}");
-    let (mut iterated, _) = made();
+    let (mut iterated, _) = built();
     let algorithm = Iteration::new(&iterated, IterationSettings::default()).unwrap();
     let error = begin(&mut iterated, &algorithm).unwrap_err().to_string();
     assert!(error.contains("of FMU"), "{error}");

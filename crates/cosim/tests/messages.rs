@@ -27,7 +27,7 @@ fn ear(heard: &Heard) -> InstanceOptions {
 }
 
 fn count(heard: &Heard, text: &str) -> usize {
-    heard.lock().unwrap().iter().filter(|(_, said)| said == text).count()
+    heard.lock().unwrap().iter().filter(|(_, messages)| messages == text).count()
 }
 
 fn a_stranger_runs(version: FmiVersion) {

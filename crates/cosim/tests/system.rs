@@ -63,8 +63,8 @@ fn start_values_are_replaced_between_runs() {
         ("position[1]", Value::Real(1.0), "position[1]"),
         ("measured[1]", Value::Real(1.0), "no start value to replace"),
     ] {
-        let said = system.set_start(&("c", variable).into(), value).unwrap_err().to_string();
-        assert!(said.contains(words), "{said}");
+        let message = system.set_start(&("c", variable).into(), value).unwrap_err().to_string();
+        assert!(message.contains(words), "{message}");
     }
 }
 

@@ -44,7 +44,7 @@ pub enum FitError {
     /// A value that is not finite.
     #[error("sample {index} of the window (from 1) is not finite; leave it out")]
     NotFinite {
-        /// Its number, from 1.
+        /// The not finite's number, from 1.
         index: usize,
     },
 }

@@ -79,19 +79,22 @@ mod tests {
     #[test]
     fn a_wrong_unit_and_a_stray_time_are_told_apart() {
         assert_eq!(check(1.0, 1e-5), Ok(()));
-        let said = check(100.0, 1e-4).unwrap_err();
+        let message = check(100.0, 1e-4).unwrap_err();
         assert!(
-            said.starts_with(
+            message.starts_with(
                 "the sample time of 100 s is 1.0e6 inner steps of 0.0001 s; is time in us?"
             ),
-            "{said}"
+            "{message}"
         );
-        assert!(said.contains("--most-steps"), "{said}");
+        assert!(message.contains("--most-steps"), "{message}");
         let mut time: Vec<f64> = (0..100).map(f64::from).collect();
         assert_eq!(check_rows(&time, 1e-5), Ok(()));
         time[99] = 1e9;
-        let said = check_rows(&time, 1e-5).unwrap_err();
-        assert!(said.starts_with("row 100 is at 1000000000 s") && said.contains("slip"), "{said}");
+        let message = check_rows(&time, 1e-5).unwrap_err();
+        assert!(
+            message.starts_with("row 100 is at 1000000000 s") && message.contains("slip"),
+            "{message}"
+        );
         let micros: Vec<f64> = time.iter().map(|t| t * 1e3).collect();
         assert!(check_rows(&micros, 1e-5).unwrap_err().contains("is time in us?"));
         let rounded: Vec<f64> = (0..100).map(|k| f64::from(k) * 1e-4 * 1e6).collect();

@@ -60,8 +60,8 @@ mod tests {
         ] {
             assert_eq!(toml_kind(text), kind, "{text}");
         }
-        let said = of_another_kind("piezoloop = 1", "a plan of the bench");
-        assert_eq!(said, "is a blueprint, no plan of the bench: ");
+        let message = of_another_kind("piezoloop = 1", "a plan of the bench");
+        assert_eq!(message, "is a blueprint, no plan of the bench: ");
         assert_eq!(of_another_kind("piezoloop = 1", "a blueprint"), "");
     }
 }

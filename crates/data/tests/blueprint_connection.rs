@@ -21,7 +21,7 @@ fn read(connection: &str) -> Blueprint {
     Blueprint::parse(&text(connection), "t.toml").unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn told(connection: &str) -> String {
+fn described(connection: &str) -> String {
     read(connection).check(components::COMPONENTS).err().map_or_else(String::new, |e| e.to_string())
 }
 
@@ -48,7 +48,7 @@ fn a_port_reads_the_signal_that_it_is_connected_to() {
 
 #[test]
 fn a_signal_that_measures_something_else_is_refused_with_its_line() {
-    let found = told(&connect("Y.charge", "Z.floor.disturbance"));
+    let found = described(&connect("Y.charge", "Z.floor.disturbance"));
     assert!(found.contains("t.toml:27: connection[1].from"), "{found}");
     assert!(found.contains("charge is in C, and the port disturbance reads um"), "{found}");
 }
@@ -62,12 +62,12 @@ fn names_that_are_not_there_are_told_with_those_that_are() {
         ("Y.displacement", "Z.floor.u", "no port \"u\" that can be connected; it has disturbance"),
         ("Y", "Z.floor.disturbance", "is no name of this kind; write 2 words"),
     ] {
-        let found = told(&connect(from, to));
+        let found = described(&connect(from, to));
         assert!(found.contains(words), "{words} is not in: {found}");
         assert!(found.contains("t.toml:2"), "{found}");
     }
     let twice = connect("Y.displacement", "Z.floor.disturbance").repeat(2);
-    let found = told(&twice);
+    let found = described(&twice);
     assert!(found.contains("connection[2].to: this port is connected already"), "{found}");
 }
 

@@ -12,7 +12,7 @@ fn blueprint(rest: &str) -> Blueprint {
     Blueprint::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn told(blueprint: &Blueprint) -> String {
+fn described(blueprint: &Blueprint) -> String {
     blueprint.check(components::COMPONENTS).err().map_or_else(String::new, |e| e.to_string())
 }
 
@@ -38,10 +38,10 @@ fn the_written_text_needs_no_record() {
 
 #[test]
 fn wrong_records_are_told_with_their_line() {
-    let unknown = told(&blueprint("type = \"mode\"\nrecord = \"p-752-21\"\n"));
+    let unknown = described(&blueprint("type = \"mode\"\nrecord = \"p-752-21\"\n"));
     assert!(unknown.contains("test.toml:14"), "{unknown}");
     assert!(unknown.contains("record = p-752-21: is no record") && unknown.contains("p-752-21c"));
-    let other = told(&blueprint("type = \"backlash\"\nrecord = \"p-752-21c\"\n"));
+    let other = described(&blueprint("type = \"backlash\"\nrecord = \"p-752-21c\"\n"));
     assert!(other.contains("has no values for backlash") && other.contains("mode, load-force"));
 }
 
@@ -61,7 +61,7 @@ fn a_record_may_be_a_file_beside_the_blueprint() {
     let checked = blueprint.check(components::COMPONENTS).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(checked.parameter(1, "mode", "frequency"), Some(&[1500.0][..]));
     std::fs::remove_file(folder.path().join("mine.toml")).expect("removes");
-    let missing = told(&Blueprint::read(&path).unwrap_or_else(|e| panic!("{e}")));
+    let missing = described(&Blueprint::read(&path).unwrap_or_else(|e| panic!("{e}")));
     assert!(missing.contains("mine.toml: cannot be read"), "{missing}");
 }
 

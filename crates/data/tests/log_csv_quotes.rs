@@ -44,7 +44,7 @@ fn what_is_wrong_is_told_with_its_line_before_and_behind_quotation_marks() {
         ("\"time\",u\n0,1\n1,2\n2,x\n", "log.csv:4"),
         ("time,\"u\nv\"\n0,1\n1,x\n", "log.csv:4"),
     ] {
-        let said = read(text).unwrap_err();
-        assert!(said.contains(line), "{text:?}: {said}");
+        let message = read(text).unwrap_err();
+        assert!(message.contains(line), "{text:?}: {message}");
     }
 }

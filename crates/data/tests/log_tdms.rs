@@ -133,7 +133,7 @@ fn instants_are_times() {
     let instants = [(0, 3_800_000_000_i64), (half, 3_800_000_000), (0, 3_800_000_001)];
     let mut bytes: Vec<u8> = instants
         .iter()
-        .flat_map(|(part, whole)| [part.to_le_bytes(), whole.to_le_bytes()].concat())
+        .flat_map(|(part, complete)| [part.to_le_bytes(), complete.to_le_bytes()].concat())
         .collect();
     bytes.extend(doubles(&[1.0, 2.0, 3.0]));
     let log = of(&segment(0, &[time, value], &bytes));

@@ -327,8 +327,8 @@ fn further_parts_with_other_units_are_told() {
     let why = "\"u\" is left out: it has \"V\" in the first part and \"mV\" in that of line 30";
     assert!(notes(&log).contains(why), "{}", notes(&log));
     let none = of(&second.replace("Y_Unit_Label\tV\tum\t\n", ""));
-    let said = "no units are said in 1 further part: they are those of the first part";
-    assert!(notes(&read(&none)).contains(said), "{}", notes(&read(none)));
+    let message = "no units are said in 1 further part: they are those of the first part";
+    assert!(notes(&read(&none)).contains(message), "{}", notes(&read(none)));
     // Other channels.
     let error =
         read_with(of(&second.replace("u\ty", "u\tz")), &ReadOptions::default()).unwrap_err();
@@ -597,11 +597,11 @@ fn errors_name_the_line_that_an_editor_shows() {
                         if is_last { String::new() } else { end.to_owned() + &row("1", 21) + end };
                     let text = lines.join(end) + &behind;
                     let problems = Log::parse(text.as_bytes(), "x.csv", &ReadOptions::default());
-                    let said = problems.expect_err("a word among numbers").to_string();
-                    let first = said.lines().next().unwrap_or_default();
+                    let message = problems.expect_err("a word among numbers").to_string();
+                    let first = message.lines().next().unwrap_or_default();
                     assert!(
                         first.starts_with(&format!("x.csv:{wanted}:")),
-                        "{wanted}: {said}\n{text:?}"
+                        "{wanted}: {message}\n{text:?}"
                     );
                 }
             }

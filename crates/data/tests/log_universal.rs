@@ -160,15 +160,15 @@ fn time_responses_are_columns_whatever_way_they_are_written() {
 #[test]
 fn what_is_cut_off_or_has_no_time_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let whole = dataset("u", "V", 1, 1.0, true, Way::Binary { is_little: true });
+    let complete = dataset("u", "V", 1, 1.0, true, Way::Binary { is_little: true });
     let refused = |bytes: &[u8]| read(folder.path(), bytes).unwrap_err().to_string();
-    assert!(refused(&whole[..whole.len() - 100]).contains("ends within"));
+    assert!(refused(&complete[..complete.len() - 100]).contains("ends within"));
     let text = dataset("u", "V", 1, 1.0, true, Way::Text);
     assert!(refused(&text[..text.len() - 200]).contains("of 50 values"));
     let spectrum = dataset("u", "V", 4, 1.0, true, Way::Text);
     assert!(refused(&spectrum).contains("without a time response (1 other functions)"));
     for end in (0..text.len()).step_by(17) {
         let _ = read(folder.path(), &text[..end]);
-        let _ = read(folder.path(), &whole[..end.min(whole.len())]);
+        let _ = read(folder.path(), &complete[..end.min(complete.len())]);
     }
 }

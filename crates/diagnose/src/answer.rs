@@ -75,11 +75,11 @@ fn joined(warnings: Vec<String>, outcomes: &[Outcome]) -> Vec<String> {
             None => all.push((output.into_iter().collect(), text)),
         }
     }
-    let told = |(outputs, text): (Vec<&str>, String)| match outputs.as_slice() {
+    let described = |(outputs, text): (Vec<&str>, String)| match outputs.as_slice() {
         [] => text,
         several => format!("{}: {text}", several.join(", ")),
     };
-    all.into_iter().map(told).collect()
+    all.into_iter().map(described).collect()
 }
 
 fn worst(outcomes: &[Outcome]) -> Verdict {
@@ -215,15 +215,15 @@ pub(crate) fn parameters(
                 all.insert(format!("{effect}.{}", p.name.replace(' ', "_")), value);
             }
             for k in &formula.releases {
-                let told = &o.task.base.parameters[*k];
-                if let Some(at) = find(&candidate.chain, &told.name) {
+                let released = &o.task.base.parameters[*k];
+                if let Some(at) = find(&candidate.chain, &released.name) {
                     let (q, d) = (candidate.fit.theta[at], candidate.fit.deviations[at]);
                     let estimate = Estimate {
-                        value: told.value + told.deviation * q,
-                        std: d.map(|d| d * told.deviation),
-                        unit: told.unit.clone(),
+                        value: released.value + released.deviation * q,
+                        std: d.map(|d| d * released.deviation),
+                        unit: released.unit.clone(),
                     };
-                    all.insert(told.name.clone(), estimate);
+                    all.insert(released.name.clone(), estimate);
                 }
             }
         }

@@ -103,7 +103,7 @@ impl Base {
             message: format!("has no axis {number}; choose one of its outputs"),
         };
         let axis = blueprint.spec().axes.get(number - 1).ok_or_else(unknown)?;
-        let told = blueprint.blueprint().axes.get(number - 1).ok_or_else(unknown)?;
+        let given_axis = blueprint.blueprint().axes.get(number - 1).ok_or_else(unknown)?;
         let mut base = Self {
             nodes: Vec::new(),
             parameters: Vec::new(),
@@ -117,8 +117,10 @@ impl Base {
             part,
         };
         let mut series: Vec<(Standing, &NodeSpec, &data::ComponentBlueprint)> = Vec::new();
-        for (place, (spec, said)) in axis.components.iter().zip(&told.components).enumerate() {
-            series.push((Standing { place, coupling: None }, spec, said));
+        for (place, (spec, messages)) in
+            axis.components.iter().zip(&given_axis.components).enumerate()
+        {
+            series.push((Standing { place, coupling: None }, spec, messages));
         }
         series.extend(couplings_in_series(blueprint, (number, part))?);
         if let Part::Reading(from) = part {
@@ -127,7 +129,7 @@ impl Base {
         // A coupling stands in front of the component of its number; the sort keeps its place.
         series.sort_by_key(|(at, ..)| (at.place, at.coupling.is_none()));
         let mut stages = Vec::new();
-        for (standing, spec, said) in series {
+        for (standing, spec, messages) in series {
             let declaration = spec.component.declaration();
             if is_noise(declaration) || !spec.enabled {
                 continue;
@@ -154,7 +156,7 @@ impl Base {
                 _ => &axis.position_unit,
             };
             let units = (axis.command_unit.as_str(), position_unit);
-            base.component(units, &path, spec, said, tolerances);
+            base.component(units, &path, spec, messages, tolerances);
         }
         base.place_slots(&stages);
         Ok(base)
@@ -183,7 +185,7 @@ impl Base {
         (command_unit, position_unit): (&str, &str),
         path: &str,
         spec: &NodeSpec,
-        said: &data::ComponentBlueprint,
+        messages: &data::ComponentBlueprint,
         tolerances: &[Tolerance],
     ) {
         let declaration = spec.component.declaration();
@@ -198,7 +200,7 @@ impl Base {
             values.extend(own.iter().map(|v| unit.to_si(*v)));
             if quantity.fit {
                 let path = format!("{path}.{}", quantity.name);
-                let relative = said.tolerance.get(quantity.name).copied();
+                let relative = messages.tolerance.get(quantity.name).copied();
                 let effect = quantity.releases.map(|effect| effect.name);
                 let place = Place { node, path: &path, at, unit: &text, factor: unit.factor };
                 self.quantity(&place, own, relative, effect, tolerances);

@@ -10,7 +10,7 @@ use crate::thresholds::belief::Thresholds;
 pub(crate) struct Belief {
     pub(crate) family: usize,
     pub(crate) probability: f64,
-    /// What it leaves over the noise, in powers of the noise.
+    /// What the belief leaves over the noise, in powers of the noise.
     pub(crate) left: f64,
 }
 

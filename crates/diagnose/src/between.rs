@@ -36,7 +36,7 @@ pub enum Between {
 }
 
 impl Between {
-    /// All of them.
+    /// All assumptions about the command between two rows.
     pub const ALL: [Self; 3] = [Self::Zoh, Self::Line, Self::BandLimited];
 
     /// Name on the command line.
@@ -59,7 +59,7 @@ impl Between {
         }
     }
 
-    /// The one of this name.
+    /// The assumption of this name.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|between| between.name() == name)
@@ -100,7 +100,7 @@ pub enum Reading {
 }
 
 impl Reading {
-    /// All of them.
+    /// All instants at which a reading may be taken.
     pub const ALL: [Self; 3] = [Self::Before, Self::With, Self::After];
 
     /// Name on the command line.
@@ -123,7 +123,7 @@ impl Reading {
         }
     }
 
-    /// The one of this name.
+    /// The instant of this name.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|reading| reading.name() == name)
@@ -148,14 +148,14 @@ pub(crate) struct Course {
 
 impl Course {
     /// As said, and as usual where nothing is.
-    pub(crate) fn said(between: Option<Between>, reading: Option<Reading>) -> Self {
+    pub(crate) fn given(between: Option<Between>, reading: Option<Reading>) -> Self {
         let between = between.unwrap_or_default();
         Self { between, reading: reading.unwrap_or(between.usual_reading()) }
     }
 
     /// What else a log may be read as that says no more than this.
     pub(crate) fn open(between: Option<Between>, reading: Option<Reading>) -> Vec<Self> {
-        let said = Self::said(between, reading);
+        let given = Self::given(between, reading);
         let betweens = Between::ALL.into_iter().filter(|b| between.is_none_or(|own| own == *b));
         betweens
             .flat_map(|between| {
@@ -164,7 +164,7 @@ impl Course {
                 let readings = reading.map_or(usual.to_vec(), |own| vec![own]);
                 readings.into_iter().map(move |reading| Self { between, reading })
             })
-            .filter(|course| *course != said)
+            .filter(|course| *course != given)
             .collect()
     }
 
@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn what_is_said_is_not_open() {
-        assert_eq!(Course::said(Some(Between::Line), None).reading, Reading::With);
+        assert_eq!(Course::given(Some(Between::Line), None).reading, Reading::With);
         let open = Course::open(None, None);
         assert_eq!(open.len(), 5);
         assert!(!open.contains(&Course::default()));

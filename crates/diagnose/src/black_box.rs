@@ -55,7 +55,7 @@ struct Incidents {
     ran_again: usize,
     /// The first failure.
     first: Option<String>,
-    /// What it changed of the program that ran it.
+    /// What the incidents changed of the program that ran it.
     changes: BTreeSet<String>,
 }
 
@@ -82,12 +82,12 @@ impl BlackBox {
         Self { shared, times, known, parameters: Vec::new(), links: Vec::new() }
     }
 
-    /// The same for records with these times.
+    /// As `new`, for records with these times.
     pub(crate) fn over(&self, times: Times) -> Self {
         Self { times: Arc::new(times), known: Arc::default(), ..self.clone() }
     }
 
-    /// The same with one parameter moved by this much.
+    /// As `over`, with one parameter moved by this much.
     pub(crate) fn with(&self, parameter: usize, shift: f64) -> Self {
         let mut moved = self.clone();
         if let Some((_, value)) = moved.parameters.get_mut(parameter) {

@@ -164,7 +164,7 @@ pub(crate) struct Bench<'a> {
     horizon: Horizon,
     /// Signals behind each node at the kept point.
     edges: Arc<Vec<Vec<f64>>>,
-    /// The same at a point beside it.
+    /// As `edges`, at a point beside it.
     aside: Vec<Vec<f64>>,
     at: Option<Vec<f64>>,
     count: &'a AtomicU64,

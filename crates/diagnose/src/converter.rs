@@ -49,7 +49,7 @@ impl Place {
 pub(crate) struct Gaps {
     /// Of so many codes one is missing.
     pub(crate) every: u32,
-    /// Which one.
+    /// Which of them is missing.
     pub(crate) missing: u32,
     /// Steps over the range.
     pub(crate) steps: f64,
@@ -118,8 +118,8 @@ impl Converted {
         let powers = self.powers();
         let over = |k: usize| {
             let end = (k + Thresholds::CONVERTER_BESIDE + 1).min(powers.len());
-            let mut around = powers[k.saturating_sub(Thresholds::CONVERTER_BESIDE)..end].to_vec();
-            let stands_out = median(&mut around)
+            let mut nearby = powers[k.saturating_sub(Thresholds::CONVERTER_BESIDE)..end].to_vec();
+            let stands_out = median(&mut nearby)
                 .is_some_and(|median| powers[k] > Thresholds::CONVERTER_OVER * median);
             if stands_out { powers[k] } else { 0.0 }
         };
@@ -170,8 +170,8 @@ impl Converted {
                     continue;
                 }
                 let fine = Thresholds::CONVERTER_NEAR / codes;
-                let around = (Thresholds::CONVERTER_KNOWN / harmonic / fine).ceil() as i32;
-                for k in -around..=around {
+                let nearby = (Thresholds::CONVERTER_KNOWN / harmonic / fine).ceil() as i32;
+                for k in -nearby..=nearby {
                     let steps = (patterns + fine * f64::from(k)) * codes;
                     let found = self.pattern(every, steps);
                     if best.as_ref().is_none_or(|(share, _)| found.0 > *share) {

@@ -148,14 +148,14 @@ pub(crate) fn in_readings(
         // Without a name there it is no better place to show what is left.
         let has_one = readings.iter().any(|o| !o.found.last.picks.is_empty());
         if has_one && cost_of_readings(&readings) < coupled.cost_of_motions(motions, &readings) {
-            let told = motions.iter().flat_map(|o| o.task.warnings.clone());
+            let known_warnings = motions.iter().flat_map(|o| o.task.warnings.clone());
             let couplings = coupled.group.couplings.join(", ");
             let why = format!(
                 "the gap lies behind the coupling ({couplings}): changes of single readings explain all readings \
                  better than changes of the motions in front of it"
             );
-            let told: Vec<String> = told.chain([why]).collect();
-            readings[0].task.warnings.extend(told);
+            let known_warnings: Vec<String> = known_warnings.chain([why]).collect();
+            readings[0].task.warnings.extend(known_warnings);
             outcomes.splice(members, readings);
         }
     }
@@ -224,7 +224,7 @@ impl Coupled {
     }
 }
 
-/// The same of the answers of the readings.
+/// What the answers of the readings leave of them and need for it, in twice the logarithm of a likelihood.
 fn cost_of_readings(readings: &[Outcome]) -> f64 {
     let left = |o: &Outcome| {
         let square = mean_square(&o.found.last.judged.residual);
@@ -251,7 +251,7 @@ pub(crate) fn motion_unit(blueprint: &CheckedBlueprint, axis: usize) -> Unit {
     Unit::parse(motion_text(blueprint, axis)).unwrap_or(Unit::ONE)
 }
 
-/// Its text.
+/// The text of that unit.
 pub(crate) fn motion_text(blueprint: &CheckedBlueprint, axis: usize) -> &str {
     let spec = blueprint.spec();
     let own = spec.connections.motion_units.get(axis).and_then(Option::as_deref);

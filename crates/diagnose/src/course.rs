@@ -63,7 +63,7 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
         }
     }
     let (output, course) = (outcome.task.output.clone(), outcome.task.course);
-    let said = |what: String| {
+    let read_as = |what: String| {
         format!(
             "{output}: the logs are read with {}: with {} {what} (--between {} --reading {} says otherwise)",
             course.words(),
@@ -77,11 +77,11 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
             "{output}: the mode at {frequency:.4} Hz lies within 10 % of half the sample rate; it stays whatever the \
              command does between the rows"
         )),
-        Some(frequency) => Some(said(format!(
+        Some(frequency) => Some(read_as(format!(
             "a mode would be missing at {frequency:.4} Hz, within 10 % of half the sample rate"
         ))),
         None if course == usual => None,
-        None => Some(said(format!(
+        None => Some(read_as(format!(
             "the best answer would leave {:.1} times as much",
             (first / outcome.left()).sqrt()
         ))),
@@ -91,7 +91,7 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
 }
 
 fn is_usual(course: Course) -> bool {
-    course == Course::said(Some(course.between), None)
+    course == Course::given(Some(course.between), None)
 }
 
 /// The one of these with which the model, or the best that was found, leaves least, where that is clearly less.
@@ -130,7 +130,7 @@ fn held_out(o: &Outcome) -> f64 {
     o.found.last.judged.held_out * o.sigma.powi(2)
 }
 
-/// The same without the mode of the answer.
+/// As `held_out`, without the mode of the answer.
 fn without_mode(o: &Outcome) -> Option<f64> {
     let is_mode =
         |(family, _): &(usize, usize)| o.library[*family].effect.name == effects::EXTRA_MODE.name;

@@ -15,15 +15,15 @@ pub(crate) struct RecordData {
     pub(crate) name: String,
     /// Times of the run-in in s: rows before `rows` that are simulated, neither fitted nor judged.
     pub(crate) run_in: Vec<f64>,
-    /// Its rows.
+    /// The record data's rows.
     pub(crate) rows: Range<usize>,
     /// Rows that are fitted, a part of `rows` from its start.
     pub(crate) training: Range<usize>,
-    /// Its place on the grid.
+    /// The record data's place on the grid.
     pub(crate) hits: Range<usize>,
     /// End of the hits that the training rows need.
     pub(crate) training_hits_end: usize,
-    /// Its part of the rows of the fit.
+    /// The record data's part of the rows of the fit.
     pub(crate) fit: Range<usize>,
     /// Inputs of a black box beside the one that is driven, row by row from the run-in on, in the model's units.
     pub(crate) others: Vec<Vec<f64>>,
@@ -51,7 +51,7 @@ pub(crate) struct Auxiliary {
     pub(crate) is_command: bool,
     /// Values over the grid, held between rows.
     pub(crate) hits: Vec<f64>,
-    /// Its range.
+    /// The auxiliary's range.
     pub(crate) span: Span,
 }
 
@@ -177,7 +177,7 @@ impl DataSet {
         });
     }
 
-    /// The same with the command that the log stands for when it is read so, each record from its own rest.
+    /// These records under the command that the log stands for when it is read so, each record from its own rest.
     pub(crate) fn played(&self, course: Course) -> Self {
         let mut all = self.clone();
         for ((_, times), record) in self.times().zip(&self.records) {
@@ -204,7 +204,7 @@ impl DataSet {
         }
     }
 
-    /// The same with some records left out of the fit and all rows of the others in it.
+    /// These records with some of them left out of the fit and all rows of the others in it.
     pub(crate) fn without(&self, is_left_out: impl Fn(usize) -> bool) -> Self {
         let mut all = self.clone();
         for (k, record) in all.records.iter_mut().enumerate() {

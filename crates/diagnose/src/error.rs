@@ -28,7 +28,7 @@ pub enum Error {
     Option {
         /// The option.
         option: &'static str,
-        /// Its value.
+        /// The option's value.
         value: String,
         /// Rule and way out.
         message: String,

@@ -348,8 +348,8 @@ fn multisine(
             let f = from
                 * (to / from)
                     .powf((k as f64 + random.uniform()) / Thresholds::EXPERIMENT_LINES as f64);
-            let whole = (f * length).round().max(1.0) / length;
-            (whole, std::f64::consts::TAU * random.uniform())
+            let integer = (f * length).round().max(1.0) / length;
+            (integer, std::f64::consts::TAU * random.uniform())
         })
         .collect();
     let wave: Vec<f64> = (0..n)

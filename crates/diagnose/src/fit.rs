@@ -595,7 +595,7 @@ mod tests {
         let count = AtomicU64::new(0);
         let fitter = Fitter { data: &data, sigma: 1e-3, count: &count, weights: None };
         let start = [44.0_f64.ln(), 0.1_f64.ln(), 0.0];
-        let whole = fitter.fit(&chain, &start).unwrap();
+        let complete = fitter.fit(&chain, &start).unwrap();
         // With its own sensitivities; with some that are wrong, which only the end puts right.
         for (wrong, is_fresh) in [(1.0, true), (2.0, false)] {
             let mut work = fitter.work(&chain);
@@ -604,11 +604,16 @@ mod tests {
             columns[..2].iter_mut().flatten().for_each(|c| *c *= wrong);
             let fresh = is_fresh.then_some(point.cost);
             let fit = work.fit_corrected(point, columns, &[0, 1], fresh).unwrap();
-            for ((is, wanted), truth) in fit.theta.iter().zip(&whole.theta).zip(&truth) {
-                assert!((is - wanted).abs() < 1e-3, "{wrong}: {:?}, {:?}", fit.theta, whole.theta);
+            for ((is, wanted), truth) in fit.theta.iter().zip(&complete.theta).zip(&truth) {
+                assert!(
+                    (is - wanted).abs() < 1e-3,
+                    "{wrong}: {:?}, {:?}",
+                    fit.theta,
+                    complete.theta
+                );
                 assert!((is - truth).abs() < 1e-2, "{wrong}: {:?}, {truth}", fit.theta);
             }
-            assert!(fit.mean_square < 1.01 * whole.mean_square, "{wrong}: {}", fit.mean_square);
+            assert!(fit.mean_square < 1.01 * complete.mean_square, "{wrong}: {}", fit.mean_square);
         }
     }
 

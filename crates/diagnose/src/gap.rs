@@ -40,7 +40,7 @@ pub struct Gap {
     pub candidates: Vec<Tried>,
     /// Verdict and shrink of each output.
     pub outputs: Vec<OutputGap>,
-    /// What it was made from.
+    /// What the gap was made from.
     pub provenance: Provenance,
     /// The linear models that were identified from the logs, one per output, where no model was given.
     #[serde(default)]
@@ -112,7 +112,7 @@ pub struct Partial {
     pub effect: NamedEffect,
     /// Held-out root mean square of the re-tuned model.
     pub rms_before: f64,
-    /// The same with the effect.
+    /// As `rms_before`, with the effect.
     pub rms_after: f64,
     /// Unit of both.
     pub unit: String,
@@ -195,7 +195,7 @@ pub struct Shrink {
     pub unit: String,
     /// Root mean square of the held-out residual of the re-tuned model.
     pub rms_before: f64,
-    /// The same with the effects added.
+    /// As `rms_before`, with the effects added.
     pub rms_after: f64,
     /// Standard deviation of the noise.
     pub noise_floor: f64,
@@ -210,7 +210,7 @@ pub struct Shrink {
     pub relative_gap: f64,
     /// Figures per held-out stretch.
     pub holdout: Vec<HeldOut>,
-    /// The same with whole records left out of the fit; null where logs were given to be held out,
+    /// As `holdout`, with whole records left out of the fit; null where logs were given to be held out,
     /// where there are less than three records, or where no effect is named.
     pub second_opinion: Option<SecondOpinion>,
     /// `fraction` with the effects' formulas as they were found, where a repaired blueprint was written:
@@ -280,7 +280,7 @@ pub struct Leftover {
     pub input_driven: Option<bool>,
     /// Bands where it lies.
     pub bands: Vec<BandShare>,
-    /// Its size and how long it lasts; null where nothing is left.
+    /// The leftover's size and how long it lasts; null where nothing is left.
     #[serde(default)]
     pub discrepancy: Option<Discrepancy>,
     /// The effect that it looks like, though that is not named; null where it looks like none.
@@ -293,7 +293,7 @@ pub struct Leftover {
 pub struct Discrepancy {
     /// Root mean square in the output's unit.
     pub rms: f64,
-    /// The same over the range of the measured output.
+    /// As `rms`, over the range of the measured output.
     pub of_range: f64,
     /// Time in s after which it is another one: its correlation falls as exp(−t/T).
     pub time: f64,
@@ -351,11 +351,11 @@ pub struct Tried {
 pub struct OutputGap {
     /// Output.
     pub output: String,
-    /// Its verdict.
+    /// The output gap's verdict.
     pub verdict: Verdict,
-    /// Its effects.
+    /// The output gap's effects.
     pub effects: Vec<String>,
-    /// Its figures.
+    /// The output gap's figures.
     pub shrink: Shrink,
     /// How the noise was found, and the other estimates of it.
     pub noise: NoiseFloor,

@@ -8,7 +8,6 @@
 //! [`diagnose`] gives the answer as [`Gap`], the content of `gap.json`.
 
 mod answer;
-mod around;
 mod base;
 mod belief;
 mod between;
@@ -38,6 +37,7 @@ mod path_block;
 mod place;
 mod random;
 mod repair;
+mod repaired_fmu;
 mod request;
 mod robust;
 mod score;
@@ -57,7 +57,6 @@ mod thresholds;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-pub use around::{Repaired, preset};
 pub use between::{Between, Reading};
 pub use error::Error;
 pub use gap::{
@@ -66,6 +65,7 @@ pub use gap::{
     SCHEMA, Shrink, Tried, Verdict,
 };
 pub use identify::{Observer, Silent};
+pub use repaired_fmu::{Repaired, preset};
 pub use request::{Deviation, Model, Noise, Request, Tolerance};
 
 /// The answer with what is needed to draw it and to repair the model.
@@ -138,8 +138,8 @@ impl Diagnosis {
             false => file.to_path_buf(),
         };
         let sha256 = report::InputFile::read("original", archive)?.sha256;
-        let (repair, notes) = around::repair(&self.outcomes, &fmu, names, &sha256)?;
-        around::pack(fmu.package(), &repair, notes, libraries)
+        let (repair, notes) = repaired_fmu::repair(&self.outcomes, &fmu, names, &sha256)?;
+        repaired_fmu::pack(fmu.package(), &repair, notes, libraries)
     }
 
     /// The blueprint that was diagnosed with re-tuned values and the effects in place. Disturbances of a

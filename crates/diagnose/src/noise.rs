@@ -151,7 +151,7 @@ pub(crate) fn second_differences(
     step.is_finite().then(|| step / 12f64.sqrt())
 }
 
-/// The same of a residual, from its differences at the highest order that still sees the noise only:
+/// As `second_differences`, of a residual, from its differences at the highest order that still sees the noise only:
 /// fourth differences, whose weights square to 70.
 pub(crate) fn fourth_differences(
     r: &[f64],
@@ -205,7 +205,7 @@ impl Repeats {
         (count > 50).then_some(Self { parts })
     }
 
-    /// Its standard deviation.
+    /// The repeats' standard deviation.
     pub(crate) fn sigma(&self) -> Option<f64> {
         let squares: f64 = self.parts.iter().flatten().map(|d| d * d).sum();
         let freedom: f64 = self.parts.iter().map(|d| d.len() as f64 - 2.0).sum();

@@ -45,7 +45,7 @@ pub(crate) enum Nuisance {
 }
 
 impl Nuisance {
-    /// The same with its parameter's number counted from `first`.
+    /// This nuisance with its parameter's number counted from `first`.
     pub(crate) fn shifted(&self, first: usize) -> Self {
         match self {
             Self::Settling { parameter } => Self::Settling { parameter: parameter + first },

@@ -109,9 +109,9 @@ fn between(x: &[f64], place: f64) -> f64 {
     const NODES: [f64; 6] = [-2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
     /// Products of a node's distances from the others.
     const PRODUCTS: [f64; 6] = [-120.0, 24.0, -12.0, 12.0, -24.0, 120.0];
-    let whole = place.floor();
-    let rest = place - whole;
-    let k = whole as usize;
+    let integer = place.floor();
+    let rest = place - integer;
+    let k = integer as usize;
     match x.get(k.wrapping_sub(2)..k.saturating_add(4)) {
         Some(near) if rest > 0.0 => {
             let distances = NODES.map(|node| rest - node);
@@ -131,10 +131,10 @@ fn at(x: &[f64], place: f64) -> f64 {
     if place.is_nan() || place <= 0.0 {
         return first;
     }
-    let whole = place.floor();
-    let k = whole as usize;
+    let integer = place.floor();
+    let k = integer as usize;
     match (x.get(k), x.get(k + 1)) {
-        (Some(a), Some(b)) => a + (place - whole) * (b - a),
+        (Some(a), Some(b)) => a + (place - integer) * (b - a),
         _ => last,
     }
 }

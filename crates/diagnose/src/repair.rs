@@ -61,7 +61,7 @@ pub(crate) fn repair(
         let Some(own) = write(o, last, effect, formula, &values, (&given.axes[axis - 1], axis_now))
         else {
             if formula.releases.is_empty() {
-                notes.push(crate::around::stays_out(effect, formula));
+                notes.push(crate::repaired_fmu::stays_out(effect, formula));
             }
             continue;
         };
@@ -70,7 +70,7 @@ pub(crate) fn repair(
         tried.extend(own);
         match apply(&given, axis, &tried).check(components::COMPONENTS) {
             Ok(_) => {
-                notes.extend(crate::around::part_stays_out(effect, formula));
+                notes.extend(crate::repaired_fmu::part_stays_out(effect, formula));
                 changes = tried;
             }
             Err(problems) => notes.push(format!(

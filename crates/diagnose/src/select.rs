@@ -185,7 +185,7 @@ impl<'a> Search<'a> {
         self.expand_where(from, f64::INFINITY)
     }
 
-    /// The same where one of them promises to leave at most this mean square.
+    /// As `expand`, where one of them promises to leave at most this mean square.
     fn expand_where(&self, from: &Candidate, most: f64) -> Result<Vec<Looked>, Failed> {
         self.once(Part::Expansion, from, || self.expand_anew(from, most))
     }
@@ -480,6 +480,6 @@ fn sort(looked: &mut [Looked]) {
 }
 
 #[cfg(test)]
-mod made;
+mod synthetic;
 #[cfg(test)]
 mod tests;

@@ -145,8 +145,11 @@ pub(crate) fn resonances(
         }
         let width =
             ((Thresholds::PEAK_MEDIAN * k as f64) as usize).max(2 * Thresholds::PEAK_BESIDE);
-        let mut around = answers[k.saturating_sub(width).max(1)..(k + width).min(half)].to_vec();
-        if median(&mut around).is_some_and(|median| answers[k] > Thresholds::PEAK_ABOVE * median) {
+        let mut neighbours =
+            answers[k.saturating_sub(width).max(1)..(k + width).min(half)].to_vec();
+        if median(&mut neighbours)
+            .is_some_and(|median| answers[k] > Thresholds::PEAK_ABOVE * median)
+        {
             peaks.push((
                 (k - Thresholds::PEAK_BESIDE..=k + Thresholds::PEAK_BESIDE).map(explained).sum(),
                 k,
@@ -172,8 +175,8 @@ pub(crate) fn lines(signal: &[f64], sample: f64, most: usize) -> Vec<f64> {
         if !is_peak {
             continue;
         }
-        let mut around = density[k.saturating_sub(width).max(1)..(k + width).min(n)].to_vec();
-        let ratio = density[k] / median(&mut around).unwrap_or(0.0).max(0.1);
+        let mut neighbours = density[k.saturating_sub(width).max(1)..(k + width).min(n)].to_vec();
+        let ratio = density[k] / median(&mut neighbours).unwrap_or(0.0).max(0.1);
         if ratio > 30.0 {
             found.push((ratio, k));
         }

@@ -73,7 +73,7 @@ pub(crate) fn stand_in(
             last = other;
         } else {
             // Values that were fitted beside an effect are wrong without it.
-            notes.push(crate::around::stays_out(effect, best));
+            notes.push(crate::repaired_fmu::stays_out(effect, best));
             last = without;
         }
     }

@@ -52,7 +52,7 @@ impl Steps {
         self.size / 12f64.sqrt()
     }
 
-    /// The same with the noise before it.
+    /// As `rounding`, with the noise before it.
     pub(crate) fn sigma(&self) -> f64 {
         self.rounding().hypot(self.beside)
     }

@@ -71,7 +71,7 @@ impl Port {
         self.name == name || self.alias.as_deref() == Some(name)
     }
 
-    /// Its column in a log.
+    /// The port's column in a log.
     pub(crate) fn column<'a>(&'a self, names: &'a NameMap, log: &Log) -> Option<&'a str> {
         let alias = self.alias.as_deref();
         let mapped = names.column(&self.name).or_else(|| names.column(alias?));
@@ -272,7 +272,7 @@ pub(crate) fn assemble(
     let (u, y) = (&inputs[input], &outputs[output]);
     let aux = auxiliaries(request, inputs, outputs, input);
     let names: Vec<(String, bool)> = aux.iter().map(|a| (a.column.clone(), a.is_command)).collect();
-    let course = Course::said(request.between, request.reading);
+    let course = Course::given(request.between, request.reading);
     let mut records = Vec::new();
     let mut warnings = Vec::new();
     let logs = request.logs.iter().map(|log| (log, false));

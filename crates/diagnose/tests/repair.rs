@@ -70,9 +70,9 @@ fn a_second_force_on_a_mode_is_told_and_does_not_replace_the_first() {
     assert_eq!(names.len(), 2, "{}", first.gap.sentence);
     let (repaired, notes) = first.repair(blueprint().blueprint());
     let is_told = |name: &&String| notes.iter().any(|note| note.starts_with(&format!("{name} (")));
-    let told: Vec<_> = names.iter().filter(is_told).collect();
-    assert_eq!(told.len(), 1, "{names:?}: {notes:?}");
-    let written = names.iter().find(|name| !told.contains(name)).unwrap();
+    let described: Vec<_> = names.iter().filter(is_told).collect();
+    assert_eq!(described.len(), 1, "{names:?}: {notes:?}");
+    let written = names.iter().find(|name| !described.contains(name)).unwrap();
     let found = format!("{written}, found by diagnosis");
     let all = &repaired.axes[0].components;
     assert!(all.iter().any(|c| c.note == found), "{found}: {all:?}");

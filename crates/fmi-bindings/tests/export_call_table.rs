@@ -166,24 +166,24 @@ fn every_function_in_every_state_answers_as_the_standard_says() {
     for (function, marks, answer) in rows() {
         for (phase, allowed) in Phase::ALL.into_iter().zip(marks) {
             let (fmu, state) = in_state(phase);
-            let before = fmu.said().len();
+            let before = fmu.messages().len();
             let status = call(function, &fmu, state);
-            let said = fmu.said().split_off(before);
-            let place = format!("{function} in {phase}: {said:?}");
+            let messages = fmu.messages().split_off(before);
+            let place = format!("{function} in {phase}: {messages:?}");
             match (allowed, answer) {
                 (true, "ok") => {
                     assert_eq!(status, fmi2OK, "{place}");
-                    assert!(said.is_empty(), "{place}");
+                    assert!(messages.is_empty(), "{place}");
                 }
                 (true, "discard") => {
                     assert_eq!(status, fmi2Discard, "{place}");
-                    assert_eq!(said[0].category, "logStatusDiscard", "{place}");
+                    assert_eq!(messages[0].category, "logStatusDiscard", "{place}");
                 }
                 (false, _) => {
                     assert_eq!(status, fmi2Error, "{place}");
-                    assert_eq!(said.len(), 1, "{place}");
-                    assert!(said[0].format.starts_with(&format!("{function}: not allowed")));
-                    assert!(said[0].format.contains(&phase.to_string()), "{place}");
+                    assert_eq!(messages.len(), 1, "{place}");
+                    assert!(messages[0].format.starts_with(&format!("{function}: not allowed")));
+                    assert!(messages[0].format.contains(&phase.to_string()), "{place}");
                 }
                 other => panic!("{place}: {other:?}"),
             }

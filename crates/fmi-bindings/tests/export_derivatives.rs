@@ -15,7 +15,7 @@ use support::{Factory, Fmu, Random, plant, plays_plant, stairs_plant};
 /// The derivative of one output by one known; the call must succeed.
 fn slope(fmu: &Fmu, unknown: &str, known: &str, seed: f64) -> f64 {
     let (status, values) = fmu.derivative(&[unknown], &[known], &[seed]);
-    assert_eq!(status, fmi2OK, "{unknown} by {known}: {:?}", fmu.said());
+    assert_eq!(status, fmi2OK, "{unknown} by {known}: {:?}", fmu.messages());
     values[0]
 }
 

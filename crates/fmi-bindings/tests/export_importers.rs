@@ -32,7 +32,7 @@ fn every_spelling_of_the_resource_location_is_understood() {
         path.to_string(),
     ] {
         let fmu = plant_at(&location);
-        assert!(!fmu.c.is_null(), "{location}: {:?}", fmu.said());
+        assert!(!fmu.c.is_null(), "{location}: {:?}", fmu.messages());
     }
 }
 
@@ -46,9 +46,9 @@ fn a_location_without_resources_is_refused_with_all_places_that_were_tried() {
     ] {
         let fmu = plant_at(location);
         assert!(fmu.c.is_null());
-        let said = fmu.said();
-        assert_eq!((said.len(), said[0].status), (1, fmi2Error));
-        let text = &said[0].format;
+        let messages = fmu.messages();
+        assert_eq!((messages.len(), messages[0].status), (1, fmi2Error));
+        let text = &messages[0].format;
         assert!(text.starts_with("fmi2Instantiate: no blueprint.toml"), "{text}");
         assert!(text.contains(part) && text.contains("give the folder `resources`"), "{text}");
     }
@@ -62,7 +62,7 @@ fn without_a_location_the_resources_are_found_from_the_library() {
     if std::env::var_os(INSIDE).is_some() {
         for location in [None, Some(c"".into()), Some(c"file:///nowhere".into())] {
             let fmu = Fmu::with(plant, Arguments { location, ..Arguments::of(plant) });
-            assert!(!fmu.c.is_null(), "{:?}", fmu.said());
+            assert!(!fmu.c.is_null(), "{:?}", fmu.messages());
         }
         return;
     }
@@ -142,9 +142,9 @@ fn the_instance_keeps_its_own_copies() {
     let fmu = Fmu::with(plant, arguments);
     // The texts and the structure of the arguments are gone by now.
     fmu.step(0.0, 1.0);
-    let said = &fmu.said()[0];
-    assert_eq!(said.name, "first");
-    assert_eq!(said.environment, (&raw const *fmu.recorder) as usize);
+    let messages = &fmu.messages()[0];
+    assert_eq!(messages.name, "first");
+    assert_eq!(messages.environment, (&raw const *fmu.recorder) as usize);
 }
 
 #[test]

@@ -27,15 +27,15 @@ fn with_logging_on_events_are_told() {
     fmu.start(0.5);
     fmu.terminate();
     fmu.reset();
-    let said = fmu.said();
-    let texts: Vec<_> = said.iter().map(|s| s.format.as_str()).collect();
+    let messages = fmu.messages();
+    let texts: Vec<_> = messages.iter().map(|s| s.format.as_str()).collect();
     assert!(texts[0].contains("model \"stage\""), "{texts:?}");
     assert!(texts[1].contains("initialised at 0.5 s"), "{texts:?}");
     assert_eq!(texts.len(), 4, "{texts:?}");
-    for said in &said {
-        assert_eq!((said.status, said.category.as_str()), (fmi2OK, "logEvents"));
-        assert_eq!(said.environment, (&raw const *fmu.recorder) as usize);
-        assert_eq!(said.name, "it");
+    for messages in &messages {
+        assert_eq!((messages.status, messages.category.as_str()), (fmi2OK, "logEvents"));
+        assert_eq!(messages.environment, (&raw const *fmu.recorder) as usize);
+        assert_eq!(messages.name, "it");
     }
 }
 
@@ -43,10 +43,10 @@ fn with_logging_on_events_are_told() {
 fn with_logging_off_only_failures_are_told() {
     let fmu = logging(fmi2False);
     fmu.start(0.0);
-    assert!(fmu.said().is_empty());
+    assert!(fmu.messages().is_empty());
     fmu.step(9.0, 1.0);
-    assert_eq!(fmu.said()[0].category, "logStatusError");
-    assert_eq!(fmu.said()[0].status, fmi2Error);
+    assert_eq!(fmu.messages()[0].category, "logStatusError");
+    assert_eq!(fmu.messages()[0].status, fmi2Error);
 }
 
 #[test]
@@ -55,13 +55,13 @@ fn only_the_categories_that_were_chosen_go_out() {
     assert_eq!(set(&fmu, fmi2True, &[c"logEvents"]), fmi2OK);
     fmu.start(0.0);
     fmu.step(9.0, 1.0);
-    assert_eq!(fmu.said().len(), 1, "{:?}", fmu.said());
+    assert_eq!(fmu.messages().len(), 1, "{:?}", fmu.messages());
     assert_eq!(set(&fmu, fmi2True, &[c"logStatusError", c"logStatusWarning"]), fmi2OK);
     fmu.step(9.0, 1.0);
-    assert_eq!(fmu.said().len(), 2);
+    assert_eq!(fmu.messages().len(), 2);
     assert_eq!(set(&fmu, fmi2True, &[]), fmi2OK);
     fmu.reset();
-    assert_eq!(fmu.said().len(), 3);
+    assert_eq!(fmu.messages().len(), 3);
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn every_category_that_is_used_is_declared() {
     fmu.exit();
     unsafe { v2::fmi2GetStatus(fmu.c, fmi2DoStepStatus, std::ptr::null_mut()) };
     fmu.step(9.0, 1.0);
-    let mut used: Vec<_> = fmu.said().into_iter().map(|s| s.category).collect();
+    let mut used: Vec<_> = fmu.messages().into_iter().map(|s| s.category).collect();
     used.sort();
     used.dedup();
     let mut declared: Vec<_> = LOG_CATEGORIES.iter().map(|(n, _)| (*n).to_string()).collect();

@@ -135,22 +135,23 @@ impl Edge for Two {
                 Op::Get { kind, references, null, .. } => {
                     let n = references.len();
                     let vr = pointer(references, *null);
-                    let (mut real, mut whole, mut text) = ([0.0; 4], [0; 4], [std::ptr::null(); 4]);
+                    let (mut real, mut integer, mut text) =
+                        ([0.0; 4], [0; 4], [std::ptr::null(); 4]);
                     match kind {
                         Kind::Real => v2::fmi2GetReal(c, vr, n, real.as_mut_ptr()),
-                        Kind::Integer => v2::fmi2GetInteger(c, vr, n, whole.as_mut_ptr()),
-                        Kind::Boolean => v2::fmi2GetBoolean(c, vr, n, whole.as_mut_ptr()),
+                        Kind::Integer => v2::fmi2GetInteger(c, vr, n, integer.as_mut_ptr()),
+                        Kind::Boolean => v2::fmi2GetBoolean(c, vr, n, integer.as_mut_ptr()),
                         Kind::String => v2::fmi2GetString(c, vr, n, text.as_mut_ptr()),
                     }
                 }
                 Op::Set { kind, items, null, .. } => {
                     let (vr, values) = reals(items, 1);
-                    let whole: Vec<i32> = items.iter().map(|(_, n)| *n as i32).collect();
+                    let integer: Vec<i32> = items.iter().map(|(_, n)| *n as i32).collect();
                     let flags: Vec<i32> = items.iter().map(|(_, n)| (*n % 2) as i32).collect();
                     let (n, vr) = (items.len(), vr.as_ptr());
                     match kind {
                         Kind::Real => v2::fmi2SetReal(c, vr, n, pointer(&values, *null)),
-                        Kind::Integer => v2::fmi2SetInteger(c, vr, n, pointer(&whole, *null)),
+                        Kind::Integer => v2::fmi2SetInteger(c, vr, n, pointer(&integer, *null)),
                         Kind::Boolean => v2::fmi2SetBoolean(c, vr, n, pointer(&flags, *null)),
                         Kind::String => v2::fmi2SetString(c, vr, n, std::ptr::null()),
                     }
@@ -297,10 +298,10 @@ impl Edge for Three {
                 Op::Get { kind, references, null, excess } => {
                     let (n, vr) = (references.len(), pointer(references, *null));
                     let count = count + usize::from(*excess);
-                    let (mut real, mut whole, mut flags) = ([0.0; 16], [0; 16], [false; 16]);
+                    let (mut real, mut integer, mut flags) = ([0.0; 16], [0; 16], [false; 16]);
                     match kind {
                         Kind::Real => v3::fmi3GetFloat64(i, vr, n, real.as_mut_ptr(), count),
-                        Kind::Integer => v3::fmi3GetInt32(i, vr, n, whole.as_mut_ptr(), count),
+                        Kind::Integer => v3::fmi3GetInt32(i, vr, n, integer.as_mut_ptr(), count),
                         Kind::Boolean => v3::fmi3GetBoolean(i, vr, n, flags.as_mut_ptr(), count),
                         Kind::String => v3::fmi3GetString(i, vr, n, null_mut(), count),
                     }
@@ -317,12 +318,14 @@ impl Edge for Three {
                     }
                     numbers.extend(std::iter::repeat_n(0, usize::from(*excess)));
                     let real: Vec<f64> = numbers.iter().map(|n| NUMBERS[*n]).collect();
-                    let whole: Vec<i32> = numbers.iter().map(|n| *n as i32).collect();
+                    let integer: Vec<i32> = numbers.iter().map(|n| *n as i32).collect();
                     let flags: Vec<bool> = numbers.iter().map(|n| n % 2 == 1).collect();
                     let count = numbers.len();
                     match kind {
                         Kind::Real => v3::fmi3SetFloat64(i, vr, n, pointer(&real, *null), count),
-                        Kind::Integer => v3::fmi3SetInt32(i, vr, n, pointer(&whole, *null), count),
+                        Kind::Integer => {
+                            v3::fmi3SetInt32(i, vr, n, pointer(&integer, *null), count)
+                        }
                         Kind::Boolean => {
                             v3::fmi3SetBoolean(i, vr, n, pointer(&flags, *null), count)
                         }

@@ -58,9 +58,9 @@ fn it_is_that_of_the_last_internal_step_for_every_partition() {
             fmu.set_real("command[1]", 3.0);
             fmu
         };
-        let whole = started();
-        assert_eq!(whole.step(0.0, f64::from(hits) * PERIOD), fmi2OK);
-        let found = slope(&whole, "position[1]");
+        let complete = started();
+        assert_eq!(complete.step(0.0, f64::from(hits) * PERIOD), fmi2OK);
+        let found = slope(&complete, "position[1]");
         assert!((found - wanted).abs() <= 1e-9 * wanted.abs(), "{found} instead of {wanted}");
         let cut = started();
         for k in 0..2 * hits {

@@ -153,7 +153,7 @@ fn the_experiment_is_checked() {
 fn without_an_experiment_time_starts_at_zero_with_a_warning() {
     let fmu = Fmu::new(plant);
     assert_eq!(fmu.enter(), fmi2Warning);
-    assert_eq!(fmu.said()[0].category, "logStatusWarning");
+    assert_eq!(fmu.messages()[0].category, "logStatusWarning");
     assert_eq!(fmu.exit(), fmi2OK);
     assert_eq!(fmu.step(0.0, 1e-3), fmi2OK);
 }

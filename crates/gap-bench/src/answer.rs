@@ -33,12 +33,12 @@ pub struct Named {
 pub struct Shrink {
     /// Part of the gap's power that goes.
     pub fraction: Option<f64>,
-    /// Its 95 % prediction interval.
+    /// The shrink's 95 % prediction interval.
     pub ci95: Option<[f64; 2]>,
     /// Root mean square of the held-out rows of the re-tuned model.
     #[serde(default)]
     pub rms_before: Option<f64>,
-    /// The same with the effects.
+    /// As `rms_before`, with the effects.
     #[serde(default)]
     pub rms_after: Option<f64>,
 }

@@ -30,7 +30,7 @@ pub enum Error {
     OtherPlan {
         /// The folder.
         path: PathBuf,
-        /// What it holds.
+        /// What the path holds.
         found: String,
         /// What was asked for.
         asked: String,

@@ -5,9 +5,9 @@ use gap_machines::{Setting, Timing};
 /// What cases of a family have in common.
 #[derive(Clone, Copy, Debug)]
 pub struct Family {
-    /// Its name, as `--cases` takes it.
+    /// The family's name, as `--cases` takes it.
     pub name: &'static str,
-    /// What it is about.
+    /// What the family is about.
     pub about: &'static str,
     /// Cases of the full benchmark.
     pub full: usize,

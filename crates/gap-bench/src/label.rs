@@ -10,7 +10,7 @@ use crate::case::Case;
 pub struct Label {
     /// The case.
     pub case: String,
-    /// Its family.
+    /// The label's family.
     pub family: String,
     /// The effects of the machine's first output.
     pub effects: Vec<TrueEffect>,
@@ -61,7 +61,7 @@ pub struct TrueEffect {
     pub wanted_size: f64,
     /// The size that it has.
     pub size: f64,
-    /// Its magnitude in its own unit.
+    /// The true effect's magnitude in its own unit.
     pub magnitude: f64,
     /// Group within which one output without taps cannot always decide.
     pub group: Option<String>,

@@ -121,7 +121,7 @@ impl Scores {
 
     fn calibration_section(&self) -> Section {
         let bins = &self.calibration.bins;
-        let said: Vec<f64> = bins.iter().map(|bin| bin.probability).collect();
+        let stated: Vec<f64> = bins.iter().map(|bin| bin.probability).collect();
         let found: Vec<f64> =
             bins.iter().map(|bin| bin.right.share().unwrap_or_default()).collect();
         let figure = XyLoop::new(
@@ -130,7 +130,7 @@ impl Scores {
             Axis::new("share right", "1"),
         )
         .line(Role::Reference, "calibrated", &[0.0, 1.0], &[0.0, 1.0])
-        .measured("found", &said, &found);
+        .measured("found", &stated, &found);
         let mut table = Table::new("Bins", ["probability", "right"]);
         for bin in bins {
             table = table.row([format!("{:.3}", bin.probability), bin.right.to_string()]);

@@ -86,7 +86,8 @@ pub struct Measured {
     /// Largest probability of a name that is not documented; 0: none.
     pub invented: f64,
     /// Names with their probabilities, or the verdict, or why there is no answer.
-    pub said: String,
+    #[serde(rename = "said")]
+    pub stated: String,
     /// Documented names.
     pub right: Vec<String>,
     /// Root mean square that the model with its effects leaves of held-out rows over that of the re-tuned one.
@@ -182,43 +183,44 @@ impl Machine {
             Answer::parse(&text)
         });
         let seconds = begin.elapsed().as_secs_f64();
-        let (judgement, invented, said, left) = match answer {
+        let (judgement, invented, stated, left) = match answer {
             Err(message) => (Judgement::Broken, 0.0, message, None),
             Ok(answer) => {
                 let (judgement, invented) = self.judge(&answer);
                 let named = |n: &crate::answer::Named| format!("{} {:.2}", n.effect, n.probability);
                 let names: Vec<String> = answer.effects.iter().map(named).collect();
-                let said = if names.is_empty() { answer.verdict.clone() } else { names.join(", ") };
+                let stated =
+                    if names.is_empty() { answer.verdict.clone() } else { names.join(", ") };
                 let (before, after) = (answer.shrink.rms_before, answer.shrink.rms_after);
                 let left = before.zip(after).filter(|(b, _)| *b > 0.0).map(|(b, a)| a / b);
-                (judgement, invented, said, left)
+                (judgement, invented, stated, left)
             }
         };
         let (machine, right) = (name.to_owned(), self.right.clone());
-        Measured { machine, judgement, invented, said, right, left, seconds }
+        Measured { machine, judgement, invented, stated, right, left, seconds }
     }
 
     /// The judgement, and the largest probability of an invented name.
     fn judge(&self, answer: &Answer) -> (Judgement, f64) {
         let is_right = |name: &String| self.right.contains(name);
         let is_known = |name: &String| is_right(name) || self.also.contains(name);
-        let said = match answer.verdict.as_str() {
+        let stated = match answer.verdict.as_str() {
             "effects" => &answer.effects[..],
             _ => &[],
         };
         let most = |of: &dyn Fn(&String) -> bool| {
-            let all = said.iter().filter(|n| of(&n.effect)).map(|n| n.probability);
+            let all = stated.iter().filter(|n| of(&n.effect)).map(|n| n.probability);
             all.fold(0.0, f64::max)
         };
-        let Some(first) = said.first() else {
+        let Some(first) = stated.first() else {
             let is_none = self.right.is_empty();
             return (if is_none { Judgement::Right } else { Judgement::Unknown }, 0.0);
         };
         let invented = most(&|name| !is_known(name));
-        let has_invented = said.iter().any(|n| !is_known(&n.effect));
+        let has_invented = stated.iter().any(|n| !is_known(&n.effect));
         if is_right(&first.effect) && !has_invented {
             (Judgement::Right, 0.0)
-        } else if said.iter().any(|n| is_right(&n.effect)) {
+        } else if stated.iter().any(|n| is_right(&n.effect)) {
             (Judgement::Partly, invented)
         } else if first.set.iter().any(is_right) {
             (Judgement::InSet, invented)
@@ -258,8 +260,8 @@ impl Real {
         for m in &self.machines {
             let left = m.left.map_or("–".to_owned(), |left| format!("{left:.3}"));
             let (judgement, seconds) = (m.judgement.text(), m.seconds);
-            let (machine, said) = (&m.machine, &m.said);
-            writeln!(out, "{judgement:8} {machine:20} {said:60} leaves {left}  {seconds:.0} s")?;
+            let (machine, stated) = (&m.machine, &m.stated);
+            writeln!(out, "{judgement:8} {machine:20} {stated:60} leaves {left}  {seconds:.0} s")?;
         }
         writeln!(out, "{}", self.summary())
     }
@@ -276,7 +278,7 @@ impl Real {
             table = table.row([
                 Value::from(m.machine.as_str()),
                 m.judgement.text().into(),
-                m.said.as_str().into(),
+                m.stated.as_str().into(),
                 m.right.join(", ").into(),
                 m.left.map(|left| (1e3 * left).round() / 1e3).into(),
                 Value::from(m.seconds.round()),

@@ -170,9 +170,9 @@ fn ask(case: &Case, prepared: Prepared, settings: &Settings, tool: &dyn Tool) ->
     if is_ambiguous(case.family) {
         arguments.extend([NEXT.0, NEXT.1].map(str::to_owned));
     }
-    let said = diagnose(tool, &folder, &arguments, "gap.json", case.family == "long");
+    let reply = diagnose(tool, &folder, &arguments, "gap.json", case.family == "long");
     let seconds = begin.elapsed().as_secs_f64();
-    let Said { answer, mut failure } = said;
+    let Reply { answer, mut failure } = reply;
     let mut realised = None;
     let is_repaired = failure.is_none() && answer.as_ref().is_some_and(|a| a.verdict == "effects");
     if is_repaired && !label.missed.is_empty() {
@@ -182,7 +182,7 @@ fn ask(case: &Case, prepared: Prepared, settings: &Settings, tool: &dyn Tool) ->
                 let before = Miss::pooled(&label.missed);
                 let oracle = settings
                     .has_oracle
-                    .then(|| told(&label, &question, &folder, &unseen, tool))
+                    .then(|| error_with_truth(&label, &question, &folder, &unseen, tool))
                     .flatten();
                 realised = Some(Realised { before, after, oracle });
             }
@@ -204,9 +204,9 @@ fn ask(case: &Case, prepared: Prepared, settings: &Settings, tool: &dyn Tool) ->
             // A signal is asked for anew.
             let _ = std::fs::remove_file(folder.join(NEXT.1));
             let file = format!("gap-{number}.json");
-            let said = diagnose(tool, &folder, &arguments, &file, false);
-            failure = said.failure;
-            last = said.answer;
+            let reply = diagnose(tool, &folder, &arguments, &file, false);
+            failure = reply.failure;
+            last = reply.answer;
             after_experiments.extend(last.clone());
         }
     }
@@ -219,7 +219,7 @@ const EXPERIMENTS: usize = 2;
 const NEXT: (&str, &str) = ("--next-experiment", "next.csv");
 
 /// What a diagnosis left: an answer, a complaint, or both where only the repair failed.
-struct Said {
+struct Reply {
     answer: Option<Answer>,
     failure: Option<String>,
 }
@@ -230,7 +230,7 @@ fn diagnose(
     question: &[String],
     file: &str,
     is_alone: bool,
-) -> Said {
+) -> Reply {
     let threads = if is_alone { "2" } else { "1" };
     let mut arguments = question.to_vec();
     let more = ["--json", file, "--seed", "1", "--threads", threads];
@@ -243,13 +243,13 @@ fn diagnose(
         .map_err(|error| format!("{file} was not written: {error}"))
         .and_then(|text| Answer::parse(&text).map_err(|error| format!("{file}: {error}")));
     match read {
-        Ok(answer) => Said { answer: Some(answer), failure },
-        Err(message) => Said { answer: None, failure: Some(failure.unwrap_or(message)) },
+        Ok(answer) => Reply { answer: Some(answer), failure },
+        Err(message) => Reply { answer: None, failure: Some(failure.unwrap_or(message)) },
     }
 }
 
 /// The error of a model that was repaired with all candidates but the true one taken out.
-fn told(
+fn error_with_truth(
     label: &Label,
     question: &Question,
     folder: &Path,
@@ -266,7 +266,7 @@ fn told(
     for other in listed.filter(|effect| effect.name() != truth.effect) {
         arguments.extend(["--without".to_owned(), other.name().to_owned()]);
     }
-    let Said { answer: Some(answer), failure: None } =
+    let Reply { answer: Some(answer), failure: None } =
         diagnose(tool, folder, &arguments, "told.json", false)
     else {
         return None;

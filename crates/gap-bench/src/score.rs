@@ -48,7 +48,7 @@ pub struct Scores {
 /// One complaint of the tool.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Failure {
-    /// What it said.
+    /// What the failure said.
     pub message: String,
     /// Of which cases.
     pub cases: Vec<String>,
@@ -134,7 +134,7 @@ pub struct ShrinkPair {
     pub family: String,
     /// Predicted.
     pub predicted: f64,
-    /// Its interval.
+    /// The shrink pair's interval.
     pub ci95: [f64; 2],
     /// On records that the diagnosis never saw.
     pub realised: f64,

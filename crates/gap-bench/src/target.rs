@@ -19,13 +19,13 @@ pub enum Goal {
 /// One figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
-    /// What it is.
+    /// What the figure is.
     pub name: String,
     /// The counts, where it is a share of cases.
     pub rate: Option<Rate>,
     /// The value; a share for counts; `None` where no case says anything.
     pub value: Option<f64>,
-    /// What it is held against.
+    /// What the figure is held against.
     pub goal: Goal,
 }
 

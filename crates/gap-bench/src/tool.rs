@@ -102,8 +102,12 @@ impl Program {
             return Ok(read(out));
         }
         // A program that was killed or crashed may have said nothing.
-        let said = read(err).trim().to_owned();
-        Err(if said.is_empty() { format!("it ended without a word ({status})") } else { said })
+        let message = read(err).trim().to_owned();
+        Err(if message.is_empty() {
+            format!("it ended without a word ({status})")
+        } else {
+            message
+        })
     }
 
     fn wait(&self, mut child: Child) -> Result<ExitStatus, String> {

@@ -69,7 +69,7 @@ impl Baseline {
         }
     }
 
-    /// The same with a straight line in place of the plays.
+    /// As `draw`, with a straight line in place of the plays.
     #[must_use]
     pub fn linear(&self) -> Self {
         let weights = vec![self.weights.iter().sum()];
@@ -84,7 +84,7 @@ impl Baseline {
         self.scaled(&factors)
     }
 
-    /// The same with each weight of the plays off by this standard deviation, far from tolerance.
+    /// As `off`, with each weight of the plays off by this standard deviation, far from tolerance.
     #[must_use]
     pub fn with_wrong_weights(&self, deviation: f64, random: &mut Random) -> Self {
         let mut all = self.clone();
@@ -104,7 +104,7 @@ impl Baseline {
         all
     }
 
-    /// The same with every parameter times its factor.
+    /// As `deviations`, with every parameter times its factor.
     #[must_use]
     pub fn scaled(&self, factors: &[f64]) -> Self {
         let mut all = self.clone();

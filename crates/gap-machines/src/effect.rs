@@ -14,9 +14,9 @@ pub enum Formula {
 pub struct Insertion {
     /// Which.
     pub effect: Effect,
-    /// Its formula.
+    /// The insertion's formula.
     pub formula: Formula,
-    /// Its size in a unit of its own, see [`Effect::reach`].
+    /// The insertion's size in a unit of its own, see [`Effect::reach`].
     pub magnitude: f64,
     /// Seed of its hidden constants and random signals.
     pub seed: u64,
@@ -31,7 +31,7 @@ macro_rules! effects {
         }
 
         impl Effect {
-            /// All of them.
+            /// All effects of the generator.
             pub const ALL: &[Self] = &[$(Self::$variant,)*];
 
             /// The identifier, as in `creep`.

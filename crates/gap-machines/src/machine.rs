@@ -121,10 +121,10 @@ fn turned(readings: &[f64], rows: usize, clock: &Insertion, period: f64) -> Vec<
 
 /// Lagrange's cubic through the four samples around a place.
 fn between(values: &[f64], place: f64) -> f64 {
-    let whole = place.floor();
-    let x = place - whole;
+    let integer = place.floor();
+    let x = place - integer;
     let get = |offset: f64| {
-        let index = (whole + offset).clamp(0.0, values.len().saturating_sub(1) as f64);
+        let index = (integer + offset).clamp(0.0, values.len().saturating_sub(1) as f64);
         values.get(index as usize).copied().unwrap_or_default()
     };
     let (a, b, c, d) = (get(-1.0), get(0.0), get(1.0), get(2.0));

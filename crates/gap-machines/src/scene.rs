@@ -20,7 +20,7 @@ const CROSSOVER: f64 = 6.0;
 pub struct Wish {
     /// Which.
     pub effect: Effect,
-    /// Its formula.
+    /// The wish's formula.
     pub formula: Formula,
     /// Root mean square of what it changes after the re-tune, over the noise.
     pub size: f64,
@@ -31,7 +31,7 @@ pub struct Wish {
 pub enum Setting {
     /// Experiments: several kinds of command.
     OpenLoop,
-    /// The same as references of a loop; the log has the command that the loop made.
+    /// As `OpenLoop`, as references of a loop; the log has the command that the loop made.
     ClosedLoop,
     /// Production only: one log, nothing held out.
     Operation,
@@ -79,7 +79,7 @@ pub struct Order {
 /// Signals of one record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// What it is.
+    /// What the record is.
     pub kind: Kind,
     /// Commands u1 and u2 in V; u2 is the neighbour's, also where the model has one axis.
     pub commands: [Vec<f64>; 2],

@@ -152,7 +152,7 @@ pub enum Problem {
         record: String,
         /// The row furthest from the grid, counted from 1.
         row: usize,
-        /// Its time in s.
+        /// The row's time in s.
         time: f64,
         /// Distance from the grid in periods.
         off: f64,
@@ -169,7 +169,7 @@ pub enum Problem {
         record: String,
         /// The column.
         column: String,
-        /// Its value.
+        /// The column's value.
         value: f64,
         /// Which samples.
         part: &'static str,
@@ -182,7 +182,7 @@ pub enum Problem {
     OtherPeriod {
         /// The record.
         record: String,
-        /// Its period in s.
+        /// The record's period in s.
         period: f64,
         /// The shortest one.
         first: f64,
@@ -198,7 +198,7 @@ pub enum Problem {
 pub struct SettingsProblem {
     /// The setting.
     pub setting: &'static str,
-    /// Its value.
+    /// The settings problem's value.
     pub value: f64,
     /// The rule that it breaks, and the way out.
     pub rule: &'static str,

@@ -46,7 +46,7 @@ pub struct RecordFit {
     pub held_out: Figures,
     /// The best straight line without delay on the rows fitted on.
     pub baseline_fitted: Figures,
-    /// The same on the rows held out.
+    /// As `baseline_fitted`, on the rows held out.
     pub baseline_held_out: Figures,
     /// Simulated position of every row, without offset.
     #[serde(skip)]
@@ -54,7 +54,7 @@ pub struct RecordFit {
     /// Measured less simulated position of every row, less the offset of the rows held out.
     #[serde(skip)]
     pub residual: Vec<f64>,
-    /// The same for the straight line.
+    /// As `residual`, for the straight line.
     #[serde(skip)]
     pub baseline_residual: Vec<f64>,
 }
@@ -64,14 +64,14 @@ pub struct RecordFit {
 pub struct Candidate {
     /// Name of its method; none for a straight line.
     pub method: Option<&'static str>,
-    /// Its components in the order of the signal path.
+    /// The candidate's components in the order of the signal path.
     pub structure: String,
     /// Root mean square error of the simulation over all rows held out, an offset per record taken
     /// out; `None` where the fit failed.
     pub held_out_rmse: Option<f64>,
-    /// The same in parts of the range of the rows held out, the largest of all records.
+    /// As `held_out_rmse`, in parts of the range of the rows held out, the largest of all records.
     pub held_out_nrmse: Option<f64>,
-    /// The same on the rows fitted on.
+    /// As `held_out_nrmse`, on the rows fitted on.
     pub fitted_nrmse: Option<f64>,
     /// Numbers that were fitted.
     pub parameters: usize,
@@ -114,7 +114,7 @@ pub struct Predicted {
 pub struct DeviationOutput {
     /// Samples that it runs on.
     pub centres: usize,
-    /// Its greatest difference from that of all samples on these rows, as a part of it.
+    /// The deviation output's greatest difference from that of all samples on these rows, as a part of it.
     pub apart: f64,
 }
 
@@ -138,7 +138,7 @@ pub struct Estimate {
 /// A correlation with another parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Correlation {
-    /// Its name.
+    /// The correlation's name.
     pub with: String,
     /// Correlation coefficient, from −1 to 1.
     pub coefficient: f64,

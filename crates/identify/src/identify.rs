@@ -142,7 +142,7 @@ struct Tried {
     /// Of a Gaussian process.
     predicted: Option<Predicted>,
     /// How it was learned.
-    said: Option<String>,
+    training_note: Option<String>,
     seconds: f64,
 }
 
@@ -362,7 +362,7 @@ impl<'a> Session<'a> {
             parameters,
             numbers: None,
             predicted: None,
-            said: None,
+            training_note: None,
             seconds: 0.0,
         })
     }
@@ -426,8 +426,8 @@ impl<'a> Session<'a> {
                 best.method.unwrap_or(STATIC),
                 100.0 * SIGNIFICANT_FALL
             );
-            if let Some(said) = &tried.said {
-                reason += &format!("; {said}");
+            if let Some(training_note) = &tried.training_note {
+                reason += &format!("; {training_note}");
             }
             if !open.is_empty() {
                 reason += &format!("; the records do not determine {}", open.join(", "));
@@ -548,13 +548,13 @@ impl<'a> Session<'a> {
         }
         let bounds: Vec<(f64, f64)> =
             CURVED.shape(scene).iter().map(|shape| (shape.lower, shape.upper)).collect();
-        let (component, said) = plays.learn(&lessons, period, &bounds, self.observer)?;
+        let (component, training_note) = plays.learn(&lessons, period, &bounds, self.observer)?;
         let chain = Chain::of(component);
         let actuator = Actuator::Chain(&chain);
         let mut tried =
             self.tried(Some(NETWORK), &actuator, solved.offset, linear, deviations, 1)?;
         tried.numbers = Some(plays.numbers());
-        tried.said = Some(said);
+        tried.training_note = Some(training_note);
         Ok(tried)
     }
 

@@ -41,4 +41,4 @@ pub use judge::{Figures, compare, simulate, simulate_axes};
 pub use methods::{is_learned, methods};
 pub use observer::{Observer, Silent};
 pub use record::{Columns, Record, Rows, records_of};
-pub use settings::{Dynamics, Learning, Methods, Settings, Target, Told};
+pub use settings::{Dynamics, FeatureChoice, Learning, Methods, Settings, Target};

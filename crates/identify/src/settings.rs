@@ -46,14 +46,14 @@ pub struct Learning {
     /// Support vectors that pruning leaves; none: the fewest centres on which a projection errs hardly more.
     pub prune: Option<usize>,
     /// What a machine is told.
-    pub features: Told,
+    pub features: FeatureChoice,
     /// Whether the plant of a process has the standard deviation that it predicts as an output.
     pub deviation: bool,
 }
 
 /// What a learned machine is told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Told {
+pub enum FeatureChoice {
     /// What its family takes by itself.
     #[default]
     Usual,

@@ -8,8 +8,8 @@ use common::{Random, target};
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint};
 use identify::learned::{Seek, Selection};
 use identify::{
-    Columns, Dynamics, Error, Identification, Learning, Methods, Observer, Record, Search,
-    Settings, Silent, Swarm, Told, Verdict, identify, methods, simulate,
+    Columns, Dynamics, Error, FeatureChoice, Identification, Learning, Methods, Observer, Record,
+    Search, Settings, Silent, Swarm, Verdict, identify, methods, simulate,
 };
 use learned::COMPONENTS;
 use model::Kind;
@@ -266,13 +266,13 @@ fn past_outputs_and_derivatives_are_learned_and_run_as_written() {
 #[test]
 fn a_process_has_its_deviation_as_an_output() {
     let record = lagging_loop();
-    let run = |method: &str, features: Told| {
+    let run = |method: &str, features: FeatureChoice| {
         let methods = Methods::Named(vec![method.to_owned()]);
         let learning = Learning { deviation: true, features, ..Learning::default() };
         let settings = Settings { plays: 20, methods, learning, ..Settings::default() };
         identify(std::slice::from_ref(&record), &target("found"), &settings, &mut Silent)
     };
-    let id = run("gp", Told::Inputs(6)).unwrap_or_else(|e| panic!("{e}"));
+    let id = run("gp", FeatureChoice::Inputs(6)).unwrap_or_else(|e| panic!("{e}"));
     let predicted = id.candidates.last().and_then(|candidate| candidate.predicted.clone());
     let predicted = predicted.unwrap_or_else(|| panic!("nothing predicted"));
     let output = predicted.output.clone().unwrap_or_else(|| panic!("no output"));
@@ -298,8 +298,10 @@ fn a_process_has_its_deviation_as_an_output() {
     println!("median {median}, greatest {greatest}");
     assert!((median / predicted.median - 1.0).abs() < 0.05, "{median} {predicted:?}");
     assert!(held_out[0] >= predicted.noise && greatest > 0.9 * predicted.greatest);
-    let error =
-        run("lssvm-narx", Told::Usual).map(|id| id.method).expect_err("refused").to_string();
+    let error = run("lssvm-narx", FeatureChoice::Usual)
+        .map(|id| id.method)
+        .expect_err("refused")
+        .to_string();
     assert!(error.contains("--deviation belongs to gp"), "{error}");
 }
 
@@ -314,9 +316,9 @@ fn inputs_selection_and_pruning_are_as_asked_for() {
     let cross = Selection::CrossValidation(5);
     let pruned =
         Learning { selection: Some((cross, Seek::Grid)), prune: Some(80), ..Learning::default() };
-    let rate = Learning { features: Told::Rate, ..Learning::default() };
-    let both = Learning { features: Told::Both, ..Learning::default() };
-    let twelve = Learning { features: Told::Inputs(12), ..Learning::default() };
+    let rate = Learning { features: FeatureChoice::Rate, ..Learning::default() };
+    let both = Learning { features: FeatureChoice::Both, ..Learning::default() };
+    let twelve = Learning { features: FeatureChoice::Inputs(12), ..Learning::default() };
     for (method, learning) in [("lssvm-narx", pruned), ("lssvm-stops", rate), ("gp", twelve)] {
         let id = run(method, learning).unwrap_or_else(|e| panic!("{method}: {e}"));
         let fit = &id.records[0];
@@ -339,7 +341,7 @@ fn inputs_selection_and_pruning_are_as_asked_for() {
             _ => assert_eq!(number("inputs"), 12.0),
         }
     }
-    for (method, learning, said) in [
+    for (method, learning, message) in [
         ("gp", pruned, "is not pruned"),
         ("lssvm-narx", rate, "the rate belongs to lssvm-stops"),
         ("lssvm-stops", twelve, "belong to gp"),
@@ -347,7 +349,7 @@ fn inputs_selection_and_pruning_are_as_asked_for() {
         ("gp", both, "belong to lssvm-term"),
     ] {
         let error = run(method, learning).map(|id| id.method).expect_err("refused").to_string();
-        assert!(error.contains(said), "{error}");
+        assert!(error.contains(message), "{error}");
     }
 }
 
@@ -361,9 +363,11 @@ fn slow_loop() -> Record {
 #[test]
 fn a_hysteresis_term_is_learned_over_commands_positions_or_both() {
     let record = slow_loop();
-    for (features, inputs, limit) in
-        [(Told::Command, 1.0, 0.02), (Told::Position, 2.0, 0.02), (Told::Both, 3.0, 0.02)]
-    {
+    for (features, inputs, limit) in [
+        (FeatureChoice::Command, 1.0, 0.02),
+        (FeatureChoice::Position, 2.0, 0.02),
+        (FeatureChoice::Both, 3.0, 0.02),
+    ] {
         let methods = Methods::Named(vec!["lssvm-term".to_owned()]);
         let learning = Learning { features, ..Learning::default() };
         let settings = Settings { plays: 20, methods, learning, ..Settings::default() };

@@ -72,7 +72,7 @@ struct Loaded {
     /// Of a straight line over the input.
     slope: f64,
     sum: KernelSum,
-    /// What it predicts of its own errors, with the declaration of this output.
+    /// What the loaded predicts of its own errors, with the declaration of this output.
     deviation: Option<(&'static Declaration, Deviation)>,
     table: Table,
 }

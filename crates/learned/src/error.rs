@@ -29,9 +29,9 @@ pub enum Error {
     /// A number that is not finite.
     #[error("{what} {index} is {value}, no finite number; correct the record")]
     NotFinite {
-        /// What it belongs to.
+        /// What the not finite belongs to.
         what: &'static str,
-        /// Its index from 0.
+        /// The what's index from 0.
         index: usize,
         /// The number.
         value: f64,
@@ -41,7 +41,7 @@ pub enum Error {
     Setting {
         /// Name of the setting.
         name: &'static str,
-        /// Its value.
+        /// The name's value.
         value: f64,
         /// The rule and the way out.
         rule: &'static str,

@@ -110,7 +110,7 @@ impl Features {
         self.continue_from(f, u, &mut memory, limit)
     }
 
-    /// The same from a given memory.
+    /// As `simulate`, from a given memory.
     pub fn continue_from(
         &self,
         f: &KernelSum,

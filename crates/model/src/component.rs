@@ -236,13 +236,13 @@ pub struct Declaration {
     pub name: &'static str,
     /// One sentence.
     pub summary: &'static str,
-    /// Its governing equation in plain text.
+    /// The declaration's governing equation in plain text.
     pub equation: &'static str,
     /// Where the equation comes from.
     pub reference: &'static str,
     /// Stage on the signal path.
     pub stage: Stage,
-    /// What it does to the path's kind of signal.
+    /// What the declaration does to the path's kind of signal.
     pub conversion: Conversion,
     /// The effect that it models; such a component can be switched off (`x.enabled`).
     pub effect: Option<&'static Effect>,
@@ -378,7 +378,7 @@ impl Undoing {
 /// per position is the reciprocal of one in position per command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Inverse {
-    /// Its type.
+    /// The inverse's type.
     pub kind: &'static str,
     /// How it does that.
     pub undoing: Undoing,

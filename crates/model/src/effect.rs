@@ -26,7 +26,7 @@ pub struct Effect {
     pub group: Option<Group>,
     /// How it shows in the residual.
     pub signature: &'static str,
-    /// What it is confused with.
+    /// What the effect is confused with.
     pub confused_with: &'static [&'static str],
     /// Which experiment tells them apart.
     pub experiment: &'static str,

@@ -80,7 +80,7 @@ pub struct Quantity {
     /// Whether it is the seed of noise: the component then sees it mixed with its own place in the
     /// model, so that two components never draw the same numbers.
     pub is_seed: bool,
-    /// What it is to others, where they ask.
+    /// What the quantity is to others, where they ask.
     pub role: Option<Role>,
     /// The effect that a machine has where this quantity is off by more than its tolerance.
     pub releases: Option<&'static Effect>,

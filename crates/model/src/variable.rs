@@ -43,7 +43,7 @@ pub struct Variable {
     pub data_type: DataType,
     /// Unit as text; empty for none.
     pub unit: String,
-    /// The same unit as factor and exponents.
+    /// The unit as factor and exponents.
     pub si: Unit,
     /// Causality and, for parameters, variability.
     pub causality: Causality,
@@ -64,9 +64,9 @@ pub struct Variable {
 /// What has to be known about a variable each time it is read or set.
 #[derive(Clone, Copy, Debug)]
 pub struct Gate {
-    /// Its type.
+    /// The gate's type.
     pub data_type: DataType,
-    /// Its causality.
+    /// The gate's causality.
     pub causality: Causality,
     /// Values that can be set lie between these two; none does for an output.
     least: f64,

@@ -98,7 +98,7 @@ impl Kept {
         let mut columns: Vec<(String, &str, &[f64])> = Vec::new();
         let rows = run.rows();
         for (what, unit, all) in [
-            ("reference", "um", &run.told),
+            ("reference", "um", &run.previewed),
             ("command", "V", &run.command),
             ("position", "um", &run.position),
         ] {

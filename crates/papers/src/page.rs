@@ -63,13 +63,13 @@ fn key_figure(one: &Reproduction) -> KeyFigure {
 
 fn figures(one: &Reproduction) -> Section {
     let paper = one.paper.to_uppercase();
-    let ratio = |row: &Row, at: usize| told(ratio(row).map(|ratio| ratio[at]));
+    let ratio = |row: &Row, at: usize| finite(ratio(row).map(|ratio| ratio[at]));
     let columns: [Shown<'_>; 9] = [
         ("figure", &|row| in_unit(&row.what, row.unit).into()),
         ("paper", &|row| row.paper.into()),
         ("its method here", &|row| row.own.into()),
-        ("ours", &|row| told(row.ours)),
-        ("another way", &|row| told(row.other)),
+        ("ours", &|row| finite(row.ours)),
+        ("another way", &|row| finite(row.other)),
         ("ratio to the baseline, paper", &|row| ratio(row, 0)),
         ("ratio to the baseline, here", &|row| ratio(row, 1)),
         ("verdict", &|row| word(row.verdict).into()),
@@ -116,7 +116,7 @@ fn filled(caption: String, columns: &[Shown<'_>], rows: &[Row]) -> Table {
     rows.iter().fold(table, |table, row| table.row(used.iter().map(|(_, of)| of(row))))
 }
 
-fn told(value: Option<f64>) -> Value {
+fn finite(value: Option<f64>) -> Value {
     value.map_or_else(|| Value::from(""), Value::from)
 }
 
@@ -200,8 +200,8 @@ mod tests {
         let columns: [Shown<'_>; 5] = [
             ("figure", &|row| in_unit(&row.what, row.unit).into()),
             ("own", &|row| row.own.into()),
-            ("ours", &|row| told(row.ours)),
-            ("other", &|row| told(row.other)),
+            ("ours", &|row| finite(row.ours)),
+            ("other", &|row| finite(row.other)),
             ("verdict", &|row| word(row.verdict).into()),
         ];
         let rows = [row(None, Verdict::NotJudged), row(Some(0.2), Verdict::NotReached)];

@@ -6,7 +6,7 @@ use papers::reproduce::{self, Aim, Effort, Reproduction, Row, Verdict};
 use sha2::{Digest, Sha256};
 
 fn models(paper: &str) -> Reproduction {
-    reproduce::run(paper, Effort::Whole, &|_| ())
+    reproduce::run(paper, Effort::Full, &|_| ())
         .unwrap_or_else(|error| panic!("{paper}: {error:#}"))
 }
 

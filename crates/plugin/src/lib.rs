@@ -60,7 +60,7 @@ pub enum PluginError {
     Version {
         /// File.
         path: PathBuf,
-        /// Its version.
+        /// The path's version.
         version: u32,
     },
     /// `open` failed.
@@ -68,9 +68,9 @@ pub enum PluginError {
     Open {
         /// File.
         path: PathBuf,
-        /// What it returned.
+        /// What the path returned.
         code: i32,
-        /// What it says.
+        /// What the code says.
         text: String,
     },
 }
@@ -136,7 +136,7 @@ impl Plugin {
         // through the call.
         let code = unsafe { open(text.as_ptr(), channels as u32, period, &raw mut card) };
         if code != GOOD {
-            let text = said(last_error, ptr::null_mut());
+            let text = message(last_error, ptr::null_mut());
             return Err(PluginError::Open { path, code, text });
         }
         let positions = vec![0.0; channels + GUARD].into();
@@ -153,7 +153,7 @@ impl Plugin {
         })
     }
 
-    /// What it says about its card; none if it says nothing.
+    /// What the plugin says about its card; none if it says nothing.
     pub fn describe(&mut self) -> Option<String> {
         let mut text = vec![0_u8; TEXT];
         // SAFETY: the card is open, the buffer as long as is said.
@@ -202,7 +202,7 @@ impl Plugin {
             GOOD => {}
             NO_SAMPLE => return Ok(None),
             code => {
-                let text = said(self.last_error, self.card);
+                let text = message(self.last_error, self.card);
                 return Err(format!("{name}: {text} (code {code})"));
             }
         }
@@ -237,7 +237,7 @@ fn function<T: Copy>(library: &Library, path: &Path, name: &'static str) -> Resu
 }
 
 /// What the library says about its newest error.
-fn said(last_error: LastErrorFn, card: *mut c_void) -> String {
+fn message(last_error: LastErrorFn, card: *mut c_void) -> String {
     // SAFETY: the card is the library's own, or NULL after a failed open, as gateway.h says.
     let text = unsafe { last_error(card) };
     let mut bytes = Vec::new();

@@ -32,7 +32,7 @@ pub struct Report {
     pub key_figures: Vec<KeyFigure>,
     /// The evidence.
     pub sections: Vec<Section>,
-    /// What it was made from; shown last.
+    /// What the report was made from; shown last.
     pub provenance: Provenance,
 }
 
@@ -233,7 +233,7 @@ impl Report {
     /// # Errors
     /// Those of [`Report::to_html`], and [`ReportError::Write`].
     pub fn write_html(&self, path: impl AsRef<Path>) -> Result<(), ReportError> {
-        write::whole(path.as_ref(), &self.to_html()?)
+        write::complete(path.as_ref(), &self.to_html()?)
     }
 
     /// Writes the JSON, whole or not at all.
@@ -241,6 +241,6 @@ impl Report {
     /// # Errors
     /// Those of [`Report::to_json`], and [`ReportError::Write`].
     pub fn write_json(&self, path: impl AsRef<Path>) -> Result<(), ReportError> {
-        write::whole(path.as_ref(), &self.to_json()?)
+        write::complete(path.as_ref(), &self.to_json()?)
     }
 }

@@ -14,18 +14,18 @@ pub struct Diagram {
 /// One signal path, from left to right.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Lane {
-    /// Its name, such as an axis.
+    /// The lane's name, such as an axis.
     pub label: String,
-    /// Its stages.
+    /// The lane's stages.
     pub stages: Vec<Stage>,
 }
 
 /// One stage of a [`Lane`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stage {
-    /// What it looks like.
+    /// What the stage looks like.
     pub look: Look,
-    /// Its name.
+    /// The stage's name.
     pub name: String,
     /// A few words more, such as its type or unit; may be empty.
     pub detail: String,

@@ -86,10 +86,10 @@ fn trim_zeros(text: &str) -> &str {
 /// Sets groups of three apart (narrow no-break space) and writes a real minus.
 fn decorate(text: &str) -> String {
     let (sign, digits) = text.strip_prefix('-').map_or(("", text), |rest| ("−", rest));
-    let (whole, fraction) = digits.split_once('.').map_or((digits, None), |(w, f)| (w, Some(f)));
+    let (complete, fraction) = digits.split_once('.').map_or((digits, None), |(w, f)| (w, Some(f)));
     let mut out = sign.to_owned();
-    for (i, c) in whole.chars().enumerate() {
-        if whole.len() > 4 && i > 0 && (whole.len() - i).is_multiple_of(3) {
+    for (i, c) in complete.chars().enumerate() {
+        if complete.len() > 4 && i > 0 && (complete.len() - i).is_multiple_of(3) {
             out.push('\u{202f}');
         }
         out.push(c);

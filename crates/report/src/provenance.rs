@@ -31,13 +31,13 @@ pub struct Provenance {
 /// A file that was read, with its fingerprint.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputFile {
-    /// What it was used as: `log`, `blueprint`, `FMU`, …
+    /// What the input file was used as: `log`, `blueprint`, `FMU`, …
     pub role: String,
     /// The path as it was given.
     pub path: String,
-    /// Its SHA-256, in hexadecimal.
+    /// The input file's SHA-256, in hexadecimal.
     pub sha256: String,
-    /// Its size in bytes.
+    /// The input file's size in bytes.
     pub bytes: u64,
 }
 

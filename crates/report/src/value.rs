@@ -159,13 +159,13 @@ impl Target {
 /// One figure that matters, shown large at the top of the page.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct KeyFigure {
-    /// What it is, in a few words.
+    /// What the key figure is, in a few words.
     pub label: String,
     /// The value.
     pub value: Value,
-    /// Its unit as the tool writes units (`um`, `Hz`, `% of range`); empty for none.
+    /// The key figure's unit as the tool writes units (`um`, `Hz`, `% of range`); empty for none.
     pub unit: String,
-    /// What it is held against, if anything.
+    /// What the key figure is held against, if anything.
     pub target: Option<Target>,
     /// Whether it meets the target.
     pub outcome: Outcome,

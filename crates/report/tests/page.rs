@@ -190,36 +190,36 @@ fn hostile_names_stay_text() {
 
 #[test]
 fn odd_data_is_said_on_the_page() {
-    let said = |figure: Figure, words: &str| {
+    let message = |figure: Figure, words: &str| {
         let page = with_figures(vec![figure]).to_html().unwrap();
         assert!(page.contains(words), "`{words}` is not on the page");
     };
     let time = [0.0, 1.0, 2.0];
     let series = |values: &[f64]| TimeSeries::new("t", &time).measured("y", "um", values).into();
-    said(series(&[]), "“y” holds 0 values for 3 points in time");
-    said(series(&[]), "no data");
-    said(series(&[1.0, 2.0]), "only the first 2 are drawn");
-    said(series(&[f64::NAN; 3]), "none of its 3 samples is a finite number");
-    said(series(&[1.0, f64::INFINITY, 3.0]), "1 of 3 samples are not finite numbers");
-    said(series(&[4.0; 3]), "“y” is constant: 4 µm");
-    said(
+    message(series(&[]), "“y” holds 0 values for 3 points in time");
+    message(series(&[]), "no data");
+    message(series(&[1.0, 2.0]), "only the first 2 are drawn");
+    message(series(&[f64::NAN; 3]), "none of its 3 samples is a finite number");
+    message(series(&[1.0, f64::INFINITY, 3.0]), "1 of 3 samples are not finite numbers");
+    message(series(&[4.0; 3]), "“y” is constant: 4 µm");
+    message(
         TimeSeries::new("t", &[0.0, 2.0, 1.0]).measured("y", "um", &[1.0, 2.0, 3.0]).into(),
         "The time does not increase at sample 3",
     );
-    said(
+    message(
         TimeSeries::new("t", &time)
             .measured("y", "um", &[1.0, 2.0, 3.0])
             .marker(f64::NAN, "m")
             .into(),
         "The mark “m” is not drawn",
     );
-    said(
+    message(
         Spectrum::new("s", Axis::new("a", "um"))
             .trace(Role::Other, "y", &[0.0, 1.0, 2.0], &[1.0, -1.0, 1.0])
             .into(),
         "1 of 2 lines are not drawn",
     );
-    said(TimeSeries::new("nothing", &[]).into(), "no data");
+    message(TimeSeries::new("nothing", &[]).into(), "no data");
 }
 
 proptest! {

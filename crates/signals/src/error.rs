@@ -81,7 +81,7 @@ pub enum Problem {
     Rule {
         /// Name of the parameter.
         name: &'static str,
-        /// Its value.
+        /// The name's value.
         value: f64,
         /// Unit of the parameter.
         unit: &'static str,

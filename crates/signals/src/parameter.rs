@@ -17,7 +17,7 @@ pub struct Parameter {
     /// Greatest value allowed.
     pub max: f64,
     /// Whether it must be a whole number.
-    pub whole: bool,
+    pub integer: bool,
 }
 
 impl Parameter {
@@ -28,26 +28,26 @@ impl Parameter {
         description: &'static str,
         [start, min, max]: [f64; 3],
     ) -> Self {
-        Self { name, unit, description, start, min, max, whole: false }
+        Self { name, unit, description, start, min, max, integer: false }
     }
 
     /// A count or another whole number.
-    pub(crate) const fn whole(
+    pub(crate) const fn integer(
         name: &'static str,
         description: &'static str,
         [start, min, max]: [u64; 3],
     ) -> Self {
         let [start, min, max] = [start as f64, min as f64, max as f64];
-        Self { name, unit: "1", description, start, min, max, whole: true }
+        Self { name, unit: "1", description, start, min, max, integer: true }
     }
 
-    /// The same with another start value.
+    /// This parameter with another start value.
     pub(crate) const fn start(mut self, value: f64) -> Self {
         self.start = value;
         self
     }
 
-    /// The same with another greatest value.
+    /// This parameter with another greatest value.
     pub(crate) const fn max(mut self, value: f64) -> Self {
         self.max = value;
         self
@@ -79,7 +79,7 @@ pub(crate) const HIGH: Parameter =
     Parameter::real("high", "V", "Greatest value of the signal.", [100.0, -1e4, 1e4]);
 
 /// Seed of the random numbers.
-pub(crate) const SEED: Parameter = Parameter::whole(
+pub(crate) const SEED: Parameter = Parameter::integer(
     "seed",
     "Seed of the random numbers (ChaCha8); the same seed gives the same bits on every machine.",
     [1, 0, 1 << 53],

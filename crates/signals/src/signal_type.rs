@@ -198,10 +198,10 @@ impl SignalType {
 
 /// Whether a single value keeps its own bounds; a value that is no number keeps none.
 fn out_of_bounds(parameter: &Parameter, value: f64) -> Option<Problem> {
-    let &Parameter { name, unit, min, max, whole, .. } = parameter;
+    let &Parameter { name, unit, min, max, integer, .. } = parameter;
     if !(min..=max).contains(&value) {
         Some(Problem::OutOfRange { name, value, unit, min, max })
-    } else if whole && value.fract() != 0.0 {
+    } else if integer && value.fract() != 0.0 {
         Some(Problem::NotWhole { name, value })
     } else {
         None

@@ -44,7 +44,7 @@ fn declarations_are_complete() {
                 kind.name,
                 p.name
             );
-            assert!(!p.whole || [p.start, p.min, p.max].iter().all(|v| v.fract() == 0.0));
+            assert!(!p.integer || [p.start, p.min, p.max].iter().all(|v| v.fract() == 0.0));
         }
         for channel in kind.channels {
             assert!(Unit::parse(channel.unit).is_ok() && !channel.name.contains(','));
@@ -92,9 +92,9 @@ fn the_grid_is_exact() {
 /// Whether one of some other values of a parameter is accepted and changes the signal.
 fn matters(kind: &SignalType, parameter: &Parameter, normal: &Signal) -> bool {
     let start = parameter.start;
-    let whole = |v: f64| if parameter.whole { v.round() } else { v };
+    let integer = |v: f64| if parameter.integer { v.round() } else { v };
     let others = [0.5 * start, 0.9 * start, start + 1.0, start + 0.1, 1.3 * start, 3.0 * start];
-    others.into_iter().map(whole).filter(|v| *v != start).any(|value| {
+    others.into_iter().map(integer).filter(|v| *v != start).any(|value| {
         kind.generate(&[(parameter.name, value)]).is_ok_and(|changed| changed != *normal)
     })
 }
@@ -196,7 +196,7 @@ proptest! {
         let kind = all().nth(at).expect("an index of the registry");
         let draw = |(p, (part, near)): (&Parameter, &(f64, bool))| {
             let value = if *near { p.start * (0.25 + 2.0 * part) } else { p.min + part * (p.max - p.min) };
-            (p.name, if p.whole { value.round() } else { value })
+            (p.name, if p.integer { value.round() } else { value })
         };
         let given: Vec<(&str, f64)> = kind.parameters.iter().zip(&draws).map(draw).collect();
         let Ok(settings) = kind.checked(&given) else { return Ok(()) };

@@ -26,7 +26,7 @@ struct Case {
 fn cases() -> Vec<Case> {
     let examples = examples::EXAMPLES
         .iter()
-        .map(|example| (example.0, examples::around(examples::node(example))));
+        .map(|example| (example.0, examples::system_of(examples::node(example))));
     let mut all: Vec<Case> =
         examples.map(|(name, spec)| Case { name: name.into(), spec, is_learned: false }).collect();
     all.extend(learned_examples::all().into_iter().map(|(name, is_learned, spec)| Case {
@@ -159,9 +159,9 @@ fn run(program: &Path, runner: &[String], arguments: &[&Path]) -> String {
     words.push(program.as_os_str());
     words.extend(arguments.iter().map(|path| path.as_os_str()));
     let output = Command::new(words[0]).args(&words[1..]).output().expect("the program starts");
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
-    said
+    let message = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{message}{}", String::from_utf8_lossy(&output.stderr));
+    message
 }
 
 fn hash(values: &[f64]) -> u64 {
@@ -240,10 +240,10 @@ fn every_component_and_machine_gives_the_bits_of_the_native_code() {
     std::fs::write(&path, &file).expect("a file");
     let runner = std::env::var("PIEZOLOOP_RUN").unwrap_or_default();
     let runner: Vec<String> = runner.split_whitespace().map(str::to_owned).collect();
-    let said = run(&program, &runner, &[&path]);
+    let message = run(&program, &runner, &[&path]);
     let mut wrong = String::new();
-    let lines: Vec<&str> = said.lines().collect();
-    assert_eq!(lines.len(), cases.len(), "{said}");
+    let lines: Vec<&str> = message.lines().collect();
+    assert_eq!(lines.len(), cases.len(), "{message}");
     let tail = answers(&program, &runner, &cases, steps, folder.path());
     for (case, found) in cases.iter().filter(|case| case.is_learned).zip(&tail) {
         let (values, _) = &wanted[cases.iter().position(|c| c.name == case.name).expect("it")];

@@ -37,7 +37,7 @@ pub enum Block {
         half: f64,
         /// Of so many codes one is missing.
         every: u32,
-        /// Which one.
+        /// Which of these codes is missing.
         missing: u32,
     },
     /// Equal first-order lags in series: bandwidth of each in Hz.
@@ -231,14 +231,14 @@ pub enum Block {
         /// Value of the signal that changes nothing.
         zero: f64,
     },
-    /// The same through a first-order lag: a, bandwidth in Hz.
+    /// As `Auxiliary`, through a first-order lag: a, bandwidth in Hz.
     LaggedAuxiliary {
         /// Range of the signal over that of the path.
         scale: f64,
         /// Value of the signal that changes nothing.
         zero: f64,
     },
-    /// The same through a mode: a, frequency in Hz, damping.
+    /// As `LaggedAuxiliary`, through a mode: a, frequency in Hz, damping.
     ModalAuxiliary {
         /// Range of the signal over that of the path.
         scale: f64,

@@ -18,6 +18,7 @@ mod linear;
 mod map;
 mod mechanics;
 mod memory;
+mod port_variable;
 mod rated;
 mod repair;
 mod span;
@@ -25,13 +26,13 @@ mod state;
 mod surround;
 mod tangent;
 mod warmth;
-mod whole;
 
 pub use block::Block;
 pub use kernel::{Count, Kernel, Signals, Wires, WrongCount, exactly};
 pub use linear::time_of;
 pub use map::code;
 pub use mechanics::{Acting, Force, ForcedMode};
+pub use port_variable::PortVariable;
 pub use rated::Growth;
 pub use repair::{
     Change, Effect, Error, FILE, FORMAT, Original, Parameter, Piece, Port, Repair, Side, Variable,
@@ -41,4 +42,3 @@ pub use state::State;
 pub use surround::{Surround, Unset};
 pub use tangent::{Directions, Jump};
 pub use warmth::Loss;
-pub use whole::Whole;

@@ -42,7 +42,7 @@ impl Force {
     fn parts(self, angle: f64) -> u8 {
         /// Greatest angle of a part with a smooth force.
         const SMOOTH: f64 = 0.4;
-        /// The same with friction.
+        /// As `SMOOTH`, with friction.
         const FRICTION: f64 = 0.25;
         let (greatest, most) = if self.is_smooth() { (SMOOTH, 64.0) } else { (FRICTION, 3.0) };
         (angle / greatest).ceil().clamp(1.0, most) as u8
@@ -72,13 +72,13 @@ impl Force {
 #[derive(Clone, Copy, Debug)]
 pub struct Acting {
     force: Force,
-    /// Its parameters, with zeros behind them.
+    /// Parameters of that force, with zeros behind them.
     p: [f64; 4],
     far: f64,
 }
 
 impl Acting {
-    /// What it is.
+    /// Kind of force.
     #[must_use]
     pub fn force(&self) -> Force {
         self.force
@@ -393,9 +393,9 @@ mod tests {
                 let squares = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
                 (squares / a.len() as f64).sqrt()
             };
-            let (whole, fine) = (run(force, p, 1), run(force, p, FINE));
+            let (complete, fine) = (run(force, p, 1), run(force, p, FINE));
             let effect = rms(&fine, &run(Force::Cubic, &[0.0], 1));
-            let part = rms(&whole, &fine) / effect;
+            let part = rms(&complete, &fine) / effect;
             assert!(part < bound, "{force:?} {p:?}: {part} of what the force does");
         }
     }

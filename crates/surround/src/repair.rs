@@ -52,9 +52,9 @@ pub struct Repair {
 pub struct Original {
     /// Version of the standard, `2.0` or `3.0`.
     pub fmi: String,
-    /// Its `modelIdentifier`.
+    /// The original's `modelIdentifier`.
     pub identifier: String,
-    /// Its GUID.
+    /// The original's GUID.
     pub token: String,
     /// SHA-256 of its archive.
     pub sha256: String,
@@ -76,7 +76,7 @@ pub struct Variable {
 pub struct Port {
     /// Name of the element.
     pub name: String,
-    /// Its variable.
+    /// The port's variable.
     pub variable: Variable,
     /// Number of the element, from 0.
     #[serde(default)]
@@ -114,16 +114,16 @@ pub struct Change {
 pub struct Effect {
     /// Name before the dot of its variables.
     pub name: String,
-    /// What it is.
+    /// What the effect is.
     pub description: String,
     /// Start value of `<name>.enabled`.
     pub enabled: bool,
     /// Value reference of `<name>.enabled`.
     pub reference: u32,
-    /// Its parameters.
+    /// The effect's parameters.
     #[serde(default, rename = "parameter")]
     pub parameters: Vec<Parameter>,
-    /// What it does.
+    /// What the effect does.
     #[serde(default, rename = "block")]
     pub blocks: Vec<Piece>,
 }

@@ -1,10 +1,10 @@
 //! Effects around one instance of the original.
 
 use crate::kernel::{Kernel, Wires};
+use crate::port_variable::{PortVariable, port_variables};
 use crate::repair::{Error, Piece, Port, Repair, Side};
 use crate::state::State;
 use crate::tangent::Last;
-use crate::whole::{Whole, whole};
 
 /// Why one of the repair's own variables is not set.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -57,9 +57,9 @@ pub struct Surround {
     own: Vec<(u32, Own)>,
     pub(crate) values: Vec<Vec<f64>>,
     pub(crate) enabled: Vec<bool>,
-    pub(crate) inputs: Vec<Whole>,
-    pub(crate) outputs: Vec<Whole>,
-    pub(crate) changed: Vec<Whole>,
+    pub(crate) inputs: Vec<PortVariable>,
+    pub(crate) outputs: Vec<PortVariable>,
+    pub(crate) changed: Vec<PortVariable>,
     /// Blocks of enabled effects in the order of the path; inputs' first.
     links: Vec<Link>,
     pub(crate) states: Vec<State>,
@@ -81,7 +81,7 @@ impl Surround {
     /// What [`Repair::check`] says.
     pub fn new(repair: Repair) -> Result<Self, Error> {
         repair.check()?;
-        let inputs = whole(&repair.inputs);
+        let inputs = port_variables(&repair.inputs);
         let mut own: Vec<(u32, Own)> = Vec::new();
         for (e, effect) in repair.effects.iter().enumerate() {
             own.push((effect.reference, Own::Enabled(e)));
@@ -91,13 +91,17 @@ impl Surround {
         let added = inputs.iter().enumerate().filter(|(_, v)| v.own);
         own.extend(added.map(|(k, v)| (v.reference, Own::Input(k))));
         own.sort_by_key(|(reference, _)| *reference);
-        let mut changed: Vec<Whole> = Vec::new();
+        let mut changed: Vec<PortVariable> = Vec::new();
         for change in &repair.changes {
             if changed.iter().all(|w| w.reference != change.variable.reference) {
-                changed.push(Whole::new(change.variable.reference, &change.variable.start, false));
+                changed.push(PortVariable::new(
+                    change.variable.reference,
+                    &change.variable.start,
+                    false,
+                ));
             }
         }
-        let outputs = whole(&repair.outputs);
+        let outputs = port_variables(&repair.outputs);
         let mut surround = Self {
             own,
             inputs,
@@ -118,7 +122,7 @@ impl Surround {
         Ok(surround)
     }
 
-    /// What it was made from.
+    /// What the surround was made from.
     #[must_use]
     pub fn repair(&self) -> &Repair {
         &self.repair
@@ -253,7 +257,7 @@ impl Surround {
     }
 
     /// The changed parameters as the original gets them.
-    pub fn changed(&mut self) -> &[Whole] {
+    pub fn changed(&mut self) -> &[PortVariable] {
         for at in 0..self.changed.len() {
             self.change(at);
         }
@@ -274,12 +278,12 @@ impl Surround {
 
     /// The inputs, with what the original gets.
     #[must_use]
-    pub fn inputs(&self) -> &[Whole] {
+    pub fn inputs(&self) -> &[PortVariable] {
         &self.inputs
     }
 
     /// The outputs; what the original says goes into `inner`.
-    pub fn outputs(&mut self) -> &mut [Whole] {
+    pub fn outputs(&mut self) -> &mut [PortVariable] {
         &mut self.outputs
     }
 
@@ -431,9 +435,9 @@ impl Surround {
 
     /// The signal of an input in SI, as the host sets it.
     fn input(&self, port: usize) -> f64 {
-        let told = &self.repair.inputs[port];
+        let described = &self.repair.inputs[port];
         let variable = self.inputs.iter().find(|v| v.ports.contains(&port));
-        variable.map_or(0.0, |v| v.shown[told.element] * told.factor + told.offset)
+        variable.map_or(0.0, |v| v.shown[described.element] * described.factor + described.offset)
     }
 
     /// Runs the blocks of the outputs; a `dt` of 0 is rest.
@@ -442,13 +446,14 @@ impl Surround {
         let [mut auxiliary, mut signals, mut before] = std::mem::take(&mut self.scratch);
         auxiliary.clear();
         auxiliary.extend((0..self.repair.inputs.len()).map(|k| self.input(k)));
-        let of = |p: usize, all: &[Whole], told: &Port| {
+        let of = |p: usize, all: &[PortVariable], described: &Port| {
             let variable = all.iter().find(|v| v.ports.contains(&p));
-            variable.map_or(0.0, |v| v.inner[told.element] * told.factor + told.offset)
+            variable
+                .map_or(0.0, |v| v.inner[described.element] * described.factor + described.offset)
         };
         let ports = self.repair.outputs.iter().enumerate();
         signals.clear();
-        signals.extend(ports.map(|(k, told)| of(k, &self.outputs, told)));
+        signals.extend(ports.map(|(k, described)| of(k, &self.outputs, described)));
         before.clone_from(&signals);
         let (t, drives) = (self.time, &self.drives);
         for (link, state) in self.links.iter_mut().zip(&mut self.states) {

@@ -1,9 +1,9 @@
 //! Derivatives of the effects in a direction, for the chain rule around those of the original.
 
+use crate::port_variable::PortVariable;
 use crate::repair::Repair;
 use crate::state::State;
 use crate::surround::{Own, Surround};
-use crate::whole::Whole;
 
 /// Directions of variables: value reference, and a number for each element.
 pub type Directions = Vec<(u32, Vec<f64>)>;
@@ -41,7 +41,7 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl Last {
     /// Notes with what a step, or rest, begins.
-    pub(crate) fn note(&mut self, dt: f64, inputs: &[Whole], states: &[State]) {
+    pub(crate) fn note(&mut self, dt: f64, inputs: &[PortVariable], states: &[State]) {
         self.dt = dt;
         self.inputs.resize(inputs.len(), Vec::new());
         for (held, variable) in self.inputs.iter_mut().zip(inputs) {
@@ -60,7 +60,10 @@ impl Last {
     }
 
     /// From what [`save`](Self::save) wrote, for these inputs.
-    pub(crate) fn load(inputs: &[Whole], from: &mut impl Iterator<Item = f64>) -> Option<Self> {
+    pub(crate) fn load(
+        inputs: &[PortVariable],
+        from: &mut impl Iterator<Item = f64>,
+    ) -> Option<Self> {
         let (dt, parts, is_noted) = (from.next()?, from.next()? as u32, from.next()? != 0.0);
         let mut held = Vec::new();
         for variable in inputs.iter().filter(|_| is_noted) {
@@ -91,7 +94,7 @@ impl Surround {
     /// # Errors
     /// [`Jump`].
     pub fn inner_directions(&self, knowns: &Directions) -> Result<Directions, Jump> {
-        let inputs: Vec<&Whole> = self.inputs.iter().filter(|v| !v.own).collect();
+        let inputs: Vec<&PortVariable> = self.inputs.iter().filter(|v| !v.own).collect();
         let read = |it: &Self| -> Vec<f64> {
             it.inputs.iter().filter(|v| !v.own).flat_map(|v| v.inner.iter().copied()).collect()
         };
@@ -114,7 +117,7 @@ impl Surround {
         knowns: &Directions,
         inner: &Directions,
     ) -> Result<Directions, Jump> {
-        let outputs: Vec<&Whole> = self.outputs.iter().collect();
+        let outputs: Vec<&PortVariable> = self.outputs.iter().collect();
         let read = |it: &Self| -> Vec<f64> {
             it.outputs.iter().flat_map(|v| v.shown.iter().copied()).collect()
         };
@@ -123,7 +126,7 @@ impl Surround {
     }
 
     /// A changed parameter moves with the host's value and with what effects add to it.
-    fn changed_direction(&self, variable: &Whole, knowns: &Directions) -> Vec<f64> {
+    fn changed_direction(&self, variable: &PortVariable, knowns: &Directions) -> Vec<f64> {
         let mut direction = vec![0.0; variable.inner.len()];
         for (reference, seed) in knowns {
             if *reference == variable.reference {
@@ -233,14 +236,14 @@ impl Surround {
 }
 
 /// Numbers one after the other, by variable.
-fn split(variables: &[&Whole], numbers: &[f64]) -> Directions {
+fn split(variables: &[&PortVariable], numbers: &[f64]) -> Directions {
     let mut numbers = numbers.iter().copied();
-    let of = |v: &&Whole| (v.reference, numbers.by_ref().take(v.inner.len()).collect());
+    let of = |v: &&PortVariable| (v.reference, numbers.by_ref().take(v.inner.len()).collect());
     variables.iter().map(of).collect()
 }
 
 /// The variable to which the number at a place belongs.
-fn named(variables: &[&Whole], at: usize) -> Jump {
+fn named(variables: &[&PortVariable], at: usize) -> Jump {
     let mut end = 0;
     let found = variables.iter().find(|v| {
         end += v.inner.len();

@@ -11,18 +11,18 @@ use crate::linear::approach;
 pub enum Loss {
     /// The square of the drive's rate, as in a resistance.
     Rate {
-        /// Its mean.
+        /// The rate's mean.
         mean: f64,
     },
     /// The rate times the drive, voltage times current.
     Apparent {
-        /// Its mean.
+        /// The apparent's mean.
         mean: f64,
     },
     /// The rate times the distance from the centre, as the area of loops: the same at every rate of a
     /// loop, f·V².
     Loops {
-        /// Its mean.
+        /// The loops' mean.
         mean: f64,
         /// The centre.
         centre: f64,
@@ -99,9 +99,9 @@ pub(crate) struct Warming {
 pub(crate) struct Warmth {
     /// Time constant in s.
     pub(crate) time: f64,
-    /// What it adds to the path.
+    /// What the warmth adds to the path.
     pub(crate) growth: f64,
-    /// What it adds to the gain.
+    /// What the warmth adds to the gain.
     pub(crate) gain: f64,
     /// Part of the way to the power in a step.
     pub(crate) fraction: f64,

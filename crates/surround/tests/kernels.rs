@@ -162,7 +162,7 @@ fn wires([x, drive, aux]: &[Vec<f64>; 3], n: usize) -> Wires {
     Wires { x: x[n], drive: drive[n], aux: aux[n] }
 }
 
-fn whole(kernel: &Kernel, [x, drive, aux]: &[Vec<f64>; 3]) -> Vec<f64> {
+fn complete(kernel: &Kernel, [x, drive, aux]: &[Vec<f64>; 3]) -> Vec<f64> {
     let mut out = vec![0.0; x.len()];
     kernel.run(Signals { x, drive, aux }, &mut out);
     out
@@ -237,7 +237,7 @@ fn a_repaired_fmu_computes_what_whole_signals_give_bit_for_bit() {
     let all_signals = signals();
     for (block, p) in all() {
         let kernel = block.prepare(&p, STEP).unwrap();
-        let wanted = whole(&kernel, &all_signals);
+        let wanted = complete(&kernel, &all_signals);
         let mut fmu = Surround::new(repair(&block, &p)).unwrap();
         let mut shown = Vec::new();
         for n in 0..ROWS {

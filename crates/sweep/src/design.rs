@@ -15,7 +15,7 @@ pub struct Target {
     pub kind: ColumnKind,
     /// Unit.
     pub unit: Option<String>,
-    /// Its value where nothing varies.
+    /// The target's value where nothing varies.
     pub start: Option<f64>,
     /// Least value allowed.
     pub min: f64,
@@ -37,7 +37,7 @@ enum Checked {
     Normal { mean: f64, deviation: f64 },
     Uniform { low: f64, high: f64 },
     LogUniform { low: f64, high: f64 },
-    Whole { low: i64, high: i64 },
+    Integer { low: i64, high: i64 },
     Choice(Vec<Cell>),
     Grid(Vec<Cell>),
 }
@@ -197,12 +197,12 @@ fn draw(law: &Checked, target: &Target, seed: u64, run: u64) -> Result<Cell, Str
             let value = libm::exp(draw.between(libm::log(*low), libm::log(*high)));
             Cell::Real(value.clamp(*low, *high))
         }
-        Checked::Whole { low, high } => match target.kind {
-            ColumnKind::Real => Cell::Real(draw.whole(*low, *high) as f64),
-            _ => Cell::Whole(draw.whole(*low, *high)),
+        Checked::Integer { low, high } => match target.kind {
+            ColumnKind::Real => Cell::Real(draw.integer(*low, *high) as f64),
+            _ => Cell::Integer(draw.integer(*low, *high)),
         },
         Checked::Choice(cells) | Checked::Grid(cells) => {
-            let at = draw.whole(0, cells.len() as i64 - 1);
+            let at = draw.integer(0, cells.len() as i64 - 1);
             cells.get(at as usize).cloned().unwrap_or(Cell::Missing)
         }
     })
@@ -214,7 +214,7 @@ type Refusal = (String, &'static str);
 fn check(law: &Law, target: &Target) -> Result<Checked, Refusal> {
     let shown = |kind: ColumnKind| match kind {
         ColumnKind::Real => "a real number",
-        ColumnKind::Whole => "a whole number",
+        ColumnKind::Integer => "a whole number",
         ColumnKind::Truth => "true or false",
         ColumnKind::Text => "a text",
     };
@@ -256,9 +256,9 @@ fn check(law: &Law, target: &Target) -> Result<Checked, Refusal> {
         }
         let cell = |value: &Scalar| match (target.kind, value) {
             (ColumnKind::Real, Scalar::Real(value)) => within(*value).map(Cell::Real),
-            (ColumnKind::Real, Scalar::Whole(value)) => within(*value as f64).map(Cell::Real),
-            (ColumnKind::Whole, Scalar::Whole(value)) => {
-                within(*value as f64).map(|_| Cell::Whole(*value))
+            (ColumnKind::Real, Scalar::Integer(value)) => within(*value as f64).map(Cell::Real),
+            (ColumnKind::Integer, Scalar::Integer(value)) => {
+                within(*value as f64).map(|_| Cell::Integer(*value))
             }
             (ColumnKind::Truth, Scalar::Truth(value)) => Ok(Cell::Truth(*value)),
             (ColumnKind::Text, value) => Ok(Cell::Text(value.to_string())),
@@ -302,8 +302,8 @@ fn check(law: &Law, target: &Target) -> Result<Checked, Refusal> {
             }
             Checked::LogUniform { low: within(*low)?, high: within(*high)? }
         }
-        Law::Whole([low, high]) => {
-            if !matches!(target.kind, ColumnKind::Real | ColumnKind::Whole) {
+        Law::Integer([low, high]) => {
+            if !matches!(target.kind, ColumnKind::Real | ColumnKind::Integer) {
                 return Err((
                     format!("is {}, no number", shown(target.kind)),
                     "take choice or grid",
@@ -312,7 +312,7 @@ fn check(law: &Law, target: &Target) -> Result<Checked, Refusal> {
             ordered(*low as f64, *high as f64)?;
             within(*low as f64)?;
             within(*high as f64)?;
-            Checked::Whole { low: *low, high: *high }
+            Checked::Integer { low: *low, high: *high }
         }
         Law::Choice(values) => Checked::Choice(cells(values)?),
         Law::Grid(values) => Checked::Grid(cells(values)?),

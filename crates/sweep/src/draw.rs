@@ -30,7 +30,7 @@ impl Draw {
     }
 
     /// A whole number from `low` to `high`, both included; the bias is at most (high − low)/2⁶⁴.
-    pub(crate) fn whole(&mut self, low: i64, high: i64) -> i64 {
+    pub(crate) fn integer(&mut self, low: i64, high: i64) -> i64 {
         let count = (i128::from(high) - i128::from(low) + 1) as u128;
         let at = (u128::from(self.0.next_u64()) * count) >> 64;
         (i128::from(low) + at as i128) as i64
@@ -73,13 +73,13 @@ mod tests {
 
     #[test]
     fn whole_numbers_reach_both_ends() {
-        let draws: Vec<i64> = (0..600).map(|run| Draw::new(1, "n", run).whole(-1, 1)).collect();
+        let draws: Vec<i64> = (0..600).map(|run| Draw::new(1, "n", run).integer(-1, 1)).collect();
         for value in -1..=1 {
             let count = draws.iter().filter(|&&draw| draw == value).count();
             assert!((140..260).contains(&count), "{value}: {count}");
         }
         let all: Vec<i64> =
-            (0..9).map(|run| Draw::new(1, "n", run).whole(i64::MIN, i64::MAX)).collect();
+            (0..9).map(|run| Draw::new(1, "n", run).integer(i64::MIN, i64::MAX)).collect();
         assert!(all.iter().any(|&x| x < 0) && all.iter().any(|&x| x > 0));
     }
 }

@@ -134,16 +134,16 @@ mod tests {
         assert!(rows.is_empty());
         (0..3).for_each(|run| journal.add(&row(run)).unwrap());
         drop(journal);
-        let whole = std::fs::read(&path).unwrap();
-        for cut in 0..whole.len() {
-            std::fs::write(&path, &whole[..cut]).unwrap();
+        let complete = std::fs::read(&path).unwrap();
+        for cut in 0..complete.len() {
+            std::fs::write(&path, &complete[..cut]).unwrap();
             let (mut journal, rows) = Journal::open(&path, "f").unwrap();
             assert!(rows.len() < 3, "{cut}");
             (rows.len() as u64..3).for_each(|run| journal.add(&row(run)).unwrap());
             drop(journal);
-            assert_eq!(std::fs::read(&path).unwrap(), whole, "cut at {cut}");
+            assert_eq!(std::fs::read(&path).unwrap(), complete, "cut at {cut}");
         }
-        let mut bad = whole.clone();
+        let mut bad = complete.clone();
         *bad.last_mut().unwrap() ^= 1;
         std::fs::write(&path, &bad).unwrap();
         assert_eq!(Journal::open(&path, "f").unwrap().1, vec![row(0), row(1)]);

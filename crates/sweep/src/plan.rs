@@ -27,7 +27,7 @@ use toml::Spanned;
 pub struct Plan {
     /// The file.
     pub origin: PathBuf,
-    /// Its text.
+    /// The plan's text.
     pub text: String,
     /// Runs of each combination of the grids.
     pub runs: Option<u64>,
@@ -169,7 +169,7 @@ pub enum Scalar {
     /// True or false.
     Truth(bool),
     /// A whole number.
-    Whole(i64),
+    Integer(i64),
     /// A real number.
     Real(f64),
     /// A text.
@@ -180,7 +180,7 @@ impl std::fmt::Display for Scalar {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Scalar::Truth(value) => write!(f, "{value}"),
-            Scalar::Whole(value) => write!(f, "{value}"),
+            Scalar::Integer(value) => write!(f, "{value}"),
             Scalar::Real(value) => write!(f, "{value}"),
             Scalar::Text(value) => f.write_str(value),
         }
@@ -202,7 +202,7 @@ pub enum Law {
     /// Uniform in the logarithm: least, greatest.
     LogUniform([f64; 2]),
     /// A whole number, uniform: least, greatest.
-    Whole([i64; 2]),
+    Integer([i64; 2]),
     /// One of these, each as likely.
     Choice(Vec<Scalar>),
     /// Each of these, with each combination of the other grids.
@@ -345,7 +345,7 @@ mod tests {
         let names: Vec<_> =
             plan.vary.iter().map(|(name, line, _)| (name.as_str(), *line)).collect();
         assert_eq!(names, [("plant.b", 7), ("plant.a", 8), ("c", 9), ("d", 10)]);
-        assert_eq!(plan.vary[1].2, Law::Grid(vec![Scalar::Whole(1), Scalar::Real(2.5)]));
+        assert_eq!(plan.vary[1].2, Law::Grid(vec![Scalar::Integer(1), Scalar::Real(2.5)]));
         assert_eq!((plan.runs, plan.seed), (Some(7), 1));
         assert!(matches!(plan.kind, Kind::Loop(ClosedLoop { from: 0.0, .. })));
     }
@@ -364,8 +364,8 @@ mod tests {
                 [":6:", "peak"],
             ),
         ] {
-            let said = parsed(&text).unwrap_err();
-            assert!(words.iter().all(|word| said.contains(word)), "{text}: {said}");
+            let messages = parsed(&text).unwrap_err();
+            assert!(words.iter().all(|word| messages.contains(word)), "{text}: {messages}");
         }
     }
 }

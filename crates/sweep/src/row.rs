@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct Row {
     /// Number of the run, from 0.
     pub run: u64,
-    /// Its cells, in the order of the columns.
+    /// The row's cells, in the order of the columns.
     pub cells: Vec<Cell>,
 }
 
@@ -21,7 +21,7 @@ pub enum Cell {
     /// A real number.
     Real(f64),
     /// A whole number.
-    Whole(i64),
+    Integer(i64),
     /// True or false.
     Truth(bool),
     /// A text.
@@ -34,7 +34,7 @@ impl fmt::Display for Cell {
         match self {
             Cell::Missing => Ok(()),
             Cell::Real(value) => value.fmt(f),
-            Cell::Whole(value) => value.fmt(f),
+            Cell::Integer(value) => value.fmt(f),
             Cell::Truth(value) => value.fmt(f),
             Cell::Text(text) => text.fmt(f),
         }
@@ -58,7 +58,7 @@ pub enum ColumnKind {
     /// Real numbers.
     Real,
     /// Whole numbers.
-    Whole,
+    Integer,
     /// Truth values.
     Truth,
     /// Texts.
@@ -79,7 +79,7 @@ impl Cell {
         match self {
             Cell::Missing => None,
             Cell::Real(_) => Some(ColumnKind::Real),
-            Cell::Whole(_) => Some(ColumnKind::Whole),
+            Cell::Integer(_) => Some(ColumnKind::Integer),
             Cell::Truth(_) => Some(ColumnKind::Truth),
             Cell::Text(_) => Some(ColumnKind::Text),
         }
@@ -90,7 +90,7 @@ impl Cell {
     pub fn number(&self) -> Option<f64> {
         match self {
             Cell::Real(value) => Some(*value),
-            Cell::Whole(value) => Some(*value as f64),
+            Cell::Integer(value) => Some(*value as f64),
             _ => None,
         }
     }

@@ -72,14 +72,14 @@ impl Table {
         let field = |name: &str, kind: ColumnKind, repetition: Repetition| {
             let (physical, logical) = match kind {
                 ColumnKind::Real => (Physical::DOUBLE, None),
-                ColumnKind::Whole => (Physical::INT64, None),
+                ColumnKind::Integer => (Physical::INT64, None),
                 ColumnKind::Truth => (Physical::BOOLEAN, None),
                 ColumnKind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
             };
             let builder = Type::primitive_type_builder(name, physical).with_logical_type(logical);
             builder.with_repetition(repetition).build().map(Arc::new)
         };
-        let mut fields = vec![field("run", ColumnKind::Whole, Repetition::REQUIRED)?];
+        let mut fields = vec![field("run", ColumnKind::Integer, Repetition::REQUIRED)?];
         for column in &self.about.columns {
             fields.push(field(&column.name, column.kind, Repetition::OPTIONAL)?);
         }
@@ -179,9 +179,9 @@ impl Table {
                 return refuse(rule, "give each shard once: --shard 1/N to N/N");
             }
             rows.extend(table.rows);
-            let whole = rows.len() as u64 == table.about.end
+            let complete = rows.len() as u64 == table.about.end
                 && rows[end as usize..].iter().zip(end..).all(|(row, run)| row.run == run);
-            if !whole {
+            if !complete {
                 let rule = "does not hold the runs that it says";
                 return Err(Error::file(&path, rule, "run this shard again"));
             }
@@ -209,7 +209,7 @@ fn write_column(
         }
         ColumnWriter::Int64ColumnWriter(typed) => {
             let value = |cell: &Cell| match cell {
-                Cell::Whole(value) => Some(*value),
+                Cell::Integer(value) => Some(*value),
                 _ => None,
             };
             let values: Vec<i64> = cells().filter_map(value).collect();
@@ -239,7 +239,7 @@ fn write_column(
 fn cell(field: Field) -> Cell {
     match field {
         Field::Double(value) => Cell::Real(value),
-        Field::Long(value) => Cell::Whole(value),
+        Field::Long(value) => Cell::Integer(value),
         Field::Bool(value) => Cell::Truth(value),
         Field::Str(text) => Cell::Text(text),
         _ => Cell::Missing,
@@ -253,7 +253,7 @@ mod tests {
     fn table(first: u64, end: u64) -> Table {
         let columns = vec![
             Column::new("x", ColumnKind::Real, Some("um")),
-            Column::new("n", ColumnKind::Whole, None),
+            Column::new("n", ColumnKind::Integer, None),
             Column::new("on", ColumnKind::Truth, None),
             Column::new("error", ColumnKind::Text, None),
         ];
@@ -271,7 +271,7 @@ mod tests {
             let failed = run % 4 == 3;
             let real = if failed { Cell::Missing } else { Cell::Real(0.1 * run as f64) };
             let text = if failed { Cell::Text("it \"broke\"".into()) } else { Cell::Missing };
-            Row { run, cells: vec![real, Cell::Whole(-(run as i64)), Cell::Truth(failed), text] }
+            Row { run, cells: vec![real, Cell::Integer(-(run as i64)), Cell::Truth(failed), text] }
         };
         Table { about, rows: (first..end).map(row).collect() }
     }
@@ -297,19 +297,19 @@ mod tests {
     #[test]
     fn merged_parts_have_the_bytes_of_the_whole() {
         let folder = tempfile::tempdir().unwrap();
-        let (whole, merged) = (folder.path().join("w"), folder.path().join("m"));
-        table(0, 10).write(&whole).unwrap();
+        let (complete, merged) = (folder.path().join("w"), folder.path().join("m"));
+        table(0, 10).write(&complete).unwrap();
         Table::merge(parts(&[(6, 10), (0, 6)])).unwrap().write(&merged).unwrap();
-        assert_eq!(std::fs::read(whole).unwrap(), std::fs::read(merged).unwrap());
+        assert_eq!(std::fs::read(complete).unwrap(), std::fs::read(merged).unwrap());
     }
 
     #[test]
     fn parts_that_are_no_whole_are_refused() {
-        let said = |cuts: &[(u64, u64)]| Table::merge(parts(cuts)).unwrap_err().to_string();
-        assert!(said(&[(0, 4), (6, 10)]).contains("runs 4 to 5 are missing"));
-        assert!(said(&[(0, 6), (4, 10)]).contains("runs 4 to 5 are in two tables"));
-        assert!(said(&[(0, 6)]).contains("runs 6 to 9 are missing"));
-        assert!(said(&[]).contains("nothing to merge"));
+        let message = |cuts: &[(u64, u64)]| Table::merge(parts(cuts)).unwrap_err().to_string();
+        assert!(message(&[(0, 4), (6, 10)]).contains("runs 4 to 5 are missing"));
+        assert!(message(&[(0, 6), (4, 10)]).contains("runs 4 to 5 are in two tables"));
+        assert!(message(&[(0, 6)]).contains("runs 6 to 9 are missing"));
+        assert!(message(&[]).contains("nothing to merge"));
         let mut torn = parts(&[(0, 10)]);
         torn[0].1.rows.pop();
         assert!(Table::merge(torn).unwrap_err().to_string().contains("run this shard again"));

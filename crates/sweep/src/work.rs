@@ -83,7 +83,7 @@ pub fn work<W: Worker, E: Send>(
     })
 }
 
-/// The same on the calling thread.
+/// As `work`, on the calling thread.
 fn alone<W: Worker, E>(
     runs: &[u64],
     hire: impl Fn() -> Result<W, E>,

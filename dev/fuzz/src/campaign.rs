@@ -84,15 +84,15 @@ pub fn run(
         let before = counting::reset_peak();
         let started = processor_time(ClockId::ThreadCPUTime);
         watch.begin();
-        let said = catch_unwind(AssertUnwindSafe(|| target.run(&input, &scratch)));
+        let message = catch_unwind(AssertUnwindSafe(|| target.run(&input, &scratch)));
         watch.end();
         let took = processor_time(ClockId::ThreadCPUTime).saturating_sub(started);
         let bytes = counting::peak().saturating_sub(before);
         figures.executions += 1;
         figures.longest = figures.longest.max(took);
         figures.most_bytes = figures.most_bytes.max(bytes);
-        let said = match said {
-            Ok(said) => said?,
+        let message = match message {
+            Ok(message) => message?,
             Err(payload) => {
                 let text = payload.downcast_ref::<String>().map(String::as_str);
                 let text = text.or_else(|| payload.downcast_ref::<&str>().copied());
@@ -104,8 +104,8 @@ pub fn run(
             let what = format!("takes {bytes} bytes, more than {MOST_BYTES}");
             return Ok(Err(Box::new(Finding { input, what })));
         }
-        figures.accepted += u64::from(said.is_empty());
-        pool.offer(input, behaviour(&said));
+        figures.accepted += u64::from(message.is_empty());
+        pool.offer(input, behaviour(&message));
     }
     figures.behaviours = pool.seen.len();
     figures.time = begin.elapsed();
@@ -154,9 +154,9 @@ impl Pool {
 
 /// The beginning of a text as a number, without quotations, numbers and names: only what stands between
 /// blanks and is all small letters counts.
-fn behaviour(said: &str) -> u64 {
+fn behaviour(message: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
-    let outside = said.split('"').step_by(2).flat_map(|part| part.split_ascii_whitespace());
+    let outside = message.split('"').step_by(2).flat_map(|part| part.split_ascii_whitespace());
     let is_word = |word: &&str| word.bytes().all(|byte| byte.is_ascii_lowercase());
     outside.filter(is_word).take(60).for_each(|word| word.hash(&mut hasher));
     hasher.finish()

@@ -41,10 +41,10 @@ fn reader() -> &'static Reader {
 fuzz_target!(|input: &[u8]| {
     let reader = reader();
     let before = counting::reset_peak();
-    let said = std::panic::catch_unwind(|| reader.target.run(input, &reader.scratch));
+    let message = std::panic::catch_unwind(|| reader.target.run(input, &reader.scratch));
     let bytes = counting::peak().saturating_sub(before);
     // An abort is what libFuzzer keeps the input of.
-    if !said.is_ok_and(|said| said.is_ok()) || bytes > MOST_BYTES {
+    if !message.is_ok_and(|message| message.is_ok()) || bytes > MOST_BYTES {
         std::process::abort();
     }
 });

@@ -72,7 +72,7 @@ fn conversation(input: &[u8]) -> Result<(Options, Answers), String> {
 /// Plays a run with a device. What a sample of an `instrument` has are numbers; of a driver the runner looks
 /// at them.
 fn play(mut device: impl Device, axes: usize, is_instrument: bool) -> String {
-    let mut told = device.describe().unwrap_or_default();
+    let mut described = device.describe().unwrap_or_default();
     for exchange in 0..EXCHANGES {
         let mut positions = vec![f64::NAN; axes];
         let commands: Vec<f64> = (0..axes).map(|axis| (exchange + axis) as f64).collect();
@@ -81,14 +81,14 @@ fn play(mut device: impl Device, axes: usize, is_instrument: bool) -> String {
         let is_finite = positions.iter().all(|position| position.is_finite());
         assert!(!is_instrument || is_finite == is_sample, "{positions:?}");
         match exchanged {
-            Exchanged::Sample { valid: true, powered: true } => told += " sample ",
-            Exchanged::Sample { .. } => told += " flagged ",
-            Exchanged::Nothing => told += " nothing ",
-            Exchanged::Failed(text) => told += &text,
+            Exchanged::Sample { valid: true, powered: true } => described += " sample ",
+            Exchanged::Sample { .. } => described += " flagged ",
+            Exchanged::Nothing => described += " nothing ",
+            Exchanged::Failed(text) => described += &text,
         }
     }
     device.close();
-    told
+    described
 }
 
 pub(crate) fn gcs(input: &[u8], _: &Path) -> String {

@@ -146,7 +146,7 @@ pub fn corpus(target: &Target) -> io::Result<Vec<Vec<u8>>> {
     paths.into_iter().map(fs::read).collect()
 }
 
-fn said<T>(result: Result<T, impl Display>) -> String {
+fn message<T>(result: Result<T, impl Display>) -> String {
     result.map_or_else(|error| error.to_string(), |_| String::new())
 }
 
@@ -173,7 +173,7 @@ fn fmu_unpacked(_: &[u8], file: &Path) -> String {
         Ok(package) => {
             let inside = package.folder().starts_with(tempfile::env::temp_dir());
             assert!(inside, "unpacked to {}", package.folder().display());
-            said(package.binary())
+            message(package.binary())
         }
         Err(error) => error.to_string(),
     }
@@ -181,26 +181,26 @@ fn fmu_unpacked(_: &[u8], file: &Path) -> String {
 
 /// What is read is checked, and, where it is accepted, written and read again as the same.
 fn model_description(input: &[u8], _: &Path) -> String {
-    let mut told = all(&check_description(input));
+    let mut described = all(&check_description(input));
     match ModelDescription::parse(input) {
         Ok(read) => {
             if let Ok(text) = read.to_xml() {
                 let again = ModelDescription::parse(text.as_bytes());
                 let again = again.unwrap_or_else(|error| panic!("{error}\n{text}"));
                 assert_eq!(again.variables.len(), read.variables.len());
-                told += &said(PackageBuilder::new(&again));
+                described += &message(PackageBuilder::new(&again));
             }
         }
-        Err(error) => told += &error.to_string(),
+        Err(error) => described += &error.to_string(),
     }
-    told
+    described
 }
 
 fn ssp_archive(_: &[u8], file: &Path) -> String {
     match Ssp::open_within(file, &limits()) {
-        Ok(ssp) => {
-            said(ssp.structure().flatten("SystemStructure.ssd").map_err(|problems| all(&problems)))
-        }
+        Ok(ssp) => message(
+            ssp.structure().flatten("SystemStructure.ssd").map_err(|problems| all(&problems)),
+        ),
         Err(error) => error.to_string(),
     }
 }
@@ -212,7 +212,7 @@ fn ssp_structure(input: &[u8], _: &Path) -> String {
                 let again = SystemStructure::parse(text.as_bytes(), "again.ssd");
                 assert!(again.is_ok(), "{:?}\n{text}", again.map(|_| ()).map_err(|p| all(&p)));
             }
-            said(read.flatten("SystemStructure.ssd").map_err(|problems| all(&problems)))
+            message(read.flatten("SystemStructure.ssd").map_err(|problems| all(&problems)))
         }
         Err(problems) => all(&problems),
     }
@@ -225,7 +225,7 @@ fn ssp_values(input: &[u8], _: &Path) -> String {
         assert!(again.is_ok(), "{:?}\n{text}", again.map(|_| ()).map_err(|p| all(&p)));
     }
     let mapping = ParameterMapping::parse(input, "values.ssm").map_err(|problems| all(&problems));
-    said(set) + &said(mapping)
+    message(set) + &message(mapping)
 }
 
 /// What is accepted is built, and written and read again as the same.
@@ -251,7 +251,7 @@ fn blueprint(input: &[u8], _: &Path) -> String {
 fn played(checked: &CheckedBlueprint, seconds: f64) -> String {
     let mut system = checked.build();
     let run = system.initialise(0.0).and_then(|()| system.advance(seconds));
-    said(run.map_err(|error| system.explain(&error)))
+    message(run.map_err(|error| system.explain(&error)))
 }
 
 /// The table of a learned model, as the tool and a packed FMU read it, in models of two, three and four inputs.
@@ -284,21 +284,21 @@ past_inputs = "#;
         Ok(checked) => played(&checked, 0.02),
         Err(problems) => problems.to_string(),
     };
-    let said = plants.each_ref().map(read);
-    if said.iter().any(String::is_empty) { String::new() } else { said.concat() }
+    let message = plants.each_ref().map(read);
+    if message.iter().any(String::is_empty) { String::new() } else { message.concat() }
 }
 
 fn system_plan(input: &[u8], file: &Path) -> String {
     let Ok(text) = std::str::from_utf8(input) else { return "is no UTF-8".into() };
-    said(Plan::parse_toml(text, file))
+    message(Plan::parse_toml(text, file))
 }
 
 /// The bench's three texts: a plan, a script of faults, a campaign of them.
 fn bench_plan(input: &[u8], _: &Path) -> String {
     let Ok(text) = std::str::from_utf8(input) else { return "is no UTF-8".into() };
-    let faults = said(Script::parse(text, "input.toml"));
-    let campaign = said(Campaign::parse(text, "input.toml"));
-    let plan = said(bench::plan::Plan::parse(text, "input.toml"));
+    let faults = message(Script::parse(text, "input.toml"));
+    let campaign = message(Campaign::parse(text, "input.toml"));
+    let plan = message(bench::plan::Plan::parse(text, "input.toml"));
     // Each text is one of the three.
     match faults.is_empty() || campaign.is_empty() || plan.is_empty() {
         true => String::new(),
@@ -308,12 +308,12 @@ fn bench_plan(input: &[u8], _: &Path) -> String {
 
 fn sweep_plan(input: &[u8], file: &Path) -> String {
     let Ok(text) = std::str::from_utf8(input) else { return "is no UTF-8".into() };
-    said(sweep::Plan::parse(text, file))
+    message(sweep::Plan::parse(text, file))
 }
 
 fn osp_system(input: &[u8], file: &Path) -> String {
     let Ok(text) = std::str::from_utf8(input) else { return "is no UTF-8".into() };
-    said(Plan::parse_osp(text, file))
+    message(Plan::parse_osp(text, file))
 }
 
 /// What `estimate` is asked to find, an option a line.
@@ -389,7 +389,7 @@ fn read_log(file: &Path, options: &ReadOptions) -> String {
 #[cfg(feature = "gap")]
 fn gap_json(input: &[u8], _: &Path) -> String {
     let Ok(text) = std::str::from_utf8(input) else { return "is no UTF-8".into() };
-    let answer = said(gap_bench::Answer::parse(text));
+    let answer = message(gap_bench::Answer::parse(text));
     match serde_json::from_str::<diagnose::Gap>(text) {
         Ok(gap) => {
             let written = serde_json::to_string(&gap);

@@ -21,8 +21,11 @@ pub(crate) fn stored(archive: &[u8]) -> Vec<Entry> {
         let half = |at: usize| usize::from(u16::from_le_bytes([head[at], head[at + 1]]));
         let size = u32::from_le_bytes([head[18], head[19], head[20], head[21]]) as usize;
         let (name, extra) = (half(26), half(28));
-        let whole = (name + extra).checked_add(size);
-        if &head[..4] != LOCAL || half(8) != 0 || whole.is_none_or(|whole| whole > body.len()) {
+        let complete = (name + extra).checked_add(size);
+        if &head[..4] != LOCAL
+            || half(8) != 0
+            || complete.is_none_or(|complete| complete > body.len())
+        {
             break;
         }
         let content = body[name + extra..name + extra + size].to_vec();

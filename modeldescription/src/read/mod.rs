@@ -29,7 +29,7 @@ pub enum ParseError {
     Root {
         /// Line of the root element.
         line: u32,
-        /// Its name.
+        /// The line's name.
         found: String,
     },
     /// A version of the standard that is not supported.

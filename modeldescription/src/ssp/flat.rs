@@ -35,11 +35,11 @@ pub struct Flat {
 pub struct FlatComponent {
     /// Names of the systems around it but the outermost, and its own, joined by dots.
     pub path: String,
-    /// Its source, as the SSD says.
+    /// The flat component's source, as the SSD says.
     pub source: String,
     /// Which interface of the FMU is used.
     pub implementation: Implementation,
-    /// Its media type.
+    /// The flat component's media type.
     pub media_type: String,
     /// What tools noted.
     pub annotations: Vec<Annotation>,
@@ -106,7 +106,7 @@ pub struct FlatStart {
     pub to: (String, String),
     /// The value, mappings of truth values, numbers and items applied.
     pub value: ParameterValue,
-    /// Its unit and what happens on the way to the variable.
+    /// The flat start's unit and what happens on the way to the variable.
     pub way: Linear,
     /// File and line of the parameter, for messages.
     pub place: String,
@@ -122,7 +122,7 @@ impl SystemStructure {
         let mut flattener = Flattener {
             structure: self,
             file,
-            around: Vec::new(),
+            enclosing: Vec::new(),
             shared: HashMap::new(),
             nodes: HashMap::new(),
             sources: HashMap::new(),
@@ -166,7 +166,7 @@ struct Flattener<'a> {
     structure: &'a SystemStructure,
     file: &'a str,
     /// The systems around the present one, and itself, with their paths.
-    around: Vec<(String, &'a System)>,
+    enclosing: Vec<(String, &'a System)>,
     /// The dictionary's path of each reference to it, by the path of the reference.
     shared: HashMap<String, String>,
     nodes: HashMap<Node, NodeInfo>,
@@ -239,7 +239,7 @@ impl<'a> Flattener<'a> {
     }
 
     fn system(&mut self, system: &'a System, path: &str) {
-        self.around.push((path.to_owned(), system));
+        self.enclosing.push((path.to_owned(), system));
         self.connectors(path, &system.connectors, false);
         let mut names = HashSet::new();
         for element in &system.elements {
@@ -272,7 +272,7 @@ impl<'a> Flattener<'a> {
         for connection in &system.connections {
             self.connection((system, &names), connection, path);
         }
-        self.around.pop();
+        self.enclosing.pop();
     }
 
     /// A connection of a system with elements of these names.

@@ -216,7 +216,7 @@ named! {
 pub struct Connector {
     /// Name; of a component, that of the FMU's variable.
     pub name: String,
-    /// What it is for.
+    /// What the connector is for.
     pub kind: Kind,
     /// Type and unit, if stated.
     pub data_type: Option<ConnectorType>,
@@ -399,9 +399,9 @@ impl ParameterSet {
 /// A parameter and its value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Its name.
+    /// The parameter's name.
     pub name: String,
-    /// Its value.
+    /// The parameter's value.
     pub value: ParameterValue,
     /// Unit of a real value.
     pub unit: Option<String>,

@@ -129,9 +129,9 @@ fn value(reader: &mut Reader<'_>, name: &str, content: &xml::Element) -> Option<
             ParameterValue::Binary(reader.parsed(content, value, "bytes in hexadecimal", hex)?)
         }
         _ => {
-            let whole = |text: &str| text.parse::<i64>().ok();
+            let integer = |text: &str| text.parse::<i64>().ok();
             let rule = "a whole number";
-            ParameterValue::Integer(reader.parsed(content, value, rule, |t| each(t, whole))?)
+            ParameterValue::Integer(reader.parsed(content, value, rule, |t| each(t, integer))?)
         }
     })
 }
@@ -183,8 +183,8 @@ pub(super) fn transformation(
             Some(Transformation::Boolean(pairs(reader, found, "true or false", boolean)))
         }
         "IntegerMappingTransformation" => {
-            let whole = |text: &str| text.parse::<i64>().ok();
-            Some(Transformation::Integer(pairs(reader, found, "a whole number", whole)))
+            let integer = |text: &str| text.parse::<i64>().ok();
+            Some(Transformation::Integer(pairs(reader, found, "a whole number", integer)))
         }
         "EnumerationMappingTransformation" => {
             let text = |text: &str| Some(text.to_owned());
@@ -263,8 +263,9 @@ pub(super) fn enumerations(reader: &mut Reader<'_>, root: &xml::Element) -> Vec<
         for item in children(element, "Item") {
             let name = reader.required(item, "name");
             reader.required(item, "value");
-            let whole = |text: &str| text.parse::<i64>().ok();
-            items.extend(reader.parsed(item, "value", "a whole number", whole).map(|v| (name, v)));
+            let integer = |text: &str| text.parse::<i64>().ok();
+            items
+                .extend(reader.parsed(item, "value", "a whole number", integer).map(|v| (name, v)));
         }
         let name = reader.required(element, "name");
         enumerations.push(Enumeration { name, items, line: Line(element.line) });

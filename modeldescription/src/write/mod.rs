@@ -32,7 +32,7 @@ pub enum WriteError {
     NotInVersion2 {
         /// Name of the variable or type.
         name: String,
-        /// What it has.
+        /// What the name has.
         what: String,
         /// What to do instead.
         way_out: &'static str,

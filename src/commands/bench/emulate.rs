@@ -65,7 +65,7 @@ pub(crate) struct Emulate {
     #[arg(long, value_name = "S", value_parser = ranges::seed())]
     seed: Option<u64>,
     /// Steps without a command after which the machine stops itself
-    #[arg(long, value_name = "STEPS", default_value_t = 100, value_parser = ranges::whole(1, u32::MAX))]
+    #[arg(long, value_name = "STEPS", default_value_t = 100, value_parser = ranges::integers(1, u32::MAX))]
     heartbeat: u32,
     /// Safe values: commands while the machine is stopped [default: the plant's start values]
     #[arg(long, value_name = "VALUES", value_delimiter = ',', value_parser = ranges::signal())]
@@ -168,7 +168,7 @@ impl Emulate {
         let address = gateway;
         let gateway = bench::gateway::open(&address, End::Machine, self.peer, &Site::default())?;
         let (mut gateway, line) =
-            self.key.around(gateway, &address, End::Machine, commands.len())?;
+            self.key.protect(gateway, &address, End::Machine, commands.len())?;
         line.into_iter().for_each(|line| screen.say(&line));
         let realtime = bench::clock::become_realtime();
         let names = (commands.join(", "), positions.join(", "));

@@ -101,7 +101,7 @@ impl KeyOptions {
     }
 
     /// Puts the key around a gateway, and says in a line how it stands.
-    fn around(
+    fn protect(
         &self,
         gateway: Box<dyn Gateway>,
         address: &Address,

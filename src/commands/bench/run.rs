@@ -59,7 +59,7 @@ pub(crate) struct Run {
     #[arg(long)]
     live: bool,
     /// Show the run on a page at 127.0.0.1:PORT; 0: a free port
-    #[arg(long, value_name = "PORT", value_parser = ranges::whole(0, u16::MAX))]
+    #[arg(long, value_name = "PORT", value_parser = ranges::integers(0, u16::MAX))]
     web: Option<u16>,
     /// Processor for the cycle's thread [default: any]
     #[arg(long, value_name = "N", value_parser = ranges::count(0, 1023))]
@@ -158,7 +158,7 @@ impl Run {
         let gateway = bench::gateway::open(&address, End::Runner, self.bind.or(plan.bind), &site)?;
         let machine = gateway.describe();
         let (mut gateway, keyed) =
-            self.key.around(gateway, &address, End::Runner, prepared.cycle.axes())?;
+            self.key.protect(gateway, &address, End::Runner, prepared.cycle.axes())?;
         // Last of all: threads that are started later would inherit it.
         let realtime = bench::clock::become_realtime();
         if let Some(cpu) = self.cpu {

@@ -37,7 +37,7 @@ const LEAST: f64 = 0.1;
 const LEAST_OF_DAMPING: f64 = 0.5;
 
 /// The model that was made.
-pub(super) struct Made {
+pub(super) struct Generated {
     pub(super) text: BlueprintText,
     /// What it is, one per output.
     pub(super) baselines: Vec<Baseline>,
@@ -61,7 +61,7 @@ pub(super) struct Asked<'a> {
 }
 
 /// The linear model: fitted to the frequency response, or identified from the logs.
-pub(super) fn made(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Made> {
+pub(super) fn identified(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Generated> {
     match asked.response {
         Some((table, most)) => of_response(asked, table, most),
         None => of_logs(asked, screen),
@@ -69,7 +69,7 @@ pub(super) fn made(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Made> {
 }
 
 /// The plant of a frequency response: delay and static gain of each axis, and the modes that they share.
-fn of_response(asked: &Asked<'_>, table: &Path, most: usize) -> anyhow::Result<Made> {
+fn of_response(asked: &Asked<'_>, table: &Path, most: usize) -> anyhow::Result<Generated> {
     let logs = asked
         .logs
         .iter()
@@ -91,8 +91,8 @@ fn of_response(asked: &Asked<'_>, table: &Path, most: usize) -> anyhow::Result<M
     let first = &logs[0];
     let record = first.records().first().context("the logs have no record")?;
     let period = first.sample_time(record, SampleTime::TOLERANCE)?.period;
-    let Table { response, notes: told } = table::read(table, (&inputs, &outputs), period)?;
-    notes.extend(told);
+    let Table { response, notes: table_notes } = table::read(table, (&inputs, &outputs), period)?;
+    notes.extend(table_notes);
     let mut ranges = Vec::new();
     for input in &inputs {
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
@@ -131,7 +131,7 @@ fn of_response(asked: &Asked<'_>, table: &Path, most: usize) -> anyhow::Result<M
     let baselines = in_numbers(&blueprint, &outputs)?;
     let map = columns_of(asked, &column);
     let text = BlueprintText { text: blueprint.to_toml(), blueprint };
-    Ok(Made { text, baselines, notes, run_in: 0.0, map })
+    Ok(Generated { text, baselines, notes, run_in: 0.0, map })
 }
 
 /// The plant of a response: modes side by side where they need fewer numbers for what they leave, and leave much less, else
@@ -222,7 +222,7 @@ fn fitted_to(
 }
 
 /// The linear model identified from the logs.
-fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Made> {
+fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Generated> {
     let of = |model: &str| {
         let columns = (asked.inputs, asked.outputs);
         let held_out = HELD_OUT;
@@ -261,7 +261,7 @@ fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Made> {
     let map = columns_of(asked, &|name: &String| names.column(name).unwrap_or(name).to_owned());
     let run_in = linear.1.run_in;
     let text = BlueprintText { text: blueprint.to_toml(), blueprint };
-    Ok(Made { text, baselines, notes, run_in, map })
+    Ok(Generated { text, baselines, notes, run_in, map })
 }
 
 /// Which column of the logs belongs to which variable of the model.

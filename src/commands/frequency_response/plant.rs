@@ -96,7 +96,7 @@ pub(crate) struct PlantError {
     pub(crate) unit: String,
     /// Root mean square of measured less simulated, the means of both taken out.
     pub(crate) rmse: f64,
-    /// The same over the measured output's own.
+    /// As `rmse`, over the measured output's own.
     pub(crate) relative: f64,
     /// First row that is judged: with periods the second one's, as the simulation starts at rest.
     pub(crate) from_row: usize,

@@ -89,7 +89,7 @@ impl CampaignRuns {
                 ("held_out_nrmse", ColumnKind::Real),
                 ("fitted_nrmse", ColumnKind::Real),
                 ("line_nrmse", ColumnKind::Real),
-                ("parameters", ColumnKind::Whole),
+                ("parameters", ColumnKind::Integer),
                 ("plant", ColumnKind::Text),
             ],
             Task::Diagnose => &[
@@ -221,7 +221,7 @@ impl CampaignRuns {
             taken["held_out_nrmse"].as_f64().into(),
             taken["fitted_nrmse"].as_f64().into(),
             line.and_then(|line| line["held_out_nrmse"].as_f64()).into(),
-            taken["parameters"].as_i64().map_or(Cell::Missing, Cell::Whole),
+            taken["parameters"].as_i64().map_or(Cell::Missing, Cell::Integer),
             Cell::Text(plant),
         ])
     }
@@ -264,10 +264,13 @@ impl CampaignRuns {
             .map_err(numerics::threads::refused)
             .context("this program cannot be started again")?;
         if !matches!(output.status.code(), Some(0 | 1)) {
-            let said = String::from_utf8_lossy(&output.stderr);
-            let told: Option<Value> =
-                said.lines().rev().find_map(|line| serde_json::from_str(line).ok());
-            let text = told.as_ref().and_then(|told| told["error"].as_str()).unwrap_or(said.trim());
+            let message = String::from_utf8_lossy(&output.stderr);
+            let described: Option<Value> =
+                message.lines().rev().find_map(|line| serde_json::from_str(line).ok());
+            let text = described
+                .as_ref()
+                .and_then(|described| described["error"].as_str())
+                .unwrap_or(message.trim());
             bail!("{}: {text}", arguments.first().map_or("", String::as_str));
         }
         serde_json::from_slice(&output.stdout).context("the answer is no JSON")

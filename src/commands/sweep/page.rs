@@ -88,7 +88,7 @@ fn few_values(table: &Table, at: usize) -> Option<Vec<Cell>> {
 
 /// Rank correlations (Spearman) of what varied with what came out.
 fn influence(table: &Table, results: &[usize]) -> Option<Section> {
-    let numbers = |column: &Column| matches!(column.kind, ColumnKind::Real | ColumnKind::Whole);
+    let numbers = |column: &Column| matches!(column.kind, ColumnKind::Real | ColumnKind::Integer);
     let causes: Vec<usize> =
         (0..table.about.varied).filter(|&at| numbers(&table.about.columns[at])).collect();
     let results = &results[..results.len().min(6)];

@@ -79,7 +79,7 @@ impl Swept {
         let (mut figures, mut words) = (Vec::new(), Vec::new());
         for (at, column) in about.columns.iter().enumerate().take(last) {
             match column.kind {
-                ColumnKind::Real | ColumnKind::Whole => figures.extend(figure(table, at)),
+                ColumnKind::Real | ColumnKind::Integer => figures.extend(figure(table, at)),
                 ColumnKind::Text | ColumnKind::Truth => words.extend(counted(table, at)),
             }
         }
@@ -108,7 +108,7 @@ impl Swept {
             failed => format!(", of which {failed} failed"),
         };
         let found = self.figures.iter().find(|known| Some(known.name.as_str()) == figure);
-        let told = found.map_or_else(String::new, |figure| {
+        let described = found.map_or_else(String::new, |figure| {
             let unit = figure.unit.as_deref().unwrap_or_default();
             format!(
                 ": {} has a median of {} {unit}, stays below {} {unit} in 95 % of them, and is {} {unit} \
@@ -120,7 +120,7 @@ impl Swept {
                 figure.max_run
             )
         });
-        format!("{count} runs{failed}{told}.")
+        format!("{count} runs{failed}{described}.")
     }
 
     /// The figures as a section of a page.

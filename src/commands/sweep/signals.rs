@@ -309,7 +309,7 @@ pub(super) fn parameters(
         let kind = match variable.data_type {
             DataType::Float32 | DataType::Float64 => ColumnKind::Real,
             DataType::Boolean => ColumnKind::Truth,
-            _ => ColumnKind::Whole,
+            _ => ColumnKind::Integer,
         };
         let properties = description.properties(&variable);
         let bound = |number: Option<modeldescription::variable::Number>, other: f64| {
@@ -322,7 +322,7 @@ pub(super) fn parameters(
         };
         let start = match starts.get(&full) {
             Some(Scalar::Real(value)) => Some(*value),
-            Some(Scalar::Whole(value)) => Some(*value as f64),
+            Some(Scalar::Integer(value)) => Some(*value as f64),
             _ => own,
         };
         targets.push(Target {
@@ -339,7 +339,7 @@ pub(super) fn parameters(
 fn of_scalar(value: &Scalar) -> Value {
     match value {
         Scalar::Truth(value) => Value::Boolean(*value),
-        Scalar::Whole(value) => Value::Integer((*value).into()),
+        Scalar::Integer(value) => Value::Integer((*value).into()),
         Scalar::Real(value) => Value::Real(*value),
         Scalar::Text(text) => Value::Text(text.clone()),
     }
@@ -349,7 +349,7 @@ fn value(cell: &Cell) -> Option<Value> {
     Some(match cell {
         Cell::Missing => return None,
         Cell::Real(value) => Value::Real(*value),
-        Cell::Whole(value) => Value::Integer((*value).into()),
+        Cell::Integer(value) => Value::Integer((*value).into()),
         Cell::Truth(value) => Value::Boolean(*value),
         Cell::Text(text) => Value::Text(text.clone()),
     })

@@ -49,7 +49,7 @@ pub struct Orders {
 /// When a cycle takes place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tick {
-    /// Its place on the grid of deadlines.
+    /// The tick's place on the grid of deadlines.
     pub index: u64,
     /// Deadlines before it that were missed.
     pub skipped: u32,

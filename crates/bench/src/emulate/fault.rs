@@ -29,7 +29,7 @@ pub struct Script {
 /// One fault and when it acts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fault {
-    /// What it is.
+    /// What the fault is.
     #[serde(flatten)]
     pub kind: FaultKind,
     /// Which packets it acts on, for faults of packets.
@@ -376,20 +376,20 @@ impl Active {
 
     /// What the sensor of an axis (from 0) says; `held` is what it said last.
     pub(crate) fn sense(&self, axis: usize, value: f64, held: &mut f64) -> f64 {
-        let mut said = value;
+        let mut messages = value;
         let here = |kind: &&FaultKind| kind.axis().is_none_or(|one| one == axis + 1);
         for kind in self.sensors.iter().filter(here) {
-            said = match *kind {
+            messages = match *kind {
                 FaultKind::Stuck { .. } => *held,
                 FaultKind::Nan { .. } => f64::NAN,
-                FaultKind::Saturation { min, max, .. } => said.clamp(min, max),
-                FaultKind::Quantisation { step, .. } => (said / step).round() * step,
-                FaultKind::Offset { value, .. } => said + value,
-                _ => said,
+                FaultKind::Saturation { min, max, .. } => messages.clamp(min, max),
+                FaultKind::Quantisation { step, .. } => (messages / step).round() * step,
+                FaultKind::Offset { value, .. } => messages + value,
+                _ => messages,
             };
         }
-        *held = said;
-        said
+        *held = messages;
+        messages
     }
 }
 

@@ -27,11 +27,11 @@ pub enum PlantError {
     Channels {
         /// Number of inputs.
         inputs: usize,
-        /// Their names.
+        /// Names of these signals.
         input_names: String,
         /// Number of outputs.
         outputs: usize,
-        /// Their names.
+        /// Names of these signals.
         output_names: String,
     },
 }

@@ -21,7 +21,7 @@ pub struct AxisView {
     pub unit: String,
     /// Unit of the command.
     pub command_unit: String,
-    /// What it follows; not a number where the plan plays commands.
+    /// What the axis view follows; not a number where the plan plays commands.
     pub reference: f64,
     /// Where it is.
     pub position: f64,

@@ -79,8 +79,8 @@ impl Plan {
         let pick = |of: fn(&Axis) -> &Channel| axes.iter().map(of).cloned().collect::<Vec<_>>();
         let (commands, positions) = (pick(|axis| &axis.command), pick(|axis| &axis.position));
         let played = if fmu.is_some() { pick(|axis| &axis.reference) } else { commands.clone() };
-        let (table, said) = Table::new(self, &played, period, fmu.is_some()).rows()?;
-        notes.extend(said);
+        let (table, message) = Table::new(self, &played, period, fmu.is_some()).rows()?;
+        notes.extend(message);
         let player = Player::new(axes.len(), table, approach as u32);
         let seconds = player.rows() as f64 * period;
         let driver = match fmu {
@@ -283,7 +283,7 @@ impl Plan {
 
     fn controller(&self, fmu: &Fmu, axes: &[Axis], period: f64) -> Result<Driver, PlanError> {
         let names = |of: fn(&Axis) -> &String| axes.iter().map(of).cloned().collect::<Vec<_>>();
-        let said = |error: ControllerError| PlanError::one(format!("{}: {error}", self.name()));
+        let message = |error: ControllerError| PlanError::one(format!("{}: {error}", self.name()));
         let driver = Driver::controller(
             fmu,
             &names(|axis| &axis.reference.name),
@@ -292,7 +292,7 @@ impl Plan {
             &self.start,
             period,
         );
-        driver.map_err(said)
+        driver.map_err(message)
     }
 
     /// What a replay needs beside the rows.

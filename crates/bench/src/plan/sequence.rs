@@ -21,9 +21,9 @@ pub enum Step {
     },
     /// A test signal of `piezoloop signal`.
     Signal {
-        /// Its name.
+        /// The signal's name.
         name: String,
-        /// Its parameters.
+        /// The name's parameters.
         #[serde(default)]
         set: BTreeMap<String, f64>,
         /// The axis that plays it, from 1; default: channel i on axis i. The others stay.
@@ -40,7 +40,7 @@ pub enum Step {
     },
     /// The next experiment of a diagnosis.
     Experiment {
-        /// Its `gap.json`.
+        /// The experiment's `gap.json`.
         file: PathBuf,
     },
 }

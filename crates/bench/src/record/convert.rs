@@ -46,7 +46,7 @@ impl Format {
 pub struct Converted {
     /// The log.
     pub file: PathBuf,
-    /// Its rows.
+    /// Rows of the record.
     pub rows: u64,
     /// Bytes behind the last whole block of the journal, of a write that was cut off.
     pub cut_off_bytes: u64,

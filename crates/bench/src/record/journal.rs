@@ -54,7 +54,7 @@ pub enum JournalError {
     Short {
         /// File.
         path: PathBuf,
-        /// Its length.
+        /// The path's length.
         bytes: u64,
     },
     /// It is none.
@@ -93,7 +93,7 @@ impl Journal {
         Ok(Journal { path: path.to_owned(), file, block: Vec::new(), synced: Instant::now() })
     }
 
-    /// Its file.
+    /// The journal's file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -174,7 +174,7 @@ impl JournalReader {
         Ok(JournalReader { path: path.to_owned(), file, about, broken: 0 })
     }
 
-    /// What it says about itself.
+    /// What the journal reader says about itself.
     #[must_use]
     pub fn about(&self) -> &About {
         &self.about
@@ -205,8 +205,8 @@ impl JournalReader {
             return None;
         }
         let (values, _) = bytes.as_chunks::<8>();
-        let whole = values.len().is_multiple_of(self.about.columns.len().max(1));
-        whole.then(|| values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
+        let complete = values.len().is_multiple_of(self.about.columns.len().max(1));
+        complete.then(|| values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
     }
 
     /// Bytes behind the last whole block, once the end was reached.
@@ -274,8 +274,8 @@ mod tests {
             std::fs::write(&path, &bytes[..cut]).unwrap();
             let (found, broken) = read(&path);
             let mut end = head;
-            let whole = blocks.iter().take_while(|b| { end += 8 + 8 * b.len(); end <= cut }).count();
-            prop_assert_eq!(&found[..], &blocks[..whole]);
+            let complete = blocks.iter().take_while(|b| { end += 8 + 8 * b.len(); end <= cut }).count();
+            prop_assert_eq!(&found[..], &blocks[..complete]);
             let kept: usize = found.iter().map(|block| 8 + 8 * block.len()).sum();
             prop_assert_eq!(broken as usize, cut - head - kept);
         }

@@ -40,7 +40,7 @@ pub struct Difference {
     pub row: u64,
     /// Cycle since time 0.
     pub cycle: u64,
-    /// Its time in s.
+    /// The difference's time in s.
     pub time: f64,
     /// Column.
     pub signal: String,

@@ -54,7 +54,7 @@ impl Recipe {
     /// Changes with the meaning of a field, and with what the cycle does to a command.
     pub const VERSION: u32 = 1;
 
-    /// Its text.
+    /// The recipe's text.
     ///
     /// # Errors
     /// A start value that TOML does not write.

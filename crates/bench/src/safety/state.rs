@@ -79,7 +79,7 @@ impl State {
         State::ALL.get(usize::from(number)).copied()
     }
 
-    /// Its name.
+    /// The state's name.
     #[must_use]
     pub fn name(self) -> &'static str {
         ["idle", "ready", "running", "hold", "safe", "fault"][self as usize]

@@ -319,9 +319,9 @@ mod tests {
         assert!((instance.step(&[1.5, 0.3, 0.5, 1.0]) - 1.5).abs() > 0.1);
         assert!((instance.outputs[1] + 1.5 - instance.outputs[0]).abs() < 1e-15);
         // What is wanted is taken off where the weight is 1.
-        let mut whole = of(&NON_MINIMUM_PHASE_DAMPING, &[5.0, 700.0, 1.0]);
-        whole.rest(&[1.0, 0.2, 0.2, 1.0]);
-        assert_eq!(whole.step(&[1.0, 0.7, 0.7, 1.0]), 1.0);
+        let mut complete = of(&NON_MINIMUM_PHASE_DAMPING, &[5.0, 700.0, 1.0]);
+        complete.rest(&[1.0, 0.2, 0.2, 1.0]);
+        assert_eq!(complete.step(&[1.0, 0.7, 0.7, 1.0]), 1.0);
     }
 
     #[test]

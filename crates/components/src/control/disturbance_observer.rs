@@ -80,7 +80,7 @@ impl Component for DisturbanceObserver {
         let (
             &[longest],
             &[bandwidth, lag, delay, limit],
-            [low_pass, follow, whole, fraction, own_limit],
+            [low_pass, follow, integer, fraction, own_limit],
         ) = (structure, parameters, coefficients)
         else {
             return Err(WRONG_LENGTH);
@@ -90,7 +90,7 @@ impl Component for DisturbanceObserver {
         *low_pass = lag_fraction(bandwidth, period);
         *follow = if lag > 0.0 { -libm::expm1(-period / lag) } else { 1.0 };
         // What is measured now has seen the command of the step before.
-        (*whole, *fraction) = steps_of("delay", delay, longest, period)?;
+        (*integer, *fraction) = steps_of("delay", delay, longest, period)?;
         *own_limit = limit;
         Ok(())
     }
@@ -112,7 +112,7 @@ impl Component for DisturbanceObserver {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[low_pass, follow, whole, fraction, limit], &[r, measured, enable], [y]) =
+        let (&[low_pass, follow, integer, fraction, limit], &[r, measured, enable], [y]) =
             (coefficients, inputs, outputs)
         else {
             return;
@@ -120,7 +120,7 @@ impl Component for DisturbanceObserver {
         let Some(([model, disturbance, last], ring)) = state.split_first_chunk_mut::<3>() else {
             return;
         };
-        let delayed = Ring(ring).push(*last, whole, fraction);
+        let delayed = Ring(ring).push(*last, integer, fraction);
         *model += follow * (delayed - *model);
         if enable == 0.0 {
             *disturbance = 0.0;

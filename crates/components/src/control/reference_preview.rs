@@ -66,11 +66,11 @@ impl Component for ReferencePreview {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (&[longest], &[preview], [whole, fraction]) = (structure, parameters, coefficients)
+        let (&[longest], &[preview], [integer, fraction]) = (structure, parameters, coefficients)
         else {
             return Err(WRONG_LENGTH);
         };
-        (*whole, *fraction) = steps_of("preview", preview, longest, period)?;
+        (*integer, *fraction) = steps_of("preview", preview, longest, period)?;
         Ok(())
     }
 
@@ -88,10 +88,11 @@ impl Component for ReferencePreview {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[whole, fraction], &[r], [path, reference]) = (coefficients, inputs, outputs) else {
+        let (&[integer, fraction], &[r], [path, reference]) = (coefficients, inputs, outputs)
+        else {
             return;
         };
-        (*path, *reference) = (r, Ring(state).push(r, whole, fraction));
+        (*path, *reference) = (r, Ring(state).push(r, integer, fraction));
     }
 }
 

@@ -41,7 +41,7 @@ static DECLARATION: Declaration = Declaration {
     parameters: &PARAMETERS,
 };
 
-/// Its parameters.
+/// Parameters of the Dahl model.
 pub(super) const PARAMETERS: [Quantity; 4] = [
     Quantity::new("gain", "{position}/{command}", "Slope of the centre line").fitted(),
     Quantity::new("height", "{position}", "Half height of the major loop").min(0.0).fitted(),

@@ -44,7 +44,7 @@ static DECLARATION: Declaration = Declaration {
     parameters: &PARAMETERS,
 };
 
-/// Its parameters.
+/// Parameters of the Duhem model.
 pub(super) const PARAMETERS: [Quantity; 4] = [
     Quantity::new("slope", "{position}/{command}", "Slope of the centre line").fitted(),
     Quantity::new("initial", "{position}/{command}", "Slope right after a reversal").fitted(),

@@ -222,8 +222,8 @@ mod tests {
         parts: &[&[f64]],
     ) -> Option<(&'static str, Option<usize>)> {
         let parameters = [&parts.concat()[..], &[-64.0, 128.0]].concat();
-        let made = Instance::new(inverse, structure, &parameters, 1e-3);
-        made.err().map(|violation| (violation.quantity, violation.index))
+        let built = Instance::new(inverse, structure, &parameters, 1e-3);
+        built.err().map(|violation| (violation.quantity, violation.index))
     }
 
     #[test]
@@ -275,11 +275,11 @@ mod tests {
     #[test]
     fn limits_without_a_range_are_refused() {
         let p = [&R[..], &W, &[0.3, 0.05, 1e-4]].concat();
-        let made = |limits: [f64; 2]| {
+        let built = |limits: [f64; 2]| {
             let parameters = [&p[..], &limits].concat();
             Instance::new(&rate_dependent_play::INVERSE, &[3.0], &parameters, 1e-3).err()
         };
-        assert_eq!(made([5.0, 5.0]).map(|v| (v.quantity, v.value)), Some(("command_min", 5.0)));
-        assert!(made([5.0, 5.5]).is_none());
+        assert_eq!(built([5.0, 5.0]).map(|v| (v.quantity, v.value)), Some(("command_min", 5.0)));
+        assert!(built([5.0, 5.5]).is_none());
     }
 }

@@ -49,11 +49,11 @@ static DECLARATION: Declaration = Declaration {
     parameters: &PARAMETERS,
 };
 
-/// Its structure.
+/// Structure of the Preisach model.
 pub(super) const STRUCTURE: [Structural; 1] =
     [Structural::count("relays", "Number of relays, N*(N + 1)/2", 1, 32_896)];
 
-/// Its parameters.
+/// Parameters of the Preisach model.
 pub(super) const PARAMETERS: [Quantity; 4] = [
     Quantity::new("mu", "{position}", "Weight of each relay, row by row").min(0.0).per(0).fitted(),
     Quantity::new("low", "{command}", "Command below which all relays are off"),

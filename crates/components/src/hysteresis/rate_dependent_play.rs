@@ -276,8 +276,8 @@ mod tests {
     #[test]
     fn thresholds_and_weights_are_checked() {
         let refused = |p: [f64; 7]| {
-            let made = Instance::new(&RateDependentPlay, &[2.0], &p, 1e-3);
-            made.err().map(|v| (v.quantity, v.index))
+            let built = Instance::new(&RateDependentPlay, &[2.0], &p, 1e-3);
+            built.err().map(|v| (v.quantity, v.index))
         };
         assert_eq!(refused([1.0, 0.5, 1.0, 1.0, 0.0, 1.0, 0.0]), Some(("r", Some(1))));
         assert_eq!(refused([0.5, 1.0, 1.0, -1.0, 0.0, 1.0, 0.0]), Some(("w", Some(1))));

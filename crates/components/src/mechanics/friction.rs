@@ -284,8 +284,8 @@ mod tests {
                     rows.map(|u| (0..parts).fold(0.0, |_, _| model.step(&[u]))).collect();
                 y
             };
-            let (whole, fine) = (run(1), run(40));
-            let squares: f64 = whole.iter().zip(&fine).map(|(a, b)| (a - b).powi(2)).sum();
+            let (complete, fine) = (run(1), run(40));
+            let squares: f64 = complete.iter().zip(&fine).map(|(a, b)| (a - b).powi(2)).sum();
             let rms = (squares / 300.0).sqrt();
             assert!(rms < 1e-3, "{parameters:?}: {rms}");
         }

@@ -224,8 +224,8 @@ mod tests {
             let rows = (0..300).map(|n| if n % 60 < 30 { 0.5 } else { -0.2 });
             rows.map(|u| (0..parts).fold(0.0, |_, _| model.step(&[u]))).collect::<Vec<f64>>()
         };
-        let (whole, fine) = (run(1), run(40));
-        let squares: f64 = whole.iter().zip(&fine).map(|(a, b)| (a - b).powi(2)).sum();
+        let (complete, fine) = (run(1), run(40));
+        let squares: f64 = complete.iter().zip(&fine).map(|(a, b)| (a - b).powi(2)).sum();
         assert!((squares / 300.0).sqrt() < 1e-3);
     }
 

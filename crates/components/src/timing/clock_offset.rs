@@ -98,8 +98,8 @@ impl Component for ClockOffset {
         let mut ring = Ring(state);
         let most = ring.reach() as f64;
         let steps = between(0.0, most, first + growth * tick.index as f64 + jitter);
-        let whole = steps as usize as f64;
-        *y = ring.push(u, whole, steps - whole);
+        let integer = steps as usize as f64;
+        *y = ring.push(u, integer, steps - integer);
     }
 }
 

@@ -79,8 +79,8 @@ pub(crate) fn steps_of(
     if (steps - nearest).abs() <= WHOLE * nearest.max(1.0) {
         return Ok((nearest, 0.0));
     }
-    let whole = floor(steps);
-    Ok((whole, steps - whole))
+    let integer = floor(steps);
+    Ok((integer, steps - integer))
 }
 
 /// The past inputs: the place of the present one, then the cells.
@@ -100,7 +100,7 @@ impl Ring<'_> {
 
     /// Stores the present input and returns the one that lies `whole` steps and a fraction back.
     #[inline]
-    pub(crate) fn push(&mut self, u: f64, whole: f64, fraction: f64) -> f64 {
+    pub(crate) fn push(&mut self, u: f64, integer: f64, fraction: f64) -> f64 {
         let Some((place, cells)) = self.0.split_first_mut() else { return u };
         let room = cells.len();
         let last = *place as usize;
@@ -109,11 +109,11 @@ impl Ring<'_> {
         if let Some(cell) = cells.get_mut(at) {
             *cell = u;
         }
-        let whole = (whole as usize).min(room);
+        let integer = (integer as usize).min(room);
         let past = |steps: usize| {
             cells.get(if at >= steps { at - steps } else { (at + room).wrapping_sub(steps) })
         };
-        let (Some(&newer), Some(&older)) = (past(whole), past(whole + 1)) else { return u };
+        let (Some(&newer), Some(&older)) = (past(integer), past(integer + 1)) else { return u };
         if fraction == 0.0 { newer } else { newer + fraction * (older - newer) }
     }
 }
@@ -134,11 +134,11 @@ impl Component for Delay {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (&[longest], &[delay], [whole, fraction]) = (structure, parameters, coefficients)
+        let (&[longest], &[delay], [integer, fraction]) = (structure, parameters, coefficients)
         else {
             return Err(WRONG_LENGTH);
         };
-        (*whole, *fraction) = steps_of("delay", delay, longest, period)?;
+        (*integer, *fraction) = steps_of("delay", delay, longest, period)?;
         Ok(())
     }
 
@@ -156,8 +156,8 @@ impl Component for Delay {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (&[whole, fraction], &[u], [y]) = (coefficients, inputs, outputs) else { return };
-        *y = Ring(state).push(u, whole, fraction);
+        let (&[integer, fraction], &[u], [y]) = (coefficients, inputs, outputs) else { return };
+        *y = Ring(state).push(u, integer, fraction);
     }
 }
 

@@ -193,7 +193,7 @@ pub fn gain(kind: &'static str) -> NodeSpec {
 
 /// A model of one axis with this component where its kind of signal is; of two axes around a
 /// coupling.
-pub fn around(node: NodeSpec) -> SystemSpec {
+pub fn system_of(node: NodeSpec) -> SystemSpec {
     let declaration = node.component.declaration();
     if declaration.conversion == Conversion::PositionToMotion {
         let linear = || vec![gain("feedforward-gain")];

@@ -13,9 +13,9 @@ fn delayed(late: usize, across: f64) -> Vec<Vec<Vec<f64>>> {
 
 fn found(responses: &[Vec<Vec<Vec<f64>>>], law: Feedback, first: Option<f64>) -> CoupledLoop {
     let integral = Shape { name: "integral", a: 0.0, b: 0.0, filter: 0.0 };
-    let around = CoupledPlants { responses, slopes: &[2.0, -4.0], first, period: 1e-3 };
+    let coupled_plants = CoupledPlants { responses, slopes: &[2.0, -4.0], first, period: 1e-3 };
     let limits = Limits { sensitivity: 1.5, noise: 100.0 };
-    coupled(&around, &[integral; 2], law, CommandActs::AtOnce, limits).expect("gains")
+    coupled(&coupled_plants, &[integral; 2], law, CommandActs::AtOnce, limits).expect("gains")
 }
 
 /// The gain k·T of an integral around `late + 1` periods of delay at which the sensitivity is 1.5, by bisection on

@@ -6,7 +6,7 @@ use nalgebra::Complex;
 
 use super::gains::Gains;
 use super::plants::{Found, Plants};
-use super::{Around, Damped, Damping, DampingFigures};
+use super::{Damped, DampedPlant, Damping, DampingFigures};
 use crate::loop_shape::{Shape, Shaped, margins};
 
 impl Plants {
@@ -15,7 +15,7 @@ impl Plants {
         &self,
         best: &Found,
         notch: Option<&Found>,
-        around: &Around<'_>,
+        axis_plant: &DampedPlant<'_>,
     ) -> Damped {
         let Found { law, gains, .. } = best;
         let laws = self.laws(gains);
@@ -72,7 +72,7 @@ impl Plants {
             closed_loop_bandwidth: in_hz(self.bandwidth(&laws)),
             least_closed_loop_bandwidth: in_hz(width),
             bandwidth_with_feedforward: (!is_notch)
-                .then(|| in_hz(self.with_feedforward(&laws, around.leads))),
+                .then(|| in_hz(self.with_feedforward(&laws, axis_plant.leads))),
             settling,
             longest_settling,
             notch_settling: notch.map(|notch| settles(&notch.gains)),

@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use numerics::fft::Fft;
 
 use super::gains::Gains;
-use super::{Around, BEYOND, Damping, slopes};
+use super::{BEYOND, DampedPlant, Damping, slopes};
 use crate::design::CommandActs;
 use crate::linearised::LIGHT;
 use crate::loop_shape::{Limits, transfer};
@@ -56,9 +56,9 @@ pub(super) struct Plants {
 }
 
 impl Plants {
-    pub(super) fn of(around: &Around<'_>, acts: CommandActs) -> Result<Self, String> {
-        let (period, slope) = (around.period, around.slopes.0);
-        let light = || around.modes.iter().filter(|(_, damping)| *damping < LIGHT);
+    pub(super) fn of(axis_plant: &DampedPlant<'_>, acts: CommandActs) -> Result<Self, String> {
+        let (period, slope) = (axis_plant.period, axis_plant.slopes.0);
+        let light = || axis_plant.modes.iter().filter(|(_, damping)| *damping < LIGHT);
         let first = light().map(|(frequency, _)| *frequency).fold(f64::INFINITY, f64::min);
         if first.is_infinite() {
             return Err(format!(
@@ -85,7 +85,7 @@ impl Plants {
             CommandActs::NextPeriod => (false, true),
         };
         let mut values = Vec::new();
-        for impulse in around.impulses {
+        for impulse in axis_plant.impulses {
             let own: Vec<Complex<f64>> =
                 angles.iter().map(|angle| transfer(impulse, *angle) / slope).collect();
             if at_once {
@@ -95,8 +95,8 @@ impl Plants {
                 values.push(own);
             }
         }
-        let slopes = slopes(slope, around.slopes.1);
-        let nominal = around.impulses.first().ok_or("it has no response")?;
+        let slopes = slopes(slope, axis_plant.slopes.1);
+        let nominal = axis_plant.impulses.first().ok_or("it has no response")?;
         let even = even(nominal, first, slope, later, period);
         let inverse = Fft::inverse(2 * (even.0.len() - 1));
         let given = usize::from(at_once) + usize::from(later);

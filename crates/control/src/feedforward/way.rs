@@ -25,7 +25,7 @@ pub enum Feedforward {
 }
 
 impl Feedforward {
-    /// All of them.
+    /// All kinds of feedforward.
     pub const ALL: [Self; 9] = [
         Self::Automatic,
         Self::Inverse,
@@ -38,7 +38,7 @@ impl Feedforward {
         Self::None,
     ];
 
-    /// Its name on the command line.
+    /// The feedforward's name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -42,14 +42,14 @@ impl Work<'_> {
             let slopes: Vec<f64> =
                 group.axes.iter().map(|axis| self.designs[*axis].slope).collect();
             let light = group.light_modes(self.plant);
-            let around = CoupledPlants {
+            let coupled_plants = CoupledPlants {
                 responses: &responses,
                 slopes: &slopes,
                 first: light.into_iter().min_by(f64::total_cmp),
                 period: self.period,
             };
             let limits = Limits { sensitivity: settings.sensitivity, noise: settings.noise };
-            let found = coupled(&around, &shapes, settings.feedback, settings.acts, limits);
+            let found = coupled(&coupled_plants, &shapes, settings.feedback, settings.acts, limits);
             let found = found.map_err(at_group)?;
             for (axis, shaped) in group.axes.iter().zip(&found.axes) {
                 self.designs[*axis].shaped = *shaped;

@@ -18,7 +18,7 @@ use crate::system::System;
 /// A connected output.
 struct Output {
     slave: usize,
-    /// Its place on the bus.
+    /// The output's place on the bus.
     place: usize,
     /// Number of each output that it depends on, and the place where the wire begins.
     needs: Vec<(usize, usize)>,

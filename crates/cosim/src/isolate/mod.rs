@@ -23,7 +23,7 @@ pub use worker::serve;
 pub struct Worker {
     /// The program, which must come to [`serve`] when it is started with the arguments.
     pub program: PathBuf,
-    /// Its arguments.
+    /// The worker's arguments.
     pub arguments: Vec<OsString>,
     /// A call that takes longer ends the process.
     pub timeout: Duration,

@@ -80,7 +80,7 @@ pub struct PlannedFmu {
     pub path: PathBuf,
     /// Where it stands in the plan, for messages.
     pub place: String,
-    /// Its own step in s, if it is longer than the communication step.
+    /// The planned FMU's own step in s, if it is longer than the communication step.
     pub step: Option<f64>,
 }
 
@@ -140,7 +140,7 @@ pub enum Coupling {
 }
 
 impl Coupling {
-    /// Its name in files.
+    /// The coupling's name in files.
     pub fn name(self) -> &'static str {
         match self {
             Coupling::Jacobi => "jacobi",

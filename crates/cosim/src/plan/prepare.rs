@@ -367,9 +367,9 @@ fn unfed(system: &System) -> Vec<String> {
 fn multiple(own: Option<f64>, step: f64) -> Result<usize, String> {
     let Some(own) = own else { return Ok(1) };
     let ratio = own / step;
-    let whole = ratio.round();
-    if (ratio - whole).abs() <= ROUNDING * ratio && (1.0..=1e15).contains(&whole) {
-        return Ok(whole as usize);
+    let integer = ratio.round();
+    if (ratio - integer).abs() <= ROUNDING * ratio && (1.0..=1e15).contains(&integer) {
+        return Ok(integer as usize);
     }
     Err(format!(
         "over {own} s, which is no multiple of the communication step of {step} s; choose a \

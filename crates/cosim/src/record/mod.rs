@@ -22,9 +22,9 @@ use std::io;
 /// One recorded variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Its name in the record.
+    /// The column's name in the record.
     pub name: String,
-    /// Its unit, if it has one.
+    /// The column's unit, if it has one.
     pub unit: Option<String>,
 }
 

@@ -31,7 +31,7 @@ const REST: char = '\u{0}';
 /// An element of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Element {
-    /// Its place, from 0, in row-major order.
+    /// The element's place, from 0, in row-major order.
     pub(crate) index: usize,
     /// Number of elements of the array.
     pub(crate) size: usize,
@@ -54,7 +54,7 @@ impl Address {
     }
 
     /// The name of the variable that this is the rest of.
-    fn whole(name: &str) -> Option<&str> {
+    fn variable_name(name: &str) -> Option<&str> {
         name.strip_suffix(REST)
     }
 
@@ -77,7 +77,7 @@ impl Address {
         if let Some(variable) = variable(name) {
             return Ok(Address::of(variable));
         }
-        if let Some(rest) = Address::whole(name)
+        if let Some(rest) = Address::variable_name(name)
             .and_then(&variable)
             .and_then(|variable| Address::of(variable).rest(description))
         {

@@ -50,13 +50,13 @@ impl Arrays {
                 self.known.len() - 1
             }
         };
-        let (_, whole) = &mut self.known[place];
+        let (_, integer) = &mut self.known[place];
         for (index, value) in array.indices.iter().zip(values) {
-            if let Some(element) = whole.get_mut(*index) {
+            if let Some(element) = integer.get_mut(*index) {
                 *element = *value;
             }
         }
-        write(instance, run.data_type, array.reference, whole)
+        write(instance, run.data_type, array.reference, integer)
     }
 
     /// Reads some elements. Whether the array's numbers are doubles.
@@ -112,14 +112,14 @@ fn write(
         ($type:ty, $set:ident) => {{
             let mut converted = Vec::with_capacity(values.len());
             for (i, value) in values.iter().enumerate() {
-                let whole = *value as $type;
+                let integer = *value as $type;
                 // At the upper end of 64 bits the nearest double is already too much.
-                if whole as i128 != *value as i128 || value.fract() != 0.0 {
+                if integer as i128 != *value as i128 || value.fract() != 0.0 {
                     let element = format!("element {} of value reference {reference}", i + 1);
                     let value = Value::Real(*value);
                     return Err(type_error(instance.name(), &element, data_type, &value));
                 }
-                converted.push(whole);
+                converted.push(integer);
             }
             instance.$set(&[reference], &converted)?
         }};

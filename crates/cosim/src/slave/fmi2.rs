@@ -320,14 +320,14 @@ fn set_whole(
     for ((references, names), values) in references.zip(names).zip(values.chunks(CHUNK)) {
         let mut integers = [0_i32; CHUNK];
         for ((integer, value), name) in integers.iter_mut().zip(values).zip(names) {
-            let whole = *value as i32;
-            let fits = f64::from(whole) == *value
-                && (run.data_type != DataType::Boolean || matches!(whole, 0 | 1));
+            let integer_part = *value as i32;
+            let fits = f64::from(integer_part) == *value
+                && (run.data_type != DataType::Boolean || matches!(integer_part, 0 | 1));
             if !fits {
                 let value = Value::Real(*value);
                 return Err(type_error(instance.name(), name, run.data_type, &value));
             }
-            *integer = whole;
+            *integer = integer_part;
         }
         let integers = &integers[..references.len()];
         if run.data_type == DataType::Boolean {

@@ -33,7 +33,7 @@ pub(crate) struct Fmi3Slave {
     arrays: Arrays,
     room: Room,
     package: Arc<Package>,
-    /// Its events, where it has event mode.
+    /// The fmi3 slave's events, where it has event mode.
     events: Option<Events>,
     /// The events that belong to saved states.
     snapshots: HashMap<StateId, Events>,
@@ -117,10 +117,10 @@ impl Fmi3Slave {
                 instance.log().remark(text.to_owned());
                 instance
             }
-            made => made?,
+            built => built?,
         };
-        let said = Some(self.library.version()).filter(|version| version.contains('-'));
-        if let Some(draft) = self.description.draft.as_deref().or(said) {
+        let version_text = Some(self.library.version()).filter(|version| version.contains('-'));
+        if let Some(draft) = self.description.draft.as_deref().or(version_text) {
             let text = format!("is of FMI {draft}, a draft; it is run as one of FMI 3.0");
             instance.log().remark(text);
         }
@@ -203,7 +203,7 @@ impl Slave for Fmi3Slave {
             let [text] = text;
             return Ok(Value::Text(text));
         }
-        if let Some(value) = self.whole(&address)? {
+        if let Some(value) = self.integer(&address)? {
             return Ok(value);
         }
         let mut selection = Selection::default();
@@ -391,18 +391,18 @@ impl Fmi3Slave {
         let reference = [variable.value_reference];
         let number = match value.fit(variable.data_type).ok_or_else(mismatch)? {
             Value::Text(text) => return Ok(self.instance()?.set_string(&reference, &[&text])?),
-            Value::Integer(whole) if address.element.is_none() => match variable.data_type {
+            Value::Integer(integer) if address.element.is_none() => match variable.data_type {
                 DataType::UInt64 => {
-                    let whole = u64::try_from(whole).map_err(|_| mismatch())?;
-                    return Ok(self.instance()?.set_uint64(&reference, &[whole])?);
+                    let integer = u64::try_from(integer).map_err(|_| mismatch())?;
+                    return Ok(self.instance()?.set_uint64(&reference, &[integer])?);
                 }
                 DataType::Int64 | DataType::Enumeration => {
-                    let whole = i64::try_from(whole).map_err(|_| mismatch())?;
-                    return Ok(self.instance()?.set_int64(&reference, &[whole])?);
+                    let integer = i64::try_from(integer).map_err(|_| mismatch())?;
+                    return Ok(self.instance()?.set_int64(&reference, &[integer])?);
                 }
-                _ => whole as f64,
+                _ => integer as f64,
             },
-            Value::Integer(whole) if (whole as f64) as i128 == whole => whole as f64,
+            Value::Integer(integer) if (integer as f64) as i128 == integer => integer as f64,
             Value::Integer(_) => return Err(mismatch()),
             Value::Real(value) => value,
             Value::Boolean(value) => f64::from(u8::from(value)),
@@ -414,7 +414,7 @@ impl Fmi3Slave {
     }
 
     /// The value of a scalar of 64 bits that is no floating point number.
-    fn whole(&mut self, address: &Address) -> Result<Option<Value>, Error> {
+    fn integer(&mut self, address: &Address) -> Result<Option<Value>, Error> {
         let reference = [address.variable.value_reference];
         if address.element.is_some() || !address.variable.dimensions.is_empty() {
             return Ok(None);

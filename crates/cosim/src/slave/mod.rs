@@ -42,7 +42,7 @@ pub trait Slave: Send {
     /// Name of the instance; unique in a system.
     fn name(&self) -> &str;
 
-    /// What it says about itself.
+    /// What the slave says about itself.
     fn description(&self) -> &ModelDescription;
 
     /// Tells the time span of the run.

@@ -29,9 +29,9 @@ pub struct Selection {
 /// Neighbours of one type, which one call of the C interface can read or write.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TypeRun {
-    /// Their type.
+    /// Type of these variables.
     pub data_type: DataType,
-    /// Their places in the selection.
+    /// Places of these variables in the selection.
     pub range: Range<usize>,
     /// The array that they are elements of; none: they are scalars.
     pub array: Option<ArrayRun>,

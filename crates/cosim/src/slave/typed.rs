@@ -129,7 +129,7 @@ pub(super) fn get_split(
     let pairs = references.chunks_exact(2).zip(values.chunks_exact_mut(2));
     for (number, (references, values)) in pairs.enumerate() {
         let references = &references[..1];
-        let whole = match data_type {
+        let integer = match data_type {
             DataType::UInt64 => {
                 let mut read = [0];
                 instance.get_uint64(references, &mut read)?;
@@ -141,8 +141,8 @@ pub(super) fn get_split(
                 i128::from(read[0])
             }
         };
-        let nearest = whole as f64;
-        let rest = whole - nearest as i128;
+        let nearest = integer as f64;
+        let rest = integer - nearest as i128;
         values.copy_from_slice(&[nearest, rest as f64]);
         if rest != 0 && inexact.is_none() {
             inexact = Some(2 * number);
@@ -162,14 +162,14 @@ pub(super) fn set_split(
     let names = selection.names()[run.range.clone()].chunks_exact(2);
     for ((references, names), values) in references.zip(names).zip(values.chunks_exact(2)) {
         let is_whole = values.iter().all(|value| value.fract() == 0.0);
-        let whole = values[0] as i128 + values[1] as i128;
+        let integer = values[0] as i128 + values[1] as i128;
         let references = &references[..1];
-        match (run.data_type, u64::try_from(whole), i64::try_from(whole)) {
-            (DataType::UInt64, Ok(whole), _) if is_whole => {
-                instance.set_uint64(references, &[whole])?;
+        match (run.data_type, u64::try_from(integer), i64::try_from(integer)) {
+            (DataType::UInt64, Ok(integer), _) if is_whole => {
+                instance.set_uint64(references, &[integer])?;
             }
-            (DataType::Int64, _, Ok(whole)) if is_whole => {
-                instance.set_int64(references, &[whole])?;
+            (DataType::Int64, _, Ok(integer)) if is_whole => {
+                instance.set_int64(references, &[integer])?;
             }
             _ => {
                 let value = Value::Real(values[0] + values[1]);

@@ -44,8 +44,8 @@ impl Value {
     /// The value as the variable's type wants it: a whole real is an integer, an integer a real.
     pub(crate) fn fit(&self, data_type: DataType) -> Option<Value> {
         let integer = |value: f64| {
-            let whole = value as i128;
-            (whole as f64 == value).then_some(whole)
+            let integers = value as i128;
+            (integers as f64 == value).then_some(integers)
         };
         match (data_type, self) {
             (DataType::Float32 | DataType::Float64, Value::Real(_)) => Some(self.clone()),

@@ -267,11 +267,11 @@ pub fn events3() -> ModelDescription {
         clock.properties.clock = Some(Box::new(properties));
         clock
     };
-    let whole = |name: &str, reference: u32, data_type: DataType, causality: Causality| {
-        let mut whole = variable(name, reference, data_type, causality);
+    let integer = |name: &str, reference: u32, data_type: DataType, causality: Causality| {
+        let mut integer = variable(name, reference, data_type, causality);
         let has_start = matches!(causality, Input | Parameter | StructuralParameter);
-        whole.start = has_start.then(|| Start::Integer(vec![0]));
-        whole
+        integer.start = has_start.then(|| Start::Integer(vec![0]));
+        integer
     };
     let array = |name: &str, reference: u32, causality: Causality, start: &[f64]| {
         let mut array = real(name, reference, causality, None);
@@ -279,19 +279,19 @@ pub fn events3() -> ModelDescription {
         array.start = Some(Start::Float(start.to_vec())).filter(|start| !start.is_empty());
         array
     };
-    let mut clocked = whole("clocked", 3, DataType::Int32, Input);
+    let mut clocked = integer("clocked", 3, DataType::Int32, Input);
     clocked.clocks = vec![13];
-    let mut size = whole("n", 40, DataType::UInt64, StructuralParameter);
+    let mut size = integer("n", 40, DataType::UInt64, StructuralParameter);
     size.start = Some(Start::Integer(vec![2]));
     size.stated_variability = Some(Variability::Fixed);
     size.properties.min = Some(Number::Integer(1));
     size.properties.max = Some(Number::Integer(5));
-    let count = |name: &str, reference: u32| whole(name, reference, DataType::Int32, Output);
+    let count = |name: &str, reference: u32| integer(name, reference, DataType::Int32, Output);
     let mut description = described(
         "events3",
         vec![
             real("u", 1, Input, None),
-            whole("level", 2, DataType::Int32, Input),
+            integer("level", 2, DataType::Int32, Input),
             clocked,
             clock("sample", 10, Input, "constant"),
             clock("asked", 11, Input, "fixed"),
@@ -309,14 +309,14 @@ pub fn events3() -> ModelDescription {
             count("events", 28),
             real("y", 29, Output, None),
             real("last", 30, Output, None),
-            whole("big", 31, DataType::Int64, Parameter),
-            whole("huge", 32, DataType::UInt64, Parameter),
-            whole("big out", 33, DataType::Int64, Output),
-            whole("huge in", 34, DataType::UInt64, Input),
-            whole("big in", 36, DataType::Int64, Input),
-            whole("big fed", 37, DataType::Int64, Output),
-            whole("huge out", 38, DataType::UInt64, Output),
-            whole("huge fed", 39, DataType::UInt64, Output),
+            integer("big", 31, DataType::Int64, Parameter),
+            integer("huge", 32, DataType::UInt64, Parameter),
+            integer("big out", 33, DataType::Int64, Output),
+            integer("huge in", 34, DataType::UInt64, Input),
+            integer("big in", 36, DataType::Int64, Input),
+            integer("big fed", 37, DataType::Int64, Output),
+            integer("huge out", 38, DataType::UInt64, Output),
+            integer("huge fed", 39, DataType::UInt64, Output),
             count("taken", 35),
             size,
             array("x", 41, Parameter, &[1.0, 2.0]),

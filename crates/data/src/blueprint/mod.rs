@@ -144,9 +144,9 @@ pub struct SignalBlueprint {
 /// One component of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComponentBlueprint {
-    /// Its type, as in `prandtl-ishlinskii`.
+    /// The component blueprint's type, as in `prandtl-ishlinskii`.
     pub kind: String,
-    /// Its name; empty: the declaration's.
+    /// The component blueprint's name; empty: the declaration's.
     pub name: String,
     /// Whether it acts.
     pub enabled: bool,
@@ -430,7 +430,7 @@ impl CheckedBlueprint {
     pub fn blueprint(&self) -> &Blueprint {
         &self.blueprint
     }
-    /// What it says, with every value in the unit of its quantity on its axis.
+    /// What the checked blueprint says, with every value in the unit of its quantity on its axis.
     #[must_use]
     pub fn spec(&self) -> &SystemSpec {
         &self.spec.0

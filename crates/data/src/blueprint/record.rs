@@ -186,8 +186,8 @@ pub(super) fn fill(
             component.values.push((value.name.clone(), value.value.clone()));
         }
     }
-    let told = format!("record {}: {}", record.name, taken.join(", "));
-    let parts = [component.note.as_str(), &told];
+    let described = format!("record {}: {}", record.name, taken.join(", "));
+    let parts = [component.note.as_str(), &described];
     component.note = parts.into_iter().filter(|p| !p.is_empty()).collect::<Vec<_>>().join("; ");
     reader.took_record(name);
 }

@@ -78,14 +78,15 @@ pub(super) fn writable(name: &str) -> String {
 
 /// Name and unit of a cell of the header: `y [um]` and `y[um]` are y in um; `position[1]` is a name.
 pub(super) fn split(cell: &str) -> (&str, Option<&str>) {
-    let whole = cell.trim();
-    let Some((name, unit)) = whole.strip_suffix(']').and_then(|rest| rest.rsplit_once('[')) else {
-        return (whole, None);
+    let trimmed = cell.trim();
+    let Some((name, unit)) = trimmed.strip_suffix(']').and_then(|rest| rest.rsplit_once('['))
+    else {
+        return (trimmed, None);
     };
     let is_index = unit.chars().all(|c| c.is_ascii_digit() || matches!(c, ',' | ' '));
     let is_apart = name.ends_with(char::is_whitespace);
     if name.trim().is_empty() || (is_index && !is_apart) {
-        return (whole, None);
+        return (trimmed, None);
     }
     (name.trim_end(), Some(unit.trim()))
 }
@@ -141,7 +142,7 @@ impl Context<'_> {
             .map(|cell| match split(cell) {
                 (name, None) if !is_own => time_column::split_unit(name)
                     .map_or((name, None), |(name, unit)| (name, Some(unit))),
-                whole => whole,
+                trimmed => trimmed,
             })
             .collect();
         let time = self.time_at(&named);

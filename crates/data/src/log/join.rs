@@ -70,11 +70,11 @@ impl Grid {
     fn times(self) -> impl Iterator<Item = f64> {
         // A whole number of Hz gives the times that a reader of decimals would give.
         let rate = (1.0 / self.period).round();
-        let whole = (self.start * rate).round();
+        let integer = (self.start * rate).round();
         let is_whole =
-            (rate * self.period - 1.0).abs() < 1e-12 && (whole - self.start * rate).abs() < 1e-9;
+            (rate * self.period - 1.0).abs() < 1e-12 && (integer - self.start * rate).abs() < 1e-9;
         (0..self.rows).map(move |row| match is_whole {
-            true => (whole + row as f64) / rate,
+            true => (integer + row as f64) / rate,
             false => self.start + row as f64 * self.period,
         })
     }
@@ -122,7 +122,7 @@ fn period(log: &Log) -> f64 {
     )
 }
 
-fn said(held: &[String], rate: f64, start: f64, end: f64) -> String {
+fn description(held: &[String], rate: f64, start: f64, end: f64) -> String {
     let held = match held {
         [] => String::new(),
         names => format!(" ({} held: whole numbers)", names.join(", ")),
@@ -176,7 +176,7 @@ pub(super) fn groups(
         joined.remarks.left_out.extend(log.remarks.left_out);
     }
     let last = joined.time().last().copied().unwrap_or(start);
-    let how = said(&held, 1.0 / period, start, last);
+    let how = description(&held, 1.0 / period, start, last);
     joined.remarks.is_joined = true;
     joined.remarks.notes.push(format!("groups {} are joined and {how}", names.join(", ")));
     Ok(joined)
@@ -219,7 +219,7 @@ impl Log {
             .map(|(column, _)| column.name.clone());
         let (start, end) =
             (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
-        self.remarks.notes.push(said(&names.collect::<Vec<_>>(), 1.0 / period, start, end));
+        self.remarks.notes.push(description(&names.collect::<Vec<_>>(), 1.0 / period, start, end));
         (self.time, self.records, self.lines) = (time, records, super::Lines::default());
         for (column, values) in self.columns.iter_mut().zip(columns) {
             column.values = values;

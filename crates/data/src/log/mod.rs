@@ -119,9 +119,9 @@ pub struct ColumnUnit {
 /// Rows that were recorded in one go.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Record {
-    /// Its number in the column `record`; 0 where there is none.
+    /// The record's number in the column `record`; 0 where there is none.
     pub id: i64,
-    /// Its rows, from 0.
+    /// The record's rows, from 0.
     pub rows: Range<usize>,
 }
 
@@ -223,7 +223,7 @@ impl Log {
         Self::of_records(origin, time, vec![Record { id: 0, rows }], false)
     }
 
-    /// The same with several records, each with its number and its length.
+    /// As `new`, with several records, each with its number and its length.
     ///
     /// # Errors
     /// As [`new`](Self::new); or the lengths do not add up, or a number is used twice.

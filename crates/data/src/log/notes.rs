@@ -6,7 +6,7 @@ use crate::Problem;
 /// A column that the file has and the log has not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Its name.
+    /// Name of the column.
     pub name: String,
     /// Why it cannot be used, as in `holds texts`; behind `;` what to do about it.
     pub why: String,
@@ -40,8 +40,8 @@ impl Log {
         let left_out = left_out.iter().map(|column| {
             format!("{}: column \"{}\" is left out: it {}", self.origin, column.name, column.why)
         });
-        let said = notes.iter().map(|note| format!("{}: {note}", self.origin));
-        said.chain(left_out).chain(self.note_on_times()).collect()
+        let message = notes.iter().map(|note| format!("{}: {note}", self.origin));
+        message.chain(left_out).chain(self.note_on_times()).collect()
     }
 
     /// The columns of the file that cannot be used; they are no error until somebody asks for one.

@@ -13,7 +13,7 @@ const EXACT: f64 = 1e-6;
 /// A record whose times were rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rounded {
-    /// Its number.
+    /// Number of the record.
     pub record: i64,
     /// The sample time of the grid that was taken, in s.
     pub period: f64,
@@ -29,7 +29,7 @@ impl Log {
         &self.rounded
     }
 
-    /// The same as a sentence, for notes.
+    /// As `rounded`, as a sentence, for notes.
     #[must_use]
     pub fn note_on_times(&self) -> Option<String> {
         let first = self.rounded.first()?;

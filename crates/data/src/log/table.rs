@@ -94,9 +94,9 @@ impl Grid {
     fn at(self, row: f64) -> f64 {
         let after = row / self.rate;
         // Decimals as a reader would give: -0.02 + 7/1000 is the double -0.013.
-        let whole = (self.start * self.rate).round();
-        if (whole - self.start * self.rate).abs() < 1e-9 * whole.abs() {
-            (whole + row) / self.rate
+        let integer = (self.start * self.rate).round();
+        if (integer - self.start * self.rate).abs() < 1e-9 * integer.abs() {
+            (integer + row) / self.rate
         } else {
             self.start + after
         }
@@ -168,7 +168,7 @@ impl<'a> Table<'a> {
             return None;
         }
         if self.last.is_none() && self.base.is_none() {
-            self.take_off(cell(at).and_then(ticks::whole).map(Base::of).unwrap_or_default());
+            self.take_off(cell(at).and_then(ticks::integer).map(Base::of).unwrap_or_default());
         }
         (!self.base.is_none()).then_some((at, self.base))
     }
@@ -411,7 +411,7 @@ impl<'a> Table<'a> {
     /// wrong, which is noted.
     fn place(&mut self, place: Place) -> Option<(i64, f64, bool)> {
         let record = match self.record_at.and_then(|at| self.cells.get(at).copied()) {
-            Some(number) => self.whole(number, self.record_at.unwrap_or(0), place)?,
+            Some(number) => self.integer(number, self.record_at.unwrap_or(0), place)?,
             None => self.part,
         };
         let is_new = self.last.is_none_or(|(last, _)| last != record);
@@ -472,7 +472,7 @@ impl<'a> Table<'a> {
     }
 
     /// The number of a record.
-    fn whole(&mut self, cell: f64, column: usize, place: Place) -> Option<i64> {
+    fn integer(&mut self, cell: f64, column: usize, place: Place) -> Option<i64> {
         if cell.is_nan() {
             return None;
         }

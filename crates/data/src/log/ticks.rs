@@ -36,8 +36,8 @@ impl Base {
 
     /// The number in a text without the base, and how long it is.
     pub(super) fn off_text(self, text: &[u8]) -> Option<(f64, usize)> {
-        let (whole, part, length) = number(text)?;
-        Some((self.off(whole.into()) + part, length))
+        let (integer, part, length) = number(text)?;
+        Some((self.off(integer.into()) + part, length))
     }
 
     /// The number in a cell without the base.
@@ -99,10 +99,10 @@ impl fmt::Display for Base {
 }
 
 /// The whole part of the number that a cell holds, if it is written without an exponent.
-pub(super) fn whole(cell: &[u8]) -> Option<i128> {
+pub(super) fn integer(cell: &[u8]) -> Option<i128> {
     let cell = cell.trim_ascii();
-    let (whole, _, length) = number(cell)?;
-    (length == cell.len()).then(|| whole.into())
+    let (integer, _, length) = number(cell)?;
+    (length == cell.len()).then(|| integer.into())
 }
 
 /// The whole part of a number that the text begins with, the part behind its point, and its length.
@@ -113,9 +113,9 @@ fn number(text: &[u8]) -> Option<(i64, f64, usize)> {
     if digits == 0 {
         return None;
     }
-    let mut whole = 0_i64;
+    let mut integer = 0_i64;
     for digit in &text[start..start + digits] {
-        whole = whole.checked_mul(10)?.checked_add(i64::from(digit - b'0'))?;
+        integer = integer.checked_mul(10)?.checked_add(i64::from(digit - b'0'))?;
     }
     let (mut part, mut end) = (0.0, start + digits);
     if text.get(end) == Some(&b'.') {
@@ -128,7 +128,7 @@ fn number(text: &[u8]) -> Option<(i64, f64, usize)> {
     if matches!(text.get(end), Some(b'e' | b'E')) {
         return None;
     }
-    Some(if is_negative { (-whole, -part, end) } else { (whole, part, end) })
+    Some(if is_negative { (-integer, -part, end) } else { (integer, part, end) })
 }
 
 #[cfg(test)]
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn long_times_keep_their_last_digit() {
-        let base = Base::of(whole(b" 1700000000000000000 ").unwrap());
+        let base = Base::of(integer(b" 1700000000000000000 ").unwrap());
         let off = |text: &str| base.off_text(text.as_bytes());
         assert_eq!(off("1700000000000000001,"), Some((1.0, 19)));
         assert_eq!(off("1699999999999999999\n"), Some((-1.0, 19)));
@@ -155,9 +155,9 @@ mod tests {
         for other in ["1.7e18", "17e17", "", "-", "x", "99999999999999999999"] {
             assert_eq!(off(other), None, "{other}");
         }
-        let negative = Base::of(whole(b"-1700000000000000000").unwrap());
+        let negative = Base::of(integer(b"-1700000000000000000").unwrap());
         assert_eq!(negative.off_text(b"-1699999999999999999.5"), Some((0.5, 22)));
-        assert!(Base::of(1_000_000_000_000).is_none() && whole(b"1e18").is_none());
+        assert!(Base::of(1_000_000_000_000).is_none() && integer(b"1e18").is_none());
         assert_eq!((base.back(1.0), base.to_string()), (1.7e18, "1700000000000000000".into()));
     }
 }

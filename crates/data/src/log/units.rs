@@ -22,8 +22,8 @@ fn symbols(text: &str) -> String {
     let text = text.trim();
     let inside = text.strip_prefix(['(', '[']).and_then(|rest| rest.strip_suffix([')', ']']));
     let text = inside.unwrap_or(text).trim();
-    if let Some(whole) = word(text) {
-        return whole.into();
+    if let Some(complete) = word(text) {
+        return complete.into();
     }
     let mut out = String::new();
     let mut part = String::new();

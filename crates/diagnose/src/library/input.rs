@@ -41,7 +41,7 @@ fn clock(s: &Setting<'_>) -> Family {
     instants(&effects::CLOCK_OFFSET, constant, "offset of a clock that wanders", s)
 }
 
-/// The same with instants that swing about it, where some frequency is seen in the residual.
+/// As `clock`, with instants that swing about it, where some frequency is seen in the residual.
 fn swinging(formula: &Formula, name: &'static str, s: &Setting<'_>) -> Option<Formula> {
     let mut all = Formula { name, ..formula.clone() };
     all.starts.clear();

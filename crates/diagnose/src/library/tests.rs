@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicU64;
 
-use surround::{Memory, Piece as Around, Repair, Side, Surround};
+use surround::{Memory, Piece as Surrounding, Repair, Side, Surround};
 
 use super::*;
 use crate::chain::{Bench, Horizon};
@@ -94,7 +94,7 @@ fn repaired(piece: &Piece, p: &[f64], step: f64) -> Option<Surround> {
     };
     let (side, auxiliary) = (Side::Output, Some(1));
     let (parameters, block) = ((0..p.len()).collect(), piece.block.effect()?.clone());
-    let block = Around { side, port: 0, drive: 0, auxiliary, place: 0, parameters, block };
+    let block = Surrounding { side, port: 0, drive: 0, auxiliary, place: 0, parameters, block };
     let effect = surround::Effect {
         name: "effect".to_owned(),
         description: String::new(),

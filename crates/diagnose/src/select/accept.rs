@@ -385,15 +385,15 @@ impl Search<'_> {
 
     /// What goes with each effect, given the others.
     fn alone(&self, base: &Candidate, last: &Candidate) -> Vec<f64> {
-        let whole = explained(&base.judged, &last.judged);
+        let complete = explained(&base.judged, &last.judged);
         let part = |slot: usize| {
             if last.picks.len() == 1 {
-                return whole.max(0.0);
+                return complete.max(0.0);
             }
             // What cannot be simulated without it explains nothing without it.
             let less = self.refit_without(last, slot);
             let rest = less.map_or(0.0, |less| explained(&base.judged, &less.judged));
-            (whole - rest).max(0.0)
+            (complete - rest).max(0.0)
         };
         (0..last.picks.len()).map(part).collect()
     }
@@ -428,6 +428,6 @@ impl Search<'_> {
 }
 
 #[cfg(test)]
-mod tests;
+mod search_tests;
 #[cfg(test)]
-mod whole;
+mod tests;

@@ -53,9 +53,9 @@ impl Search<'_> {
         {
             return fit;
         }
-        let starts = released
-            .iter()
-            .flat_map(|(k, whole)| search::Thresholds::RELEASED_SHIFTS.map(|by| (*k, by * whole)));
+        let starts = released.iter().flat_map(|(k, complete)| {
+            search::Thresholds::RELEASED_SHIFTS.map(|by| (*k, by * complete))
+        });
         let starts: Vec<(usize, f64)> = starts.collect();
         let tried = starts.par_iter().with_max_len(1).filter_map(|(k, to)| {
             let mut theta = fit.fit.theta.clone();
@@ -111,13 +111,13 @@ mod tests {
     use crate::noise::Shape;
     use crate::random::Random;
     use crate::score::Judge;
-    use crate::select::made::Made;
+    use crate::select::synthetic::Synthetic;
 
     const SAMPLE: f64 = 1e-3;
     const SEED: u64 = 5;
 
     /// Two tones that are read six rows late, in noise of 0.1; a delay that starts from `start` in s.
-    fn late(start: f64) -> Made {
+    fn late(start: f64) -> Synthetic {
         let tone = |k: f64, row: f64| (TAU * k * row / 40.0).sin();
         let command = |row: f64| 10.0 * tone(11.0, row) + 2.0 * tone(3.0, row);
         let mut random = Random::new(SEED);
@@ -133,20 +133,21 @@ mod tests {
             run_in: 0,
             training: 0.7,
         };
-        let mut made = Made::new(&[], &[]);
-        made.data = DataSet::new(vec![record], &[], None);
-        made.judge = Judge::new(&made.data, Shape::WHITE);
+        let mut synthetic = Synthetic::new(&[], &[]);
+        synthetic.data = DataSet::new(vec![record], &[], None);
+        synthetic.judge = Judge::new(&synthetic.data, Shape::WHITE);
         let delay = Free::log("delay", "s", 0.1 * SAMPLE, 30.0 * SAMPLE).step(0.01);
         let formula =
             Formula::new("delay").block(Slot::Reading, Block::Delay, vec![delay]).start(&[start]);
-        made.library = vec![Family::new(&effects::DELAY, vec![formula])];
-        made
+        synthetic.library = vec![Family::new(&effects::DELAY, vec![formula])];
+        synthetic
     }
 
     #[test]
     fn a_fit_that_is_the_best_one_nearby_is_left_for_a_better_one() {
-        let made = late(9.7e-3);
-        let (search, base, near) = (made.search(), made.retuned(), made.families(&[0]));
+        let synthetic = late(9.7e-3);
+        let (search, base, near) =
+            (synthetic.search(), synthetic.retuned(), synthetic.families(&[0]));
         let delay = |c: &crate::select::Candidate| c.fit.theta.last().unwrap().exp() / SAMPLE;
         assert!((delay(&near) - 9.6).abs() < 0.4, "seed {SEED}: {}", delay(&near));
         let best = search.away(&base, near);
@@ -155,11 +156,16 @@ mod tests {
 
     #[test]
     fn what_leaves_nothing_stays_where_it_is() {
-        let made = late(6.1e-3);
-        let (search, base, best) = (made.search(), made.retuned(), made.families(&[0]));
-        let before = made.count.load(std::sync::atomic::Ordering::Relaxed);
+        let synthetic = late(6.1e-3);
+        let (search, base, best) =
+            (synthetic.search(), synthetic.retuned(), synthetic.families(&[0]));
+        let before = synthetic.count.load(std::sync::atomic::Ordering::Relaxed);
         let theta = best.fit.theta.clone();
         assert_eq!(search.away(&base, best).fit.theta, theta);
-        assert_eq!(made.count.load(std::sync::atomic::Ordering::Relaxed), before, "no simulation");
+        assert_eq!(
+            synthetic.count.load(std::sync::atomic::Ordering::Relaxed),
+            before,
+            "no simulation"
+        );
     }
 }

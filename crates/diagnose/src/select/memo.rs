@@ -22,7 +22,7 @@ pub(super) enum Part {
 }
 
 /// One that was made.
-struct Made {
+struct KeptPart {
     part: Part,
     from: Candidate,
     sigma: f64,
@@ -32,7 +32,7 @@ struct Made {
 /// What was made, the oldest first.
 #[derive(Default)]
 pub(crate) struct Memo {
-    all: Mutex<Vec<Made>>,
+    all: Mutex<Vec<KeptPart>>,
 }
 
 impl Search<'_> {
@@ -46,8 +46,8 @@ impl Search<'_> {
         let lock = || self.memo.all.lock().unwrap_or_else(PoisonError::into_inner);
         let known = lock()
             .iter()
-            .find(|made| made.part == part && self.is_same(made, from))
-            .map(|made| (made.gave.clone(), made.sigma));
+            .find(|kept| kept.part == part && self.is_same(kept, from))
+            .map(|kept| (kept.gave.clone(), kept.sigma));
         if let Some((gave, sigma)) = known {
             return Ok(gave.into_iter().map(|looked| self.rescaled(looked, sigma)).collect());
         }
@@ -56,7 +56,7 @@ impl Search<'_> {
         if all.len() >= Thresholds::PARTS_KEPT {
             all.remove(0);
         }
-        all.push(Made { part, from: from.clone(), sigma: self.sigma, gave: gave.clone() });
+        all.push(KeptPart { part, from: from.clone(), sigma: self.sigma, gave: gave.clone() });
         Ok(gave)
     }
 
@@ -74,13 +74,13 @@ impl Search<'_> {
         gave.into_iter().find_map(|looked| looked.best).ok_or(Failed)
     }
 
-    fn is_same(&self, made: &Made, from: &Candidate) -> bool {
+    fn is_same(&self, kept: &KeptPart, from: &Candidate) -> bool {
         let square = |c: &Candidate, sigma: f64| c.fit.mean_square * sigma * sigma;
-        let (a, b) = (square(&made.from, made.sigma), square(from, self.sigma));
-        made.from.picks == from.picks && (a - b).abs() <= Thresholds::PARTS_SAME * a.max(b)
+        let (a, b) = (square(&kept.from, kept.sigma), square(from, self.sigma));
+        kept.from.picks == from.picks && (a - b).abs() <= Thresholds::PARTS_SAME * a.max(b)
     }
 
-    /// The same in standard deviations of this search's noise.
+    /// A family in standard deviations of this search's noise.
     fn rescaled(&self, mut looked: Looked, sigma: f64) -> Looked {
         if sigma.to_bits() != self.sigma.to_bits() {
             looked.best = looked.best.map(|best| self.in_units(best, self.sigma / sigma));
@@ -107,19 +107,20 @@ mod tests {
     use std::sync::atomic::Ordering;
 
     use crate::select::Search;
-    use crate::select::made::{Made, close, listed, names};
+    use crate::select::synthetic::{Synthetic, close, listed, names};
 
     #[test]
     fn no_part_is_made_twice_and_each_is_told_in_the_noise_of_its_search() {
-        let made = Made::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
-        let (search, base) = (made.search(), made.retuned());
+        let synthetic =
+            Synthetic::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
+        let (search, base) = (synthetic.search(), synthetic.retuned());
         let first = search.expand(&base).unwrap();
-        let count = || made.count.load(Ordering::Relaxed);
+        let count = || synthetic.count.load(Ordering::Relaxed);
         let before = count();
         let again = search.expand(&base).unwrap();
         assert_eq!((listed(&first), count()), (listed(&again), before));
         // Half the noise: four times the figures, and the same fits.
-        let quieter = Search { sigma: 0.5, ..made.search() };
+        let quieter = Search { sigma: 0.5, ..synthetic.search() };
         let quieter = Search { memo: search.memo, ..quieter };
         let same = quieter.in_units(base.clone(), 0.5);
         close(same.judged.held_out, 4.0 * base.judged.held_out, 1e-9);

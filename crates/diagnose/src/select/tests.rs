@@ -1,13 +1,13 @@
 use surround::Block;
 
-use super::made::{Made, adds, close, listed, names};
+use super::synthetic::{Synthetic, adds, close, listed, names};
 use super::*;
 use crate::library::{Free, Slot};
 use crate::nuisance::Nuisance;
 
 /// The first formula of a family fitted as the next effect beside those of `from`.
-fn next(made: &Made, from: &Candidate, job: (usize, usize)) -> Candidate {
-    let search = made.search();
+fn next(synthetic: &Synthetic, from: &Candidate, job: (usize, usize)) -> Candidate {
+    let search = synthetic.search();
     let linear = search.fitter().linearise(&from.chain, &from.fit.theta).unwrap();
     let fixed = search.formulas(&from.picks);
     let (_, start) = search.screen(from, &fixed, job, &linear, &[]);
@@ -25,13 +25,13 @@ fn idle(starts: &[f64]) -> Formula {
 
 #[test]
 fn the_rank_is_the_likelihood_with_the_prior_and_a_penalty_for_each_coefficient() {
-    let mut made = Made::new(&[(3, 4.0)], &[&[(3, 1.0)], &[(5, 1.0)]]);
-    made.parameter("stiff", true);
-    made.parameter("released", false);
-    made.library[0].formulas[0].releases = vec![1];
-    made.library[1].formulas[0].nuisance = Some(Nuisance::Drift { order: 2 });
-    let search = made.search();
-    let mut fitted = made.families(&[0, 1]);
+    let mut synthetic = Synthetic::new(&[(3, 4.0)], &[&[(3, 1.0)], &[(5, 1.0)]]);
+    synthetic.parameter("stiff", true);
+    synthetic.parameter("released", false);
+    synthetic.library[0].formulas[0].releases = vec![1];
+    synthetic.library[1].formulas[0].nuisance = Some(Nuisance::Drift { order: 2 });
+    let search = synthetic.search();
+    let mut fitted = synthetic.families(&[0, 1]);
     let names: Vec<&str> = fitted.chain.parameters.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["stiff", "released", "output.gain", "weight", "weight"]);
     fitted.fit.theta = vec![1.5, 5.0, -0.5, 2.0, 1.0];
@@ -60,30 +60,30 @@ fn the_rank_is_the_likelihood_with_the_prior_and_a_penalty_for_each_coefficient(
 fn the_model_is_retuned_within_its_tolerance() {
     // The command is a tone of 10, 5 % too small: five standard deviations q of the output's gain. Least is
     // 56·ln(1 + (0.5 − 0.1·q)²) + q².
-    let made = Made::new(&[(19, 0.5)], &[]);
-    let base = made.retuned();
+    let synthetic = Synthetic::new(&[(19, 0.5)], &[]);
+    let base = synthetic.retuned();
     assert!(base.picks.is_empty() && base.freedom == 0);
     close(base.fit.theta[0], 1.69, 0.3);
-    let free = Made::new(&[], &[]).retuned();
+    let free = Synthetic::new(&[], &[]).retuned();
     close(free.fit.theta[0], 0.0, 0.3);
 }
 
 #[test]
 fn a_further_effect_starts_from_what_the_others_say() {
-    let mut made = Made::new(&[], &[&[(3, 1.0)], &[(5, 1.0)]]);
+    let mut synthetic = Synthetic::new(&[], &[&[(3, 1.0)], &[(5, 1.0)]]);
     for (name, has_tolerance) in [("a", false), ("b", true), ("c", false)] {
-        made.parameter(name, has_tolerance);
+        synthetic.parameter(name, has_tolerance);
     }
-    made.library[0].formulas[0].releases = vec![2];
-    made.library[1].formulas = vec![idle(&[0.0, 0.0])];
-    made.library[1].formulas[0].releases = vec![0];
-    made.library[1].formulas[0].parameters[1] = Free::log("time", "s", 1e-3, 10.0);
-    let mut from = made.families(&[0]);
+    synthetic.library[0].formulas[0].releases = vec![2];
+    synthetic.library[1].formulas = vec![idle(&[0.0, 0.0])];
+    synthetic.library[1].formulas[0].releases = vec![0];
+    synthetic.library[1].formulas[0].parameters[1] = Free::log("time", "s", 1e-3, 10.0);
+    let mut from = synthetic.families(&[0]);
     // b, c, the gain, the weight.
     from.fit.theta = vec![0.1, 0.2, 0.3, 0.4];
-    let search = made.search();
-    let chain = made.base.compose(&search.formulas(&[(0, 0), (1, 0)]));
-    let start = search.carry(&from, &chain, &made.library[1].formulas[0], &[0.5, 0.25]);
+    let search = synthetic.search();
+    let chain = synthetic.base.compose(&search.formulas(&[(0, 0), (1, 0)]));
+    let start = search.carry(&from, &chain, &synthetic.library[1].formulas[0], &[0.5, 0.25]);
     // a is new and stays where it was.
     assert_eq!(start, [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.25_f64.ln()]);
 }
@@ -91,8 +91,8 @@ fn a_further_effect_starts_from_what_the_others_say() {
 #[test]
 fn an_effect_promises_the_part_of_the_power_that_it_would_take() {
     // 8² and 6² on the fitted rows: 64 and 36 of 100, and 1 of noise.
-    let made = Made::new(&[(3, 8.0), (5, 6.0)], &[&[(3, 2.0)], &[(5, 1.0)], &[(7, 1.0)]]);
-    let looked = made.search().expand(&made.retuned()).unwrap();
+    let synthetic = Synthetic::new(&[(3, 8.0), (5, 6.0)], &[&[(3, 2.0)], &[(5, 1.0)], &[(7, 1.0)]]);
+    let looked = synthetic.search().expand(&synthetic.retuned()).unwrap();
     assert_eq!(listed(&looked)[..2], [0, 1], "best first");
     for (family, part) in [(0, 0.64), (1, 0.36), (2, 0.0)] {
         let entry = looked.iter().find(|l| l.family == family).unwrap();
@@ -102,23 +102,23 @@ fn an_effect_promises_the_part_of_the_power_that_it_would_take() {
 
 #[test]
 fn a_formula_is_screened_from_each_of_its_starts_and_fitted_from_the_best() {
-    let mut made = Made::new(&[(3, 8.0)], &[&[(3, 1.0)]]);
+    let mut synthetic = Synthetic::new(&[(3, 8.0)], &[&[(3, 1.0)]]);
     // A lag of the reading: the tone of 25 Hz k is turned by a slow one only.
     let lag = Free::log("bandwidth", "Hz", 1.0, 1e4);
     let formula =
         Formula::new("lag").block(Slot::Reading, Block::Lag { order: 1 }, vec![lag]).screened(0);
-    let base = made.retuned();
-    let search = made.search();
+    let base = synthetic.retuned();
+    let search = synthetic.search();
     let linear = search.fitter().linearise(&base.chain, &base.fit.theta).unwrap();
-    let promise = |made: &Made| {
-        let search = made.search();
+    let promise = |synthetic: &Synthetic| {
+        let search = synthetic.search();
         search.screen(&base, &[], (0, 0), &linear, &[])
     };
     // The command must not be lagged: the faster the better, wherever the fastest stands.
     let mut seen = Vec::new();
     for starts in [[10.0, 100.0, 5e3], [5e3, 10.0, 100.0], [10.0, 5e3, 100.0]] {
-        made.library[0].formulas[0] = formula.clone().starts(starts.map(|s| vec![s]));
-        let (promise, start) = promise(&made);
+        synthetic.library[0].formulas[0] = formula.clone().starts(starts.map(|s| vec![s]));
+        let (promise, start) = promise(&synthetic);
         assert_eq!(start, [5e3]);
         seen.push(promise);
     }
@@ -127,8 +127,8 @@ fn a_formula_is_screened_from_each_of_its_starts_and_fitted_from_the_best() {
     let block = Block::Auxiliary { scale: f64::INFINITY, zero: 0.0 };
     let mut same = adds(0).block(Slot::Reading, block, vec![Free::linear("idle", "1", -1e3, 1e3)]);
     same.starts = vec![vec![0.0, 1.0], vec![0.0, 2.0]];
-    made.library[0].formulas[0] = same;
-    let (promise, start) = promise(&made);
+    synthetic.library[0].formulas[0] = same;
+    let (promise, start) = promise(&synthetic);
     assert!(promise > 0.9, "{promise}");
     assert_eq!(start, [0.0, 1.0]);
 }
@@ -136,9 +136,9 @@ fn a_formula_is_screened_from_each_of_its_starts_and_fitted_from_the_best() {
 #[test]
 fn the_families_of_the_effects_that_stand_are_not_looked_at_again() {
     let columns: [&[(usize, f64)]; 4] = [&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)], &[(9, 1.0)]];
-    let made = Made::new(&[(3, 8.0), (5, 6.0), (7, 4.0)], &columns);
-    let from = made.families(&[1]);
-    let looked = made.search().expand(&from).unwrap();
+    let synthetic = Synthetic::new(&[(3, 8.0), (5, 6.0), (7, 4.0)], &columns);
+    let from = synthetic.families(&[1]);
+    let looked = synthetic.search().expand(&from).unwrap();
     assert_eq!(listed(&looked)[..2], [0, 2]);
     assert_eq!(looked.len(), 3);
     for entry in &looked {
@@ -154,8 +154,8 @@ fn the_seven_that_promise_most_are_fitted_and_five_beside_an_effect() {
     let columns: Vec<&[(usize, f64)]> = columns.iter().map(Vec::as_slice).collect();
     // Family k has the amplitude k + 1.
     let truth: Vec<(usize, f64)> = (0..12).map(|k| (k + 1, k as f64 + 1.0)).collect();
-    let mut made = Made::new(&truth, &columns);
-    made.parameter("released", false);
+    let mut synthetic = Synthetic::new(&truth, &columns);
+    synthetic.parameter("released", false);
     let fitted = |looked: &[Looked]| {
         let mut all: Vec<usize> =
             looked.iter().filter(|l| l.best.is_some()).map(|l| l.family).collect();
@@ -163,44 +163,44 @@ fn the_seven_that_promise_most_are_fitted_and_five_beside_an_effect() {
         all.sort_unstable();
         all
     };
-    let first = made.search().expand(&made.retuned()).unwrap();
+    let first = synthetic.search().expand(&synthetic.retuned()).unwrap();
     assert_eq!(fitted(&first), [5, 6, 7, 8, 9, 10, 11]);
     assert_eq!(listed(&first), [11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0], "then by promise");
-    let second = made.search().expand(&made.families(&[11])).unwrap();
+    let second = synthetic.search().expand(&synthetic.families(&[11])).unwrap();
     assert_eq!(fitted(&second), [6, 7, 8, 9, 10]);
     // What takes its tolerance from the model's own parameters is fitted whatever it promises.
-    made.library[2].formulas[0].releases = vec![0];
-    let first = made.search().expand(&made.retuned()).unwrap();
+    synthetic.library[2].formulas[0].releases = vec![0];
+    let first = synthetic.search().expand(&synthetic.retuned()).unwrap();
     assert_eq!(fitted(&first), [2, 5, 6, 7, 8, 9, 10, 11]);
 }
 
 #[test]
 fn the_best_formula_stands_for_its_family() {
     let columns: [&[(usize, f64)]; 2] = [&[(3, 1.0), (5, 0.5)], &[(3, 1.0)]];
-    let mut made = Made::new(&[(3, 8.0)], &columns);
-    let best = |made: &Made| {
-        let looked = made.search().expand(&made.retuned()).unwrap();
+    let mut synthetic = Synthetic::new(&[(3, 8.0)], &columns);
+    let best = |synthetic: &Synthetic| {
+        let looked = synthetic.search().expand(&synthetic.retuned()).unwrap();
         looked[0].best.as_ref().unwrap().picks.clone()
     };
-    made.library.truncate(1);
-    made.library[0].formulas = vec![adds(0), adds(1)];
-    assert_eq!(best(&made), [(0, 1)]);
-    made.library[0].formulas = vec![adds(1), adds(0)];
-    assert_eq!(best(&made), [(0, 0)]);
+    synthetic.library.truncate(1);
+    synthetic.library[0].formulas = vec![adds(0), adds(1)];
+    assert_eq!(best(&synthetic), [(0, 1)]);
+    synthetic.library[0].formulas = vec![adds(1), adds(0)];
+    assert_eq!(best(&synthetic), [(0, 0)]);
     // Of equals the first one.
-    made.library[0].formulas = vec![adds(1), adds(1)];
-    assert_eq!(best(&made), [(0, 0)]);
+    synthetic.library[0].formulas = vec![adds(1), adds(1)];
+    assert_eq!(best(&synthetic), [(0, 0)]);
     // What only stands in for others is none of them.
-    made.library[0].formulas = vec![adds(0), adds(1).stand_in()];
-    assert_eq!(best(&made), [(0, 0)]);
+    synthetic.library[0].formulas = vec![adds(0), adds(1).stand_in()];
+    assert_eq!(best(&synthetic), [(0, 0)]);
 }
 
 #[test]
 fn refining_never_makes_worse() {
-    let made = Made::new(&[(3, 8.0)], &[&[(3, 1.0)]]);
-    let fitted = made.families(&[0]);
-    let search = made.search();
-    let base = made.retuned();
+    let synthetic = Synthetic::new(&[(3, 8.0)], &[&[(3, 1.0)]]);
+    let fitted = synthetic.families(&[0]);
+    let search = synthetic.search();
+    let base = synthetic.retuned();
     let linear = search.fitter().linearise(&base.chain, &base.fit.theta).unwrap();
     let entry = |best: Option<Candidate>| Looked { family: 0, screening: 0.5, best, why: None };
     // A weight that is off is put right.
@@ -226,16 +226,16 @@ fn refining_never_makes_worse() {
 #[test]
 fn a_family_must_leave_a_tenth_less_than_what_it_becomes_without_its_effect() {
     // The null takes one of two tones: 10² of 10² + 12² is left, and noise.
-    let mut made = Made::new(&[(3, 10.0), (5, 12.0)], &[&[(3, 1.0)], &[(5, 1.0)]]);
-    made.library[0].nulls = vec![adds(1)];
-    let base = made.retuned();
-    let null = next(&made, &base, (1, 0));
+    let mut synthetic = Synthetic::new(&[(3, 10.0), (5, 12.0)], &[&[(3, 1.0)], &[(5, 1.0)]]);
+    synthetic.library[0].nulls = vec![adds(1)];
+    let base = synthetic.retuned();
+    let null = next(&synthetic, &base, (1, 0));
     let left = 0.5 * (null.fit.mean_square + null.judged.held_out);
     close(left, 101.0, 5.0);
-    let search = made.search();
+    let search = synthetic.search();
     let linear = search.fitter().linearise(&base.chain, &base.fit.theta).unwrap();
     let survives_beside = |own: f64, as_gain: f64| {
-        let mut best = next(&made, &base, (0, 0));
+        let mut best = next(&synthetic, &base, (0, 0));
         // Of what it leaves more is on the rows that are held out.
         best.fit.mean_square = 0.6 * own;
         best.judged.held_out = 1.4 * own;
@@ -252,13 +252,13 @@ fn a_family_must_leave_a_tenth_less_than_what_it_becomes_without_its_effect() {
     let own = left / 2.0;
     assert!(survives_beside(own, 1.15 * own) && !survives_beside(own, 1.05 * own));
     // A family that becomes nothing has nothing to beat.
-    made.library[0].nulls.clear();
-    let looked = made.search().expand(&base).unwrap();
+    synthetic.library[0].nulls.clear();
+    let looked = synthetic.search().expand(&base).unwrap();
     assert!(looked.iter().all(|l| l.best.is_some()));
     // One that becomes the truth is dropped, one that is the truth is not.
-    made.library[0].nulls = vec![adds(1)];
-    made.library[1].nulls = vec![adds(0)];
-    let looked = made.search().expand(&base).unwrap();
+    synthetic.library[0].nulls = vec![adds(1)];
+    synthetic.library[1].nulls = vec![adds(0)];
+    let looked = synthetic.search().expand(&base).unwrap();
     assert_eq!(listed(&looked), [1, 0]);
     assert!(looked[0].best.is_some() && looked[1].best.is_none());
 }
@@ -266,16 +266,16 @@ fn a_family_must_leave_a_tenth_less_than_what_it_becomes_without_its_effect() {
 #[test]
 fn a_set_without_one_of_its_effects_keeps_what_the_others_say() {
     let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]];
-    let mut made = Made::new(&[], &columns);
-    made.parameter("tight", true);
-    made.parameter("released", false);
+    let mut synthetic = Synthetic::new(&[], &columns);
+    synthetic.parameter("tight", true);
+    synthetic.parameter("released", false);
     // What nothing depends on is fitted to where it starts.
     let own: [&[f64]; 3] = [&[0.11, 0.12, 0.13], &[0.21, 0.22], &[0.31]];
     for (family, starts) in own.iter().enumerate() {
-        made.library[family].formulas = vec![idle(starts)];
+        synthetic.library[family].formulas = vec![idle(starts)];
     }
-    made.library[0].formulas[0].releases = vec![1];
-    let mut from = made.families(&[0, 1, 2]);
+    synthetic.library[0].formulas[0].releases = vec![1];
+    let mut from = synthetic.families(&[0, 1, 2]);
     from.fit.theta[0] = 2.0;
     from.fit.theta[1] = 0.7;
     let effects = |c: &Candidate| {
@@ -283,7 +283,7 @@ fn a_set_without_one_of_its_effects_keeps_what_the_others_say() {
         c.fit.theta[first..].to_vec()
     };
     assert_eq!(effects(&from), own.concat());
-    let search = made.search();
+    let search = synthetic.search();
     let less = search.refit_without(&from, 1).unwrap();
     assert_eq!(less.picks, [(0, 0), (2, 0)]);
     assert_eq!(effects(&less), [own[0], own[2]].concat());
@@ -303,11 +303,12 @@ fn a_set_without_one_of_its_effects_keeps_what_the_others_say() {
 
 #[test]
 fn an_effect_is_written_with_another_of_its_formulas() {
-    let mut made = Made::new(&[(3, 8.0), (5, 6.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(3, 0.5)]]);
-    let other = made.library.pop().unwrap().formulas.pop().unwrap();
-    made.library[0].formulas.push(other);
-    let from = made.families(&[0, 1]);
-    let exchanged = made.search().exchange(&from, 0, 1).unwrap();
+    let mut synthetic =
+        Synthetic::new(&[(3, 8.0), (5, 6.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(3, 0.5)]]);
+    let other = synthetic.library.pop().unwrap().formulas.pop().unwrap();
+    synthetic.library[0].formulas.push(other);
+    let from = synthetic.families(&[0, 1]);
+    let exchanged = synthetic.search().exchange(&from, 0, 1).unwrap();
     assert_eq!(exchanged.picks, [(1, 0), (0, 1)]);
     close(exchanged.fit.theta[1], 6.0, 0.2);
     close(exchanged.fit.theta[2], 16.0, 0.4);
@@ -316,8 +317,8 @@ fn an_effect_is_written_with_another_of_its_formulas() {
 
 #[test]
 fn a_gap_is_what_is_over_the_limit_on_fitted_or_held_out_rows() {
-    let made = Made::new(&[], &[]);
-    let mut candidate = made.retuned();
+    let synthetic = Synthetic::new(&[], &[]);
+    let mut candidate = synthetic.retuned();
     let mut has_gap = |held_out, training| {
         (candidate.judged.held_out, candidate.judged.training) = (held_out, training);
         super::has_gap(&candidate, 1.3)
@@ -328,8 +329,8 @@ fn a_gap_is_what_is_over_the_limit_on_fitted_or_held_out_rows() {
 
 #[test]
 fn families_stand_by_rank_and_those_that_were_not_fitted_by_promise() {
-    let made = Made::new(&[], &[]);
-    let fitted = made.retuned();
+    let synthetic = Synthetic::new(&[], &[]);
+    let fitted = synthetic.retuned();
     let entry = |family, screening, rank: Option<f64>| Looked {
         family,
         screening,
@@ -351,8 +352,8 @@ fn families_stand_by_rank_and_those_that_were_not_fitted_by_promise() {
 
 #[test]
 fn a_change_reaches_every_candidate_that_was_fitted() {
-    let made = Made::new(&[], &[]);
-    let fitted = made.retuned();
+    let synthetic = Synthetic::new(&[], &[]);
+    let fitted = synthetic.retuned();
     let entry = |rank: f64| Looked {
         family: 0,
         screening: 0.0,

@@ -367,10 +367,10 @@ impl<M: Model> co_simulation::GuestCoSimulationInstance for Instance<M> {
         let (handle, mut state) = (self.handle(), null_mut());
         // SAFETY: as above.
         unsafe {
-            let made =
+            let built =
                 v3::fmi3DeserializeFMUState(handle, bytes.as_ptr(), bytes.len(), &raw mut state);
-            if made.0 > 1 {
-                return status_of(made);
+            if built.0 > 1 {
+                return status_of(built);
             }
             let status = status_of(v3::fmi3SetFMUState(handle, state));
             match answer(v3::fmi3FreeFMUState(handle, &raw mut state), ()) {

@@ -168,7 +168,7 @@ fn factory(_: &std::path::Path) -> Result<model::System, String> {
     Ok(components::plant())
 }
 
-type Told = Mutex<Vec<String>>;
+type Received = Mutex<Vec<String>>;
 
 unsafe extern "C" fn told_3(
     environment: *mut c_void,
@@ -179,7 +179,7 @@ unsafe extern "C" fn told_3(
     // SAFETY: the test's own list and a text of the edge.
     unsafe {
         let text = CStr::from_ptr(message).to_string_lossy().into_owned();
-        (*environment.cast::<Told>()).lock().unwrap().push(text);
+        (*environment.cast::<Received>()).lock().unwrap().push(text);
     }
 }
 
@@ -215,9 +215,9 @@ fn instance_2(folder: &std::path::Path, token: &CStr) -> fmi2Component {
     }
 }
 
-fn instance_3(folder: &std::path::Path, token: &CStr, told: &Told) -> fmi3Instance {
+fn instance_3(folder: &std::path::Path, token: &CStr, received: &Received) -> fmi3Instance {
     let path = CString::new(format!("{}/", folder.display())).unwrap();
-    let environment = std::ptr::from_ref(told).cast_mut().cast();
+    let environment = std::ptr::from_ref(received).cast_mut().cast();
     let (name, token, path, no) = (c"it".as_ptr(), token.as_ptr(), path.as_ptr(), false);
     let (log, none) = (Some(told_3 as fmi3LogMessageCallback), None);
     // SAFETY: good arguments.
@@ -243,7 +243,7 @@ fn instance_3(folder: &std::path::Path, token: &CStr, told: &Told) -> fmi3Instan
 #[test]
 fn every_function_survives_a_panic_inside() {
     let (folder, token) = given();
-    let told = Told::default();
+    let received = Received::default();
     // A forced panic is no news.
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {
@@ -252,7 +252,7 @@ fn every_function_survives_a_panic_inside() {
         }
     }));
     let c = instance_2(folder.path(), &token);
-    let i = instance_3(folder.path(), &token, &told);
+    let i = instance_3(folder.path(), &token, &received);
     assert!(!c.is_null() && !i.is_null());
     for (name, entry) in ENTRIES_2 {
         WANTED.set(true);
@@ -262,12 +262,12 @@ fn every_function_survives_a_panic_inside() {
         assert_eq!(unsafe { v2::fmi2Reset(c) }, fmi2OK, "{name}");
     }
     for (name, entry) in ENTRIES_3 {
-        told.lock().unwrap().clear();
+        received.lock().unwrap().clear();
         WANTED.set(true);
         assert_eq!(i64::from(entry(i)), i64::from(fmi3Error.0), "{name}");
-        let said = told.lock().unwrap().join("|");
-        let right = said.starts_with(&format!("{name}: internal defect"));
-        assert!(right && said.contains("a forced panic"), "{name}: {said}");
+        let messages = received.lock().unwrap().join("|");
+        let right = messages.starts_with(&format!("{name}: internal defect"));
+        assert!(right && messages.contains("a forced panic"), "{name}: {messages}");
         // SAFETY: the instance is alive.
         assert_eq!(unsafe { v3::fmi3Reset(i) }, fmi3OK, "{name}");
     }
@@ -275,7 +275,7 @@ fn every_function_survives_a_panic_inside() {
     WANTED.set(true);
     assert!(instance_2(folder.path(), &token).is_null() && !WANTED.get());
     WANTED.set(true);
-    assert!(instance_3(folder.path(), &token, &told).is_null() && !WANTED.get());
+    assert!(instance_3(folder.path(), &token, &received).is_null() && !WANTED.get());
     // SAFETY: both are alive and never used again.
     unsafe {
         v2::fmi2FreeInstance(c);

@@ -29,7 +29,7 @@ impl Snapshot {
 pub(super) struct SavedState {
     /// The instance that frees it; never followed.
     pub(super) owner: *const Instance,
-    /// Its place in the owner's list.
+    /// The saved state's place in the owner's list.
     pub(super) slot: usize,
     /// Fingerprint of the model that it belongs to.
     pub(super) fingerprint: String,
@@ -104,8 +104,9 @@ pub(super) fn from_bytes(
         ));
     }
     let length = reader.word().unwrap_or(0);
-    let whole = usize::try_from(length).ok().and_then(|length| bytes.get(..length));
-    let Some((body, sum)) = whole.and_then(|whole| whole.split_last_chunk::<CHECKSUM>()) else {
+    let complete = usize::try_from(length).ok().and_then(|length| bytes.get(..length));
+    let Some((body, sum)) = complete.and_then(|complete| complete.split_last_chunk::<CHECKSUM>())
+    else {
         return Err(format!(
             "the serialised state is cut: it had {length} bytes, {} are given",
             bytes.len()

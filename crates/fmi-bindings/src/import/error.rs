@@ -71,7 +71,7 @@ pub struct CallError {
     pub fmu: String,
     /// Name of the function, as the standard spells it.
     pub call: &'static str,
-    /// What it returned.
+    /// What the call error returned.
     pub status: Status,
     /// What the FMU last said, oldest first.
     pub messages: Vec<Message>,
@@ -96,9 +96,9 @@ fn write_messages(f: &mut fmt::Formatter<'_>, messages: &[Message]) -> fmt::Resu
 
 /// The messages of a failed instantiation, as text.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Said(pub Vec<Message>);
+pub struct LoggedText(pub Vec<Message>);
 
-impl fmt::Display for Said {
+impl fmt::Display for LoggedText {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write_messages(f, &self.0)
     }
@@ -137,7 +137,7 @@ pub enum Error {
         path: PathBuf,
         /// Function that was asked.
         function: &'static str,
-        /// Its answer.
+        /// The function's answer.
         found: String,
         /// The answer that this importer understands.
         expected: &'static str,
@@ -156,7 +156,7 @@ pub enum Error {
     /// The FMU refused to make an instance.
     #[error(
         "FMU `{fmu}`: {function} returned no instance (GUID \"{guid}\", resources \
-             {resources}){said}"
+             {resources}){logged}"
     )]
     Instantiate {
         /// Name of the instance.
@@ -168,7 +168,7 @@ pub enum Error {
         /// The resource location given.
         resources: String,
         /// What the FMU said.
-        said: Said,
+        logged: LoggedText,
     },
     /// A call failed.
     #[error(transparent)]

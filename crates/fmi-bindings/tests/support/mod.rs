@@ -19,7 +19,7 @@ use model::System;
 
 /// A message as the logger got it, the format unformatted.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Said {
+pub struct LoggedMessage {
     pub environment: usize,
     pub name: String,
     pub status: fmi2Status,
@@ -29,7 +29,7 @@ pub struct Said {
 
 /// What the logger's environment pointer points to.
 #[derive(Default)]
-pub struct Recorder(pub Mutex<Vec<Said>>);
+pub struct Recorder(pub Mutex<Vec<LoggedMessage>>);
 
 unsafe extern "C" fn record(
     environment: *mut c_void,
@@ -39,7 +39,7 @@ unsafe extern "C" fn record(
     format: *const c_char,
 ) {
     let text = |pointer| unsafe { CStr::from_ptr(pointer) }.to_str().unwrap().to_string();
-    let said = Said {
+    let messages = LoggedMessage {
         environment: environment as usize,
         name: text(name),
         status,
@@ -47,7 +47,7 @@ unsafe extern "C" fn record(
         format: text(format),
     };
     if let Some(recorder) = unsafe { environment.cast::<Recorder>().as_ref() } {
-        recorder.0.lock().unwrap().push(said);
+        recorder.0.lock().unwrap().push(messages);
     }
 }
 
@@ -268,7 +268,7 @@ impl Fmu {
     pub fn real(&self, name: &str) -> f64 {
         let mut value = f64::NAN;
         let status = unsafe { v2::fmi2GetReal(self.c, &self.reference(name), 1, &mut value) };
-        assert_eq!(status, fmi2OK, "{name}: {:?}", self.said());
+        assert_eq!(status, fmi2OK, "{name}: {:?}", self.messages());
         value
     }
 
@@ -276,18 +276,18 @@ impl Fmu {
     pub fn boolean(&self, name: &str) -> fmi2Boolean {
         let mut value = -1;
         let status = unsafe { v2::fmi2GetBoolean(self.c, &self.reference(name), 1, &mut value) };
-        assert_eq!(status, fmi2OK, "{name}: {:?}", self.said());
+        assert_eq!(status, fmi2OK, "{name}: {:?}", self.messages());
         value
     }
 
     /// All messages so far.
-    pub fn said(&self) -> Vec<Said> {
+    pub fn messages(&self) -> Vec<LoggedMessage> {
         self.recorder.0.lock().unwrap().clone()
     }
 
     /// The last message.
     pub fn last(&self) -> String {
-        self.said().last().map(|said| said.format.clone()).unwrap_or_default()
+        self.messages().last().map(|messages| messages.format.clone()).unwrap_or_default()
     }
 
     /// Saves the state.

@@ -21,10 +21,10 @@ impl Line {
 
     /// The mean over a period of the held signal, `periods` late.
     fn late(&self, periods: f64) -> f64 {
-        let whole = periods.max(0.0).floor();
-        let part = periods.max(0.0) - whole;
+        let integer = periods.max(0.0).floor();
+        let part = periods.max(0.0) - integer;
         let get = |i: usize| self.0.get(i).or(self.0.back()).copied().unwrap_or(0.0);
-        (1.0 - part) * get(whole as usize) + part * get(whole as usize + 1)
+        (1.0 - part) * get(integer as usize) + part * get(integer as usize + 1)
     }
 }
 

@@ -38,7 +38,7 @@ pub(crate) struct Fitted {
     pub(crate) offsets: Vec<f64>,
     /// Output less model on the rows fitted on, record after record.
     pub(crate) residual: Vec<f64>,
-    /// Its sum of squares.
+    /// The fitted's sum of squares.
     pub(crate) sum_of_squares: f64,
     /// Sum of squares of the outputs less their means.
     pub(crate) energy: f64,

@@ -18,7 +18,7 @@ use super::local::{FrequencyResponse, Line};
 pub struct Distortion {
     /// Frequency, and per output the amplitude, at even lines.
     pub even: Vec<(f64, Vec<f64>)>,
-    /// The same at odd lines.
+    /// As `even`, at odd lines.
     pub odd: Vec<(f64, Vec<f64>)>,
 }
 

@@ -132,7 +132,7 @@ impl FrequencyResponse {
 const CANCELLED: f64 = 10.0;
 /// Power of a line, as a part of the greatest, from which it counts as excited.
 const EXCITED: f64 = 1e-4;
-/// The same for records that are not periodic, whose lines scatter.
+/// As `EXCITED`, for records that are not periodic, whose lines scatter.
 const IN_BAND: f64 = 1e-2;
 /// Equations beyond the unknowns.
 const FREEDOM: usize = 8;

@@ -50,7 +50,7 @@ impl Domain {
 /// A rational transfer matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rational {
-    /// What it is rational in.
+    /// What the rational is rational in.
     pub domain: Domain,
     /// Poles; one of each pair, that with the positive imaginary part.
     pub poles: Vec<Complex>,

@@ -44,7 +44,7 @@ impl Arx {
         Self::fit_all(&[(input, output, first)], zeros, poles)
     }
 
-    /// The same for several records of input and output, each from rest with its position before the
+    /// As `fit`, for several records of input and output, each from rest with its position before the
     /// first sample.
     ///
     /// # Errors
@@ -89,8 +89,8 @@ impl Arx {
             }
             all
         };
-        let whole = |arx: &Self| [&[1.0][..], &arx.a].concat();
-        let a = product(&whole(self), &whole(other)).split_off(1);
+        let complete = |arx: &Self| [&[1.0][..], &arx.a].concat();
+        let a = product(&complete(self), &complete(other)).split_off(1);
         Self { b: product(&self.b, &other.b), a }
     }
 

@@ -58,8 +58,8 @@ impl Cascade {
     pub(super) fn simulate(&self, command: &[f64]) -> Vec<f64> {
         let value = |x: f64| {
             let (first, values, _) = self.knots.at(x);
-            let whole = values.iter().zip(&self.curve.as_slice()[first..]).map(|(v, c)| v * c);
-            self.frame.output.outward(whole.sum::<f64>())
+            let complete = values.iter().zip(&self.curve.as_slice()[first..]).map(|(v, c)| v * c);
+            self.frame.output.outward(complete.sum::<f64>())
         };
         self.frame.projected_command(command).into_iter().map(value).collect()
     }
@@ -234,7 +234,7 @@ impl Scene {
         let lag = Arx { b: vec![now, 1.0 - keep - now], a: vec![-keep] };
         // Numerator and denominator of 1 + Σ c (1 − k)/(1 − k q⁻¹), one element after the other.
         let (mut b, mut a) = (vec![1.0], vec![1.0]);
-        let mut whole = 1.0;
+        let mut complete = 1.0;
         for element in creep.chunks_exact(2) {
             let k = (-self.period / element[1].exp()).exp();
             let times = |x: &[f64]| -> Vec<f64> {
@@ -244,9 +244,9 @@ impl Scene {
             let beside = a.iter().chain(&[0.0]).map(|a| element[0] * (1.0 - k) * a);
             b = times(&b).into_iter().zip(beside).map(|(b, add)| b + add).collect();
             a = times(&a);
-            whole += element[0];
+            complete += element[0];
         }
-        b.iter_mut().for_each(|b| *b /= whole);
+        b.iter_mut().for_each(|b| *b /= complete);
         lag.then(&Arx { b, a: a.split_off(1) })
     }
 

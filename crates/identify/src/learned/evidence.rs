@@ -59,13 +59,13 @@ pub const GREATEST_GAMMA: f64 = 3e8;
 #[must_use]
 pub fn weigh_samples(
     frame: &Frame,
-    whole: &Samples,
+    complete: &Samples,
     group: &dyn Fn(usize) -> usize,
     (start, gamma): (&[f64], f64),
     (evaluations, most): (usize, usize),
     greatest: f64,
 ) -> Weighed {
-    let few = whole.subset(&whole.rows_at_most(most.max(2)));
+    let few = complete.subset(&complete.rows_at_most(most.max(2)));
     // ln of the factors within 1000, of γ within 10⁶.
     let middle: Vec<f64> = start.iter().chain([&gamma]).map(|x| x.ln()).collect();
     let reach = |k: usize| if k < start.len() { 1e3_f64.ln() } else { 1e6_f64.ln() };

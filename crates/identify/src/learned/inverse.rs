@@ -102,8 +102,8 @@ pub fn learn(
     let count = stops.count;
     let group = |input: usize| usize::from(input >= count);
     let features = Features::Stops(stops);
-    let (position, whole) = (Span::of(&heights), Span { low: range[0], high: range[1] });
-    let frame = Frame::new(features, position, whole, Recipe::Plain, &pairs).on_a_line(&pairs);
+    let (position, complete) = (Span::of(&heights), Span { low: range[0], high: range[1] });
+    let frame = Frame::new(features, position, complete, Recipe::Plain, &pairs).on_a_line(&pairs);
     let found =
         weigh(&frame, &pairs, &group, (&START.0, START.1), SEARCH, f64::INFINITY).map_err(fail)?;
     stage(1)?;
@@ -149,7 +149,7 @@ pub fn learn(
     }
     // From position to command again.
     let mut inverse = small;
-    let ends = command(&[whole.low, whole.high]);
+    let ends = command(&[complete.low, complete.high]);
     inverse.frame.output = Span { low: ends[0], high: ends[1] };
     Ok((inverse, figures))
 }

@@ -101,7 +101,7 @@ impl Frame {
         frame
     }
 
-    /// The same on the straight line of least error for these records.
+    /// As `new`, on the straight line of least error for these records.
     #[must_use]
     pub fn on_a_line(mut self, records: &[(&[f64], &[f64])]) -> Self {
         let scaled = |(u, y): (&f64, &f64)| (self.command.inward(*u), self.output.inward(*y));
@@ -115,7 +115,7 @@ impl Frame {
         self
     }
 
-    /// The same with the stop operators added to the command, where a curve of their sum follows these rows of the
+    /// As `on_a_line`, with the stop operators added to the command, where a curve of their sum follows these rows of the
     /// records, counted through, better than a curve of the command beside them.
     #[must_use]
     pub fn projected(&self, records: &[(&[f64], &[f64])], rows: &[usize]) -> Self {
@@ -149,7 +149,7 @@ impl Frame {
         plain.raw(records)
     }
 
-    /// The same with each width times the factor of its input's group.
+    /// As `bare`, with each width times the factor of its input's group.
     #[must_use]
     pub(crate) fn stretched(&self, group: &dyn Fn(usize) -> usize, factors: &[f64]) -> Self {
         let mut stretched = self.clone();
@@ -212,8 +212,8 @@ impl Frame {
         u.extend(std::iter::repeat_n(u.last().copied().unwrap_or(0.0), delay));
         let f = self.kernel_sum(machine);
         let y = self.features.simulate(&f, &u, self.output.inward(y0), 1e3);
-        let whole = |(y, u): (&f64, &f64)| self.output.outward(y + self.slope * u);
-        y[delay..].iter().zip(&u).map(whole).collect()
+        let complete = |(y, u): (&f64, &f64)| self.output.outward(y + self.slope * u);
+        y[delay..].iter().zip(&u).map(complete).collect()
     }
 }
 

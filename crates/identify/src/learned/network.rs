@@ -262,14 +262,20 @@ impl Plays {
         let (together, price) = best;
         let fall = 1.0 - together / apart;
         let network = self.network(lessons, step, every, observer)?;
-        let said = format!("{:+.1} % error on the last third of the rows fitted", -100.0 * fall);
+        let training_note =
+            format!("{:+.1} % error on the last third of the rows fitted", -100.0 * fall);
         if fall >= SIGNIFICANT_FALL {
             let (plays, network) = joint(lessons, price, &network, observer)?;
-            return Ok((plays.component(&network), format!("plays fitted anew with it: {said}")));
+            return Ok((
+                plays.component(&network),
+                format!("plays fitted anew with it: {training_note}"),
+            ));
         }
         let needed = 100.0 * SIGNIFICANT_FALL;
-        let said = format!("plays not fitted anew with it: {said} ({needed:.0} % less is needed)");
-        Ok((self.component(&network), said))
+        let training_note = format!(
+            "plays not fitted anew with it: {training_note} ({needed:.0} % less is needed)"
+        );
+        Ok((self.component(&network), training_note))
     }
 
     fn component(&self, network: &[f64]) -> ComponentBlueprint {

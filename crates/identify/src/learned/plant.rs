@@ -22,7 +22,7 @@ use crate::fit::response::LinearPart;
 use crate::identification::{DeviationOutput, Predicted};
 use crate::observer::Observer;
 use crate::record::{Record, Rows};
-use crate::settings::{Learning, Told};
+use crate::settings::{FeatureChoice, Learning};
 
 /// Most samples that a machine is trained on.
 const SAMPLES: usize = 1500;
@@ -47,10 +47,10 @@ pub(crate) enum Family {
 }
 
 impl Family {
-    /// All of them.
+    /// All families.
     pub(crate) const ALL: [Self; 4] = [Self::Stops, Self::Narx, Self::Term, Self::Process];
 
-    /// Its name on the command line.
+    /// The family's name on the command line.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Stops => "lssvm-stops",
@@ -259,10 +259,10 @@ impl Lesson<'_> {
                 (at, series, Some(settings))
             }
             Family::Term | Family::Process => {
-                let (series, whole) = process::learn(last, &mut stage)?;
-                let deviation = self.learning.deviation.then(|| whole.deviation()).transpose()?;
-                predicted = self.predicted((&whole, deviation.as_ref()), late[at], middle);
-                process = deviation.map(|deviation| (whole, deviation));
+                let (series, trained) = process::learn(last, &mut stage)?;
+                let deviation = self.learning.deviation.then(|| trained.deviation()).transpose()?;
+                predicted = self.predicted((&trained, deviation.as_ref()), late[at], middle);
+                process = deviation.map(|deviation| (trained, deviation));
                 (at, series, None)
             }
         };
@@ -283,15 +283,15 @@ impl Lesson<'_> {
         };
         let mut table = machine.table().map_err(|message| Error::Learned { message })?;
         let mut component = machine.component(false, name, self.period);
-        if let Some((whole, deviation)) = &process {
+        if let Some((trained, deviation)) = &process {
             let widths = &table.values()[1..table.columns()];
             let rows = [table.values(), &deviation.table(widths)].concat();
             table =
                 Table::new(table.columns(), rows).map_err(|message| Error::Learned { message })?;
             component = component
                 .value("deviation_centres", deviation.count() as f64)
-                .value("signal", whole.signal())
-                .value("noise", whole.noise());
+                .value("signal", trained.signal())
+                .value("noise", trained.noise());
         }
         let mut chain = vec![component];
         if linear != none() {
@@ -310,7 +310,7 @@ impl Lesson<'_> {
     /// What a process says of its errors on the rows held out; `None` where there are none.
     fn predicted(
         &self,
-        (whole, few): (&process::Whole, Option<&Deviation>),
+        (trained, few): (&process::TrainedProcess, Option<&Deviation>),
         late: usize,
         middle: f64,
     ) -> Option<Predicted> {
@@ -326,7 +326,7 @@ impl Lesson<'_> {
             let position: Vec<f64> =
                 record.output()[..rows.end].iter().map(|y| y - (offset - middle)).collect();
             let looked: Vec<usize> = (rows.first..rows.end).step_by(every).collect();
-            let found = whole.judged(few, (&command, &position), &looked)?;
+            let found = trained.judged(few, (&command, &position), &looked)?;
             let mean = found.iter().map(|row| row.error).sum::<f64>() / found.len().max(1) as f64;
             let is_within = |row: &&process::Row| (row.error - mean).abs() <= 1.96 * row.deviation;
             within += found.iter().filter(is_within).count();
@@ -338,7 +338,7 @@ impl Lesson<'_> {
         let rows = deviations.len();
         let greatest = *deviations.last()?;
         let within = within as f64 / rows as f64;
-        let (median, noise) = (deviations[rows / 2], whole.noise());
+        let (median, noise) = (deviations[rows / 2], trained.noise());
         let output = few.map(|few| DeviationOutput { centres: few.count(), apart });
         Some(Predicted { rows, median, greatest, noise, within, output })
     }
@@ -348,15 +348,15 @@ impl Lesson<'_> {
         let name = self.family.name();
         let refused = |what: &str| Err(Error::Learned { message: format!("{name} {what}") });
         match (self.family, self.learning.features) {
-            (Family::Stops | Family::Narx | Family::Term, Told::Inputs(_)) => {
+            (Family::Stops | Family::Narx | Family::Term, FeatureChoice::Inputs(_)) => {
                 refused("takes no number of inputs; 2, 6, 9 and 12 belong to gp")
             }
-            (Family::Narx | Family::Process | Family::Term, Told::Rate) => {
+            (Family::Narx | Family::Process | Family::Term, FeatureChoice::Rate) => {
                 refused("takes no rate beside its inputs; the rate belongs to lssvm-stops")
             }
             (
                 Family::Stops | Family::Narx | Family::Process,
-                Told::Command | Told::Position | Told::Both,
+                FeatureChoice::Command | FeatureChoice::Position | FeatureChoice::Both,
             ) => refused("has its own inputs; command, position and both belong to lssvm-term"),
             (Family::Stops | Family::Narx | Family::Term, _) if self.learning.deviation => {
                 refused("predicts no standard deviation; --deviation belongs to gp")

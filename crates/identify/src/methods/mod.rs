@@ -41,7 +41,7 @@ pub(crate) static METHODS: &[&dyn Method] = &[
 
 /// A hysteresis model that can be fitted to records.
 pub(crate) trait Method: Sync {
-    /// Its name on the command line.
+    /// The method's name on the command line.
     fn name(&self) -> &'static str;
     /// One sentence.
     fn summary(&self) -> &'static str;

@@ -48,7 +48,7 @@ static DECLARATION: Declaration = Declaration {
 /// The component `lssvm-feedforward` without its table.
 pub(super) struct Feedforward;
 
-/// The same with it.
+/// As `Feedforward`, with it.
 struct Loaded {
     features: Features,
     sum: KernelSum,

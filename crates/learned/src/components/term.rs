@@ -16,7 +16,7 @@ use model::{
 use super::declarations::{NARX_SOURCE_XU, SAMPLE_TIME, count};
 use super::{STEPS_TO_REST, kernels_of, ratio};
 use crate::KernelSum;
-use crate::features::term::{Range, Term as Features, Told};
+use crate::features::term::{Range, Term as Features, TermSignals};
 
 const STRUCTURE: &[Structural] = &[
     SAMPLE_TIME,
@@ -61,9 +61,9 @@ const INVERSE_FREE: &[Inverse] =
 /// The component `lssvm-term` without its table.
 pub(super) struct Term;
 
-/// The same with it.
+/// As `Term`, with it.
 struct Loaded {
-    told: Told,
+    signals: TermSignals,
     past: usize,
     terms: usize,
     sum: KernelSum,
@@ -83,15 +83,15 @@ impl Component for Term {
         let &[_, past, terms, inputs] = structure else {
             return Err("the structure does not give a set of inputs".to_owned());
         };
-        let told = match inputs as usize {
-            1 => Told::Command,
-            2 => Told::Position,
-            _ => Told::Both,
+        let signals = match inputs as usize {
+            1 => TermSignals::Command,
+            2 => TermSignals::Position,
+            _ => TermSignals::Both,
         };
         let (past, terms) = (past as usize, terms as usize);
-        let dimension = features(told, past, terms, &COEFFICIENTS_OF_NONE).dimension();
+        let dimension = features(signals, past, terms, &COEFFICIENTS_OF_NONE).dimension();
         let sum = kernels_of(table, dimension, [0, 0])?.0;
-        Ok(ComponentRef::shared(Loaded { told, past, terms, sum, table: table.clone() }))
+        Ok(ComponentRef::shared(Loaded { signals, past, terms, sum, table: table.clone() }))
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
@@ -115,11 +115,11 @@ impl Component for Term {
 const COEFFICIENTS: usize = 9;
 const COEFFICIENTS_OF_NONE: [f64; COEFFICIENTS] = [1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0];
 
-fn features(told: Told, past: usize, terms: usize, k: &[f64; COEFFICIENTS]) -> Features {
+fn features(signals: TermSignals, past: usize, terms: usize, k: &[f64; COEFFICIENTS]) -> Features {
     let &[_, gain, offset, command, width, h, depth, position, height] = k;
     let range = |low: f64, span: f64| Range { low, span };
     Features {
-        told,
+        signals,
         past,
         terms,
         gain,
@@ -133,7 +133,7 @@ fn features(told: Told, past: usize, terms: usize, k: &[f64; COEFFICIENTS]) -> F
 impl Loaded {
     fn features(&self, coefficients: &[f64]) -> Option<(u64, Features)> {
         let k = <&[f64; COEFFICIENTS]>::try_from(coefficients).ok()?;
-        Some(((k[0] as u64).max(1), features(self.told, self.past, self.terms, k)))
+        Some(((k[0] as u64).max(1), features(self.signals, self.past, self.terms, k)))
     }
 }
 
@@ -147,11 +147,11 @@ impl Component for Loaded {
     }
 
     fn inverses(&self) -> &'static [Inverse] {
-        if self.told == Told::Position { INVERSE_FREE } else { &[] }
+        if self.signals == TermSignals::Position { INVERSE_FREE } else { &[] }
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        let features = features(self.told, self.past, self.terms, &COEFFICIENTS_OF_NONE);
+        let features = features(self.signals, self.past, self.terms, &COEFFICIENTS_OF_NONE);
         // Held position, memory, input, room.
         Sizes {
             coefficients: COEFFICIENTS,

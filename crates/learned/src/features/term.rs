@@ -18,7 +18,7 @@ use crate::KernelSum;
 
 /// Which signals the term depends on, beside its own past.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Told {
+pub enum TermSignals {
     /// The command: model I.
     Command,
     /// The position: model II.
@@ -50,7 +50,7 @@ impl Range {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term {
     /// Signals among the inputs.
-    pub told: Told,
+    pub signals: TermSignals,
     /// Past values m of each signal.
     pub past: usize,
     /// Past terms l.
@@ -77,7 +77,7 @@ impl Term {
     /// Numbers of one input.
     #[must_use]
     pub fn dimension(&self) -> usize {
-        let signals = if self.told == Told::Both { 2 } else { 1 };
+        let signals = if self.signals == TermSignals::Both { 2 } else { 1 };
         signals * (self.past + 1) + self.terms
     }
 
@@ -89,15 +89,15 @@ impl Term {
 
     /// Past commands in the memory.
     fn commands(&self) -> usize {
-        if self.told == Told::Position { 0 } else { self.past }
+        if self.signals == TermSignals::Position { 0 } else { self.past }
     }
 
     /// Past positions in the memory.
     fn positions(&self) -> usize {
-        match self.told {
-            Told::Command => 0,
-            Told::Position => self.past,
-            Told::Both => self.past + 1,
+        match self.signals {
+            TermSignals::Command => 0,
+            TermSignals::Position => self.past,
+            TermSignals::Both => self.past + 1,
         }
     }
 
@@ -131,9 +131,9 @@ impl Term {
                 *z = x;
             }
         };
-        match self.told {
-            Told::Command | Told::Both => put(self.command.inward(u)),
-            Told::Position => put(self.position.inward(y)),
+        match self.signals {
+            TermSignals::Command | TermSignals::Both => put(self.command.inward(u)),
+            TermSignals::Position => put(self.position.inward(y)),
         }
         memory.iter().for_each(|x| put(*x));
     }
@@ -160,12 +160,12 @@ impl Term {
         memory: &mut [f64],
         (z, room): (&mut [f64], &mut [f64]),
     ) -> f64 {
-        let y = match self.told {
-            Told::Command | Told::Both => {
+        let y = match self.signals {
+            TermSignals::Command | TermSignals::Both => {
                 self.fill(u, 0.0, memory, z);
                 self.position(u, self.value(f, z, room))
             }
-            Told::Position => {
+            TermSignals::Position => {
                 let mut missing = |y: f64| {
                     self.fill(u, y, memory, z);
                     self.position(u, self.value(f, z, room)) - y
@@ -256,9 +256,9 @@ mod tests {
 
     const UNIT: Range = Range { low: 0.0, span: 1.0 };
 
-    fn term(told: Told) -> Term {
+    fn term(signals: TermSignals) -> Term {
         Term {
-            told,
+            signals,
             past: 2,
             terms: 2,
             gain: 2.0,
@@ -275,12 +275,15 @@ mod tests {
         let scaled = |y: f64| (y - 0.5) / 2.0;
         let h = |k: usize| (y[k] - 0.5) / 2.0 - u[k] + 0.5;
         let wanted = [
-            (Told::Command, vec![0.3, 0.4, 0.2, h(2), h(1)]),
-            (Told::Position, vec![scaled(1.3), scaled(1.1), scaled(0.9), h(2), h(1)]),
-            (Told::Both, vec![0.3, 0.4, 0.2, scaled(1.1), scaled(0.9), scaled(0.7), h(2), h(1)]),
+            (TermSignals::Command, vec![0.3, 0.4, 0.2, h(2), h(1)]),
+            (TermSignals::Position, vec![scaled(1.3), scaled(1.1), scaled(0.9), h(2), h(1)]),
+            (
+                TermSignals::Both,
+                vec![0.3, 0.4, 0.2, scaled(1.1), scaled(0.9), scaled(0.7), h(2), h(1)],
+            ),
         ];
-        for (told, wanted) in wanted {
-            let term = term(told);
+        for (signals, wanted) in wanted {
+            let term = term(signals);
             let (inputs, terms) = term.of_record(&u, &y);
             assert_eq!(term.dimension(), wanted.len());
             let last = &inputs[3 * wanted.len()..];
@@ -294,7 +297,7 @@ mod tests {
 
     #[test]
     fn a_position_that_its_term_depends_on_is_the_root_of_both_equations() {
-        let term = term(Told::Position);
+        let term = term(TermSignals::Position);
         let centres: Vec<f64> = (0..60).map(|i| libm::sin(1.3 * f64::from(i)).abs()).collect();
         let weights: Vec<f64> = (0..12).map(|i| 0.3 * libm::cos(f64::from(i))).collect();
         let f = KernelSum::new(5, &centres, &weights, &[0.8], 0.5);

@@ -25,7 +25,7 @@ pub struct Likelihood {
     pub parameters: Hyperparameters,
     /// ln p(y).
     pub value: f64,
-    /// Its derivatives by ln σ_f, ln σ_n, ln l_d.
+    /// The likelihood's derivatives by ln σ_f, ln σ_n, ln l_d.
     pub gradient: Vec<f64>,
 }
 

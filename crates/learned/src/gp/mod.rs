@@ -300,8 +300,8 @@ mod tests {
         let samples = samples(60);
         for lengths in [vec![0.7], vec![0.7, 1.4]] {
             let at = start(lengths);
-            let whole = likelihood(&samples, &at).unwrap();
-            for k in 0..whole.gradient.len() {
+            let complete = likelihood(&samples, &at).unwrap();
+            for k in 0..complete.gradient.len() {
                 let moved = |step: f64| {
                     let mut p = at.clone();
                     let slot = match k {
@@ -313,7 +313,7 @@ mod tests {
                     likelihood(&samples, &p).unwrap().value
                 };
                 let wanted = (moved(1e-5) - moved(-1e-5)) / 2e-5;
-                let found = whole.gradient[k];
+                let found = complete.gradient[k];
                 assert!(
                     (found - wanted).abs() < 1e-4 * wanted.abs().max(1.0),
                     "{k}: {found} {wanted}"

@@ -27,7 +27,7 @@ pub(super) struct Fit {
 }
 
 /// Sums over all rows.
-pub(super) struct Whole<'a> {
+pub(super) struct Sums<'a> {
     pub(super) low: &'a LowRank,
     pub(super) y: &'a [f64],
     lambda: f64,
@@ -36,7 +36,7 @@ pub(super) struct Whole<'a> {
     sums: Mat<f64>,
 }
 
-impl<'a> Whole<'a> {
+impl<'a> Sums<'a> {
     pub(super) fn new(low: &'a LowRank, y: &'a [f64], lambda: f64) -> Self {
         let l = low.factor();
         let right = Mat::from_fn(y.len(), 2, |i, c| if c == 0 { y[i] } else { 1.0 });

@@ -5,7 +5,7 @@
 
 use crate::Error;
 use crate::lssvm::bordered::{Bordered, held_out_errors};
-use crate::lssvm::low_rank::Whole;
+use crate::lssvm::low_rank::Sums;
 use crate::lssvm::{Folds, LsSvm, Samples, Settings};
 use crate::solve::kernel::{Scaled, kernels_of_distances};
 use crate::solve::pivoted::LowRank;
@@ -102,11 +102,11 @@ impl Validation {
     /// Sum of squares of the errors one step ahead.
     fn low_rank_errors(&self, low: &LowRank, lambda: f64) -> Result<f64, Error> {
         let y = self.samples.outputs();
-        let whole = Whole::new(low, y, lambda);
+        let sums = Sums::new(low, y, lambda);
         let mut sum = 0.0;
         for part in &self.ranges {
             let ill = Error::IllPosed { samples: y.len() - part.len(), lambda };
-            let fit = whole.without(part).ok_or(ill)?;
+            let fit = sums.without(part).ok_or(ill)?;
             let values = fit.values(low.factor().get(part.clone(), ..));
             sum += values.iter().zip(&y[part.clone()]).map(|(f, y)| (f - y).powi(2)).sum::<f64>();
         }
@@ -146,11 +146,11 @@ impl Validation {
 
     fn low_rank_models(&self, low: &LowRank, settings: Settings) -> Result<Vec<LsSvm>, Error> {
         let (y, lambda) = (self.samples.outputs(), 1.0 / settings.gamma);
-        let whole = Whole::new(low, y, lambda);
+        let sums = Sums::new(low, y, lambda);
         let pivots = self.samples.subset(&low.pivots);
         let model = |part: &std::ops::Range<usize>| {
             let ill = Error::IllPosed { samples: y.len() - part.len(), lambda };
-            let fit = whole.without(part).ok_or(ill)?;
+            let fit = sums.without(part).ok_or(ill)?;
             Ok(LsSvm {
                 dimension: pivots.dimension(),
                 centres: pivots.inputs().to_vec(),

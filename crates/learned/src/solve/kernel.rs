@@ -37,7 +37,7 @@ impl Scaled {
         self.arch.dispatch(Fill { points: self, matrix, what: What::Kernel });
     }
 
-    /// The same with squared distances in the place of kernels.
+    /// As `fill_lower`, with squared distances in the place of kernels.
     pub(crate) fn fill_distances(&self, matrix: &mut [f64]) {
         self.arch.dispatch(Fill { points: self, matrix, what: What::Distance });
     }

@@ -34,7 +34,7 @@ pub fn nelder_mead(
     counted.best
 }
 
-/// The same with a count that goes on.
+/// As `nelder_mead`, with a count that goes on.
 pub(super) fn descend(
     counted: &mut Counted<'_>,
     bounds: &[(f64, f64)],

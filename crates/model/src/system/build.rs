@@ -55,7 +55,7 @@ const POINTS: [&str; 3] = ["voltage", "displacement", "position"];
 
 /// Where a node stands.
 struct Site<'a> {
-    /// Its axes, as indices.
+    /// The site's axes, as indices.
     axes: &'a [usize],
     /// The signal path on each of them.
     paths: &'a [usize],

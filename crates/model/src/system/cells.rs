@@ -17,7 +17,7 @@ pub struct Wiring {
     pub(super) state: Span,
     /// Signals read by its input ports, as many as `input_count`, where they are few.
     pub(super) inputs: [usize; FEW_PORTS],
-    /// The same where they are more.
+    /// As `inputs`, where they are more.
     pub(super) many_inputs: Vec<usize>,
     pub(super) input_count: usize,
     /// Signals written by its output ports.

@@ -44,12 +44,12 @@ struct Output {
 pub enum DerivativeError {
     /// The variable is no Real output.
     Unknown {
-        /// Its value reference.
+        /// The unknown's value reference.
         reference: u32,
     },
     /// The variable is not one that the outputs are computed from now.
     Known {
-        /// Its value reference.
+        /// The known's value reference.
         reference: u32,
         /// Parameters count as knowns.
         at_rest: bool,

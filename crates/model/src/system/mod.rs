@@ -63,9 +63,9 @@ pub(crate) struct Plan {
     reads_back: bool,
     /// A billionth of the period, in s.
     near: f64,
-    /// Its ends, if it is one chain.
+    /// The plan's ends, if it is one chain.
     straight: Option<Straight>,
-    /// Its components, if it is one chain of gains and offsets; else empty.
+    /// The plan's components, if it is one chain of gains and offsets; else empty.
     affine: Vec<Affine>,
 }
 
@@ -79,7 +79,7 @@ struct Node {
     /// `axis[1].hysteresis`, for messages.
     path: String,
     structure: Vec<f64>,
-    /// Its parameters in the values.
+    /// The node's parameters in the values.
     parameters: Range<usize>,
     /// Which of its parameters are seeds.
     seeds: Vec<usize>,
@@ -114,7 +114,7 @@ pub enum StepError {
     NotFinite {
         /// Value reference of the output.
         reference: u32,
-        /// Its value.
+        /// The reference's value.
         value: f64,
         /// Time in s.
         time: f64,

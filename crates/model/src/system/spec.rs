@@ -18,9 +18,9 @@ pub enum Kind {
 /// One instance of a component.
 #[derive(Clone)]
 pub struct NodeSpec {
-    /// Its type.
+    /// The node spec's type.
     pub component: ComponentRef,
-    /// Its name on the axis.
+    /// The node spec's name on the axis.
     pub name: String,
     /// Structural settings, in the order of the declaration.
     pub structure: Vec<f64>,

@@ -34,7 +34,7 @@ pub struct Row {
     pub ours: Option<f64>,
     /// Another way, for comparison.
     pub other: Option<f64>,
-    /// What it is for.
+    /// What the row is for.
     pub aim: Aim,
     /// How they compare.
     pub verdict: Verdict,
@@ -50,13 +50,14 @@ pub enum Aim {
     Ratio {
         /// The paper's number over that of its baseline.
         paper: f64,
-        /// The same on our machine.
+        /// As `paper`, on our machine.
         own: f64,
     },
     /// A method that the paper compares with; within 25 % the machine is as the paper's.
     Baseline,
     /// For comparison only.
-    Told,
+    #[serde(rename = "told")]
+    ForComparison,
 }
 
 /// How a number compares with the paper's.
@@ -137,7 +138,7 @@ pub enum Effort {
     /// The papers' own methods and what they are judged by, on smaller trainings where these are long.
     Quick,
     /// All rows.
-    Whole,
+    Full,
     /// All rows, and the papers' own long searches beside the default one.
     Searches,
 }
@@ -211,7 +212,7 @@ impl Row {
             Aim::Reach | Aim::Ratio { .. } => Verdict::NotReached,
             Aim::Baseline if near => Verdict::Matched,
             Aim::Baseline => Verdict::NotMatched,
-            Aim::Told => Verdict::NotJudged,
+            Aim::ForComparison => Verdict::NotJudged,
         };
         let (ours, other) = (None, None);
         Self { paper_id, what: what.into(), unit, paper, own, ours, other, aim, verdict }
@@ -237,7 +238,7 @@ impl Row {
         paper: f64,
         ours: f64,
     ) -> Self {
-        Self::new(paper_id, what, unit, paper, f64::NAN, Aim::Told).ours(ours)
+        Self::new(paper_id, what, unit, paper, f64::NAN, Aim::ForComparison).ours(ours)
     }
 
     fn ours(self, ours: f64) -> Self {
@@ -259,7 +260,7 @@ pub(crate) struct Response {
 
 /// The poles of a linear part: frequencies in Hz, and dampings of pairs.
 pub(crate) fn poles(linear: &Arx, period: f64) -> String {
-    let told = linear.poles().into_iter().filter(|p| p.im >= 0.0).map(|p| {
+    let described = linear.poles().into_iter().filter(|p| p.im >= 0.0).map(|p| {
         let s = p.ln() / period;
         let hz = s.norm() / std::f64::consts::TAU;
         match p.im > 0.0 {
@@ -267,7 +268,7 @@ pub(crate) fn poles(linear: &Arx, period: f64) -> String {
             false => format!("{hz:.2} Hz"),
         }
     });
-    told.collect::<Vec<String>>().join(", ")
+    described.collect::<Vec<String>>().join(", ")
 }
 
 /// What axis 1 of a truth rig does under a paper's signal, times `gain`; the last command is held for
@@ -281,7 +282,7 @@ pub(crate) fn response(
     response_of(rig, 1, name, settings, gain)
 }
 
-/// The same of an axis, from 1.
+/// As `response`, of an axis, from 1.
 fn response_of(
     rig: &str,
     axis: usize,

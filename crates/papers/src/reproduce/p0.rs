@@ -30,7 +30,7 @@ struct Record {
 }
 
 impl Record {
-    /// The same as a response.
+    /// The record as a response.
     fn response(&self) -> Response {
         let position = std::iter::once(self.theta0).chain(self.theta.iter().copied()).collect();
         Response { command: self.u.clone(), position, period: PERIOD }
@@ -131,7 +131,7 @@ fn narx(
     for (error, past, sigma2) in &tried {
         let what =
             format!("figure 8a, ten parts in simulation mode, N_h = {past}, sigma^2 = {sigma2}");
-        answer.rows.push(Row::new(ID, what, "%", f64::NAN, 100.0 * error, Aim::Told));
+        answer.rows.push(Row::new(ID, what, "%", f64::NAN, 100.0 * error, Aim::ForComparison));
     }
     let of_the_paper = tried.iter().filter(|(_, past, sigma2)| *past >= 2 && *sigma2 <= 2.0);
     let greatest = of_the_paper.map(|(error, ..)| 100.0 * error).fold(0.0, f64::max);
@@ -305,19 +305,19 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
         other: other.as_ref().map(of),
         ..row
     };
-    let mut told = |what: &str, paper: f64, of: &dyn Fn(&Left) -> f64, aim: Aim| {
+    let mut add_row = |what: &str, paper: f64, of: &dyn Fn(&Left) -> f64, aim: Aim| {
         rows.push(beside(Row::new(ID, what, "%", paper, of(&own), aim), of));
     };
-    told("unpruned, training signal H", 0.426, &|l| l.unpruned, Aim::Reach);
-    told("without D, frequency-varying", 2.25, &|l| l.without, Aim::Baseline);
-    told("with D, test 1", 0.925, &|l| l.tests[0], Aim::Reach);
-    told("with D, test 2", 1.18, &|l| l.tests[1], Aim::Reach);
-    told("inverse without D, frequency-varying", 5.38, &|l| l.inverse[0], Aim::Baseline);
-    told("inverse with D, test 1", 1.13, &|l| l.inverse[2], Aim::Reach);
-    told("inverse with D, test 2", 2.51, &|l| l.inverse[3], Aim::Reach);
-    told("inverse of simulated angles, signal H", 1.17, &|l| l.from[0], Aim::Reach);
-    told("inverse of measured angles, signal H", 44.62, &|l| l.from[1], Aim::Told);
-    told("pruned, signal H", 0.607, &|l| l.pruned, Aim::Reach);
+    add_row("unpruned, training signal H", 0.426, &|l| l.unpruned, Aim::Reach);
+    add_row("without D, frequency-varying", 2.25, &|l| l.without, Aim::Baseline);
+    add_row("with D, test 1", 0.925, &|l| l.tests[0], Aim::Reach);
+    add_row("with D, test 2", 1.18, &|l| l.tests[1], Aim::Reach);
+    add_row("inverse without D, frequency-varying", 5.38, &|l| l.inverse[0], Aim::Baseline);
+    add_row("inverse with D, test 1", 1.13, &|l| l.inverse[2], Aim::Reach);
+    add_row("inverse with D, test 2", 2.51, &|l| l.inverse[3], Aim::Reach);
+    add_row("inverse of simulated angles, signal H", 1.17, &|l| l.from[0], Aim::Reach);
+    add_row("inverse of measured angles, signal H", 44.62, &|l| l.from[1], Aim::ForComparison);
+    add_row("pruned, signal H", 0.607, &|l| l.pruned, Aim::Reach);
     let mut ratio = |what: &str, paper: [f64; 2], of: &dyn Fn(&Left) -> [f64; 2]| {
         rows.push(beside(Row::ratio(ID, what, "%", paper, of(&own)), &|l| of(l)[0]));
     };
@@ -474,11 +474,11 @@ fn tried(
         all.push((what, best.and_then(|(.., machine)| judged(machine, [&h, &d], [one, two]))));
     }
     for (what, errors) in all {
-        let told = errors.unwrap_or([f64::INFINITY; 4]);
+        let add_row = errors.unwrap_or([f64::INFINITY; 4]);
         let on = ["signal H", "with D, frequency-varying", "with D, test 1", "with D, test 2"];
-        for ((error, paper), on) in told.into_iter().zip([0.426, 0.957, 0.925, 1.18]).zip(on) {
+        for ((error, paper), on) in add_row.into_iter().zip([0.426, 0.957, 0.925, 1.18]).zip(on) {
             let what = format!("tried: {what}, {on}");
-            answer.rows.push(Row::new(ID, what, "%", paper, error, Aim::Told));
+            answer.rows.push(Row::new(ID, what, "%", paper, error, Aim::ForComparison));
         }
     }
     say("tried: figure 8a");
@@ -495,7 +495,7 @@ fn tried(
         let error = held_out(&narx(2, pairs), pairs, ten, &settings, VALIDATED)?;
         let what = format!("tried: figure 8a, N_h = 2, sigma^2 = 2, {what}");
         let error = 100.0 * error.first().copied().unwrap_or(f64::INFINITY);
-        answer.rows.push(Row::new(ID, what, "%", 0.5, error, Aim::Told));
+        answer.rows.push(Row::new(ID, what, "%", 0.5, error, Aim::ForComparison));
     }
     tried_inverses(records, own, answer, say)
 }
@@ -550,10 +550,10 @@ fn tried_inverses(
     ] {
         let Some((_, past, settings, machine)) = best else { continue };
         let answer_of_d = forward.simulate(&d.u, d.theta0);
-        let undone = (0..=3).find_map(|ahead| linear(&d.theta, &answer_of_d, PERIOD, ahead));
+        let cancelled = (0..=3).find_map(|ahead| linear(&d.theta, &answer_of_d, PERIOD, ahead));
         let error = |record: &Record| {
-            let theta = match &undone {
-                Some(undone) => undone.simulate(&record.theta, record.theta[0]),
+            let theta = match &cancelled {
+                Some(cancelled) => cancelled.simulate(&record.theta, record.theta[0]),
                 None => record.theta.clone(),
             };
             percent(&machine.simulate(&theta, record.u[0]), &record.u)
@@ -571,7 +571,7 @@ fn tried_inverses(
                 "tried: inverse, {what} (N_h = {past}, sigma^2 = {}, gamma = {:.0e}), {on}",
                 settings.sigma2, settings.gamma
             );
-            answer.rows.push(Row::new(ID, what, "%", paper, error, Aim::Told));
+            answer.rows.push(Row::new(ID, what, "%", paper, error, Aim::ForComparison));
         }
     }
     Ok(())
@@ -591,8 +591,8 @@ fn forward(
     say(&format!("{name}: training on 4000 samples, and pruning"));
     let (h, d) = (&records.train_h, &records.train_d);
     let pairs = [(&h.u[..], &method.targets[..])];
-    let (whole, report) = Machine::train(method.frame.clone(), &pairs, method.forward)?;
-    let error = percent(&whole.simulate(&h.u, h.theta0), &method.targets);
+    let (complete, report) = Machine::train(method.frame.clone(), &pairs, method.forward)?;
+    let error = percent(&complete.simulate(&h.u, h.theta0), &method.targets);
     // τ of the paper, or what this machine allows.
     let limit = 0.0061_f64.max(1.05 * error / 100.0);
     let pruned = |most_error: f64, least_count: usize| -> anyhow::Result<Machine> {
@@ -622,7 +622,7 @@ fn forward(
     let many = pruned(f64::INFINITY, 2059)?;
     table(method, records, &[&few, &many], answer)?;
     say(&format!("{name}: inverse"));
-    let (inverse, from) = inverse(method, records, &whole, answer)?;
+    let (inverse, from) = inverse(method, records, &complete, answer)?;
     Ok(Left {
         unpruned: error,
         pruned: on_h,
@@ -706,7 +706,7 @@ fn table(
                 ];
                 for (what, error, paper) in all {
                     let what = format!("table I, test {number}, {count} support vectors, {what}");
-                    answer.rows.push(Row::new(ID, what, "%", paper, error, Aim::Told));
+                    answer.rows.push(Row::new(ID, what, "%", paper, error, Aim::ForComparison));
                 }
             }
             answer.remarks.push(format!(
@@ -746,13 +746,13 @@ const WAVES: Waves = Waves {
 fn inverse(
     method: &Method,
     records: &Records,
-    whole: &Machine,
+    complete: &Machine,
     answer: &mut Reproduction,
 ) -> anyhow::Result<([f64; 4], [f64; 2])> {
     let (h, d) = (&records.train_h, &records.train_d);
     let ours = method.in_turn;
     let rehearsal =
-        Rehearsal::new(&[&h.u], ours.then_some(WAVES), |u| whole.simulate(u, h.theta0))?;
+        Rehearsal::new(&[&h.u], ours.then_some(WAVES), |u| complete.simulate(u, h.theta0))?;
     let pairs = rehearsal.pairs();
     let (clean, _) = pairs[0];
     let (frame, settings) = match ours {
@@ -769,14 +769,16 @@ fn inverse(
     let pruned = prune(&samples, settings, pruning, judge)?;
     let small = Machine { machine: pruned.model, frame: frame.clone() };
     let (name, count) = (method.name, small.machine.count());
-    let whole_answer = whole.simulate(&d.u, d.theta0);
+    let whole_answer = complete.simulate(&d.u, d.theta0);
     // The paper's is causal; what this machine is late by a stable filter cannot undo, so it looks ahead as little as it may.
-    let undone = match ours {
+    let cancelled = match ours {
         true => linear(&d.theta, &whole_answer, PERIOD, 3),
         false => (0..=3).find_map(|ahead| linear(&d.theta, &whole_answer, PERIOD, ahead)),
     };
-    let looks = match &undone {
-        Some(undone) => format!("what undoes the linear part looks {} rows ahead", undone.ahead),
+    let looks = match &cancelled {
+        Some(cancelled) => {
+            format!("what undoes the linear part looks {} rows ahead", cancelled.ahead)
+        }
         None => {
             "no stable linear part undoes this machine's, not with three rows ahead: it is left out"
                 .into()
@@ -789,9 +791,9 @@ fn inverse(
         report.residual,
         100.0 * most_error
     ));
-    let error = |record: &Record, undone: Option<&Linear>| {
-        let theta = match undone {
-            Some(undone) => undone.simulate(&record.theta, record.theta[0]),
+    let error = |record: &Record, cancelled: Option<&Linear>| {
+        let theta = match cancelled {
+            Some(cancelled) => cancelled.simulate(&record.theta, record.theta[0]),
             None => record.theta.clone(),
         };
         percent(&small.simulate(&theta, record.u[0]), &record.u)
@@ -799,9 +801,9 @@ fn inverse(
     let [one, two] = &records.tests;
     let left = [
         error(d, None),
-        error(d, undone.as_ref()),
-        error(one, undone.as_ref()),
-        error(two, undone.as_ref()),
+        error(d, cancelled.as_ref()),
+        error(one, cancelled.as_ref()),
+        error(two, cancelled.as_ref()),
     ];
     // Both are asked for what the machine's measured angles were made by.
     let measured = [(&h.theta[..], &h.u[..])];

@@ -143,7 +143,7 @@ pub(super) fn series(
     };
     let found = Series::train_cascade(&frame, widths, train, (FILTER, period), usize::MAX)?;
     let (series, found) = found.context("no linear part follows the training signals")?;
-    let told = format!(
+    let described = format!(
         "stops and linear part: {} evaluations of the evidence; widths of stops and command {:.3} and {:.3} of \
          8.5 V, gamma = {:.2e}; training error {:.4} um; D: b = {:.4?}, a = {:.4?}, poles at {}",
         found.evaluations,
@@ -155,7 +155,7 @@ pub(super) fn series(
         series.linear.a,
         super::poles(&series.linear, period)
     );
-    Ok((series, told))
+    Ok((series, described))
 }
 
 fn runs(records: &[Response]) -> Vec<Run<'_>> {
@@ -206,8 +206,8 @@ pub(crate) fn stops_and_rate(
 /// Milliseconds a sample that something takes for a record.
 pub(crate) fn milliseconds(samples: usize, run: &dyn Fn() -> Vec<f64>) -> f64 {
     let start = Instant::now();
-    let made = run().len().max(samples);
-    1e3 * start.elapsed().as_secs_f64() / made.max(1) as f64
+    let built = run().len().max(samples);
+    1e3 * start.elapsed().as_secs_f64() / built.max(1) as f64
 }
 
 pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
@@ -263,23 +263,30 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
             machines.push((name, machine));
         }
     }
-    let (series, told) = series(&runs(&records.train), period, say)?;
+    let (series, described) = series(&runs(&records.train), period, say)?;
     let error =
         |r: &Response| rms_difference(&series.simulate(&r.command, r.position[0]), r.after());
     let ours: Vec<f64> = records.tests.iter().map(error).collect();
-    answer.remarks.push(told);
+    answer.remarks.push(described);
     for ((k, run), letter) in records.train.iter().enumerate().zip("ABC".chars()) {
         let error =
             |m: &Machine| rms_difference(&m.simulate(&run.command, run.position[0]), run.after());
         let what = format!("stops, command and rate, training signal {letter}");
         let [annealed, swarmed] = TAUGHT[k];
-        let row = Row::new(ID, what, "um", swarmed, error(&machines[0].1), Aim::Told);
+        let row = Row::new(ID, what, "um", swarmed, error(&machines[0].1), Aim::ForComparison);
         answer.rows.push(
             row.ours(rms_difference(&series.simulate(&run.command, run.position[0]), run.after())),
         );
         if let Some((_, machine)) = machines.get(1) {
             let what = format!("stops, command and rate by annealing, training signal {letter}");
-            answer.rows.push(Row::new(ID, what, "um", annealed, error(machine), Aim::Told));
+            answer.rows.push(Row::new(
+                ID,
+                what,
+                "um",
+                annealed,
+                error(machine),
+                Aim::ForComparison,
+            ));
         }
     }
     for (k, letter) in "DEFG".chars().enumerate() {
@@ -300,11 +307,11 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
         answer.rows.push(main.ours(ours[k]).other(block_errors[k]));
         for (name, errors, paper) in &long {
             let what = format!("stops, command and rate by {name}");
-            answer.rows.push(row(&what, paper[k], errors[k], Aim::Told));
+            answer.rows.push(row(&what, paper[k], errors[k], Aim::ForComparison));
         }
         let relays_error = relays.last().map_or(f64::NAN, |last| last.errors[k]);
-        let mut order = |holds: bool, told: &str| {
-            let what = format!("signal {letter}: {told}");
+        let mut order = |holds: bool, described: &str| {
+            let what = format!("signal {letter}: {described}");
             answer.orders.push(Order { paper_id: ID, what, holds });
         };
         order(own[k] < narx_errors[k], "stops better than NARX, settings found alike");
@@ -365,7 +372,7 @@ fn step_times(
         milliseconds(run.command.len(), &|| machine.simulate(&run.command, run.position[0]))
     };
     let mut row = |what: String, paper: f64, here: f64| {
-        answer.rows.push(Row::new(ID, what, "ms", paper, here, Aim::Told));
+        answer.rows.push(Row::new(ID, what, "ms", paper, here, Aim::ForComparison));
     };
     for Compared { count, times: [paper, here], .. } in relays {
         row(format!("time of a step, Preisach, {count} relays"), *paper, *here);
@@ -390,7 +397,7 @@ fn numbers_of_stops(
         let error = rms_difference(&machine.simulate(&run.command, run.position[0]), run.after());
         let mut row = |what: &str, unit: &'static str, paper: f64, here: f64| {
             let what = format!("{count} stop operators: {what}");
-            answer.rows.push(Row::new(ID, what, unit, paper, here, Aim::Told));
+            answer.rows.push(Row::new(ID, what, unit, paper, here, Aim::ForComparison));
         };
         row("ln C", "1", ln_c, found.settings.gamma.ln());
         row("sigma", "1", sigma, found.settings.sigma2.sqrt());
@@ -432,8 +439,8 @@ fn tried(records: &Records, answer: &mut Reproduction, say: &dyn Fn(&str)) -> an
     // Stops in parts of the greatest command, the rate of the fastest training signal is 1.
     let rate = std::f64::consts::TAU * 10.0 * 2.5 / RANGE;
     let stops = Features::Stops(Stops::new(STOPS, 1.0, period).rated(rate));
-    let whole = Span { low: 0.0, high: RANGE };
-    let plain = Frame::new(stops, whole, Span::UNIT, Recipe::Plain, &pairs);
+    let complete = Span { low: 0.0, high: RANGE };
+    let plain = Frame::new(stops, complete, Span::UNIT, Recipe::Plain, &pairs);
     for (name, parts) in
         [("dealt out in turn", Parts::InTurn), ("a part for each signal", Parts::Signals)]
     {
@@ -471,7 +478,7 @@ fn tried(records: &Records, answer: &mut Reproduction, say: &dyn Fn(&str)) -> an
     for (k, letter) in "DEFG".chars().enumerate() {
         for (name, errors) in &all {
             let what = format!("tried: {name}, signal {letter}");
-            answer.rows.push(Row::new(ID, what, "um", SWARMED[k], errors[k], Aim::Told));
+            answer.rows.push(Row::new(ID, what, "um", SWARMED[k], errors[k], Aim::ForComparison));
         }
     }
     Ok(())

@@ -123,8 +123,8 @@ fn record(name: &str, way: Way) -> anyhow::Result<Record> {
 
 impl Inputs {
     fn dimension(self) -> usize {
-        let told = usize::from(self.command) + usize::from(self.position != Positions::None);
-        (self.past + 1) * told + self.past
+        let signals = usize::from(self.command) + usize::from(self.position != Positions::None);
+        (self.past + 1) * signals + self.past
     }
 
     /// x_k with these positions and past values of h.
@@ -379,7 +379,7 @@ fn tried(
                 let what = format!("tried: {}, {what}, {name}", inputs.name);
                 let paper = if inputs.position == Positions::Before { THIRD[k] } else { f64::NAN };
                 let error = inputs.error(&model, &records[k]);
-                answer.rows.push(Row::new(ID, what, "%", paper, error, Aim::Told));
+                answer.rows.push(Row::new(ID, what, "%", paper, error, Aim::ForComparison));
             }
         }
     }
@@ -424,11 +424,11 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
         free = records.each_ref().map(|record| own_positions.error(&by_paper, record));
         blocks.push(held.as_ref().map(|(held, _)| errors(held)));
         let of = |s: Settings| format!("sigma^2 = {:.3}, gamma = {:.2e}", s.sigma2, s.gamma);
-        let mut told = format!("{}: leave-one-out takes {}", inputs.name, of(paper_settings));
+        let mut signals = format!("{}: leave-one-out takes {}", inputs.name, of(paper_settings));
         if let Some((_, settings)) = &held {
-            told += &format!("; five blocks in simulation mode take {}", of(*settings));
+            signals += &format!("; five blocks in simulation mode take {}", of(*settings));
         }
-        answer.remarks.push(told);
+        answer.remarks.push(signals);
         models.push((inputs, held.map_or(by_paper, |(held, _)| held)));
     }
     answer.chapters.push(seen(&records, &models));
@@ -441,7 +441,7 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
             let row = if n == 2 {
                 Row::ratio(ID, what, "%", [THIRD[k], BOUC_WEN[k]], [own[n][k], baseline[k]])
             } else {
-                Row::new(ID, what, "%", f64::NAN, own[n][k], Aim::Told)
+                Row::new(ID, what, "%", f64::NAN, own[n][k], Aim::ForComparison)
             };
             let ours = ours.map(|errors| errors[k]);
             answer.rows.push(if n == 2 { Row { ours, ..row.other(free[k]) } } else { row });
@@ -451,11 +451,11 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
                     inputs.name
                 );
                 let paper = if n == 2 { THIRD[k] } else { f64::NAN };
-                answer.rows.push(Row::new(ID, what, "%", paper, errors[k], Aim::Told));
+                answer.rows.push(Row::new(ID, what, "%", paper, errors[k], Aim::ForComparison));
             }
         }
         let what = format!("model III, the term h of its own range, {name}");
-        answer.rows.push(Row::new(ID, what, "%", TERM[k], terms[k], Aim::Told));
+        answer.rows.push(Row::new(ID, what, "%", TERM[k], terms[k], Aim::ForComparison));
         // Of two models that run off neither is better.
         let mut order = |what: &str, better: f64, worse: f64| {
             let (what, holds) = (format!("{name}: {what}"), better < worse && better < RUN_OFF);

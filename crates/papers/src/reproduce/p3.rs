@@ -174,7 +174,7 @@ impl Record {
         Self::scaled(name, settings, 1.0)
     }
 
-    /// The same with all commands times a factor.
+    /// As `new`, with all commands times a factor.
     fn scaled(name: &str, settings: &[(&str, f64)], factor: f64) -> anyhow::Result<Self> {
         let (u, period) = matching::signal(name, settings)?;
         let u: Vec<f64> = u.iter().map(|u| factor * u).collect();
@@ -259,7 +259,7 @@ pub(crate) fn series(chirp: &Response) -> anyhow::Result<(Series, String)> {
     let nothing = Arx { b: vec![1.0], a: vec![] };
     let start = (&nothing, &[(3, 3), (4, 4), (5, 5)][..]);
     let (series, found) = Series::train_weighed(&frame, widths, &[run], start, usize::MAX)?;
-    let told = format!(
+    let described = format!(
         "stops and linear part: widths of stops, command and rate {:.3?} by the evidence, gamma = {:.2e}; training \
          error {:.2} nm; D: b = {:.4?}, a = {:.4?}, poles at {}",
         found.factors,
@@ -269,7 +269,7 @@ pub(crate) fn series(chirp: &Response) -> anyhow::Result<(Series, String)> {
         series.linear.a,
         super::poles(&series.linear, chirp.period)
     );
-    Ok((series, told))
+    Ok((series, described))
 }
 
 /// The test signals, measured and simulated.
@@ -322,9 +322,10 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
     let answers_of = |machine: &Machine| -> Vec<Vec<f64>> {
         tests.iter().map(|test| machine.simulate(&test.run.command, test.run.position[0])).collect()
     };
-    let listed = |told: &dyn Fn(usize) -> f64| -> String {
-        let told: Vec<String> = (0..printed.len()).map(|k| format!("{:.2}", told(k))).collect();
-        told.join(", ")
+    let listed = |described: &dyn Fn(usize) -> f64| -> String {
+        let described: Vec<String> =
+            (0..printed.len()).map(|k| format!("{:.2}", described(k))).collect();
+        described.join(", ")
     };
     let mut errors = Vec::new();
     let mut greatest = Vec::new();
@@ -341,8 +342,8 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
             listed(&|k| judged[k][1]),
             listed(&|k| judged[k][0])
         ));
-        let whole = tests.iter().zip(&answers).map(|(run, y)| percent(y, run));
-        errors.push(whole.collect::<Vec<f64>>());
+        let complete = tests.iter().zip(&answers).map(|(run, y)| percent(y, run));
+        errors.push(complete.collect::<Vec<f64>>());
         let most = tests.iter().zip(&answers).map(|(run, y)| greatest_percent(y, run));
         greatest.push(most.collect::<Vec<f64>>());
         loops.push(judged.iter().map(|[_, rms]| *rms).collect::<Vec<f64>>());
@@ -352,8 +353,8 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
             }
             answer.kept.machine("p3_model", UNITS, &machine, None, chirp.period)?;
             let pairs = [(&chirp.command[..], chirp.after())];
-            let whole = rms_difference(&machine.simulate(&chirp.command, 0.0), chirp.after());
-            let small = machine.compress(&pairs, 600, 1.05 * whole);
+            let complete = rms_difference(&machine.simulate(&chirp.command, 0.0), chirp.after());
+            let small = machine.compress(&pairs, 600, 1.05 * complete);
             answer.remarks.push(match small {
                 Some(small) => format!(
                     "compressed to {} of {} centres with 5 % more training error",
@@ -376,8 +377,8 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
         true => None,
         false => {
             say("stops and linear part");
-            let (series, told) = series(&chirp)?;
-            answer.remarks.push(told);
+            let (series, described) = series(&chirp)?;
+            answer.remarks.push(described);
             let simulate = |test: &Record| series.simulate(&test.run.command, test.run.position[0]);
             Some(tests.iter().map(simulate).collect::<Vec<Vec<f64>>>())
         }
@@ -398,7 +399,7 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
         answer.rows.push(Row::new(ID, what, "%", printed, baseline, Aim::Baseline));
         let what = format!("MPI model, {name}, greatest error");
         let here = greatest_percent(&answer_of_mpi, &tests[k]);
-        answer.rows.push(Row::new(ID, what, "%", most[0], here, Aim::Told));
+        answer.rows.push(Row::new(ID, what, "%", most[0], here, Aim::ForComparison));
         for (here, dimension) in dimensions.iter().enumerate() {
             let d = DIMENSIONS.iter().position(|known| known == dimension).unwrap_or(0);
             let what = format!("{dimension} inputs, {name}");
@@ -411,11 +412,11 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
                     ..row
                 }
             } else {
-                Row::new(ID, what, "%", paper[d], own, Aim::Told)
+                Row::new(ID, what, "%", paper[d], own, Aim::ForComparison)
             });
             let what = format!("{dimension} inputs, {name}, greatest error");
             let own = greatest[here][k];
-            answer.rows.push(Row::new(ID, what, "%", most[d + 1], own, Aim::Told));
+            answer.rows.push(Row::new(ID, what, "%", most[d + 1], own, Aim::ForComparison));
         }
         let what = format!("12 inputs, {name}, last loops about their mean");
         let here = [loops[best][k], loops_of_mpi];
@@ -461,7 +462,7 @@ fn tried(
         for (test, record) in TESTS.iter().zip(tests) {
             let what = format!("tried: {way}, 12 inputs, {}", test.name);
             let here = error(&machine, record);
-            answer.rows.push(Row::new(ID, what, "%", test.rms[3], here, Aim::Told));
+            answer.rows.push(Row::new(ID, what, "%", test.rms[3], here, Aim::ForComparison));
         }
     }
     say("tried: tones within the chirp's 30 V");
@@ -477,11 +478,12 @@ fn tried(
             "%",
             test.rms[3],
             error(&machine, &record),
-            Aim::Told,
+            Aim::ForComparison,
         );
         answer.rows.push(row);
         let here = percent(&simulated_by(&mpi, &record.run)?, &record);
-        let row = Row::new(ID, format!("{what}, MPI model"), "%", f64::NAN, here, Aim::Told);
+        let row =
+            Row::new(ID, format!("{what}, MPI model"), "%", f64::NAN, here, Aim::ForComparison);
         answer.rows.push(row);
     }
     Ok(())

@@ -236,7 +236,14 @@ fn tried(
             let form = Form::new(model, thresholds, &judged[k..=k], per)?;
             let what = format!("tried: {way}, {name}, {frequency} Hz");
             let paper = DYNAMIC[axis - 1][k];
-            answer.rows.push(Row::new(ID, what, "um", paper, form.error(&rates), Aim::Told));
+            answer.rows.push(Row::new(
+                ID,
+                what,
+                "um",
+                paper,
+                form.error(&rates),
+                Aim::ForComparison,
+            ));
         }
     }
     Ok(())
@@ -310,7 +317,7 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
                 what("generalised plays (GRPI)"),
                 pair(GRPI),
                 grpi_errors[k],
-                Aim::Told,
+                Aim::ForComparison,
             ));
             answer.rows.push(row(
                 what("static Prandtl-Ishlinskii"),

@@ -46,8 +46,9 @@ fn is_assumed(note: &str) -> bool {
 
 /// The values of a component that do not merely number something.
 fn values(component: &ComponentBlueprint) -> String {
-    let told = component.values.iter().filter(|(name, _)| name != "seed" && name != "longest");
-    told.map(|(name, value)| format!("{} = {}", name.replace('_', " "), text(value)))
+    let described = component.values.iter().filter(|(name, _)| name != "seed" && name != "longest");
+    described
+        .map(|(name, value)| format!("{} = {}", name.replace('_', " "), text(value)))
         .collect::<Vec<_>>()
         .join("; ")
 }

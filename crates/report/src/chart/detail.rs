@@ -12,7 +12,7 @@ pub(crate) struct Detail {
     pub(super) live: usize,
     /// Points over time in the picture.
     pub(super) wide: usize,
-    /// The same in the picture for narrow screens.
+    /// As `wide`, in the picture for narrow screens.
     pub(super) narrow: usize,
 }
 

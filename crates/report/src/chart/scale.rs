@@ -43,7 +43,11 @@ pub(crate) struct Ticks {
 impl Scale {
     /// The scale that holds all finite values, with a margin on linear axes of `margin` of the
     /// range; 0…1 (1…10) if there are none, and some room about a constant.
-    pub(crate) fn around(mapping: Mapping, values: impl Iterator<Item = f64>, margin: f64) -> Self {
+    pub(crate) fn spanning(
+        mapping: Mapping,
+        values: impl Iterator<Item = f64>,
+        margin: f64,
+    ) -> Self {
         let usable = |x: &f64| x.is_finite() && (mapping != Mapping::Log || *x > 0.0);
         let (low, high) = values
             .filter(usable)
@@ -265,7 +269,7 @@ mod tests {
         ];
         for (low, high) in extremes {
             for mapping in [Mapping::Linear, Mapping::Degrees, Mapping::Log] {
-                let scale = Scale::around(mapping, [low, high].into_iter(), 0.05);
+                let scale = Scale::spanning(mapping, [low, high].into_iter(), 0.05);
                 assert!(scale.low < scale.high, "{scale:?}");
                 let ticks = scale.ticks(5);
                 assert!(ticks.major.len() <= 60, "{scale:?}");

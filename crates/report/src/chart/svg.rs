@@ -32,9 +32,9 @@ fn tenths(n: i64) -> String {
     let (sign, n) = (if n < 0 { "-" } else { "" }, n.unsigned_abs());
     match (n / 10, n % 10) {
         (0, 0) => "0".to_owned(),
-        (whole, 0) => format!("{sign}{whole}"),
+        (complete, 0) => format!("{sign}{complete}"),
         (0, tenth) => format!("{sign}.{tenth}"),
-        (whole, tenth) => format!("{sign}{whole}.{tenth}"),
+        (complete, tenth) => format!("{sign}{complete}.{tenth}"),
     }
 }
 

@@ -48,7 +48,7 @@ fn time_series(figure: &TimeSeries) -> Chart<'_> {
     let x = AxisView::new(
         &figure.x.label,
         &figure.x.unit,
-        Scale::around(Mapping::Linear, figure.time.iter().copied(), 0.0),
+        Scale::spanning(Mapping::Linear, figure.time.iter().copied(), 0.0),
     );
     let (named, numbers) = legend(&figure.panels);
     let entries = entries(named.into_iter());
@@ -59,7 +59,7 @@ fn time_series(figure: &TimeSeries) -> Chart<'_> {
         .map(|(panel, numbers)| {
             let values = panel.traces.iter().flat_map(|trace| trace.values.iter().copied());
             let limits = panel.limits.iter().map(|limit| limit.value);
-            let scale = Scale::around(Mapping::Linear, values.chain(limits), MARGIN);
+            let scale = Scale::spanning(Mapping::Linear, values.chain(limits), MARGIN);
             let traces = panel
                 .traces
                 .iter()
@@ -137,10 +137,16 @@ fn xy_loop(figure: &XyLoop) -> Chart<'_> {
     let entries = entries(figure.loops.iter().map(|line| (&line.name, line.role)));
     let xs = figure.loops.iter().flat_map(|line| line.x.iter().copied());
     let ys = figure.loops.iter().flat_map(|line| line.y.iter().copied());
-    let x =
-        AxisView::new(&figure.x.label, &figure.x.unit, Scale::around(Mapping::Linear, xs, MARGIN));
-    let y =
-        AxisView::new(&figure.y.label, &figure.y.unit, Scale::around(Mapping::Linear, ys, MARGIN));
+    let x = AxisView::new(
+        &figure.x.label,
+        &figure.x.unit,
+        Scale::spanning(Mapping::Linear, xs, MARGIN),
+    );
+    let y = AxisView::new(
+        &figure.y.label,
+        &figure.y.unit,
+        Scale::spanning(Mapping::Linear, ys, MARGIN),
+    );
     let traces = figure
         .loops
         .iter()
@@ -171,7 +177,7 @@ fn xy_loop(figure: &XyLoop) -> Chart<'_> {
 
 /// The frequency axis of curves, without margin.
 fn frequency_axis(frequencies: impl Iterator<Item = f64>) -> AxisView {
-    AxisView::new("frequency", "Hz", Scale::around(Mapping::Log, frequencies, 0.0))
+    AxisView::new("frequency", "Hz", Scale::spanning(Mapping::Log, frequencies, 0.0))
 }
 
 fn spectrum(figure: &Spectrum) -> Chart<'_> {
@@ -183,7 +189,7 @@ fn spectrum(figure: &Spectrum) -> Chart<'_> {
     let y = AxisView::new(
         &figure.y.label,
         &figure.y.unit,
-        Scale::around(mapping, values.chain(limits), MARGIN),
+        Scale::spanning(mapping, values.chain(limits), MARGIN),
     );
     let traces = figure
         .traces
@@ -278,7 +284,7 @@ fn response_panel<'a>(
         })
         .collect();
     let values = traces.iter().flat_map(|trace| trace.y.iter().copied());
-    let scale = Scale::around(mapping, values, MARGIN);
+    let scale = Scale::spanning(mapping, values, MARGIN);
     PanelView {
         y: AxisView::new(label, unit, scale),
         weight: 1.0,
@@ -294,7 +300,7 @@ fn histogram(figure: &Histogram) -> Chart<'_> {
     let x = AxisView::new(
         &figure.x.label,
         &figure.x.unit,
-        Scale::around(Mapping::Linear, figure.edges.iter().copied().chain(marks), 0.02),
+        Scale::spanning(Mapping::Linear, figure.edges.iter().copied().chain(marks), 0.02),
     );
     let most = figure.sets.iter().flat_map(|set| &set.counts).copied().max().unwrap_or(0);
     let high = if most == 0 { 1.0 } else { most as f64 * (1.0 + MARGIN) };

@@ -28,9 +28,9 @@ pub struct Bode {
 /// One frequency response.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Response {
-    /// Its name.
+    /// The response's name.
     pub name: String,
-    /// What it stands for.
+    /// What the response stands for.
     pub role: Role,
     /// Frequencies of the lines kept, increasing, in Hz.
     pub frequency: Vec<f64>,

@@ -31,9 +31,9 @@ pub struct Histogram {
 /// One set of values of a [`Histogram`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SampleSet {
-    /// Its name.
+    /// The sample set's name.
     pub name: String,
-    /// What it stands for.
+    /// What the sample set stands for.
     pub role: Role,
     /// Values per bin.
     pub counts: Vec<usize>,

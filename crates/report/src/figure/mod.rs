@@ -93,7 +93,7 @@ figure_from!(TimeSeries, XyLoop, Spectrum, Bode, Histogram);
 pub struct Axis {
     /// The quantity, such as `time` or `command`.
     pub label: String,
-    /// Its unit as the tool writes units; empty for none.
+    /// The axis' unit as the tool writes units; empty for none.
     pub unit: String,
 }
 
@@ -126,7 +126,7 @@ pub enum Role {
 pub struct Limit {
     /// The value, in the panel's unit.
     pub value: f64,
-    /// What it is.
+    /// What the limit is.
     pub label: String,
 }
 
@@ -137,7 +137,7 @@ pub struct Band {
     pub from: f64,
     /// Where it ends.
     pub to: f64,
-    /// What it is.
+    /// What the band is.
     pub label: String,
 }
 
@@ -146,7 +146,7 @@ pub struct Band {
 pub struct Marker {
     /// Where it is, in the axis' unit.
     pub at: f64,
-    /// What it is.
+    /// What the marker is.
     pub label: String,
 }
 
@@ -154,7 +154,7 @@ pub struct Marker {
 pub(crate) trait Annotation {
     /// Whether it has a place on an axis.
     fn is_finite(&self) -> bool;
-    /// What it is.
+    /// What the annotation is.
     fn label(&self) -> &str;
 }
 

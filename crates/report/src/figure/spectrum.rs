@@ -31,9 +31,9 @@ pub struct Spectrum {
 /// One curve of a [`Spectrum`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SpectrumTrace {
-    /// Its name.
+    /// The spectrum trace's name.
     pub name: String,
-    /// What it stands for.
+    /// What the spectrum trace stands for.
     pub role: Role,
     /// Frequencies of the lines kept, increasing, in Hz.
     pub frequency: Vec<f64>,

@@ -21,7 +21,7 @@ pub struct TimeSeries {
     pub caption: Option<String>,
     /// What the horizontal axis shows.
     pub x: Axis,
-    /// Its values: all of them, or two per stretch where samples were left out.
+    /// The time series' values: all of them, or two per stretch where samples were left out.
     #[serde(with = "crate::finite")]
     pub time: Vec<f64>,
     /// How many samples each signal had.
@@ -52,11 +52,11 @@ pub struct Panel {
 /// One signal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Trace {
-    /// Its name.
+    /// The trace's name.
     pub name: String,
-    /// What it stands for.
+    /// What the trace stands for.
     pub role: Role,
-    /// Its values at [`TimeSeries::time`]; where samples were left out, the smallest and the
+    /// The trace's values at [`TimeSeries::time`]; where samples were left out, the smallest and the
     /// largest of each stretch in the order in which they occur.
     #[serde(with = "crate::finite")]
     pub values: Vec<f64>,

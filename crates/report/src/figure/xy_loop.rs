@@ -28,9 +28,9 @@ pub struct XyLoop {
 /// One line through points in the order in which they were passed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Loop {
-    /// Its name.
+    /// The loop's name.
     pub name: String,
-    /// What it stands for.
+    /// What the loop stands for.
     pub role: Role,
     /// Horizontal coordinates of the points kept.
     #[serde(with = "crate::finite")]

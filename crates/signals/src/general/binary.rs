@@ -11,18 +11,19 @@ const TAPS: [u32; 19] = [
     0xd008, 0x1_2000, 0x2_0400, 0x4_0023, 0x9_0000,
 ];
 
-const REGISTER: Parameter = Parameter::whole(
+const REGISTER: Parameter = Parameter::integer(
     "register",
     "Length m of the shift register; the sequence repeats after 2^m − 1 bits.",
     [10, 2, 20],
 );
-const SAMPLES_PER_BIT: Parameter = Parameter::whole(
+const SAMPLES_PER_BIT: Parameter = Parameter::integer(
     "samples_per_bit",
     "Samples that each bit is held; the spectrum has its first zero at 1/(samples_per_bit·T).",
     [1, 1, 1_000_000],
 );
-const PERIODS: Parameter = Parameter::whole("periods", "Number of equal periods.", [2, 1, 100_000]);
-const SEED: Parameter = Parameter::whole(
+const PERIODS: Parameter =
+    Parameter::integer("periods", "Number of equal periods.", [2, 1, 100_000]);
+const SEED: Parameter = Parameter::integer(
     "seed",
     "Start of the sequence: the register holds 1 + seed mod (2^m − 1) at t = 0.",
     [0, 0, 1 << 53],

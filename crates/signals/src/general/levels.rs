@@ -9,14 +9,14 @@ const LEVEL: Parameter = Parameter::real("level", "V", "The constant value.", [0
 const STEP_TIME: Parameter =
     Parameter::real("step_time", "s", "Time at which the change begins.", [0.1, 0.0, 1e5]);
 const STEPS: Parameter =
-    Parameter::whole("steps", "Number of equal steps from low to high.", [10, 1, 100_000]);
+    Parameter::integer("steps", "Number of equal steps from low to high.", [10, 1, 100_000]);
 const HOLD: Parameter = Parameter::real(
     "hold",
     "s",
     "Time from one change of level to the next, rounded to whole samples.",
     [1.0, 1e-6, 1e5],
 );
-const CYCLES: Parameter = Parameter::whole("cycles", "Times up and down.", [1, 1, 10_000]);
+const CYCLES: Parameter = Parameter::integer("cycles", "Times up and down.", [1, 1, 10_000]);
 const BEFORE: Parameter =
     Parameter::real("before", "V", "Value before the change.", [0.0, -1e4, 1e4]);
 const AFTER: Parameter =

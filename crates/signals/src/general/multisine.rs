@@ -7,17 +7,17 @@ use crate::random::Random;
 use crate::rules::{BAND_BELOW_NYQUIST, BAND_IN_ORDER, HIGHEST, LOW_BELOW_HIGH, LOWEST};
 use crate::signal_type::{ChannelType, Rule, Settings, SignalType};
 
-const SAMPLES_PER_PERIOD: Parameter = Parameter::whole(
+const SAMPLES_PER_PERIOD: Parameter = Parameter::integer(
     "samples_per_period",
     "Samples N of one period; the lines lie at k/(N·sample_time).",
     [4000, 4, 100_000],
 );
-const PERIODS: Parameter = Parameter::whole(
+const PERIODS: Parameter = Parameter::integer(
     "periods",
     "Number of equal periods; leave out the first ones until the plant is in steady state.",
     [3, 1, 100_000],
 );
-const GROUP: Parameter = Parameter::whole(
+const GROUP: Parameter = Parameter::integer(
     "group",
     "Size of the groups of neighbouring odd lines of which one each is left out at random.",
     [4, 2, 1000],

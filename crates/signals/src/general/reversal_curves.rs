@@ -5,8 +5,11 @@ use crate::rules::LOW_BELOW_HIGH;
 use crate::shape::{between, legs};
 use crate::signal_type::{ChannelType, Rule, Settings, SignalType};
 
-const CURVES: Parameter =
-    Parameter::whole("curves", "Number of reversal curves, the deepest from low.", [20, 1, 10_000]);
+const CURVES: Parameter = Parameter::integer(
+    "curves",
+    "Number of reversal curves, the deepest from low.",
+    [20, 1, 10_000],
+);
 const RATE: Parameter = Parameter::real(
     "rate",
     "V/s",

@@ -6,7 +6,7 @@ use crate::shape::{between, legs, over_duration, triangle_turns};
 use crate::signal_type::{ChannelType, Settings, SignalType};
 
 const CYCLES: Parameter =
-    Parameter::whole("cycles", "Number of ever smaller cycles.", [10, 1, 100_000]);
+    Parameter::integer("cycles", "Number of ever smaller cycles.", [10, 1, 100_000]);
 
 /// Triangle and decaying triangle.
 pub(crate) static TRIANGLES: &[SignalType] = &[

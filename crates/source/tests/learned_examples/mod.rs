@@ -65,10 +65,10 @@ pub fn all() -> Vec<(&'static str, bool, SystemSpec)> {
         EXAMPLES.iter().map(|e| e.0).collect::<Vec<_>>(),
         "each type has its example"
     );
-    EXAMPLES.iter().map(|example| (example.0, example.2 > 0, around(example))).collect()
+    EXAMPLES.iter().map(|example| (example.0, example.2 > 0, system_of(example))).collect()
 }
 
-fn around((kind, structure, inputs, values): &Example) -> SystemSpec {
+fn system_of((kind, structure, inputs, values): &Example) -> SystemSpec {
     let found = learned::COMPONENTS.iter().find(|c| c.declaration().kind == *kind);
     let found = *found.expect("registered");
     let component = match inputs {

@@ -11,7 +11,7 @@ fn targets() -> Vec<Target> {
         ..Target::new(format!("plant.axis[{axis}].frequency"), ColumnKind::Real)
     };
     let zero = Target { start: Some(0.0), ..Target::new("plant.offset", ColumnKind::Real) };
-    let seed = Target { min: 0.0, max: 1e9, ..Target::new("plant.seed", ColumnKind::Whole) };
+    let seed = Target { min: 0.0, max: 1e9, ..Target::new("plant.seed", ColumnKind::Integer) };
     let on = Target::new("plant.backlash.enabled", ColumnKind::Truth);
     vec![frequency(1, 480.0), frequency(2, 290.0), zero, seed, on]
 }
@@ -101,8 +101,8 @@ fn every_problem_is_told_with_line_and_way_out() {
             ["varied twice", "enabled"],
         ),
     ] {
-        let said = design(3, vary).unwrap_err();
-        assert!(words.iter().all(|word| said.contains(word)), "{vary}: {said}");
+        let message = design(3, vary).unwrap_err();
+        assert!(words.iter().all(|word| message.contains(word)), "{vary}: {message}");
     }
     let too_many = "\"plant.offset\" = { grid = [1, 2] }\n";
     assert!(design(60_000_000, too_many).unwrap_err().contains("120000000 runs"));

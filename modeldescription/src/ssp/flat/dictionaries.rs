@@ -44,7 +44,7 @@ impl<'a> Flattener<'a> {
         &mut self,
         reference: &DictionaryReference,
     ) -> Option<(String, &'a SignalDictionary)> {
-        let found = self.around.iter().rev().find_map(|(path, system)| {
+        let found = self.enclosing.iter().rev().find_map(|(path, system)| {
             let named = system.dictionaries.iter().find(|d| d.name == reference.dictionary)?;
             Some((format!("{}\0", joined(path, &named.name)), named))
         });

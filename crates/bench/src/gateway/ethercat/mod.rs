@@ -33,7 +33,7 @@ impl EthercatGateway {
         Self::over(Box::new(RawSocket::open(interface)?), interface, data, safe)
     }
 
-    /// The same over any wire; `name` is what messages call it.
+    /// As `open`, over any wire; `name` is what messages call it.
     ///
     /// # Errors
     /// As [`open`](Self::open).

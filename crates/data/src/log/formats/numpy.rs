@@ -240,7 +240,7 @@ fn bits(bytes: &[u8], scalar: &Scalar) -> u64 {
 }
 
 /// The whole number that an item of 64 bits is.
-fn whole(bits: u64, scalar: &Scalar) -> Option<i128> {
+fn integer(bits: u64, scalar: &Scalar) -> Option<i128> {
     match (scalar.kind, scalar.size) {
         (TypeChar::Int, 8) => Some(bits.cast_signed().into()),
         (TypeChar::Uint, 8) => Some(bits.into()),
@@ -250,7 +250,7 @@ fn whole(bits: u64, scalar: &Scalar) -> Option<i128> {
 
 /// What is taken off a column that begins with these bits.
 fn start_of(first: u64, scalar: &Scalar) -> Start {
-    match (scalar.kind, scalar.ticks, whole(first, scalar).map(Base::of)) {
+    match (scalar.kind, scalar.ticks, integer(first, scalar).map(Base::of)) {
         (TypeChar::DateTime, Some(ticks), _) => Start::Date(first.cast_signed(), ticks),
         (_, _, Some(base)) if !base.is_none() => Start::Long(base),
         _ => Start::None,
@@ -260,8 +260,8 @@ fn start_of(first: u64, scalar: &Scalar) -> Start {
 /// A number from its bits, without the column's start; that of a date is in s.
 fn number(bits: u64, scalar: &Scalar, start: Start) -> f64 {
     const NO_TIME: u64 = 1 << 63;
-    if let (Start::Long(base), Some(whole)) = (start, whole(bits, scalar)) {
-        return base.off(whole);
+    if let (Start::Long(base), Some(integer)) = (start, integer(bits, scalar)) {
+        return base.off(integer);
     }
     match (scalar.kind, scalar.size, scalar.ticks) {
         (TypeChar::TimeDelta | TypeChar::DateTime, ..) if bits == NO_TIME => f64::NAN,
@@ -329,11 +329,11 @@ mod tests {
         let mut bytes = b"\x93NUMPY\x02\x00".to_vec();
         bytes.extend(0xffff_fff0_u32.to_le_bytes());
         bytes.extend(b"{'descr': '<f8'}");
-        let said =
+        let message =
             columns("column", bytes.as_slice(), &mut Budget::new(1000, None), &mut Vec::new())
                 .err()
                 .unwrap()
                 .0;
-        assert!(said.contains("4294967280 bytes is longer than 1048576"), "{said}");
+        assert!(message.contains("4294967280 bytes is longer than 1048576"), "{message}");
     }
 }

@@ -234,8 +234,8 @@ impl Reading {
 }
 
 /// A whole number without the base of its column.
-fn off(whole: i128, base: &mut Option<Base>) -> f64 {
-    base.get_or_insert_with(|| Base::of(whole)).off(whole)
+fn off(integer: i128, base: &mut Option<Base>) -> f64 {
+    base.get_or_insert_with(|| Base::of(integer)).off(integer)
 }
 
 /// Seconds after the first instant of a column.

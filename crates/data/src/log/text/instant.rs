@@ -109,11 +109,11 @@ fn clock(text: &str) -> Option<i64> {
     let (seconds, nanoseconds) = match parts.next() {
         None => (0, 0),
         Some(text) => {
-            let (whole, part) = text.split_once(['.', ',']).unwrap_or((text, ""));
+            let (integer, part) = text.split_once(['.', ',']).unwrap_or((text, ""));
             if !part.bytes().all(|c| c.is_ascii_digit()) {
                 return None;
             }
-            (two(whole)?, format!("{part:0<9.9}").parse::<i64>().ok()?)
+            (two(integer)?, format!("{part:0<9.9}").parse::<i64>().ok()?)
         }
     };
     let hours = later.map_or(hours, |later| hours % 12 + later);

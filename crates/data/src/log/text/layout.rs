@@ -244,9 +244,9 @@ impl Layout {
                 && values(row) <= used.len() / 2 + 1
         };
         // Where the first cell of a row is empty, names may stand behind a key.
-        let mut whole = Preamble::default();
-        lines[..run.first].iter().for_each(|line| whole.line(line.bytes, self.dialect));
-        let is_keyed = self.kinds.first() == Some(&Kind::Empty) && !whole.names.is_empty();
+        let mut complete = Preamble::default();
+        lines[..run.first].iter().for_each(|line| complete.line(line.bytes, self.dialect));
+        let is_keyed = self.kinds.first() == Some(&Kind::Empty) && !complete.names.is_empty();
         let (mut names, mut units) = (None, None);
         match above.as_slice() {
             _ if is_keyed => {}
@@ -282,8 +282,8 @@ impl Layout {
                 Some((_, units)) => units.clone(),
                 None => self.units_of_keys(names),
             };
-        } else if let Some(made) = self.keyed(lines, run) {
-            (row, unit_row) = made;
+        } else if let Some(built) = self.keyed(lines, run) {
+            (row, unit_row) = built;
         } else {
             self.has_names = false;
         }

@@ -27,11 +27,11 @@ fn compare(
     place: Place,
     why: &mut [Option<String>],
 ) {
-    let said = |preamble: &Preamble| {
+    let stated = |preamble: &Preamble| {
         let units = preamble.units.iter().map(|unit| unit.trim().to_owned());
         units.filter(|unit| !unit.is_empty()).collect::<Vec<_>>()
     };
-    let (first, other) = (said(&layout.preamble), said(head));
+    let (first, other) = (stated(&layout.preamble), stated(head));
     let is_signal =
         |at: &usize| !is_time[*at] && layout.kinds.get(*at).is_some_and(|kind| kind.is_value());
     let signals = (0..is_time.len()).filter(is_signal);
@@ -97,7 +97,7 @@ pub(super) fn read(
             }
             if column.is_empty()
                 && is_time[at]
-                && let Some(first) = ticks::whole(cell)
+                && let Some(first) = ticks::integer(cell)
             {
                 bases[at] = Base::of(first);
             }
@@ -119,7 +119,7 @@ pub(super) fn read(
         let (name, unit) = match split(cell) {
             (name, None) => time_column::split_unit(name)
                 .map_or((name, None), |(name, unit)| (name, Some(unit))),
-            whole => whole,
+            integer => integer,
         };
         let end = values.iter().rposition(|value| !value.is_nan()).map_or(0, |at| at + 1);
         values.truncate(end);

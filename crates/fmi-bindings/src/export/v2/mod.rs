@@ -105,7 +105,7 @@ pub unsafe fn fmi2Instantiate(
         }
         _ => Sink::None,
     };
-    let made = guard::without_instance(|| {
+    let built = guard::without_instance(|| {
         if fmuType != fmi2CoSimulation {
             return Err(Notice::error(
                 "this FMU offers co-simulation only; instantiate it with fmi2CoSimulation",
@@ -122,7 +122,7 @@ pub unsafe fn fmi2Instantiate(
         };
         Instance::new(&request, factory)
     });
-    match made {
+    match built {
         Ok(instance) => Box::into_raw(instance).cast::<c_void>(),
         Err(notice) => {
             let name = name.unwrap_or(c"").into();

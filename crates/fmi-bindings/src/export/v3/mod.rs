@@ -129,7 +129,7 @@ pub unsafe fn fmi3InstantiateCoSimulation(
     let (name, token, path) =
         unsafe { (text(instanceName), text(instantiationToken), text(resourcePath)) };
     let sink = sink(logMessage, instanceEnvironment);
-    let made = guard::without_instance(|| {
+    let built = guard::without_instance(|| {
         if eventModeUsed {
             return Err(Notice::error(
                 "event mode is not offered (hasEventMode = false); set eventModeUsed to false",
@@ -152,7 +152,7 @@ pub unsafe fn fmi3InstantiateCoSimulation(
         };
         Instance::new(&request, factory)
     });
-    match made {
+    match built {
         Ok(instance) => Box::into_raw(instance).cast::<c_void>(),
         Err(notice) => {
             // SAFETY: the caller's text.
@@ -199,11 +199,11 @@ fn sink(callback: Option<fmi3LogMessageCallback>, environment: fmi3InstanceEnvir
 unsafe fn refuse(function: &str, name: fmi3String, sink: Sink, why: &str) -> fmi3Instance {
     // SAFETY: the caller's text.
     let name = unsafe { text(name) }.unwrap_or(c"").into();
-    let told = guard::without_instance(|| {
+    let outcome = guard::without_instance(|| {
         Logger::new(sink, name, true).send(guard::Status::Error, &format!("{function}: {why}"));
         Ok(())
     });
-    drop(told);
+    drop(outcome);
     std::ptr::null_mut()
 }
 

@@ -53,7 +53,7 @@ pub(super) struct Wrapped<O> {
     pub(super) phase: Phase,
     /// A value was set in the initialization mode: the outputs do not follow it yet.
     stale: bool,
-    /// The same of one of the repair's own variables.
+    /// As `stale`, of one of the repair's own variables.
     is_touched: bool,
     references: Vec<u32>,
     values: Vec<f64>,
@@ -66,12 +66,12 @@ pub(super) struct Wrapped<O> {
 /// A saved state.
 pub(super) struct Saved {
     pub(super) inner: *mut c_void,
-    pub(super) around: Around,
+    pub(super) effects: EffectState,
 }
 
 /// The part of a saved state that is not the original's.
 #[derive(Clone)]
-pub(super) struct Around {
+pub(super) struct EffectState {
     numbers: Vec<f64>,
     phase: Phase,
 }
@@ -401,16 +401,16 @@ impl<O: Original> Wrapped<O> {
     }
 
     /// What of a saved state is not the original's.
-    pub(super) fn around(&self) -> Around {
-        Around { numbers: self.surround.save(), phase: self.phase }
+    pub(super) fn effects(&self) -> EffectState {
+        EffectState { numbers: self.surround.save(), phase: self.phase }
     }
 
     /// Goes back to it.
-    pub(super) fn restore(&mut self, around: &Around) -> Result<(), Notice> {
-        if !self.surround.load(&around.numbers) {
+    pub(super) fn restore(&mut self, effects: &EffectState) -> Result<(), Notice> {
+        if !self.surround.load(&effects.numbers) {
             return Err(Notice::error("the saved state is not one of this FMU"));
         }
-        self.phase = around.phase;
+        self.phase = effects.phase;
         self.stale = self.phase != Phase::Step;
         Ok(())
     }
@@ -421,7 +421,7 @@ const MAGIC: [u8; 8] = *b"pzrepair";
 /// Bytes before the numbers: magic, checksum, number of numbers, phase.
 const HEAD: usize = 32;
 
-impl Around {
+impl EffectState {
     /// Number of bytes without the original's.
     pub(super) fn byte_len(&self) -> usize {
         HEAD + 8 * self.numbers.len()

@@ -35,14 +35,14 @@ impl<O: Differentiable> Wrapped<O> {
                 "value reference {own} is no output; only those have derivatives"
             )));
         }
-        let (mut around, mut within) = (Directions::new(), (Vec::new(), Vec::new()));
+        let (mut repaired, mut within) = (Directions::new(), (Vec::new(), Vec::new()));
         let is_active = self.surround.is_active();
         let mut at = 0;
         for reference in knowns {
             let own = &seed[at..at + self.surround.size(*reference)];
             at += own.len();
             if is_active && self.surround.is_ours(*reference) {
-                around.push((*reference, own.to_vec()));
+                repaired.push((*reference, own.to_vec()));
             } else if !self.surround.is_own(*reference) {
                 within.0.push(*reference);
                 within.1.extend_from_slice(own);
@@ -65,7 +65,7 @@ impl<O: Differentiable> Wrapped<O> {
                  shorter communication steps, or differences between saved states"
             )));
         }
-        let inner = self.surround.inner_directions(&around).map_err(jump)?;
+        let inner = self.surround.inner_directions(&repaired).map_err(jump)?;
         for (reference, direction) in inner.into_iter().filter(|(_, d)| d.iter().any(|d| *d != 0.0))
         {
             within.0.push(reference);
@@ -75,7 +75,7 @@ impl<O: Differentiable> Wrapped<O> {
         if code >= DISCARD {
             return Ok(code);
         }
-        let shown = self.surround.output_directions(&around, &moved).map_err(jump)?;
+        let shown = self.surround.output_directions(&repaired, &moved).map_err(jump)?;
         let mut at = 0;
         for reference in unknowns {
             let size = self.surround.size(*reference);

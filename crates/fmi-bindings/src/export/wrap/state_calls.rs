@@ -7,7 +7,7 @@
 
 use std::ffi::c_void;
 
-use super::core::{Answer, Around, Code, DISCARD, Original, Saved, Wrapped};
+use super::core::{Answer, Code, DISCARD, EffectState, Original, Saved, Wrapped};
 use crate::export::arguments::{Room, array};
 use crate::export::guard::Notice;
 
@@ -49,7 +49,7 @@ pub(super) unsafe fn get<O: States>(w: &mut Wrapped<O>, place: *mut *mut c_void)
         if code >= DISCARD {
             return Ok(code);
         }
-        let saved = Saved { inner, around: w.around() };
+        let saved = Saved { inner, effects: w.effects() };
         if old.is_null() {
             *place = keep(w, saved);
         } else {
@@ -66,7 +66,7 @@ pub(super) unsafe fn set<O: States>(w: &mut Wrapped<O>, state: *mut c_void) -> A
         let saved = &*saved(state)?;
         let code = w.original.set_inner(saved.inner)?;
         if code < DISCARD {
-            w.restore(&saved.around)?;
+            w.restore(&saved.effects)?;
         }
         Ok(code)
     }
@@ -103,7 +103,7 @@ pub(super) unsafe fn serialized_size<O: States>(
         let saved = &*saved(state)?;
         let room = Room::new(size, 1, "size")?;
         let (code, inner) = inner_size(w, saved)?;
-        room.write(0, saved.around.byte_len() + inner);
+        room.write(0, saved.effects.byte_len() + inner);
         Ok(code)
     }
 }
@@ -119,16 +119,16 @@ pub(super) unsafe fn serialize<O: States>(
     unsafe {
         let saved = &*saved(state)?;
         let (code, length) = inner_size(w, saved)?;
-        let head = saved.around.byte_len();
+        let head = saved.effects.byte_len();
         if size < head + length {
             return Err(Notice::error(format!("{size} bytes are too few for {}", head + length)));
         }
         let room = Room::new(bytes, size, "serializedState")?;
-        let mut whole = vec![0; head + length];
-        let behind = whole[head..].as_mut_ptr();
+        let mut complete = vec![0; head + length];
+        let behind = complete[head..].as_mut_ptr();
         let code = code.max(w.original.serialize_inner(saved.inner, behind, length)?);
-        saved.around.write(&w.surround.repair().token, &mut whole);
-        whole.iter().enumerate().for_each(|(at, byte)| room.write(at, *byte));
+        saved.effects.write(&w.surround.repair().token, &mut complete);
+        complete.iter().enumerate().for_each(|(at, byte)| room.write(at, *byte));
         Ok(code)
     }
 }
@@ -145,7 +145,7 @@ pub(super) unsafe fn deserialize<O: States>(
         let bytes = array(bytes, size, "serializedState")?;
         let place = place.as_mut().ok_or_else(null_place)?;
         let token = &w.surround.repair().token;
-        let (around, at) = Around::read(token, bytes).ok_or_else(|| {
+        let (effects, at) = EffectState::read(token, bytes).ok_or_else(|| {
             Notice::error("the bytes are no state of this FMU, or they are damaged")
         })?;
         let (behind, mut inner) = (&bytes[at..], std::ptr::null_mut());
@@ -154,7 +154,7 @@ pub(super) unsafe fn deserialize<O: States>(
             if !place.is_null() {
                 let _ = discard(w, place.cast());
             }
-            *place = keep(w, Saved { inner, around });
+            *place = keep(w, Saved { inner, effects });
         }
         Ok(code)
     }

@@ -4,7 +4,7 @@ use std::ffi::c_void;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::super::error::{CallError, Error, Said, Status};
+use super::super::error::{CallError, Error, LoggedText, Status};
 use super::super::host::{FloatMode, Folder};
 use super::super::log::{Log, NameOf, OnMessage, logger};
 use super::super::registry::{self, Token};
@@ -96,14 +96,14 @@ impl Instance {
         mode.keep(&log);
         folder.keep(&log, "fmi2Instantiate");
         if component.is_null() {
-            let said = Said(log.latest());
+            let logged = LoggedText(log.latest());
             let function = "fmi2Instantiate";
             return Err(Error::Instantiate {
                 fmu: name,
                 function,
                 guid,
                 resources: location,
-                said,
+                logged,
             });
         }
         let library = Arc::clone(library);

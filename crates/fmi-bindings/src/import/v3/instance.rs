@@ -5,7 +5,7 @@ use std::ptr;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::super::error::{CallError, Error, Said};
+use super::super::error::{CallError, Error, LoggedText};
 use super::super::host::{FloatMode, Folder};
 use super::super::log::{Log, OnMessage, receive_v3};
 use super::super::registry::{self, Token};
@@ -105,7 +105,7 @@ impl Instance {
                 function: "fmi3InstantiateCoSimulation",
                 guid,
                 resources: path,
-                said: Said(log.latest()),
+                logged: LoggedText(log.latest()),
             });
         }
         let library = Arc::clone(library);

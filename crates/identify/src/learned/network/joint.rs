@@ -219,12 +219,12 @@ impl Joint<'_> {
                 jacobian[(end, at + INPUTS + 1)] = given;
             }
             let eta = x[1];
-            let whole = 1.0 + (2.0 * quadratic + 3.0 * cubic * eta) * eta + slope[1];
+            let complete = 1.0 + (2.0 * quadratic + 3.0 * cubic * eta) * eta + slope[1];
             jacobian[(end, 0)] = (bent[k].1 - y) / (BEND * half);
             jacobian[(end, 1)] = eta * eta;
             jacobian[(end, 2)] = eta * eta * eta;
-            jacobian[(end, 4)] = whole * (1.0 + plays.share.iter().sum::<f64>()) / half;
-            slopes.push((k, whole, slope));
+            jacobian[(end, 4)] = complete * (1.0 + plays.share.iter().sum::<f64>()) / half;
+            slopes.push((k, complete, slope));
             end += 1;
         }
         let place = |u: &f64| ((u - centre) / half_command).clamp(-BEYOND, BEYOND);
@@ -245,19 +245,21 @@ impl Joint<'_> {
                 for (z, part) in crept.iter_mut().zip(&parts) {
                     *z += if k == 0 { play - *z } else { part * (play - *z) };
                 }
-                let Some(((_, whole, slope), row)) = rows.next_if(|((at, ..), _)| *at == k) else {
+                let Some(((_, complete, slope), row)) = rows.next_if(|((at, ..), _)| *at == k)
+                else {
                     continue;
                 };
                 let late: f64 = crept.iter().sum();
                 let given = slope[FIRST_CREEP..].iter().zip(&crept);
                 let left: f64 = given.map(|(slope, z)| slope * (play - z)).sum();
-                jacobian[(row, OTHERS + i)] = (whole * (play + share * late) + left) / half;
-                jacobian[(row, 3)] += whole * w * late / half;
+                jacobian[(row, OTHERS + i)] = (complete * (play + share * late) + left) / half;
+                jacobian[(row, 3)] += complete * w * late / half;
             }
         }
         // Creep of the offset.
-        for (at, (_, whole, _)) in slopes.iter().enumerate() {
-            jacobian[(from + at, 3)] += whole * plays.scalars[0] * plays.share.len() as f64 / half;
+        for (at, (_, complete, _)) in slopes.iter().enumerate() {
+            jacobian[(from + at, 3)] +=
+                complete * plays.scalars[0] * plays.share.len() as f64 / half;
         }
         Ok(end)
     }

@@ -20,12 +20,12 @@ use super::super::series::rows;
 use super::super::{Frame, Machine, Recipe, Run, Series};
 use super::{SAMPLES, Scene, Stage, failed, none};
 use crate::error::Error;
-use crate::settings::Told;
+use crate::settings::FeatureChoice;
 
 const INPUTS: [usize; 3] = [2, 6, 9];
 /// Half lengths of the low-pass.
 const HALF: [usize; 2] = [0, 3];
-/// Its cut-off in cycles per sample.
+/// Cut-off of the filter in cycles per sample.
 const CUTOFF: f64 = 0.25;
 /// σ_f where the search begins, in ranges of the position.
 const SIGNAL: f64 = 1.0;
@@ -48,12 +48,12 @@ pub(super) struct Row {
 }
 
 /// A process as it was trained, which knows its variance.
-pub(super) struct Whole {
+pub(super) struct TrainedProcess {
     process: GaussianProcess,
     frame: Frame,
 }
 
-impl Whole {
+impl TrainedProcess {
     /// σ_n in the position's unit.
     pub(super) fn noise(&self) -> f64 {
         self.process.parameters().noise * (self.frame.output.high - self.frame.output.low)
@@ -64,7 +64,7 @@ impl Whole {
         self.process.parameters().signal * (self.frame.output.high - self.frame.output.low)
     }
 
-    /// Its standard deviation on few centres, as the plant runs it.
+    /// The trained process' standard deviation on few centres, as the plant runs it.
     pub(super) fn deviation(&self) -> Result<Deviation, Error> {
         self.process.deviation(DEVIATION).map_err(failed)
     }
@@ -97,12 +97,15 @@ impl Whole {
     }
 }
 
-pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<(Series, Whole), Error> {
+pub(super) fn learn(
+    scene: &Scene<'_>,
+    stage: &mut Stage<'_>,
+) -> Result<(Series, TrainedProcess), Error> {
     let pairs = scene.pairs();
     let (some, rest) = scene.parts();
     let mut best: Option<(f64, Frame)> = None;
     let inputs: Vec<usize> = match scene.learning.features {
-        Told::Inputs(count) => vec![count],
+        FeatureChoice::Inputs(count) => vec![count],
         _ => INPUTS.to_vec(),
     };
     let total = inputs.len() * HALF.len() + 1;
@@ -131,7 +134,7 @@ pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<(Series,
     })?;
     let process = train(&frame, scene.runs, &LEARN, SAMPLES)?;
     let machine = Machine::of_process(frame.clone(), &process);
-    Ok((Series { machine, linear: none() }, Whole { process, frame }))
+    Ok((Series { machine, linear: none() }, TrainedProcess { process, frame }))
 }
 
 fn train(

@@ -15,7 +15,7 @@ use learned::lssvm::Settings;
 use super::super::{BOUNDS, Frame, Machine, Recipe, Run, Seek, Selection, Series, Widths, select};
 use super::{SAMPLES, Scene, Stage, failed, none};
 use crate::error::Error;
-use crate::settings::Told;
+use crate::settings::FeatureChoice;
 
 /// Widths of a stiff machine, as parts of the command's range: stops, command; γ.
 const STIFF: ([f64; 2], f64) = ([100.0, 1.0], 1e5);
@@ -34,7 +34,7 @@ pub(super) fn learn(
     stage: &mut Stage<'_>,
 ) -> Result<(usize, Series, Settings), Error> {
     if let Some(last) = scenes.last()
-        && (last.learning.selection.is_some() || last.learning.features == Told::Rate)
+        && (last.learning.selection.is_some() || last.learning.features == FeatureChoice::Rate)
     {
         stage(0, 1)?;
         let (series, settings) = selected(last)?;
@@ -76,7 +76,7 @@ pub(super) fn learn(
 fn selected(scene: &Scene<'_>) -> Result<(Series, Settings), Error> {
     let pairs = scene.pairs();
     let mut stops = Stops::new(scene.stops, 1.0, scene.period);
-    if scene.learning.features == Told::Rate {
+    if scene.learning.features == FeatureChoice::Rate {
         stops = stops.rated(1.0);
     }
     let features = Features::Stops(stops);

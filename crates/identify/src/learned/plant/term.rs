@@ -14,7 +14,7 @@
 use std::ops::Range as Rows;
 
 use data::{ComponentBlueprint, Value};
-use learned::features::term::{Range, Term, Told as Signals};
+use learned::features::term::{Range, Term, TermSignals as Signals};
 use learned::lssvm::{LsSvm, Pruning, Samples, Settings, leave_one_out, prune};
 use learned::{Compressor, KernelSum};
 use model::Table;
@@ -23,7 +23,7 @@ use super::super::series::rows;
 use super::super::{BOUNDS, Run, Seek, Selection, Span, rms_difference, sought};
 use super::{CENTRES, Learned, SAMPLES, Scene, Stage, failed};
 use crate::error::Error;
-use crate::settings::Told;
+use crate::settings::FeatureChoice;
 
 /// Past values of each signal: m = n = l.
 const PAST: usize = 2;
@@ -36,12 +36,12 @@ pub(super) fn learn(
     name: &str,
     stage: &mut Stage<'_>,
 ) -> Result<Learned, Error> {
-    let told = match scene.learning.features {
-        Told::Command => Signals::Command,
-        Told::Position => Signals::Position,
+    let signals = match scene.learning.features {
+        FeatureChoice::Command => Signals::Command,
+        FeatureChoice::Position => Signals::Position,
         _ => Signals::Both,
     };
-    let lesson = Lesson::of(scene, told)?;
+    let lesson = Lesson::of(scene, signals)?;
     stage(0, 2)?;
     let (selection, seek) = scene.learning.selection.unwrap_or((Selection::HeldOut, Seek::Grid));
     let settings = lesson.settings(selection, seek)?;
@@ -61,7 +61,7 @@ struct Lesson<'a> {
 }
 
 impl<'a> Lesson<'a> {
-    fn of(scene: &Scene<'a>, told: Signals) -> Result<Self, Error> {
+    fn of(scene: &Scene<'a>, signals: Signals) -> Result<Self, Error> {
         let runs = scene.runs;
         let (gain, offset) = line(runs).ok_or_else(|| {
             let message = "the command moves the position by nothing on a straight line, beside which the term stands; \
@@ -72,7 +72,7 @@ impl<'a> Lesson<'a> {
         let blank = Range { low: 0.0, span: 1.0 };
         let (command, position) = (range(scene.command), range(scene.position));
         let mut term =
-            Term { told, past: PAST, terms: PAST, gain, offset, command, position, term: blank };
+            Term { signals, past: PAST, terms: PAST, gain, offset, command, position, term: blank };
         let of_run = |run: &Run<'_>| {
             let pairs = run.command.iter().zip(run.position);
             pairs.map(|(u, y)| term.term(*u, *y)).collect::<Vec<f64>>()
@@ -168,9 +168,9 @@ impl<'a> Lesson<'a> {
     /// The machine of all samples, pruned where that is asked for, else on the fewest centres that err hardly more.
     fn machine(&self, settings: Settings, most: Option<usize>) -> Result<LsSvm, Error> {
         let all = self.samples.subset(&self.taught(SAMPLES, &[]));
-        let whole: Vec<Rows<usize>> =
+        let complete: Vec<Rows<usize>> =
             self.runs.iter().map(|run| run.first..run.position.len()).collect();
-        let judge = |machine: &LsSvm| self.error(machine, &whole).sqrt();
+        let judge = |machine: &LsSvm| self.error(machine, &complete).sqrt();
         if let Some(least_count) = most {
             let pruning = Pruning { least_count, ..Pruning::default() };
             return Ok(prune(&all, settings, pruning, judge).map_err(failed)?.model);
@@ -183,7 +183,7 @@ impl<'a> Lesson<'a> {
 
     fn component(&self, table: &str, period: f64) -> ComponentBlueprint {
         let term = &self.term;
-        let inputs = match term.told {
+        let inputs = match term.signals {
             Signals::Command => 1.0,
             Signals::Position => 2.0,
             Signals::Both => 3.0,

@@ -31,7 +31,7 @@ pub struct Tracked {
     /// The controller's command.
     pub command: Vec<Vec<f64>>,
     /// What the controller was told, ahead of what is wanted where it previews.
-    pub told: Vec<Vec<f64>>,
+    pub previewed: Vec<Vec<f64>>,
     /// The wanted position.
     pub reference: Vec<Vec<f64>>,
     /// The measured position.
@@ -198,7 +198,7 @@ impl Bed {
             .map(|(r, y)| r.iter().zip(y).map(|(r, y)| r - y).collect())
             .collect();
         let reference = references.iter().map(|r| r[..rows].to_vec()).collect();
-        Ok(Tracked { command, told: ahead, reference, position, error })
+        Ok(Tracked { command, previewed: ahead, reference, position, error })
     }
 }
 

@@ -53,7 +53,7 @@ pub struct Learned {
 
 impl Learned {
     /// What happened, pass by pass.
-    pub(super) fn told(&self, what: &str) -> String {
+    pub(super) fn described(&self, what: &str) -> String {
         let errors: Vec<String> =
             self.errors.iter().map(|e| report::format_number(*e, 3)).collect();
         format!(
@@ -147,11 +147,11 @@ fn response(
     let reach = axes;
     let mean = |k: usize| {
         let near = k.saturating_sub(reach)..(k + reach + 1).min(drive.len());
-        let (sum, whole) = near.fold((Complex::default(), 0.0), |(sum, whole), j| {
+        let (sum, complete) = near.fold((Complex::default(), 0.0), |(sum, complete), j| {
             let w = weight(j);
-            (sum + w * quotient(answer[j], drive[j], SMALL), whole + w)
+            (sum + w * quotient(answer[j], drive[j], SMALL), complete + w)
         });
-        if whole == 0.0 { sum } else { sum / whole }
+        if complete == 0.0 { sum } else { sum / complete }
     };
     (0..drive.len()).map(mean).collect()
 }
@@ -182,8 +182,8 @@ impl Experiment<'_> {
             });
             lead[axis].iter().copied().chain(passes).collect()
         };
-        let told: Vec<Vec<f64>> = (0..pass.len()).map(|axis| path(axis, true)).collect();
-        let mut run = self.bed.track(self.controller, &told, period, preview)?;
+        let described: Vec<Vec<f64>> = (0..pass.len()).map(|axis| path(axis, true)).collect();
+        let mut run = self.bed.track(self.controller, &described, period, preview)?;
         for axis in 0..pass.len() {
             let wanted = path(axis, false);
             run.error[axis] = wanted.iter().zip(&run.position[axis]).map(|(r, y)| r - y).collect();

@@ -113,9 +113,9 @@ fn learn(bed: &mut Bed, axis: usize) -> anyhow::Result<Inverse> {
     let clean = forward.simulate(&u, theta[0]);
     let pairs = [(&clean[..], &u[..])];
     let (frame, settings) = stops(&pairs, [Span::UNIT, volts])?;
-    let (whole, _) = Machine::train(frame, &pairs, settings)?;
-    let own = identify::learned::rms_difference(&whole.simulate(&clean, u[0]), &u);
-    let machine = whole.compress(&pairs, CENTRES, 1.05 * own + 0.03).unwrap_or(whole);
+    let (complete, _) = Machine::train(frame, &pairs, settings)?;
+    let own = identify::learned::rms_difference(&complete.simulate(&clean, u[0]), &u);
+    let machine = complete.compress(&pairs, CENTRES, 1.05 * own + 0.03).unwrap_or(complete);
     let h = forward.simulate(&broad, answer[0]);
     let linear = linear(&answer[1..], &h, PERIOD, 3).ok_or_else(|| {
         anyhow::anyhow!("no stable linear part of the inverse of axis {}", axis + 1)
@@ -284,11 +284,11 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
     for (axis, name) in NAMES.iter().enumerate() {
         say(&format!("inverse of axis {name}"));
         let inverse = own(&mut bed, axis, CENTRES)?;
-        answer.remarks.push(told("the paper's", name, &inverse));
+        answer.remarks.push(described("the paper's", name, &inverse));
         own_inverses.push(inverse);
         if !quick {
             let inverse = learn(&mut bed, axis)?;
-            answer.remarks.push(told("our", name, &inverse));
+            answer.remarks.push(described("our", name, &inverse));
             our_inverses.push(inverse);
         }
     }
@@ -361,7 +361,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
                 let what = format!("rate {rate}, system {name}, PSD {}", psd + 1);
                 let relative = 100.0 * error / RANGES[psd];
                 let (paper, aim) =
-                    if is_best { (paper, Aim::Reach) } else { (f64::NAN, Aim::Told) };
+                    if is_best { (paper, Aim::Reach) } else { (f64::NAN, Aim::ForComparison) };
                 let row = Row::new(ID, what, "%", paper, relative, aim);
                 let ours = beside.map(|beside| 100.0 * beside[psd] / RANGES[psd]);
                 answer.rows.push(Row { ours, ..row });
@@ -385,7 +385,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
                 for (psd, (error, paper)) in error.iter().zip([0.3, 0.2]).enumerate() {
                     let what = format!("tried: rate {rate}, system 4, {what}, PSD {}", psd + 1);
                     let relative = 100.0 * error / RANGES[psd];
-                    answer.rows.push(Row::new(ID, what, "%", paper, relative, Aim::Told));
+                    answer.rows.push(Row::new(ID, what, "%", paper, relative, Aim::ForComparison));
                 }
             }
         }
@@ -407,7 +407,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
     Ok(answer)
 }
 
-fn told(whose: &str, name: &str, inverse: &Inverse) -> String {
+fn described(whose: &str, name: &str, inverse: &Inverse) -> String {
     format!(
         "{whose} inverse of {name}: {} support vectors (the paper: 350), linear part of orders {}, {} with \
          {} rows of preview, {:.2} % of the angle's range on the frequency-varying signal{}",
@@ -470,7 +470,7 @@ const LARGE: f64 = 100.0;
 fn kinematics(calibration: &Calibration, answer: &mut Reproduction) {
     for ((fit, printed), offset) in calibration.coordinates.iter().zip(&PRINTED_J).zip(PRINTED_P0) {
         for ((name, paper), here) in NAMES.iter().zip(printed).zip(&fit.row) {
-            let aim = if paper.abs() > LARGE { Aim::Baseline } else { Aim::Told };
+            let aim = if paper.abs() > LARGE { Aim::Baseline } else { Aim::ForComparison };
             let what = format!("calibrated J, {} by {name}", fit.coordinate);
             answer.rows.push(Row::new(ID, what, "um", *paper, *here, aim));
         }
@@ -551,7 +551,7 @@ fn beyond(
     };
     let blueprint = controller(both, inverses, calibration)?;
     let learned = learn_passes(bed, &blueprint, &learning)?;
-    answer.remarks.push(learned.told(&format!("rate {rate}")));
+    answer.remarks.push(learned.described(&format!("rate {rate}")));
     let error = errors(&learned.run, learned.from);
     let seen = Runs {
         runs: vec![("system 4 and learning", &learned.run)],
@@ -570,7 +570,7 @@ fn beyond(
     for psd in 0..2 {
         let what = format!("rate {rate}, beyond: system 4 and learning, PSD {}", psd + 1);
         let relative = 100.0 * error[psd] / RANGES[psd];
-        answer.rows.push(Row::new(ID, what, "%", f64::NAN, relative, Aim::Told));
+        answer.rows.push(Row::new(ID, what, "%", f64::NAN, relative, Aim::ForComparison));
         answer.orders.push(Order {
             paper_id: ID,
             what: format!(

@@ -101,7 +101,7 @@ fn on_e(
         let machine = own_inverse(count, runs)?;
         let step = milliseconds(reference.len(), &|| machine.simulate(reference, 0.0));
         let what = format!("time of a step of the inverse over {count} stop operators");
-        answer.rows.push(Row::new(ID, what, "ms", time, step, Aim::Told));
+        answer.rows.push(Row::new(ID, what, "ms", time, step, Aim::ForComparison));
         let what = format!("inverse LS-SVM alone, {count} stop operators, E");
         all.push((what, paper, Box::new(move |r| machine.simulate(r, 0.0))));
     }
@@ -125,7 +125,7 @@ fn on_e(
             command(&ahead).into_iter().map(|u| u.clamp(COMMAND.0, COMMAND.1)).collect();
         let y = bed.response(0, &u, 0.0, PERIOD)?;
         let error = rms_difference(&y[from..reference.len()], &reference[from..]);
-        answer.rows.push(Row::new(ID, what, "um", paper, error, Aim::Told));
+        answer.rows.push(Row::new(ID, what, "um", paper, error, Aim::ForComparison));
     }
     Ok(())
 }
@@ -293,18 +293,18 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         };
         row("inverse LS-SVM alone", paper_ff[k], own_ff, 0, Aim::Reach);
         let what = "inverse LS-SVM and incremental PID, printed gains";
-        row(what, paper_both[k], own_printed, 1, Aim::Told);
+        row(what, paper_both[k], own_printed, 1, Aim::ForComparison);
         let what = "inverse LS-SVM and incremental PID, re-tuned";
         row(what, paper_both[k], own_both, 2, Aim::Reach);
         let what = format!("incremental PID alone, re-tuned, {upper}");
-        answer.rows.push(Row::new(ID, what, "um", f64::NAN, feedback, Aim::Told));
+        answer.rows.push(Row::new(ID, what, "um", f64::NAN, feedback, Aim::ForComparison));
         for (name, inverse) in &tried_inverses {
             for (with, gains, paper) in
                 [("alone", &none, paper_ff[k]), ("and PID", &robust, paper_both[k])]
             {
                 let error = rmse(&of(std::slice::from_ref(inverse), gains)?, part);
                 let what = format!("tried: inverse LS-SVM {with}, {name}, {upper}");
-                answer.rows.push(Row::new(ID, what, "um", paper, error, Aim::Told));
+                answer.rows.push(Row::new(ID, what, "um", paper, error, Aim::ForComparison));
             }
         }
         if !quick {
@@ -314,7 +314,14 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
                 let what = format!(
                     "tried: inverse LS-SVM and PID, gains for a sensitivity of {sensitivity}, {upper}"
                 );
-                answer.rows.push(Row::new(ID, what, "um", paper_both[k], error, Aim::Told));
+                answer.rows.push(Row::new(
+                    ID,
+                    what,
+                    "um",
+                    paper_both[k],
+                    error,
+                    Aim::ForComparison,
+                ));
             }
         }
         let mut order = |what: &str, holds: bool| {
@@ -335,16 +342,16 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         }
         // The shape again and again, joined where it ends.
         say(&format!("signal {upper}, beyond the paper: learning over {PASSES} passes"));
-        let mut whole = shape.clone();
+        let mut complete = shape.clone();
         let join = 50;
         let (from, to) = (shape[shape.len() - 1], shape[0]);
         for n in 1..=join {
             let x = n as f64 / (join + 1) as f64;
-            whole.push(from + (to - from) * x * x * (3.0 - 2.0 * x));
+            complete.push(from + (to - from) * x * x * (3.0 - 2.0 * x));
         }
         let learning = Learning {
             lead: &[vec![shape[0]; REST]],
-            pass: std::slice::from_ref(&whole),
+            pass: std::slice::from_ref(&complete),
             turns: 1,
             judged: shape.len(),
             period: PERIOD,
@@ -355,7 +362,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         };
         let blueprint = design.controller(&tables, inverse, &robust);
         let run = learn(&bed, &blueprint, &learning)?;
-        answer.remarks.push(run.told(&format!("signal {upper}")));
+        answer.remarks.push(run.described(&format!("signal {upper}")));
         let learned = run.errors[run.errors.len() - 1];
         let what = format!("beyond: with learning over passes, {upper}");
         answer.rows.push(Row::of_ours(ID, what, "um", paper_both[k], learned));
@@ -384,8 +391,8 @@ fn our_inverse(
     answer: &mut Reproduction,
     say: &dyn Fn(&str),
 ) -> anyhow::Result<[ComponentBlueprint; 2]> {
-    let (forward, told) = series(runs, PERIOD, say)?;
-    answer.remarks.push(told);
+    let (forward, described) = series(runs, PERIOD, say)?;
+    answer.remarks.push(described);
     say("inverse LS-SVM over 55 stop operators");
     let (machine, before) = inverted(&forward, runs)?;
     let first = runs[0].command;

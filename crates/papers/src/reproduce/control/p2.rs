@@ -280,7 +280,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         say(name);
         let run = track(std::slice::from_ref(feedforward), &gains)?;
         let judged = Judged::of(&run, part);
-        let aim = if name.ends_with("LS-SVM") { Aim::Reach } else { Aim::Told };
+        let aim = if name.ends_with("LS-SVM") { Aim::Reach } else { Aim::ForComparison };
         answer.rows.push(Row::new(ID, name, "um", paper, judged.error, aim));
         found.push(judged);
         answer.kept.run(name, &run, PERIOD)?;
@@ -290,7 +290,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
     let name = "PID alone";
     let run = track(&[], &law)?;
     found.push(Judged::of(&run, part));
-    answer.rows.push(Row::new(ID, name, "um", f64::NAN, found[4].error, Aim::Told));
+    answer.rows.push(Row::new(ID, name, "um", f64::NAN, found[4].error, Aim::ForComparison));
     answer.kept.run(name, &run, PERIOD)?;
     runs.push((name, run));
     widths_and_efforts(&found, &mut answer);
@@ -340,7 +340,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         let blueprint = design.controller(&own, &[part_of], &none);
         let run = bed.track(&blueprint, std::slice::from_ref(&reference), PERIOD, 1)?;
         let what = format!("tried: feedforward, LS-SVM {name}");
-        answer.rows.push(Row::new(ID, what, "um", 2.55, rmse(&run, part), Aim::Told));
+        answer.rows.push(Row::new(ID, what, "um", 2.55, rmse(&run, part), Aim::ForComparison));
         let mut own = Blueprint::new(Kind::Controller, "tables", PERIOD);
         let part_of = feedforward(&mut own, "term", (machine, rows), zero)?;
         let blueprint = design.controller(&own, &[part_of], &law);
@@ -351,10 +351,10 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         tried_with_pid(&format!("with {name}, ki {:.3}", gains.ki), judged, &mut answer);
     }
     say("beyond the paper: learning over passes");
-    let whole = sine(TURNS);
+    let complete = sine(TURNS);
     let learning = Learning {
         lead: &[lift(sine(PASS))],
-        pass: &[whole[..PASS * turn].to_vec()],
+        pass: &[complete[..PASS * turn].to_vec()],
         turns: PASS,
         judged: PASS * turn,
         period: PERIOD,
@@ -372,7 +372,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         "noise floor, the loop of the learning held at a point: {:.3} um",
         super::rms_of(&still.error, &[0], 1000)
     ));
-    answer.remarks.push(run.told("2 Hz sine"));
+    answer.remarks.push(run.described("2 Hz sine"));
     let error = run.errors[run.errors.len() - 1];
     let what = format!(
         "beyond: feedforward LS-SVM, PID and learning over {PASSES} passes of {PASS} turns"
@@ -405,7 +405,7 @@ fn tried_with_pid(name: &str, judged: &Judged, answer: &mut Reproduction) {
         ("width of the loop that is left", "%", 0.45, judged.width),
     ] {
         let what = format!("tried: feedforward and PID, LS-SVM {name}: {what}");
-        answer.rows.push(Row::new(ID, what, unit, paper, here, Aim::Told));
+        answer.rows.push(Row::new(ID, what, unit, paper, here, Aim::ForComparison));
     }
 }
 
@@ -416,21 +416,26 @@ fn widths_and_efforts(found: &[Judged], answer: &mut Reproduction) {
         answer.rows.push(Row::new(ID, what, "%", paper, here, aim));
     };
     let width = "width of the loop that is left";
-    row(&format!("{width}, feedforward, Bouc-Wen"), f64::NAN, bouc.width, Aim::Told);
-    row(&format!("{width}, feedforward, LS-SVM"), f64::NAN, learned.width, Aim::Told);
-    row(&format!("{width}, feedforward and PID, Bouc-Wen"), 2.23, bouc_pid.width, Aim::Told);
+    row(&format!("{width}, feedforward, Bouc-Wen"), f64::NAN, bouc.width, Aim::ForComparison);
+    row(&format!("{width}, feedforward, LS-SVM"), f64::NAN, learned.width, Aim::ForComparison);
+    row(
+        &format!("{width}, feedforward and PID, Bouc-Wen"),
+        2.23,
+        bouc_pid.width,
+        Aim::ForComparison,
+    );
     row(&format!("{width}, feedforward and PID, LS-SVM"), 0.45, learned_pid.width, Aim::Reach);
-    row(&format!("{width}, PID alone"), f64::NAN, pid.width, Aim::Told);
+    row(&format!("{width}, PID alone"), f64::NAN, pid.width, Aim::ForComparison);
     let what = "feedforward: width with the LS-SVM, of that with Bouc-Wen";
-    row(what, 42.0, 100.0 * learned.width / bouc.width, Aim::Told);
+    row(what, 42.0, 100.0 * learned.width / bouc.width, Aim::ForComparison);
     // The paper prints how much more one takes than another, in percent.
     let more = |a: &Judged, b: &Judged| 100.0 * (a.effort / b.effort - 1.0);
     let what = "control effort (rms command), feedforward: LS-SVM more than Bouc-Wen";
-    row(what, 7.2, more(learned, bouc), Aim::Told);
+    row(what, 7.2, more(learned, bouc), Aim::ForComparison);
     let what = "control effort with PID: LS-SVM more than Bouc-Wen";
-    row(what, -0.17, more(learned_pid, bouc_pid), Aim::Told);
+    row(what, -0.17, more(learned_pid, bouc_pid), Aim::ForComparison);
     let what = "control effort: PID alone more than feedforward by LS-SVM";
-    row(what, -2.9, more(pid, learned), Aim::Told);
+    row(what, -2.9, more(pid, learned), Aim::ForComparison);
     let mut order = |what: &str, holds: bool| {
         answer.orders.push(Order { paper_id: ID, what: what.into(), holds });
     };

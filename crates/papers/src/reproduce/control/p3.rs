@@ -269,9 +269,9 @@ fn trained(dimension: usize, u: &[f64], y: &[f64], way: Training) -> anyhow::Res
     let frame = Frame::new(features, Span::UNIT, Span::of(u), Recipe::Standardised, &pairs);
     let samples = frame.samples(&pairs)?;
     let process = way.process(&samples, &Search { signal: 2.0, ..SEARCH })?;
-    let whole = Machine::of_process(frame, &process);
-    let own = rms_difference(&whole.simulate(y, u[0]), u);
-    Ok(whole.compress(&pairs, CENTRES, 1.05 * own).unwrap_or(whole))
+    let complete = Machine::of_process(frame, &process);
+    let own = rms_difference(&complete.simulate(y, u[0]), u);
+    Ok(complete.compress(&pairs, CENTRES, 1.05 * own).unwrap_or(complete))
 }
 
 /// For the inverse over stop operators: the band of the chirp, over its range.
@@ -301,16 +301,16 @@ fn of_stops(chirp: &Response, tables: &mut Blueprint) -> anyhow::Result<(Inverse
     let start = chirp.position[0];
     let machine = hysteresis_inverse(&forward.machine, start, &[&chirp.command], &wanted)?;
     let inner = forward.machine.simulate(&chirp.command, start);
-    let undone = linear(chirp.after(), &inner, PERIOD, AHEAD).context("no linear part")?;
-    let told = format!(
+    let cancelled = linear(chirp.after(), &inner, PERIOD, AHEAD).context("no linear part")?;
+    let described = format!(
         "inverse over stop operators: {} support vectors; the linear part is undone {} rows ahead, within {:.4} um",
         machine.machine.count(),
-        undone.ahead,
-        undone.error
+        cancelled.ahead,
+        cancelled.error
     );
     let parts =
-        vec![arx_component(&undone.arx, PERIOD), learned_inverse(tables, "stops", &machine)?];
-    Ok(((undone.ahead + 1, parts), told))
+        vec![arx_component(&cancelled.arx, PERIOD), learned_inverse(tables, "stops", &machine)?];
+    Ok(((cancelled.ahead + 1, parts), described))
 }
 
 /// The inverse of the paper's baseline.
@@ -319,8 +319,8 @@ fn of_mpi(chirp: &Response) -> anyhow::Result<ComponentBlueprint> {
     // What declares an inverse is the hysteresis; its blueprint stands at the same place.
     let mut nodes =
         plant.spec().axes[0].components.iter().zip(&plant.blueprint().axes[0].components);
-    let undone = |node: &model::NodeSpec| node.component.inverses().first().copied();
-    let found = nodes.find_map(|(node, own)| undone(node).map(|inverse| (own.clone(), inverse)));
+    let cancelled = |node: &model::NodeSpec| node.component.inverses().first().copied();
+    let found = nodes.find_map(|(node, own)| cancelled(node).map(|inverse| (own.clone(), inverse)));
     let (mut inverse, undoing) = found.context("an MPI model with an inverse")?;
     inverse.kind = undoing.kind.into();
     let ends = [("command_min", COMMAND.0), ("command_max", COMMAND.1)];
@@ -407,8 +407,8 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         true => None,
         false => {
             say("inverse over stop operators");
-            let (stops, told) = of_stops(&chirp, &mut tables)?;
-            answer.remarks.push(told);
+            let (stops, described) = of_stops(&chirp, &mut tables)?;
+            answer.remarks.push(described);
             Some(stops)
         }
     };
@@ -470,7 +470,7 @@ fn tried(
             let run = bed.track(&blueprint, &[reference], PERIOD, ahead)?;
             let [error, _] = percent(&run, 400 + scaled.len() / 3, stage.reach);
             let what = format!("tried: open loop, 12 inputs, {way}, {}", test.name);
-            answer.rows.push(Row::new(ID, what, "%", test.open[4][0], error, Aim::Told));
+            answer.rows.push(Row::new(ID, what, "%", test.open[4][0], error, Aim::ForComparison));
         }
     }
     Ok(())
@@ -558,7 +558,7 @@ fn tracked(
         row("PI alone", test.closed[0][measure], alone[measure], Aim::Baseline);
         for number in 0..test.open.len() {
             let Some(here) = column(number) else { continue };
-            let aim = if number == 4 { Aim::Reach } else { Aim::Told };
+            let aim = if number == 4 { Aim::Reach } else { Aim::ForComparison };
             let what = named(number);
             row(
                 &format!("open loop, {what}"),
@@ -604,7 +604,7 @@ fn tracked(
         };
         let both = control(tables, stage.zero, Some(stops), printed);
         let learned = learn(bed, &both, &learning)?;
-        answer.remarks.push(learned.told(name));
+        answer.remarks.push(learned.described(name));
         let learned = 100.0 * learned.errors[learned.errors.len() - 1] / reach;
         let paper = test.closed[5][0];
         let what = format!("beyond: closed loop, stops and learning, {name}");

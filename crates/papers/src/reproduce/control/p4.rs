@@ -381,7 +381,7 @@ fn tried(
             ["Y", "Z"].iter().zip(worst(&run, TURNS - GROWING)).zip(case.paper)
         {
             let what = format!("tried: {}, {size}, {name}, {axis}: greatest error", case.name);
-            answer.rows.push(Row::new(ID, what, "um", paper, error, Aim::Told));
+            answer.rows.push(Row::new(ID, what, "um", paper, error, Aim::ForComparison));
         }
     }
     Ok(())
@@ -428,7 +428,7 @@ fn as_printed(
             let reach = name == OWN;
             for ((axis, error), paper) in ["Y", "Z"].iter().zip(errors).zip(case.paper) {
                 let what = format!("{}, {size}, {name}, {axis}: greatest error", case.name);
-                let aim = if reach { Aim::Reach } else { Aim::Told };
+                let aim = if reach { Aim::Reach } else { Aim::ForComparison };
                 answer.rows.push(Row::new(ID, what, "um", paper, error, aim));
             }
             if reach {
@@ -529,7 +529,7 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
             let reach = name == OWN;
             for (axis, error) in ["Y", "Z"].iter().zip(errors).enumerate() {
                 let what = format!("{}, {name}, {}: greatest error", case.name, error.0);
-                let aim = if reach { Aim::Reach } else { Aim::Told };
+                let aim = if reach { Aim::Reach } else { Aim::ForComparison };
                 answer.rows.push(Row::new(ID, what, "um", case.paper[axis], error.1, aim));
             }
             if reach {
@@ -586,14 +586,21 @@ pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Re
         answer.remarks.push(format!("{}: learning begins with \"{}\"", case.name, rows[base].0));
         let learned = learn(&bed, &controller(inverted, rows[base].1)?, &learning)?;
         let errors = worst(&learned.run, PASS);
-        answer.remarks.push(learned.told(case.name));
+        answer.remarks.push(learned.described(case.name));
         answer.chapters.push(ellipses(case, &runs, &learned));
         for axis in 0..2 {
             let name = ["Y", "Z"][axis];
             let ours = rmse(&learned.run, axis, PASS);
             let ratio = found[1].1[axis] / ours;
             let what = format!("{}, beyond: with learning, {name}: greatest error", case.name);
-            answer.rows.push(Row::new(ID, what, "um", case.paper[axis], errors[axis], Aim::Told));
+            answer.rows.push(Row::new(
+                ID,
+                what,
+                "um",
+                case.paper[axis],
+                errors[axis],
+                Aim::ForComparison,
+            ));
             answer.orders.push(Order {
                 paper_id: ID,
                 what: format!(

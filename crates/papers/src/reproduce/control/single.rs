@@ -34,7 +34,7 @@ impl Notch {
         notch.value("damping", self.damping).value("depth", 0.0)
     }
 
-    /// The same on samples, from rest at `first`.
+    /// As `component`, on samples, from rest at `first`.
     pub(super) fn filter(self, period: f64, first: f64) -> impl FnMut(f64) -> f64 {
         let w = (std::f64::consts::PI * self.frequency * period).tan();
         let (square, broad) = (w * w, 2.0 * self.damping * w);

@@ -26,7 +26,7 @@ pub(super) fn read(matrices: &[Matrix], budget: &mut Budget) -> Result<Option<Fo
     let texts = |matrix: &Matrix| if is_transposed { matrix.standing() } else { matrix.lines() };
     let (names, descriptions) = (texts(names), of("description").map(texts).unwrap_or_default());
     let count = if is_transposed { info.columns } else { info.rows };
-    let said = |variable: usize, at: usize| -> Option<i64> {
+    let entry = |variable: usize, at: usize| -> Option<i64> {
         let (row, column) = if is_transposed { (at, variable) } else { (variable, at) };
         let is_there = row < info.rows && column < info.columns;
         let value = is_there.then(|| info.values.get(column * info.rows + row)).flatten();
@@ -39,7 +39,7 @@ pub(super) fn read(matrices: &[Matrix], budget: &mut Budget) -> Result<Option<Fo
     let mut group = Group::new("result", Vec::new());
     let mut constants = 0_usize;
     for (variable, name) in names.iter().enumerate().take(count) {
-        let (Some(of_table), Some(place)) = (said(variable, 0), said(variable, 1)) else {
+        let (Some(of_table), Some(place)) = (entry(variable, 0), entry(variable, 1)) else {
             continue;
         };
         let is_time = of_table == 0 || name.eq_ignore_ascii_case("time");

@@ -21,7 +21,7 @@ pub(super) struct Matrix {
     /// The first index running fastest; of complex numbers all imaginary parts behind all real ones.
     pub(super) values: Vec<f64>,
     is_text: bool,
-    /// What it is, where it is no matrix of real numbers.
+    /// What the matrix is, where it is no matrix of real numbers.
     other: Option<&'static str>,
 }
 

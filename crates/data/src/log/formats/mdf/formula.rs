@@ -75,7 +75,7 @@ impl Formula {
         }
     }
 
-    /// Its value at x.
+    /// The formula's value at x.
     pub(super) fn value(&self, x: f64) -> f64 {
         let mut stack = Vec::with_capacity(DEEPEST);
         for step in &self.steps {
@@ -284,8 +284,8 @@ mod tests {
             ("Z", "\"z\" is not known"),
             ("1..2", "not expected"),
         ] {
-            let said = Formula::parse(text).unwrap_err();
-            assert!(said.contains(why), "{text}: {said}");
+            let message = Formula::parse(text).unwrap_err();
+            assert!(message.contains(why), "{text}: {message}");
         }
     }
 

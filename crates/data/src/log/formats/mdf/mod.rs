@@ -139,9 +139,9 @@ impl Records {
             let Some(group) = self.groups.first_mut().filter(|group| group.size > 0) else {
                 return Ok(bytes.len());
             };
-            let whole = bytes.len() / group.size * group.size;
-            group.read(&bytes[..whole], 0, self.is_counted, budget)?;
-            return Ok(whole);
+            let complete = bytes.len() / group.size * group.size;
+            group.read(&bytes[..complete], 0, self.is_counted, budget)?;
+            return Ok(complete);
         }
         let mut used = 0;
         loop {

@@ -105,8 +105,9 @@ impl File {
             if bits & VALUES != 0 && !values.is_empty() {
                 let order = Order { is_big: lead.is_big, is_interleaved: bits & INTERLEAVED != 0 };
                 let chunk = chunk.get_or_insert_with(|| file.chunk(&list));
-                if let Some(said) = chunk.read(values, order, &mut file.objects, budget)? {
-                    file.cut = Some(format!("in the values of the segment at byte {place}{said}"));
+                if let Some(message) = chunk.read(values, order, &mut file.objects, budget)? {
+                    file.cut =
+                        Some(format!("in the values of the segment at byte {place}{message}"));
                 }
             }
             if is_cut {

@@ -166,9 +166,9 @@ impl Chunk {
             return Ok(is_cut.then(|| ": the last row is there in part".into()));
         }
         let mut chunks = bytes.chunks_exact(size);
-        let whole = self.stretches(size);
+        let complete = self.stretches(size);
         for chunk in chunks.by_ref() {
-            for stretch in &whole {
+            for stretch in &complete {
                 stretch.read(chunk, order, objects, budget)?;
             }
         }

@@ -186,7 +186,7 @@ pub unsafe fn fmi2Instantiate(
         }
         _ => Sink::None,
     };
-    let made = guard::without_instance(|| {
+    let built = guard::without_instance(|| {
         if fmuType != fmi2CoSimulation {
             return Err(Notice::error("a repaired FMU offers co-simulation only"));
         }
@@ -196,7 +196,7 @@ pub unsafe fn fmi2Instantiate(
         let original = unsafe { inner(&files, name, callbacks.map(Box::new), visible, loggingOn)? };
         Ok(Box::new(Wrapped::new(original, files.surround, sink, name.unwrap_or(c"").into())))
     });
-    match made {
+    match built {
         Ok(instance) => Box::into_raw(instance).cast::<c_void>(),
         Err(notice) => {
             let message = format!("fmi2Instantiate: {}", notice.message);

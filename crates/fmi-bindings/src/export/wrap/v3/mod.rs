@@ -32,12 +32,12 @@ struct Inner {
     /// Whether the host promises not to go back before the current point.
     no_way_back: fmi3Boolean,
     /// What the last step told.
-    told: Told,
+    flags: StepFlags,
 }
 
 /// What a step tells; flags as bytes, because the original may write anything.
 #[derive(Clone, Copy, Default)]
-struct Told {
+struct StepFlags {
     event: u8,
     terminate: u8,
     early: u8,
@@ -70,7 +70,7 @@ impl Original for Inner {
 
     fn step(&mut self, time: f64, step: f64) -> (Code, bool) {
         let do_step = self.library.functions.do_step;
-        let mut told = Told { time, ..Told::default() };
+        let mut flags = StepFlags { time, ..StepFlags::default() };
         // SAFETY: the instance is alive; `bool` has the size of a byte, and whatever is written
         // there is read as a byte.
         let code = unsafe {
@@ -79,15 +79,15 @@ impl Original for Inner {
                 time,
                 step,
                 self.no_way_back,
-                (&raw mut told.event).cast(),
-                (&raw mut told.terminate).cast(),
-                (&raw mut told.early).cast(),
-                &raw mut told.time,
+                (&raw mut flags.event).cast(),
+                (&raw mut flags.terminate).cast(),
+                (&raw mut flags.early).cast(),
+                &raw mut flags.time,
             )
             .0
         };
-        self.told = told;
-        (code, told.event == 0 && told.terminate == 0 && told.early == 0)
+        self.flags = flags;
+        (code, flags.event == 0 && flags.terminate == 0 && flags.early == 0)
     }
 }
 
@@ -249,7 +249,7 @@ pub unsafe fn fmi3InstantiateCoSimulation(
     // SAFETY: the caller's texts.
     let (name, token, path) =
         unsafe { (text(instanceName), text(instantiationToken), text(resourcePath)) };
-    let made = guard::without_instance(|| {
+    let built = guard::without_instance(|| {
         if eventModeUsed || nRequiredIntermediateVariables > 0 {
             return Err(Notice::error(
                 "event mode and intermediate variables are not offered through a repair",
@@ -283,11 +283,11 @@ pub unsafe fn fmi3InstantiateCoSimulation(
                 library.path().display()
             )));
         }
-        let told = Told::default();
-        let original = Inner { instance: inner, library, no_way_back: fmi3False, told };
+        let flags = StepFlags::default();
+        let original = Inner { instance: inner, library, no_way_back: fmi3False, flags };
         Ok(Box::new(Wrapped::new(original, files.surround, sink, name.unwrap_or(c"").into())))
     });
-    match made {
+    match built {
         Ok(instance) => Box::into_raw(instance).cast::<c_void>(),
         Err(notice) => {
             let message = format!("fmi3InstantiateCoSimulation: {}", notice.message);
@@ -429,13 +429,13 @@ pub unsafe extern "C" fn fmi3DoStep(
         };
         w.original.no_way_back = noSetFMUStatePriorToCurrentPoint;
         let code = w.step(currentCommunicationPoint, communicationStepSize);
-        let told = w.original.told;
+        let flags = w.original.flags;
         // SAFETY: as above.
         unsafe {
-            event.write(0, told.event != 0);
-            terminate.write(0, told.terminate != 0);
-            early.write(0, told.early != 0);
-            last.write(0, told.time);
+            event.write(0, flags.event != 0);
+            terminate.write(0, flags.terminate != 0);
+            early.write(0, flags.early != 0);
+            last.write(0, flags.time);
         }
         Ok(code)
     };

@@ -18,7 +18,7 @@ use crate::error::Error;
 pub struct Repaired {
     /// The package; the caller adds licences, documentation and reference results, and writes it.
     pub package: PackageBuilder,
-    /// What it says about itself.
+    /// What the repaired says about itself.
     pub description: ModelDescription,
     /// What is put around the original.
     pub repair: Repair,
@@ -39,23 +39,23 @@ pub(crate) fn pack(
         message: format!("cannot be repaired: {message}"),
     };
     let description = describe(original.description(), repair).map_err(&failed)?;
-    let told = |e: PackageError| failed(e.to_string());
-    let mut package = PackageBuilder::new(&description).map_err(told)?;
+    let described = |e: PackageError| failed(e.to_string());
+    let mut package = PackageBuilder::new(&description).map_err(described)?;
     let platforms = original.platforms();
     for (number, (platform, bytes)) in libraries.iter().enumerate() {
         if number == 0 || platforms.iter().any(|own| is_same(own, platform)) {
-            package.binary(platform, bytes.to_vec()).map_err(told)?;
+            package.binary(platform, bytes.to_vec()).map_err(described)?;
         }
     }
     let text = repair.to_toml().map_err(|e| failed(e.to_string()))?;
-    package.resource(surround::FILE, text.into_bytes()).map_err(told)?;
+    package.resource(surround::FILE, text.into_bytes()).map_err(described)?;
     for (path, content) in files(original.folder()).map_err(|e| failed(e.to_string()))? {
-        package.resource(&format!("inner/{path}"), content).map_err(told)?;
+        package.resource(&format!("inner/{path}"), content).map_err(described)?;
     }
     for path in looks(original) {
         let content =
             std::fs::read(original.folder().join(&path)).map_err(|e| failed(e.to_string()))?;
-        package.entry(path, content).map_err(told)?;
+        package.entry(path, content).map_err(described)?;
     }
     let is_missing = |own: &String| !libraries.iter().any(|(given, _)| is_same(own, given));
     let others: Vec<String> = platforms.into_iter().filter(is_missing).collect();
@@ -140,11 +140,11 @@ fn describe(original: &ModelDescription, repair: &Repair) -> Result<ModelDescrip
     d.generation_tool = Some(format!("Piezoloop {}", env!("CARGO_PKG_VERSION")));
     d.generation_date_and_time = generation_time().ok();
     let names: Vec<&str> = repair.effects.iter().map(|e| e.name.as_str()).collect();
-    let told = d.description.take().filter(|t| !t.is_empty());
-    let told = told.unwrap_or_else(|| d.model_name.clone());
+    let described = d.description.take().filter(|t| !t.is_empty());
+    let described = described.unwrap_or_else(|| d.model_name.clone());
     d.description = Some(match kind {
-        "preset" => format!("{told} (with other start values)"),
-        _ => format!("{told} (repaired: {})", names.join(", ")),
+        "preset" => format!("{described} (with other start values)"),
+        _ => format!("{described} (repaired: {})", names.join(", ")),
     });
     d.log_categories.push(LogCategory {
         name: "repair".to_owned(),
@@ -262,9 +262,9 @@ fn restructure(d: &mut ModelDescription, repair: &Repair) {
         .filter(|k| computed(&d.variables[*k]))
         .filter_map(|k| d.reference_to(k))
         .collect();
-    let told: Vec<u32> = d.structure.initial_unknowns.iter().map(|u| u.variable).collect();
+    let described: Vec<u32> = d.structure.initial_unknowns.iter().map(|u| u.variable).collect();
     let has_states = !d.structure.derivatives.is_empty() || !d.structure.clocked_states.is_empty();
-    if !has_states && told != wanted {
+    if !has_states && described != wanted {
         d.structure.initial_unknowns = wanted.into_iter().map(Unknown::new).collect();
     }
 }

@@ -4,7 +4,7 @@ use crate::repair::Port;
 
 /// A whole variable of the original, or of the repair, that has ports.
 #[derive(Clone, Debug)]
-pub struct Whole {
+pub struct PortVariable {
     /// Value reference.
     pub reference: u32,
     /// Whether the original does not have it.
@@ -18,7 +18,7 @@ pub struct Whole {
     pub(crate) ports: Vec<usize>,
 }
 
-impl Whole {
+impl PortVariable {
     pub(crate) fn new(reference: u32, start: &[f64], own: bool) -> Self {
         Self {
             reference,
@@ -32,12 +32,12 @@ impl Whole {
 }
 
 /// The variables of these ports, each once.
-pub(crate) fn whole(ports: &[Port]) -> Vec<Whole> {
-    let mut all: Vec<Whole> = Vec::new();
+pub(crate) fn port_variables(ports: &[Port]) -> Vec<PortVariable> {
+    let mut all: Vec<PortVariable> = Vec::new();
     for (k, port) in ports.iter().enumerate() {
         let at = all.iter().position(|v| v.reference == port.variable.reference);
         let at = at.unwrap_or_else(|| {
-            all.push(Whole::new(port.variable.reference, &port.variable.start, port.own));
+            all.push(PortVariable::new(port.variable.reference, &port.variable.start, port.own));
             all.len() - 1
         });
         all[at].ports.push(k);

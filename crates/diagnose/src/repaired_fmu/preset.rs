@@ -34,8 +34,8 @@ pub fn preset(
         let known = repair.presets.iter().position(|preset| preset.reference == reference);
         let at = known.unwrap_or_else(|| {
             let mut all = description.variables.iter();
-            let whole = all.find(|v| v.value_reference == reference && !v.dimensions.is_empty());
-            let start = super::starts(whole, size);
+            let complete = all.find(|v| v.value_reference == reference && !v.dimensions.is_empty());
+            let start = super::starts(complete, size);
             repair.presets.push(surround::Variable { reference, start });
             repair.presets.len() - 1
         });

@@ -141,10 +141,10 @@ impl<'a> Maker<'a> {
     fn variable(&self, name: &str) -> Result<(Variable, usize), Error> {
         let (reference, element, size) = self.fmu.place(name)?;
         let description = self.fmu.description();
-        let told = description.variables.iter().find(|v| {
+        let described = description.variables.iter().find(|v| {
             v.value_reference == reference && (v.name == name || !v.dimensions.is_empty())
         });
-        Ok((Variable { reference, start: starts(told, size) }, element))
+        Ok((Variable { reference, start: starts(described, size) }, element))
     }
 
     /// The auxiliary signal of a column: another input of the FMU, or a new one.
@@ -324,18 +324,18 @@ impl<'a> Maker<'a> {
         number: usize,
         effect: &mut Effect,
     ) -> Result<(), Error> {
-        let told = &o.task.base.parameters[base];
+        let described = &o.task.base.parameters[base];
         let last = &o.found.last;
-        let at = last.chain.parameters.iter().position(|p| p.is_base && p.name == told.name);
+        let at = last.chain.parameters.iter().position(|p| p.is_base && p.name == described.name);
         let Some(at) = at else { return Ok(()) };
-        let (variable, element) = self.variable(&told.name)?;
+        let (variable, element) = self.variable(&described.name)?;
         let parameter = effect.parameters.len();
         effect.parameters.push(Parameter {
-            name: format!("change_of_{}", plain(&told.name)),
-            description: format!("is added to {}", told.name),
-            unit: told.unit.clone(),
+            name: format!("change_of_{}", plain(&described.name)),
+            description: format!("is added to {}", described.name),
+            unit: described.unit.clone(),
             factor: 1.0,
-            start: told.deviation * last.fit.theta[at],
+            start: described.deviation * last.fit.theta[at],
             min: None,
             max: None,
             reference: self.reference(),

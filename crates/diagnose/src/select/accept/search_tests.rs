@@ -1,11 +1,11 @@
 //! The whole search and its parts, on logs whose truth is known.
 
 use super::*;
-use crate::select::made::{Made, close, listed, names};
+use crate::select::synthetic::{Synthetic, close, listed, names};
 
 /// A tone of 71 and one of 29 powers of the noise, and families that add: what imitates both and leaves a
 /// seventh; the first; the second; another tone; what nearly is the first.
-fn imitated() -> Made {
+fn imitated() -> Synthetic {
     let columns: [&[(usize, f64)]; 5] = [
         &[(3, 8.4), (5, 5.4), (7, 4.2)],
         &[(3, 1.0)],
@@ -13,11 +13,11 @@ fn imitated() -> Made {
         &[(9, 1.0)],
         &[(3, 1.0), (11, 0.3)],
     ];
-    Made::new(&[(3, 8.4), (5, 5.4)], &columns)
+    Synthetic::new(&[(3, 8.4), (5, 5.4)], &columns)
 }
 
 /// Three tones, and families that add the first, the second, the third; and others that nearly do.
-fn three() -> Made {
+fn three() -> Synthetic {
     let columns: [&[(usize, f64)]; 6] = [
         &[(3, 1.0)],
         &[(5, 1.0)],
@@ -26,7 +26,7 @@ fn three() -> Made {
         &[(5, 1.0), (13, 0.3)],
         &[(7, 1.0), (15, 0.3)],
     ];
-    Made::new(&[(3, 10.0), (5, 8.0), (7, 6.0)], &columns)
+    Synthetic::new(&[(3, 10.0), (5, 8.0), (7, 6.0)], &columns)
 }
 
 fn entry(best: Candidate) -> Looked {
@@ -45,8 +45,8 @@ fn marks(rivals: &[Vec<Looked>]) -> Vec<usize> {
 
 #[test]
 fn one_effect_is_found_and_named() {
-    let made = Made::new(&[(5, 10.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
-    let found = made.search().run(made.retuned()).unwrap();
+    let synthetic = Synthetic::new(&[(5, 10.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
+    let found = synthetic.search().run(synthetic.retuned()).unwrap();
     assert_eq!(names(&found.last), [1]);
     assert!(found.base.picks.is_empty());
     assert_eq!((found.rivals.len(), found.first.len()), (1, 3));
@@ -57,8 +57,8 @@ fn one_effect_is_found_and_named() {
 
 #[test]
 fn two_effects_are_found_with_what_goes_with_each() {
-    let made = three();
-    let two = Made::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
+    let synthetic = three();
+    let two = Synthetic::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
     let found = two.search().run(two.retuned()).unwrap();
     assert_eq!(names(&found.last), [0, 1]);
     close(found.alone[0], 100.0 / 164.0, 0.03);
@@ -72,28 +72,28 @@ fn two_effects_are_found_with_what_goes_with_each() {
     }
     assert_eq!(found.first.len(), 3);
     // Three, the largest first.
-    let found = made.search().run(made.retuned()).unwrap();
+    let found = synthetic.search().run(synthetic.retuned()).unwrap();
     assert_eq!(names(&found.last), [0, 1, 2]);
 }
 
 #[test]
 fn no_more_effects_are_looked_for_than_asked() {
-    let mut made = three();
+    let mut synthetic = three();
     for most in [1, 2] {
-        made.max_effects = most;
-        let found = made.search().run(made.retuned()).unwrap();
+        synthetic.max_effects = most;
+        let found = synthetic.search().run(synthetic.retuned()).unwrap();
         assert!(found.last.picks.len() <= most && found.rivals.len() <= most);
         assert!(!found.rivals.is_empty());
     }
-    made.max_effects = 0;
-    let found = made.search().run(made.retuned()).unwrap();
+    synthetic.max_effects = 0;
+    let found = synthetic.search().run(synthetic.retuned()).unwrap();
     assert!(found.last.picks.is_empty() && found.first.is_empty());
 }
 
 #[test]
 fn nothing_is_looked_for_where_nothing_is_left() {
-    let made = Made::new(&[], &[&[(3, 1.0)]]);
-    let found = made.search().run(made.retuned()).unwrap();
+    let synthetic = Synthetic::new(&[], &[&[(3, 1.0)]]);
+    let found = synthetic.search().run(synthetic.retuned()).unwrap();
     assert!(found.last.picks.is_empty() && found.first.is_empty() && found.rivals.is_empty());
 }
 
@@ -101,8 +101,8 @@ fn nothing_is_looked_for_where_nothing_is_left() {
 fn noise_that_looks_like_an_effect_is_none() {
     // Of 100 powers that no family has, the columns take what they happen to have in common with noise.
     let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0)], &[(9, 1.0), (11, 5.0)]];
-    let made = Made::new(&[(9, 10.0)], &columns);
-    let found = made.search().run(made.retuned()).unwrap();
+    let synthetic = Synthetic::new(&[(9, 10.0)], &columns);
+    let found = synthetic.search().run(synthetic.retuned()).unwrap();
     assert!(found.last.picks.is_empty() && found.alone.is_empty());
     assert_eq!(found.first.len(), 3, "what was looked at is told");
     assert!(found.rivals.is_empty(), "and none of it was worth a second look");
@@ -110,8 +110,8 @@ fn noise_that_looks_like_an_effect_is_none() {
 
 #[test]
 fn a_small_effect_beside_much_that_is_in_no_library_is_not_named() {
-    let made = Made::new(&[(3, 6.0), (9, 10.0)], &[&[(3, 1.0)], &[(5, 1.0)]]);
-    let found = made.search().run(made.retuned()).unwrap();
+    let synthetic = Synthetic::new(&[(3, 6.0), (9, 10.0)], &[&[(3, 1.0)], &[(5, 1.0)]]);
+    let found = synthetic.search().run(synthetic.retuned()).unwrap();
     assert!(found.last.picks.is_empty() && found.alone.is_empty());
 }
 
@@ -122,10 +122,10 @@ fn a_second_effect_takes_no_name_from_the_first() {
         [(3.0, 1.0), (3.0, 2.0), (3.0, 2.15), (2.4, 2.4), (4.0, 3.0), (5.0, 4.0)]
     {
         let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0)], &[(5, 1.0)]];
-        let mut made = Made::new(&[(3, 10.0), (5, second), (9, unknown)], &columns);
-        let found = made.search().run(made.retuned()).unwrap();
-        made.max_effects = 1;
-        let alone = made.search().run(made.retuned()).unwrap();
+        let mut synthetic = Synthetic::new(&[(3, 10.0), (5, second), (9, unknown)], &columns);
+        let found = synthetic.search().run(synthetic.retuned()).unwrap();
+        synthetic.max_effects = 1;
+        let alone = synthetic.search().run(synthetic.retuned()).unwrap();
         let (both, alone) = (names(&found.last), names(&alone.last));
         assert!(
             alone.iter().all(|name| both.contains(name)),
@@ -138,9 +138,9 @@ fn a_second_effect_takes_no_name_from_the_first() {
 #[test]
 fn the_first_effect_is_named_alone_where_it_explains_enough() {
     let named = |unknown: f64| {
-        let made = Made::new(&[(3, 10.0), (9, unknown)], &[&[(3, 1.0)], &[(5, 1.0)]]);
-        let search = made.search();
-        let base = made.retuned();
+        let synthetic = Synthetic::new(&[(3, 10.0), (9, unknown)], &[&[(3, 1.0)], &[(5, 1.0)]]);
+        let search = synthetic.search();
+        let base = synthetic.retuned();
         let first = search.expand(&base).unwrap();
         let (last, alone) = search.first_alone(&base, &first, &mut marked(2));
         assert_eq!(last.picks.len(), alone.len());
@@ -152,47 +152,47 @@ fn the_first_effect_is_named_alone_where_it_explains_enough() {
 
 /// Two tones of 100 powers of the noise each and perhaps a third one, and families that add: a half of both
 /// with another tone; the first; the second.
-fn halved(more: f64) -> Made {
+fn halved(more: f64) -> Synthetic {
     let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0), (5, 1.0), (7, 1.3)], &[(3, 1.0)], &[(5, 1.0)]];
-    Made::new(&[(3, 10.0), (5, 10.0), (9, more)], &columns)
+    Synthetic::new(&[(3, 10.0), (5, 10.0), (9, more)], &columns)
 }
 
 #[test]
 fn a_pair_is_found_behind_what_takes_a_half_of_both() {
-    let made = halved(0.0);
-    let search = made.search();
-    let first = search.expand(&made.retuned()).unwrap();
+    let synthetic = halved(0.0);
+    let search = synthetic.search();
+    let first = search.expand(&synthetic.retuned()).unwrap();
     assert_eq!(listed(&first)[0], 0, "the imitation is the best single effect");
     let mut rivals = marked(1);
-    let found = made.families(&[0]);
-    let pair = search.pair_of_the_whole(&made.retuned(), &found, &first, &mut rivals).unwrap();
+    let found = synthetic.families(&[0]);
+    let pair = search.pair_of_the_whole(&synthetic.retuned(), &found, &first, &mut rivals).unwrap();
     let mut both = names(&pair);
     both.sort_unstable();
     assert_eq!(both, [1, 2]);
     assert_eq!(listed(&rivals[0]), listed(&first));
     assert_eq!((rivals.len(), names(rivals[1][0].best.as_ref().unwrap())), (2, names(&pair)));
     // Nine powers of the noise that no pair takes: it may be anything.
-    let made = halved(3.0);
-    let (search, found) = (made.search(), made.families(&[0]));
-    let first = search.expand(&made.retuned()).unwrap();
-    assert!(search.pair_of_the_whole(&made.retuned(), &found, &first, &mut rivals).is_none());
+    let synthetic = halved(3.0);
+    let (search, found) = (synthetic.search(), synthetic.families(&[0]));
+    let first = search.expand(&synthetic.retuned()).unwrap();
+    assert!(search.pair_of_the_whole(&synthetic.retuned(), &found, &first, &mut rivals).is_none());
 }
 
 #[test]
 fn several_names_are_given_only_where_they_leave_little() {
     // A tenth of the gap is left: a single effect may have another formula, a pair is an imitation.
     let columns: [&[(usize, f64)]; 2] = [&[(3, 1.0)], &[(5, 1.0)]];
-    let one = Made::new(&[(3, 18.0), (9, 6.0)], &columns);
+    let one = Synthetic::new(&[(3, 18.0), (9, 6.0)], &columns);
     let found = one.search().run(one.retuned()).unwrap();
     assert_eq!(names(&found.last), [0]);
-    let two = Made::new(&[(3, 12.0), (5, 13.4), (9, 6.0)], &columns);
+    let two = Synthetic::new(&[(3, 12.0), (5, 13.4), (9, 6.0)], &columns);
     let found = two.search().run(two.retuned()).unwrap();
     assert!(found.last.picks.is_empty(), "{:?}", names(&found.last));
     // A sixteenth: named, unless another name leaves little more.
     let of = |rival: f64| {
         let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0)], &[(5, 1.0), (11, rival)]];
-        let made = Made::new(&[(3, 12.0), (5, 13.4), (9, 4.7)], &columns);
-        names(&made.search().run(made.retuned()).unwrap().last)
+        let synthetic = Synthetic::new(&[(3, 12.0), (5, 13.4), (9, 4.7)], &columns);
+        names(&synthetic.search().run(synthetic.retuned()).unwrap().last)
     };
     assert_eq!(of(0.5), [1, 0]);
     assert!(of(0.12).is_empty(), "{:?}", of(0.12));
@@ -200,26 +200,26 @@ fn several_names_are_given_only_where_they_leave_little() {
 
 /// Two tones of 100 powers of the noise each. A family whose first formula has half of the second tone and a
 /// little that is not there, and whose other one is the first tone alone, and a family with the second tone.
-fn two_formulas() -> Made {
+fn two_formulas() -> Synthetic {
     let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0), (5, 0.5), (7, 0.3)], &[(5, 1.0)], &[(3, 1.0)]];
-    let mut made = Made::new(&[(3, 10.0), (5, 10.0)], &columns);
-    let own = made.library.remove(2).formulas.remove(0);
-    made.library[0].formulas.push(own);
-    made
+    let mut synthetic = Synthetic::new(&[(3, 10.0), (5, 10.0)], &columns);
+    let own = synthetic.library.remove(2).formulas.remove(0);
+    synthetic.library[0].formulas.push(own);
+    synthetic
 }
 
 #[test]
 fn the_formula_that_was_best_alone_gives_way_to_the_one_that_is_best_beside_another_effect() {
-    let made = two_formulas();
-    let search = made.search();
-    assert_eq!(made.with(&[(0, 0)]).picks.len(), 1);
-    assert!(made.with(&[(0, 0)]).rank < made.with(&[(0, 1)]).rank, "it imitates both");
-    let found = search.run(made.retuned()).unwrap();
+    let synthetic = two_formulas();
+    let search = synthetic.search();
+    assert_eq!(synthetic.with(&[(0, 0)]).picks.len(), 1);
+    assert!(synthetic.with(&[(0, 0)]).rank < synthetic.with(&[(0, 1)]).rank, "it imitates both");
+    let found = search.run(synthetic.retuned()).unwrap();
     let mut picks = found.last.picks.clone();
     picks.sort_unstable();
     assert_eq!(picks, [(0, 1), (1, 0)]);
     // With the tones apart from each other nothing is better than what stands.
-    let right = made.with(&[(0, 1), (1, 0)]);
+    let right = synthetic.with(&[(0, 1), (1, 0)]);
     assert!(search.with_another_formula(&right, 0).unwrap().is_none());
     assert!(search.with_another_formula(&right, 1).unwrap().is_none(), "it has one formula");
 }
@@ -229,9 +229,9 @@ fn of_a_large_gap_a_pair_of_the_last_resort_may_leave_more_than_the_noise() {
     // Imitated by half, as above, at 1000 powers each, with 4 of something else.
     let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0), (5, 1.0), (7, 1.3)], &[(3, 1.0)], &[(5, 1.0)]];
     for (more, is_taken) in [(2.0, true), (3.0, false)] {
-        let made = Made::new(&[(3, 32.0), (5, 32.0), (9, more)], &columns);
-        let (search, found) = (made.search(), made.families(&[0]));
-        let base = made.retuned();
+        let synthetic = Synthetic::new(&[(3, 32.0), (5, 32.0), (9, more)], &columns);
+        let (search, found) = (synthetic.search(), synthetic.families(&[0]));
+        let base = synthetic.retuned();
         let first = search.expand(&base).unwrap();
         let pair = search.pair_of_the_whole(&base, &found, &first, &mut marked(1));
         assert_eq!(pair.is_some(), is_taken, "{more}");
@@ -242,8 +242,8 @@ fn of_a_large_gap_a_pair_of_the_last_resort_may_leave_more_than_the_noise() {
 fn of_several_effects_one_that_is_more_likely_a_repair_is_not_named() {
     let of = |third: f64| {
         let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]];
-        let made = Made::new(&[(3, 20.0), (5, 15.0), (7, third), (9, 0.4)], &columns);
-        let found = made.search().run(made.retuned()).unwrap();
+        let synthetic = Synthetic::new(&[(3, 20.0), (5, 15.0), (7, third), (9, 0.4)], &columns);
+        let found = synthetic.search().run(synthetic.retuned()).unwrap();
         assert_eq!(found.alone.len(), found.last.picks.len());
         assert_eq!(found.rivals.len(), found.last.picks.len());
         names(&found.last)
@@ -255,31 +255,36 @@ fn of_several_effects_one_that_is_more_likely_a_repair_is_not_named() {
 
 #[test]
 fn a_pair_is_found_behind_what_imitates_both() {
-    let mut made = imitated();
-    let found = made.search().run(made.retuned()).unwrap();
+    let mut synthetic = imitated();
+    let found = synthetic.search().run(synthetic.retuned()).unwrap();
     assert_eq!(listed(&found.first)[0], 0, "the imitation is the best single one");
     let mut pair = names(&found.last);
     pair.sort_unstable();
     assert_eq!(pair, [1, 2]);
     assert_eq!(found.rivals.len(), 2);
     // Where a single one is asked for, no pair is looked for.
-    made.max_effects = 1;
-    let found = made.search().run(made.retuned()).unwrap();
+    synthetic.max_effects = 1;
+    let found = synthetic.search().run(synthetic.retuned()).unwrap();
     assert!(found.last.picks.len() < 2 && found.rivals.len() == 1);
 }
 
 /// What takes the place of the imitation, which takes this part of the gap on rows that are held out and
 /// leaves so many powers of the noise on all; `others` are the single effects beside it.
-fn beside(made: &Made, power: f64, leaves: f64, others: &[Candidate]) -> (Vec<usize>, usize) {
-    let base = made.retuned();
-    let mut single = made.families(&[0]);
+fn beside(
+    synthetic: &Synthetic,
+    power: f64,
+    leaves: f64,
+    others: &[Candidate],
+) -> (Vec<usize>, usize) {
+    let base = synthetic.retuned();
+    let mut single = synthetic.families(&[0]);
     let gap = base.judged.held_out - 1.0;
     single.judged.held_out = 1.0 + gap * (1.0 - power);
     single.judged.training = 2.0 + 2.0 * leaves - single.judged.held_out;
     let first: Vec<Looked> =
         [vec![entry(single.clone())], others.iter().cloned().map(entry).collect()].concat();
     let mut rivals = vec![first.clone()];
-    let best = made.search().pair_beside_rivals(&base, single, &first, &mut rivals);
+    let best = synthetic.search().pair_beside_rivals(&base, single, &first, &mut rivals);
     if rivals.len() == 2 {
         assert_eq!(listed(&rivals[0]), listed(&first));
         assert_eq!(listed(&rivals[1])[0], best.picks[1].0);
@@ -289,43 +294,46 @@ fn beside(made: &Made, power: f64, leaves: f64, others: &[Candidate]) -> (Vec<us
 
 #[test]
 fn only_what_leaves_little_can_imitate_a_pair() {
-    let made = imitated();
-    let first = made.families(&[1]);
-    assert_eq!(beside(&made, 0.82, 18.0, std::slice::from_ref(&first)), (vec![1, 2], 2));
-    assert_eq!(beside(&made, 0.78, 18.0, &[first]), (vec![0], 1));
+    let synthetic = imitated();
+    let first = synthetic.families(&[1]);
+    assert_eq!(beside(&synthetic, 0.82, 18.0, std::slice::from_ref(&first)), (vec![1, 2], 2));
+    assert_eq!(beside(&synthetic, 0.78, 18.0, &[first]), (vec![0], 1));
     // Nor is the imitation itself a member, nor what is no better with anything else.
-    assert_eq!(beside(&made, 0.9, 18.0, &[]), (vec![0], 1));
-    assert_eq!(beside(&made, 0.9, 18.0, &[made.families(&[3])]), (vec![0], 1));
+    assert_eq!(beside(&synthetic, 0.9, 18.0, &[]), (vec![0], 1));
+    assert_eq!(beside(&synthetic, 0.9, 18.0, &[synthetic.families(&[3])]), (vec![0], 1));
 }
 
 #[test]
 fn a_pair_begins_with_what_leaves_at_most_three_times_as_much() {
-    let made = imitated();
-    let first = made.families(&[1]);
+    let synthetic = imitated();
+    let first = synthetic.families(&[1]);
     let leaves = left(&first);
     close(leaves, 29.0, 2.0);
-    assert_eq!(beside(&made, 0.9, leaves / 2.8, std::slice::from_ref(&first)).0, [1, 2]);
-    assert_eq!(beside(&made, 0.9, leaves / 3.2, &[first]).0, [0]);
+    assert_eq!(beside(&synthetic, 0.9, leaves / 2.8, std::slice::from_ref(&first)).0, [1, 2]);
+    assert_eq!(beside(&synthetic, 0.9, leaves / 3.2, &[first]).0, [0]);
 }
 
 #[test]
 fn the_best_pair_is_taken_in_whatever_order_they_come() {
-    let made = imitated();
-    let (first, near) = (made.families(&[1]), made.families(&[4]));
-    assert_eq!(beside(&made, 0.85, 18.0, &[first.clone(), near.clone()]).0, [1, 2]);
-    assert_eq!(beside(&made, 0.85, 18.0, &[near.clone(), first]).0, [1, 2]);
-    assert_eq!(beside(&made, 0.85, 18.0, &[near]).0, [4, 2]);
+    let synthetic = imitated();
+    let (first, near) = (synthetic.families(&[1]), synthetic.families(&[4]));
+    assert_eq!(beside(&synthetic, 0.85, 18.0, &[first.clone(), near.clone()]).0, [1, 2]);
+    assert_eq!(beside(&synthetic, 0.85, 18.0, &[near.clone(), first]).0, [1, 2]);
+    assert_eq!(beside(&synthetic, 0.85, 18.0, &[near]).0, [4, 2]);
 }
 
 #[test]
 fn a_pair_that_is_not_worth_a_second_effect_leaves_the_single_one() {
     // With a third tone, which neither has.
-    let made = Made { data: Made::new(&[(3, 8.4), (5, 5.4), (13, 2.0)], &[]).data, ..imitated() };
-    let (base, mut single) = (made.retuned(), made.families(&[0]));
-    let first = vec![entry(single.clone()), entry(made.families(&[1]))];
+    let synthetic = Synthetic {
+        data: Synthetic::new(&[(3, 8.4), (5, 5.4), (13, 2.0)], &[]).data,
+        ..imitated()
+    };
+    let (base, mut single) = (synthetic.retuned(), synthetic.families(&[0]));
+    let first = vec![entry(single.clone()), entry(synthetic.families(&[1]))];
     // The blocks do not agree that the pair is better.
     single.judged.blocks.fill(1.0);
-    let search = made.search();
+    let search = synthetic.search();
     let mut rivals = vec![first.clone()];
     let best = search.pair_beside_rivals(&base, single, &first, &mut rivals);
     assert_eq!((names(&best), rivals.len()), (vec![0], 1));
@@ -333,9 +341,9 @@ fn a_pair_that_is_not_worth_a_second_effect_leaves_the_single_one() {
 
 #[test]
 fn a_member_that_is_better_replaced_is() {
-    let made = imitated();
+    let synthetic = imitated();
     let mut rivals = marked(2);
-    let best = made.search().reconsider(made.families(&[0, 1]), &mut rivals);
+    let best = synthetic.search().reconsider(synthetic.families(&[0, 1]), &mut rivals);
     assert_eq!(names(&best), [1, 2]);
     // Each list is of its slot and given the member that stands.
     assert_eq!((listed(&rivals[0])[0], listed(&rivals[1])[0]), (1, 2));
@@ -345,9 +353,9 @@ fn a_member_that_is_better_replaced_is() {
 
 #[test]
 fn a_last_member_that_is_replaced_has_the_others_looked_at_again() {
-    let made = three();
+    let synthetic = three();
     let mut rivals = marked(3);
-    let best = made.search().reconsider(made.families(&[0, 1, 5]), &mut rivals);
+    let best = synthetic.search().reconsider(synthetic.families(&[0, 1, 5]), &mut rivals);
     assert_eq!(names(&best), [0, 1, 2]);
     for slot in [0, 1] {
         let given = rivals[slot].iter().filter_map(|l| l.best.as_ref());
@@ -358,11 +366,11 @@ fn a_last_member_that_is_replaced_has_the_others_looked_at_again() {
 #[test]
 fn another_formula_of_the_last_member_is_taken() {
     let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(5, 1.0), (13, 0.3)], &[(5, 1.0)]];
-    let mut made = Made::new(&[(3, 10.0), (5, 8.0)], &columns);
-    let better = made.library.pop().unwrap().formulas;
-    made.library[1].formulas.extend(better);
+    let mut synthetic = Synthetic::new(&[(3, 10.0), (5, 8.0)], &columns);
+    let better = synthetic.library.pop().unwrap().formulas;
+    synthetic.library[1].formulas.extend(better);
     let mut rivals = marked(2);
-    let best = made.search().reconsider(made.families(&[0, 1]), &mut rivals);
+    let best = synthetic.search().reconsider(synthetic.families(&[0, 1]), &mut rivals);
     assert_eq!(best.picks, [(0, 0), (1, 1)]);
     // It is the same effect: the others are not looked at again.
     assert!(rivals[0].iter().filter_map(|l| l.best.as_ref()).all(|c| c.picks[0] == (1, 0)));
@@ -371,12 +379,12 @@ fn another_formula_of_the_last_member_is_taken() {
 
 #[test]
 fn a_set_stands_where_nothing_is_better_by_more_than_one_in_rank() {
-    let made = three();
-    let set = made.families(&[0, 1, 2]);
+    let synthetic = three();
+    let set = synthetic.families(&[0, 1, 2]);
     let reconsidered = |by: f64| {
         let set = Candidate { rank: set.rank + by, ..set.clone() };
         let mut rivals = marked(3);
-        let best = made.search().reconsider(set, &mut rivals);
+        let best = synthetic.search().reconsider(set, &mut rivals);
         assert_eq!(rivals.iter().map(|list| listed(list)[0]).collect::<Vec<_>>(), names(&best));
         names(&best)
     };
@@ -388,16 +396,17 @@ fn a_set_stands_where_nothing_is_better_by_more_than_one_in_rank() {
 
 #[test]
 fn two_members_are_exchanged_at_most() {
-    let made = three();
-    let best = made.search().reconsider(made.families(&[3, 4, 5]), &mut marked(3));
+    let synthetic = three();
+    let best = synthetic.search().reconsider(synthetic.families(&[3, 4, 5]), &mut marked(3));
     assert_eq!(names(&best), [5, 0, 1]);
 }
 
 #[test]
 fn what_goes_with_an_effect_is_what_comes_back_without_it() {
-    let made = Made::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
-    let (search, base) = (made.search(), made.retuned());
-    let alone = |families: &[usize]| search.alone(&base, &made.families(families));
+    let synthetic =
+        Synthetic::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
+    let (search, base) = (synthetic.search(), synthetic.retuned());
+    let alone = |families: &[usize]| search.alone(&base, &synthetic.families(families));
     assert!(alone(&[]).is_empty());
     let [first] = alone(&[0])[..] else { panic!("one") };
     close(first, 100.0 / 164.0, 0.03);
@@ -410,12 +419,14 @@ fn what_goes_with_an_effect_is_what_comes_back_without_it() {
 
 #[test]
 fn what_the_others_can_do_without_is_dropped() {
-    let made =
-        Made::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)], &[(9, 1.0)]]);
-    let (search, base) = (made.search(), made.retuned());
+    let synthetic = Synthetic::new(
+        &[(3, 10.0), (5, 8.0)],
+        &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)], &[(9, 1.0)]],
+    );
+    let (search, base) = (synthetic.search(), synthetic.retuned());
     let eliminated = |families: &[usize]| {
         let mut rivals = marked(families.len());
-        let best = search.eliminate(&base, made.families(families), &mut rivals);
+        let best = search.eliminate(&base, synthetic.families(families), &mut rivals);
         (names(&best), marks(&rivals))
     };
     assert_eq!(eliminated(&[0, 1]), (vec![0, 1], vec![0, 1]));
@@ -429,9 +440,9 @@ fn what_the_others_can_do_without_is_dropped() {
 #[test]
 fn what_is_small_and_alone_in_its_bands_is_not_dropped() {
     // 9 powers of the noise beside 900.
-    let made = Made::new(&[(3, 30.0), (15, 3.0)], &[&[(3, 1.0)], &[(15, 1.0)]]);
-    let (search, base) = (made.search(), made.retuned());
-    let pair = made.families(&[0, 1]);
+    let synthetic = Synthetic::new(&[(3, 30.0), (15, 3.0)], &[&[(3, 1.0)], &[(15, 1.0)]]);
+    let (search, base) = (synthetic.search(), synthetic.retuned());
+    let pair = synthetic.families(&[0, 1]);
     let alone = search.alone(&base, &pair);
     assert!(alone[1] < Thresholds::DROPPED, "{alone:?}");
     let best = search.eliminate(&base, pair, &mut marked(2));
@@ -442,8 +453,8 @@ fn what_is_small_and_alone_in_its_bands_is_not_dropped() {
 fn a_member_whose_name_is_unsure_is_left_out_and_the_rest_named() {
     // Three names have the second tone.
     let columns: [&[(usize, f64)]; 4] = [&[(5, 1.0)], &[(3, 1.0)], &[(5, 2.0)], &[(5, 3.0)]];
-    let made = Made::new(&[(3, 32.0), (5, 6.0)], &columns);
-    let found = made.search().run(made.retuned()).unwrap();
+    let synthetic = Synthetic::new(&[(3, 32.0), (5, 6.0)], &columns);
+    let found = synthetic.search().run(synthetic.retuned()).unwrap();
     assert_eq!(names(&found.last), [1]);
     close(found.last.judged.held_out, 37.0, 5.0);
     assert_eq!(found.rivals.len(), 1);

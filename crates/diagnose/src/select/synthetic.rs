@@ -44,7 +44,7 @@ const EFFECTS: [&Effect; 12] = [
 pub(super) type Tones<'a> = &'a [(usize, f64)];
 
 /// What a search needs.
-pub(super) struct Made {
+pub(super) struct Synthetic {
     pub(super) base: Base,
     pub(super) data: DataSet,
     pub(super) judge: Judge,
@@ -65,13 +65,13 @@ pub(super) fn adds(column: usize) -> Formula {
     Formula::new("column").block(Slot::Reading, block, vec![weight]).aux(column).start(&[0.0])
 }
 
-impl Made {
+impl Synthetic {
     /// A log of the command and these tones, in noise; one family for each of the columns.
     pub(super) fn new(truth: Tones<'_>, columns: &[Tones<'_>]) -> Self {
         Self::shown(truth, truth, columns)
     }
 
-    /// The same where the rows that are held out show other tones.
+    /// As `new`, where the rows that are held out show other tones.
     pub(super) fn shown(fitted: Tones<'_>, held_out: Tones<'_>, columns: &[Tones<'_>]) -> Self {
         let mut random = Random::new(3);
         let mut noise = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;

@@ -24,7 +24,7 @@ const NOTHING: f64 = 1e-9;
 
 /// A filter, and what a lead adds.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Undone {
+pub(crate) struct InverseFilter {
     /// With the gain 1 at rest.
     pub(crate) filter: Arx,
     /// In s.
@@ -33,7 +33,7 @@ pub(crate) struct Undone {
     pub(crate) inertia: f64,
 }
 
-impl Undone {
+impl InverseFilter {
     /// Undoes a stable linear part whose gain at rest is not 0.
     pub(crate) fn of(linear: &Arx, period: f64) -> Self {
         let greatest = linear.b.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
@@ -46,9 +46,9 @@ impl Undone {
             let size = z.norm();
             size < RINGING || size < ON_CIRCLE && z.re > 0.0
         };
-        let (undone, left): (Vec<_>, Vec<_>) = zeros.into_iter().partition(may_be_undone);
+        let (cancelled, left): (Vec<_>, Vec<_>) = zeros.into_iter().partition(may_be_undone);
         let mut a = vec![Complex::new(1.0, 0.0)];
-        for zero in undone {
+        for zero in cancelled {
             a.push(Complex::new(0.0, 0.0));
             for k in (1..a.len()).rev() {
                 let before = a[k - 1];
@@ -93,19 +93,19 @@ mod tests {
     }
 
     /// The lead as the component `reference-lead` computes it.
-    fn lead(undone: &Undone, x: &[f64]) -> Vec<f64> {
+    fn lead(cancelled: &InverseFilter, x: &[f64]) -> Vec<f64> {
         let at = |k: usize, back: usize| x[k.saturating_sub(back)];
         let one = |k: usize| (3.0 * at(k, 0) - 4.0 * at(k, 1) + at(k, 2)) / (2.0 * PERIOD);
         let two = |k: usize| (at(k, 0) - 2.0 * at(k, 1) + at(k, 2)) / (PERIOD * PERIOD);
-        (0..x.len()).map(|k| x[k] + undone.lag * one(k) + undone.inertia * two(k)).collect()
+        (0..x.len()).map(|k| x[k] + cancelled.lag * one(k) + cancelled.inertia * two(k)).collect()
     }
 
     fn error(linear: &Arx, frequency: f64) -> f64 {
-        let undone = Undone::of(linear, PERIOD);
-        assert!(undone.filter.is_stable());
+        let cancelled = InverseFilter::of(linear, PERIOD);
+        assert!(cancelled.filter.is_stable());
         let wanted = sine(frequency);
         let gain = linear.gain();
-        let asked = undone.filter.simulate(&lead(&undone, &wanted), 0.0);
+        let asked = cancelled.filter.simulate(&lead(&cancelled, &wanted), 0.0);
         let got = linear.simulate(&asked, 0.0);
         let late = 2000..4000;
         late.map(|k| (got[k] / gain - wanted[k]).abs()).fold(0.0, f64::max)
@@ -116,16 +116,19 @@ mod tests {
         let creep = Arx { b: vec![1.02, -1.0198], a: vec![-0.9998] };
         let linear = Arx::lag(20.0, PERIOD).then(&creep);
         assert!(error(&linear, 40.0) < 1e-6);
-        assert!(Undone::of(&linear, PERIOD).lag == 0.0);
+        assert!(InverseFilter::of(&linear, PERIOD).lag == 0.0);
     }
 
     #[test]
     fn delay_and_zeros_beyond_the_circle_are_made_up_for() {
         let late = Arx { b: vec![0.0, 0.3, 0.6], a: vec![-0.1] };
-        let undone = Undone::of(&late, PERIOD);
-        assert!(undone.filters() && (undone.lag / PERIOD - 5.0 / 3.0).abs() < 1e-12, "{undone:?}");
+        let cancelled = InverseFilter::of(&late, PERIOD);
+        assert!(
+            cancelled.filters() && (cancelled.lag / PERIOD - 5.0 / 3.0).abs() < 1e-12,
+            "{cancelled:?}"
+        );
         let plain = Arx { b: vec![1.0], a: Vec::new() };
-        assert!(!Undone::of(&plain, PERIOD).filters());
+        assert!(!InverseFilter::of(&plain, PERIOD).filters());
         // 1.7 samples at 10 Hz turn by 0.1.
         assert!(error(&late, 10.0) < 0.01, "{}", error(&late, 10.0));
     }
