@@ -9,9 +9,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Package, library name, and the variable that overrides and passes on its path.
-const LIBRARIES: [(&str, &str, &str); 3] = [
-    ("piezoloop-fmu-plant", "piezoloop_plant", "PIEZOLOOP_PLANT_LIBRARY"),
-    ("piezoloop-fmu-controller", "piezoloop_controller", "PIEZOLOOP_CONTROLLER_LIBRARY"),
+const LIBRARIES: [(&str, &str, &str); 2] = [
+    ("piezoloop-fmu-blueprint", "piezoloop_blueprint", "PIEZOLOOP_BLUEPRINT_LIBRARY"),
     ("piezoloop-fmu-wrap", "piezoloop_wrap", "PIEZOLOOP_WRAP_LIBRARY"),
 ];
 

@@ -6,13 +6,9 @@ pub(crate) struct Library {
     pub(crate) bytes: &'static [u8],
 }
 
-/// The plant FMU's library.
-pub(crate) const PLANT: Library =
-    Library { bytes: include_bytes!(env!("PIEZOLOOP_PLANT_LIBRARY")) };
-
-/// The controller FMU's library.
-pub(crate) const CONTROLLER: Library =
-    Library { bytes: include_bytes!(env!("PIEZOLOOP_CONTROLLER_LIBRARY")) };
+/// The library of every packed blueprint, plant or controller.
+pub(crate) const BLUEPRINT: Library =
+    Library { bytes: include_bytes!(env!("PIEZOLOOP_BLUEPRINT_LIBRARY")) };
 
 /// The repaired FMU's library.
 pub(crate) const WRAP: Library = Library { bytes: include_bytes!(env!("PIEZOLOOP_WRAP_LIBRARY")) };

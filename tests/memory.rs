@@ -11,7 +11,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const BOTH: [(&str, &str); 2] = [(PLANT, "plant"), (CONTROLLER, "controller")];
+const BOTH: [&str; 2] = [PLANT, CONTROLLER];
 
 /// What is run in each version: random calls of all functions in every state, and lives with saved,
 /// serialised and restored states, an error, a reset, the end. `run` gets the host and its
@@ -48,7 +48,7 @@ fn valgrind_finds_no_wrong_access_and_no_leak() {
     println!("seed {}", seed());
     for (version, sources) in SOURCES {
         let hosts = sources.map(Host::new);
-        for (blueprint, _) in BOTH {
+        for blueprint in BOTH {
             let fmu = Packed::new(blueprint, version);
             lives(&fmu, version, "60", &hosts, Host::run_under_valgrind);
         }
@@ -64,7 +64,7 @@ fn valgrind_finds_no_race_between_instances() {
         return;
     }
     let host = Host::new("life.c");
-    for (blueprint, _) in BOTH {
+    for blueprint in BOTH {
         let fmu = Packed::new(blueprint, "2");
         let arguments = with(fmu.arguments(), &["threads"]);
         for tool in ["helgrind", "drd"] {
@@ -84,7 +84,7 @@ fn checked_libraries() -> Option<PathBuf> {
     let triple = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
     let mut cargo = Command::new(env!("CARGO"));
     cargo.args(["build", "--quiet", "--locked", "--target", &triple]).current_dir(root());
-    cargo.args(["-p", "piezoloop-fmu-plant", "-p", "piezoloop-fmu-controller"]);
+    cargo.args(["-p", "piezoloop-fmu-blueprint"]);
     for inherited in ["RUSTC_WRAPPER", "RUSTC_WORKSPACE_WRAPPER", "CARGO_ENCODED_RUSTFLAGS"] {
         cargo.env_remove(inherited);
     }
@@ -107,9 +107,9 @@ fn the_address_sanitizer_finds_no_wrong_access_and_no_leak() {
     println!("seed {}", seed());
     for (version, sources) in SOURCES {
         let hosts = sources.map(|source| Host::sanitized(source).expect("as the first"));
-        for (blueprint, kind) in BOTH {
+        for blueprint in BOTH {
             let fmu = Packed::new(blueprint, version);
-            fmu.exchange_library(&libraries.join(format!("libpiezoloop_{kind}.so")));
+            fmu.exchange_library(&libraries.join("libpiezoloop_blueprint.so"));
             lives(&fmu, version, "300", &hosts, Host::run);
             if version == "2" {
                 let host = Host::sanitized("life.c").expect("as the first");

@@ -11,6 +11,7 @@ use data::WholeFile;
 use diagnose::{
     Diagnosis, Discrepancy, Files, Gap, Model, Noise, Observer, Request, Tolerance, Verdict,
 };
+use fmi_bindings::export::Library;
 use indicatif::ProgressBar;
 use modeldescription::package::Platform;
 use modeldescription::{FmiVersion, Package};
@@ -272,7 +273,7 @@ impl Diagnose {
             identified.text.blueprint.write(file)?;
             written.push(file.clone());
         }
-        let libraries = self.libraries(&source)?;
+        let libraries = self.libraries()?;
         let request = self.request(&source)?;
         let unmatched = check_tolerances(&request)?;
         let mut bar = Bar(progress::bar(screen, "diagnose", 1));
@@ -466,13 +467,10 @@ impl Diagnose {
     }
 
     /// The libraries of other platforms, where they were given.
-    fn libraries(&self, source: &Source) -> anyhow::Result<Vec<Binary>> {
+    fn libraries(&self) -> anyhow::Result<Vec<Binary>> {
         let Some(folder) = &self.libraries else { return Ok(Vec::new()) };
-        let kind = match self.is_fmu() {
-            true => "wrap",
-            false => pack::kind_of(&source.blueprint()?.blueprint),
-        };
-        let mut all = pack::binaries_in(folder, kind)?;
+        let library = if self.is_fmu() { Library::Wrap } else { Library::Blueprint };
+        let mut all = pack::binaries_in(folder, library)?;
         all.retain(|binary| Some(binary.platform) != Platform::from_name(libraries::PLATFORM));
         Ok(all)
     }
@@ -489,7 +487,7 @@ impl Diagnose {
             .extend(others.iter().map(|b| (b.platform.folder(FmiVersion::V3), b.bytes.as_slice())));
         let names = self.options.names()?;
         let mut repaired = diagnosis.repair_fmu(model, &names, &carried)?;
-        others.iter().try_for_each(|binary| binary.check_platform(&repaired.description))?;
+        others.iter().try_for_each(|binary| binary.check(Library::Wrap, &repaired.description))?;
         let original = modeldescription::Package::open(model)?;
         wrapped::finish(&mut repaired, &original, file, self.isolation.worker()?.as_ref())?;
         Ok(repaired.notes)

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use fmi_bindings::export::Library;
 use modeldescription::describe::{About, describe};
 use modeldescription::description::{CoSimulation, Interface};
 use modeldescription::package::{PackageBuilder, Platform};
@@ -21,7 +22,7 @@ use crate::{documentation, fmus, inputs, libraries, ports};
 /// The tool contains the shared library of the FMU; no compiler is needed.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_plant.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu\n  piezoloop pack p1 --fmi 3 --ports mechanical,electrical --port-value 'capacitance=2.1 uF' -o p1.fmu\n  piezoloop pack evc --sources=only -o evc.fmu\n  piezoloop pack evc --fmi 3 --wasm -o evc.fmu"
+    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_blueprint.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu\n  piezoloop pack p1 --fmi 3 --ports mechanical,electrical --port-value 'capacitance=2.1 uF' -o p1.fmu\n  piezoloop pack evc --sources=only -o evc.fmu\n  piezoloop pack evc --fmi 3 --wasm -o evc.fmu"
 )]
 pub(crate) struct Pack {
     /// A blueprint file, or the name of a rig
@@ -170,7 +171,7 @@ impl Pack {
         let mut binaries: Vec<_> =
             self.binaries.iter().map(|text| Binary::read(text)).collect::<Result<_, _>>()?;
         if let Some(folder) = &self.libraries {
-            for binary in binaries_in(folder, kind_of(&source.blueprint))? {
+            for binary in binaries_in(folder, Library::Blueprint)? {
                 if !binaries.iter().any(|given: &Binary| given.platform == binary.platform) {
                     binaries.push(binary);
                 }
@@ -266,11 +267,9 @@ fn assemble(
     let with_sources = portable.sources.is_some();
     let checked = source.blueprint.check(learned::COMPONENTS)?;
     let system = checked.build();
-    let (library, kind, icon): (_, _, &[u8]) = match system.kind() {
-        model::Kind::Plant => (&libraries::PLANT, "plant", include_bytes!("../icons/plant.png")),
-        model::Kind::Controller => {
-            (&libraries::CONTROLLER, "controller", include_bytes!("../icons/controller.png"))
-        }
+    let (kind, icon): (_, &[u8]) = match system.kind() {
+        model::Kind::Plant => ("plant", include_bytes!("../icons/plant.png")),
+        model::Kind::Controller => ("controller", include_bytes!("../icons/controller.png")),
     };
     let mut co_simulation = co_simulation(&system);
     if with_sources {
@@ -290,11 +289,11 @@ fn assemble(
     let carried = Platform::from_name(libraries::PLATFORM);
     if !given.iter().any(|binary| Some(binary.platform) == carried) {
         let folder = carried.map_or(libraries::PLATFORM, |platform| platform.folder(version));
-        package.binary(folder, library.bytes.to_vec())?;
+        package.binary(folder, libraries::BLUEPRINT.bytes.to_vec())?;
         platforms.push(folder.to_owned());
     }
     for binary in given {
-        binary.check(kind, &description)?;
+        binary.check(Library::Blueprint, &description)?;
         let folder = binary.platform.folder(version);
         package
             .binary(folder, binary.bytes.clone())
@@ -434,21 +433,13 @@ fn co_simulation(system: &model::System) -> CoSimulation {
     }
 }
 
-/// Which of the shared libraries a blueprint needs.
-pub(crate) fn kind_of(blueprint: &data::Blueprint) -> &'static str {
-    match blueprint.kind {
-        model::Kind::Plant => "plant",
-        model::Kind::Controller => "controller",
-    }
+/// This library for all platforms in a folder.
+pub(crate) fn binaries_in(folder: &Path, library: Library) -> anyhow::Result<Vec<Binary>> {
+    binary_texts_in(folder, library)?.iter().map(|text| Binary::read(text)).collect()
 }
 
-/// The libraries of one kind in a folder.
-pub(crate) fn binaries_in(folder: &Path, kind: &str) -> anyhow::Result<Vec<Binary>> {
-    libraries_of(folder, kind)?.iter().map(|text| Binary::read(text)).collect()
-}
-
-/// The libraries of one kind in a folder, as `PLATFORM=FILE`.
-fn libraries_of(folder: &Path, kind: &str) -> anyhow::Result<Vec<String>> {
+/// This library for all platforms in a folder, as `PLATFORM=FILE`.
+fn binary_texts_in(folder: &Path, library: Library) -> anyhow::Result<Vec<String>> {
     let entries = |folder: &Path| -> anyhow::Result<Vec<PathBuf>> {
         let read = std::fs::read_dir(folder)
             .with_context(|| format!("--libraries {}: no such folder", folder.display()))?;
@@ -456,7 +447,7 @@ fn libraries_of(folder: &Path, kind: &str) -> anyhow::Result<Vec<String>> {
         paths.sort();
         Ok(paths)
     };
-    let stem = format!("piezoloop_{kind}.");
+    let stem = library.stem();
     let mut found = Vec::new();
     for platform in entries(folder)?.iter().filter(|path| path.is_dir()) {
         let name = platform.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -465,15 +456,15 @@ fn libraries_of(folder: &Path, kind: &str) -> anyhow::Result<Vec<String>> {
         }
         let is_wanted = |path: &&PathBuf| {
             let file = path.file_name().unwrap_or_default().to_string_lossy();
-            file.strip_prefix("lib").unwrap_or(&file).starts_with(&stem)
+            file.strip_prefix("lib").unwrap_or(&file).split('.').next() == Some(stem)
         };
         let files = entries(platform)?;
         found.extend(files.iter().find(is_wanted).map(|file| format!("{name}={}", file.display())));
     }
     if found.is_empty() {
         bail!(
-            "--libraries {}: no library piezoloop_{kind} lies in a folder of a platform there, such as \
-             linux64/libpiezoloop_{kind}.so; dev/tools/portable makes such a folder",
+            "--libraries {}: no library {stem} lies in a folder of a platform there, such as \
+             linux64/lib{stem}.so; dev/tools/portable makes such a folder",
             folder.display()
         );
     }
@@ -492,7 +483,7 @@ impl Binary {
     /// Reads `PLATFORM=FILE`.
     fn read(text: &str) -> anyhow::Result<Self> {
         let Some((name, file)) = text.split_once('=') else {
-            bail!("--binary {text}: write PLATFORM=FILE, as in win64=piezoloop_plant.dll");
+            bail!("--binary {text}: write PLATFORM=FILE, as in win64=piezoloop_blueprint.dll");
         };
         let Some(platform) = Platform::from_name(name) else {
             bail!(
@@ -506,32 +497,24 @@ impl Binary {
         Ok(Self { text: text.to_owned(), platform, bytes })
     }
 
-    /// Whether it is a library for the platform that was said.
-    pub(crate) fn check_platform(&self, description: &ModelDescription) -> anyhow::Result<()> {
-        match check_library(&self.bytes, self.platform, description).first() {
-            Some(fault) => bail!("--binary {}: {fault}", self.text),
-            None => Ok(()),
+    /// Whether it is this library of this tool, for the platform that was given.
+    pub(crate) fn check(
+        &self,
+        wanted: Library,
+        description: &ModelDescription,
+    ) -> anyhow::Result<()> {
+        if let Some(fault) = check_library(&self.bytes, self.platform, description).first() {
+            bail!("--binary {}: {fault}", self.text);
         }
-    }
-
-    /// Whether it is this tool's library of the kind that the FMU needs, for the platform that was
-    /// said.
-    fn check(&self, kind: &str, description: &ModelDescription) -> anyhow::Result<()> {
-        self.check_platform(description)?;
-        // Each library carries this sentence, which it says when it finds the other's blueprint.
-        let holds = |kind: &str| {
-            let sentence = format!("this is the binary of a {kind}");
-            self.bytes.windows(sentence.len()).any(|part| part == sentence.as_bytes())
-        };
-        if holds(kind) {
+        let found = Library::of(&self.bytes);
+        if found == Some(wanted) {
             return Ok(());
         }
-        let what = ["plant", "controller"].into_iter().find(|other| holds(other));
         bail!(
-            "--binary {}: the file is {}; a {kind} needs piezoloop_{kind}, built from the sources of \
-             this tool",
+            "--binary {}: the file is {}; this FMU needs {}, built from the sources of this tool",
             self.text,
-            what.map_or("no library of Piezoloop".to_owned(), |what| format!("that of a {what}"))
+            found.map_or("no library of Piezoloop", Library::stem),
+            wanted.stem()
         )
     }
 }

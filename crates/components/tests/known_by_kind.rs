@@ -65,7 +65,7 @@ fn decides(line: &str, kind: &str) -> bool {
 #[test]
 fn nobody_outside_decides_by_the_name_of_a_kind() {
     let mut files = Vec::new();
-    for folder in ["crates", "src", "fmu-plant", "fmu-controller", "fmu-wrap", "modeldescription"] {
+    for folder in ["crates", "src", "fmu-blueprint", "fmu-wrap", "modeldescription"] {
         sources(&root().join(folder), &mut files);
     }
     files.retain(|f| !f.starts_with(root().join("crates/components")));

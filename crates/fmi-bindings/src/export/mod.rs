@@ -21,6 +21,8 @@ mod guard;
 #[cfg(target_family = "wasm")]
 mod host;
 mod instance;
+#[cfg(not(target_family = "wasm"))]
+mod library;
 mod log;
 mod old_glibc;
 mod phase;
@@ -39,6 +41,8 @@ use model::System;
 
 pub use guard::install_panic_hook;
 pub use instance::Instance;
+#[cfg(not(target_family = "wasm"))]
+pub use library::Library;
 pub use phase::{Phase, Rule};
 
 /// Makes the model of a new instance from the folder of the FMU's resources.

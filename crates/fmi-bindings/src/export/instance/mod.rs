@@ -100,6 +100,8 @@ impl Instance {
             Some(name) if !name.to_bytes().trim_ascii().is_empty() => name.into(),
             _ => return Err(Notice::error("the instance name is empty; give each instance one")),
         };
+        #[cfg(not(target_family = "wasm"))]
+        super::Library::Blueprint.carry();
         let folder = resources::find(request.location, BLUEPRINT).map_err(Notice::error)?;
         let system = factory(&folder).map_err(Notice::error)?;
         let fingerprint = system.variables().fingerprint();

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
 use surround::{Repair, Surround};
 
+use crate::export::Library;
 use crate::export::guard::Notice;
 use crate::export::resources::{self, Location};
 
@@ -26,6 +27,7 @@ impl Files {
         version: &str,
         token: Option<&CStr>,
     ) -> Result<Self, Notice> {
+        Library::Wrap.carry();
         let resources = resources::find(location, surround::FILE).map_err(Notice::error)?;
         let resources = std::path::absolute(&resources).unwrap_or(resources);
         let repair = Repair::read(&resources).map_err(|e| Notice::error(e.to_string()))?;
