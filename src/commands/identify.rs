@@ -1,13 +1,14 @@
 //! `piezoloop identify`: measured log → plant blueprint.
 
+mod axes;
 mod candidates;
+mod text;
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use data::{AxisBlueprint, Blueprint, CheckedBlueprint, Log, SignalBlueprint};
+use data::CheckedBlueprint;
 use identify::learned::{Seek, Selection};
 use identify::{
     Dynamics, FeatureChoice, Identification, Learning, Methods, Observer, Record, Search, Settings,
@@ -15,7 +16,9 @@ use identify::{
 };
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
+use self::axes::{axis, join, unit};
+pub(crate) use self::axes::{identifier, short_name, usual_unit};
+use crate::answer::Screen;
 use crate::inputs::{self, LogOptions};
 use crate::pages::{self, PageOptions};
 use crate::{interrupt, progress, ranges};
@@ -473,179 +476,4 @@ struct Task {
     command_unit: String,
     /// Run-in in s.
     drop: f64,
-}
-
-/// A name that every tool takes: letters, digits and `_`, a letter first.
-pub(crate) fn identifier(text: &str) -> String {
-    let mut name: String =
-        text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-    // `position[1]` is position_1.
-    name.truncate(name.trim_end_matches('_').len());
-    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
-        name.insert_str(0, "model_");
-    }
-    name
-}
-
-/// The unit of a column: the log's own, else the usual one, which is noted.
-fn unit(
-    logs: &[Log],
-    column: &str,
-    usual: &str,
-    notes: &mut Vec<String>,
-) -> anyhow::Result<String> {
-    let mut found: Option<String> = None;
-    for log in logs {
-        let Some(unit) = &log.require(column)?.unit else { continue };
-        found.get_or_insert_with(|| unit.text.clone());
-    }
-    Ok(found.unwrap_or_else(|| usual_unit(column, usual, notes)))
-}
-
-/// The usual unit for a column that has none, which is noted.
-pub(crate) fn usual_unit(column: &str, usual: &str, notes: &mut Vec<String>) -> String {
-    notes.push(format!(
-        "column {column} has no unit, taken as {usual}; say another with --unit {column}=UNIT"
-    ));
-    usual.to_owned()
-}
-
-/// The short name of axis `k`'s variable for a column: none for one that is named as the variable of the FMU will be,
-/// `command[1]`.
-pub(crate) fn short_name(column: &str, variable: &str, k: usize) -> String {
-    if column == format!("{variable}[{}]", k + 1) { String::new() } else { identifier(column) }
-}
-
-/// Axis `k` of columns with their units.
-fn axis(
-    k: usize,
-    (input, command_unit): (&str, &str),
-    (output, position_unit): (&str, &str),
-) -> AxisBlueprint {
-    let signal = |column: &str, variable: &str, unit: &str| {
-        SignalBlueprint::of_unit(unit).named(&short_name(column, variable, k))
-    };
-    AxisBlueprint {
-        command: signal(input, "command", command_unit),
-        position: signal(output, "position", position_unit),
-        ..AxisBlueprint::new(&identifier(output), command_unit, position_unit)
-    }
-}
-
-/// One blueprint with the axes of all.
-fn join(axes: &[AxisResult]) -> anyhow::Result<CheckedBlueprint> {
-    let first = axes.first().context("there is no axis; give --input and --output")?;
-    let period = |axis: &AxisResult| axis.identification.plant.spec().period;
-    // The finest step serves all: an axis that needs fewer steps in a sample of the log does not mind more.
-    let finest = axes.iter().min_by(|a, b| period(a).total_cmp(&period(b))).unwrap_or(first);
-    let mut complete: Blueprint = first.identification.plant.blueprint().clone();
-    complete.step.clone_from(&finest.identification.plant.blueprint().step);
-    for axis in axes {
-        let ratio = period(axis) / period(finest);
-        if (ratio - ratio.round()).abs() > 1e-9 * ratio {
-            bail!(
-                "axis {} was identified with the step {}, axis {} with {}: one plant has one step; \
-                 identify them from logs of one sample rate",
-                finest.name,
-                step(finest),
-                axis.name,
-                step(axis)
-            );
-        }
-    }
-    for axis in &axes[1..] {
-        let other = axis.identification.plant.blueprint();
-        complete.axes.extend(other.axes.iter().cloned());
-        complete.tables.extend(other.tables.clone());
-    }
-    Ok(complete.check(learned::COMPONENTS)?)
-}
-
-/// Internal step of an axis' plant, as text.
-fn step(axis: &AxisResult) -> String {
-    format!("{} s", axis.identification.plant.spec().period)
-}
-
-impl Answer for Identified {
-    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        for note in &self.notes {
-            writeln!(out, "note: {note}")?;
-        }
-        for axis in &self.axes {
-            let id = &axis.identification;
-            writeln!(out, "axis {}", axis.name)?;
-            writeln!(
-                out,
-                "  {:48} {:>9} {:>9} {:>7}  verdict",
-                "structure tried", "fitted", "held out", "numbers"
-            )?;
-            for candidate in &id.candidates {
-                let percent = |part: Option<f64>| {
-                    part.map_or_else(|| "failed".to_owned(), |e| format!("{:.3} %", 100.0 * e))
-                };
-                let mark = if candidate.accepted { "selected: " } else { "" };
-                writeln!(
-                    out,
-                    "  {:48} {:>9} {:>9} {:>7}  {mark}{}",
-                    candidate.structure,
-                    percent(candidate.fitted_nrmse),
-                    percent(candidate.held_out_nrmse),
-                    candidate.parameters,
-                    candidate.reason
-                )?;
-            }
-            for candidate in &id.candidates {
-                let Some(predicted) = &candidate.predicted else { continue };
-                let output = match &predicted.output {
-                    Some(output) => format!(
-                        "; the plant's output deviation runs on {} of the samples and differs from it by at most {:.2} %",
-                        output.centres,
-                        100.0 * output.apart
-                    ),
-                    None => "; --deviation makes it an output of the plant".to_owned(),
-                };
-                writeln!(
-                    out,
-                    "  {}: its own standard deviation on {} rows held out: median {:.5} {u}, at most {:.5} {u} (noise {:.5} {u}); {:.0} % of the errors \
-                     lie within 1.96 of it (95 % where it knows what it does not know){output}",
-                    candidate.structure,
-                    predicted.rows,
-                    predicted.median,
-                    predicted.greatest,
-                    predicted.noise,
-                    100.0 * predicted.within,
-                    u = id.unit
-                )?;
-            }
-            if id.stopped {
-                writeln!(out, "  stopped: the best of what was finished is taken")?;
-            }
-            for record in &id.records {
-                let (held, line) = (&record.held_out, &record.baseline_held_out);
-                writeln!(
-                    out,
-                    "  {}: held out {:.3} % of range (rmse {:.5} {u}, max {:.5} {u}, offset {:.4} {u}); a straight line {:.3} %",
-                    record.record,
-                    100.0 * held.nrmse,
-                    held.rmse,
-                    held.max,
-                    held.offset,
-                    100.0 * line.nrmse,
-                    u = id.unit
-                )?;
-            }
-            let open: Vec<_> = id.undetermined().map(|p| p.name.as_str()).collect();
-            if !open.is_empty() {
-                let some = open[..open.len().min(6)].join(", ");
-                let dots = if open.len() > 6 { ", …" } else { "" };
-                writeln!(
-                    out,
-                    "  {} of {} parameters are not determined one by one: {some}{dots} (--json lists all)",
-                    open.len(),
-                    id.parameters.len()
-                )?;
-            }
-        }
-        writeln!(out, "{}: written", self.blueprint.display())
-    }
 }

@@ -17,7 +17,6 @@ const STILL: &[(&str, usize)] = &[
     ("commands/invert.rs", 1),
     ("src/effects.rs", 1),
     ("control/p3.rs", 1),
-    ("control/p4.rs", 3),
     // An option of an instrument that a kind is named like.
     ("gateway/line.rs", 2),
     // The parts of the linear model that identify writes are read again.

@@ -1,15 +1,18 @@
 //! From the outcomes of all outputs to the answer.
 
+mod leftover;
+mod sensor;
+
 use std::collections::BTreeMap;
 
-use components::effects;
-
+use self::leftover::leftover;
+use self::sensor::{noisier, stepped};
 use crate::belief::{self, Sight};
 use crate::chain::{Chain, Parameter};
 use crate::experiment;
 use crate::gap::{
-    Discrepancy, Estimate, Gap, Leftover, NamedEffect, OutputGap, Partial, Provenance, Retuned,
-    SCHEMA, Shrink, Tried, Verdict,
+    Estimate, Gap, NamedEffect, OutputGap, Partial, Provenance, Retuned, SCHEMA, Shrink, Tried,
+    Verdict,
 };
 use crate::outcome::Outcome;
 use crate::place::Maps;
@@ -236,46 +239,6 @@ fn find(chain: &Chain, name: &str) -> Option<usize> {
     chain.parameters.iter().position(|p| p.is_base && p.name == name)
 }
 
-/// Noise beside the one that was stated, as an effect of the sensor.
-fn noisier(o: &Outcome) -> Option<NamedEffect> {
-    let factor = o.noise_ratio?;
-    let effect = &effects::SENSOR_NOISE;
-    let value = o.sigma / o.task.factor * (factor * factor - 1.0).max(0.0).sqrt();
-    let unit = o.task.unit.clone();
-    let beside = Estimate { value, std: None, unit };
-    Some(NamedEffect {
-        effect: effect.name.to_owned(),
-        output: o.task.output.clone(),
-        stage: effect.stage.name().to_owned(),
-        probability: Thresholds::SURE_OF_NOISE,
-        set: vec![effect.name.to_owned()],
-        group: None,
-        parameters: BTreeMap::from([(format!("{}.standard_deviation", effect.name), beside)]),
-        explained: 1.0,
-    })
-}
-
-/// The steps of the reading that its values show.
-fn stepped(o: &Outcome) -> Option<NamedEffect> {
-    let steps = o.task.steps?;
-    let effect = &effects::SENSOR_QUANTISATION;
-    let of = |value: f64, unit: &str| Estimate { value, std: None, unit: unit.to_owned() };
-    let parameters = BTreeMap::from([
-        (format!("{}.step", effect.name), of(steps.size / o.task.factor, &o.task.unit)),
-        (format!("{}.phase", effect.name), of(steps.phase, "1")),
-    ]);
-    Some(NamedEffect {
-        effect: effect.name.to_owned(),
-        output: o.task.output.clone(),
-        stage: effect.stage.name().to_owned(),
-        probability: Thresholds::SURE_OF_STEPS,
-        set: vec![effect.name.to_owned()],
-        group: None,
-        parameters,
-        explained: steps.share(&o.found.last, o.sigma),
-    })
-}
-
 fn named(o: &Outcome) -> Vec<NamedEffect> {
     let last = &o.found.last;
     let picked = (0..last.picks.len()).map(|slot| {
@@ -386,45 +349,6 @@ fn retuned(o: &Outcome, many: bool) -> Vec<(String, Retuned)> {
         all.push((name, Retuned { from: 1.0, to: 1.0 + tolerance * q, tolerance, unit, at_limit }));
     }
     all
-}
-
-fn leftover(o: &Outcome, maps: &Maps<'_>) -> Leftover {
-    let over_noise =
-        o.found.last.judged.held_out / o.noise_ratio.map_or(1.0, |factor| factor * factor);
-    let left = Maps { before: maps.after, ..*maps };
-    let is_there = over_noise > Thresholds::LEFT;
-    Leftover {
-        present: is_there,
-        over_noise,
-        input_driven: if is_there {
-            left.is_input_driven(left.before, &left.command())
-        } else {
-            None
-        },
-        bands: if is_there { left.bands() } else { Vec::new() },
-        discrepancy: is_there.then(|| discrepancy(o)).flatten(),
-        looks_like: looks_like(o).filter(|_| is_there),
-    }
-}
-
-/// Size and time of what is left beside the noise, where it is more than the noise.
-fn discrepancy(o: &Outcome) -> Option<Discrepancy> {
-    let left = o.judge.discrepancy(&o.found.last.judged, &o.task.data);
-    let rms = left.size * o.sigma / o.task.factor;
-    let range = 2.0 * o.task.data.output_span.half / o.task.factor;
-    (left.size > 0.0 && range > 0.0).then(|| Discrepancy {
-        rms,
-        of_range: rms / range,
-        time: left.time,
-    })
-}
-
-/// The effect that would take the largest part of what the named ones leave, on held-out rows.
-fn looks_like(o: &Outcome) -> Option<String> {
-    let beyond = o.found.beyond.as_ref()?;
-    let (family, _) = beyond.picks.iter().find(|pick| !o.found.last.picks.contains(pick))?;
-    let part = explained(&o.found.last.judged, &beyond.judged);
-    (part > Thresholds::LOOKS_LIKE).then(|| o.library[*family].effect.name.to_owned())
 }
 
 fn tried(o: &Outcome) -> Vec<Tried> {

@@ -292,6 +292,20 @@ impl Projector {
     }
 }
 
+/// The values that nuisances depend on.
+pub(crate) fn relevant(nuisances: &[Nuisance], values: &[f64]) -> Vec<f64> {
+    nuisances
+        .iter()
+        .filter_map(|n| match n {
+            Nuisance::Settling { parameter }
+            | Nuisance::Lines { parameter, .. }
+            | Nuisance::Modulation { parameter }
+            | Nuisance::Jitter { parameter } => values.get(*parameter).copied(),
+            Nuisance::Drift { .. } | Nuisance::Knots { .. } => None,
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,8 +1,7 @@
 //! From records to a plant: baseline, hysteresis with delay, linear parts, and the choice.
 
+mod other_methods;
 mod outcome;
-
-use std::time::Instant;
 
 use data::CheckedBlueprint;
 
@@ -10,14 +9,11 @@ use crate::error::Error;
 use crate::estimates;
 use crate::fit::delay::{self, Delay};
 use crate::fit::linear_part::{self, Deviations, Structure};
-use crate::fit::operator::{Operator, through};
-use crate::fit::response::{LinearPart, before_hysteresis};
+use crate::fit::response::LinearPart;
 use crate::fit::weights::{Fitted, Task, independent_samples, mean};
-use crate::identification::{Candidate, Estimate, Identification, Predicted, Verdict};
+use crate::identification::{Candidate, Estimate, Identification, Predicted};
 use crate::judge::simulate;
-use crate::learned::network;
-use crate::learned::plant::{Family, Learned, Lesson};
-use crate::methods::{CURVED, Chain, LINEAR, Method, NETWORK, Scene, Way};
+use crate::methods::{LINEAR, Scene};
 use crate::observer::Observer;
 use crate::plant::{Actuator, Plant};
 use crate::record::{Record, Rows};
@@ -367,107 +363,6 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Tries the other methods, the simplest first. Whether the observer stopped it.
-    fn other_methods(
-        &mut self,
-        linear: &Tried,
-        best: &mut Tried,
-        candidates: &mut Vec<Candidate>,
-    ) -> Result<bool, Error> {
-        let scene = self.scene();
-        let known = best.linear;
-        let mut first = self.plan.named;
-        let mut failures = Vec::new();
-        for method in self.plan.methods.clone() {
-            if method.name() == STATIC {
-                first = false;
-                continue;
-            }
-            if self.observer.stopped() {
-                return Ok(true);
-            }
-            let started = Instant::now();
-            let tried = match method {
-                Way::Linear => {
-                    // It was tried already.
-                    if first || linear.held_out_rmse < best.held_out_rmse {
-                        (*best, first) = (linear.clone(), false);
-                    }
-                    continue;
-                }
-                Way::Operator(method) => self.method(method, &scene, known),
-                Way::Learned(family) => self.learned(family, known),
-                Way::Network => self.network(&scene, known),
-            };
-            let mut tried = match tried.and_then(|tried| self.moved(tried)) {
-                Ok(tried) => tried,
-                Err(Error::Stopped) => return Ok(true),
-                // A method that the data do not support is no reason to return nothing, unless only
-                // such were asked for.
-                Err(error) => {
-                    candidates.push(Candidate::failed(
-                        Some(method.name()),
-                        method.name().to_owned(),
-                        &error,
-                    ));
-                    failures.push((method.name(), error));
-                    continue;
-                }
-            };
-            tried.seconds = started.elapsed().as_secs_f64();
-            let fall = 1.0 - tried.held_out_rmse / best.held_out_rmse;
-            let open = match method {
-                Way::Operator(method) => self.open_shape(&tried, method, &scene),
-                Way::Linear | Way::Learned(_) | Way::Network => Vec::new(),
-            };
-            let mut reason = format!(
-                "held-out error {:+.1} % against {} ({:.0} % less is needed)",
-                -100.0 * fall,
-                best.method.unwrap_or(STATIC),
-                100.0 * SIGNIFICANT_FALL
-            );
-            if let Some(training_note) = &tried.training_note {
-                reason += &format!("; {training_note}");
-            }
-            if !open.is_empty() {
-                reason += &format!("; the records do not determine {}", open.join(", "));
-            }
-            candidates.push(self.candidate(&tried, &reason));
-            if first || self.plan.named && fall > 0.0 {
-                *best = tried;
-                first = false;
-            } else if open.is_empty() && fall >= SIGNIFICANT_FALL {
-                *best = tried;
-            }
-        }
-        if first { Err(Error::NoModel { failures }) } else { Ok(false) }
-    }
-
-    /// The model, where the command moves it.
-    fn moved(&self, tried: Tried) -> Result<Tried, Error> {
-        let height = |values: &[f64]| crate::settings::range(values);
-        let mut each = self.records.iter().zip(&tried.simulations);
-        if each.any(|(record, simulated)| height(simulated) > STILL * height(record.output())) {
-            return Ok(tried);
-        }
-        let message = "the command moves nothing: the fit left every weight at 0; the records say nothing of this \
-                       model, or it has another sign"
-            .to_owned();
-        Err(Error::Model { name: tried.method.unwrap_or(STATIC).to_owned(), message })
-    }
-
-    /// Parameters of the shape, and weights of any sign, that the records leave uncertain: a model that rests on them fits these
-    /// records and need not fit others.
-    fn open_shape(&self, tried: &Tried, method: &dyn Method, scene: &Scene) -> Vec<String> {
-        let weights = method.weights(scene);
-        let free = weights.names.into_iter().take(weights.free).map(|(name, _)| name);
-        let shapes = method.shape(scene).into_iter().map(|s| s.name.into_owned());
-        let named: Vec<String> = shapes.chain(free).collect();
-        let uncertain = |p: &&Estimate| p.verdict == Verdict::Uncertain;
-        let of_shape = |p: &&Estimate| named.contains(&p.name);
-        tried.parameters.iter().filter(uncertain).filter(of_shape).map(|p| p.name.clone()).collect()
-    }
-
     fn scene(&self) -> Scene {
         let rows = || self.records.iter().zip(&self.plan.fitted);
         let duration = rows().map(|(record, rows)| rows.len() as f64 * record.period());
@@ -485,120 +380,5 @@ impl<'a> Session<'a> {
             thresholds: self.plan.thresholds.clone(),
             levels: self.plan.levels,
         }
-    }
-
-    fn method(
-        &mut self,
-        method: &'static dyn Method,
-        scene: &Scene,
-        known: LinearPart,
-    ) -> Result<Tried, Error> {
-        let operator = Operator {
-            method,
-            scene,
-            records: self.records,
-            rows: &self.plan.fitted,
-            period: self.plan.period,
-            substeps: linear_part::substeps(&known, self.plan.period),
-        };
-        let (longest, search) = (self.plan.longest_delay, self.plan.search);
-        let fit = operator.fit(known, longest, search, self.observer)?;
-        let solved = &fit.solved;
-        let chain = method.chain(scene, &solved.shape, &solved.weights, solved.offset);
-        let actuator = Actuator::Chain(&chain);
-        let (linear, deviations) = (solved.linear, fit.deviations);
-        let name = Some(method.name());
-        let substeps = operator.substeps;
-        let mut tried = self.tried(name, &actuator, solved.offset, linear, deviations, substeps)?;
-        tried.parameters = estimates::of_operator(&self.plan, &self.target.axis, &operator, &fit);
-        Ok(tried)
-    }
-
-    /// Plays between two curves, and the network over them that learns what they leave.
-    fn network(&mut self, scene: &Scene, known: LinearPart) -> Result<Tried, Error> {
-        let operator = Operator {
-            method: CURVED,
-            scene,
-            records: self.records,
-            rows: &self.plan.fitted,
-            period: self.plan.period,
-            substeps: 1,
-        };
-        // The curve of the position stands in the component: a mode behind it is none of this model.
-        let known = LinearPart { mode: None, ..known };
-        let (longest, search) = (self.plan.longest_delay, self.plan.search);
-        let fit = operator.fit(known, longest, search, self.observer)?;
-        let (linear, deviations) = (fit.solved.linear, fit.deviations);
-        let solved = &fit.solved;
-        let chain = CURVED.chain(scene, &solved.shape, &solved.weights, solved.offset);
-        let plays =
-            network::Plays::of(&chain).ok_or_else(|| Error::no_solution("it has no plays"))?;
-        let period = self.plan.period;
-        let mut lessons = Vec::with_capacity(self.records.len());
-        for (record, rows) in self.records.iter().zip(&self.plan.fitted) {
-            let mut before = before_hysteresis(&linear, period)?;
-            let substeps = record.periods(period);
-            let input = &record.input()[..rows.end.min(record.len())];
-            lessons.push(network::Lesson {
-                signal: through(&mut before, record.rest(), input, substeps),
-                substeps,
-                first: rows.first,
-                position: rows.of(record.output()).to_vec(),
-            });
-        }
-        let bounds: Vec<(f64, f64)> =
-            CURVED.shape(scene).iter().map(|shape| (shape.lower, shape.upper)).collect();
-        let (component, training_note) = plays.learn(&lessons, period, &bounds, self.observer)?;
-        let chain = Chain::of(component);
-        let actuator = Actuator::Chain(&chain);
-        let mut tried =
-            self.tried(Some(NETWORK), &actuator, solved.offset, linear, deviations, 1)?;
-        tried.numbers = Some(plays.numbers());
-        tried.training_note = Some(training_note);
-        Ok(tried)
-    }
-
-    /// A learned machine with the linear part behind it, in the place of operator, lag and mode.
-    fn learned(&mut self, family: Family, known: LinearPart) -> Result<Tried, Error> {
-        if let Some(other) = self.records.iter().find(|r| r.periods(self.plan.period) > 1) {
-            let message = format!(
-                "{} learns from records of one rate; {} has {} s, others less: resample them",
-                family.name(),
-                other.name(),
-                other.period()
-            );
-            return Err(Error::Learned { message });
-        }
-        let lesson = Lesson {
-            family,
-            records: self.records,
-            fitted: &self.plan.fitted,
-            judged: &self.plan.judged,
-            offsets: &self.offsets,
-            period: self.plan.period,
-            known,
-            stops: self.plan.thresholds.len(),
-            learning: self.plan.learning,
-            dynamic: self.plan.dynamics == Dynamics::Automatic,
-        };
-        let file = format!("{}.npy", self.target.axis.name);
-        let Learned { chain, table, late, numbers, predicted } =
-            lesson.learn(&file, &mut *self.observer)?;
-        let chain = Chain { hysteresis: chain, reading: Vec::new() };
-        let delay = late as f64 * self.plan.period;
-        let plant = Plant {
-            actuator: Actuator::Chain(&chain),
-            offset: 0.0,
-            linear: LinearPart { delay, ..LinearPart::default() },
-            deviations: Deviations::default(),
-            step: self.plan.period,
-            table: Some((file, table)),
-        };
-        let kinds = chain.hysteresis.iter().map(|component| component.kind.as_str());
-        let structure = (late > 0).then_some("delay").into_iter().chain(kinds);
-        let structure = structure.collect::<Vec<_>>().join(", ");
-        let mut tried = self.written(Some(family.name()), structure, &plant)?;
-        (tried.numbers, tried.predicted) = (Some(numbers), predicted);
-        Ok(tried)
     }
 }

@@ -32,7 +32,7 @@ pub mod slot;
 mod state_calls;
 pub mod v2;
 pub mod v3;
-#[cfg(not(target_family = "wasm"))]
+#[cfg(all(feature = "wrap", not(target_family = "wasm")))]
 pub mod wrap;
 
 use std::path::Path;

@@ -1,5 +1,7 @@
 //! Tables 2 and 3 of the Gaussian process paper: inverse compensator open loop, and with PI.
 
+mod printed;
+
 use std::path::Path;
 
 use anyhow::Context;
@@ -9,6 +11,7 @@ use identify::learned::{Frame, Machine, Recipe, SEED, Search, Span, Waves, rms_d
 use learned::features::{Derivatives, Features, Stops};
 use model::Kind;
 
+use self::printed::{Printed, TESTS, Test};
 use super::bed::{Bed, Tracked};
 use super::inverse::{Wanted, arx_component, hysteresis_inverse, learned_inverse, linear};
 use super::learning::{Learning, learn};
@@ -35,214 +38,7 @@ const PASSES: usize = 8;
 /// Centres that a step has time for.
 const CENTRES: usize = 600;
 
-/// NRMSE and RME in percent.
-type Printed = [f64; 2];
-
-/// A reference with the paper's rows.
-struct Test {
-    name: &'static str,
-    signal: &'static str,
-    settings: &'static [(&'static str, f64)],
-    /// Table 2: MPI; 2, 6, 9, 12 inputs.
-    open: [Printed; 5],
-    /// Table 3: PI alone; MPI; 2, 6, 9, 12 inputs.
-    closed: [Printed; 6],
-    /// Whether the loop also learns on it.
-    learns: bool,
-}
-
-const fn sine(
-    name: &'static str,
-    settings: &'static [(&'static str, f64)],
-    open: [Printed; 5],
-    closed: [Printed; 6],
-) -> Test {
-    Test { name, signal: "p3-sine", settings, open, closed, learns: false }
-}
-
-const fn learning(test: Test) -> Test {
-    Test { learns: true, ..test }
-}
-
 // One of the printed figures is 6.28.
-#[allow(clippy::approx_constant)]
-const TESTS: [Test; 13] = [
-    learning(sine(
-        "100 Hz",
-        &[("frequency", 100.0)],
-        [[0.8204, 1.80], [0.5118, 1.44], [0.3565, 1.01], [0.5098, 1.33], [0.3178, 0.96]],
-        [
-            [1.1033, 2.30],
-            [0.8094, 2.15],
-            [0.7000, 1.48],
-            [0.6940, 1.62],
-            [0.6672, 1.42],
-            [0.6407, 1.38],
-        ],
-    )),
-    sine(
-        "200 Hz",
-        &[("frequency", 200.0)],
-        [[1.5220, 2.61], [0.5622, 1.50], [0.5177, 1.39], [0.4199, 1.25], [0.5028, 1.29]],
-        [
-            [2.2465, 3.74],
-            [1.4492, 2.73],
-            [1.4192, 2.38],
-            [1.4005, 2.43],
-            [1.3979, 2.53],
-            [1.3883, 2.48],
-        ],
-    ),
-    sine(
-        "300 Hz",
-        &[("frequency", 300.0)],
-        [[2.8829, 4.67], [1.7609, 5.02], [1.7623, 3.60], [1.3508, 4.51], [0.9646, 2.05]],
-        [
-            [3.1921, 5.34],
-            [2.5918, 6.57],
-            [3.0714, 7.57],
-            [2.2458, 4.17],
-            [2.1828, 3.82],
-            [2.1721, 3.86],
-        ],
-    ),
-    sine(
-        "400 Hz",
-        &[("frequency", 400.0)],
-        [[3.1589, 7.46], [2.8196, 8.65], [1.9965, 4.07], [1.7018, 3.84], [1.0976, 2.50]],
-        [
-            [4.2390, 6.53],
-            [4.3373, 12.4],
-            [4.2570, 12.0],
-            [3.3804, 5.70],
-            [3.2419, 5.57],
-            [3.2052, 5.44],
-        ],
-    ),
-    learning(sine(
-        "500 Hz",
-        &[("frequency", 500.0)],
-        [[3.5382, 12.1], [2.7784, 6.83], [2.6411, 5.74], [2.0716, 4.66], [1.9783, 4.85]],
-        [
-            [5.3924, 8.86],
-            [7.5462, 17.6],
-            [5.1274, 11.0],
-            [4.7590, 8.32],
-            [4.2756, 6.76],
-            [3.5501, 6.86],
-        ],
-    )),
-    sine(
-        "600 Hz",
-        &[("frequency", 600.0)],
-        [[5.4530, 13.2], [3.1666, 7.58], [2.8752, 7.02], [2.8545, 6.14], [1.4955, 4.98]],
-        [
-            [6.5219, 10.6],
-            [10.362, 24.4],
-            [6.5440, 12.4],
-            [5.8782, 12.0],
-            [5.0000, 9.19],
-            [4.9335, 9.40],
-        ],
-    ),
-    sine(
-        "700 Hz",
-        &[("frequency", 700.0)],
-        [[6.8551, 19.0], [3.5210, 7.36], [2.8407, 8.30], [2.5233, 7.33], [1.6366, 5.48]],
-        [
-            [7.7353, 12.3],
-            [10.020, 23.3],
-            [7.2384, 18.5],
-            [6.9444, 14.1],
-            [6.6222, 12.7],
-            [6.2461, 10.8],
-        ],
-    ),
-    sine(
-        "800 Hz",
-        &[("frequency", 800.0)],
-        [[7.9379, 19.9], [4.4801, 10.0], [3.5891, 8.19], [3.1453, 7.77], [2.7030, 6.87]],
-        [
-            [8.9472, 13.9],
-            [11.016, 30.3],
-            [8.3979, 19.4],
-            [7.5350, 15.8],
-            [6.9765, 12.7],
-            [6.6185, 12.8],
-        ],
-    ),
-    sine(
-        "900 Hz",
-        &[("frequency", 900.0)],
-        [[6.0733, 16.1], [5.5373, 12.7], [3.6697, 8.93], [3.7629, 9.53], [2.6164, 6.67]],
-        [
-            [10.1254, 16.2],
-            [11.556, 32.6],
-            [8.8955, 23.1],
-            [9.2630, 19.1],
-            [7.7958, 13.3],
-            [7.3941, 11.9],
-        ],
-    ),
-    learning(sine(
-        "1 kHz",
-        &[("frequency", 1000.0)],
-        [[9.3307, 19.6], [4.6383, 10.5], [4.1660, 9.26], [4.0557, 10.5], [3.2564, 8.85]],
-        [
-            [11.1463, 18.2],
-            [14.633, 31.5],
-            [9.4682, 17.1],
-            [10.4491, 20.4],
-            [9.05513, 16.3],
-            [8.3210, 14.6],
-        ],
-    )),
-    Test {
-        name: "120 + 180 Hz",
-        signal: "p3-two-tone",
-        settings: &[],
-        open: [[1.6816, 3.85], [2.2292, 7.72], [1.2907, 3.30], [1.1217, 2.83], [1.1096, 2.51]],
-        closed: [
-            [1.3174, 2.91],
-            [0.8590, 2.09],
-            [0.8139, 2.03],
-            [0.8012, 2.05],
-            [0.7527, 2.00],
-            [0.7497, 1.84],
-        ],
-        learns: false,
-    },
-    Test {
-        name: "four tones",
-        signal: "p3-four-tone",
-        settings: &[],
-        open: [[2.5270, 8.65], [3.5872, 9.85], [2.3128, 5.79], [1.9443, 5.19], [1.8159, 4.86]],
-        closed: [
-            [2.2445, 3.90],
-            [0.9088, 2.87],
-            [1.1093, 6.28],
-            [0.8894, 2.64],
-            [0.8787, 2.69],
-            [0.8065, 2.43],
-        ],
-        learns: true,
-    },
-    Test {
-        name: "50 Hz triangle",
-        signal: "p3-triangle",
-        settings: &[],
-        open: [[2.0806, 4.21], [3.8415, 9.04], [1.0245, 4.74], [0.9673, 2.78], [0.8783, 2.27]],
-        closed: [
-            [1.3380, 3.19],
-            [0.8782, 2.84],
-            [0.9745, 4.42],
-            [0.5786, 3.22],
-            [0.4682, 2.55],
-            [0.4405, 2.41],
-        ],
-        learns: true,
-    },
-];
 /// References of a quick reproduction.
 const QUICK: [&str; 3] = ["100 Hz", "1 kHz", "four tones"];
 

@@ -1,12 +1,17 @@
 //! Table 6 of the cutting device's paper: ellipses at 100 Hz under compound control.
 
+mod controller;
+mod tried;
+
 use std::f64::consts::TAU;
 use std::path::Path;
 
 use anyhow::Context;
 use control::{ControlSettings, Gains};
-use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Log, UnitPlace, Value};
+use data::{Blueprint, Log, UnitPlace};
 
+use self::controller::{Parts, controller};
+use self::tried::{as_printed, tried, tries};
 use super::bed::{Bed, Tracked};
 use super::learning::{Learned, Learning, learn};
 use super::{Aim, Effort, Order, Reproduction, Row};
@@ -160,74 +165,6 @@ fn identified(tool: &Tool, log: &Path, model: &str, plays: &str) -> anyhow::Resu
     Ok(Blueprint::read(&plant)?)
 }
 
-/// The parts of a controller that its rows differ in.
-#[derive(Clone, Copy)]
-struct Parts<'a> {
-    /// The plant whose inverse is the feedforward; `None`: no feedforward.
-    model: Option<&'a Blueprint>,
-    gains: [Gains; 2],
-    /// Greatest command in V.
-    greatest: f64,
-    /// Whether the feedforward makes up for delay and period.
-    leads: bool,
-}
-
-/// A controller from the one that the static model was inverted to.
-fn controller(inverted: &Blueprint, parts: Parts<'_>) -> anyhow::Result<Blueprint> {
-    let mut blueprint = inverted.clone();
-    for (number, axis) in blueprint.axes.iter_mut().enumerate() {
-        // The identified commands end where the excitation did.
-        axis.command.min = Some(0.0.into());
-        axis.command.max = Some(parts.greatest.into());
-        let plant = parts.model.map(|plant| plant.axes.get(number).context("two axes"));
-        let mut chain = match plant.transpose()? {
-            Some(plant) => feedforward(plant, parts.greatest, parts.leads)?,
-            None => Vec::new(),
-        };
-        let Gains { kp, ki, kd, derivative_filter } = parts.gains[number];
-        chain.push(
-            ComponentBlueprint::new("pid")
-                .value("kp", kp)
-                .value("ki", ki)
-                .value("kd", kd)
-                .value("derivative_filter", derivative_filter)
-                .value("output_min", 0.0)
-                .value("output_max", parts.greatest),
-        );
-        axis.components = chain;
-    }
-    Ok(blueprint)
-}
-
-/// The inverse of an axis' hysteresis, and in front of it what makes up for the delay and the period until the position
-/// answers.
-fn feedforward(
-    plant: &AxisBlueprint,
-    greatest: f64,
-    leads: bool,
-) -> anyhow::Result<Vec<ComponentBlueprint>> {
-    let delay = plant.components.iter().find(|c| c.kind == "delay");
-    let delay = match delay.and_then(|c| c.get("delay")) {
-        Some(Value::Number(delay)) => *delay,
-        _ => 0.0,
-    };
-    let lag = PERIOD + delay;
-    let lead = ComponentBlueprint::new("reference-lead")
-        .value("lag", lag)
-        .value("inertia", 0.5 * lag * lag)
-        .value("limit", GREATEST_HALF);
-    let hysteresis = plant.components.iter().find(|c| c.kind != "delay");
-    let mut inverse = hysteresis.context("the plant has a hysteresis")?.clone();
-    inverse.kind = format!("inverse-{}", inverse.kind);
-    inverse.name = "inverse".into();
-    inverse.tolerance.clear();
-    if inverse.kind == "inverse-dynamic-prandtl-ishlinskii" {
-        inverse.set("command_min", 0.0);
-        inverse.set("command_max", greatest);
-    }
-    Ok(if leads { vec![lead, inverse] } else { vec![inverse] })
-}
-
 /// The greatest errors of both axes with these gains.
 type Trial<'a> = dyn FnMut(&mut Bed, [Gains; 2]) -> anyhow::Result<[f64; 2]> + 'a;
 
@@ -333,126 +270,6 @@ fn identified_in(
         control::invert(&plain.check(learned::COMPONENTS)?, &settings, &mut identify::Silent)?;
     let inverted = inversion.controller.blueprint().clone();
     Ok(Identified { plain, dynamic, generalised, inverted })
-}
-
-/// Dynamic models that are identified in other ways, by what is other.
-type Tries = Vec<(&'static str, Blueprint)>;
-
-fn tries(tool: &Tool, bed: &mut Bed, folder: &Path, greatest: f64) -> anyhow::Result<Tries> {
-    let model = "dynamic-prandtl-ishlinskii";
-    // Of the log that the others are identified from.
-    let finer = identified(tool, &folder.join("measured.csv"), model, "20")?;
-    let only = folder.join("only");
-    std::fs::create_dir_all(&only)?;
-    let log = only.join("measured.csv");
-    let rows = (12.0 / FREQUENCY / PERIOD).round() as usize;
-    let wave = |part: f64| {
-        move |k: usize| 0.5 * greatest * (1.0 - part * (TAU * FREQUENCY * PERIOD * k as f64).cos())
-    };
-    let loops = |scale: f64| {
-        let large = (0..rows).map(wave(scale));
-        large.chain((0..rows).map(wave(PART * scale))).collect::<Vec<f64>>()
-    };
-    // Both halves have both sizes, as identification fits on the first one.
-    measured(bed, &[loops(1.0), loops(0.96)].concat(), &log)?;
-    let fast = identified(tool, &log, model, "10")?;
-    Ok(vec![("20 plays", finer), ("identified from loops of 100 Hz alone", fast)])
-}
-
-/// The paper's own method with these models, and without a lead in front of its inverse; printed gains.
-fn tried(
-    bed: &Bed,
-    tries: &Tries,
-    (models, parts): (&Identified, Parts<'_>),
-    (case, size): (&Case, &str),
-    references: &[Vec<f64>],
-    answer: &mut Reproduction,
-) -> anyhow::Result<()> {
-    let mut all: Vec<(&str, Parts<'_>)> = (tries.iter())
-        .map(|(name, model)| (*name, Parts { model: Some(model), ..parts }))
-        .collect();
-    if !tries.is_empty() {
-        let model = Some(&models.dynamic);
-        all.push(("no lead in front of the inverse", Parts { model, leads: false, ..parts }));
-    }
-    for (name, parts) in all {
-        let run = bed.track(&controller(&models.inverted, parts)?, references, PERIOD, 0)?;
-        for ((axis, error), paper) in
-            ["Y", "Z"].iter().zip(worst(&run, TURNS - GROWING)).zip(case.paper)
-        {
-            let what = format!("tried: {}, {size}, {name}, {axis}: greatest error", case.name);
-            answer.rows.push(Row::new(ID, what, "um", paper, error, Aim::ForComparison));
-        }
-    }
-    Ok(())
-}
-
-/// Greatest command in V of the printed ellipses, and their half spans on Y and Z in um: 1 to 6 and 1 to 11, 1 to 5 and 1 to 9.
-const RAISED: f64 = 150.0;
-const PRINTED: [[f64; 2]; 2] = [[2.5, 5.0], [2.0, 4.0]];
-
-/// The ellipses as printed, 5 x 10 and 4 x 8 um, on the same machine whose commands may go up to 150 V, as the printed weights ask
-/// for 147.6 V.
-fn as_printed(
-    tool: &Tool,
-    gains: [Gains; 2],
-    answer: &mut Reproduction,
-    say: &dyn Fn(&str),
-) -> anyhow::Result<()> {
-    say("the printed ellipses, commands up to 150 V");
-    let folder = tempfile::tempdir()?;
-    let rig = rigs::find(machines::P4).context("a rig")?;
-    let mut raised = Blueprint::parse(rig.blueprint, rig.name)?;
-    for axis in &mut raised.axes {
-        axis.command.max = Some(RAISED.into());
-    }
-    let file = folder.path().join("raised.toml");
-    raised.write(&file)?;
-    let mut bed = (tool.open)(&file)?;
-    let models = identified_in(tool, &mut bed, folder.path(), RAISED)?;
-    let tries = tries(tool, &mut bed, folder.path(), RAISED)?;
-    let room = spans(&mut bed, RAISED)?;
-    for (case, half) in CASES.iter().zip(PRINTED) {
-        let references = reference(case, Spans { half, ..room }, TURNS);
-        let size = format!("{:.0} x {:.0} um", 2.0 * half[0], 2.0 * half[1]);
-        let mut found = Vec::new();
-        for (name, model) in [
-            (OWN, Some(&models.dynamic)),
-            ("inverse static PI and PID, printed gains", Some(&models.plain)),
-            ("PID alone, printed gains", None),
-        ] {
-            let parts = Parts { model, gains, greatest: RAISED, leads: true };
-            let blueprint = controller(&models.inverted, parts)?;
-            let run = bed.track(&blueprint, &references, PERIOD, 0)?;
-            let errors = worst(&run, TURNS - GROWING);
-            let reach = name == OWN;
-            for ((axis, error), paper) in ["Y", "Z"].iter().zip(errors).zip(case.paper) {
-                let what = format!("{}, {size}, {name}, {axis}: greatest error", case.name);
-                let aim = if reach { Aim::Reach } else { Aim::ForComparison };
-                answer.rows.push(Row::new(ID, what, "um", paper, error, aim));
-            }
-            if reach {
-                let relative =
-                    (0..2).map(|a| 100.0 * errors[a] / (2.0 * half[a])).fold(0.0, f64::max);
-                let what = format!("{}, {size}, {name}: greatest error of range", case.name);
-                answer.rows.push(Row::new(ID, what, "%", 6.2, relative, Aim::Reach));
-                let last = run.command.iter().flat_map(|u| &u[u.len() / 2..]);
-                let top = last.fold(0.0_f64, |top, u| top.max(*u));
-                answer.remarks.push(format!("{}, {size}: commands up to {top:.1} V", case.name));
-                answer.kept.run(&format!("{}-{size}", case.name), &run, PERIOD)?;
-            }
-            found.push(errors);
-        }
-        let parts = Parts { model: None, gains, greatest: RAISED, leads: true };
-        tried(&bed, &tries, (&models, parts), (case, &size), &references, answer)?;
-        let holds = (0..2).all(|axis| found[0][axis] < found[1][axis]);
-        let what = format!(
-            "{}, {size}, printed gains: the dynamic model's inverse better than the static one's",
-            case.name
-        );
-        answer.orders.push(Order { paper_id: ID, what, holds });
-    }
-    Ok(())
 }
 
 pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
