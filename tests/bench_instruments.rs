@@ -1,5 +1,5 @@
-//! Emulated instruments: the runner works with those of PI and of piezosystem jena, and PI's own client, PIPython,
-//! with the first.
+//! Emulated instruments: the runner works with those of PI and of piezosystem jena over network and serial lines, their
+//! wave generators and data recorders measure logs and tune servos, and PI's own client, PIPython, works with the first.
 #![cfg(unix)]
 #![allow(clippy::print_stdout)]
 
@@ -10,9 +10,13 @@ use std::path::Path;
 use common::bench::{Process, port};
 use common::{foreign, json, refuse};
 
-fn instrument(scheme: &str, protocol: &str, port: u16, folder: &Path) -> Process {
-    let gateway = format!("{scheme}://127.0.0.1:{port}");
-    let call = ["bench", "emulate", "p1", "--gateway", &gateway, "--rate", "500"];
+fn instrument(scheme: &str, protocol: &str, place: &str, folder: &Path) -> Process {
+    emulated(scheme, protocol, place, &["p1", "--rate", "500"], folder)
+}
+
+fn emulated(scheme: &str, protocol: &str, place: &str, plant: &[&str], folder: &Path) -> Process {
+    let gateway = format!("{scheme}://{place}");
+    let call = [&["bench", "emulate", "--gateway", &gateway], plant].concat();
     let process = Process::tool(&call, folder);
     assert!(process.first.contains(protocol), "{}", process.first);
     process
@@ -20,20 +24,30 @@ fn instrument(scheme: &str, protocol: &str, port: u16, folder: &Path) -> Process
 
 #[test]
 fn the_runner_drives_instruments_and_the_records_replay() {
-    drives("gcs", "GCS 2.0", "emulated GCS 2.0 controller", "MOV, servo on");
-    drives("nv200", "NV200", "NV200/D_NET", "closed loop, from -7 to 42");
+    let net = || format!("127.0.0.1:{}", port());
+    drives("gcs", "GCS 2.0", &net(), "emulated GCS 2.0 controller", "MOV, servo on");
+    drives("nv200", "NV200", &net(), "NV200/D_NET", "closed loop, from -7 to 42");
 }
 
-fn drives(scheme: &str, protocol: &str, identity: &str, mode: &str) {
+#[test]
+fn the_runner_drives_instruments_at_serial_lines() {
     let folder = tempfile::tempdir().unwrap();
-    let (here, port) = (folder.path(), port());
-    let machine = instrument(scheme, protocol, port, here);
+    let line = |name: &str| folder.path().join(name).display().to_string();
+    drives("gcs", "GCS 2.0", &line("pi"), "emulated GCS 2.0 controller", "MOV, servo on");
+    drives("nv200", "NV200", &line("jena"), "NV200/D_NET", "closed loop, from -7 to 42");
+    assert!(!folder.path().join("pi").is_symlink(), "the line is gone with the emulator");
+}
+
+fn drives(scheme: &str, protocol: &str, place: &str, identity: &str, mode: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let machine = instrument(scheme, protocol, place, here);
     let plan = "rate = 50\nsettle = 0.1\napproach = 0.5\npatience = 20\n\
                 [[axis]]\ncommand_limits = [0, 3]\ncommand_unit = \"um\"\nposition_unit = \"um\"\n\
                 [watch]\nhold = 100\nmax_age = 100\n\
                 [[sequence]]\nkind = \"rest\"\nseconds = 1\nat = [2]\n";
     std::fs::write(here.join("plan.toml"), plan).unwrap();
-    let gateway = format!("{scheme}://127.0.0.1:{port}?timeout=2");
+    let gateway = format!("{scheme}://{place}?timeout=2");
     let call =
         ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--record", "run.csv"];
     let answer = json(&call, here);
@@ -46,11 +60,13 @@ fn drives(scheme: &str, protocol: &str, identity: &str, mode: &str) {
     assert_eq!(json(&["bench", "replay", "run.csv"], here)["different"], 0);
     machine.signal("-TERM");
     let (messages, code) = machine.end();
-    assert!(code == Some(0) && messages.contains("1 connections"), "{messages}");
+    // A serial line has no connections.
+    let connections = if place.starts_with('/') { "0 connections" } else { "1 connections" };
+    assert!(code == Some(0) && messages.contains(connections), "{messages}");
 
     let message = refuse(&call, here);
     assert!(
-        message.contains(&format!("{scheme}://127.0.0.1")) && message.contains("check power"),
+        message.contains(&format!("{scheme}://{place}")) && message.contains("check power"),
         "{message}"
     );
 }
@@ -70,13 +86,154 @@ fn what_an_instrument_has_not_is_refused() {
     );
 }
 
+/// A triangle wave of commands.
+fn triangles(high: &str, sample_time: &str, folder: &Path) {
+    let [high, sample_time] = [format!("high={high}"), format!("sample_time={sample_time}")];
+    let call = [
+        &["signal", "triangle-decaying", "--set", "low=0", "--set", &high, "--set", "frequency=4"]
+            [..],
+        &["--set", "cycles=4", "--set", &sample_time, "-o", "triangles.csv"],
+    ]
+    .concat();
+    json(&call, folder);
+}
+
+#[test]
+fn what_the_recorder_measures_identifies_the_plant() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    triangles("5", "2e-3", here);
+    let line = here.join("line").display().to_string();
+    for (scheme, place, protocol, rate) in [
+        ("gcs", format!("127.0.0.1:{}", port()), "GCS 2.0", "1k"),
+        ("gcs", line, "GCS 2.0", "1k"),
+        ("nv200", format!("127.0.0.1:{}", port()), "NV200", "20k"),
+    ] {
+        let _machine = emulated(scheme, protocol, &place, &["p1", "--rate", rate], here);
+        let gateway = format!("{scheme}://{place}?mode=open");
+        let call = ["bench", "measure", "triangles.csv", "--gateway", &gateway, "-o", "log.csv"];
+        let answer = json(&call, here);
+        assert_eq!(answer["sample_time_s"], 2e-3);
+        let log = data::Log::read(&here.join("log.csv"), &data::ReadOptions::default()).unwrap();
+        let column = |name: &str| log.column(name).unwrap().clone();
+        assert_eq!(column("command[1]").unit.unwrap().text, "V");
+        assert_eq!(column("position[1]").unit.unwrap().text, "um");
+        let signal = data::Log::read(&here.join("triangles.csv"), &data::ReadOptions::default());
+        // To the digits of the protocols: % of 14 V with six places.
+        let same = |(a, b): (&f64, &f64)| (a - b).abs() < 2e-6;
+        let (played, wanted) = (column("command[1]").values, signal.unwrap());
+        let wanted = &wanted.columns()[0].values;
+        assert_eq!(answer["rows"], wanted.len(), "{answer:#}");
+        assert!(played.iter().zip(wanted).all(same), "the command is what was asked for");
+        let call = [
+            &["identify", "--log", "log.csv", "--input", "command[1]"][..],
+            &["--output", "position[1]", "-o", "plant.toml"],
+        ];
+        json(&call.concat(), here);
+        // p1 as the emulator has it: 3.5 um per V.
+        let [least, greatest] = [f64::min, f64::max]
+            .map(|pick| column("position[1]").values.into_iter().reduce(pick).unwrap());
+        assert!((greatest - least - 3.5 * 5.0).abs() < 1.5, "{least} {greatest}");
+    }
+}
+
+#[test]
+fn tuned_values_make_the_error_many_times_smaller_and_bad_ones_are_not_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let of = |answer: &serde_json::Value, part: &str| answer[part]["rms_error"].as_f64().unwrap();
+    // A stage with a lag; one with a light mode, which needs the notch filter; the same of another maker.
+    for (scheme, protocol, plant, rate) in [
+        ("gcs", "GCS 2.0", "p1-truth", "1k"),
+        ("gcs", "GCS 2.0", "evc-truth", "20k"),
+        ("nv200", "NV200", "evc-truth", "20k"),
+    ] {
+        let place = format!("127.0.0.1:{}", port());
+        let one = ["--commands", "command[1]", "--positions", "position[1]"];
+        let plant_of = [&[plant, "--rate", rate][..], &one].concat();
+        let _machine = emulated(scheme, protocol, &place, &plant_of, here);
+        let gateway = format!("{scheme}://{place}");
+        let call = ["bench", "tune", &gateway, "--write", "--yes", "--log", "plant.csv"];
+        let answer = json(&call, here);
+        println!(
+            "{scheme}, {plant}: {} -> {} (predicted {}), {} s",
+            of(&answer, "before"),
+            of(&answer, "after"),
+            of(&answer, "predicted"),
+            answer["seconds"]
+        );
+        assert!(of(&answer, "after") < of(&answer, "before") / 5.0, "{answer:#}");
+        assert!(answer["predicted"]["sensitivity"].as_f64().unwrap() <= 1.505);
+        assert!(answer["seconds"].as_f64().unwrap() < 120.0);
+        assert!(answer["law_explained"].as_f64().unwrap() > 0.99, "{answer:#}");
+        let filters = answer["proposed"]["notches"].as_array().unwrap();
+        assert_eq!(plant == "evc-truth", !filters.is_empty(), "{answer:#}");
+    }
+    let place = format!("127.0.0.1:{}", port());
+    let _machine = emulated("gcs", "GCS 2.0", &place, &["p1", "--rate", "1k"], here);
+    let gateway = format!("gcs://{place}");
+    let looked = json(&["bench", "tune", &gateway], here);
+    assert!(looked["after"].is_null() && looked["restored"] == false, "{looked:#}");
+    let again = json(&["bench", "tune", &gateway, "--write", "--yes"], here);
+    assert_eq!(again["before"]["law"], looked["before"]["law"], "looking changes nothing");
+    // Now the values are good: worse ones, which a small sensitivity gives, are not kept.
+    let call = ["--json", "bench", "tune", &gateway, "--sensitivity", "1.02", "--write", "--yes"];
+    let output = common::piezoloop(&call, here);
+    assert_eq!(output.status.code(), Some(1));
+    let kept: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(kept["restored"], true, "{kept:#}");
+    let last = json(&["bench", "tune", &gateway], here);
+    assert_eq!(last["before"]["law"], kept["before"]["law"], "the old values are back");
+    let message = refuse(&["bench", "tune", &gateway, "--write"], here);
+    assert!(message.contains("give --yes too"), "{message}");
+    let message = refuse(&["bench", "tune", "udp://127.0.0.1:9000"], here);
+    assert!(message.contains("no wave generator"), "{message}");
+}
+
+#[test]
+fn what_an_instrument_cannot_play_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let place = format!("127.0.0.1:{}", port());
+    let _machine = instrument("gcs", "GCS 2.0", &place, here);
+    let gateway = format!("gcs://{place}");
+    let refused = |more: &[&str]| {
+        let call =
+            [&["bench", "measure", "triangles.csv", "--gateway", &gateway, "-o", "log.csv"], more];
+        refuse(&call.concat(), here)
+    };
+    triangles("5", "3e-3", here);
+    let message = refused(&[]);
+    assert!(message.contains("no multiple of the servo cycle, 0.002 s"), "{message}");
+    triangles("500", "2e-3", here);
+    let message = refused(&[]);
+    assert!(message.contains("the travel of the axis is from -7 to 42"), "{message}");
+    triangles("5", "2e-3", here);
+    let message = refused(&["--cycles", "5000"]);
+    assert!(message.contains("the instrument takes 32768 and 32768"), "{message}");
+    assert!(!here.join("log.csv").exists(), "no log of what was not measured");
+    let message = refuse(
+        &["bench", "measure", "triangles.csv", "--gateway", "gcs://127.0.0.1:1", "-o", "log.csv"],
+        here,
+    );
+    assert!(message.contains("check power"), "{message}");
+    let file = here.join("taken");
+    std::fs::write(&file, "").unwrap();
+    let gateway = format!("gcs://{}", file.display());
+    let message = refuse(&["bench", "emulate", "p1", "--rate", "500", "--gateway", &gateway], here);
+    assert!(message.contains("is no emulated line"), "{message}");
+}
+
 #[test]
 fn pis_own_client_works_with_the_instrument() {
     let Some(python) = foreign::environment("pipython") else { return };
     let folder = tempfile::tempdir().unwrap();
-    let port = port();
-    let _machine = instrument("gcs", "GCS 2.0", port, folder.path());
-    let messages = foreign::script(&python, "pi_client.py", &[&port.to_string()], folder.path());
-    println!("{messages}");
-    assert!(messages.contains("PIPython"));
+    let here = folder.path();
+    let (port, line) = (port().to_string(), here.join("line").display().to_string());
+    for (place, argument) in [(format!("127.0.0.1:{port}"), &port), (line.clone(), &line)] {
+        let _machine = instrument("gcs", "GCS 2.0", &place, here);
+        let messages = foreign::script(&python, "pi_client.py", &[argument], here);
+        println!("{messages}");
+        assert!(messages.contains("PIPython"));
+    }
 }

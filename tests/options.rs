@@ -20,7 +20,7 @@ const HOSTILE: [&str; 7] = ["0", "-1", "NaN", "inf", "1e300", "18446744073709551
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// Small arguments with which each command works; `None`: it has no options that take values.
-const SMALL: [(&str, Option<&str>); 30] = [
+const SMALL: [(&str, Option<&str>); 32] = [
     ("", Some("log in.csv")),
     (
         "identify",
@@ -50,6 +50,12 @@ const SMALL: [(&str, Option<&str>); 30] = [
         "bench emulate",
         Some("bench emulate plant.fmu --gateway udp://127.0.0.1:19370 --rate 1k --duration 0.01"),
     ),
+    // Nobody listens there.
+    (
+        "bench measure",
+        Some("bench measure in.csv --column u --gateway gcs://127.0.0.1:9 -o log.csv"),
+    ),
+    ("bench tune", Some("bench tune gcs://127.0.0.1:9")),
     ("bench campaign", Some("bench campaign campaign.toml")),
     ("bench recover", Some("bench recover run.csv.journal")),
     ("bench replay", Some("bench replay run.csv.journal")),

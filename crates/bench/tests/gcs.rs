@@ -12,7 +12,7 @@ use std::rc::Rc;
 
 use bench::emulate::{GcsInstrument, travel};
 use bench::gateway::device::Device;
-use bench::gateway::gcs::GcsDevice;
+use bench::gateway::gcs::{self, GcsDevice};
 use bench::gateway::line::Options;
 use bench::safety::{Reason, State};
 use common::bad_line::{FAULTS, Fault, MemoryLine, World};
@@ -41,6 +41,15 @@ fn device(world: &Rc<RefCell<World>>) -> GcsDevice {
 
 #[test]
 fn line_faults_end_in_the_safe_state() {
+    faults_end_safely(false);
+}
+
+#[test]
+fn faults_of_a_serial_line_end_in_the_safe_state() {
+    faults_end_safely(true);
+}
+
+fn faults_end_safely(serial: bool) {
     let mut ends = BTreeMap::<String, u32>::new();
     let mut scripts = 0;
     for fault in FAULTS {
@@ -50,6 +59,9 @@ fn line_faults_end_in_the_safe_state() {
                 let seed = 1000 * index as u64 + length % 1000;
                 let name = format!("{fault:?} from exchange {from} for {length}, seed {seed}");
                 let world = world(seed, Some((fault, from, length)));
+                if serial {
+                    world.borrow_mut().at_serial_line(gcs::END);
+                }
                 let mut gateway = Lockstep::new(Box::new(device(&world)), AXES);
                 let mut cycle = cycle_with(AXES, controller(AXES, targets(AXES)), target_limits());
                 let memory = run(&mut cycle, &mut gateway, 6000);

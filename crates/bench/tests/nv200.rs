@@ -13,7 +13,7 @@ use std::rc::Rc;
 use bench::emulate::{Nv200Instrument, travel};
 use bench::gateway::device::Device;
 use bench::gateway::line::Options;
-use bench::gateway::nv200::Nv200Device;
+use bench::gateway::nv200::{self, Nv200Device};
 use bench::safety::{Reason, State};
 use common::bad_line::{Fault, MemoryLine, World};
 use common::lockstep::{Lockstep, run};
@@ -38,6 +38,15 @@ fn device(world: &Rc<RefCell<World>>, options: &str) -> Result<Nv200Device, Stri
 
 #[test]
 fn line_faults_end_in_the_safe_state() {
+    faults_end_safely(false);
+}
+
+#[test]
+fn faults_of_a_serial_line_end_in_the_safe_state() {
+    faults_end_safely(true);
+}
+
+fn faults_end_safely(serial: bool) {
     let faults = [
         Fault::Cut,
         Fault::HungUp,
@@ -57,6 +66,9 @@ fn line_faults_end_in_the_safe_state() {
                 let seed = 1000 * index as u64 + length % 1000;
                 let name = format!("{fault:?} from exchange {from} for {length}, seed {seed}");
                 let world = world(seed, Some((fault, from, length)));
+                if serial {
+                    world.borrow_mut().at_serial_line(nv200::END);
+                }
                 let mut gateway = Lockstep::new(Box::new(device(&world, "").unwrap()), 1);
                 let mut cycle = cycle_with(1, controller(1, targets(1)), target_limits());
                 let memory = run(&mut cycle, &mut gateway, 6000);
@@ -119,7 +131,7 @@ fn an_instrument_that_does_not_fit_is_refused() {
     };
     for (options, safe, words) in [
         ("", &[0.0, 0.0][..], "has one axis, the run 2"),
-        ("axes=1", &[0.0], "axes= is not for it"),
+        ("axes=1", &[0.0], "axes= and analog= are not for it"),
         ("", &[50.0], "its travel is from -2 to 12; the safe command 50"),
     ] {
         let message = open(options, safe).unwrap_err();

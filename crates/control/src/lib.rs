@@ -2,7 +2,8 @@
 //!
 //! * [`invert`]: plant → controller, the inverse of what the plant does as feedforward and a PID loop with stated
 //!   margins; [`simulate_loop`] runs the two.
-//! * [`relay`], [`robust`] and others: gains from experiments on a machine.
+//! * [`relay`], [`robust`] and others: gains from experiments on a machine; [`ServoPlant`]: values for the servo of an
+//!   instrument.
 //! * [`calibrate`]: the Jacobian of coupled axes from their simultaneous motion.
 //!
 //! Nothing prints; an [`Observer`](identify::Observer) is told how far long work is.
@@ -31,6 +32,7 @@ mod probe;
 mod random;
 mod responses;
 mod search;
+mod servo;
 mod tuning;
 mod work;
 
@@ -47,6 +49,10 @@ pub use identify::{Error, NotInvertible, SettingsProblem};
 pub use invert::{ControlSettings, Coordinator, Inversion, LoopFigures, invert};
 pub use preview::PreviewFigures;
 pub use responses::{AxisResponses, FrequencyCurves, TimeRun, responses};
+pub use servo::{
+    NotchFilter, ServoLaw, ServoLimits, ServoPlant, ServoVerdict, law_in_record, multisine,
+    periodic_response,
+};
 pub use tuning::{
     Gains, LoopCurves, LoopVerdict, Machine, Ultimate, impulse_of, judge_loop, loop_curves, relay,
     robust, ultimate_by_gain, ziegler_nichols,

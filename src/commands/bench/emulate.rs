@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, bail};
 use bench::emulate::{Behaviour, Emulator, Injected, Plant, Script, Serve, Served, Timing, serve};
-use bench::gateway::{Address, End, Refused, Site};
+use bench::gateway::{Address, End, Place, Refused, Site};
 use clap::Args;
 use cosim::InstanceOptions;
 use modeldescription::variable::Causality;
@@ -37,7 +37,8 @@ pub(crate) struct Emulate {
     /// The plant: an FMU, a blueprint or the name of a rig
     plant: PathBuf,
     /// Address of the machine: udp://IP:PORT, shm://NAME, gcs://IP:PORT or nv200://IP:PORT [default for --protocol
-    /// gcs: gcs://127.0.0.1:50000, for nv200: nv200://127.0.0.1:50023]
+    /// gcs: gcs://127.0.0.1:50000, for nv200: nv200://127.0.0.1:50023]. With a file, as in gcs:///tmp/stage, the
+    /// instrument is at a serial line: a pseudo terminal to which the file becomes a link
     #[arg(long, value_name = "ADDRESS", value_parser = super::address, required_unless_present = "protocol")]
     gateway: Option<Address>,
     /// Protocol [default: that of the address]
@@ -115,10 +116,10 @@ impl Emulate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let gateway = match (self.protocol, &self.gateway) {
             (None | Some(Protocol::Gcs), Some(Address::Gcs { at, options })) => {
-                return self.instrument(screen, Kind::Gcs, *at, options);
+                return self.instrument(screen, Kind::Gcs, at.clone(), options);
             }
             (None | Some(Protocol::Nv200), Some(Address::Nv200 { at, options })) => {
-                return self.instrument(screen, Kind::Nv200, *at, options);
+                return self.instrument(screen, Kind::Nv200, at.clone(), options);
             }
             (Some(Protocol::Gcs), None) => {
                 return self.instrument(screen, Kind::Gcs, Kind::Gcs.here(), "");
@@ -187,7 +188,7 @@ impl Emulate {
         &self,
         screen: &Screen,
         kind: Kind,
-        at: SocketAddr,
+        at: Place,
         options: &str,
     ) -> anyhow::Result<u8> {
         let given = [

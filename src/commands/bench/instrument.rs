@@ -1,14 +1,14 @@
 //! `piezoloop bench emulate --protocol gcs` or `nv200`: an instrument, with a piezo plant behind it.
 
 use std::io::{self, Write};
-use std::net::{Ipv4Addr, SocketAddr};
+use std::net::Ipv4Addr;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, bail};
 use bench::emulate::{GcsInstrument, Instrument, Nv200Instrument, Plant, Travel, travel};
-use bench::gateway::{self, InstrumentServed, gcs, nv200};
+use bench::gateway::{self, InstrumentServed, Place, gcs, nv200};
 use cosim::{Fmu, InstanceOptions};
 use modeldescription::variable::Causality;
 use serde::Serialize;
@@ -26,12 +26,12 @@ pub(super) enum Kind {
 
 impl Kind {
     /// Where it listens when nothing else is said. The port of the real NV200 is for administrators.
-    pub(super) fn here(self) -> SocketAddr {
+    pub(super) fn here(self) -> Place {
         let port = match self {
             Kind::Gcs => gcs::PORT,
             Kind::Nv200 => 50_000 + nv200::PORT,
         };
-        (Ipv4Addr::LOCALHOST, port).into()
+        Place::Net((Ipv4Addr::LOCALHOST, port).into())
     }
 
     fn named(self) -> (&'static str, &'static str) {
@@ -46,7 +46,7 @@ impl Kind {
 pub(super) struct Play<'a> {
     pub(super) plant: &'a Path,
     pub(super) kind: Kind,
-    pub(super) at: SocketAddr,
+    pub(super) at: Place,
     pub(super) rate: f64,
     pub(super) volts: Option<[f64; 2]>,
     pub(super) commands: &'a [String],
@@ -103,7 +103,7 @@ impl Play<'_> {
         let duration_ns = self.duration.map(|seconds| (seconds * 1e9) as u64);
         let ready = || screen.say(&line);
         let served =
-            gateway::serve(&mut *instrument, self.at, period_ns, duration_ns, &stop, ready)??;
+            gateway::serve(&mut *instrument, &self.at, period_ns, duration_ns, &stop, ready)??;
         screen.show(&Played { served })
     }
 

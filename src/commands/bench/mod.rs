@@ -3,9 +3,11 @@
 mod campaign;
 mod emulate;
 mod instrument;
+mod measure;
 mod recover;
 mod replay;
 mod run;
+mod tune;
 
 use std::path::{Path, PathBuf};
 
@@ -33,6 +35,8 @@ pub(crate) struct Bench {
 enum Command {
     Run(Box<run::Run>),
     Emulate(Box<emulate::Emulate>),
+    Measure(Box<measure::Measure>),
+    Tune(Box<tune::Tune>),
     Campaign(campaign::Run),
     Recover(recover::Recover),
     Replay(replay::Replay),
@@ -47,6 +51,8 @@ impl Bench {
         match self.command {
             Command::Run(command) => command.run(screen),
             Command::Emulate(command) => command.run(screen),
+            Command::Measure(command) => command.run(screen),
+            Command::Tune(command) => command.run(screen),
             Command::Campaign(command) => command.run(screen),
             Command::Recover(command) => command.run(screen),
             Command::Replay(command) => command.run(screen),

@@ -109,6 +109,11 @@ impl Plant {
         Ok(())
     }
 
+    /// Length of a step in s.
+    pub(crate) fn period(&self) -> f64 {
+        self.step
+    }
+
     /// The positions.
     pub(crate) fn read(&self, sample: &mut [f64]) {
         sample.copy_from_slice(&self.sample);

@@ -16,17 +16,17 @@ pub enum Address {
     SharedMemory(String),
     /// `ethercat://INTERFACE`: SubDevices at this network interface.
     Ethercat(String),
-    /// `gcs://IP:PORT?OPTIONS`: an instrument of PI.
+    /// `gcs://IP:PORT?OPTIONS`, `gcs:///dev/ttyUSB0?OPTIONS`: an instrument of PI.
     Gcs {
-        /// Where it listens.
-        at: SocketAddr,
+        /// Where it is.
+        at: Place,
         /// See `line::Options`.
         options: String,
     },
-    /// `nv200://IP:PORT?OPTIONS`: an NV200 of piezosystem jena.
+    /// `nv200://IP:PORT?OPTIONS`, `nv200:///dev/ttyUSB0?OPTIONS`: an NV200 of piezosystem jena.
     Nv200 {
-        /// Where it listens.
-        at: SocketAddr,
+        /// Where it is.
+        at: Place,
         /// See `line::Options`.
         options: String,
     },
@@ -37,6 +37,24 @@ pub enum Address {
         /// What it gets, as it stands.
         options: String,
     },
+}
+
+/// Where an instrument is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// It listens there.
+    Net(SocketAddr),
+    /// At this serial port.
+    Serial(PathBuf),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::Net(at) => write!(f, "{at}"),
+            Place::Serial(device) => write!(f, "{}", device.display()),
+        }
+    }
 }
 
 impl FromStr for Address {
@@ -89,14 +107,17 @@ impl FromStr for Address {
     }
 }
 
-const NO_IP: &str = "is no IP address with or without a port (names are not looked up)";
+const NO_IP: &str = "is no IP address with or without a port (names are not looked up), nor a serial port as in gcs:///dev/ttyUSB0";
 
 /// Address, with this port where none is given, and options of an instrument.
-fn instrument(text: &str, port: u16) -> Option<(SocketAddr, String)> {
+fn instrument(text: &str, port: u16) -> Option<(Place, String)> {
     let (host, options) = text.split_once('?').unwrap_or((text, ""));
+    if host.starts_with('/') && !host.contains('\0') {
+        return Some((Place::Serial(host.into()), options.to_owned()));
+    }
     let only_ip = || host.trim_matches(['[', ']']).parse::<IpAddr>().map(|ip| (ip, port).into());
     let at = host.parse::<SocketAddr>().or_else(|_| only_ip()).ok()?;
-    Some((at, options.to_owned()))
+    Some((Place::Net(at), options.to_owned()))
 }
 
 impl fmt::Display for Address {
@@ -132,6 +153,8 @@ mod tests {
             "gcs://192.168.0.5:50000",
             "gcs://[::1]:50001?axes=1,2&mode=open",
             "nv200://192.168.0.6:23?mode=open",
+            "gcs:///dev/ttyUSB0?baud=9600",
+            "nv200:///dev/ttyACM1",
             "plugin://./libcard.so",
             "plugin:///opt/card.so?ao=Dev1/ao0:1 range=10?x",
         ] {

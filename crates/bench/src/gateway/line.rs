@@ -53,10 +53,17 @@ pub struct Options {
     pub open_loop: bool,
     /// Longest wait for the answers of one exchange.
     pub timeout: Duration,
+    /// Input signals that hold the positions, in the order of the channels; empty: those of the axes.
+    pub analog: Vec<String>,
+    /// Speed of a serial line, bit/s.
+    pub baud: u32,
 }
 
+/// Speed of a serial line where none is given.
+pub const BAUD: u32 = 115_200;
+
 impl Options {
-    /// Reads `axes=1,2&mode=open&timeout=0.05`; the timeout in s is by default two cycles, at least
+    /// Reads `axes=1,2&mode=open&timeout=0.05&analog=4,5&baud=9600`; the timeout in s is by default two cycles, at least
     /// 20 ms.
     ///
     /// # Errors
@@ -67,12 +74,23 @@ impl Options {
             axes: Vec::new(),
             open_loop: false,
             timeout: Duration::from_secs_f64(seconds),
+            analog: Vec::new(),
+            baud: BAUD,
         };
         for word in text.split('&').filter(|word| !word.is_empty()) {
-            let wrong =
-                || format!("`{word}` is none of axes=1,2 mode=closed mode=open timeout=SECONDS");
+            let wrong = || {
+                format!(
+                    "`{word}` is none of axes=1,2 mode=closed mode=open timeout=SECONDS analog=4,5 baud=115200"
+                )
+            };
+            let names = |list: &str| list.split(',').map(str::to_owned).collect::<Vec<_>>();
             match word.split_once('=').ok_or_else(wrong)? {
-                ("axes", names) => options.axes = names.split(',').map(str::to_owned).collect(),
+                ("axes", list) => options.axes = names(list),
+                ("analog", list) => options.analog = names(list),
+                ("baud", text) => {
+                    let baud = text.parse().ok().filter(|baud| (300..=12_000_000).contains(baud));
+                    options.baud = baud.ok_or_else(wrong)?;
+                }
                 ("mode", "closed") => options.open_loop = false,
                 ("mode", "open") => options.open_loop = true,
                 ("timeout", text) => {
@@ -82,8 +100,11 @@ impl Options {
                 _ => return Err(wrong()),
             }
         }
-        if options.axes.iter().any(|axis| axis.is_empty() || axis.contains([' ', '\n', '='])) {
-            return Err(format!("`{text}`: an axis has no name, or one with a blank"));
+        let is_bad = |name: &String| name.is_empty() || name.contains([' ', '\n', '=']);
+        if options.axes.iter().chain(&options.analog).any(is_bad) {
+            return Err(format!(
+                "`{text}`: an axis or input signal has no name, or one with a blank"
+            ));
         }
         Ok(options)
     }
@@ -134,4 +155,26 @@ impl Line for TcpLine {
             let _ = stream.shutdown(Shutdown::Both);
         }
     }
+}
+
+/// A line that this system has not.
+#[cfg(not(unix))]
+#[derive(Debug)]
+pub(super) struct NoLine;
+
+#[cfg(not(unix))]
+impl Line for NoLine {
+    fn open(&mut self, _: Duration) -> Result<(), String> {
+        Err("this build has no serial lines; use the instrument's network port".to_owned())
+    }
+
+    fn write(&mut self, _: &[u8]) -> Result<(), String> {
+        Err("the line is closed".to_owned())
+    }
+
+    fn read(&mut self, _: &mut [u8], _: Duration) -> Result<usize, String> {
+        Err("the line is closed".to_owned())
+    }
+
+    fn close(&mut self) {}
 }

@@ -6,10 +6,12 @@
 //! | `shm://stage` | shared memory of this host, over iceoryx2 (feature `shared-memory`) |
 //! | `ethercat://eth1` | SubDevices at that interface, over ethercrab (feature `ethercat`) |
 //! | `gcs://10.0.0.5:50000?axes=1,2` | an instrument of PI, General Command Set 2.0 over TCP |
-//! | `nv200://10.0.0.6` | a piezosystem jena NV200, over its telnet port |
+//! | `gcs:///dev/ttyUSB0?baud=115200` | the same over a serial line |
+//! | `nv200://10.0.0.6`, `nv200:///dev/ttyUSB0` | a piezosystem jena NV200, over its telnet port or a serial line |
 //! | `plugin://./libcard.so?options` | a driver in C with the functions of `gateway.h` |
 
 mod address;
+pub mod csp;
 pub mod device;
 #[cfg(all(feature = "ethercat", target_os = "linux"))]
 pub mod ethercat;
@@ -20,16 +22,19 @@ mod memory;
 pub mod nv200;
 mod plugin;
 mod process_data;
+#[cfg(unix)]
+pub mod serial;
 mod serve;
 #[cfg(feature = "shared-memory")]
 mod shared_memory;
+pub mod station;
 mod udp;
 
 use std::time::Duration;
 
 use thiserror::Error;
 
-pub use address::Address;
+pub use address::{Address, Place};
 pub use keyed::{KEYED_VERSION, Key, KeyError, KeyedGateway, Refused};
 pub use memory::{MemoryGateway, pair};
 pub use plugin::PluginDevice;
@@ -81,7 +86,7 @@ pub enum End {
 pub enum GatewayError {
     /// The text is no address.
     #[error(
-        "gateway `{text}`: {rule}; write udp://IP:PORT as in udp://127.0.0.1:9000, shm://NAME, ethercat://INTERFACE, gcs://IP, nv200://IP, or plugin://FILE"
+        "gateway `{text}`: {rule}; write udp://IP:PORT as in udp://127.0.0.1:9000, shm://NAME, ethercat://INTERFACE, gcs://IP or gcs:///dev/ttyUSB0, nv200://IP, or plugin://FILE"
     )]
     Address {
         /// As it was given.
@@ -174,14 +179,14 @@ pub fn open(
         }
         Address::Gcs { at, options } => open_instrument(
             address,
-            (*at, options),
+            (at, gcs::END, options),
             "gcs://IP?axes=1,2",
             site,
             |line, options, safe| Ok(Box::new(gcs::GcsDevice::open(line, options, safe)?)),
         ),
         Address::Nv200 { at, options } => open_instrument(
             address,
-            (*at, options),
+            (at, nv200::END, options),
             "nv200://IP?mode=open",
             site,
             |line, options, safe| Ok(Box::new(nv200::Nv200Device::open(line, options, safe)?)),
@@ -236,7 +241,7 @@ fn open_device(
 /// An instrument that is spoken to by lines of text; `example`: an address with options.
 fn open_instrument(
     address: &Address,
-    (at, options): (std::net::SocketAddr, &str),
+    (at, end, options): (&Place, &'static [u8], &str),
     example: &str,
     site: &Site<'_>,
     make: impl FnOnce(
@@ -255,10 +260,60 @@ fn open_instrument(
             way_out: format!("give them as in {example}"),
         })?;
     let safe = site.safe.clone();
-    let way_out = "check power, cable, address and that no other program is connected";
-    open_device(address, way_out, site, move || {
-        make(Box::new(line::TcpLine::new(at)), options, &safe)
+    let at = at.clone();
+    open_device(address, WAY_OUT, site, move || {
+        make(line_to(&at, options.baud, end), options, &safe)
     })
+}
+
+/// What to do where an instrument does not open.
+const WAY_OUT: &str = "check power, cable, address and that no other program is connected";
+
+/// The line to an instrument; `end` ends a command there.
+#[cfg(unix)]
+fn line_to(at: &Place, baud: u32, end: &'static [u8]) -> Box<dyn line::Line> {
+    match at {
+        Place::Net(at) => Box::new(line::TcpLine::new(*at)),
+        Place::Serial(device) => Box::new(serial::SerialLine::new(device, baud, end)),
+    }
+}
+
+#[cfg(not(unix))]
+fn line_to(at: &Place, _: u32, _: &'static [u8]) -> Box<dyn line::Line> {
+    match at {
+        Place::Net(at) => Box::new(line::TcpLine::new(*at)),
+        Place::Serial(_) => Box::new(line::NoLine),
+    }
+}
+
+/// Opens an instrument to work with its own wave generator and data recorder.
+///
+/// # Errors
+/// It does not answer, has not such an axis, or the address is none of an instrument.
+pub fn open_station(address: &Address) -> Result<Box<dyn station::Station>, GatewayError> {
+    let failed = |what: &str, error: String, way_out: &str| GatewayError::Open {
+        address: address.to_string(),
+        what: what.to_owned(),
+        error,
+        way_out: way_out.to_owned(),
+    };
+    let (at, end, options) = match address {
+        Address::Gcs { at, options } => (at, gcs::END, options),
+        Address::Nv200 { at, options } => (at, nv200::END, options),
+        _ => {
+            let error = "it has no wave generator and no data recorder".to_owned();
+            return Err(failed("the instrument", error, "give gcs://IP or nv200://IP"));
+        }
+    };
+    let options = line::Options::parse(options, station::PERIOD).map_err(|error| {
+        failed("its options", error, "give them as in gcs://IP?axes=1&mode=open")
+    })?;
+    let line = line_to(at, options.baud, end);
+    let opened: Result<Box<dyn station::Station>, String> = match address {
+        Address::Gcs { .. } => gcs::GcsStation::open(line, options).map(|s| Box::new(s) as _),
+        _ => nv200::Nv200Station::open(line, options).map(|s| Box::new(s) as _),
+    };
+    opened.map_err(|error| failed("the instrument", error, WAY_OUT))
 }
 
 #[cfg(not(unix))]

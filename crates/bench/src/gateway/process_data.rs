@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use super::csp::CspData;
+
 /// The section `[ethercat]` of a plan:
 ///
 /// ```toml
@@ -12,6 +14,11 @@ use serde::Deserialize;
 /// [[ethercat.channel]]                             # one for each axis
 /// output = { device = 1, byte = 0, type = "i16", scale = 0.00457763671875 }
 /// input = { device = 2, byte = 0, type = "i32", scale = 1e-3, bias = -2.0 }
+///
+/// [[ethercat.channel]]                             # a drive in cyclic synchronous position mode
+/// output = { device = 3, byte = 2, type = "i32", scale = 1e-3 }
+/// input = { device = 3, byte = 2, type = "i32", scale = 1e-3 }
+/// csp = { controlword = 0, mode = 6, statusword = 0, mode_display = 6 }
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -35,6 +42,9 @@ pub struct ChannelData {
     pub output: Entry,
     /// Where the position comes from.
     pub input: Entry,
+    /// The SubDevice is a drive in cyclic synchronous position mode: output is its target (0x607A), input its
+    /// position (0x6064).
+    pub csp: Option<CspData>,
 }
 
 /// One number in the process data of one SubDevice: value = bias + scale · raw.
@@ -180,6 +190,15 @@ impl Bit {
     }
 }
 
+/// An object of a drive.
+struct Object {
+    channel: usize,
+    name: &'static str,
+    is_output: bool,
+    device: usize,
+    bytes: std::ops::Range<usize>,
+}
+
 impl ProcessData {
     /// Everything that is wrong with it, for so many axes.
     #[must_use]
@@ -239,12 +258,35 @@ impl ProcessData {
             let what = format!("channel {channel}: {which}");
             look(what, entry.device, entry.bytes().end, which == "output");
         }
+        for Object { channel, name, is_output, device, bytes } in self.objects() {
+            look(format!("channel {channel}: csp {name}"), device, bytes.end, is_output);
+        }
         for (name, bit) in [("enable", self.enable), ("powered", self.powered)] {
             if let Some(bit) = bit {
                 look(name.to_owned(), bit.device, bit.byte.saturating_add(1), name == "enable");
             }
         }
         problems
+    }
+
+    /// The objects of drives beside target and position.
+    fn objects(&self) -> impl Iterator<Item = Object> {
+        let drives = self.channels.iter().zip(1..).filter_map(|(c, n)| Some((c, n, c.csp?)));
+        drives.flat_map(|(data, channel, csp)| {
+            let object = |name, is_output, byte: usize, size: usize| {
+                let entry = if is_output { &data.output } else { &data.input };
+                let bytes = byte..byte.saturating_add(size);
+                Object { channel, name, is_output, device: entry.device, bytes }
+            };
+            [
+                Some(object("controlword", true, csp.controlword, 2)),
+                csp.mode.map(|byte| object("mode", true, byte, 1)),
+                Some(object("statusword", false, csp.statusword, 2)),
+                csp.mode_display.map(|byte| object("mode_display", false, byte, 1)),
+            ]
+            .into_iter()
+            .flatten()
+        })
     }
 
     fn entries(&self) -> impl Iterator<Item = (usize, &'static str, &Entry)> {
@@ -275,6 +317,25 @@ impl ProcessData {
             let enable = self.enable.filter(|bit| meets(entry, bit.device, bit.byte..bit.byte + 1));
             if enable.is_some() {
                 problems.push(format!("[ethercat] enable lies in the output of channel {channel}"));
+            }
+        }
+        let objects: Vec<Object> = self.objects().filter(|object| object.is_output).collect();
+        for (index, Object { channel, name, device, bytes, .. }) in objects.iter().enumerate() {
+            for (other, entry) in &outputs {
+                if meets(entry, *device, bytes.clone()) {
+                    problems.push(format!(
+                        "[ethercat] csp {name} of channel {channel} lies in the output of channel {other}"
+                    ));
+                }
+            }
+            for second in &objects[index + 1..] {
+                let is_met = second.bytes.start < bytes.end && bytes.start < second.bytes.end;
+                if second.device == *device && is_met {
+                    problems.push(format!(
+                        "[ethercat] csp {name} of channel {channel} and {} of channel {} overlap",
+                        second.name, second.channel
+                    ));
+                }
             }
         }
         problems

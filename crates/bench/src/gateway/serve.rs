@@ -1,13 +1,15 @@
-//! An emulated instrument on a TCP port.
+//! An emulated instrument on a TCP port or a pseudo terminal.
 
 use std::io::{ErrorKind, Read, Write};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use crate::clock::now_ns;
 use crate::emulate::{Instrument, PlantError};
-use crate::gateway::GatewayError;
+#[cfg(unix)]
+use crate::gateway::serial;
+use crate::gateway::{GatewayError, Place};
 
 /// How long nothing may come before the clock is looked at.
 const LOOK: Duration = Duration::from_micros(200);
@@ -23,31 +25,100 @@ pub struct InstrumentServed {
     pub commands: u64,
 }
 
-/// Plays an instrument on a port of this computer until it shall end: one client at a time, as the
-/// newest connection takes the place of the one before. `ready` is called once it listens.
+/// Where an instrument is played.
+#[derive(Debug)]
+enum Port {
+    Net {
+        listener: TcpListener,
+        client: Option<TcpStream>,
+    },
+    #[cfg(unix)]
+    Serial(serial::Terminal),
+}
+
+impl Port {
+    fn open(place: &Place) -> Result<Self, GatewayError> {
+        let failed = |error: String| GatewayError::Open {
+            address: place.to_string(),
+            what: "the port".to_owned(),
+            error,
+            way_out: "choose another with --gateway".to_owned(),
+        };
+        match place {
+            Place::Net(address) => {
+                let listener = TcpListener::bind(address).map_err(|e| failed(e.to_string()))?;
+                listener.set_nonblocking(true).map_err(|e| failed(e.to_string()))?;
+                Ok(Port::Net { listener, client: None })
+            }
+            #[cfg(unix)]
+            Place::Serial(name) => Ok(Port::Serial(serial::Terminal::open(name).map_err(failed)?)),
+            #[cfg(not(unix))]
+            Place::Serial(_) => Err(failed("this build has no serial lines".to_owned())),
+        }
+    }
+
+    /// Whether a new client has come.
+    fn accepts(&mut self) -> bool {
+        let Port::Net { listener, client } = self else { return false };
+        let Ok((stream, _)) = listener.accept() else { return false };
+        let is_set = stream.set_read_timeout(Some(LOOK)).and_then(|()| stream.set_nodelay(true));
+        let is_good = is_set.and_then(|()| stream.set_nonblocking(false)).is_ok();
+        if is_good {
+            *client = Some(stream);
+        }
+        is_good
+    }
+
+    /// What has come; waits a little for it.
+    fn read(&mut self, buffer: &mut [u8]) -> usize {
+        match self {
+            Port::Net { client, .. } => {
+                let Some(stream) = client else {
+                    std::thread::sleep(LOOK);
+                    return 0;
+                };
+                match stream.read(buffer) {
+                    Ok(length) if length > 0 => return length,
+                    Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+                    _ => *client = None,
+                }
+                0
+            }
+            #[cfg(unix)]
+            Port::Serial(terminal) => terminal.read(buffer, LOOK),
+        }
+    }
+
+    fn write(&mut self, answer: &[u8]) {
+        match self {
+            Port::Net { client, .. } => {
+                if client.as_mut().is_some_and(|stream| stream.write_all(answer).is_err()) {
+                    *client = None;
+                }
+            }
+            #[cfg(unix)]
+            Port::Serial(terminal) => terminal.write(answer),
+        }
+    }
+}
+
+/// Plays an instrument on a port of this computer, or on a pseudo terminal, until it shall end: one client at a time,
+/// as the newest connection takes the place of the one before. `ready` is called once it listens.
 ///
 /// # Errors
 /// The port is taken; or the plant FMU failed.
 pub fn serve(
     instrument: &mut dyn Instrument,
-    address: SocketAddr,
+    place: &Place,
     period_ns: u64,
     duration_ns: Option<u64>,
     stop: &AtomicBool,
     ready: impl FnOnce(),
 ) -> Result<Result<InstrumentServed, PlantError>, GatewayError> {
-    let failed = |error: std::io::Error| GatewayError::Open {
-        address: format!("{address}"),
-        what: "the port".to_owned(),
-        error: error.to_string(),
-        way_out: "choose another with --gateway".to_owned(),
-    };
-    let listener = TcpListener::bind(address).map_err(failed)?;
-    listener.set_nonblocking(true).map_err(failed)?;
+    let mut port = Port::open(place)?;
     ready();
     let begin = now_ns();
     let mut served = InstrumentServed::default();
-    let mut client: Option<TcpStream> = None;
     let mut buffer = [0; 4096];
     while !stop.load(Ordering::Relaxed) {
         let passed = now_ns().saturating_sub(begin);
@@ -60,29 +131,14 @@ pub fn serve(
                 return Ok(Err(error));
             }
         }
-        if let Ok((stream, _)) = listener.accept() {
-            let is_set =
-                stream.set_read_timeout(Some(LOOK)).and_then(|()| stream.set_nodelay(true));
-            if is_set.and_then(|()| stream.set_nonblocking(false)).is_ok() {
-                served.connections += 1;
-                instrument.hang_up();
-                client = Some(stream);
-            }
+        if port.accepts() {
+            served.connections += 1;
+            instrument.hang_up();
         }
-        let Some(stream) = &mut client else {
-            std::thread::sleep(LOOK);
-            continue;
-        };
-        let is_gone = match stream.read(&mut buffer) {
-            Ok(0) => true,
-            Ok(length) => {
-                let answer = instrument.receive(&buffer[..length]);
-                stream.write_all(&answer).is_err()
-            }
-            Err(error) => !matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut),
-        };
-        if is_gone {
-            client = None;
+        let length = port.read(&mut buffer);
+        if length > 0 {
+            let answer = instrument.receive(&buffer[..length]);
+            port.write(&answer);
         }
     }
     served.commands = instrument.commands();

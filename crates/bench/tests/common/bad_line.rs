@@ -55,6 +55,8 @@ pub struct World {
     positions: fn(&str) -> Option<Vec<f64>>,
     /// What stops the instrument.
     stop: &'static [u8],
+    /// At a serial line, which knows no connection: what ends a command there.
+    end: Option<&'static [u8]>,
     fault: Option<(Fault, u64, u64)>,
     random: ChaCha8Rng,
     exchanges: u64,
@@ -113,12 +115,19 @@ pub struct MemoryLine(pub Rc<RefCell<World>>);
 impl Line for MemoryLine {
     fn open(&mut self, _: Duration) -> Result<(), String> {
         let mut world = self.0.borrow_mut();
-        (world.pending, world.late) = (Vec::new(), Vec::new());
-        world.instrument.hang_up();
+        if world.end.is_none() {
+            (world.pending, world.late) = (Vec::new(), Vec::new());
+            world.instrument.hang_up();
+        }
         // The time that an attempt takes.
         world.exchanges += 1;
         world.instrument.step().unwrap();
         world.is_open = world.active() != Some(Fault::Cut);
+        // A half command is ended, and what comes is thrown away; what is late still comes later.
+        if let (Some(end), true) = (world.end, world.is_open) {
+            let _ = world.instrument.receive(end);
+            world.pending.clear();
+        }
         if world.is_open { Ok(()) } else { Err("nobody answers".to_owned()) }
     }
 
@@ -152,6 +161,11 @@ impl Line for MemoryLine {
 }
 
 impl World {
+    /// At a serial line; `end`: what ends a command there.
+    pub fn at_serial_line(&mut self, end: &'static [u8]) {
+        self.end = Some(end);
+    }
+
     /// `asks`, `positions`, `stop`: what the protocol calls them.
     pub fn new(
         instrument: Box<dyn Instrument>,
@@ -167,6 +181,7 @@ impl World {
             asks,
             positions,
             stop,
+            end: None,
             fault,
             random: ChaCha8Rng::seed_from_u64(seed),
             exchanges: 0,

@@ -221,6 +221,109 @@ fn what_the_segment_does_not_have_is_told() {
     assert!(message(Some(&data()), End::Machine).contains("udp://"));
 }
 
+/// A drive that follows CiA 402: controlword, target, mode; statusword, position, mode.
+const DRIVE: &str = "[[channel]]\noutput = { device = 0, byte = 2, type = \"i32\", scale = 1e-3 }\n\
+    input = { device = 0, byte = 2, type = \"i32\", scale = 1e-3 }\n\
+    csp = { controlword = 0, mode = 6, statusword = 0, mode_display = 6 }\n";
+
+/// The drive's state machine as the standard draws it, and every statusword that it told.
+fn obeys(told: Arc<Mutex<Vec<u16>>>) -> impl FnMut(&mut [SubDevice]) + Send {
+    let (mut status, mut position, mut last) = (0x0250_u16, 5000_i32, 0_u16);
+    move |devices| {
+        let outputs = devices[0].outputs().to_vec();
+        let control = u16::from_le_bytes([outputs[0], outputs[1]]);
+        let target = i32::from_le_bytes([outputs[2], outputs[3], outputs[4], outputs[5]]);
+        status = match (status & 0x6f, control) {
+            (0x28 | 0x08, c) if c & 0x80 != 0 && last & 0x80 == 0 => 0x0250,
+            (0x28 | 0x08, _) => status,
+            (_, c) if c & 0x02 == 0 => 0x0250,
+            (0x50 | 0x40, c) if c & 0x87 == 0x06 => 0x0231,
+            (0x21, c) if c & 0x0f == 0x07 => 0x0233,
+            (0x23, c) if c & 0x0f == 0x0f => 0x0237,
+            (0x27 | 0x23, c) if c & 0x0f == 0x06 => 0x0231,
+            _ => status,
+        };
+        if status == 0x0237 {
+            // A drive of this class refuses a jump: following error.
+            if (target - position).abs() > 200 {
+                status = 0x0218;
+            } else {
+                position = target;
+            }
+        }
+        last = control;
+        told.lock().unwrap().push(status);
+        let inputs = devices[0].inputs();
+        inputs[..2].copy_from_slice(&status.to_le_bytes());
+        inputs[2..6].copy_from_slice(&position.to_le_bytes());
+        inputs[6] = outputs[6];
+    }
+}
+
+#[test]
+fn a_drive_in_cyclic_synchronous_position_mode_is_led_and_follows_without_a_jump() {
+    let told = Arc::new(Mutex::new(Vec::new()));
+    let wire =
+        MemoryWire::new(vec![SubDevice::new("E-727", 7, 7)], Box::new(obeys(Arc::clone(&told))));
+    let ring = Arc::clone(&wire.ring);
+    let data: ProcessData = toml::from_str(&format!("heartbeat = 5.0\n{DRIVE}")).unwrap();
+    assert!(data.problems(1).is_empty(), "{:?}", data.problems(1));
+    let gateway = EthercatGateway::over(Box::new(wire), "test", &data, &[0.0]).unwrap();
+    let mut runner = Runner::new(gateway);
+    // At rest: ready to switch on, at 5 um.
+    for _ in 0..5 {
+        let (header, values) = runner.exchange(RESTS, &[0.0]);
+        assert!(
+            header.status.has(Status::POWERED) && (values[0] - 5.0).abs() < 1e-9
+                || values[0] == 0.0
+        );
+    }
+    assert_eq!(*told.lock().unwrap().last().unwrap(), 0x0231, "ready to switch on");
+    // Enabled: it comes up, and goes to the command within its take-over.
+    let mut positions = Vec::new();
+    for _ in 0..160 {
+        let (header, values) = runner.exchange(DRIVES, &[12.0]);
+        assert!(header.status.has(Status::POWERED.with(Status::VALID)), "{header:?}");
+        positions.push(values[0]);
+    }
+    assert!((positions[159] - 12.0).abs() < 1e-3, "{positions:?}");
+    assert!(positions.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.2), "{positions:?}");
+    let states: Vec<u16> = {
+        let mut all = told.lock().unwrap().clone();
+        all.dedup();
+        all
+    };
+    assert!(states.ends_with(&[0x0231, 0x0233, 0x0237]), "{states:x?}");
+    assert_eq!(ring.lock().unwrap().devices[0].outputs()[6], 8, "the mode");
+    // From there on commands act at once.
+    runner.exchange(DRIVES, &[12.1]);
+    runner.exchange(DRIVES, &[12.1]);
+    assert!((runner.exchange(DRIVES, &[12.1]).1[0] - 12.1).abs() < 1e-3);
+    // A jump is a fault of the drive: power is gone until the runner acknowledges without ENABLE.
+    for _ in 0..3 {
+        runner.exchange(DRIVES, &[50.0]);
+    }
+    assert!(!runner.exchange(DRIVES, &[50.0]).0.status.has(Status::POWERED));
+    for _ in 0..6 {
+        runner.exchange(RESTS, &[0.0]);
+    }
+    assert!(runner.exchange(RESTS, &[0.0]).0.status.has(Status::POWERED), "the fault is reset");
+    drop(runner);
+    assert!(!ring.lock().unwrap().devices[0].is_operational());
+    let bad: ProcessData = toml::from_str(
+        &DRIVE.replace("mode = 6", "mode = 3").replace("statusword = 0", "statusword = 6"),
+    )
+    .unwrap();
+    assert!(bad.problems(1)[0].contains("csp mode of channel 1 lies in the output of channel 1"));
+    let wire = MemoryWire::new(vec![SubDevice::new("E-727", 7, 7)], Box::new(|_| {}));
+    let message =
+        EthercatGateway::over(Box::new(wire), "test", &bad, &[0.0]).unwrap_err().to_string();
+    assert!(
+        message.contains("csp statusword") && message.contains("7 bytes of inputs"),
+        "{message}"
+    );
+}
+
 fn open_at(
     address: &Address,
     end: End,

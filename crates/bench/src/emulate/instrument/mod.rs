@@ -1,15 +1,19 @@
 //! Instruments that laboratories have, with a piezo plant behind them: a digital servo, and the protocol
 //! that clients of the real one speak.
 //!
-//! Open loop: the voltage acts on the plant. Closed loop: an integrator u += K·(target − y)/g per step,
-//! g the plant's static gain, brings the position to the target.
+//! Open loop: the voltage acts on the plant. Closed loop: a PID law with notch filters (`servo.rs`) brings the position
+//! to the target; as delivered it is a slow integrator u += K·(target − y)/g per step, g the plant's static gain.
 
 mod gcs;
+mod generator;
 mod nv200;
+mod servo;
 
 pub use gcs::GcsInstrument;
 pub use nv200::Nv200Instrument;
 
+use self::generator::{Generator, Recorder, Seen, Source};
+use self::servo::{Notch, Servo};
 use super::plant::{Plant, PlantError};
 
 /// An instrument as its client sees it.
@@ -36,8 +40,10 @@ pub trait Instrument: std::fmt::Debug {
     fn targets(&self) -> Vec<(f64, bool)>;
 }
 
-/// Share of the error that one step of the servo takes away from a plant without dynamics.
+/// Share of the error that one step of the servo takes away from a plant without dynamics, at most, and its rate in 1/s:
+/// slow enough for any stage.
 const INTEGRAL: f64 = 0.03;
+const INTEGRAL_RATE: f64 = 30.0;
 /// Within this share of the travel an axis is on its target.
 const ON_TARGET: f64 = 1e-3;
 /// Steps in which the plant comes to rest when its ends are measured.
@@ -97,21 +103,50 @@ pub(super) struct Axis {
     pub(super) position: f64,
 }
 
+impl Axis {
+    /// What a recorder sees of it.
+    fn seen(&self, (_, what): Source) -> f64 {
+        match what {
+            Seen::Nothing => 0.0,
+            Seen::Target if self.servo => self.target,
+            Seen::Target | Seen::Voltage => self.volts,
+            Seen::Position => self.position,
+            Seen::Error => self.target - self.position,
+            Seen::AbsoluteError => (self.target - self.position).abs(),
+        }
+    }
+}
+
 /// Plant and servo.
 #[derive(Debug)]
 pub(super) struct Stage {
     plant: Plant,
     pub(super) travel: Vec<Travel>,
     pub(super) axes: Vec<Axis>,
+    pub(super) servos: Vec<Servo>,
+    /// The laws after the next power-up.
+    pub(super) saved: Vec<Servo>,
+    /// One for each axis.
+    pub(super) generators: Vec<Generator>,
+    pub(super) recorder: Recorder,
 }
 
 impl Stage {
     /// A plant at rest, servo off.
-    pub(super) fn new(plant: Plant, travel: Vec<Travel>) -> Self {
+    pub(super) fn new(plant: Plant, travel: Vec<Travel>, recorder: Recorder) -> Self {
         let axes = vec![Axis::default(); plant.axes()];
-        let mut stage = Stage { plant, travel, axes };
+        let integral = INTEGRAL.min(INTEGRAL_RATE * plant.period());
+        let servos = vec![Servo::new(integral); axes.len()];
+        let generators = vec![Generator::new(); axes.len()];
+        let saved = servos.clone();
+        let mut stage = Stage { plant, travel, axes, servos, saved, generators, recorder };
         stage.look();
         stage
+    }
+
+    /// Length of a servo cycle in s.
+    pub(super) fn period(&self) -> f64 {
+        self.plant.period()
     }
 
     /// Voltages that act, axis by axis.
@@ -129,13 +164,24 @@ impl Stage {
     /// # Errors
     /// The plant failed.
     pub(super) fn step(&mut self) -> Result<(), PlantError> {
-        for (axis, travel) in self.axes.iter_mut().zip(&self.travel) {
-            if axis.servo {
-                axis.volts += INTEGRAL * (axis.target - axis.position) / travel.gain();
+        for (n, axis) in self.axes.iter_mut().enumerate() {
+            let travel = &self.travel[n];
+            let [low, high] = travel.volts;
+            let volts = [low.min(high), high.max(low)];
+            if let Some(value) = self.generators[n].next() {
+                let [least, greatest] = if axis.servo { travel.range() } else { volts };
+                let value = value.clamp(least, greatest);
+                *(if axis.servo { &mut axis.target } else { &mut axis.volts }) = value;
             }
-            let [least, greatest] = travel.volts;
-            axis.volts = axis.volts.clamp(least.min(greatest), greatest.max(least));
+            if axis.servo {
+                let error = axis.target - axis.position;
+                axis.volts = self.servos[n].step(error, travel.gain(), volts);
+            }
+            axis.volts = axis.volts.clamp(volts[0], volts[1]);
         }
+        // As an instrument does: the position that the law has seen, and what it made of it.
+        let axes = &self.axes;
+        self.recorder.take(|source| axes[source.0].seen(source));
         self.plant.step(&self.volts())?;
         self.look();
         Ok(())
@@ -147,8 +193,11 @@ impl Stage {
         self.axes.iter_mut().zip(positions).for_each(|(axis, position)| axis.position = position);
     }
 
-    /// Power off and on: servo off, the voltage next to 0.
+    /// Power off and on: servo off, the voltage next to 0, what was not saved is lost.
     pub(super) fn reboot(&mut self) {
+        self.servos = self.saved.clone();
+        self.generators.iter_mut().for_each(|generator| *generator = Generator::new());
+        self.recorder = Recorder::new(self.recorder.sources.clone(), self.recorder.length);
         for (axis, travel) in self.axes.iter_mut().zip(&self.travel) {
             let [a, b] = travel.volts;
             (axis.servo, axis.volts) = (false, 0.0_f64.clamp(a.min(b), a.max(b)));
@@ -158,9 +207,18 @@ impl Stage {
 
     /// The servo of an axis; it takes over where the axis is.
     pub(super) fn servo(&mut self, axis: usize, on: bool) {
-        let axis = &mut self.axes[axis];
-        axis.target = if axis.servo { axis.target } else { axis.position };
+        let (servo, axis) = (&mut self.servos[axis], &mut self.axes[axis]);
+        if !axis.servo {
+            axis.target = axis.position;
+            servo.rest(axis.volts, 0.0);
+        }
         axis.servo = on;
+    }
+
+    /// A notch filter of an axis: frequency (0: off), damping of zeros and of poles.
+    pub(super) fn notch(&mut self, axis: usize, place: usize, values: [f64; 3]) {
+        let notch = Notch::new(values, self.period(), self.axes[axis].volts);
+        self.servos[axis].notches[place] = notch;
     }
 
     pub(super) fn is_on_target(&self, axis: usize) -> bool {

@@ -12,6 +12,7 @@ use std::time::Duration;
 pub use wire::{RawSocket, Wire};
 
 use self::segment::Segment;
+use super::csp::{Drive, MODE};
 use super::device::{Device, DeviceGateway, Exchanged};
 use super::process_data::{DeviceData, ProcessData};
 use super::{Gateway, GatewayError};
@@ -92,6 +93,8 @@ struct SegmentDevice {
     /// None once it is closed.
     segment: Option<Segment>,
     data: ProcessData,
+    /// One for each channel, and where it was when it began to follow; those that are no drives stay as they are.
+    drives: Vec<(Drive, f64)>,
 }
 
 impl SegmentDevice {
@@ -102,16 +105,46 @@ impl SegmentDevice {
             segment.close();
             return Err(missing.join("; "));
         }
-        Ok(SegmentDevice { segment: Some(segment), data })
+        let drives = vec![(Drive::default(), 0.0); data.channels.len()];
+        Ok(SegmentDevice { segment: Some(segment), data, drives })
     }
 }
 
 impl Device for SegmentDevice {
     fn exchange(&mut self, enabled: bool, commands: &[f64], positions: &mut [f64]) -> Exchanged {
         let Some(segment) = &mut self.segment else { return Exchanged::Nothing };
-        for (channel, command) in self.data.channels.iter().zip(commands) {
+        let mut are_on = true;
+        let channels = self.data.channels.iter().zip(&mut self.drives);
+        for ((channel, (drive, start)), command) in channels.zip(commands) {
             let output = &channel.output;
-            segment.outputs(output.device, |bytes| output.write(*command, bytes));
+            let mut target = *command;
+            if let Some(csp) = &channel.csp {
+                // As the last exchange brought them.
+                let (status, mode, position) = segment
+                    .inputs(channel.input.device, |bytes| {
+                        let word = bytes.get(csp.statusword..).and_then(|b| b.first_chunk::<2>());
+                        let status = word.map_or(0, |word| u16::from_le_bytes(*word));
+                        let mode = csp.mode_display.map(|at| bytes.get(at).map_or(0, |b| *b as i8));
+                        (status, mode, channel.input.read(bytes))
+                    })
+                    .unwrap_or_default();
+                let turn = drive.turn(enabled, status, mode);
+                are_on &= turn.powered;
+                if !turn.follows {
+                    *start = position.unwrap_or(*command);
+                }
+                target = *start + turn.share * (command - *start);
+                segment.outputs(output.device, |bytes| {
+                    let word = bytes.get_mut(csp.controlword..).and_then(|b| b.first_chunk_mut());
+                    if let Some(word) = word {
+                        *word = turn.controlword.to_le_bytes();
+                    }
+                    if let Some(byte) = csp.mode.and_then(|at| bytes.get_mut(at)) {
+                        *byte = MODE as u8;
+                    }
+                });
+            }
+            segment.outputs(output.device, |bytes| output.write(target, bytes));
         }
         if let Some(enable) = &self.data.enable {
             segment.outputs(enable.device, |bytes| enable.write(enabled, bytes));
@@ -130,7 +163,7 @@ impl Device for SegmentDevice {
             segment.inputs(bit.device, |bytes| bit.read(bytes)).unwrap_or(false)
         };
         let powered = self.data.powered.is_none_or(is_on);
-        Exchanged::Sample { valid, powered: powered && exchanged.operational }
+        Exchanged::Sample { valid, powered: powered && are_on && exchanged.operational }
     }
 
     fn close(&mut self) {

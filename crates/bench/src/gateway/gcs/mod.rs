@@ -1,4 +1,5 @@
-//! `gcs://IP:PORT`: an instrument of PI that speaks the General Command Set 2.0, over TCP.
+//! `gcs://IP:PORT`, `gcs:///dev/ttyUSB0`: an instrument of PI that speaks the General Command Set 2.0, over TCP or a
+//! serial line.
 //!
 //! One exchange is one write and its answers: `MOV axis target …` (or `SVA`, open loop), `POS?`, `ERR?`.
 //! What is no answer, comes half, late or not at all, is a lost sample; the line is then closed and
@@ -8,10 +9,14 @@
 //!
 //! Syntax: PI, E-727 user manual E727T0005, "GCS Syntax for Syntax Version 2.0".
 
+mod speech;
+mod station;
 mod text;
 
 use std::time::Duration;
 
+use speech::Speech;
+pub use station::GcsStation;
 pub use text::{error_text, numbers};
 
 use super::device::{Device, Exchanged};
@@ -19,20 +24,18 @@ use super::line::{Broken, Line, Options};
 
 /// The port of PI's controllers.
 pub const PORT: u16 = 50_000;
-/// Longest answer that is believed, bytes.
-const LONGEST: usize = 16_384;
+/// Ends a command.
+pub const END: &[u8] = b"\n";
 /// Longest wait for an answer while it is opened.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// An instrument behind a line.
 #[derive(Debug)]
 pub struct GcsDevice {
-    line: Box<dyn Line>,
+    speech: Speech,
     options: Options,
     identity: String,
     travel: Vec<(f64, f64)>,
-    /// Answers that were read beyond the one that was asked for.
-    rest: Vec<u8>,
     is_open: bool,
     /// It has been driven: its servo must stay as it was set.
     drives: bool,
@@ -47,18 +50,17 @@ impl GcsDevice {
     /// The line does not open, the answers are none, there are too few axes, or a safe command lies
     /// beyond an axis' travel.
     pub fn open(line: Box<dyn Line>, options: Options, safe: &[f64]) -> Result<Self, String> {
-        let (identity, travel, rest) = (String::new(), Vec::new(), Vec::new());
+        let (identity, travel) = (String::new(), Vec::new());
         let mut device = GcsDevice {
-            line,
+            speech: Speech::new(line),
             options,
             identity,
             travel,
-            rest,
             is_open: false,
             drives: false,
             restarted: false,
         };
-        device.line.open(PATIENCE)?;
+        device.speech.open(PATIENCE)?;
         device.is_open = true;
         device.first(safe).map_err(|broken| match broken {
             Broken::Said(text) => text,
@@ -99,17 +101,25 @@ impl GcsDevice {
                 )));
             }
         }
-        self.ask_numbers(&format!("POS? {names}"))?;
+        let channels = self.options.analog.len();
+        if channels > 0 && channels != safe.len() {
+            return Err(Broken::Said(format!(
+                "analog= names {channels} input signals for {} axes; give one for each",
+                safe.len()
+            )));
+        }
+        self.positions()?;
         self.check("asked")
     }
 
     /// Opens the line again; the instrument must be the one it was, with its servo as it was.
     fn again(&mut self) -> Result<(), Broken> {
-        self.rest.clear();
-        self.line.open(self.options.timeout).map_err(|_| Broken::Late)?;
+        self.speech.open(self.options.timeout).map_err(|_| Broken::Late)?;
         self.is_open = true;
         let identity = self.ask("*IDN?", self.options.timeout)?;
         if identity.trim() != self.identity {
+            // It is asked again before it is driven.
+            self.close();
             let text =
                 format!("another instrument answers: {}, not {}", identity.trim(), self.identity);
             return Err(Broken::Said(text));
@@ -132,30 +142,29 @@ impl GcsDevice {
     }
 
     fn write(&mut self, text: &str) -> Result<(), Broken> {
-        self.line.write(text.as_bytes()).map_err(|_| Broken::Late)
-    }
-
-    /// The answer to one question: up to a line feed without a blank before it.
-    fn answer(&mut self, timeout: Duration) -> Result<String, Broken> {
-        loop {
-            if let Some(end) = text::end(&self.rest) {
-                let answer: Vec<u8> = self.rest.drain(..end).collect();
-                return String::from_utf8(answer).map_err(|_| Broken::Garbage("bytes".to_owned()));
-            }
-            if self.rest.len() > LONGEST {
-                return Err(Broken::Garbage(format!("{LONGEST} bytes without an end")));
-            }
-            let mut bytes = [0; 1024];
-            match self.line.read(&mut bytes, timeout) {
-                Ok(0) | Err(_) => return Err(Broken::Late),
-                Ok(length) => self.rest.extend(&bytes[..length]),
-            }
-        }
+        self.speech.write(text)
     }
 
     fn ask(&mut self, question: &str, timeout: Duration) -> Result<String, Broken> {
-        self.write(&format!("{question}\n"))?;
-        self.answer(timeout)
+        self.speech.ask(question, timeout)
+    }
+
+    /// What is asked for the positions, and the names in the answer.
+    fn question(&self) -> (String, Vec<String>) {
+        let (name, items) = match self.options.analog.is_empty() {
+            true => ("POS?", &self.options.axes),
+            false => ("TSP?", &self.options.analog),
+        };
+        (format!("{name} {}", items.join(" ")), items.clone())
+    }
+
+    fn positions(&mut self) -> Result<Vec<f64>, Broken> {
+        let (question, items) = self.question();
+        let answer = self.ask(&question, self.options.timeout.max(PATIENCE))?;
+        if answer.trim().is_empty() {
+            return Err(Broken::Garbage(format!("{answer:?} to {question}")));
+        }
+        numbers(&answer, &items)
     }
 
     fn ask_numbers(&mut self, question: &str) -> Result<Vec<f64>, Broken> {
@@ -166,8 +175,7 @@ impl GcsDevice {
 
     /// Asks for the error.
     fn check(&mut self, what: &str) -> Result<(), Broken> {
-        let answer = self.ask("ERR?", self.options.timeout)?;
-        text::error_of(&answer, what)
+        self.speech.check(what, self.options.timeout)
     }
 
     fn words(&self, command: &str, values: &[f64]) -> String {
@@ -192,19 +200,19 @@ impl GcsDevice {
             self.check(&text)?;
             self.drives = true;
         }
-        let names = self.options.axes.join(" ");
+        let (question, items) = self.question();
         let moves = match (self.drives, self.options.open_loop) {
             (false, _) => String::new(),
             (true, false) => self.words("MOV", commands) + "\n",
             (true, true) => self.words("SVA", commands) + "\n",
         };
-        self.write(&format!("{moves}POS? {names}\nERR?\n"))?;
-        let answer = self.answer(self.options.timeout)?;
-        let found = numbers(&answer, &self.options.axes)?;
-        let answer = self.answer(self.options.timeout)?;
+        self.write(&format!("{moves}{question}\nERR?\n"))?;
+        let answer = self.speech.answer(self.options.timeout)?;
+        let found = numbers(&answer, &items)?;
+        let answer = self.speech.answer(self.options.timeout)?;
         text::error_of(&answer, moves.trim())?;
         // One exchange, two answers: what is left over answers nothing that was asked.
-        if !self.rest.is_empty() {
+        if !self.speech.rest.is_empty() {
             return Err(Broken::Garbage("more than was asked for".to_owned()));
         }
         positions.copy_from_slice(&found);
@@ -233,11 +241,17 @@ impl Device for GcsDevice {
         let axes: Vec<String> =
             axes.map(|(axis, (least, most))| format!("{axis} from {least} to {most}")).collect();
         let mode = if self.options.open_loop { "SVA, open loop" } else { "MOV, servo on" };
-        Some(format!("{}; {mode}; axes {}", self.identity, axes.join(", ")))
+        let from = match self.options.analog.is_empty() {
+            true => String::new(),
+            false => {
+                format!("; positions from the input signals {}", self.options.analog.join(", "))
+            }
+        };
+        Some(format!("{}; {mode}; axes {}{from}", self.identity, axes.join(", ")))
     }
 
     fn close(&mut self) {
-        self.line.close();
+        self.speech.close();
         self.is_open = false;
     }
 }

@@ -2,10 +2,38 @@
 
 use crate::gateway::line::Broken;
 
-/// Where the first whole answer ends: behind a line feed without a blank before it.
-pub(super) fn end(bytes: &[u8]) -> Option<usize> {
+/// Where the first whole answer ends: behind a line feed without a blank before it. Before `from` there is no end.
+pub(super) fn end(bytes: &[u8], from: usize) -> Option<usize> {
     let is_end = |at: &usize| bytes[*at] == b'\n' && (*at == 0 || bytes[at - 1] != b' ');
-    (0..bytes.len()).find(is_end).map(|at| at + 1)
+    (from..bytes.len()).find(is_end).map(|at| at + 1)
+}
+
+/// An array in GCS: its sample time in s, and its columns; none: it is none, or not whole.
+pub(super) fn array(answer: &str) -> Option<(f64, Vec<Vec<f64>>)> {
+    let (header, rows) = answer.split_once("# END_HEADER")?;
+    let entry = |name: &str| {
+        let lines = header.lines().filter_map(|line| line.trim_start_matches('#').split_once('='));
+        let mut values = lines.filter(|(key, _)| key.trim() == name).map(|(_, value)| value.trim());
+        values.next()
+    };
+    let columns = entry("DIM")?.parse::<usize>().ok()?;
+    let sample_time =
+        entry("SAMPLE_TIME")?.parse::<f64>().ok().filter(|t| t.is_finite() && *t > 0.0)?;
+    let separator =
+        entry("SEPARATOR").and_then(|code| code.parse::<u8>().ok()).map_or(' ', char::from);
+    let mut table = vec![Vec::new(); columns];
+    for row in rows.lines().map(str::trim).filter(|row| !row.is_empty()) {
+        let mut values = row.split(separator).map(str::trim).filter(|word| !word.is_empty());
+        for column in &mut table {
+            column.push(values.next()?.parse::<f64>().ok().filter(|x| x.is_finite())?);
+        }
+        if values.next().is_some() {
+            return None;
+        }
+    }
+    let count = entry("NDATA").and_then(|count| count.parse::<usize>().ok());
+    let is_whole = table.first().is_some_and(|column| count.is_none_or(|n| n == column.len()));
+    is_whole.then_some((sample_time, table))
 }
 
 /// The numbers of an answer `1=+0.5 \n2=+1.5\n`, one for each of these axes in their order.
@@ -49,6 +77,13 @@ pub fn error_text(code: i32) -> &'static str {
         10 => "stopped by a command",
         15 => "no such axis",
         17 => "parameter out of range",
+        54 => "unknown parameter",
+        60 => "the parameter is protected",
+        66 => "voltage out of limits",
+        67 => "the wave has too many points",
+        72 => "the axis follows its analog input",
+        73 => "the wave generator is active",
+        75 => "no wave table is connected",
         _ => "see the instrument's manual",
     }
 }
@@ -73,10 +108,28 @@ mod tests {
         ] {
             assert!(numbers(bad, &axes).is_err(), "{bad:?}");
         }
-        assert_eq!(end(b"1=1 \n2=2\n0\n"), Some(9));
-        assert_eq!((end(b"1=1 \n"), end(b""), end(b"\n")), (None, None, Some(1)));
+        assert_eq!(end(b"1=1 \n2=2\n0\n", 0), Some(9));
+        assert_eq!((end(b"1=1 \n", 0), end(b"", 0), end(b"\n", 0)), (None, None, Some(1)));
+        assert_eq!(end(b"1=1 \n2=2\n0\n", 5), Some(9));
         assert_eq!(error_of("0\n", ""), Ok(()));
         assert!(error_of("7\n", "MOV 1 9").unwrap_err().to_string().contains("out of limits"));
         assert!(matches!(error_of("x\n", ""), Err(Broken::Garbage(_))));
+    }
+    #[test]
+    fn arrays_are_read_whole_or_not() {
+        let good = "# REM E-727 \n# TYPE = 1 \n# SEPARATOR = 32 \n# DIM = 2 \n# SAMPLE_TIME = 5e-05 \n# NDATA = 2 \n\
+                    # NAME0 = a=b \n# END_HEADER \n1.5 -2 \n+0.5 3e-1\n";
+        assert_eq!(array(good), Some((5e-5, vec![vec![1.5, 0.5], vec![-2.0, 0.3]])));
+        for (from, to) in [
+            ("NDATA = 2", "NDATA = 3"),
+            ("DIM = 2", "DIM = 3"),
+            ("1.5 -2", "1.5 -2 4"),
+            ("1.5 -2", "1.5"),
+            ("1.5", "nan"),
+            ("5e-05", "0"),
+            ("# END_HEADER", ""),
+        ] {
+            assert_eq!(array(&good.replace(from, to)), None, "{from} -> {to}");
+        }
     }
 }

@@ -1,5 +1,10 @@
 //! PI: the General Command Set 2.0. PI's own client, PIPython, works with it.
 
+mod parameters;
+mod recording;
+mod waves;
+
+use super::generator::{Recorder, Seen};
 use super::{Axis, Instrument, Stage, Travel};
 use crate::emulate::{Plant, PlantError};
 
@@ -11,7 +16,19 @@ pub struct GcsInstrument {
     /// A line that is not whole yet.
     line: Vec<u8>,
     commands: u64,
+    /// Wave tables, and which of them each generator plays (from 1; 0: none).
+    tables: Vec<Vec<f64>>,
+    plays: Vec<usize>,
+    /// What starts the recorder, as in DRT.
+    trigger: u8,
+    /// Of the protection of parameters.
+    level: u8,
 }
+
+/// Wave tables, and tables of the data recorder.
+const TABLES: usize = 8;
+/// Values of all tables of the recorder together.
+const MOST_VALUES: usize = 262_144;
 
 const UNKNOWN_COMMAND: i32 = 2;
 const SYNTAX: i32 = 1;
@@ -19,9 +36,32 @@ const SERVO_OFF: i32 = 5;
 const LIMITS: i32 = 7;
 const STOPPED: i32 = 10;
 const NO_AXIS: i32 = 15;
+const OUT_OF_RANGE: i32 = 17;
+const UNKNOWN_PARAMETER: i32 = 54;
+const PASSWORD: i32 = 56;
+const RECORDER_TABLE: i32 = 57;
+const RECORDER_OPTION: i32 = 58;
+const PROTECTED: i32 = 60;
+const READ_ONLY: i32 = 64;
+const TOO_LARGE: i32 = 67;
+const GENERATOR_ACTIVE: i32 = 73;
+const NO_WAVE: i32 = 75;
+const LONGEST: usize = 65_536;
 
-const HELP: &str = "The following commands are valid: \n#5 Request Motion Status \n#7 Request Controller Ready Status \n#24 Stop All Axes \n\
-    *IDN? Get Device Identification \nCSV? Get Current Syntax Version \nERR? Get Error Number \nHLP? Get List Of Available Commands \n\
+const HELP: &str = "The following commands are valid: \n#5 Request Motion Status \n#9 Get Wave Generator Status \n#7 Request Controller Ready Status \n#24 Stop All Axes \n\
+    *IDN? Get Device Identification \nCCL Set Command Level \nCCL? Get Command Level \nDRC Set Data Recorder Configuration \n\
+    DRC? Get Data Recorder Configuration \nDRL? Get Number Of Recorded Points \nDRR? Get Recorded Data Values \n\
+    DRT Set Data Recorder Trigger Source \nDRT? Get Data Recorder Trigger Source \nGWD? Get Wave Table Data \n\
+    HDR? Get All Data Recorder Options \nHPA? Get List Of Available Parameters \nRPA Reset Volatile Memory Parameters \n\
+    RTR Set Record Table Rate \nRTR? Get Record Table Rate \nSEP? Get Nonvolatile Memory Parameters \n\
+    SPA Set Volatile Memory Parameters \nSPA? Get Volatile Memory Parameters \nSTE Start Step And Response Measurement \n\
+    TAD? Get ADC Value Of Input Signal \nTNR? Get Number Of Record Tables \nTNS? Get Normalized Input Signal Value \n\
+    TPC? Get Number Of Output Signal Channels \nTSC? Get Number Of Input Signal Channels \nTSP? Get Input Signal Position Value \n\
+    TWG? Get Number Of Wave Generators \nWAV Set Waveform Definition \nWAV? Get Waveform Definition \nWCL Clear Wave Table Data \n\
+    WGC Set Number Of Wave Generator Cycles \nWGC? Get Number Of Wave Generator Cycles \nWGO Set Wave Generator Start/Stop Mode \n\
+    WGO? Get Wave Generator Start/Stop Mode \nWMS? Get Maximum Number Of Wave Table Points \nWOS Set Wave Generator Output Offset \n\
+    WOS? Get Wave Generator Output Offset \nWPA Save Parameters To Nonvolatile Memory \nWSL Set Connection Of Wave Table To Wave Generator \n\
+    WSL? Get Connection Of Wave Table To Wave Generator \nWTR Set Wave Generator Table Rate \nWTR? Get Wave Generator Table Rate \nCSV? Get Current Syntax Version \nERR? Get Error Number \nHLP? Get List Of Available Commands \n\
     HLT Halt Motion Smoothly \nMOV Set Target Position \nMOV? Get Target Position \nMVR Set Target Relative \nONT? Get On-Target State \nOVF? Get Overflow State \n\
     POS? Get Real Position \nRBT Reboot System \nSAI? Get List Of Current Axis Identifiers \nSTP Stop All Axes \nSVA Set Open-Loop Axis Value \n\
     SVA? Get Open-Loop Axis Value \nSVO Set Servo Mode \nSVO? Get Servo Mode \nTMN? Get Minimum Commandable Position \n\
@@ -31,8 +71,20 @@ impl GcsInstrument {
     /// An instrument around a plant at rest: servo off.
     #[must_use]
     pub fn new(plant: Plant, travel: Vec<Travel>) -> Self {
-        let stage = Stage::new(plant, travel);
-        GcsInstrument { stage, error: 0, line: Vec::new(), commands: 0 }
+        let axes = plant.axes();
+        let sources = (0..TABLES).map(|table| (table % axes, Seen::Position)).collect();
+        let recorder = Recorder::new(sources, MOST_VALUES / TABLES);
+        let stage = Stage::new(plant, travel, recorder);
+        GcsInstrument {
+            stage,
+            error: 0,
+            line: Vec::new(),
+            commands: 0,
+            tables: vec![Vec::new(); TABLES],
+            plays: vec![0; axes],
+            trigger: 0,
+            level: 0,
+        }
     }
 
     /// Bit i: axis i is not on its target.
@@ -42,7 +94,14 @@ impl GcsInstrument {
         moves.fold(0, |bits, axis| bits | 1 << axis.min(31))
     }
 
+    /// Bit i: wave generator i runs.
+    fn playing(&self) -> u32 {
+        let runs = (0..self.plays.len()).filter(|n| self.stage.generators[*n].is_running());
+        runs.fold(0, |bits, n| bits | 1 << n.min(31))
+    }
+
     fn stop(&mut self) {
+        self.stage.generators.iter_mut().for_each(super::generator::Generator::stop);
         self.stage.axes.iter_mut().for_each(|axis| axis.target = axis.position);
         self.error = STOPPED;
     }
@@ -51,7 +110,12 @@ impl GcsInstrument {
         let words: Vec<&str> = line.split_whitespace().collect();
         let Some((name, rest)) = words.split_first() else { return String::new() };
         self.commands += 1;
-        let done = match name.to_ascii_uppercase().as_str() {
+        let name = name.to_ascii_uppercase();
+        if self.trigger == recording::NEXT && !name.ends_with('?') && name != "DRT" {
+            self.trigger = 0;
+            self.stage.recorder.start();
+        }
+        let done = match name.as_str() {
             "*IDN?" => Ok(format!(
                 "Piezoloop, emulated GCS 2.0 controller, 0, {}\n",
                 env!("CARGO_PKG_VERSION")
@@ -80,6 +144,7 @@ impl GcsInstrument {
             "MOV" => self.moved(rest, false),
             "MVR" => self.moved(rest, true),
             "SVA" => self.pairs(rest).and_then(|pairs| {
+                self.may_move(&pairs)?;
                 if pairs.iter().any(|(n, _)| self.stage.axes[*n].servo) {
                     return Err(SERVO_OFF);
                 }
@@ -105,7 +170,11 @@ impl GcsInstrument {
                 self.reboot();
                 Ok(String::new())
             }
-            _ => Err(UNKNOWN_COMMAND),
+            name => self
+                .generate(name, rest)
+                .or_else(|| self.record(name, rest))
+                .or_else(|| self.parameter(name, rest))
+                .unwrap_or(Err(UNKNOWN_COMMAND)),
         };
         done.unwrap_or_else(|error| {
             self.error = error;
@@ -118,6 +187,7 @@ impl GcsInstrument {
         if is_relative {
             pairs.iter_mut().for_each(|(n, value)| *value += self.stage.axes[*n].target);
         }
+        self.may_move(&pairs)?;
         if pairs.iter().any(|(n, _)| !self.stage.axes[*n].servo) {
             return Err(SERVO_OFF);
         }
@@ -127,7 +197,16 @@ impl GcsInstrument {
             return Err(LIMITS);
         }
         pairs.iter().for_each(|(n, value)| self.stage.axes[*n].target = *value);
+        if self.trigger == recording::MOVES {
+            self.stage.recorder.start();
+        }
         Ok(String::new())
+    }
+
+    /// No axis is commanded while a wave generator commands it.
+    fn may_move(&self, pairs: &[(usize, f64)]) -> Result<(), i32> {
+        let is_busy = pairs.iter().any(|(n, _)| self.stage.generators[*n].is_running());
+        if is_busy { Err(GENERATOR_ACTIVE) } else { Ok(()) }
     }
 
     /// The axes of these names; of none, all.
@@ -173,8 +252,9 @@ impl Instrument for GcsInstrument {
                 5 => answer.extend(format!("{:X}\n", self.moving()).bytes()),
                 // Ready, in PI's code page.
                 7 => answer.extend([0xb1, b'\n']),
+                9 => answer.extend(format!("{:X}\n", self.playing()).bytes()),
                 24 => self.stop(),
-                byte if self.line.len() < 4096 => self.line.push(*byte),
+                byte if self.line.len() < LONGEST => self.line.push(*byte),
                 _ => self.error = SYNTAX,
             }
         }
@@ -187,7 +267,9 @@ impl Instrument for GcsInstrument {
 
     fn reboot(&mut self) {
         self.stage.reboot();
-        (self.error, self.line) = (0, Vec::new());
+        (self.error, self.line, self.trigger, self.level) = (0, Vec::new(), 0, 0);
+        self.tables.iter_mut().for_each(Vec::clear);
+        self.plays.iter_mut().for_each(|table| *table = 0);
     }
 
     fn hang_up(&mut self) {

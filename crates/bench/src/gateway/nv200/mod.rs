@@ -1,4 +1,5 @@
-//! `nv200://IP`: an NV200 of piezosystem jena, over the telnet port of its network module.
+//! `nv200://IP`, `nv200:///dev/ttyUSB0`: an NV200 of piezosystem jena, over the telnet port of its network module or its
+//! serial line (USB).
 //!
 //! One exchange is `cl`, `set,TARGET`, `meas`, each with its answer up to XON. What is no answer, comes half,
 //! late or not at all, is a lost sample; the line is then closed and opened anew, and the instrument is
@@ -7,18 +8,24 @@
 //!
 //! Source: piezosystem jena, Python library nv200 1.6.0.
 
+mod station;
+
 use std::time::Duration;
+
+pub use station::Nv200Station;
 
 use super::device::{Device, Exchanged};
 use super::line::{Broken, Line, Options};
 
 /// The port of the instrument's network module.
 pub const PORT: u16 = 23;
+/// Ends a command.
+pub const END: &[u8] = b"\r";
 const XON: u8 = 0x11;
 /// Telnet: the two bytes behind it are for the terminal.
 const IAC: u8 = 0xff;
 /// Longest answer that is believed, bytes.
-const LONGEST: usize = 4096;
+const LONGEST: usize = 262_144;
 /// Longest wait for an answer while it is opened.
 const PATIENCE: Duration = Duration::from_secs(3);
 /// An instrument tells its target to so many digits.
@@ -45,11 +52,20 @@ impl Nv200Device {
     /// The line does not open, the answers are none, the run has not one axis, or its safe command lies
     /// beyond the travel.
     pub fn open(line: Box<dyn Line>, options: Options, safe: &[f64]) -> Result<Self, String> {
-        if !options.axes.is_empty() || safe.len() != 1 {
-            return Err(format!(
-                "an NV200 has one axis, the run {}; axes= is not for it",
-                safe.len()
-            ));
+        if safe.len() != 1 {
+            return Err(format!("an NV200 has one axis, the run {}", safe.len()));
+        }
+        let mut device = Nv200Device::connect(line, options)?;
+        device.first(safe[0]).map_err(explained)?;
+        Ok(device)
+    }
+
+    /// Opens the line and asks who is there.
+    fn connect(line: Box<dyn Line>, options: Options) -> Result<Self, String> {
+        if !options.axes.is_empty() || !options.analog.is_empty() {
+            return Err(
+                "an NV200 has one axis and one sensor; axes= and analog= are not for it".into()
+            );
         }
         let mut device = Nv200Device {
             line,
@@ -63,18 +79,14 @@ impl Nv200Device {
         };
         device.line.open(PATIENCE)?;
         device.is_open = true;
-        device.first(safe[0]).map_err(|broken| match broken {
-            Broken::Said(text) => text,
-            other => format!("it does not answer as an NV200: {other}"),
-        })?;
+        device.identity = device.who(PATIENCE).map_err(explained)?;
+        if !device.identity.starts_with("NV200") {
+            return Err(format!("{}: is no NV200", device.identity));
+        }
         Ok(device)
     }
 
     fn first(&mut self, safe: f64) -> Result<(), Broken> {
-        self.identity = self.who(PATIENCE)?;
-        if !self.identity.starts_with("NV200") {
-            return Err(Broken::Said(format!("{}: is no NV200", self.identity)));
-        }
         let names = if self.options.open_loop { ["avmin", "avmax"] } else { ["posmin", "posmax"] };
         let [least, greatest] = names.map(|name| self.number(name, PATIENCE));
         let (least, greatest) = (least?, greatest?);
@@ -99,6 +111,8 @@ impl Nv200Device {
         self.is_open = true;
         let identity = self.who(timeout)?;
         if identity != self.identity {
+            // It is asked again before it is driven.
+            self.close();
             return Err(Broken::Said(format!(
                 "another instrument answers: {identity}, not {}",
                 self.identity
@@ -178,7 +192,8 @@ impl Nv200Device {
         }
         said(&text, name)?;
         let (answered, value) = text.split_once(',').unwrap_or((&text, ""));
-        if answered.trim() != name || value.is_empty() {
+        let asked = name.split(',').next().unwrap_or_default();
+        if answered.trim() != asked || value.is_empty() {
             return Err(Broken::Garbage(format!("{text:?} where {name} was asked for")));
         }
         Ok(value.trim().to_owned())
@@ -222,6 +237,14 @@ impl Nv200Device {
             return Err(Broken::Garbage("more than was asked for".to_owned()));
         }
         Ok(position)
+    }
+}
+
+/// Why an instrument does not open.
+fn explained(broken: Broken) -> String {
+    match broken {
+        Broken::Said(text) => text,
+        other => format!("it does not answer as an NV200: {other}"),
     }
 }
 

@@ -4,6 +4,9 @@
 //! `name,value`, an error `error,N`; after each, XON says that the next may come. An empty line asks who
 //! is there. Source: piezosystem jena, Python library nv200 1.6.0, and its documentation.
 
+mod recording;
+
+use super::generator::{Recorder, Seen};
 use super::{Instrument, Stage, Travel};
 use crate::emulate::{Plant, PlantError};
 
@@ -27,20 +30,38 @@ pub struct Nv200Instrument {
     /// Bytes of a telnet option that are still to come.
     option: u8,
     commands: u64,
+    /// What starts the recorder; 0: a command of its own, 1: `set`, 2: the wave generator.
+    autostart: u8,
+    /// Points of the wave generator in %, first and last of the loop.
+    wave: Vec<f64>,
+    range: [usize; 2],
+    /// Notch filter: on, frequency and width in Hz.
+    notch: (bool, [f64; 2]),
 }
+
+/// Targets come from the wave generator.
+const GENERATOR: u8 = 3;
+/// Points of the wave generator, values of each recorder channel.
+const POINTS: usize = 1024;
+const VALUES: usize = 6144;
 
 impl Nv200Instrument {
     /// An instrument around a plant of one axis at rest, open loop; none for another number of axes.
     #[must_use]
     pub fn new(plant: Plant, travel: Vec<Travel>) -> Option<Self> {
         let is_one = plant.axes() == 1 && travel.len() == 1;
-        let stage = Stage::new(plant, travel);
+        let recorder = Recorder::new(vec![(0, Seen::Position), (0, Seen::Target)], VALUES);
+        let stage = Stage::new(plant, travel, recorder);
         is_one.then(|| Nv200Instrument {
             stage,
             source: 0,
             line: Vec::new(),
             option: 0,
             commands: 0,
+            autostart: 0,
+            wave: vec![0.0; POINTS],
+            range: [0, POINTS - 1],
+            notch: (false, [1000.0, 100.0]),
         })
     }
 
@@ -53,6 +74,7 @@ impl Nv200Instrument {
         }
         self.commands += 1;
         let done = match values[..] {
+            _ if recording::NAMES.contains(&&*name) => self.record(&name, &values),
             [] => self.ask(&name),
             [value] => self.set(&name, value).map(|()| String::new()),
             _ => Err(COUNT),
@@ -79,8 +101,16 @@ impl Nv200Instrument {
             "acserno" => "0".to_owned(),
             "acmeasure" => "2".to_owned(),
             "temp" => "25.0".to_owned(),
-            // An actuator with a capacitive sensor; bit 3: closed loop.
-            "stat" => (1 | 1 << 2 | u32::from(axis.servo) << 3).to_string(),
+            "kp" => self.stage.servos[0].proportional.to_string(),
+            "ki" => (self.stage.servos[0].integral / self.stage.period()).to_string(),
+            "kd" => (self.stage.servos[0].derivative * self.stage.period()).to_string(),
+            "notchon" => u8::from(self.notch.0).to_string(),
+            "notchf" => self.notch.1[0].to_string(),
+            "notchb" => self.notch.1[1].to_string(),
+            // An actuator with a capacitive sensor; bit 3: closed loop, bit 5: notch filter.
+            "stat" => {
+                (1 | 1 << 2 | u32::from(axis.servo) << 3 | u32::from(self.notch.0) << 5).to_string()
+            }
             _ => return Err(UNKNOWN),
         };
         Ok(format!("{name},{value}\r\n"))
@@ -103,9 +133,24 @@ impl Nv200Instrument {
                 // Only where targets are those of commands.
                 if self.source == 0 {
                     *(if axis.servo { &mut axis.target } else { &mut axis.volts }) = value;
+                    if self.autostart == 1 {
+                        self.stage.recorder.start();
+                    }
                 }
                 Ok(())
             }
+            "kp" | "ki" | "kd" => {
+                let value = Some(number()?).filter(|x| (0.0..=1e4).contains(x)).ok_or(RANGE)?;
+                let period = self.stage.period();
+                let servo = &mut self.stage.servos[0];
+                match name {
+                    "kp" => servo.proportional = value,
+                    "ki" => servo.integral = value * period,
+                    _ => servo.derivative = value / period,
+                }
+                Ok(())
+            }
+            "notchon" | "notchf" | "notchb" => self.set_notch(name, number()?),
             "cl" => match number()? {
                 closed @ (0.0 | 1.0) => {
                     self.stage.servo(0, closed == 1.0);
@@ -116,6 +161,9 @@ impl Nv200Instrument {
             "modsrc" => match number()? {
                 source @ (0.0 | 1.0 | 2.0 | 3.0) => {
                     self.source = source as u8;
+                    if self.source != GENERATOR {
+                        self.stage.generators[0].stop();
+                    }
                     Ok(())
                 }
                 _ => Err(RANGE),
@@ -123,6 +171,24 @@ impl Nv200Instrument {
             _ if self.ask(name).is_ok() => Err(READ_ONLY),
             _ => Err(UNKNOWN),
         }
+    }
+
+    fn set_notch(&mut self, name: &str, value: f64) -> Result<(), u8> {
+        let (mut on, [mut frequency, mut width]) = self.notch;
+        match (name, value) {
+            ("notchon", 0.0 | 1.0) => on = value == 1.0,
+            ("notchf", 1.0..=1e4) => frequency = value,
+            ("notchb", 1.0..=1e4) => width = value,
+            _ => return Err(RANGE),
+        }
+        if width > 2.0 * frequency {
+            return Err(RANGE);
+        }
+        self.notch = (on, [frequency, width]);
+        let least = 0.45 / self.stage.period();
+        let frequency = if on { frequency.min(least) } else { 0.0 };
+        self.stage.notch(0, 0, [frequency, 0.0, 0.5 * width / frequency.max(1e-9)]);
+        Ok(())
     }
 }
 
@@ -152,7 +218,9 @@ impl Instrument for Nv200Instrument {
 
     fn reboot(&mut self) {
         self.stage.reboot();
-        (self.source, self.line) = (0, Vec::new());
+        (self.source, self.line, self.autostart) = (0, Vec::new(), 0);
+        (self.range, self.notch) = ([0, POINTS - 1], (false, [1000.0, 100.0]));
+        self.wave = vec![0.0; POINTS];
     }
 
     fn hang_up(&mut self) {

@@ -1,0 +1,166 @@
+//! `piezoloop bench measure`: a signal on the wave generator of an instrument, and its data recorder as a log.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+use bench::gateway::station::{self, Recorded, Station, Wave};
+use bench::gateway::{self, Address};
+use clap::Args;
+use data::{Log, SampleTime, UnitPlace};
+use serde::Serialize;
+
+use crate::answer::{Answer, Screen};
+use crate::inputs::{self, LogOptions};
+use crate::ranges;
+
+/// Plays a signal on an instrument's own wave generator, and reads its data recorder into a log
+///
+/// The instrument plays and records in its servo cycle, so neither line nor computer disturb the timing. With
+/// ?mode=open behind the address the signal is a voltage and the servo is off: the log shows the plant, for
+/// `identify`. Otherwise it is a target: the log shows the loop. Before and after, the axis is led slowly to where the
+/// signal begins, and back. Wave table and record tables of the instrument are overwritten.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  piezoloop bench measure triangles.csv --gateway 'gcs://10.0.0.5?mode=open' -o log.csv\n  piezoloop bench measure steps.csv --gateway 'gcs:///dev/ttyUSB0?axes=2&baud=115200' --every 2 -o loop.csv\n  piezoloop bench measure triangles.csv --gateway nv200://10.0.0.6 -o loop.csv"
+)]
+pub(crate) struct Measure {
+    /// The signal: a log with one record of equally spaced rows
+    signal: PathBuf,
+    /// Column of the signal [default: the only one]
+    #[arg(long, value_name = "COLUMN")]
+    column: Option<String>,
+    /// The instrument: gcs://IP, gcs:///dev/ttyUSB0, nv200://IP or nv200:///dev/ttyUSB0, with ?axes=N to choose an axis
+    #[arg(long, value_name = "ADDRESS", value_parser = super::address)]
+    gateway: Address,
+    /// Times the signal is played
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = ranges::integers(1, 10_000_u32))]
+    cycles: u32,
+    /// Servo cycles per recorded row [default: one row per row of the signal]
+    #[arg(long, value_name = "N", value_parser = ranges::integers(1, 1_000_000_u32))]
+    every: Option<u32>,
+    /// Unit of the axis
+    #[arg(long, value_name = "UNIT", default_value = "um")]
+    position_unit: String,
+    #[command(flatten)]
+    options: LogOptions,
+    /// The log to write (CSV): command, voltage and position of the axis
+    #[arg(short = 'o', long = "out", value_name = "FILE")]
+    out: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Measured {
+    instrument: String,
+    servo_cycle_s: f64,
+    sample_time_s: f64,
+    rows: usize,
+    columns: Vec<String>,
+    written: PathBuf,
+}
+
+impl Measure {
+    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        inputs::can_write_as(&self.out, inputs::CSV)?;
+        let (points, sample_time) = self.points()?;
+        let mut station = gateway::open_station(&self.gateway)?;
+        let cycle = station.cycle();
+        let wave = self.wave(points, sample_time, &*station)?;
+        screen.say(&format!(
+            "{}: {} points, {:.3} s",
+            station.describe(),
+            wave.points.len(),
+            wave.duration(cycle)
+        ));
+        let recorded = station::play(&mut *station, &wave).map_err(anyhow::Error::msg)?;
+        let log = log_of(&recorded, station.number(), wave.closed, &self.position_unit, &self.out)?;
+        log.write(&self.out, UnitPlace::Sidecar)?;
+        screen.show(&Measured {
+            instrument: station.describe(),
+            servo_cycle_s: cycle,
+            sample_time_s: recorded.period,
+            rows: log.len(),
+            columns: log.columns().iter().map(|column| column.name.clone()).collect(),
+            written: self.out,
+        })
+    }
+
+    /// The values of the signal, and their sample time.
+    fn points(&self) -> anyhow::Result<(Vec<f64>, f64)> {
+        let log = self.options.read(&self.signal)?;
+        let file = self.signal.display();
+        let [record] = log.records() else {
+            bail!("{file}: has {} records; an instrument plays one", log.records().len());
+        };
+        let column = match (&self.column, log.columns()) {
+            (Some(name), _) => log.require(name)?,
+            (None, [only]) => only,
+            (None, all) => {
+                let names: Vec<&str> = all.iter().map(|column| column.name.as_str()).collect();
+                bail!("{file}: has the columns {}; choose one with --column", names.join(", "))
+            }
+        };
+        let sample_time = log.sample_time(record, SampleTime::TOLERANCE)?.period;
+        Ok((column.values.clone(), sample_time))
+    }
+
+    fn wave(
+        &self,
+        points: Vec<f64>,
+        sample_time: f64,
+        station: &dyn Station,
+    ) -> anyhow::Result<Wave> {
+        let cycle = station.cycle();
+        let exact = sample_time / cycle;
+        let hold = exact.round();
+        if !(1.0..=1e6).contains(&hold) || (exact - hold).abs() > 1e-3 {
+            bail!(
+                "{}: sample time {sample_time} s is no multiple of the servo cycle, {cycle} s; give a signal with one, as with --set sample_time={}",
+                self.signal.display(),
+                hold.max(1.0) * cycle
+            );
+        }
+        let every = self.every.unwrap_or(hold as u32);
+        let all = points.len() as u64 * hold as u64 * u64::from(self.cycles);
+        let rows = usize::try_from(all / u64::from(every)).context("too many rows")?;
+        if rows < 2 {
+            bail!(
+                "--every {every}: leaves {rows} rows of {all} servo cycles; give a smaller number"
+            );
+        }
+        let closed = !station.is_open_loop();
+        Ok(Wave { closed, points, hold: hold as u32, cycles: self.cycles, every, rows })
+    }
+}
+
+/// What was recorded of an axis, as a log.
+pub(super) fn log_of(
+    recorded: &Recorded,
+    axis: usize,
+    closed: bool,
+    unit: &str,
+    file: &std::path::Path,
+) -> anyhow::Result<Log> {
+    let time = (0..recorded.position.len()).map(|k| k as f64 * recorded.period).collect();
+    let mut log = Log::new(&file.display().to_string(), time)?;
+    let command_unit = if closed { unit } else { "V" };
+    log.add_column(&format!("command[{axis}]"), Some(command_unit), recorded.command.clone())?;
+    if closed {
+        log.add_column(&format!("voltage[{axis}]"), Some("V"), recorded.voltage.clone())?;
+    }
+    log.add_column(&format!("position[{axis}]"), Some(unit), recorded.position.clone())?;
+    Ok(log)
+}
+
+impl Answer for Measured {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        writeln!(
+            out,
+            "{} rows of {}, every {} s, in {}",
+            self.rows,
+            self.columns.join(", "),
+            self.sample_time_s,
+            self.written.display()
+        )
+    }
+}
