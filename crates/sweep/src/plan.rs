@@ -202,6 +202,7 @@ pub enum Law {
     /// Uniform in the logarithm: least, greatest.
     LogUniform([f64; 2]),
     /// A whole number, uniform: least, greatest.
+    #[serde(rename = "whole")]
     Integer([i64; 2]),
     /// One of these, each as likely.
     Choice(Vec<Scalar>),

@@ -21,6 +21,7 @@ pub enum Cell {
     /// A real number.
     Real(f64),
     /// A whole number.
+    #[serde(rename = "Whole")]
     Integer(i64),
     /// True or false.
     Truth(bool),
@@ -58,6 +59,7 @@ pub enum ColumnKind {
     /// Real numbers.
     Real,
     /// Whole numbers.
+    #[serde(rename = "Whole")]
     Integer,
     /// Truth values.
     Truth,
