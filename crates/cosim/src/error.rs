@@ -115,6 +115,16 @@ pub enum Error {
         /// Calls that were made.
         passes: usize,
     },
+    /// A WebAssembly component that refused a call, or left its bounds.
+    #[error("FMU `{fmu}`: {call}: {what}")]
+    Component {
+        /// Name of the FMU.
+        fmu: String,
+        /// The function of the component.
+        call: String,
+        /// What is wrong.
+        what: String,
+    },
     /// The settings do not fit together; all problems at once.
     #[error(transparent)]
     Problems(#[from] Problems),

@@ -30,8 +30,27 @@ pub struct Fmu {
 enum Library {
     V2(Arc<v2::Library>),
     V3(Arc<v3::Library>),
+    /// A WebAssembly component, where there is no library for this machine.
+    #[cfg(feature = "wasm")]
+    Component(Arc<crate::slave::ComponentLibrary>),
     /// Each instance in a process of its own, which loads the library.
     Elsewhere(Worker),
+}
+
+impl Library {
+    /// The library for this machine.
+    fn of(package: &Package, version: FmiVersion) -> Result<Self, Error> {
+        let binary = package.binary();
+        #[cfg(feature = "wasm")]
+        if let (Err(_), Some(file)) = (&binary, package.component()) {
+            return Ok(Library::Component(Arc::new(crate::slave::ComponentLibrary::load(&file)?)));
+        }
+        let binary = binary?;
+        Ok(match version {
+            FmiVersion::V2 => Library::V2(Arc::new(v2::Library::load(&binary)?)),
+            FmiVersion::V3 => Library::V3(Arc::new(v3::Library::load(&binary)?)),
+        })
+    }
 }
 
 /// What an instance is made with.
@@ -54,11 +73,7 @@ impl Fmu {
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let package = Fmu::package_of(path.as_ref())?;
         let description = Arc::new(package.description().clone());
-        let binary = package.binary()?;
-        let library = match description.fmi_version {
-            FmiVersion::V2 => Library::V2(Arc::new(v2::Library::load(&binary)?)),
-            FmiVersion::V3 => Library::V3(Arc::new(v3::Library::load(&binary)?)),
-        };
+        let library = Library::of(&package, description.fmi_version)?;
         Ok(Fmu { package: Arc::new(package), description, library, structure: Vec::new() })
     }
 
@@ -161,6 +176,9 @@ impl Fmu {
             Library::V2(library) => library.missing(),
             Library::V3(library) => library.missing(),
             Library::Elsewhere(_) => &[],
+            // It is linked by its interface, all of it.
+            #[cfg(feature = "wasm")]
+            Library::Component(_) => &[],
         }
     }
 
@@ -184,6 +202,13 @@ impl Fmu {
             Library::V3(library) => {
                 Box::new(Fmi3Slave::new(Arc::clone(library), description, package, settings)?)
             }
+            #[cfg(feature = "wasm")]
+            Library::Component(library) => Box::new(crate::slave::ComponentSlave::new(
+                Arc::clone(library),
+                description,
+                package,
+                settings,
+            )?),
             Library::Elsewhere(worker) => {
                 Box::new(IsolatedSlave::new(worker, description, package, settings)?)
             }

@@ -114,6 +114,13 @@ impl Package {
         })
     }
 
+    /// The WebAssembly component of the draft FMI-LS-WASM, where there is one.
+    pub fn component(&self) -> Option<PathBuf> {
+        let file = format!("{}.wasm", self.model_identifier().ok()?);
+        let file = self.folder.join("binaries/wasm32-wasip2").join(file);
+        file.is_file().then_some(file)
+    }
+
     /// Co-simulation is preferred where an FMU offers several interface types.
     fn model_identifier(&self) -> Result<&str, PackageError> {
         let co_simulation = self.description.co_simulation.as_ref().map(|cs| &cs.common);

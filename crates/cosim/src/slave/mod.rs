@@ -3,6 +3,8 @@
 mod address;
 mod array;
 mod clocks;
+#[cfg(feature = "wasm")]
+mod component;
 mod events;
 mod fmi2;
 mod fmi3;
@@ -16,6 +18,8 @@ mod value;
 pub use address::unrecorded;
 pub(crate) use address::{Address, numbers};
 pub(crate) use clocks::can_be_triggered;
+#[cfg(feature = "wasm")]
+pub(crate) use component::{ComponentLibrary, ComponentSlave};
 pub(crate) use fmi2::Fmi2Slave;
 pub(crate) use fmi3::Fmi3Slave;
 pub(crate) use index::Index;
