@@ -135,10 +135,13 @@ fn an_instrument_that_does_not_fit_is_refused() {
         GcsDevice::open(Box::new(MemoryLine(world)), options, safe).map(|_| ())
     };
     assert_eq!(open("axes=2,1", &[0.0, 0.0]), Ok(()));
+    // Positions from the analog inputs.
+    assert_eq!(open("analog=3,4", &[0.0, 0.0]), Ok(()));
     for (options, safe, words) in [
         ("", &[0.0; 3][..], "has the axes 1, 2"),
         ("axes=1,7", &[0.0; 2], "choose with ?axes=1,2"),
         ("", &[0.0, 50.0], "axis 2 has a travel from -2 to 12; the safe command 50"),
+        ("analog=3", &[0.0; 2], "names 1 input signals for 2 axes"),
         ("axis=1", &[0.0], "`axis=1` is none of axes"),
         ("timeout=0", &[0.0], "timeout=SECONDS"),
         ("axes=1,,2", &[0.0], "no name"),
