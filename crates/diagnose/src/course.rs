@@ -4,6 +4,7 @@
 use std::sync::atomic::AtomicU64;
 
 use components::effects;
+use model::Group;
 use rayon::prelude::*;
 
 use crate::between::{Between, Course};
@@ -19,7 +20,8 @@ use crate::thresholds::base::Thresholds;
 /// Diagnoses one output. Where something is left, the other readings of the logs are tried with what was found:
 /// one that leaves clearly less is taken, and the search made anew. A mode near half the sample rate is what a
 /// command looks like that moves between the rows: before it is named the search is made with those at any rate,
-/// and the one is taken that leaves less with fewer effects.
+/// and the one is taken that leaves less with fewer effects. So does a lag of the model that acts faster: one of these
+/// is taken if it leaves about as much without the lag.
 pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
     let open = Course::open(request.between, request.reading);
     if open.is_empty() || !task.base.is_white {
@@ -53,7 +55,13 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
                     && mode_near_nyquist(&other).is_none()
                     && (stands_for_it || leaves_less)
             }
-            None => other.left() < Thresholds::READING_LESS * outcome.left(),
+            // With fewer effects it stands for the lag.
+            None => {
+                other.left() < Thresholds::READING_LESS * outcome.left()
+                    || (has_released_lag(&outcome)
+                        && other.found.last.picks.len() < outcome.found.last.picks.len()
+                        && other.left() < Thresholds::READING_FOR_LAG * outcome.left())
+            }
         };
         if is_better {
             outcome = other;
@@ -81,6 +89,10 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
             "a mode would be missing at {frequency:.4} Hz, within 10 % of half the sample rate"
         ))),
         None if course == usual => None,
+        // Not less, but without the lag.
+        None if outcome.left() >= Thresholds::READING_LESS * first => {
+            Some(read_as("a lag of the model would have to act faster".to_owned()))
+        }
         None => Some(read_as(format!(
             "the best answer would leave {:.1} times as much",
             (first / outcome.left()).sqrt()
@@ -88,6 +100,14 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
     };
     outcome.task.warnings.extend(warning);
     Ok(outcome)
+}
+
+/// Whether a lag of the model that acts faster was found, as a command looks like that moves between the rows.
+fn has_released_lag(o: &Outcome) -> bool {
+    o.found.last.picks.iter().any(|(family, number)| {
+        let family = &o.library[*family];
+        family.effect.group == Some(Group::Lag) && !family.formulas[*number].releases.is_empty()
+    })
 }
 
 fn is_usual(course: Course) -> bool {
@@ -122,7 +142,11 @@ fn promising(o: &Outcome, open: &[Course], count: &AtomicU64) -> Option<Course> 
         })
         .collect();
     let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (best.1 < Thresholds::READING_LESS).then_some(best.0)
+    let most = match has_released_lag(o) {
+        true => Thresholds::READING_TRIED_FOR_LAG,
+        false => Thresholds::READING_LESS,
+    };
+    (best.1 < most).then_some(best.0)
 }
 
 /// Mean square in SI of what the answer leaves on held-out rows.

@@ -139,11 +139,12 @@ impl Scene {
         Workshop::new(order).scene()
     }
 
-    /// A record of falling triangles before the machine had its effects.
+    /// A multisine record of the machine before it had its effects. It shows the mode, which a model that is identified
+    /// from slow triangles lacks: a second effect that no label has.
     #[must_use]
     pub fn without_effects(&self) -> Record {
         let workshop = Workshop::new(&self.order);
-        workshop.record(Kind::FallingTriangle, 500, &[], true)
+        workshop.record(Kind::Multisine, 500, &[], true)
     }
 
     /// What the machine reads, with noise, while it is played these commands in V; `number` sets the noise apart
@@ -215,7 +216,7 @@ impl<'a> Workshop<'a> {
         let axes: Vec<Baseline> = (0..self.order.axes).map(|axis| self.model_of(axis)).collect();
         Scene {
             order: self.order.clone(),
-            blueprint: blueprint("machine", &axes.iter().collect::<Vec<_>>(), self.period),
+            blueprint: blueprint("machine", &axes.iter().collect::<Vec<_>>(), self.step()),
             fit,
             held_out,
             idle: idle.into_iter().next().unwrap_or_else(|| self.empty()),
@@ -371,9 +372,18 @@ impl<'a> Workshop<'a> {
                     neighbour: band_limited(&drive.neighbour),
                     record: drive.record,
                 };
-                let machine = Machine { period: self.period / FINER as f64, ..machine.clone() };
+                let machine = Machine { period: self.step(), ..machine.clone() };
                 machine.run(&finer).into_iter().step_by(FINER).collect()
             }
+        }
+    }
+
+    /// The internal step of machine and model in s. Parts in a row act on each other once per step, so a model with a
+    /// coarser step than the machine's would be early by a part of it: an error that no label has.
+    fn step(&self) -> f64 {
+        match self.order.timing {
+            Timing::BandLimited => self.period / FINER as f64,
+            Timing::Before | Timing::After => self.period,
         }
     }
 
@@ -408,7 +418,7 @@ impl<'a> Workshop<'a> {
 }
 
 /// Steps of a band-limited command between two rows.
-const FINER: usize = 8;
+const FINER: usize = 4;
 
 /// A course through the values without what lies above half their rate: a sum of sinc functions under a window of 16
 /// values to each side, the ends held.
