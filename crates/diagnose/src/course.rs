@@ -20,8 +20,8 @@ use crate::thresholds::base::Thresholds;
 /// Diagnoses one output. Where something is left, the other readings of the logs are tried with what was found:
 /// one that leaves clearly less is taken, and the search made anew. A mode near half the sample rate is what a
 /// command looks like that moves between the rows: before it is named the search is made with those at any rate,
-/// and the one is taken that leaves less with fewer effects. So does a lag of the model that acts faster: one of these
-/// is taken if it leaves about as much without the lag.
+/// and the one is taken that leaves less with fewer effects. A lag of the model that acts faster looks like that, too:
+/// another reading is taken if it leaves about as much without the lag.
 pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
     let open = Course::open(request.between, request.reading);
     if open.is_empty() || !task.base.is_white {
