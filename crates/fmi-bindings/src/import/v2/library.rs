@@ -96,6 +96,7 @@ impl Library {
     ///
     /// # Safety
     /// As for [`Binary::function`].
+    #[cfg(feature = "wrap")]
     pub(crate) unsafe fn function<F: Copy>(&self, name: &str) -> Option<F> {
         // SAFETY: promised by the caller.
         unsafe { self.binary.function(name) }
