@@ -22,6 +22,8 @@ pub(crate) const PLATFORM: &str = if cfg!(all(target_os = "linux", target_arch =
     "darwin64"
 } else if cfg!(all(target_os = "linux", target_arch = "aarch64")) {
     "aarch64-linux"
+} else if cfg!(all(target_os = "linux", target_arch = "arm")) {
+    "aarch32-linux"
 } else {
     "unknown"
 };

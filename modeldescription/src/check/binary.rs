@@ -109,7 +109,8 @@ fn wanted(platform: Platform) -> Wanted {
     };
     let architecture = match machine {
         "aarch64" => Architecture::Aarch64,
-        "i686" => Architecture::I386,
+        "aarch32" => Architecture::Arm,
+        "x86" => Architecture::I386,
         _ => Architecture::X86_64,
     };
     Wanted { format, architecture, name: format!("{name} for {machine}") }

@@ -21,17 +21,18 @@ const fn platform(
     Platform { tuple, fmi2, extension }
 }
 
-/// The platforms known here.
-pub const PLATFORMS: [Platform; 9] = [
+/// The platforms known here, by the tuples of FMI 3.0 (§2.5.1.4): `x86` and `aarch32` are its names of 32-bit processors.
+pub const PLATFORMS: [Platform; 10] = [
     platform("x86_64-linux", Some("linux64"), "so"),
     platform("x86_64-windows", Some("win64"), "dll"),
     platform("x86_64-darwin", Some("darwin64"), "dylib"),
     platform("aarch64-linux", None, "so"),
     platform("aarch64-darwin", None, "dylib"),
     platform("aarch64-windows", None, "dll"),
-    platform("i686-linux", Some("linux32"), "so"),
-    platform("i686-windows", Some("win32"), "dll"),
-    platform("i686-darwin", Some("darwin32"), "dylib"),
+    platform("aarch32-linux", None, "so"),
+    platform("x86-linux", Some("linux32"), "so"),
+    platform("x86-windows", Some("win32"), "dll"),
+    platform("x86-darwin", Some("darwin32"), "dylib"),
 ];
 
 /// The folder of WebAssembly components, by the draft of FMI-LS-WASM.
@@ -48,7 +49,7 @@ impl Platform {
     /// The platform this program runs on, if FMUs can have binaries for it.
     pub fn host() -> Option<Self> {
         let architecture = match std::env::consts::ARCH {
-            "x86" => "i686",
+            "arm" => "aarch32",
             other => other,
         };
         let system = match std::env::consts::OS {
@@ -99,6 +100,8 @@ mod tests {
         assert_eq!(linux.folders(FmiVersion::V3), ["x86_64-linux", "linux64"]);
         let arm = Platform::from_name("aarch64-linux").unwrap();
         assert_eq!(arm.folder(FmiVersion::V2), "aarch64-linux");
+        let windows = Platform::from_name("win32").unwrap();
+        assert_eq!(windows.folder(FmiVersion::V3), "x86-windows");
         assert_eq!(Platform::from_name("vax-vms"), None);
     }
 }

@@ -21,10 +21,13 @@ pub unsafe extern "C" fn fmi3GetFloat64(
             // SAFETY: the host's own arguments.
             return Ok(unsafe { get(inner, valueReferences, nValueReferences, values, nValues).0 });
         }
-        if nValues > (1 << 40) {
-            return Err(Notice::error("that many values cannot be"));
+        let mut own = Vec::new();
+        if own.try_reserve_exact(nValues).is_err() {
+            return Err(Notice::error(format!(
+                "nValues is {nValues}: there is no room for that many"
+            )));
         }
-        let mut own = vec![0.0; nValues];
+        own.resize(nValues, 0.0);
         let code = w.get(references, &mut own)?;
         // SAFETY: the caller's room for `nValues` values.
         let room = unsafe { Room::new(values, nValues, "values")? };
