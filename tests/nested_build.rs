@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const LIBRARIES: [&str; 3] = ["plant", "controller", "wrap"];
+const LIBRARIES: [&str; 2] = ["blueprint", "wrap"];
 const CHECKSUM: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
 fn write(path: PathBuf, text: &str) {

@@ -27,7 +27,7 @@ pub fn unit(inside: f64) -> f64 {
     c * (1.875 + square * (0.375 * square - 1.25))
 }
 
-/// Derivative of [`unit`].
+/// Derivative of [`unit()`].
 #[cfg(feature = "train")]
 #[must_use]
 pub fn unit_slope(inside: f64) -> f64 {
