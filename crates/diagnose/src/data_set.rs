@@ -15,15 +15,15 @@ pub(crate) struct RecordData {
     pub(crate) name: String,
     /// Times of the run-in in s: rows before `rows` that are simulated, neither fitted nor judged.
     pub(crate) run_in: Vec<f64>,
-    /// The record data's rows.
+    /// Rows of the record.
     pub(crate) rows: Range<usize>,
     /// Rows that are fitted, a part of `rows` from its start.
     pub(crate) training: Range<usize>,
-    /// The record data's place on the grid.
+    /// Hits of the record on the grid.
     pub(crate) hits: Range<usize>,
     /// End of the hits that the training rows need.
     pub(crate) training_hits_end: usize,
-    /// The record data's part of the rows of the fit.
+    /// The record's part of the rows of the fit.
     pub(crate) fit: Range<usize>,
     /// Inputs of a black box beside the one that is driven, row by row from the run-in on, in the model's units.
     pub(crate) others: Vec<Vec<f64>>,
@@ -51,7 +51,7 @@ pub(crate) struct Auxiliary {
     pub(crate) is_command: bool,
     /// Values over the grid, held between rows.
     pub(crate) hits: Vec<f64>,
-    /// The auxiliary's range.
+    /// Range of the column.
     pub(crate) span: Span,
 }
 

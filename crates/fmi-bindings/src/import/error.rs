@@ -71,7 +71,7 @@ pub struct CallError {
     pub fmu: String,
     /// Name of the function, as the standard spells it.
     pub call: &'static str,
-    /// What the call error returned.
+    /// What the function returned.
     pub status: Status,
     /// What the FMU last said, oldest first.
     pub messages: Vec<Message>,

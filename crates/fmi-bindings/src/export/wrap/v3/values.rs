@@ -21,13 +21,9 @@ pub unsafe extern "C" fn fmi3GetFloat64(
             // SAFETY: the host's own arguments.
             return Ok(unsafe { get(inner, valueReferences, nValueReferences, values, nValues).0 });
         }
-        let mut own = Vec::new();
-        if own.try_reserve_exact(nValues).is_err() {
-            return Err(Notice::error(format!(
-                "nValues is {nValues}: there is no room for that many"
-            )));
-        }
-        own.resize(nValues, 0.0);
+        // Before there is room for as many as the host asks for.
+        w.measure(references, nValues)?;
+        let mut own = vec![0.0; nValues];
         let code = w.get(references, &mut own)?;
         // SAFETY: the caller's room for `nValues` values.
         let room = unsafe { Room::new(values, nValues, "values")? };
