@@ -10,15 +10,21 @@
 //! * [`WholeFile`]: a file that appears whole or not at all.
 
 mod blueprint;
+#[cfg(feature = "logs")]
 mod counted;
+#[cfg(feature = "logs")]
 mod fit;
+#[cfg(feature = "logs")]
 pub mod inner_steps;
+#[cfg(feature = "logs")]
 mod log;
+#[cfg(feature = "logs")]
 mod name_map;
 mod nearest;
 mod number_text;
 mod pattern;
 mod problem;
+#[cfg(feature = "logs")]
 mod resample;
 mod toml_kind;
 mod toml_text;
@@ -27,20 +33,25 @@ pub use blueprint::{
     AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, ConnectionBlueprint,
     CouplingBlueprint, ParameterRecord, RecordValue, SignalBlueprint, Value, npy_of,
 };
+#[cfg(feature = "logs")]
 pub use counted::counted;
 pub use files::WholeFile;
+#[cfg(feature = "logs")]
 pub use fit::{Fit, FitError};
 #[cfg(feature = "parquet")]
 pub use log::ParquetLogWriter;
+#[cfg(feature = "logs")]
 pub use log::{
     Column, ColumnHeader, ColumnUnit, Finding, LeftOut, Log, LogWriter, Mf4About, Mf4Writer,
     Quality, ReadOptions, Record, Resample, Rounded, SampleTime, UnitPlace, check_sidecar,
     renew_sidecar, sidecar_of, write_sidecar,
 };
+#[cfg(feature = "logs")]
 pub use name_map::NameMap;
 pub use nearest::nearest;
 pub use number_text::push_number;
 pub use pattern::fits_pattern;
 pub use problem::{Problem, Problems};
+#[cfg(feature = "logs")]
 pub use resample::{Hold, ResampleError, Uniform};
 pub use toml_kind::{of_another_kind, toml_kind};
