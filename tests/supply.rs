@@ -193,7 +193,9 @@ fn crates_come_from_the_registry_with_a_checksum() {
     for package in packages {
         let name = package["name"].as_str().expect("a name");
         let Some(source) = package.get("source").and_then(toml::Value::as_str) else {
-            assert!(name.starts_with("piezoloop"), "{name} has no source");
+            // An empty crate in the place of one that is never called.
+            let is_empty = name == "bindgen";
+            assert!(name.starts_with("piezoloop") || is_empty, "{name} has no source");
             continue;
         };
         assert_eq!(source, "registry+https://github.com/rust-lang/crates.io-index", "{name}");

@@ -8,11 +8,8 @@
 //! falls slowly up to a knee and then fast: choose the number by the error of a simulation
 //! ([`Compressor::smallest`]), not by itself.
 
-use faer::Mat;
-use faer::Par;
-use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
-
 use crate::lssvm::LsSvm;
+use crate::solve::dense::{Mat, divide_transposed};
 use crate::solve::kernel::Scaled;
 use crate::solve::pivoted::LowRank;
 
@@ -23,7 +20,7 @@ pub struct Compressor {
     /// Lᵀα.
     coefficients: Vec<f64>,
     /// The rows of L on the pivots.
-    rows: Mat<f64>,
+    rows: Mat,
 }
 
 impl Compressor {
@@ -33,9 +30,9 @@ impl Compressor {
         let scale = vec![1.0 / model.sigma2.sqrt(); model.dimension];
         let points = Scaled::new(&model.centres, model.dimension, &scale);
         let low = LowRank::up_to(&points, 1e-13, most);
-        let coefficients = (0..low.rank())
-            .map(|k| low.factor().col(k).iter().zip(&model.weights).map(|(l, a)| l * a).sum())
-            .collect();
+        let column =
+            |k: usize| low.factor().column(k).iter().zip(&model.weights).map(|(l, a)| l * a).sum();
+        let coefficients = (0..low.rank()).map(column).collect();
         let rows = low.rows(&low.pivots);
         Self { model: model.clone(), low, coefficients, rows }
     }
@@ -51,8 +48,7 @@ impl Compressor {
     pub fn to(&self, count: usize) -> LsSvm {
         let count = count.min(self.most());
         let mut beta = Mat::from_fn(count, 1, |i, _| self.coefficients[i]);
-        let rows = self.rows.get(..count, ..count);
-        solve_upper_triangular_in_place(rows.transpose(), beta.as_mut(), Par::Seq);
+        divide_transposed(&self.rows.view((0, 0), (count, count)), beta.as_view_mut());
         let d = self.model.dimension;
         let centre = |p: &usize| self.model.centres[p * d..(p + 1) * d].iter().copied();
         LsSvm {

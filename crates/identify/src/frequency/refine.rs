@@ -17,12 +17,12 @@
 use core::f64::consts::TAU;
 
 use components::linear::Transition;
-use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 
 use super::Complex;
 use super::held::{HeldMode, HeldPlant, Softening};
 use super::local::{FrequencyResponse, Line};
+use super::relocate::scaled_columns;
 use crate::error::Error;
 
 /// A response at one level of excitation.
@@ -109,7 +109,7 @@ struct Fit {
     rows: Vec<Rows>,
     count: usize,
     /// Weighted response, real above imaginary parts, level after level; a column per element, row by row.
-    right: Mat<f64>,
+    right: DMatrix<f64>,
     top: usize,
     lowest: f64,
     highest: f64,
@@ -119,9 +119,9 @@ struct Fit {
 struct Found {
     x: DVector<f64>,
     /// φ of all modes, ψ of all modes, D; by elements.
-    linear: Mat<f64>,
-    rest: Mat<f64>,
-    basis: Mat<f64>,
+    linear: DMatrix<f64>,
+    rest: DMatrix<f64>,
+    basis: DMatrix<f64>,
     squares: f64,
 }
 
@@ -138,7 +138,7 @@ impl Fit {
         if modes == 0 || count <= KINDS * modes + 2 * modes + 1 {
             return Err(Error::no_solution("there are fewer lines than the fit has modes"));
         }
-        let mut right = Mat::zeros(count, elements);
+        let mut right = DMatrix::zeros(count, elements);
         let mut rows = Vec::new();
         let mut first = 0;
         for level in levels {
@@ -219,8 +219,8 @@ impl Fit {
     }
 
     /// Weighted columns, one per function of z.
-    fn columns(&self, count: usize, at: impl Fn(&Rows, &mut [Vec<Complex>])) -> Mat<f64> {
-        let mut all = Mat::zeros(self.count, count);
+    fn columns(&self, count: usize, at: impl Fn(&Rows, &mut [Vec<Complex>])) -> DMatrix<f64> {
+        let mut all = DMatrix::zeros(self.count, count);
         let mut first = 0;
         for rows in &self.rows {
             let lines = rows.z.len();
@@ -252,28 +252,18 @@ impl Fit {
             }
         });
         let mut scaled = matrix;
-        let norms: Vec<f64> = scaled
-            .col_iter()
-            .map(|c| c.iter().map(|x| x * x).sum::<f64>().sqrt().max(f64::MIN_POSITIVE))
-            .collect();
-        for (column, norm) in scaled.col_iter_mut().zip(&norms) {
-            column.iter_mut().for_each(|x| *x /= norm);
-        }
+        let norms = scaled_columns(&mut scaled);
         let qr = scaled.qr();
-        let basis = qr.compute_thin_Q();
-        let projected = basis.transpose() * &self.right;
+        let basis = qr.q();
+        let projected = basis.tr_mul(&self.right);
         let rest = &self.right - &basis * &projected;
+        let squares = rest.norm_squared();
         let mut linear = projected;
-        let triangle = qr.thin_R();
-        faer::linalg::triangular_solve::solve_upper_triangular_in_place(
-            triangle,
-            linear.as_mut(),
-            faer::Par::Seq,
-        );
-        let squares: f64 = rest.col_iter().flat_map(|c| c.iter()).map(|x| x * x).sum();
-        let linear = Mat::from_fn(linear.nrows(), linear.ncols(), |r, c| linear[(r, c)] / norms[r]);
-        let finite = linear.col_iter().all(|c| c.iter().all(|x| x.is_finite()));
-        if finite && squares.is_finite() {
+        let solved = qr.r().solve_upper_triangular_mut(&mut linear);
+        for mut column in linear.column_iter_mut() {
+            column.component_div_assign(&norms);
+        }
+        if solved && squares.is_finite() && linear.iter().all(|x| x.is_finite()) {
             Ok(Found { x, linear, rest, basis, squares })
         } else {
             Err(Error::no_solution("two modes of the fit are one; fit fewer modes"))
@@ -310,9 +300,10 @@ impl Fit {
                 }
             }
         });
-        let reduced = &slopes - &found.basis * (found.basis.transpose() * &slopes);
-        let gram = reduced.transpose() * &reduced;
-        let pulls = reduced.transpose() * &found.rest;
+        let reduced = &slopes - &found.basis * found.basis.tr_mul(&slopes);
+        let transposed = reduced.transpose();
+        let gram = &transposed * &reduced;
+        let pulls = transposed * &found.rest;
         let mut matrix = DMatrix::zeros(p, p);
         let mut right = DVector::zeros(p);
         for e in 0..found.rest.ncols() {

@@ -10,7 +10,6 @@
 //! ibid. 21 (2006) 1587-1592; one QR per element: D. Deschrijver et al., IEEE Microw. Wireless
 //! Compon. Lett. 18 (2008) 383-385.
 
-use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -104,9 +103,9 @@ impl Basis {
 
 /// Rows of the least squares: real parts above imaginary parts, weighted, columns scaled by the
 /// caller.
-fn stacked(rows: &[Vec<Complex>], weight: impl Fn(usize) -> f64) -> Mat<f64> {
+fn stacked(rows: &[Vec<Complex>], weight: impl Fn(usize) -> f64) -> DMatrix<f64> {
     let (count, width) = (rows.len(), rows.first().map_or(0, Vec::len));
-    Mat::from_fn(2 * count, width, |r, c| {
+    DMatrix::from_fn(2 * count, width, |r, c| {
         let (k, imaginary) = if r < count { (r, false) } else { (r - count, true) };
         let value = rows[k][c];
         weight(k) * if imaginary { value.im } else { value.re }
@@ -119,7 +118,7 @@ pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, E
     let phi: Vec<Vec<Complex>> = samples.variable.iter().map(|x| basis.at(*x)).collect();
     let elements = samples.elements();
     // What each element says about σ; and that σ is one on average.
-    let mut stack = Mat::<f64>::zeros(elements.len() * (n + 1) + 1, n + 1);
+    let mut stack = DMatrix::zeros(elements.len() * (n + 1) + 1, n + 1);
     let mut scale = 0.0_f64;
     let triangle = |&(o, i): &(usize, usize)| {
         let both: Vec<Vec<Complex>> = phi
@@ -133,9 +132,9 @@ pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, E
         let weight = |k: usize| samples.weight[k][(o, i)];
         let power = |k: usize| (weight(k) * samples.response[k][(o, i)].norm()).powi(2);
         let power: f64 = (0..phi.len()).map(power).sum();
-        (stacked(&both, weight).qr().thin_R().to_owned(), power)
+        (stacked(&both, weight).qr().unpack_r(), power)
     };
-    let triangles: Vec<(Mat<f64>, f64)> = elements.par_iter().map(triangle).collect();
+    let triangles: Vec<(DMatrix<f64>, f64)> = elements.par_iter().map(triangle).collect();
     for (e, (triangle, power)) in triangles.iter().enumerate() {
         scale += power;
         for r in 0..=n {
@@ -151,10 +150,9 @@ pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, E
     for c in 0..=n {
         stack[(last, c)] = strength * phi.iter().map(|row| row[c].re).sum::<f64>();
     }
-    let mut right = Mat::<f64>::zeros(last + 1, 1);
-    right[(last, 0)] = strength * phi.len() as f64;
-    let c = least_squares(stack, right)?;
-    let mut c: Vec<f64> = c.col(0).iter().copied().collect();
+    let mut right = DVector::zeros(last + 1);
+    right[last] = strength * phi.len() as f64;
+    let mut c = least_squares(stack, &right)?.as_slice().to_vec();
     // A σ without its constant has no zeros to go to.
     let least = 1e-8;
     if c[n].abs() < least {
@@ -176,26 +174,32 @@ pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, E
     Ok(Basis { domain: basis.domain, poles })
 }
 
-fn at(matrix: &Mat<f64>, row: usize, column: usize) -> Option<f64> {
+fn at(matrix: &DMatrix<f64>, row: usize, column: usize) -> Option<f64> {
     (row < matrix.nrows() && column < matrix.ncols()).then(|| matrix[(row, column)])
 }
 
 /// Least squares with columns of length one.
-fn least_squares(matrix: Mat<f64>, right: Mat<f64>) -> Result<Mat<f64>, Error> {
-    use faer::linalg::solvers::SolveLstsq;
-    let mut matrix = matrix;
-    let norms: Vec<f64> = matrix
-        .col_iter()
-        .map(|c| c.iter().map(|x| x * x).sum::<f64>().sqrt().max(f64::MIN_POSITIVE))
-        .collect();
-    for (column, norm) in matrix.col_iter_mut().zip(&norms) {
-        column.iter_mut().for_each(|x| *x /= norm);
+fn least_squares(mut matrix: DMatrix<f64>, right: &DVector<f64>) -> Result<DVector<f64>, Error> {
+    let norms = scaled_columns(&mut matrix);
+    let qr = matrix.qr();
+    let mut projected = right.clone();
+    qr.q_tr_mul(&mut projected);
+    let found = qr.r().solve_upper_triangular(&projected.rows(0, norms.len()));
+    let solution = found.map(|x| x.component_div(&norms));
+    let finite = solution.filter(|x| x.iter().all(|x| x.is_finite()));
+    finite.ok_or(Error::no_solution("the fit's poles coincide"))
+}
+
+/// Divides each column by its length; returns the lengths.
+pub(super) fn scaled_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
+    let norms = DVector::from_iterator(
+        matrix.ncols(),
+        matrix.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)),
+    );
+    for (mut column, norm) in matrix.column_iter_mut().zip(&norms) {
+        column.unscale_mut(*norm);
     }
-    let solution = matrix.qr().solve_lstsq(&right);
-    let columns = right.ncols();
-    let solution = Mat::from_fn(norms.len(), columns, |r, c| solution[(r, c)] / norms[r]);
-    let finite = solution.col_iter().all(|c| c.iter().all(|x| x.is_finite()));
-    if finite { Ok(solution) } else { Err(Error::no_solution("the fit's poles coincide")) }
+    norms
 }
 
 /// Residues and direct term for given poles, and the weighted mean square of what is left.
@@ -209,11 +213,10 @@ pub(super) fn residues(
         let weight = |k: usize| samples.weight[k][(o, i)];
         let matrix = stacked(&phi, weight);
         let values: Vec<Vec<Complex>> = samples.response.iter().map(|g| vec![g[(o, i)]]).collect();
-        let right = stacked(&values, weight);
-        let c = least_squares(matrix.clone(), right.clone())?;
-        let rest = &right - &matrix * &c;
-        let squares: f64 = rest.col(0).iter().map(|x| x * x).sum();
-        Ok((c.col(0).iter().copied().collect::<Vec<f64>>(), squares))
+        let right = stacked(&values, weight).column(0).into_owned();
+        let c = least_squares(matrix.clone(), &right)?;
+        let squares = (right - matrix * &c).norm_squared();
+        Ok((c.as_slice().to_vec(), squares))
     };
     let fitted = samples.elements().par_iter().map(element).collect::<Result<Vec<_>, Error>>()?;
     let sum: f64 = fitted.iter().map(|(_, squares)| squares).sum();

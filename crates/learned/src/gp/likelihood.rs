@@ -7,14 +7,10 @@
 //!
 //! No array of n × n × d is ever built: the sums over pairs are a product of M with the inputs.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::inverse::{inverse, inverse_scratch};
-use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::{Accum, Mat, MatRef, Par};
-
 use super::Hyperparameters;
 use crate::Error;
 use crate::lssvm::Samples;
+use crate::solve::dense::{Mat, inverse, view};
 use crate::solve::kernel::Scaled;
 use crate::solve::{factorise, solve_factored};
 
@@ -52,14 +48,12 @@ pub fn likelihood(samples: &Samples, parameters: &Hyperparameters) -> Result<Lik
     let fit: f64 = y.iter().zip(&alpha).map(|(y, a)| y * a).sum::<f64>() / signal2;
     let logs = (n as f64) * (core::f64::consts::TAU.ln() + signal2.ln());
     let value = -0.5 * fit - half_log - 0.5 * logs;
-    let mut inv = Mat::zeros(n, n);
-    let mut memory = MemBuffer::new(inverse_scratch::<f64>(n, Par::Seq));
-    let view = MatRef::from_column_major_slice(&factor, n, n);
-    inverse(inv.as_mut(), view, Par::Seq, MemStack::new(&mut memory));
+    let mut inv = inverse(&view(&factor, n, n));
     drop(factor);
     // W in units of 1/σ_f² on the diagonal; M = W ∘ k over the inverse.
     let diagonal: f64 = (0..n).map(|i| alpha[i] * alpha[i] / signal2 - inv[(i, i)]).sum();
     hadamard(&mut inv, &kernel, &alpha, signal2);
+    inv.fill_upper_triangle_with_lower_triangle();
     let sums = moments(&inv, &points);
     // ∂C/∂ln σ_f = 2K and ∂C/∂ln σ_n = 2σ_n² I.
     let mut gradient = vec![sums.total, lambda * diagonal];
@@ -73,13 +67,13 @@ pub fn likelihood(samples: &Samples, parameters: &Hyperparameters) -> Result<Lik
 }
 
 /// `inv := (ααᵀ/σ_f² − inv) ∘ kernel` in the lower half.
-fn hadamard(inv: &mut Mat<f64>, kernel: &[f64], alpha: &[f64], signal2: f64) {
+fn hadamard(inv: &mut Mat, kernel: &[f64], alpha: &[f64], signal2: f64) {
     let n = alpha.len();
-    for j in 0..n {
-        let Some(column) = inv.col_mut(j).try_as_col_major_mut() else { continue };
+    for (j, column) in inv.as_mut_slice().chunks_exact_mut(n).enumerate() {
         let factor = alpha[j] / signal2;
-        let column = &mut column.as_slice_mut()[j..];
-        for ((m, k), a) in column.iter_mut().zip(&kernel[j * n + j..(j + 1) * n]).zip(&alpha[j..]) {
+        for ((m, k), a) in
+            column[j..].iter_mut().zip(&kernel[j * n + j..(j + 1) * n]).zip(&alpha[j..])
+        {
             *m = (factor * a - *m) * k;
         }
     }
@@ -92,30 +86,13 @@ struct Moments {
     squares: Vec<f64>,
 }
 
-fn moments(m: &Mat<f64>, points: &Scaled) -> Moments {
+fn moments(m: &Mat, points: &Scaled) -> Moments {
     let (n, d) = (points.n, points.d);
     let centre: Vec<f64> =
         (0..d).map(|k| (0..n).map(|i| points.point(i)[k]).sum::<f64>() / n as f64).collect();
     let x =
         Mat::from_fn(n, d + 1, |i, k| if k == d { 1.0 } else { points.point(i)[k] - centre[k] });
-    // M·x from the lower half: L·x + Lᵀ·x − diagonal.
-    let mut product = Mat::zeros(n, d + 1);
-    for (matrix, shape, accumulate) in [
-        (m.as_ref(), BlockStructure::TriangularLower, Accum::Replace),
-        (m.transpose(), BlockStructure::StrictTriangularUpper, Accum::Add),
-    ] {
-        triangular::matmul(
-            product.as_mut(),
-            BlockStructure::Rectangular,
-            accumulate,
-            matrix,
-            shape,
-            x.as_ref(),
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
-    }
+    let product = m * &x;
     let square = |k: usize| {
         (0..n).map(|i| x[(i, k)] * (x[(i, k)] * product[(i, d)] - product[(i, k)])).sum()
     };

@@ -10,11 +10,10 @@
 mod ascent;
 mod likelihood;
 
-use faer::Mat;
-
 pub use likelihood::{Likelihood, likelihood};
 
 use crate::lssvm::{LsSvm, Samples};
+use crate::solve::dense::{Mat, divide, view};
 use crate::solve::kernel::Scaled;
 use crate::solve::pivoted::LowRank;
 use crate::solve::{factorise, solve_factored};
@@ -159,13 +158,8 @@ impl GaussianProcess {
             libm::exp(-squares.sum::<f64>())
         };
         let mut column = Mat::from_fn(n, 1, |i, _| kernel(i));
-        let factor = faer::MatRef::from_column_major_slice(&self.factor, n, n);
-        faer::linalg::triangular_solve::solve_lower_triangular_in_place(
-            factor,
-            column.as_mut(),
-            faer::Par::Seq,
-        );
-        let explained: f64 = (0..n).map(|i| column[(i, 0)].powi(2)).sum();
+        divide(&view(&self.factor, n, n), column.as_view_mut());
+        let explained = column.norm_squared();
         self.parameters.signal.powi(2) * (1.0 - explained).max(0.0)
     }
 

@@ -5,19 +5,15 @@
 //! without the samples V:  α' = α_K − B_KV B_VV⁻¹ α_V,  b' = b − w_V·B_VV⁻¹ α_V
 //! ```
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::inverse::{inverse, inverse_scratch};
-use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::linalg::triangular_inverse::invert_lower_triangular;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
-
 use crate::Error;
-use crate::solve::{cholesky, factorise, solve_factored, solve_with};
+use crate::solve::dense::{
+    Mat, add_lower, cholesky, divide, inverse, inverted_lower, solve_with, view, view_mut,
+};
+use crate::solve::{factorise, solve_factored};
 
 /// `B`, `w`, `α` and `b`. Of the symmetric B the lower half counts.
 pub(super) struct Bordered {
-    pub(super) b: Mat<f64>,
+    pub(super) b: Mat,
     pub(super) w: Vec<f64>,
     pub(super) alpha: Vec<f64>,
     pub(super) bias: f64,
@@ -41,15 +37,10 @@ impl Bordered {
         let n = y.len();
         factorise(&mut omega, n, lambda)?;
         let (alpha, bias, u, s) = solution(&omega, y);
-        let mut b = Mat::zeros(n, n);
-        let mut memory = MemBuffer::new(inverse_scratch::<f64>(n, Par::Seq));
-        let factor = MatRef::from_column_major_slice(&omega, n, n);
-        inverse(b.as_mut(), factor, Par::Seq, MemStack::new(&mut memory));
-        for j in 0..n {
-            let column = b.col_mut(j);
-            let Some(column) = column.try_as_col_major_mut() else { continue };
+        let mut b = inverse(&view(&omega, n, n));
+        for (j, mut column) in b.column_iter_mut().enumerate() {
             let factor = u[j] / s;
-            for (b, u) in column.as_slice_mut()[j..].iter_mut().zip(&u[j..]) {
+            for (b, u) in column.iter_mut().zip(&u).skip(j) {
                 *b -= factor * u;
             }
         }
@@ -69,9 +60,9 @@ impl Bordered {
     /// Without the samples `gone`: `α'` of `kept` (in this order) and `b'`.
     pub(super) fn without(&self, kept: &[usize], gone: &[usize]) -> Option<(Vec<f64>, f64)> {
         let mut block = self.block(gone);
-        cholesky(block.as_mut())?;
+        cholesky(block.as_view_mut())?;
         let mut e = Mat::from_fn(gone.len(), 1, |i, _| self.alpha[gone[i]]);
-        solve_with(block.as_ref(), e.as_mut());
+        solve_with(&block.as_view(), e.as_view_mut());
         let change =
             |k: &usize| (0..gone.len()).map(|i| self.at(*k, gone[i]) * e[(i, 0)]).sum::<f64>();
         let alpha = kept.iter().map(|k| self.alpha[*k] - change(k)).collect();
@@ -79,7 +70,7 @@ impl Bordered {
         Some((alpha, self.bias - bias))
     }
 
-    fn block(&self, of: &[usize]) -> Mat<f64> {
+    fn block(&self, of: &[usize]) -> Mat {
         Mat::from_fn(of.len(), of.len(), |i, j| self.at(of[i], of[j]))
     }
 
@@ -87,35 +78,23 @@ impl Bordered {
     pub(super) fn take_out(&self, kept: &[usize], gone: &[usize]) -> Option<Self> {
         let (k, d) = (kept.len(), gone.len());
         let mut factor = self.block(gone);
-        cholesky(factor.as_mut())?;
+        cholesky(factor.as_view_mut())?;
         // Y = R⁻¹ [B_DK | α_D | w_D]
         let mut y = Mat::from_fn(d, k + 2, |i, j| match j.checked_sub(k) {
             None => self.at(gone[i], kept[j]),
             Some(0) => self.alpha[gone[i]],
             Some(_) => self.w[gone[i]],
         });
-        solve_lower_triangular_in_place(factor.as_ref(), y.as_mut(), Par::Seq);
+        divide(&factor.as_view(), y.as_view_mut());
         let mut b = Mat::zeros(k, k);
         for j in 0..k {
-            let Some(from) = self.b.col(kept[j]).try_as_col_major() else { continue };
-            let Some(to) = b.col_mut(j).try_as_col_major_mut() else { continue };
-            let (from, to) = (from.as_slice(), to.as_slice_mut());
+            let (from, mut to) = (self.b.column(kept[j]), b.column_mut(j));
             for i in j..k {
                 to[i] = from[kept[i]];
             }
         }
-        let rows = y.get(.., ..k);
-        triangular::matmul(
-            b.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            rows.transpose(),
-            BlockStructure::Rectangular,
-            rows,
-            BlockStructure::Rectangular,
-            -1.0,
-            Par::Seq,
-        );
+        let rows = y.columns(0, k);
+        add_lower(&mut b.as_view_mut(), 1.0, -1.0, &rows.transpose().as_view(), &rows);
         let product = |a: usize, b: usize| (0..d).map(|i| y[(i, a)] * y[(i, b)]).sum::<f64>();
         Some(Self {
             alpha: (0..k).map(|j| self.alpha[kept[j]] - product(j, k)).collect(),
@@ -137,29 +116,17 @@ pub(super) fn held_out_errors(
     let n = y.len();
     factorise(&mut omega, n, lambda)?;
     let (alpha, _, u, s) = solution(&omega, y);
-    let mut inverse = Mat::zeros(n, n);
-    let factor = MatRef::from_column_major_slice(&omega, n, n);
-    invert_lower_triangular(inverse.as_mut(), factor, Par::Seq);
+    let inverse = inverted_lower(&view(&omega, n, n));
     let mut errors = alpha;
     for part in parts {
         let (from, size) = (part.start, part.len());
         // Above the part's own rows the columns are zero.
-        let columns = inverse.get(from.., part.clone());
+        let columns = inverse.view((from, from), (n - from, size));
         let mut block = Mat::from_fn(size, size, |i, j| -u[from + i] * u[from + j] / s);
-        triangular::matmul(
-            block.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            columns.transpose(),
-            BlockStructure::Rectangular,
-            columns,
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
-        cholesky(block.as_mut()).ok_or(Error::IllPosed { samples: n, lambda })?;
-        let errors = MatMut::from_column_major_slice_mut(&mut errors[part.clone()], size, 1);
-        solve_with(block.as_ref(), errors);
+        let transposed = columns.transpose();
+        add_lower(&mut block.as_view_mut(), 1.0, 1.0, &transposed.as_view(), &columns);
+        cholesky(block.as_view_mut()).ok_or(Error::IllPosed { samples: n, lambda })?;
+        solve_with(&block.as_view(), view_mut(&mut errors[part.clone()], size, 1));
     }
     Ok(errors)
 }

@@ -156,7 +156,7 @@ impl State {
         let all: Vec<f64> = match self {
             Self::Dense(b) => (0..b.count()).map(|i| score(b.alpha[i], b.at(i, i))).collect(),
             Self::Low { low, kept, fit, alpha } => {
-                let diagonal = fit.inverse_diagonal(low.rows(kept).as_ref(), lambda);
+                let diagonal = fit.inverse_diagonal(low.rows(kept).as_view(), lambda);
                 alpha.iter().zip(diagonal).map(|(a, k)| score(*a, k)).collect()
             }
         };
@@ -181,8 +181,8 @@ impl State {
             Self::Low { low, kept, fit, alpha } => {
                 let rows = low.rows(next);
                 let y: Vec<f64> = next.iter().map(|i| samples.outputs()[*i]).collect();
-                *fit = Fit::of(rows.as_ref(), &y, lambda).ok_or_else(ill)?;
-                *alpha = fit.weights(rows.as_ref(), &y, lambda);
+                *fit = Fit::of(rows.as_view(), &y, lambda).ok_or_else(ill)?;
+                *alpha = fit.weights(rows.as_view(), &y, lambda);
                 *kept = next.to_vec();
             }
         }
@@ -206,15 +206,12 @@ mod tests {
                 let squares = part.input(i).iter().zip(part.input(j)).map(|(a, b)| (a - b).powi(2));
                 (-squares.sum::<f64>() / settings.sigma2).exp()
             };
-            let mut a = faer::Mat::from_fn(n + 1, n + 1, |i, j| match (i, j) {
+            let a = crate::solve::dense::Mat::from_fn(n + 1, n + 1, |i, j| match (i, j) {
                 (0, 0) => 0.0,
                 (0, _) | (_, 0) => 1.0,
                 _ => kernel(i - 1, j - 1) + if i == j { 1.0 / settings.gamma } else { 0.0 },
             });
-            let inverse = {
-                use faer::linalg::solvers::DenseSolveCore;
-                a.as_mut().partial_piv_lu().inverse()
-            };
+            let inverse = a.lu().try_inverse().unwrap();
             let alpha: Vec<f64> = (1..=n)
                 .map(|i| (1..=n).map(|j| inverse[(i, j)] * part.outputs()[j - 1]).sum())
                 .collect();

@@ -107,7 +107,7 @@ impl Validation {
         for part in &self.ranges {
             let ill = Error::IllPosed { samples: y.len() - part.len(), lambda };
             let fit = sums.without(part).ok_or(ill)?;
-            let values = fit.values(low.factor().get(part.clone(), ..));
+            let values = fit.values(low.factor().rows(part.start, part.len()));
             sum += values.iter().zip(&y[part.clone()]).map(|(f, y)| (f - y).powi(2)).sum::<f64>();
         }
         Ok(sum)

@@ -6,14 +6,11 @@
 //!
 //! Both end with the exact residual, from kernels computed anew.
 
+pub(crate) mod dense;
 pub(crate) mod kernel;
 pub(crate) mod pivoted;
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt;
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
-
+use self::dense::{Mat, View, add_lower, cholesky, solve_with, view, view_mut};
 use self::kernel::{Scaled, symmetric_products};
 use self::pivoted::LowRank;
 use crate::Error;
@@ -84,91 +81,44 @@ pub(crate) fn factorise(matrix: &mut [f64], n: usize, lambda: f64) -> Result<(),
     for i in 0..n {
         matrix[i * n + i] += lambda;
     }
-    let view = MatMut::from_column_major_slice_mut(matrix, n, n);
-    cholesky(view).ok_or(Error::IllPosed { samples: n, lambda })
-}
-
-/// Cholesky in place of the lower half; `None` where the matrix is not positive definite.
-pub(crate) fn cholesky(matrix: MatMut<'_, f64>) -> Option<()> {
-    let n = matrix.nrows();
-    let params = Default::default();
-    let mut memory =
-        MemBuffer::new(llt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, params));
-    let stack = MemStack::new(&mut memory);
-    llt::factor::cholesky_in_place(matrix, Default::default(), Par::Seq, stack, params)
-        .ok()
-        .map(drop)
+    cholesky(view_mut(matrix, n, n)).ok_or(Error::IllPosed { samples: n, lambda })
 }
 
 /// `x := (L·Lᵀ)⁻¹·x`.
 pub(crate) fn solve_factored(factor: &[f64], n: usize, x: &mut [f64]) {
-    let factor = MatRef::from_column_major_slice(factor, n, n);
-    solve_with(factor, MatMut::from_column_major_slice_mut(x, n, 1));
-}
-
-/// `x := (L·Lᵀ)⁻¹·x`.
-pub(crate) fn solve_with(factor: MatRef<'_, f64>, x: MatMut<'_, f64>) {
-    let mut x = x;
-    let triangular = faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-    triangular(factor, x.as_mut(), Par::Seq);
-    let transposed = faer::linalg::triangular_solve::solve_upper_triangular_in_place;
-    transposed(factor.transpose(), x, Par::Seq);
+    solve_with(&view(factor, n, n), view_mut(x, n, 1));
 }
 
 /// (L·Lᵀ + λ·I)⁻¹ by the matrix inversion lemma.
 struct Preconditioner<'a> {
-    low: MatRef<'a, f64>,
-    inner: Mat<f64>,
+    low: View<'a>,
+    inner: Mat,
     lambda: f64,
 }
 
 impl<'a> Preconditioner<'a> {
     fn new(low: &'a LowRank, lambda: f64) -> Option<Self> {
         let low = low.factor();
-        let inner = gram(low, lambda);
-        let mut inner = inner;
-        cholesky(inner.as_mut())?;
+        let mut inner = gram(&low, lambda);
+        cholesky(inner.as_view_mut())?;
         Some(Self { low, inner, lambda })
     }
 
-    fn apply(&self, v: &Mat<f64>) -> Mat<f64> {
-        let mut inner = Mat::zeros(self.low.ncols(), v.ncols());
-        matmul(inner.as_mut(), Accum::Replace, self.low.transpose(), v.as_ref(), 1.0, Par::Seq);
-        solve_with(self.inner.as_ref(), inner.as_mut());
+    fn apply(&self, v: &Mat) -> Mat {
+        let mut inner = self.low.tr_mul(v);
+        solve_with(&self.inner.as_view(), inner.as_view_mut());
         let mut out = v.clone();
-        matmul(out.as_mut(), Accum::Add, self.low, inner.as_ref(), -1.0, Par::Seq);
-        let factor = 1.0 / self.lambda;
-        for column in out.col_iter_mut() {
-            column.iter_mut().for_each(|x| *x *= factor);
-        }
-        out
+        out.gemm(-1.0, &self.low, &inner, 1.0);
+        out / self.lambda
     }
 }
 
 /// The lower half of `LᵀL + λ·I`.
-pub(crate) fn gram(low: MatRef<'_, f64>, lambda: f64) -> Mat<f64> {
-    use faer::linalg::matmul::triangular::{self, BlockStructure};
+pub(crate) fn gram(low: &View<'_>, lambda: f64) -> Mat {
     let r = low.ncols();
-    let mut inner = Mat::zeros(r, r);
-    triangular::matmul(
-        inner.as_mut(),
-        BlockStructure::TriangularLower,
-        Accum::Replace,
-        low.transpose(),
-        BlockStructure::Rectangular,
-        low,
-        BlockStructure::Rectangular,
-        1.0,
-        Par::Seq,
-    );
-    for i in 0..r {
-        inner[(i, i)] += lambda;
-    }
+    let mut inner = Mat::from_diagonal_element(r, r, lambda);
+    add_lower(&mut inner.as_view_mut(), 1.0, 1.0, &low.transpose().as_view(), low);
     inner
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Conjugate gradients for both right-hand sides in step; `None` where they do not converge.
@@ -182,8 +132,8 @@ fn preconditioned(points: &Scaled, lambda: f64, rhs: [&[f64]; 2], low: &LowRank)
         points.fill_lower(&mut matrix);
         matrix
     });
-    let multiply = |x: &Mat<f64>, out: &mut Mat<f64>| {
-        let (Some(x0), Some(x1)) = (slice(x, 0), slice(x, 1)) else { return };
+    let multiply = |x: &Mat, out: &mut Mat| {
+        let (x0, x1) = x.as_slice().split_at(n);
         let products = match &matrix {
             Some(matrix) => symmetric_products(matrix, n, lambda, [x0, x1]),
             None => points.products([x0, x1], lambda),
@@ -196,52 +146,35 @@ fn preconditioned(points: &Scaled, lambda: f64, rhs: [&[f64]; 2], low: &LowRank)
     let mut rest = &rhs - &product;
     let mut z = preconditioner.apply(&rest);
     let mut direction = z.clone();
-    let mut slope = [0, 1].map(|c| inner(&rest, &z, c));
+    let mut slope = [0, 1].map(|c| rest.column(c).dot(&z.column(c)));
     let mut iterations = 0;
-    let converged = |x: &Mat<f64>, rest: &Mat<f64>, c: usize| {
-        inner(rest, rest, c).sqrt() <= TOLERANCE * lambda * inner(x, x, c).sqrt()
+    let converged = |x: &Mat, rest: &Mat, c: usize| {
+        rest.column(c).norm() <= TOLERANCE * lambda * x.column(c).norm()
     };
     // Below this the product's own rounding errors speak.
-    let floor = |rest: &Mat<f64>, c: usize| {
-        inner(rest, rest, c).sqrt() <= 1e-13 * inner(&rhs, &rhs, c).sqrt()
-    };
+    let floor = |rest: &Mat, c: usize| rest.column(c).norm() <= 1e-13 * rhs.column(c).norm();
     while !(0..2).all(|c| converged(&x, &rest, c) || floor(&rest, c)) {
         if iterations == MOST_ITERATIONS {
             return None;
         }
         iterations += 1;
         multiply(&direction, &mut product);
-        for c in 0..2 {
-            let curvature = inner(&direction, &product, c);
-            let step = if curvature > 0.0 { slope[c] / curvature } else { 0.0 };
-            for i in 0..n {
-                x[(i, c)] += step * direction[(i, c)];
-                rest[(i, c)] -= step * product[(i, c)];
-            }
+        for (c, slope) in slope.iter().enumerate() {
+            let curvature = direction.column(c).dot(&product.column(c));
+            let step = if curvature > 0.0 { slope / curvature } else { 0.0 };
+            x.column_mut(c).axpy(step, &direction.column(c), 1.0);
+            rest.column_mut(c).axpy(-step, &product.column(c), 1.0);
         }
         z = preconditioner.apply(&rest);
-        for c in 0..2 {
-            let new = inner(&rest, &z, c);
-            let factor = if slope[c] == 0.0 { 0.0 } else { new / slope[c] };
-            slope[c] = new;
-            for i in 0..n {
-                direction[(i, c)] = z[(i, c)] + factor * direction[(i, c)];
-            }
+        for (c, slope) in slope.iter_mut().enumerate() {
+            let new = rest.column(c).dot(&z.column(c));
+            let factor = if *slope == 0.0 { 0.0 } else { new / *slope };
+            *slope = new;
+            direction.column_mut(c).axpy(1.0, &z.column(c), factor);
         }
     }
-    let x = [0, 1].map(|c| x.col(c).iter().copied().collect());
+    let x = [0, 1].map(|c| x.column(c).as_slice().to_vec());
     Some(Solved { x, route: Route::Preconditioned { rank: low.rank(), iterations } })
-}
-
-fn slice(matrix: &Mat<f64>, column: usize) -> Option<&[f64]> {
-    matrix.col(column).try_as_col_major().map(|c| c.as_slice())
-}
-
-fn inner(a: &Mat<f64>, b: &Mat<f64>, column: usize) -> f64 {
-    match (slice(a, column), slice(b, column)) {
-        (Some(a), Some(b)) => dot(a, b),
-        _ => 0.0,
-    }
 }
 
 #[cfg(test)]
@@ -263,7 +196,7 @@ mod tests {
         for (c, rhs) in rhs.iter().enumerate() {
             let mut x = rhs.to_vec();
             solve_factored(&matrix, n, &mut x);
-            let length = dot(&x, &x).sqrt();
+            let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
             let error = x.iter().zip(&a.x[c]).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
             assert!(error < 1e-8 * length, "{error} of {length}");
         }

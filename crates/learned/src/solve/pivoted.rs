@@ -7,10 +7,7 @@
 //! Reference: H. Harbrecht, M. Peters, R. Schneider, On the low-rank approximation by the pivoted
 //! Cholesky decomposition, Appl. Numer. Math. 62 (2012) 428-440.
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
-
+use super::dense::{Mat, View, divide_right, view, view_mut};
 use super::kernel::Scaled;
 
 /// Points that compete in a round.
@@ -79,12 +76,12 @@ impl LowRank {
     }
 
     /// L.
-    pub(crate) fn factor(&self) -> MatRef<'_, f64> {
-        MatRef::from_column_major_slice(&self.columns, self.n, self.rank())
+    pub(crate) fn factor(&self) -> View<'_> {
+        view(&self.columns, self.n, self.rank())
     }
 
     /// The rows of L that belong to `points`.
-    pub(crate) fn rows(&self, points: &[usize]) -> Mat<f64> {
+    pub(crate) fn rows(&self, points: &[usize]) -> Mat {
         Mat::from_fn(points.len(), self.rank(), |i, j| self.columns[j * self.n + points[i]])
     }
 
@@ -95,7 +92,7 @@ impl LowRank {
         diagonal: &[f64],
         least: f64,
         most: usize,
-    ) -> (Vec<usize>, Mat<f64>) {
+    ) -> (Vec<usize>, Mat) {
         let mut pool: Vec<usize> = (0..self.n).filter(|i| diagonal[*i] >= least).collect();
         let by_diagonal = |a: &usize, b: &usize| diagonal[*b].total_cmp(&diagonal[*a]);
         if pool.len() > POOL {
@@ -115,9 +112,8 @@ impl LowRank {
             let Some(p) = best.filter(|p| rest[*p] >= least) else { break };
             let mut column = vec![0.0; size];
             few.column(p, &mut column);
-            let mut known = MatMut::from_column_major_slice_mut(&mut column, size, 1);
-            let row = rows.get(p..p + 1, ..).transpose();
-            matmul(known.as_mut(), Accum::Add, rows.as_ref(), row, -1.0, Par::Seq);
+            let row = rows.row(p).transpose();
+            view_mut(&mut column, size, 1).gemm(-1.0, &rows, &row, 1.0);
             for earlier in &factor {
                 let at = earlier[p];
                 column.iter_mut().zip(earlier).for_each(|(c, e)| *c -= at * e);
@@ -142,17 +138,16 @@ impl LowRank {
     }
 
     /// Adds the columns of these pivots.
-    fn extend(&mut self, points: &Scaled, new: &[usize], lower: &Mat<f64>, diagonal: &mut [f64]) {
+    fn extend(&mut self, points: &Scaled, new: &[usize], lower: &Mat, diagonal: &mut [f64]) {
         let (n, old) = (self.n, self.rank());
         let rows = self.rows(new);
         let mut columns = vec![0.0; n * new.len()];
         for (column, pivot) in columns.chunks_exact_mut(n).zip(new) {
             points.column(*pivot, column);
         }
-        let known = MatRef::from_column_major_slice(&self.columns, n, old);
-        let mut added = MatMut::from_column_major_slice_mut(&mut columns, n, new.len());
-        matmul(added.as_mut(), Accum::Add, known, rows.transpose(), -1.0, Par::Seq);
-        solve_lower_triangular_in_place(lower.as_ref(), added.transpose_mut(), Par::Seq);
+        let mut added = view_mut(&mut columns, n, new.len());
+        added.gemm(-1.0, &view(&self.columns, n, old), &rows.transpose(), 1.0);
+        divide_right(&lower.as_view(), added);
         for column in columns.chunks_exact(n) {
             for (diagonal, l) in diagonal.iter_mut().zip(column) {
                 *diagonal -= l * l;
