@@ -3,7 +3,7 @@
 //! A machine of a paper is there three times. The *nominal* rig is what a controller may know. The *machine*
 //! is one that could exist: hysteresis after Rayleigh's law in the shape of a measured loop, creep, modes, amplifier,
 //! sensor, from physics, makers' data and what the paper tells of its rig, and not from its tables of errors; the
-//! papers' tables are reproduced on it, and `piezoloop list rigs --match` says how far it is from what the paper's
+//! papers' tables are reproduced on it, and `piezoloop-papers --match` says how far it is from what the paper's
 //! baselines leave. The *truth* is an earlier stand-in that was fitted to those errors; examples run on it. Both are
 //! frozen by their hash: nothing may tune them to a method.
 

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use data::{Blueprint, CheckedBlueprint, Log, NameMap, ReadOptions, Resample};
+use data::{Blueprint, Log, NameMap, ReadOptions, Resample};
 
-use crate::{answer, ranges};
+use crate::ranges;
 
 /// How the columns of a log are read.
 #[derive(Args, Debug, Clone, Default)]
@@ -70,7 +70,7 @@ impl LogOptions {
     /// Reads a log; what was assumed, skipped or left out is said and goes into the answer.
     pub(crate) fn read(&self, path: &Path) -> anyhow::Result<Log> {
         let log = self.read_in_silence(path)?;
-        answer::note_on_log(&log.notes());
+        cli::note_on_log(&log.notes());
         Ok(log)
     }
 
@@ -163,16 +163,6 @@ pub(crate) fn output(given: Option<PathBuf>, name: &str, ending: &str) -> PathBu
     given.unwrap_or_else(|| PathBuf::from(format!("{name}.{ending}")))
 }
 
-/// Whether a file can be written there; told before the work, so that no result is lost.
-pub(crate) fn can_write(output: &Path) -> anyhow::Result<()> {
-    // A pipe is opened once, by who writes to it.
-    if std::fs::metadata(output).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
-        return Ok(());
-    }
-    let begun = data::WholeFile::create(output);
-    begun.map(drop).with_context(|| format!("{} cannot be written", output.display()))
-}
-
 /// Endings of what is written as CSV.
 pub(crate) const CSV: &[&str] = &["csv", "txt"];
 /// Endings of runs.
@@ -185,48 +175,5 @@ pub(crate) const FMU: &[&str] = &["fmu"];
 pub(crate) const PARAMETERS: &[&str] = &["ssv"];
 /// Endings of systems.
 pub(crate) const SYSTEM: &[&str] = &["ssp"];
-/// Endings of pages, and of the same as data.
-pub(crate) const REPORT: &[&str] = &["html", "htm", "json"];
 /// Endings of tables of many runs.
 pub(crate) const TABLE: &[&str] = &["parquet"];
-
-/// As [`can_write`], and whether its ending is one of these: by another one it would be read as what it is not.
-/// A name without an ending says nothing of the kind, and a pipe or device none.
-pub(crate) fn can_write_as(output: &Path, endings: &[&str]) -> anyhow::Result<()> {
-    can_write(output)?;
-    let is_other = std::fs::metadata(output).is_ok_and(|found| !found.is_file());
-    let ending = output.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    if let Some(ending) = ending.filter(|ending| !is_other && !endings.contains(&ending.as_str())) {
-        let (last, others) = endings.split_last().context("there is an ending")?;
-        let known = match others {
-            [] => format!(".{last}"),
-            others => format!(".{} or .{last}", others.join(", .")),
-        };
-        bail!(
-            "{}: .{ending} is not written here; give a name that ends in {known}",
-            output.display()
-        );
-    }
-    Ok(())
-}
-
-/// Writes a blueprint, and before it its learned tables, whose files are named after its own.
-pub(crate) fn write_blueprint(checked: &CheckedBlueprint, file: &Path) -> anyhow::Result<()> {
-    let mut blueprint = checked.blueprint().clone();
-    let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    for (name, bytes) in checked.table_files() {
-        let own = format!("{stem}-{name}");
-        let table = file.with_file_name(&own);
-        // A table of the blueprint that is replaced.
-        let is_ours = || std::fs::read_to_string(file).is_ok_and(|text| text.contains(&own));
-        files::check_beside(&table, is_ours)
-            .with_context(|| format!("{} cannot be written", table.display()))?;
-        data::WholeFile::write_all_of(&table, &bytes)
-            .with_context(|| format!("{} cannot be written", table.display()))?;
-        let parts = blueprint.axes.iter_mut().flat_map(|axis| &mut axis.components);
-        for part in parts.filter(|part| part.get("table") == Some(&name.as_str().into())) {
-            part.set("table", own.as_str());
-        }
-    }
-    Ok(blueprint.write(file)?)
-}

@@ -2,15 +2,12 @@
 // Doc comments of commands are their help texts, with names such as axis[1].
 #![allow(rustdoc::broken_intra_doc_links)]
 
-mod answer;
-mod bed;
 mod commands;
 mod documentation;
 mod effects;
 mod effects_docs;
 mod fmus;
 mod inputs;
-mod interrupt;
 mod libraries;
 mod messages;
 mod pages;
@@ -38,7 +35,7 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser};
 struct Cli {
     /// Print the result as JSON
     // A path like that of `diagnose --json FILE`, which takes the place of this one there.
-    #[arg(long, global = true, help_heading = COMMON, num_args = 0, default_missing_value = answer::STANDARD_OUTPUT)]
+    #[arg(long, global = true, help_heading = COMMON, num_args = 0, default_missing_value = cli::STANDARD_OUTPUT)]
     json: Option<PathBuf>,
     /// Print errors only
     #[arg(long, short, global = true, help_heading = COMMON)]
@@ -76,23 +73,23 @@ fn main() -> ExitCode {
     let named: Vec<PathBuf> = named(&matches).cloned().collect();
     files::guard(named.iter().map(PathBuf::as_path));
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    let json = cli.json.as_deref() == Some(Path::new(answer::STANDARD_OUTPUT));
+    let json = cli.json.as_deref() == Some(Path::new(cli::STANDARD_OUTPUT));
     if json && cli.quiet {
         let message = "the argument '--json' cannot be used with '--quiet': it prints the result";
         Cli::command().error(clap::error::ErrorKind::ArgumentConflict, message).exit();
     }
-    let screen = answer::Screen::new(json, cli.quiet);
+    let screen = cli::Screen::new(json, cli.quiet);
     let is_worker = matches!(cli.command, commands::Command::FmuWorker);
     // A worker ends with its master; that one asks how far steps may go.
     data::inner_steps::allow(if is_worker { u64::MAX } else { cli.most_steps });
-    let _tidy = (!is_worker).then(interrupt::begin);
+    let _tidy = (!is_worker).then(cli::interrupt::begin);
     // How a worker ends its master tells.
     if !is_worker {
         exits::guard(cosim::instances, cosim::called);
     }
-    let kept = if json { answer::keep_standard_output() } else { Ok(()) };
+    let kept = if json { cli::keep_standard_output() } else { Ok(()) };
     let outcome = kept.and_then(|()| cli.command.run(&screen));
-    interrupt::wait_if_ending();
+    cli::interrupt::wait_if_ending();
     exits::finished();
     match outcome {
         Ok(code) => ExitCode::from(code),

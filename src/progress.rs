@@ -1,27 +1,10 @@
 //! Progress of long work: on a terminal only.
 
-use std::io::{self, IsTerminal};
-use std::time::Duration;
+use std::io;
 
+use cli::{Screen, bar, interrupt};
 use cosim::record::Column;
-use indicatif::{ProgressBar, ProgressStyle};
-
-use crate::answer::Screen;
-use crate::interrupt;
-
-/// A progress bar of `length` steps, hidden where nobody looks.
-pub(crate) fn bar(screen: &Screen, what: &'static str, length: u64) -> ProgressBar {
-    if screen.json || screen.quiet || !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(length).with_message(what);
-    let template = "{msg:24} [{bar:32}] {percent:>3} %  {eta} left";
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style.progress_chars("=> "));
-    }
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
-}
+use indicatif::ProgressBar;
 
 /// A progress bar that moves by the rows recorded. Asking a hidden bar takes a lock, so there is none
 /// where nobody looks.

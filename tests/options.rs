@@ -20,7 +20,7 @@ const HOSTILE: [&str; 7] = ["0", "-1", "NaN", "inf", "1e300", "18446744073709551
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// Small arguments with which each command works; `None`: it has no options that take values.
-const SMALL: [(&str, Option<&str>); 32] = [
+const SMALL: [(&str, Option<&str>); 31] = [
     ("", Some("log in.csv")),
     (
         "identify",
@@ -67,7 +67,6 @@ const SMALL: [(&str, Option<&str>); 32] = [
     ("diagnose", Some("diagnose --model plant.toml --log in.csv --max-effects 1 --threads 1")),
     ("gap-bench", Some("gap-bench --cases single/creep:1 --short --tool /bin/false")),
     ("gap-bench real", Some("gap-bench real nowhere")),
-    ("reproduce", Some("reproduce none")),
     ("man", Some("man --out pages")),
 ];
 

@@ -1,16 +1,27 @@
-//! `reproduce`: the quick one runs whole, says what it leaves out, and what it keeps runs elsewhere.
+//! `piezoloop-papers`: the quick run is complete, lists what it omits, and what it keeps runs elsewhere.
 
 #![allow(clippy::print_stdout)]
 
 mod common;
 
-use common::{piezoloop, python, refuse};
 use std::path::Path;
+use std::process::{Command, Output};
+
+use common::python;
+
+/// Runs the program beside the tool, which `cargo test` at the root builds.
+fn papers(arguments: &[&str], folder: &Path) -> Output {
+    let name = format!("piezoloop-papers{}", std::env::consts::EXE_SUFFIX);
+    let program = Path::new(env!("CARGO_BIN_EXE_piezoloop")).with_file_name(name);
+    let output = Command::new(&program).args(arguments).current_dir(folder).output();
+    output.unwrap_or_else(|error| {
+        panic!("{}: {error}; `cargo build --release` builds it", program.display())
+    })
+}
 
 /// All papers, quick, kept in the folder `kept`; the answer as JSON.
 fn quick(folder: &Path) -> serde_json::Value {
-    let arguments = ["--json", "reproduce", "all", "--quick", "--keep", "kept"];
-    let output = piezoloop(&arguments, folder);
+    let output = papers(&["--json", "all", "--quick", "--keep", "kept"], folder);
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     // 1: not every figure is reached.
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}: {errors}", output.status);
@@ -150,8 +161,35 @@ fn a_quick_reproduction_says_what_it_leaves_out_and_what_it_keeps_runs_in_fmpy()
 }
 
 #[test]
-fn quick_and_long_searches_are_not_asked_for_together() {
+fn what_cannot_be_run_is_refused_with_its_reason() {
     let folder = tempfile::tempdir().expect("a folder");
-    let message = refuse(&["reproduce", "p4", "--quick", "--searches"], folder.path());
-    assert!(message.contains("--quick") && message.contains("--searches"), "{message}");
+    for (arguments, parts) in [
+        (&["p4", "--quick", "--searches"][..], &["--quick", "--searches"][..]),
+        (&["p9"], &["p9", "p0, p1, p2"]),
+        (&["--match", "p0"], &["--match"]),
+        (&["p0", "--tool", "no/such"], &["--tool", "no/such", "no such program"]),
+        (&["p0", "--report", "page.csv"], &["page.csv", ".html"]),
+    ] {
+        let output = papers(arguments, folder.path());
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(parts.iter().all(|part| message.contains(part)), "{arguments:?}: {message}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 0);
+}
+
+#[test]
+fn the_machines_stand_beside_the_papers_figures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = papers(&["--match", "--json"], folder.path());
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    let all: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let all = all.as_array().expect("figures");
+    for rig in ["p0", "p1", "p2", "p3", "p4"] {
+        let of = |figure: &&serde_json::Value| {
+            figure["rig"].as_str().is_some_and(|name| name.contains(rig))
+        };
+        assert!(all.iter().filter(of).count() > 0, "{rig}");
+    }
 }

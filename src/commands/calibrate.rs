@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use cli::{Answer, PageOptions, Screen};
 use control::{Calibration, CalibrationRecord};
 use data::{Blueprint, Value};
 use model::Kind;
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
-use crate::pages::{self, PageOptions};
+use crate::pages;
 
 /// Calibrates the Jacobian of coupled axes from a log of their simultaneous motion
 ///
@@ -66,7 +66,7 @@ impl Calibrate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
         if let Some(out) = &self.out {
-            inputs::can_write_as(out, inputs::BLUEPRINT)?;
+            cli::can_write_as(out, inputs::BLUEPRINT)?;
         }
         self.page.can_write()?;
         let mut blueprint = self.blueprint.as_deref().map(inputs::blueprint).transpose()?;

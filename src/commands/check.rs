@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 use clap::Args;
+use cli::{Answer, Screen};
 use cosim::Worker;
 use modeldescription::Package;
 use modeldescription::problem::{Problem, Severity, Topic};
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
 use crate::reference::{self, Replay};
 
 /// Checks FMUs of any vendor strictly against FMI 2.0 or 3.0

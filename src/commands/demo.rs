@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use clap::{Args, Parser};
+use cli::{Answer, PageOptions, Screen};
 use cosim::{Experiment, Fmu, InstanceOptions, Selection};
 use data::{Log, UnitPlace};
 use serde::Serialize;
@@ -14,8 +15,6 @@ use signals::Signal;
 use super::Command;
 use super::identify::Identified;
 use super::simulate::{OutputFit, Simulated};
-use crate::answer::{Answer, Screen};
-use crate::pages::PageOptions;
 
 mod page;
 

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use cli::{Answer, PageOptions, Pages, STANDARD_OUTPUT, Screen};
 use data::WholeFile;
 use diagnose::{
     Diagnosis, Discrepancy, Files, Gap, Model, Noise, Observer, Request, Tolerance, Verdict,
@@ -17,12 +18,11 @@ use modeldescription::package::Platform;
 use modeldescription::{FmiVersion, Package};
 use serde::Serialize;
 
-use crate::answer::{Answer, STANDARD_OUTPUT, Screen};
 use crate::commands::pack::{self, Binary};
 use crate::fmus::Isolation;
 use crate::inputs::{self, BlueprintText, LogOptions};
-use crate::pages::{self, PageOptions, Pages};
-use crate::{libraries, progress, ranges, wrapped};
+use crate::pages;
+use crate::{libraries, ranges, wrapped};
 
 const NO_MODEL: &str = "no model is given; give one with --model, or --input COLUMN and --output COLUMN to identify a linear one from the logs";
 
@@ -259,7 +259,7 @@ impl Diagnose {
         ];
         self.page.can_write()?;
         for output in outputs.into_iter().flatten() {
-            inputs::can_write(output)?;
+            cli::can_write(output)?;
         }
         self.check_repair()?;
         if self.model.is_none() && self.inputs.is_empty() {
@@ -276,7 +276,7 @@ impl Diagnose {
         let libraries = self.libraries()?;
         let request = self.request(&source)?;
         let unmatched = check_tolerances(&request)?;
-        let mut bar = Bar(progress::bar(screen, "diagnose", 1));
+        let mut bar = Bar(cli::bar(screen, "diagnose", 1));
         let diagnosis = diagnose::examine(&request, &mut bar);
         bar.0.finish_and_clear();
         let mut diagnosis = diagnosis?;

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
+use cli::{Answer, Screen};
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
 use crate::effects_docs;
 
 /// Writes the pages about effects and components

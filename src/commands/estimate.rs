@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use clap::Args;
+use cli::{Answer, PageOptions, Screen};
 use cosim::{Drive, Driven, Fmu, Memory, Signals, Value};
 use data::Log;
 use identify::calibration::{Calibration, Tunable, calibrate};
@@ -12,11 +13,10 @@ use modeldescription::variable::Causality;
 use serde::Serialize;
 
 use super::simulate::{self, OutputFit};
-use crate::answer::{Answer, Screen};
 use crate::fmus::{self, Addresses, Isolation};
 use crate::inputs::{self, LogOptions};
 use crate::messages::{FmuMessage, MessageOptions};
-use crate::pages::{self, PageOptions};
+use crate::pages;
 use crate::window::Window;
 
 mod asked;
@@ -154,7 +154,7 @@ impl Estimate {
 
     fn execute(&self) -> anyhow::Result<Estimated> {
         for (outs, endings) in [(&self.out, inputs::PARAMETERS), (&self.fmu, inputs::FMU)] {
-            outs.iter().try_for_each(|out| inputs::can_write_as(out, endings))?;
+            outs.iter().try_for_each(|out| cli::can_write_as(out, endings))?;
         }
         inputs::are_apart(("--log", &self.log), ("--held-out", &self.held_out))?;
         let mut opened = fmus::open_in(&self.model, self.isolation.worker()?.as_ref())?;

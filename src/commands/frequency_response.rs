@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use cli::{Answer, PageOptions, Screen, rounded};
 use data::{Log, SampleTime};
 use identify::frequency::{
     self, Choice, Domain, Experiment, FrequencyResponse as Response, Level, Levels,
@@ -16,9 +17,8 @@ use identify::frequency::{
 use serde::Serialize;
 
 use self::plant::Plant;
-use crate::answer::{Answer, Screen, rounded};
 use crate::inputs::{self, LogOptions};
-use crate::pages::{self, PageOptions};
+use crate::pages;
 use crate::ranges;
 
 /// Power of a line, as a part of the greatest, up to which a record without periods counts as excited;
@@ -152,7 +152,7 @@ impl FrequencyResponse {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let logs: Vec<&Path> = self.logs.iter().map(PathBuf::as_path).collect();
         for (outs, endings) in [(&self.out, inputs::CSV), (&self.plant, inputs::BLUEPRINT)] {
-            outs.iter().try_for_each(|out| inputs::can_write_as(out, endings))?;
+            outs.iter().try_for_each(|out| cli::can_write_as(out, endings))?;
         }
         self.page.can_write()?;
         let answer = self.execute()?;
@@ -160,7 +160,7 @@ impl FrequencyResponse {
             table::write(&answer, out)?;
         }
         if let Some(plant) = &answer.plant {
-            inputs::write_blueprint(&plant.checked, &plant.blueprint)?;
+            plant.checked.write(&plant.blueprint)?;
         }
         let files: Vec<(&str, &Path)> = logs.iter().map(|log| ("log", *log)).collect();
         self.page.finish(screen, &answer, || {

@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use anyhow::Context;
 use clap::{Args, Subcommand};
+use cli::{Answer, PageOptions, Screen};
 use gap_bench::{Folders, Plan, Program, Real, Scores, Settings};
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
-use crate::pages::{self, PageOptions};
-use crate::{interrupt, progress, ranges};
+use crate::pages;
+use crate::ranges;
 
 /// Measures how well diagnose finds effects that were withheld from the model
 ///
@@ -120,11 +120,11 @@ impl GapBench {
             has_oracle: self.oracle,
         };
         let tool = Program { path: program(self.tool.as_ref())?, patience: PATIENCE };
-        let bar = progress::bar(screen, "diagnosing", cases.len() as u64);
-        interrupt::listen()?;
+        let bar = cli::bar(screen, "diagnosing", cases.len() as u64);
+        cli::interrupt::listen()?;
         let go_on = |done: usize| {
             bar.set_position(done as u64);
-            !interrupt::asked()
+            !cli::interrupt::asked()
         };
         let outcomes = gap_bench::run(plan, &cases, &settings, &tool, &go_on)?;
         bar.finish_and_clear();
@@ -172,8 +172,8 @@ impl Documented {
             .with_context(|| format!("the folder {} cannot be used", self.out.display()))?;
         let root = self.out.canonicalize()?;
         let tool = Program { path: program(self.tool.as_ref())?, patience: PATIENCE };
-        interrupt::listen()?;
-        let go_on = |_: usize| !interrupt::asked();
+        cli::interrupt::listen()?;
+        let go_on = |_: usize| !cli::interrupt::asked();
         let real = gap_bench::real(&folder, &self.only, &root, &tool, &go_on)?;
         let page = root.join("index.html");
         let report = real.page().provenance(pages::provenance(&[])?);

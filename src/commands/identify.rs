@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use cli::{PageOptions, Screen};
 use data::CheckedBlueprint;
 use identify::learned::{Seek, Selection};
 use identify::{
@@ -18,10 +19,9 @@ use serde::Serialize;
 
 use self::axes::{axis, join, unit};
 pub(crate) use self::axes::{identifier, short_name, usual_unit};
-use crate::answer::Screen;
 use crate::inputs::{self, LogOptions};
-use crate::pages::{self, PageOptions};
-use crate::{interrupt, progress, ranges};
+use crate::pages;
+use crate::{progress, ranges};
 
 /// Identifies a plant from a measured log
 ///
@@ -274,12 +274,12 @@ impl Identify {
     /// Identifies, and writes the blueprint.
     pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Identified> {
         self.check_learning()?;
-        inputs::can_write_as(&self.out, inputs::BLUEPRINT)?;
+        cli::can_write_as(&self.out, inputs::BLUEPRINT)?;
         self.page.can_write()?;
-        self.picture.as_deref().map_or(Ok(()), inputs::can_write)?;
+        self.picture.as_deref().map_or(Ok(()), cli::can_write)?;
         let all = self.all.as_deref().map(candidates::Folder::open).transpose()?;
         let (plant, result) = self.plant(screen)?;
-        inputs::write_blueprint(&plant, &self.out)?;
+        plant.write(&self.out)?;
         if let Some(all) = all {
             all.write(&result)?;
         }
@@ -377,7 +377,7 @@ impl Identify {
 
     /// Identifies the axes side by side; the first one moves the progress bar.
     fn identify_all(&self, tasks: Vec<Task>, screen: &Screen) -> anyhow::Result<Vec<AxisResult>> {
-        interrupt::listen()?;
+        cli::interrupt::listen()?;
         let one = |task: &Task, observer: &mut dyn Observer| -> anyhow::Result<Identification> {
             let settings = Settings { drop: task.drop, ..self.settings() };
             Ok(identify::identify(&task.records, &task.target, &settings, observer)?)

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 use clap::Args;
 use clap::builder::PossibleValue;
+use cli::{Answer, PageOptions, Screen};
 use control::{
     Along, AxisResponses, CommandActs, ControlSettings, Coordinator, CoupledFigures, Damping,
     DampingFigures, Feedback, Feedforward, LoopFigures,
@@ -13,9 +14,8 @@ use control::{
 use data::CheckedBlueprint;
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
-use crate::pages::{self, PageOptions};
+use crate::pages;
 use crate::{progress, ranges};
 
 /// Error of a learned inverse, in parts of the range, from which it is pointed out.
@@ -233,7 +233,7 @@ impl Invert {
 
     /// Makes and writes the controller.
     pub(crate) fn execute(&self, screen: &Screen) -> anyhow::Result<Inverted> {
-        inputs::can_write_as(&self.out, inputs::BLUEPRINT)?;
+        cli::can_write_as(&self.out, inputs::BLUEPRINT)?;
         let plant = inputs::blueprint(&self.plant)?.blueprint.check(learned::COMPONENTS)?;
         let log =
             self.reference.as_deref().map(|file| LogOptions::default().read(file)).transpose()?;
@@ -262,7 +262,7 @@ impl Invert {
         } else {
             Vec::new()
         };
-        inputs::write_blueprint(&controller, &self.out)?;
+        controller.write(&self.out)?;
         let period_s = controller.spec().period;
         Ok(Inverted {
             blueprint: self.out.clone(),

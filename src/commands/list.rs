@@ -4,12 +4,11 @@ use std::io::{self, Write};
 
 use anyhow::Context;
 use clap::Args;
-use papers::matching::{self, Figure};
+use cli::{Answer, Screen};
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
 use crate::commands::signal;
-use crate::{inputs, progress, ranges, usage};
+use crate::{inputs, ranges, usage};
 
 /// Lists rigs, records, effects, models, signals or options
 #[derive(Args, Debug)]
@@ -22,9 +21,6 @@ pub(crate) struct List {
     /// Print the blueprint of this rig, or this record
     #[arg(long, value_name = "NAME")]
     show: Option<String>,
-    /// Compare the machines with the figures that the papers publish of their own machines
-    #[arg(long = "match", conflicts_with = "show")]
-    matching: bool,
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +48,6 @@ enum Listing {
     Models(Vec<ModelRow>),
     Signals(Vec<signal::Row>),
     Options(Vec<OptionRow>),
-    Match(Vec<Figure>),
     Text { name: &'static str, blueprint: &'static str },
 }
 
@@ -133,10 +128,6 @@ impl List {
                     "--show prints a rig's blueprint or a record: use it with `list rigs` or `list \
                      records`"
                 )
-            }
-            (What::Rigs, None) if self.matching => Listing::Match(match_all(screen)?),
-            (_, None) if self.matching => {
-                anyhow::bail!("--match compares rigs: use it with `list rigs`")
             }
             (What::Rigs, None) => Listing::Rigs(
                 rigs::RIGS.iter().map(|r| RigRow { name: r.name, summary: r.summary }).collect(),
@@ -253,35 +244,9 @@ fn models() -> Vec<ModelRow> {
     learned::COMPONENTS.iter().map(|c| row(c.declaration())).collect()
 }
 
-/// All figures of all papers' machines.
-fn match_all(screen: &Screen) -> anyhow::Result<Vec<Figure>> {
-    let bar = progress::bar(screen, "running the baselines", matching::TABLES.len() as u64);
-    let mut all = Vec::new();
-    for table in matching::TABLES {
-        all.extend(table()?);
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    Ok(all)
-}
-
 /// A bound, none where it is infinite: JSON has no infinity.
 fn bound(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
-}
-
-/// The table of figures, and the verdict on each rig.
-fn write_match(figures: &[Figure], out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "{:10} {:58} {:>8} {:>8}  verdict", "rig", "figure", "paper", "ours")?;
-    for f in figures {
-        let verdict = if f.within { "matched" } else { "not matched" };
-        let note = if f.note.is_empty() { String::new() } else { format!(" ({})", f.note) };
-        let what = format!("{} [{}]", f.what, f.unit);
-        writeln!(out, "{:10} {what:58} {:>8} {:>8.3}  {verdict}{note}", f.rig, f.paper, f.ours)?;
-    }
-    let within = figures.iter().filter(|f| f.within).count();
-    let beyond = figures.len() - within;
-    writeln!(out, "\n{within} figures within 25 % of the paper's, {beyond} beyond")
 }
 
 impl Answer for Listing {
@@ -308,7 +273,6 @@ impl Answer for Listing {
                      records --show p-752-21c"
                 )
             }
-            Self::Match(figures) => write_match(figures, out),
             Self::Signals(rows) => signal::write_list(rows, out),
             Self::Options(rows) => rows.iter().try_for_each(|row| {
                 let OptionRow { command, option, value, range } = row;

@@ -4,10 +4,10 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
+use cli::{Answer, Screen, rounded};
 use data::{Log as Measured, SampleTime, UnitPlace};
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen, rounded};
 use crate::inputs::{self, LogOptions};
 
 /// Findings that are printed per log; JSON has all of them.
@@ -92,7 +92,7 @@ impl Log {
             anyhow::bail!("-o writes one log, {} are given; convert each alone", self.logs.len());
         }
         if let Some(out) = &self.out {
-            inputs::can_write_as(out, inputs::CSV)?;
+            cli::can_write_as(out, inputs::CSV)?;
         }
         let mut logs = Vec::new();
         for path in &self.logs {

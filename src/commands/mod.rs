@@ -1,4 +1,5 @@
 //! One file per command.
+use cli::Screen;
 
 mod bench;
 mod calibrate;
@@ -14,15 +15,12 @@ pub(crate) mod invert;
 mod list;
 mod log;
 pub(crate) mod pack;
-mod reproduce;
 mod shell;
 mod signal;
 pub(crate) mod simulate;
 mod sweep;
 pub(crate) mod system;
 pub(crate) mod tune;
-
-use crate::answer::Screen;
 
 /// The command by which the tool starts itself for one FMU.
 pub(crate) const WORKER: &str = "fmu-worker";
@@ -50,7 +48,6 @@ pub(crate) enum Command {
     EffectsDocs(effects_docs::EffectsDocs),
     Diagnose(Box<diagnose::Diagnose>),
     GapBench(gap_bench::GapBench),
-    Reproduce(reproduce::Reproduce),
     Completions(shell::Completions),
     Man(shell::Man),
     /// Runs one FMU for another process of this tool
@@ -85,7 +82,6 @@ impl Command {
             Self::EffectsDocs(command) => command.run(screen),
             Self::Diagnose(command) => command.run(screen),
             Self::GapBench(command) => command.run(screen),
-            Self::Reproduce(command) => command.run(screen),
             Self::Completions(command) => command.run(screen),
             Self::Man(command) => command.run(screen),
         }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use cli::{Answer, Screen};
 use fmi_bindings::export::Library;
 use modeldescription::describe::{About, describe};
 use modeldescription::description::{CoSimulation, Interface};
@@ -13,7 +14,6 @@ use modeldescription::{FmiVersion, ModelDescription, check_library};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
-use crate::answer::{Answer, Screen};
 use crate::reference::{self, Reference};
 use crate::{documentation, fmus, inputs, libraries, ports};
 
@@ -157,7 +157,7 @@ impl Pack {
             source.text = source.blueprint.to_toml();
         }
         let output = inputs::output(self.out.clone(), &source.blueprint.name, "fmu");
-        inputs::can_write_as(&output, inputs::FMU)?;
+        cli::can_write_as(&output, inputs::FMU)?;
         let portable = Portable { sources: self.sources, wasm: self.wasm };
         if portable.alone() && !(self.binaries.is_empty() && self.libraries.is_none()) {
             let option = if self.sources == Some(Beside::Only) { "sources" } else { "wasm" };

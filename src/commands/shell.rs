@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use clap_complete::Shell;
+use cli::{Answer, Screen};
 use data::WholeFile;
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
 use crate::usage;
 
 /// Prints a script with which a shell completes commands and options

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use clap::Args;
+use cli::{Answer, Screen, rounded};
 use data::{Log, UnitPlace};
 use serde::Serialize;
 use signals::SignalType;
 
-use crate::answer::{Answer, Screen, rounded};
 use crate::inputs;
 
 /// Writes a test signal as a log: signals of the papers, and general ones
@@ -122,7 +122,7 @@ impl Signal {
             name.clone_into(&mut channel.name);
         }
         let file = inputs::output(self.out.clone(), kind.name, "csv");
-        inputs::can_write_as(&file, inputs::CSV)?;
+        cli::can_write_as(&file, inputs::CSV)?;
         let time = (0..signal.len()).map(|n| signal.time(n)).collect();
         let mut log = Log::new(&file.display().to_string(), time)?;
         let mut channels = Vec::new();

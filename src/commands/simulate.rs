@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use cli::{Answer, PageOptions, Screen, rounded};
 use cosim::{Coupling, Drive, Driven, Ending, Fmu, Loop, LoopSettings, Memory, Points, Run};
 use cosim::{Signal, Signals, Slave, Value, Wiring};
 use data::Log;
 use modeldescription::description::Unit;
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen, rounded};
 use crate::fmus::{self, Addresses, Isolation};
 use crate::inputs::{self, LogOptions};
 use crate::messages::{FmuMessage, MessageOptions};
-use crate::pages::{self, PageOptions};
+use crate::pages;
 use crate::times::RunTimes;
 use crate::window::Window;
 use crate::{progress, records};
@@ -181,7 +181,7 @@ impl Simulate {
 
     fn drive(&self, what: &Path, log_path: &Path, screen: &Screen) -> anyhow::Result<Simulated> {
         if let Some(out) = &self.out {
-            inputs::can_write_as(out, inputs::RUN)?;
+            cli::can_write_as(out, inputs::RUN)?;
         }
         let mut opened = fmus::open_in(what, self.isolation.worker()?.as_ref())?;
         configure(self.starts.iter().map(String::as_str), &mut opened.fmu)?;
@@ -276,7 +276,7 @@ impl Simulate {
         reference: &Path,
     ) -> anyhow::Result<Simulated> {
         if let Some(out) = &self.out {
-            inputs::can_write_as(out, inputs::RUN)?;
+            cli::can_write_as(out, inputs::RUN)?;
         }
         let worker = self.isolation.worker()?;
         let open = |what: &Path| fmus::open_in(what, worker.as_ref());

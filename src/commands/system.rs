@@ -7,6 +7,7 @@ use std::rc::Rc;
 
 use anyhow::{Context, bail};
 use clap::Args;
+use cli::{Answer, PageOptions, Screen, rounded};
 use cosim::plan::{Coupling, PlannedFmu};
 use cosim::{Ending, Fmu, Plan, Points, RecordFile, Recorder, Run, Signal, Signals};
 use data::Log;
@@ -14,11 +15,10 @@ use modeldescription::ModelDescription;
 use serde::Serialize;
 
 use super::simulate;
-use crate::answer::{Answer, Screen, rounded};
 use crate::fmus::{self, Isolation};
 use crate::inputs::{self, LogOptions};
 use crate::messages::{FmuMessage, MessageOptions};
-use crate::pages::{self, PageOptions};
+use crate::pages;
 use crate::times::{self, RunTimes};
 use crate::{progress, records};
 
@@ -198,7 +198,7 @@ impl System {
     }
 
     fn export(&self, plan: &Plan, ssp: &Path) -> anyhow::Result<Exported> {
-        inputs::can_write_as(ssp, inputs::SYSTEM)?;
+        cli::can_write_as(ssp, inputs::SYSTEM)?;
         let packages = plan
             .fmus
             .iter()
@@ -213,7 +213,7 @@ impl System {
 
     fn simulate(&self, plan: &Plan, screen: &Screen) -> anyhow::Result<Ran> {
         if let Some(out) = &self.out {
-            inputs::can_write(out)?;
+            cli::can_write(out)?;
         }
         let fmus = self.open(plan)?;
         let descriptions: Vec<&ModelDescription> =

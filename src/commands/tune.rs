@@ -5,13 +5,12 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
+use cli::{Answer, PageOptions, Screen};
 use control::{Gains, LoopVerdict, Ultimate};
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
-use crate::fmus::Isolation;
-use crate::pages::{self, PageOptions};
-use crate::{bed, ranges};
+use crate::fmus::{self, Isolation};
+use crate::{pages, ranges};
 
 /// Finds PID gains by experiments on a plant FMU: Ziegler-Nichols gains and robust gains
 ///
@@ -91,7 +90,9 @@ impl Tune {
         let files = [("plant", self.plant.as_path())];
         let read = if self.plant.exists() { &files[..] } else { &[] };
         self.page.can_write()?;
-        let mut bed = bed::open_in(&self.plant, self.isolation.worker()?.as_ref())?;
+        let fmus::Opened { fmu, folder, .. } =
+            fmus::open_in(&self.plant, self.isolation.worker()?.as_ref())?;
+        let mut bed = cosim::Bed::new(fmu, folder, &self.plant)?;
         let axes = bed.axes();
         if !(1..=axes).contains(&self.axis) {
             bail!("--axis {}: the plant has axes 1 to {axes}", self.axis);
@@ -102,7 +103,7 @@ impl Tune {
         let mut machine = |u: f64| {
             commands[at] = u;
             let moved = bed.step(&commands).map(|positions| positions[at]);
-            moved.map_err(|e| identify::Error::Tuning { message: format!("{e:#}") })
+            moved.map_err(|e| identify::Error::Tuning { message: e.to_string() })
         };
         let point = [self.middle, self.amplitude];
         let found = match self.experiment {

@@ -19,6 +19,7 @@
 //! fmpy by hand.
 
 pub mod algorithm;
+mod bed;
 mod closed_loop;
 mod diagram;
 mod error;
@@ -41,6 +42,7 @@ mod unit;
 pub use algorithm::{
     Algorithm, Extrapolation, GaussSeidel, Iteration, IterationSettings, Jacobi, Relaxation,
 };
+pub use bed::Bed;
 pub use closed_loop::{Coupling, Loop, LoopSettings, Wiring};
 pub use diagram::{Connection, Diagram, Port};
 pub use error::{Error, RunError};

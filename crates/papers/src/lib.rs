@@ -9,21 +9,7 @@ pub mod machines;
 pub mod matching;
 pub mod page;
 pub mod reproduce;
-
-use std::path::Path;
-
-use data::Blueprint;
+mod tool;
 
 pub use reproduce::control::Bed;
-
-/// What the control experiments need of the tool that runs them: it carries the FMUs' libraries.
-#[derive(Clone, Copy)]
-pub struct Tool {
-    /// Puts the FMU of a rig, by its name, on the bench.
-    pub open: fn(&Path) -> anyhow::Result<Bed>,
-    /// Identifies with these arguments of `piezoloop identify`, which name the blueprint that it writes.
-    pub identify: fn(&[&str]) -> anyhow::Result<()>,
-}
-
-/// Writes the FMU of a blueprint.
-pub type Pack = fn(&Blueprint, &Path) -> anyhow::Result<()>;
+pub use tool::Tool;

@@ -10,14 +10,14 @@ use bench::plan::{Plan, Prepared};
 use bench::record::{About, Converted, Format, Journal, convert};
 use bench::rehearsal::Rehearsal;
 use clap::Args;
+use cli::{Answer, PageOptions, Screen};
 use cosim::InstanceOptions;
 use modeldescription::variable::Causality;
 use serde::Serialize;
 
 use super::channels;
-use crate::answer::{Answer, Screen};
 use crate::fmus::{self, Opened};
-use crate::pages::{self, PageOptions};
+use crate::pages;
 
 /// Runs a campaign of faults in virtual time, and checks the end of each trial
 ///

@@ -10,14 +10,14 @@ use anyhow::{Context, bail};
 use bench::emulate::{Behaviour, Emulator, Injected, Plant, Script, Serve, Served, Timing, serve};
 use bench::gateway::{Address, End, Place, Refused, Site};
 use clap::Args;
+use cli::{Answer, Screen};
 use cosim::InstanceOptions;
 use modeldescription::variable::Causality;
 use serde::Serialize;
 
 use super::instrument::Kind;
 use super::{KeyOptions, channels};
-use crate::answer::{Answer, Screen};
-use crate::{fmus, interrupt, ranges};
+use crate::{fmus, ranges};
 
 /// Emulates the machine in real time with any plant FMU, and injects faults
 ///
@@ -145,7 +145,7 @@ impl Emulate {
         let script = self.script()?;
         let stop = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&stop);
-        interrupt::hand_over(move |_| flag.store(true, Ordering::Relaxed))?;
+        cli::interrupt::hand_over(move |_| flag.store(true, Ordering::Relaxed))?;
         let opened = fmus::open(&self.plant)?;
         let period_ns = (1e9 / self.rate).round() as u64;
         let commands = channels(&opened.fmu, &self.commands, Causality::Input, "command");

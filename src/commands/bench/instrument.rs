@@ -9,13 +9,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context, bail};
 use bench::emulate::{GcsInstrument, Instrument, Nv200Instrument, Plant, Travel, travel};
 use bench::gateway::{self, InstrumentServed, Place, gcs, nv200};
+use cli::{Answer, Screen};
 use cosim::{Fmu, InstanceOptions};
 use modeldescription::variable::Causality;
 use serde::Serialize;
 
 use super::channels;
-use crate::answer::{Answer, Screen};
-use crate::{fmus, interrupt};
+use crate::fmus;
 
 /// What an instrument speaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,7 @@ impl Play<'_> {
     pub(super) fn run(&self, screen: &Screen) -> anyhow::Result<u8> {
         let stop = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&stop);
-        interrupt::hand_over(move |_| flag.store(true, Ordering::Relaxed))?;
+        cli::interrupt::hand_over(move |_| flag.store(true, Ordering::Relaxed))?;
         let opened = fmus::open(self.plant)?;
         let period_ns = (1e9 / self.rate).round() as u64;
         let commands = channels(&opened.fmu, self.commands, Causality::Input, "command");

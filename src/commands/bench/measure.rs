@@ -7,10 +7,10 @@ use anyhow::{Context, bail};
 use bench::gateway::station::{self, Recorded, Station, Wave};
 use bench::gateway::{self, Address};
 use clap::Args;
+use cli::{Answer, Screen};
 use data::{Log, SampleTime, UnitPlace};
 use serde::Serialize;
 
-use crate::answer::{Answer, Screen};
 use crate::inputs::{self, LogOptions};
 use crate::ranges;
 
@@ -61,7 +61,7 @@ struct Measured {
 
 impl Measure {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        inputs::can_write_as(&self.out, inputs::CSV)?;
+        cli::can_write_as(&self.out, inputs::CSV)?;
         let (points, sample_time) = self.points()?;
         let mut station = gateway::open_station(&self.gateway)?;
         let cycle = station.cycle();

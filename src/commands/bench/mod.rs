@@ -14,10 +14,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use bench::gateway::{Address, End, Gateway, Key, KeyedGateway};
 use clap::{Args, Subcommand};
+use cli::Screen;
 use cosim::Fmu;
 use modeldescription::variable::Causality;
-
-use crate::answer::Screen;
 
 /// Runs a controller FMU in real time with a machine, or emulates the machine
 ///

@@ -6,10 +6,8 @@ use std::path::PathBuf;
 use anyhow::bail;
 use bench::record::{Converted, Format, JournalReader, convert};
 use clap::Args;
+use cli::{Answer, Screen};
 use serde::Serialize;
-
-use crate::answer::{Answer, Screen};
-use crate::inputs;
 
 /// Recovers a log from the journal of a killed run
 #[derive(Args, Debug)]
@@ -37,7 +35,7 @@ impl Recover {
             None => (self.journal.with_extension(""), false),
         };
         let format = Format::of(&out).map_err(anyhow::Error::msg)?;
-        inputs::can_write(&out)?;
+        cli::can_write(&out)?;
         if !is_named && out.symlink_metadata().is_ok() {
             bail!(
                 "{}: is there; name the log with -o FILE, also where it is to take the place of this one",

@@ -8,10 +8,10 @@ use bench::cycle::Driver;
 use bench::record::Recording;
 use bench::replay::{Difference, Recipe, Replayed, replay};
 use clap::Args;
+use cli::{Answer, Screen, note_on_log};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::answer::{Answer, Screen, note_on_log};
 use crate::fmus;
 
 /// Steps the controller through a record again and compares every command bit by bit

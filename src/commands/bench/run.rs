@@ -12,13 +12,13 @@ use bench::plan::{AxisPlan, Plan, Prepared, Step};
 use bench::record::{About, Converted, Format, Journal, Recorder, convert};
 use bench::runner::{Outcome, Percentiles, SharedOrders};
 use clap::Args;
+use cli::{Answer, PageOptions, Screen};
 use report::Report;
 use serde::Serialize;
 
 use super::{KeyOptions, journal_of};
-use crate::answer::{Answer, Screen};
-use crate::pages::{self, PageOptions, Rows};
-use crate::{fmus, inputs, interrupt, ranges};
+use crate::pages::{self, Rows};
+use crate::{fmus, ranges};
 
 /// Runs a controller FMU in real time with a machine, and records it
 ///
@@ -115,7 +115,7 @@ impl Run {
     fn execute(&self, screen: &Screen) -> anyhow::Result<Ran> {
         let orders = SharedOrders::default();
         let given = orders.clone();
-        interrupt::hand_over(move |_| given.interrupt())?;
+        cli::interrupt::hand_over(move |_| given.interrupt())?;
         let plan = self.plan()?;
         let address = self.address(&plan)?;
         let record = self.record.clone().or_else(|| plan.record.as_ref().map(|f| plan.beside(f)));
@@ -242,7 +242,7 @@ impl Run {
         record: Option<&Path>,
     ) -> anyhow::Result<Option<Journal>> {
         let Some(record) = record else { return Ok(None) };
-        inputs::can_write(record)?;
+        cli::can_write(record)?;
         let path = journal_of(record);
         if path.exists() {
             bail!(

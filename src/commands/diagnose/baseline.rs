@@ -8,13 +8,13 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use cli::Screen;
 use data::{Blueprint, ComponentBlueprint, Log, SampleTime};
 use diagnose::{Baseline, Estimate};
 use identify::Candidate;
 use identify::frequency::{self, FrequencyResponse as Response, PlantNames, RationalSettings};
 use model::{NodeSpec, unit_on_axis};
 
-use crate::answer::Screen;
 use crate::commands::frequency_response::Signal;
 use crate::commands::frequency_response::table::{self, Table};
 use crate::commands::identify::{

@@ -7,7 +7,6 @@ use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
 use super::{Identified, identifier};
-use crate::inputs;
 
 /// Name of the list.
 const LIST: &str = "candidates.json";
@@ -75,7 +74,7 @@ impl Folder {
         data::WholeFile::write_all_of(&path, &serde_json::to_vec_pretty(&list)?)
             .with_context(|| format!("{} cannot be written", path.display()))?;
         for (entry, (_, _, plant)) in list.iter().zip(richest.values()) {
-            inputs::write_blueprint(plant, &self.path.join(&entry.file))?;
+            plant.write(&self.path.join(&entry.file))?;
         }
         Ok(())
     }

@@ -2,8 +2,9 @@
 
 use std::io::{self, Write};
 
+use cli::Answer;
+
 use super::Identified;
-use crate::answer::Answer;
 
 impl Answer for Identified {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {

@@ -16,12 +16,11 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use clap::Args;
+use cli::{PageOptions, Screen};
 use sweep::{Cell, Design, Journal, Row, Shard, Table, work};
 
-use crate::answer::Screen;
 use crate::fmus::Isolation;
-use crate::pages::PageOptions;
-use crate::{inputs, interrupt, progress};
+use crate::inputs;
 use job::Job;
 use materials::Materials;
 use results::Swept;
@@ -92,7 +91,7 @@ impl Sweep {
         let plan = self.plan.as_deref().context("give the plan of the sweep")?;
         let materials = Materials::gather(plan, self.seed)?;
         let out = self.out.clone().unwrap_or_else(|| default_out(plan, self.shard));
-        inputs::can_write_as(&out, inputs::TABLE)?;
+        cli::can_write_as(&out, inputs::TABLE)?;
         self.page.can_write()?;
         let job = Job::new(&materials, self.isolation.worker()?)?;
         let part = self.shard.map_or(0..job.design.runs(), |shard| shard.range(job.design.runs()));
@@ -132,15 +131,15 @@ impl Sweep {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             threads => threads,
         };
-        interrupt::listen()?;
-        let bar = progress::bar(screen, "sweep", part.end - part.start);
+        cli::interrupt::listen()?;
+        let bar = cli::bar(screen, "sweep", part.end - part.start);
         bar.set_position(rows.len() as u64);
         bar.reset_eta();
         let outcome = work(
             &todo,
             threads,
             || job.hire(),
-            interrupt::asked,
+            cli::interrupt::asked,
             |row| {
                 journal.add(&row)?;
                 bar.inc(1);
@@ -211,7 +210,7 @@ fn row_of(
     };
     let (values, error) = match outcome {
         Ok(values) => (values, Cell::Missing),
-        Err(error) => (Vec::new(), Cell::Text(crate::answer::sentence(&error))),
+        Err(error) => (Vec::new(), Cell::Text(cli::sentence(&error))),
     };
     let width = cells.len() + results;
     cells.extend(values);

@@ -3,11 +3,10 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use cli::Answer;
 use report::{Section, Table as Rows};
 use serde::Serialize;
 use sweep::{Cell, ColumnKind, Table};
-
-use crate::answer::Answer;
 
 /// What was run.
 #[derive(Serialize)]

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
+use cli::{Answer, Screen};
 use serde::Serialize;
 use sweep::{Journal, Table, Worker, frame};
 
 use super::job::Job;
 use super::materials::Materials;
 use super::results::Swept;
-use crate::answer::{self, Answer, Screen};
 use crate::inputs;
 
 /// What is done with parts of a sweep.
@@ -92,7 +92,7 @@ impl Share {
 
 impl Merge {
     fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        inputs::can_write_as(&self.out, inputs::TABLE)?;
+        cli::can_write_as(&self.out, inputs::TABLE)?;
         let read = self.parts.iter().map(|path| Ok((path.clone(), Table::read(path)?)));
         let table = Table::merge(read.collect::<Result<_, sweep::Error>>()?)?;
         table.write(&self.out)?;
@@ -102,7 +102,7 @@ impl Merge {
 
 impl Bundle {
     fn run(self, screen: &Screen) -> anyhow::Result<u8> {
-        inputs::can_write(&self.out)?;
+        cli::can_write(&self.out)?;
         let materials = Materials::gather(&self.plan, self.seed)?;
         let job = Job::new(&materials, None)?;
         let runs = job.design.runs();
@@ -130,8 +130,8 @@ impl Serve {
         let job = Job::new(&Materials::from_bytes(&bytes)?, None)?;
         let mut worker = job.hire()?;
         // The master reads it: what FMUs print must not stand between.
-        answer::keep_standard_output()?;
-        let mut out = answer::standard_output();
+        cli::keep_standard_output()?;
+        let mut out = cli::standard_output();
         // Tells that everything is set up.
         writeln!(out, "{}", job.design.runs())?;
         out.flush()?;

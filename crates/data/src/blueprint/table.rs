@@ -10,6 +10,7 @@ use std::path::Path;
 use model::Table;
 
 use super::{Blueprint, CheckedBlueprint, ComponentBlueprint, TABLE, Value};
+use crate::{Problem, Problems, WholeFile};
 
 /// Greatest file that is read, in bytes.
 const MOST: u64 = 1 << 28;
@@ -56,6 +57,29 @@ impl CheckedBlueprint {
             }
         }
         files.into_iter().collect()
+    }
+
+    /// Writes the blueprint, and before it its tables, whose files are named after its own.
+    ///
+    /// # Errors
+    /// A file cannot be written, or that of a table is a file of the call itself or of somebody else.
+    pub fn write(&self, file: &Path) -> Result<(), Problems> {
+        let mut blueprint = self.blueprint.clone();
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        for (name, bytes) in self.table_files() {
+            let own = format!("{stem}-{name}");
+            let table = file.with_file_name(&own);
+            // A table of the blueprint that is replaced.
+            let is_ours = || std::fs::read_to_string(file).is_ok_and(|text| text.contains(&own));
+            files::check_beside(&table, is_ours)
+                .and_then(|()| WholeFile::write_all_of(&table, &bytes))
+                .map_err(|error| Problem::unwritable(&table, &error))?;
+            let parts = blueprint.axes.iter_mut().flat_map(|axis| &mut axis.components);
+            for part in parts.filter(|part| part.get(TABLE) == Some(&name.as_str().into())) {
+                part.set(TABLE, own.as_str());
+            }
+        }
+        blueprint.write(file)
     }
 
     /// The table that a component of this blueprint runs.

@@ -10,13 +10,13 @@ use anyhow::bail;
 use bench::gateway::station::{self, Law, NotchValues, Station};
 use bench::gateway::{self, Address};
 use clap::Args;
+use cli::{Answer, Screen, rounded};
 use control::{ServoLaw, ServoLimits, ServoPlant, ServoVerdict, law_in_record};
 use data::UnitPlace;
 use serde::Serialize;
 
 use self::experiment::{Bed, Loop};
 use super::measure::log_of;
-use crate::answer::{Answer, Screen, rounded};
 use crate::{inputs, ranges};
 
 /// Share of the voltage's changes that the law must explain, so that its values mean what they shall.
@@ -105,7 +105,7 @@ impl Tune {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let begin = Instant::now();
         if let Some(log) = &self.log {
-            inputs::can_write_as(log, inputs::CSV)?;
+            cli::can_write_as(log, inputs::CSV)?;
         }
         if self.write && !self.yes && !io::stdin().is_terminal() {
             bail!("--write: asks before it writes, and nobody can answer here; give --yes too");

@@ -1,29 +1,34 @@
 //! A packed machine: stepped by hand, or in a closed loop with a packed controller.
 
+use std::ops::{Deref, DerefMut};
 use std::path::Path;
 
 use anyhow::Context;
 use cosim::{
-    Experiment, Fmu, InstanceOptions, Loop, LoopSettings, Memory, Points, Run, Selection, Signal,
-    Signals, Slave, Value, Wiring,
+    Fmu, InstanceOptions, Loop, LoopSettings, Memory, Points, Run, Signal, Signals, Wiring,
 };
 use data::Blueprint;
-use modeldescription::variable::Causality;
 
-use crate::Pack;
+use crate::Tool;
 
-/// A machine on the bench.
+/// A machine on the bench, which is stepped as a [`cosim::Bed`].
 pub struct Bed {
-    machine: Fmu,
-    /// Holds the machine's FMU as long as it is used, where it was packed for this.
-    _folder: Option<tempfile::TempDir>,
-    pack: Pack,
-    slave: Box<dyn Slave>,
-    commands: Selection,
-    positions: Selection,
-    axes: usize,
-    count: u64,
-    period: f64,
+    plant: cosim::Bed,
+    tool: Tool,
+}
+
+impl Deref for Bed {
+    type Target = cosim::Bed;
+
+    fn deref(&self) -> &cosim::Bed {
+        &self.plant
+    }
+}
+
+impl DerefMut for Bed {
+    fn deref_mut(&mut self) -> &mut cosim::Bed {
+        &mut self.plant
+    }
 }
 
 /// What a closed loop did: per axis, per sample.
@@ -48,100 +53,17 @@ impl Tracked {
 }
 
 impl Bed {
-    /// Puts an FMU on the bench: of the plant that messages call `what`; `folder` is kept as long. `pack`
-    /// writes the controllers' FMUs.
+    /// Packs a plant with this tool, from its blueprint or the name of a rig, and puts it on the bench.
     ///
     /// # Errors
-    /// Where it has no inputs `command[i]` with as many outputs `position[i]`, or cannot be instantiated.
-    pub fn new(
-        machine: Fmu,
-        folder: Option<tempfile::TempDir>,
-        what: &Path,
-        pack: Pack,
-    ) -> anyhow::Result<Self> {
-        let axes = numbered(&machine, Causality::Input, "command");
-        anyhow::ensure!(
-            axes > 0 && numbered(&machine, Causality::Output, "position") == axes,
-            "{}: is no plant with command[i] and position[i]",
-            what.display()
-        );
-        let slave = machine.instantiate("machine", &InstanceOptions::default())?;
-        let select = |name: &str| -> anyhow::Result<Selection> {
-            let mut selection = Selection::default();
-            for axis in 1..=axes {
-                let variable = machine.description().variable(&format!("{name}[{axis}]"));
-                selection.add("machine", variable.context("the axes are numbered from 1")?)?;
-            }
-            Ok(selection)
-        };
-        let (commands, positions) = (select("command")?, select("position")?);
-        let (count, period) = (0, 1.0);
-        Ok(Self { slave, commands, positions, axes, count, period, machine, _folder: folder, pack })
-    }
-
-    /// Number of axes.
-    pub fn axes(&self) -> usize {
-        self.axes
-    }
-
-    /// At rest under these commands; the positions. Steps have this period from then on.
-    ///
-    /// # Errors
-    /// What the FMU reports.
-    pub fn rest(&mut self, commands: &[f64], period: f64) -> anyhow::Result<Vec<f64>> {
-        let experiment = self.machine.description().default_experiment.as_ref();
-        if let Some(inner) = experiment.and_then(|e| e.step_size) {
-            data::inner_steps::check(period, inner).map_err(anyhow::Error::msg)?;
-        }
-        self.slave.reset()?;
-        self.slave.setup(&Experiment { start: 0.0, stop: None, tolerance: None })?;
-        for (axis, value) in (1..).zip(commands) {
-            self.slave.set_start(&format!("command[{axis}]"), &Value::Real(*value))?;
-        }
-        self.slave.enter_initialization()?;
-        self.slave.exit_initialization()?;
-        (self.count, self.period) = (0, period);
-        self.positions()
-    }
-
-    fn positions(&mut self) -> anyhow::Result<Vec<f64>> {
-        let mut positions = vec![0.0; self.axes];
-        self.slave.get(&self.positions, &mut positions)?;
-        Ok(positions)
-    }
-
-    /// The positions at the end of one period with these commands.
-    ///
-    /// # Errors
-    /// What the FMU reports.
-    pub fn step(&mut self, commands: &[f64]) -> anyhow::Result<Vec<f64>> {
-        self.slave.set(&self.commands, commands)?;
-        let t = self.count as f64 * self.period;
-        self.count += 1;
-        self.slave.step(t, self.count as f64 * self.period - t)?;
-        self.positions()
-    }
-
-    /// The positions of one axis at the end of each period with its commands `u`, from rest under the
-    /// first one; the other axes rest at `others`. The position at rest comes first.
-    ///
-    /// # Errors
-    /// What the FMU reports.
-    pub fn response(
-        &mut self,
-        axis: usize,
-        u: &[f64],
-        others: f64,
-        period: f64,
-    ) -> anyhow::Result<Vec<f64>> {
-        let mut commands = vec![others; self.axes];
-        commands[axis] = u.first().copied().unwrap_or(0.0);
-        let mut all = vec![self.rest(&commands, period)?[axis]];
-        for value in u {
-            commands[axis] = *value;
-            all.push(self.step(&commands)?[axis]);
-        }
-        Ok(all)
+    /// Where it cannot be packed, has no inputs `command[i]` with as many outputs `position[i]`, or cannot be
+    /// instantiated.
+    pub fn open(tool: &Tool, what: &Path) -> anyhow::Result<Self> {
+        let folder = tempfile::tempdir().context("no temporary folder can be made")?;
+        let file = folder.path().join("packed.fmu");
+        tool.pack_file(what, &file)?;
+        let plant = cosim::Bed::new(Fmu::open(&file)?, Some(folder), what)?;
+        Ok(Self { plant, tool: tool.clone() })
     }
 
     /// Closes the loop with a controller over these references, one row per period. The controller's
@@ -158,12 +80,12 @@ impl Bed {
     ) -> anyhow::Result<Tracked> {
         let folder = tempfile::tempdir().context("no temporary folder can be made")?;
         let file = folder.path().join("controller.fmu");
-        (self.pack)(controller, &file)?;
+        self.tool.pack(controller, &file)?;
         let packed = cosim::Fmu::open(&file)?;
         let options = InstanceOptions::default();
         let (c, p) = (
             packed.instantiate("controller", &options)?,
-            self.machine.instantiate("plant", &options)?,
+            self.plant.machine().instantiate("plant", &options)?,
         );
         let rows = references.iter().map(Vec::len).min().unwrap_or(0);
         let time: Vec<f64> = (0..rows).map(|k| k as f64 * period).collect();
@@ -171,7 +93,8 @@ impl Bed {
             .iter()
             .map(|r| (0..rows).map(|k| r[(k + preview).min(rows - 1)]).collect())
             .collect();
-        let names: Vec<String> = (1..=self.axes).map(|axis| format!("reference[{axis}]")).collect();
+        let names: Vec<String> =
+            (1..=self.axes()).map(|axis| format!("reference[{axis}]")).collect();
         let columns = names.iter().zip(&ahead).map(|(name, values)| Signal {
             name: name.clone(),
             unit: None,
@@ -188,7 +111,7 @@ impl Bed {
             let values = memory.values(&format!("{name}[{}]", axis + 1));
             Ok(values.with_context(|| format!("{name} was not recorded"))?[..rows].to_vec())
         };
-        let axes = 0..self.axes;
+        let axes = 0..self.axes();
         let position =
             axes.clone().map(|axis| of("position", axis)).collect::<Result<Vec<_>, _>>()?;
         let command = axes.map(|axis| of("command", axis)).collect::<Result<Vec<_>, _>>()?;
@@ -200,10 +123,4 @@ impl Bed {
         let reference = references.iter().map(|r| r[..rows].to_vec()).collect();
         Ok(Tracked { command, previewed: ahead, reference, position, error })
     }
-}
-
-/// How many variables `name[1]`, `name[2]`, … there are.
-fn numbered(machine: &Fmu, causality: Causality, name: &str) -> usize {
-    let names = machine.names(causality);
-    (1..).take_while(|axis| names.contains(&format!("{name}[{axis}]"))).count()
 }

@@ -257,7 +257,7 @@ fn retuned(bed: &mut Bed, inverse: &Inverse, sensitivity: f64) -> anyhow::Result
     let mut machine = |u: f64| {
         commands[0] = u;
         let all = bed.step(&commands);
-        let error = |e: anyhow::Error| identify::Error::Tuning { message: format!("{e:#}") };
+        let error = |e: cosim::Error| identify::Error::Tuning { message: e.to_string() };
         all.map(|p| (p[0] - inverse.from) / inverse.span).map_err(error)
     };
     let impulse = control::impulse_of(&mut machine, [75.0, 20.0], 60, 4)?;
@@ -276,7 +276,7 @@ fn errors(run: &Tracked, from: usize) -> [f64; 2] {
 }
 
 pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = (tool.open)(Path::new(machines::P0))?;
+    let mut bed = Bed::open(tool, Path::new(machines::P0))?;
     let mut answer = Reproduction::default();
     answer.kept.rig("plant", machines::P0)?;
     let quick =
@@ -431,7 +431,7 @@ fn machine(bed: &mut Bed) -> anyhow::Result<Chapter> {
     );
     for pair in [[0, 1], [2, 3]] {
         let answers = pair.map(|axis| bed.response(axis, &u, 0.0, PERIOD).map(|y| (axis, y)));
-        let answers = answers.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+        let answers = answers.into_iter().collect::<Result<Vec<_>, cosim::Error>>()?;
         let named: Vec<_> =
             answers.iter().map(|(axis, y)| (NAMES[*axis], &u[..], &y[1..])).collect();
         let title = format!("Loops of mirror {}", pair[0] / 2 + 1);

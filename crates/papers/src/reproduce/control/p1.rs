@@ -135,7 +135,7 @@ const TABLE_6: [(usize, f64, f64); 3] =
     [(21, 0.0483, 0.55), (28, 0.0456, 0.84), (36, 0.0413, 1.21)];
 
 pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = (tool.open)(Path::new(machines::P1))?;
+    let mut bed = Bed::open(tool, Path::new(machines::P1))?;
     let mut answer = Reproduction::default();
     answer.kept.rig("plant", machines::P1)?;
     let mut record = |letter: char| -> anyhow::Result<(Vec<f64>, Vec<f64>)> {

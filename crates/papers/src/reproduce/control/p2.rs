@@ -170,7 +170,7 @@ fn width(r: &[f64], y: &[f64]) -> f64 {
 }
 
 pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = (tool.open)(Path::new(machines::P2))?;
+    let mut bed = Bed::open(tool, Path::new(machines::P2))?;
     let mut answer = Reproduction::default();
     answer.kept.rig("plant", machines::P2)?;
     say("hysteresis term by an LS-SVM");

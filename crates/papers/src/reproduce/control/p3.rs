@@ -160,7 +160,7 @@ struct Stage {
 }
 
 pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
-    let mut bed = (tool.open)(Path::new(machines::P3))?;
+    let mut bed = Bed::open(tool, Path::new(machines::P3))?;
     let mut answer = Reproduction::default();
     answer.kept.rig("plant", machines::P3)?;
     let (u, _) = matching::signal("p3-chirp", &[])?;

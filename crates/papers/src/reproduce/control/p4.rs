@@ -161,7 +161,7 @@ fn identified(tool: &Tool, log: &Path, model: &str, plays: &str) -> anyhow::Resu
     let mut words = vec!["--log", &*log, "--model", model, "-o", &*file];
     words.extend(["--plays", plays, "--static", "--name", "evc_identified"]);
     words.extend(["--input", "u_y", "--output", "y", "--input", "u_z", "--output", "z"]);
-    (tool.identify)(&words)?;
+    tool.identify(&words)?;
     Ok(Blueprint::read(&plant)?)
 }
 
@@ -177,7 +177,7 @@ fn by_trial(bed: &mut Bed, errors: &mut Trial<'_>) -> anyhow::Result<[Gains; 2]>
         bed.rest(&commands, PERIOD)?;
         let mut machine = |u: f64| {
             commands[axis] = u;
-            let error = |e: anyhow::Error| identify::Error::Tuning { message: format!("{e:#}") };
+            let error = |e: cosim::Error| identify::Error::Tuning { message: e.to_string() };
             bed.step(&commands).map(|p| p[axis]).map_err(error)
         };
         impulses.push(control::impulse_of(&mut machine, STEPS, 200, 4)?);
@@ -274,7 +274,7 @@ fn identified_in(
 
 pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
     let folder = tempfile::tempdir()?;
-    let mut bed = (tool.open)(Path::new(machines::P4))?;
+    let mut bed = Bed::open(tool, Path::new(machines::P4))?;
     let mut answer = Reproduction::default();
     answer.kept.rig("plant", machines::P4)?;
     let quick = answer.leaves_out(

@@ -111,7 +111,7 @@ pub(super) fn as_printed(
     }
     let file = folder.path().join("raised.toml");
     raised.write(&file)?;
-    let mut bed = (tool.open)(&file)?;
+    let mut bed = Bed::open(tool, &file)?;
     let models = identified_in(tool, &mut bed, folder.path(), RAISED)?;
     let tries = tries(tool, &mut bed, folder.path(), RAISED)?;
     let room = spans(&mut bed, RAISED)?;

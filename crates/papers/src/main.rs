@@ -1,33 +1,30 @@
-//! `piezoloop reproduce`: the papers' tables on our machines.
+//! `piezoloop-papers`: the papers' tables on our machines.
 
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::Context;
-use clap::{Args, Parser};
+use clap::Parser;
+use cli::{Answer, PageOptions, Screen, interrupt};
 use data::UnitPlace;
-use papers::Tool;
+use papers::matching::{self, Figure};
 use papers::reproduce::{self, Aim, Effort, Reproduction, Verdict};
+use papers::{Tool, page};
+use report::Provenance;
 use serde::Serialize;
-
-use crate::answer::{Answer, Screen};
-use crate::commands::{Command, pack};
-use crate::pages::{self, PageOptions};
-use crate::{bed, inputs};
 
 /// Reproduces the tables of a paper: paper | its method here | ours | another way | verdict
 ///
-/// The machine is built after the paper's (`piezoloop list rigs --match` shows how closely), the signals are the
+/// The machine is built after the paper's (--match shows how closely), the signals are the
 /// paper's. A method is judged by its ratio to the paper's reference method, or by its figure. Control experiments
 /// run with packed FMUs; the printed gains are tried first.
-#[derive(Args, Debug)]
-#[command(
-    after_help = "Examples:\n  piezoloop reproduce p0\n  piezoloop reproduce p4 --part control --report p4.html\n  piezoloop reproduce all"
-)]
-pub(crate) struct Reproduce {
+#[derive(Parser, Debug)]
+#[command(name = "piezoloop-papers", version, after_help = EXAMPLES)]
+struct Papers {
     /// p0, p1, p2, p3, p4 or all; none: all of them
     papers: Vec<String>,
     /// What is reproduced
@@ -41,10 +38,24 @@ pub(crate) struct Reproduce {
     /// Run only the papers' own methods and those they are compared with; the answer lists what is omitted
     #[arg(long)]
     quick: bool,
+    /// Compare the machines with the figures that the papers publish of their own machines; no method is run
+    #[arg(long = "match", conflicts_with_all = ["papers", "part", "quick", "searches", "keep", "reports", "plot"])]
+    matching: bool,
     /// Leave logs, blueprints, tables and FMUs in this folder, those of each paper in a folder of its name
     #[arg(long, value_name = "FOLDER")]
     keep: Option<PathBuf>,
+    /// The program that packs and identifies [default: piezoloop in the folder of this program]
+    #[arg(long, value_name = "PROGRAM")]
+    tool: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+    /// Print errors only
+    #[arg(long, short, conflicts_with = "json")]
+    quiet: bool,
 }
+
+const EXAMPLES: &str = "Examples:\n  piezoloop-papers p0\n  piezoloop-papers p4 --part control --report p4.html\n  piezoloop-papers all\n  piezoloop-papers --match";
 
 /// Parts of a paper.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,24 +68,39 @@ enum Part {
     All,
 }
 
-/// What the experiments take from this tool.
-const TOOL: Tool = Tool { open: bed::open, identify };
-
-fn identify(arguments: &[&str]) -> anyhow::Result<()> {
-    let words = ["piezoloop", "identify"].iter().chain(arguments);
-    let quiet = Screen { json: false, quiet: true };
-    match crate::Cli::try_parse_from(words)?.command {
-        Command::Identify(command) => command.execute(&quiet).map(drop),
-        _ => anyhow::bail!("not an identify command"),
-    }
-}
-
 /// All that was asked for.
 #[derive(Serialize)]
 struct Reproductions(Vec<Reproduction>);
 
-impl Reproduce {
-    pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+/// The machines beside the papers'.
+#[derive(Serialize)]
+struct Matched(Vec<Figure>);
+
+fn main() -> ExitCode {
+    let papers = Papers::parse();
+    let screen = Screen::new(papers.json, papers.quiet);
+    let named: Vec<PathBuf> = papers.keep.iter().chain(&papers.tool).cloned().collect();
+    let _tidy = interrupt::begin();
+    exits::guard(cosim::instances, cosim::called);
+    let kept = if papers.json { cli::keep_standard_output() } else { Ok(()) };
+    let outcome = kept.and_then(|()| papers.run(&screen));
+    interrupt::wait_if_ending();
+    exits::finished();
+    outcome.map_or_else(
+        |error| {
+            screen.error(&error, &named);
+            ExitCode::from(2)
+        },
+        ExitCode::from,
+    )
+}
+
+impl Papers {
+    fn run(self, screen: &Screen) -> anyhow::Result<u8> {
+        if self.matching {
+            return screen.show(&Matched(match_all(screen)?));
+        }
+        self.page.can_write()?;
         const ALL: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
         let complete = self.papers.is_empty() || self.papers.iter().any(|paper| paper == "all");
         let papers = if complete { ALL.map(String::from).to_vec() } else { self.papers.clone() };
@@ -96,18 +122,26 @@ impl Reproduce {
                 jobs.push((paper.as_str(), Part::Control));
             }
         }
+        // Models need no tool, as long as nothing is kept.
+        let tool = || Tool::find(self.tool.as_deref());
+        let controls = jobs.iter().any(|(_, part)| *part == Part::Control);
+        let tool = if controls || self.keep.is_some() { Some(tool()?) } else { None };
         if let Some(folder) = &self.keep {
             fs::create_dir_all(folder)
                 .with_context(|| format!("{} cannot be made", folder.display()))?;
         }
-        let all = done(&jobs, effort, screen)?;
-        if let Some(folder) = &self.keep {
+        let all = done(&jobs, effort, tool.as_ref(), screen)?;
+        if let (Some(folder), Some(tool)) = (&self.keep, &tool) {
             for one in &all {
-                keep(one, folder)?;
+                keep(one, tool, folder)?;
             }
         }
         let all = Reproductions(all);
-        let page = || papers::page::reproduction(&all.0, pages::provenance(&[])?);
+        let page = || {
+            let version = env!("CARGO_PKG_VERSION");
+            let by = Provenance::new("piezoloop-papers", version).command_line(std::env::args());
+            page::reproduction(&all.0, by)
+        };
         self.page.finish(screen, &all, page)
     }
 }
@@ -116,6 +150,7 @@ impl Reproduce {
 fn done(
     jobs: &[(&str, Part)],
     effort: Effort,
+    tool: Option<&Tool>,
     screen: &Screen,
 ) -> anyhow::Result<Vec<Reproduction>> {
     let next = AtomicUsize::new(0);
@@ -126,8 +161,8 @@ fn done(
             Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|n| Some((n, jobs.get(n)?)))
         {
             let say = |line: &str| screen.say(&format!("{paper}: {line}"));
-            let answer = match part {
-                Part::Control => reproduce::control::run(paper, effort, &TOOL, &say),
+            let answer = match (part, tool) {
+                (Part::Control, Some(tool)) => reproduce::control::run(paper, effort, tool, &say),
                 _ => reproduce::run(paper, effort, &say),
             };
             // Nothing more is begun where one has failed.
@@ -159,17 +194,14 @@ fn done(
 
 /// Leaves what others may run in a folder of the paper's name: logs, blueprints with their tables, their FMUs, and the figures
 /// and orders as tables.
-fn keep(one: &Reproduction, folder: &Path) -> anyhow::Result<()> {
+fn keep(one: &Reproduction, tool: &Tool, folder: &Path) -> anyhow::Result<()> {
     let folder = folder.join(one.paper);
     fs::create_dir_all(&folder).with_context(|| format!("{} cannot be made", folder.display()))?;
     for (name, log) in one.kept.logs() {
         log.write(&folder.join(format!("{name}.csv")), UnitPlace::Sidecar)?;
     }
     for (name, blueprint) in one.kept.blueprints() {
-        let file = folder.join(format!("{name}.toml"));
-        inputs::write_blueprint(&blueprint.check(learned::COMPONENTS)?, &file)?;
-        let fmu = file.with_extension("fmu");
-        pack::pack(&inputs::blueprint(&file)?, pack::PACKED_WITH, &[], &fmu)?;
+        tool.pack(blueprint, &folder.join(format!("{name}.fmu")))?;
     }
     let mut figures = String::from("figure,unit,paper,its method here,ours,another way,verdict\n");
     let number = |x: f64| if x.is_nan() { String::new() } else { x.to_string() };
@@ -254,4 +286,36 @@ fn write_one(one: &Reproduction, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "  {remark}")?;
     }
     Ok(())
+}
+
+/// All figures of all papers' machines.
+fn match_all(screen: &Screen) -> anyhow::Result<Vec<Figure>> {
+    let bar = cli::bar(screen, "running the baselines", matching::TABLES.len() as u64);
+    let mut all = Vec::new();
+    for table in matching::TABLES {
+        all.extend(table()?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(all)
+}
+
+/// The table of figures, and the verdict on each rig.
+fn write_match(figures: &[Figure], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "{:10} {:58} {:>8} {:>8}  verdict", "rig", "figure", "paper", "ours")?;
+    for f in figures {
+        let verdict = if f.within { "matched" } else { "not matched" };
+        let note = if f.note.is_empty() { String::new() } else { format!(" ({})", f.note) };
+        let what = format!("{} [{}]", f.what, f.unit);
+        writeln!(out, "{:10} {what:58} {:>8} {:>8.3}  {verdict}{note}", f.rig, f.paper, f.ours)?;
+    }
+    let within = figures.iter().filter(|f| f.within).count();
+    let beyond = figures.len() - within;
+    writeln!(out, "\n{within} figures within 25 % of the paper's, {beyond} beyond")
+}
+
+impl Answer for Matched {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        write_match(&self.0, out)
+    }
 }

@@ -29,7 +29,7 @@ static IS_ENDING: AtomicBool = AtomicBool::new(false);
 static FOLDER: Mutex<Option<TempDir>> = Mutex::new(None);
 
 /// Held by the program as long as it works: the temporary files go with it.
-pub(crate) struct Tidy;
+pub struct Tidy;
 
 impl Drop for Tidy {
     fn drop(&mut self) {
@@ -39,7 +39,7 @@ impl Drop for Tidy {
 
 /// Puts temporary files in one folder and catches signals. Where the system gives no folder or no
 /// thread for that, the commands that need one say so.
-pub(crate) fn begin() -> Tidy {
+pub fn begin() -> Tidy {
     let folder = tempfile::Builder::new().prefix("piezoloop-").tempdir();
     if let Ok(folder) = folder
         && tempfile::env::override_temp_dir(folder.path()).is_ok()
@@ -52,7 +52,7 @@ pub(crate) fn begin() -> Tidy {
 }
 
 /// A temporary folder that outlives this call.
-pub(crate) fn lasting_folder() -> std::path::PathBuf {
+pub fn lasting_folder() -> std::path::PathBuf {
     let own = held(&FOLDER).as_ref().and_then(|own| own.path().parent().map(Path::to_owned));
     own.unwrap_or_else(std::env::temp_dir)
 }
@@ -61,7 +61,7 @@ pub(crate) fn lasting_folder() -> std::path::PathBuf {
 ///
 /// # Errors
 /// Where signals cannot be caught.
-pub(crate) fn listen() -> anyhow::Result<()> {
+pub fn listen() -> anyhow::Result<()> {
     instead(Manner::IsNoted)
 }
 
@@ -69,7 +69,7 @@ pub(crate) fn listen() -> anyhow::Result<()> {
 ///
 /// # Errors
 /// Where signals cannot be caught.
-pub(crate) fn hand_over(to: impl Fn(usize) + Send + 'static) -> anyhow::Result<()> {
+pub fn hand_over(to: impl Fn(usize) + Send + 'static) -> anyhow::Result<()> {
     instead(Manner::GoesTo(Box::new(to)))
 }
 
@@ -84,7 +84,7 @@ fn instead(manner: Manner) -> anyhow::Result<()> {
 }
 
 /// Whether the end was asked for.
-pub(crate) fn asked() -> bool {
+pub fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
@@ -129,7 +129,7 @@ fn tidy_at_work() {
 }
 
 /// Where a signal is ending the program, waits for that: what fails meanwhile fails by it.
-pub(crate) fn wait_if_ending() {
+pub fn wait_if_ending() {
     while IS_ENDING.load(Ordering::Relaxed) {
         std::thread::park();
     }

@@ -12,7 +12,7 @@ use anyhow::Context;
 use serde::Serialize;
 
 /// The result of a command: data for machines, sentences for people.
-pub(crate) trait Answer: Serialize {
+pub trait Answer: Serialize {
     /// Writes the result for a person.
     fn write(&self, out: &mut dyn Write) -> io::Result<()>;
 
@@ -23,7 +23,7 @@ pub(crate) trait Answer: Serialize {
 }
 
 /// Stands for the standard output where `--json` takes a file.
-pub(crate) const STANDARD_OUTPUT: &str = "-";
+pub const STANDARD_OUTPUT: &str = "-";
 
 /// The standard output, once it is kept for the answer.
 static KEPT: OnceLock<File> = OnceLock::new();
@@ -31,7 +31,7 @@ static KEPT: OnceLock<File> = OnceLock::new();
 /// From now on only the answer goes to standard output. What FMUs print, which would make JSON
 /// unreadable, goes to standard error.
 #[cfg(unix)]
-pub(crate) fn keep_standard_output() -> anyhow::Result<()> {
+pub fn keep_standard_output() -> anyhow::Result<()> {
     let kept = fmi_bindings::import::keep_standard_output()
         .context("the standard output cannot be kept for the answer")?;
     KEPT.get_or_init(|| kept);
@@ -40,12 +40,12 @@ pub(crate) fn keep_standard_output() -> anyhow::Result<()> {
 
 /// Elsewhere what FMUs print stands beside the answer.
 #[cfg(not(unix))]
-pub(crate) fn keep_standard_output() -> anyhow::Result<()> {
+pub fn keep_standard_output() -> anyhow::Result<()> {
     Ok(())
 }
 
 /// The standard output as answers reach it.
-pub(crate) fn standard_output() -> Box<dyn Write> {
+pub fn standard_output() -> Box<dyn Write> {
     match KEPT.get() {
         Some(kept) => Box::new(kept),
         None => Box::new(io::stdout().lock()),
@@ -67,7 +67,7 @@ fn notes() -> MutexGuard<'static, Notes> {
 
 /// Says what was assumed about a log, skipped or left out: at once on standard error, each sentence once,
 /// and as `log_notes` in the answer's JSON.
-pub(crate) fn note_on_log(on_log: &[String]) {
+pub fn note_on_log(on_log: &[String]) {
     let mut notes = notes();
     for note in on_log {
         if notes.all.contains(note) {
@@ -114,7 +114,7 @@ fn files_of_the_call() -> (Vec<String>, Vec<String>) {
 }
 
 /// What an error says, from what was to be done to the cause: each text once.
-pub(crate) fn sentence(error: &anyhow::Error) -> String {
+pub fn sentence(error: &anyhow::Error) -> String {
     error.chain().map(ToString::to_string).fold(String::new(), |message, cause| {
         if message.is_empty() || cause.contains(&message) {
             cause
@@ -127,7 +127,7 @@ pub(crate) fn sentence(error: &anyhow::Error) -> String {
 }
 
 /// A number for the screen, rounded to nine significant digits.
-pub(crate) fn rounded(x: f64) -> f64 {
+pub fn rounded(x: f64) -> f64 {
     format!("{x:.8e}").parse().unwrap_or(x)
 }
 
@@ -170,22 +170,22 @@ fn harmless(text: &str) -> Cow<'_, str> {
 
 /// How results are shown.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Screen {
+pub struct Screen {
     /// As JSON.
-    pub(crate) json: bool,
+    pub json: bool,
     /// Not at all.
-    pub(crate) quiet: bool,
+    pub quiet: bool,
 }
 
 impl Screen {
     /// How results are shown from now on.
-    pub(crate) fn new(json: bool, quiet: bool) -> Self {
+    pub fn new(json: bool, quiet: bool) -> Self {
         notes().is_quiet = quiet;
         Self { json, quiet }
     }
 
     /// Shows an answer and returns its exit code. A closed pipe is no error: the reader has enough.
-    pub(crate) fn show(&self, answer: &dyn ErasedAnswer) -> anyhow::Result<u8> {
+    pub fn show(&self, answer: &dyn ErasedAnswer) -> anyhow::Result<u8> {
         let mut message = Vec::new();
         if self.json {
             writeln!(message, "{}", answer.json()?)?;
@@ -202,14 +202,14 @@ impl Screen {
     }
 
     /// A line for a person while a command works.
-    pub(crate) fn say(&self, line: &str) {
+    pub fn say(&self, line: &str) {
         if !self.json && !self.quiet {
             let _ = writeln!(io::stdout(), "{}", harmless(line));
         }
     }
 
     /// Shows an error on standard error; `named` are the files of the call.
-    pub(crate) fn error(&self, error: &anyhow::Error, named: &[PathBuf]) {
+    pub fn error(&self, error: &anyhow::Error, named: &[PathBuf]) {
         let mut message = sentence(error);
         if let Some(way_out) = way_out(error) {
             message = format!("{message}; {way_out}");
@@ -240,9 +240,18 @@ impl Screen {
 }
 
 /// [`Answer`] without its type.
-pub(crate) trait ErasedAnswer {
+pub trait ErasedAnswer {
+    /// The answer as JSON, with the notes on the logs that were read.
+    ///
+    /// # Errors
+    /// Where a value cannot be written as JSON.
     fn json(&self) -> serde_json::Result<String>;
+    /// See [`Answer::write`].
+    ///
+    /// # Errors
+    /// Where `out` cannot be written to.
     fn write(&self, out: &mut dyn Write) -> io::Result<()>;
+    /// See [`Answer::exit_code`].
     fn exit_code(&self) -> u8;
 }
 
