@@ -15,9 +15,10 @@ const MOST_SHOWN: usize = 20;
 
 /// Shows what logs contain, flags doubtful samples, and converts logs to CSV
 ///
-/// Reads CSV and other text files of instruments, Parquet, NumPy (.npy, .npz), MATLAB (.mat), HDF5, MDF 4 (.mf4),
-/// TDMS and universal files; reports what it recognised, assumed and left out. Detects missing rows, outliers,
-/// saturation and stuck readings, with their lines. Nothing is repaired. The exit code is 1 if samples are doubtful.
+/// Reads CSV and other text files of instruments, and the measurement files that docs/files.md lists (Parquet, NumPy,
+/// MATLAB, HDF5, MDF 4, TDMS and others); reports what it recognised, assumed and left out. Detects missing rows,
+/// outliers, saturation and stuck readings, with their lines. Nothing is repaired. The exit code is 1 if samples are
+/// doubtful.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop log measured.csv\n  piezoloop log bench.mf4 --group Scope --unit y=um -o measured.csv\n  piezoloop log bench.mf4 --resample=1000 -o joined.csv"

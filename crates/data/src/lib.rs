@@ -38,6 +38,8 @@ pub use counted::counted;
 pub use files::WholeFile;
 #[cfg(feature = "logs")]
 pub use fit::{Fit, FitError};
+#[cfg(feature = "formats")]
+pub use log::Format;
 #[cfg(feature = "parquet")]
 pub use log::ParquetLogWriter;
 #[cfg(feature = "logs")]

@@ -70,7 +70,7 @@ pub fn run(
     let mut pool = Pool::new(seeds.clone());
     let mut random = Random::new(seed);
     let mut figures = Figures::default();
-    let mut watch = Watch::new(target.name, scratch.path());
+    let mut watch = Watch::new(&target.name, scratch.path());
     let begin = Instant::now();
     while figures.executions < executions {
         let input = match seeds.get(figures.executions as usize) {
@@ -176,9 +176,10 @@ struct Watch {
 }
 
 impl Watch {
-    fn new(name: &'static str, input: &Path) -> Self {
+    fn new(name: &str, input: &Path) -> Self {
         let present = Arc::new(AtomicU64::new(0));
         let (shared, input) = (Arc::downgrade(&present), input.to_path_buf());
+        let name = name.to_owned();
         std::thread::spawn(move || {
             let now = || (processor_time(ClockId::ProcessCPUTime), Instant::now());
             let (mut seen, mut since) = (0, now());
@@ -190,7 +191,7 @@ impl Watch {
                 let worked = processor_time(ClockId::ProcessCPUTime).saturating_sub(since.0);
                 if seen != 0 && (worked > LONGEST || since.1.elapsed() > LONGEST_WAIT) {
                     // The file goes with its folder where the program ends well, not here.
-                    eprintln_hang(name, &input);
+                    eprintln_hang(&name, &input);
                     std::process::abort();
                 }
                 drop(present);

@@ -61,7 +61,7 @@ fn conversation(input: &[u8]) -> Result<(Options, Answers), String> {
     let (first, rest) = input.split_at(end);
     let text = String::from_utf8_lossy(first);
     let options = match text.parse::<Address>() {
-        Ok(Address::Gcs { options, .. } | Address::Nv200 { options, .. }) => options,
+        Ok(Address::Instrument { options, .. }) => options,
         Ok(other) => return Err(format!("is the address {other}")),
         Err(error) => return Err(error.to_string()),
     };

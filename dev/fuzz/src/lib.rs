@@ -5,7 +5,7 @@
 //! corpus/<target>/ ─▶ mutate (text, zip archive, binary) ─▶ Target::run ─▶ new behaviour? ─▶ pool
 //! ```
 //!
-//! [`TARGETS`] are the readers. [`campaign::run`] tries mutated files in this process, on any
+//! [`targets`] are the readers. [`campaign::run`] tries mutated files in this process, on any
 //! compiler, and keeps those that make a reader say something new; the program `guided` gives the
 //! same targets and mutations to libFuzzer, which keeps what reaches new code.
 
@@ -18,4 +18,4 @@ mod zip;
 
 pub use instrument::NO_COMPILER;
 pub use random::Random;
-pub use target::{Kind, Scratch, TARGETS, Target, corpus};
+pub use target::{Kind, Scratch, Target, corpus, targets};

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use counting::Counting;
-use piezoloop_fuzz::{TARGETS, Target, campaign};
+use piezoloop_fuzz::{Target, campaign};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -29,11 +29,12 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let targets: Vec<Target> = match &arguments.target {
-        None => TARGETS.to_vec(),
+        None => piezoloop_fuzz::targets(),
         Some(name) => Target::find(name).into_iter().collect(),
     };
     if targets.is_empty() {
-        let names: Vec<&str> = TARGETS.iter().map(|target| target.name).collect();
+        let known = piezoloop_fuzz::targets();
+        let names: Vec<&str> = known.iter().map(|target| &*target.name).collect();
         println!("there is no such reader; there are {}", names.join(", "));
         return ExitCode::from(2);
     }

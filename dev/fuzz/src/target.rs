@@ -1,5 +1,6 @@
 //! The readers under test. Each gives what it said, empty where it accepted the file.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
@@ -28,10 +29,10 @@ pub enum Kind {
 }
 
 /// A reader.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Target {
     /// Name, which is that of its folder of inputs.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// How its inputs are mutated.
     pub kind: Kind,
     /// Ending of the file that it reads.
@@ -40,7 +41,19 @@ pub struct Target {
 }
 
 /// All readers.
-pub const TARGETS: &[Target] = &[
+#[must_use]
+pub fn targets() -> Vec<Target> {
+    let format = |format: &data::Format| Target {
+        name: format!("log-{}", format.name).into(),
+        kind: if format.ending == "npz" { Kind::Zip } else { Kind::Binary },
+        ending: format.ending,
+        read: log,
+    };
+    OTHERS.iter().cloned().chain(Log::FORMATS.iter().map(format)).collect()
+}
+
+/// All readers but those of logs that are no texts, which declare themselves.
+const OTHERS: &[Target] = &[
     target("fmu-archive", Kind::Zip, "fmu", fmu_archive),
     target("fmu-unpacked", Kind::Zip, "fmu", fmu_unpacked),
     target("model-description", Kind::Text, "xml", model_description),
@@ -57,15 +70,6 @@ pub const TARGETS: &[Target] = &[
     target("log-csv", Kind::Text, "csv", log),
     target("log-text", Kind::Text, "txt", log_text),
     target("dataset", Kind::Text, "dataset.toml", dataset),
-    target("log-parquet", Kind::Binary, "parquet", log),
-    target("log-mat", Kind::Binary, "mat", log),
-    target("log-mat4", Kind::Binary, "mat", log),
-    target("log-hdf5", Kind::Binary, "mat", log),
-    target("log-mf4", Kind::Binary, "mf4", log),
-    target("log-tdms", Kind::Binary, "tdms", log),
-    target("log-uff", Kind::Binary, "uff", log),
-    target("log-npy", Kind::Binary, "npy", log),
-    target("log-npz", Kind::Zip, "npz", log),
     target("learned-table", Kind::Binary, "npy", learned_table),
     target("bench-record", Kind::Text, "journal", instrument::record),
     target("line-gcs", Kind::Text, "txt", instrument::gcs),
@@ -81,14 +85,14 @@ const fn target(
     ending: &'static str,
     read: fn(&[u8], &Path) -> String,
 ) -> Target {
-    Target { name, kind, ending, read }
+    Target { name: Cow::Borrowed(name), kind, ending, read }
 }
 
 impl Target {
     /// The target of this name.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
-        TARGETS.iter().find(|target| target.name == name).copied()
+        targets().into_iter().find(|target| target.name == name)
     }
 
     /// Lets the reader read an input; what it says, nothing where it accepts it.
@@ -138,7 +142,7 @@ impl Scratch {
 /// # Errors
 /// The folder cannot be read.
 pub fn corpus(target: &Target) -> io::Result<Vec<Vec<u8>>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target.name);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(&*target.name);
     let mut paths = fs::read_dir(folder)?
         .map(|entry| entry.map(|entry| entry.path()))
         .collect::<io::Result<Vec<_>>>()?;

@@ -112,14 +112,23 @@ struct Played {
     keyed: Option<Refused>,
 }
 
+fn other_protocol(address: &Address) -> String {
+    format!("{address}: does not go with that --protocol; the address says what is spoken there")
+}
+
 impl Emulate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let gateway = match (self.protocol, &self.gateway) {
-            (None | Some(Protocol::Gcs), Some(Address::Gcs { at, options })) => {
-                return self.instrument(screen, Kind::Gcs, at.clone(), options);
-            }
-            (None | Some(Protocol::Nv200), Some(Address::Nv200 { at, options })) => {
-                return self.instrument(screen, Kind::Nv200, at.clone(), options);
+            (given, Some(address @ Address::Instrument { protocol, at, options })) => {
+                let kind = match (given, protocol.scheme) {
+                    (None | Some(Protocol::Gcs), "gcs") => Kind::Gcs,
+                    (None | Some(Protocol::Nv200), "nv200") => Kind::Nv200,
+                    (None, scheme) => {
+                        bail!("{address}: there is no emulator of {scheme}; give gcs or nv200")
+                    }
+                    _ => bail!("{}", other_protocol(address)),
+                };
+                return self.instrument(screen, kind, at.clone(), options);
             }
             (Some(Protocol::Gcs), None) => {
                 return self.instrument(screen, Kind::Gcs, Kind::Gcs.here(), "");
@@ -128,14 +137,8 @@ impl Emulate {
                 return self.instrument(screen, Kind::Nv200, Kind::Nv200.here(), "");
             }
             (Some(Protocol::Packet) | None, None) => bail!("give --gateway ADDRESS"),
-            (Some(Protocol::Gcs | Protocol::Nv200), Some(address))
-            | (
-                Some(Protocol::Packet),
-                Some(address @ (Address::Gcs { .. } | Address::Nv200 { .. })),
-            ) => {
-                bail!(
-                    "{address}: does not go with that --protocol; the address says what is spoken there"
-                )
+            (Some(Protocol::Gcs | Protocol::Nv200), Some(address)) => {
+                bail!("{}", other_protocol(address))
             }
             (None | Some(Protocol::Packet), Some(address)) => address.clone(),
         };

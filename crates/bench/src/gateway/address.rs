@@ -5,7 +5,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use super::{GatewayError, gcs, nv200};
+use super::{GatewayError, PROTOCOLS, Protocol};
 
 /// Where the machine is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,15 +16,10 @@ pub enum Address {
     SharedMemory(String),
     /// `ethercat://INTERFACE`: SubDevices at this network interface.
     Ethercat(String),
-    /// `gcs://IP:PORT?OPTIONS`, `gcs:///dev/ttyUSB0?OPTIONS`: an instrument of PI.
-    Gcs {
-        /// Where it is.
-        at: Place,
-        /// See `line::Options`.
-        options: String,
-    },
-    /// `nv200://IP:PORT?OPTIONS`, `nv200:///dev/ttyUSB0?OPTIONS`: an NV200 of piezosystem jena.
-    Nv200 {
+    /// `SCHEME://IP:PORT?OPTIONS`, `SCHEME:///dev/ttyUSB0?OPTIONS`: an instrument of [`PROTOCOLS`].
+    Instrument {
+        /// What it speaks.
+        protocol: &'static Protocol,
         /// Where it is.
         at: Place,
         /// See `line::Options`.
@@ -87,13 +82,12 @@ impl FromStr for Address {
             }
             return Ok(Address::Ethercat(name.to_owned()));
         }
-        if let Some(rest) = text.strip_prefix("gcs://") {
-            let (at, options) = instrument(rest, gcs::PORT).ok_or_else(|| error(NO_IP.into()))?;
-            return Ok(Address::Gcs { at, options });
-        }
-        if let Some(rest) = text.strip_prefix("nv200://") {
-            let (at, options) = instrument(rest, nv200::PORT).ok_or_else(|| error(NO_IP.into()))?;
-            return Ok(Address::Nv200 { at, options });
+        if let Some((scheme, rest)) = text.split_once("://")
+            && let Some(&protocol) = PROTOCOLS.iter().find(|known| known.scheme == scheme)
+        {
+            let (at, options) =
+                instrument(rest, protocol.port).ok_or_else(|| error(NO_IP.into()))?;
+            return Ok(Address::Instrument { protocol, at, options });
         }
         if let Some(rest) = text.strip_prefix("plugin://") {
             let (library, options) = rest.split_once('?').unwrap_or((rest, ""));
@@ -126,10 +120,9 @@ impl fmt::Display for Address {
             Address::Udp(address) => write!(f, "udp://{address}"),
             Address::SharedMemory(name) => write!(f, "shm://{name}"),
             Address::Ethercat(name) => write!(f, "ethercat://{name}"),
-            Address::Gcs { at, options } | Address::Nv200 { at, options } => {
-                let scheme = if matches!(self, Address::Gcs { .. }) { "gcs" } else { "nv200" };
+            Address::Instrument { protocol, at, options } => {
                 let mark = if options.is_empty() { "" } else { "?" };
-                write!(f, "{scheme}://{at}{mark}{options}")
+                write!(f, "{}://{at}{mark}{options}", protocol.scheme)
             }
             Address::Plugin { library, options } => {
                 let mark = if options.is_empty() { "" } else { "?" };

@@ -16,6 +16,7 @@ pub mod device;
 #[cfg(all(feature = "ethercat", target_os = "linux"))]
 pub mod ethercat;
 pub mod gcs;
+mod instrument;
 mod keyed;
 pub mod line;
 mod memory;
@@ -35,6 +36,7 @@ use std::time::Duration;
 use thiserror::Error;
 
 pub use address::{Address, Place};
+pub use instrument::{OpenStation, OpenedDevice, Protocol, open_station};
 pub use keyed::{KEYED_VERSION, Key, KeyError, KeyedGateway, Refused};
 pub use memory::{MemoryGateway, pair};
 pub use plugin::PluginDevice;
@@ -43,6 +45,9 @@ pub use serve::{InstrumentServed, serve};
 #[cfg(feature = "shared-memory")]
 pub use shared_memory::SharedMemoryGateway;
 pub use udp::UdpGateway;
+
+/// The instruments that are spoken to by lines of text; each declares itself in its own file.
+pub static PROTOCOLS: &[&Protocol] = &[&gcs::PROTOCOL, &nv200::PROTOCOL];
 
 /// Carries packets between runner and machine. Calls never block but [`wait`](Self::wait); a gateway
 /// for real time allocates nothing and takes no lock once it is open.
@@ -86,7 +91,7 @@ pub enum End {
 pub enum GatewayError {
     /// The text is no address.
     #[error(
-        "gateway `{text}`: {rule}; write udp://IP:PORT as in udp://127.0.0.1:9000, shm://NAME, ethercat://INTERFACE, gcs://IP or gcs:///dev/ttyUSB0, nv200://IP, or plugin://FILE"
+        "gateway `{text}`: {rule}; write udp://IP:PORT as in udp://127.0.0.1:9000, shm://NAME, ethercat://INTERFACE, {instruments}, or plugin://FILE", instruments = instrument::examples()
     )]
     Address {
         /// As it was given.
@@ -156,10 +161,7 @@ pub fn open(
         Address::SharedMemory(_) => {
             failed("shared memory", "this build has none", "build with the feature `shared-memory`")
         }
-        Address::Ethercat(_)
-        | Address::Plugin { .. }
-        | Address::Gcs { .. }
-        | Address::Nv200 { .. }
+        Address::Ethercat(_) | Address::Plugin { .. } | Address::Instrument { .. }
             if end == End::Machine =>
         {
             failed(
@@ -177,20 +179,9 @@ pub fn open(
                 Ok(Box::new(plugin::PluginDevice::open(&library, &options, channels, period)?))
             })
         }
-        Address::Gcs { at, options } => open_instrument(
-            address,
-            (at, gcs::END, options),
-            "gcs://IP?axes=1,2",
-            site,
-            |line, options, safe| Ok(Box::new(gcs::GcsDevice::open(line, options, safe)?)),
-        ),
-        Address::Nv200 { at, options } => open_instrument(
-            address,
-            (at, nv200::END, options),
-            "nv200://IP?mode=open",
-            site,
-            |line, options, safe| Ok(Box::new(nv200::Nv200Device::open(line, options, safe)?)),
-        ),
+        Address::Instrument { protocol, at, options } => {
+            instrument::open(address, protocol, at, options, site)
+        }
         Address::Ethercat(interface) => match site.ethercat {
             None => failed(
                 "the process data",
@@ -236,84 +227,6 @@ fn open_device(
     let address = address.to_string();
     let gateway = device::DeviceGateway::open(&address, way_out, &site.safe, heartbeat, make)?;
     Ok(Box::new(gateway))
-}
-
-/// An instrument that is spoken to by lines of text; `example`: an address with options.
-fn open_instrument(
-    address: &Address,
-    (at, end, options): (&Place, &'static [u8], &str),
-    example: &str,
-    site: &Site<'_>,
-    make: impl FnOnce(
-        Box<dyn line::Line>,
-        line::Options,
-        &[f64],
-    ) -> Result<Box<dyn device::Device>, String>
-    + Send
-    + 'static,
-) -> Result<Box<dyn Gateway>, GatewayError> {
-    let options =
-        line::Options::parse(options, site.period).map_err(|error| GatewayError::Open {
-            address: address.to_string(),
-            what: "its options".to_owned(),
-            error,
-            way_out: format!("give them as in {example}"),
-        })?;
-    let safe = site.safe.clone();
-    let at = at.clone();
-    open_device(address, WAY_OUT, site, move || {
-        make(line_to(&at, options.baud, end), options, &safe)
-    })
-}
-
-/// What to do where an instrument does not open.
-const WAY_OUT: &str = "check power, cable, address and that no other program is connected";
-
-/// The line to an instrument; `end` ends a command there.
-#[cfg(unix)]
-fn line_to(at: &Place, baud: u32, end: &'static [u8]) -> Box<dyn line::Line> {
-    match at {
-        Place::Net(at) => Box::new(line::TcpLine::new(*at)),
-        Place::Serial(device) => Box::new(serial::SerialLine::new(device, baud, end)),
-    }
-}
-
-#[cfg(not(unix))]
-fn line_to(at: &Place, _: u32, _: &'static [u8]) -> Box<dyn line::Line> {
-    match at {
-        Place::Net(at) => Box::new(line::TcpLine::new(*at)),
-        Place::Serial(_) => Box::new(line::NoLine),
-    }
-}
-
-/// Opens an instrument to work with its own wave generator and data recorder.
-///
-/// # Errors
-/// It does not answer, has not such an axis, or the address is none of an instrument.
-pub fn open_station(address: &Address) -> Result<Box<dyn station::Station>, GatewayError> {
-    let failed = |what: &str, error: String, way_out: &str| GatewayError::Open {
-        address: address.to_string(),
-        what: what.to_owned(),
-        error,
-        way_out: way_out.to_owned(),
-    };
-    let (at, end, options) = match address {
-        Address::Gcs { at, options } => (at, gcs::END, options),
-        Address::Nv200 { at, options } => (at, nv200::END, options),
-        _ => {
-            let error = "it has no wave generator and no data recorder".to_owned();
-            return Err(failed("the instrument", error, "give gcs://IP or nv200://IP"));
-        }
-    };
-    let options = line::Options::parse(options, station::PERIOD).map_err(|error| {
-        failed("its options", error, "give them as in gcs://IP?axes=1&mode=open")
-    })?;
-    let line = line_to(at, options.baud, end);
-    let opened: Result<Box<dyn station::Station>, String> = match address {
-        Address::Gcs { .. } => gcs::GcsStation::open(line, options).map(|s| Box::new(s) as _),
-        _ => nv200::Nv200Station::open(line, options).map(|s| Box::new(s) as _),
-    };
-    opened.map_err(|error| failed("the instrument", error, WAY_OUT))
 }
 
 #[cfg(not(unix))]

@@ -3,8 +3,8 @@
 //! Row k of a log: the inputs u_k act from t_k until t_{k+1} (zero-order hold); the outputs y_k are
 //! read at t_k, before u_k acts.
 //!
-//! Files of other programs are read where the feature `formats` is on: Parquet, NumPy (`.npy`,
-//! `.npz`), MATLAB 4, 5 and 7.3 (`.mat`), HDF5, MDF 4 (`.mf4`) and TDMS; `docs/files.md` says which and through what.
+//! Files of other programs are read where the feature `formats` is on ([`Log::FORMATS`]); `docs/files.md` says what of them,
+//! and through what.
 //!
 //! A text is CSV: UTF-8, commas, decimal points, one header row. `time` in s grows strictly inside
 //! a record; a column `record` (or `realization`) of whole numbers separates records, and time may
@@ -24,6 +24,10 @@
 
 mod cell;
 mod dataset;
+#[cfg(feature = "formats")]
+mod formats;
+#[cfg(not(feature = "formats"))]
+#[path = "no_formats.rs"]
 mod formats;
 mod group;
 mod header;
@@ -54,6 +58,8 @@ use model::Unit;
 use lines::Lines;
 
 pub use dataset::sidecar_of;
+#[cfg(feature = "formats")]
+pub use formats::Format;
 pub use join::Resample;
 pub use mf4::{Mf4About, Mf4Writer};
 pub use notes::LeftOut;
@@ -182,6 +188,10 @@ impl ReadOptions {
 }
 
 impl Log {
+    /// Every format that is no text, in the order in which a file's first bytes are held against them.
+    #[cfg(feature = "formats")]
+    pub const FORMATS: &'static [Format] = formats::FORMATS;
+
     /// Reads a file. Times that were rounded when they were written are taken as those of a uniform grid,
     /// see [`rounded`](Self::rounded).
     ///

@@ -20,12 +20,24 @@ pub use station::GcsStation;
 pub use text::{error_text, numbers};
 
 use super::device::{Device, Exchanged};
+use super::instrument::Protocol;
 use super::line::{Broken, Line, Options};
 
 /// The port of PI's controllers.
 pub const PORT: u16 = 50_000;
 /// Ends a command.
 pub const END: &[u8] = b"\n";
+
+/// How it is addressed and opened.
+pub(super) static PROTOCOL: Protocol = Protocol {
+    scheme: "gcs",
+    port: PORT,
+    end: END,
+    example: "gcs://IP?axes=1,2",
+    device: |line, options, safe| Ok(Box::new(GcsDevice::open(line, options, safe)?)),
+    station: Some(|line, options| Ok(Box::new(GcsStation::open(line, options)?))),
+};
+
 /// Longest wait for an answer while it is opened.
 const PATIENCE: Duration = Duration::from_secs(3);
 

@@ -15,12 +15,24 @@ use std::time::Duration;
 pub use station::Nv200Station;
 
 use super::device::{Device, Exchanged};
+use super::instrument::Protocol;
 use super::line::{Broken, Line, Options};
 
 /// The port of the instrument's network module.
 pub const PORT: u16 = 23;
 /// Ends a command.
 pub const END: &[u8] = b"\r";
+
+/// How it is addressed and opened.
+pub(super) static PROTOCOL: Protocol = Protocol {
+    scheme: "nv200",
+    port: PORT,
+    end: END,
+    example: "nv200://IP?mode=open",
+    device: |line, options, safe| Ok(Box::new(Nv200Device::open(line, options, safe)?)),
+    station: Some(|line, options| Ok(Box::new(Nv200Station::open(line, options)?))),
+};
+
 const XON: u8 = 0x11;
 /// Telnet: the two bytes behind it are for the terminal.
 const IAC: u8 = 0xff;

@@ -1,94 +1,92 @@
 //! Files of other programs: tables of named columns, some in groups.
 
-#[cfg(feature = "formats")]
 mod arrow;
-#[cfg(feature = "formats")]
 mod budget;
-#[cfg(feature = "formats")]
 mod half;
-#[cfg(feature = "formats")]
 mod matlab;
-#[cfg(feature = "formats")]
 mod mdf;
-#[cfg(feature = "formats")]
 mod names;
-#[cfg(feature = "formats")]
 mod numpy;
-#[cfg(feature = "formats")]
 mod parquet;
-#[cfg(feature = "formats")]
 mod table;
-#[cfg(feature = "formats")]
 mod tdms;
-#[cfg(feature = "formats")]
 mod universal;
 
 use std::path::Path;
 
-#[cfg(feature = "formats")]
 use self::budget::Budget;
 use super::dataset::Dataset;
-#[cfg(feature = "formats")]
 use super::group::{Found, Refusal};
 use super::{Log, ReadOptions};
 use crate::{Problem, Problems};
 
-/// Formats that are known, read or refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Format {
-    /// MATLAB 5, of `save -v7` or older.
-    Mat,
-    /// MATLAB 4, and results of Dymola and OpenModelica.
-    #[cfg_attr(
-        not(feature = "formats"),
-        expect(dead_code, reason = "told by its contents, with its reader")
-    )]
-    Mat4,
-    /// HDF5, which MATLAB 7.3 is too.
-    Hdf5,
-    /// ASAM MDF, version 3 or 4.
-    Mdf,
-    /// One NumPy array.
-    Npy,
-    /// NumPy arrays by name, a zip archive.
-    Npz,
-    /// Apache Parquet.
-    Parquet,
-    /// National Instruments' TDMS.
-    Tdms,
-    /// Universal file of modal testing.
-    #[cfg_attr(
-        not(feature = "formats"),
-        expect(dead_code, reason = "told by its contents, with its reader")
-    )]
-    Universal,
+/// A format of logs that is no text.
+#[derive(Clone, Copy, Debug)]
+pub struct Format {
+    /// Short name, also that of its examples, `dev/fuzz/corpus/log-NAME`.
+    pub name: &'static str,
+    /// The ending that its files usually have.
+    pub ending: &'static str,
+    /// Whether a file with these first bytes is one.
+    begins: fn(&Path, &[u8]) -> bool,
+    /// Reads one; the last argument: whether the user says what the times are, so that no reader looks for them.
+    read: fn(&Path, &mut Budget, bool) -> Result<Found, Refusal>,
+}
+
+/// All formats, each with the bytes by which a file is recognised; the first that fits is it.
+pub(super) const FORMATS: &[Format] = &[
+    format("hdf5", "mat", |_, start| is_hdf5(start), matlab::version_7_3),
+    format("mat", "mat", |_, start| start.starts_with(b"MATLAB "), matlab::version_5),
+    format("mf4", "mf4", |_, start| is_mdf(start), |path, budget, _| mdf::read(path, budget)),
+    format(
+        "npy",
+        "npy",
+        |_, start| start.starts_with(b"\x93NUMPY"),
+        |path, budget, _| numpy::array(path, budget).map(Found::from),
+    ),
+    format("npz", "npz", is_npz, |path, budget, _| numpy::archive(path, budget).map(Found::from)),
+    format(
+        "parquet",
+        "parquet",
+        |_, start| start.starts_with(b"PAR1"),
+        |path, budget, _| parquet::read(path, budget).map(Found::from),
+    ),
+    format("tdms", "tdms", |_, start| start.starts_with(b"TDSm"), tdms::read),
+    format("uff", "uff", |_, start| universal::is_begin(start), universal::read),
+    format("mat4", "mat", |_, start| matlab::v4::is_begin(start), matlab::version_4),
+];
+
+const fn format(
+    name: &'static str,
+    ending: &'static str,
+    begins: fn(&Path, &[u8]) -> bool,
+    read: fn(&Path, &mut Budget, bool) -> Result<Found, Refusal>,
+) -> Format {
+    Format { name, ending, begins, read }
+}
+
+/// HDF5, which MATLAB 7.3 is too.
+fn is_hdf5(start: &[u8]) -> bool {
+    start.starts_with(b"MATLAB 7.") || start.starts_with(b"\x89HDF")
+}
+
+fn is_mdf(start: &[u8]) -> bool {
+    start.starts_with(b"MDF ") || start.starts_with(b"UnFinMF")
+}
+
+/// Other zip archives are no logs.
+fn is_npz(path: &Path, start: &[u8]) -> bool {
+    let is_named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
+    is_named && matches!(start, [b'P', b'K', 3 | 5, 4 | 6, ..])
 }
 
 impl Format {
     /// The format of a file that begins like this; `None` for what may be text.
     pub(super) fn of(path: &Path, start: &[u8]) -> Option<Self> {
-        let is_npz = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
-        match start {
-            [b'M', b'A', b'T', b'L', b'A', b'B', b' ', b'7', b'.', ..] => Some(Self::Hdf5),
-            [0x89, b'H', b'D', b'F', ..] => Some(Self::Hdf5),
-            [b'M', b'A', b'T', b'L', b'A', b'B', b' ', ..] => Some(Self::Mat),
-            [b'M', b'D', b'F', b' ', ..] | [b'U', b'n', b'F', b'i', b'n', b'M', b'F', ..] => {
-                Some(Self::Mdf)
-            }
-            [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Some(Self::Npy),
-            [b'P', b'K', 3 | 5, 4 | 6, ..] if is_npz => Some(Self::Npz),
-            [b'P', b'A', b'R', b'1', ..] => Some(Self::Parquet),
-            [b'T', b'D', b'S', b'm', ..] => Some(Self::Tdms),
-            #[cfg(feature = "formats")]
-            _ if universal::is_begin(start) => Some(Self::Universal),
-            #[cfg(feature = "formats")]
-            _ if matlab::v4::is_begin(start) => Some(Self::Mat4),
-            _ => None,
-        }
+        FORMATS.iter().find(|format| (format.begins)(path, start)).copied()
     }
 
     /// Reads a file of this format.
-    #[cfg(feature = "formats")]
     pub(super) fn read(
         self,
         path: &Path,
@@ -99,45 +97,19 @@ impl Format {
         options.check(origin)?;
         let refuse = |(rule, way_out): Refusal| Problems::from(Problem::new(origin, rule, way_out));
         let size = std::fs::metadata(path).map_err(|error| refuse(broken("a file", error)))?.len();
-        // Where the user says what the times are, no reader looks for them.
         let is_said = |dataset: &Dataset| dataset.rate.is_some() || dataset.time_column.is_some();
         let is_timed = options.rate.is_some() || datasets.iter().any(is_said);
         // Parsers are other people's; a damaged file must not end the program.
         let found = std::panic::catch_unwind(|| {
-            let budget = &mut Budget::new(size, options.memory);
-            match self {
-                Self::Mat => matlab::version_5(path, budget, is_timed),
-                Self::Mat4 => matlab::version_4(path, budget, is_timed),
-                Self::Hdf5 => matlab::version_7_3(path, budget, is_timed),
-                Self::Mdf => mdf::read(path, budget),
-                Self::Npy => numpy::array(path, budget).map(Found::from),
-                Self::Npz => numpy::archive(path, budget).map(Found::from),
-                Self::Parquet => parquet::read(path, budget).map(Found::from),
-                Self::Tdms => tdms::read(path, budget, is_timed),
-                Self::Universal => universal::read(path, budget),
-            }
+            (self.read)(path, &mut Budget::new(size, options.memory), is_timed)
         });
         let damaged = || ("is damaged: its reader gave up".to_owned(), "write it again".to_owned());
         let found = found.unwrap_or_else(|_| Err(damaged())).map_err(refuse)?;
         found.log(origin, options, datasets)
     }
-
-    /// Refuses the file: this build reads texts only.
-    #[cfg(not(feature = "formats"))]
-    pub(super) fn read(
-        self,
-        _: &Path,
-        origin: &str,
-        _: &ReadOptions,
-        _: &[Dataset],
-    ) -> Result<Log, Problems> {
-        let rule = format!("is no text but {self:?}, which this build does not read");
-        Err(Problem::new(origin, rule, "save it as CSV, or build with the feature formats").into())
-    }
 }
 
 /// A refusal with what another library says.
-#[cfg(feature = "formats")]
 fn broken(what: &str, error: impl std::fmt::Display) -> Refusal {
     let way_out = "check that the file is whole; other tools can save it as CSV or Parquet";
     (format!("cannot be read as {what}: {error}"), way_out.into())

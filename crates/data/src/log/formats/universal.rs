@@ -29,7 +29,7 @@ pub(super) fn is_begin(start: &[u8]) -> bool {
 }
 
 /// All time responses of a file.
-pub(super) fn read(path: &Path, budget: &mut Budget) -> Result<Found, Refusal> {
+pub(super) fn read(path: &Path, budget: &mut Budget, _: bool) -> Result<Found, Refusal> {
     let bytes = std::fs::read(path).map_err(|error| broken("a universal file", error))?;
     let mut rest = Lines(&bytes);
     let mut found = Found::default();
