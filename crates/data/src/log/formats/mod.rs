@@ -11,6 +11,7 @@ mod parquet;
 mod table;
 mod tdms;
 mod universal;
+mod wav;
 
 use std::path::Path;
 
@@ -53,6 +54,7 @@ pub(super) const FORMATS: &[Format] = &[
     ),
     format("tdms", "tdms", |_, start| start.starts_with(b"TDSm"), tdms::read),
     format("uff", "uff", |_, start| universal::is_begin(start), universal::read),
+    format("wav", "wav", |_, start| wav::is_begin(start), wav::read),
     format("mat4", "mat", |_, start| matlab::v4::is_begin(start), matlab::version_4),
 ];
 
