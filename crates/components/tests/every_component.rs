@@ -1,6 +1,6 @@
 //! What holds for every component type, tried on an example of each.
 //!
-//! A new component fails here until it has its line in `EXAMPLES`.
+//! A new component fails here until it has its section in `rigs/effects.toml`, or its line in `OWN`.
 
 mod examples;
 
@@ -55,7 +55,7 @@ fn every_component_has_one_example_in_the_order_of_the_registry() {
 
 #[test]
 fn examples_are_within_the_declared_bounds_and_units() {
-    for (kind, structure, values) in EXAMPLES {
+    for (kind, structure, values) in EXAMPLES.iter() {
         let d = find(kind).expect("registered").declaration();
         assert_eq!(d.structure.len(), structure.len(), "{kind}");
         assert_eq!(d.parameter_count(structure), values.len(), "{kind}");
@@ -114,7 +114,7 @@ fn rest_is_an_equilibrium() {
 /// Ports whose input at rest shows in the outputs are declared so.
 #[test]
 fn outputs_at_rest_depend_on_declared_ports_only() {
-    for (kind, structure, values) in EXAMPLES {
+    for (kind, structure, values) in EXAMPLES.iter() {
         let component: &dyn Component = find(kind).expect("registered");
         let d = component.declaration();
         let sizes = component.sizes(structure, T);
@@ -143,7 +143,7 @@ fn outputs_at_rest_depend_on_declared_ports_only() {
 /// lengths are refused or ignored.
 #[test]
 fn nothing_panics_on_bad_slices_and_values() {
-    for (kind, structure, values) in EXAMPLES {
+    for (kind, structure, values) in EXAMPLES.iter() {
         let component: &dyn Component = find(kind).expect("registered");
         let sizes = component.sizes(structure, T);
         let mut coefficients = vec![0.0; sizes.coefficients];
@@ -191,7 +191,7 @@ proptest! {
         mut cuts in prop::collection::vec(0.0..1.0f64, 0..6),
     ) {
         cuts.sort_by(f64::total_cmp);
-        for example in EXAMPLES {
+        for example in EXAMPLES.iter() {
             let mut complete = system_of(node(example));
             let mut cut = complete.clone();
             let fresh = complete.clone();
@@ -220,7 +220,7 @@ proptest! {
     /// outputs, for which a step of several hits is done once more up to the last but one.
     #[test]
     fn a_step_is_repeated_from_its_state(inputs in prop::collection::vec(0.0..1.0f64, 1..12)) {
-        for example in EXAMPLES {
+        for example in EXAMPLES.iter() {
             let mut complete = system_of(node(example));
             let (mut past, mut room) = (complete.past(), complete.derivative_room());
             let mut single = complete.clone();
@@ -253,7 +253,7 @@ proptest! {
     /// A disabled effect is an absent one, to the bit.
     #[test]
     fn disabled_is_absent(inputs in prop::collection::vec(0.0..1.0f64, 1..12)) {
-        for example in EXAMPLES {
+        for example in EXAMPLES.iter() {
             let mut off = node(example);
             if !off.component.declaration().can_be_disabled() {
                 continue;

@@ -1,8 +1,13 @@
 //! An example of every component type, and a model around it.
 #![allow(unreachable_pub)]
 
+use std::sync::LazyLock;
+
 use components::find;
-use model::{AxisSpec, Connections, Conversion, CouplingSpec, Kind, NodeSpec, Stage, SystemSpec};
+use model::{
+    AxisSpec, Connections, Conversion, CouplingSpec, Declaration, Kind, NodeSpec, Quantity, Shape,
+    Stage, SystemSpec,
+};
 
 /// Internal step in s.
 pub const T: f64 = 1e-4;
@@ -10,31 +15,48 @@ pub const T: f64 = 1e-4;
 /// Kind, structure, parameters in the declared units with V and um.
 pub type Example = (&'static str, &'static [f64], &'static [f64]);
 
-/// In the order of the registry.
-pub const EXAMPLES: &[Example] = &[
-    ("delay", &[0.01], &[2.35e-4]),
-    ("clock-offset", &[0.01], &[2e-3, 5e-5, 1e-5, 4.0]),
-    ("dac-quantisation", &[], &[0.01]),
+/// One of each component type, in the order of the registry: of those below, else of `rigs/effects.toml`.
+pub static EXAMPLES: LazyLock<Vec<Example>> = LazyLock::new(|| {
+    let kinds = components::COMPONENTS.iter().map(|component| component.declaration());
+    let own = |kind: &str| OWN.iter().find(|example| example.0 == kind).copied();
+    kinds.filter_map(|declaration| own(declaration.kind).or_else(|| of_rig(declaration))).collect()
+});
+
+/// The example of a component in `rigs/effects.toml`; none where it is not there.
+fn of_rig(declaration: &'static Declaration) -> Option<Example> {
+    const RIG: &str = include_str!("../../../../rigs/effects.toml");
+    let is_it = format!("type = \"{}\"\n", declaration.kind);
+    let section = RIG.split("[[axis.component]]\n").find(|section| section.starts_with(&is_it))?;
+    let numbers = |name: &str| -> Option<Vec<f64>> {
+        let begin = format!("{name} = ");
+        let text = section.lines().find_map(|line| line.strip_prefix(&begin))?;
+        let each = text.trim_matches(['[', ']']).split(',').map(|number| number.trim().parse());
+        Some(each.collect::<Result<_, _>>().unwrap_or_else(|_| panic!("{is_it}{text}")))
+    };
+    let of_structure = |(at, part): (usize, &model::Structural)| {
+        numbers(part.name).map(|given| given[0]).or(part.start).or_else(|| {
+            let is_along = |q: &&Quantity| matches!(q.shape, Shape::Array(along) if along == at);
+            let array = declaration.parameters.iter().find(is_along)?;
+            Some(numbers(array.name)?.len() as f64)
+        })
+    };
+    let structure = declaration.structure.iter().enumerate().map(of_structure);
+    let structure: Vec<f64> = structure.collect::<Option<_>>()?;
+    let given = declaration.parameters.iter().map(|quantity| {
+        let start = || quantity.start.map(|start| vec![start]);
+        numbers(quantity.name).or_else(start)
+    });
+    let values = given.collect::<Option<Vec<_>>>()?.concat();
+    Some((declaration.kind, structure.leak(), values.leak()))
+}
+
+/// Of those that are not in `rigs/effects.toml`, or not with all their parts.
+const OWN: &[Example] = &[
     ("amplifier-lag", &[], &[800.0, 1.1]),
-    ("amplifier-second-order", &[], &[900.0, 0.7, 1.0]),
-    ("amplifier-rc", &[], &[100.0, 1e-6, 0.05, 1.1, 2e-6]),
-    ("amplifier-slew", &[], &[5000.0]),
     ("amplifier-foldback", &[], &[0.02, 0.1, 1e-6, 0.5]),
     ("amplifier-clamp", &[], &[-20.0, 120.0, 2.0]),
-    ("amplifier-nonlinearity", &[], &[0.1, 1e-3, -2e-3, 50.0, 70.0]),
-    ("piezo-charge", &[], &[1.8e-6, 2e-6]),
-    ("polarisation-saturation", &[], &[0.02, 50.0, 70.0]),
     ("actuator-gain", &[], &[0.05, 0.3]),
-    ("actuator-temperature", &[], &[0.002, 35.0, 20.0]),
-    ("actuator-ageing", &[], &[0.03, 10.0]),
-    ("self-heating", &[], &[0.02, 1e-6, 50.0, 20.0, 1e-3, 0.01, 1.0, 1.0]),
     ("thermal-port", &[], &[0.2, 0.02, 1.8e-6, 1e-3, 293.15, 1.0]),
-    ("prandtl-ishlinskii", &[3.0], &[0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.3]),
-    (
-        "modified-prandtl-ishlinskii",
-        &[3.0, 2.0],
-        &[0.0, 8.0, 20.0, 0.05, 0.02, 0.01, -1.0, 3.0, 0.1, -0.2, 0.3],
-    ),
     (
         "skewed-play",
         &[3.0],
@@ -43,44 +65,12 @@ pub const EXAMPLES: &[Example] = &[
             70.0,
         ],
     ),
-    (
-        "generalised-play",
-        &[3.0],
-        &[
-            0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.3, 180.0, 0.006, -0.05, 2.0, 200.0, 0.0055, 0.02,
-            3.0,
-        ],
-    ),
-    ("preisach", &[6.0], &[0.5, 1.0, 0.2, 0.1, 0.3, 0.7, -20.0, 120.0, 0.3]),
-    ("bouc-wen", &[], &[0.06, 0.2, 0.02, 0.01, 0.002, 1.3, 0.3]),
-    ("duhem", &[], &[0.06, 0.04, 0.05, 0.3]),
-    ("dahl", &[], &[0.06, 0.4, 20.0, 0.3]),
-    ("rate-dependent-play", &[2.0], &[4.0, 12.0, 0.02, 0.01, 0.3, 0.05, 1e-5]),
-    ("lagging-play", &[2.0], &[4.0, 12.0, 0.02, 0.01, 0.3, 0.05, 150.0]),
-    ("grpi", &[2.0], &[0.0, 12.0, 0.05, 0.01, 0.3, 1.02, -1e-5, 0.99, 2e-5]),
-    ("mpi", &[2.0], &[4.0, 12.0, 0.02, 0.01, 0.3, 0.05, 1e-8, 1.1, 1e-5]),
-    (
-        "dynamic-prandtl-ishlinskii",
-        &[2.0, 4.0],
-        &[0.0, 12.0, 0.05, 0.01, -1e-8, -1e-8, 1e-8, 1e-8, 1e-13, 1e-13, 1e-13, 1e-13, 0.3],
-    ),
     ("remanence", &[], &[0.5, 40.0]),
-    ("kelvin-voigt-creep", &[2.0], &[0.02, 0.03, 0.1, 5.0]),
-    ("logarithmic-creep", &[0.01, 1e4], &[0.015, 0.1]),
-    ("fractional-creep", &[1e-3, 100.0], &[0.05]),
-    ("load-force", &[], &[20.0]),
     ("mode", &[], &[482.6, 0.02, 1.1]),
-    ("mode-pair", &[], &[482.6, 0.02, 1200.0, 0.01, 0.1]),
     ("arx", &[2e-4, 2.0, 2.0], &[0.2, -0.1, -1.2, 0.3]),
-    ("collocated-mode", &[], &[482.6, 0.02, 350.0, 0.03]),
-    ("loaded-mode", &[], &[482.6, 0.02, 0.3, 0.05, 1e4]),
-    ("duffing", &[], &[482.6, 0.02, 0.02, 5.0]),
     ("position-stiffness", &[], &[482.6, 0.02, 0.1, 0.05, 3.0, 5.0]),
-    ("friction", &[], &[482.6, 0.02, 0.05, 0.07, 0.01, 100.0]),
     ("nonlinear-damping", &[], &[482.6, 0.02, 0.05, 40.0, 1e-6]),
     ("backlash", &[], &[0.05, 0.2]),
-    ("cutting-force", &[], &[0.1, 100.0, 0.3, 0.5]),
-    ("vibration", &[2.0], &[30.0, 70.0, 0.02, 0.01, 0.5, 1.0]),
     ("mechanical-port", &[], &[]),
     ("command-coupling", &[2.0, 4.0], &[0.0, 1e-3, 2e-3, 0.0]),
     ("displacement-coupling", &[2.0, 4.0], &[0.0, 0.02, -0.03, 0.0]),
@@ -100,21 +90,7 @@ pub const EXAMPLES: &[Example] = &[
     ),
     ("optics-jacobian", &[2.0, 4.0], &[1.0, 0.02, -0.03, 0.9, 3.0, -2.0]),
     ("psd-pincushion", &[2.0], &[0.01, 5000.0]),
-    ("thermal-drift", &[], &[1e-3, 0.1, 100.0, 0.05, 1.0]),
     ("thermal-expansion", &[], &[0.02, 0.01, 20.0]),
-    ("disturbance", &[], &[1.0]),
-    ("floor-vibration", &[], &[0.01, 10.0, 0.1, 5.0]),
-    ("sensor-lag", &[], &[1500.0]),
-    ("sensor-second-order", &[], &[1500.0, 0.7]),
-    ("sensor-butterworth", &[5.0], &[1500.0]),
-    ("sensor-scale", &[], &[1.02, 0.1]),
-    ("sensor-polynomial", &[], &[1e-3, 2e-3, 3.0, 5.0]),
-    ("sensor-quad-cell", &[], &[30.0, 3.0]),
-    ("sensor-noise", &[0.01], &[0.002, 10.0, 6.0]),
-    ("sensor-drift", &[], &[0.05, 7.0]),
-    ("mains-hum", &[2.0], &[0.01, 0.005, 0.2, 0.4, 50.0]),
-    ("crosstalk", &[], &[1e-3, 1e-6]),
-    ("sensor-quantisation", &[], &[0.001]),
     ("inverse-prandtl-ishlinskii", &[3.0], &[0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.3]),
     (
         "inverse-modified-prandtl-ishlinskii",
