@@ -132,14 +132,31 @@ fn catalogue() -> String {
          remark |\n|---|---|---|\n",
     );
     for (effect, kinds, remark) in CATALOGUE {
-        let link = |kind: &&str| format!("[{kind}](#{kind})");
-        let kinds: Vec<_> = kinds.iter().map(link).collect();
+        let kinds = kinds_of(effect, kinds);
+        let kinds: Vec<_> = kinds.iter().map(|kind| format!("[{kind}](#{kind})")).collect();
         let _ = writeln!(text, "| {effect} | {} | {remark} |", kinds.join(", "));
     }
     text
 }
 
-/// Effect, component types, remark; in the order of the signal path.
+/// The components of a row: those that declare its effect, and the listed ones.
+fn kinds_of(row: &str, listed: &[&'static str]) -> Vec<&'static str> {
+    let declared = HYSTERESIS.iter().find(|(known, _)| *known == row);
+    let of_effect = |d: &&Declaration| {
+        d.effect.zip(declared).is_some_and(|(own, (_, effect))| own.name == effect.name)
+    };
+    let all = components::COMPONENTS.iter().map(|component| component.declaration());
+    all.filter(of_effect).map(|d| d.kind).chain(listed.iter().copied()).collect()
+}
+
+/// Effects of hysteresis, whose components say themselves that they are theirs.
+const HYSTERESIS: &[(&str, &model::Effect)] = &[
+    ("hysteresis", &components::effects::HYSTERESIS),
+    ("asymmetric hysteresis", &components::effects::ASYMMETRY),
+    ("rate-dependent hysteresis", &components::effects::RATE_DEPENDENCE),
+];
+
+/// Effect, component types beside those of [`HYSTERESIS`], remark; in the order of the signal path.
 const CATALOGUE: &[(&str, &[&str], &str)] = &[
     ("transport delay: computing, hold, bus", &["delay"], ""),
     ("sample-clock offset and jitter", &["clock-offset"], ""),
@@ -165,17 +182,9 @@ const CATALOGUE: &[(&str, &[&str], &str)] = &[
         &["thermal-port"],
         "input `actuator_temperature[i]`, output `heat[i]`",
     ),
-    ("hysteresis", &["prandtl-ishlinskii", "preisach", "bouc-wen", "duhem", "dahl"], ""),
-    (
-        "asymmetric hysteresis",
-        &["modified-prandtl-ishlinskii", "generalised-play", "skewed-play", "bouc-wen"],
-        "`bouc-wen` by its `delta`",
-    ),
-    (
-        "rate-dependent hysteresis",
-        &["rate-dependent-play", "lagging-play", "grpi", "mpi", "dynamic-prandtl-ishlinskii"],
-        "",
-    ),
+    ("hysteresis", &[], ""),
+    ("asymmetric hysteresis", &["bouc-wen"], "`bouc-wen` by its `delta`"),
+    ("rate-dependent hysteresis", &[], ""),
     ("unknown past, remanence", &["remanence"], ""),
     ("creep", &["logarithmic-creep", "kelvin-voigt-creep", "fractional-creep"], ""),
     ("saturation of the polarisation", &["polarisation-saturation"], ""),
@@ -467,7 +476,7 @@ mod tests {
 
     #[test]
     fn the_catalogue_has_every_component_of_a_plant_and_no_other() {
-        let listed: Vec<&str> = CATALOGUE.iter().flat_map(|row| row.1).copied().collect();
+        let listed: Vec<&str> = CATALOGUE.iter().flat_map(|row| kinds_of(row.0, row.1)).collect();
         for kind in &listed {
             assert!(components::find(kind).is_some(), "{kind} is no component");
         }
