@@ -118,7 +118,8 @@ pub(crate) fn hand_back(gap: &mut Gap, outcomes: &[Outcome], after: &[Option<Jud
             continue;
         };
         let as_found = own.shrink.fraction;
-        own.shrink = Shrink { as_found, ..shrink(o, after, gap.provenance.seed) };
+        let own_course = own.shrink.own_course;
+        own.shrink = Shrink { as_found, own_course, ..shrink(o, after, gap.provenance.seed) };
         if is_main(&own.output) {
             of_main = Some(own.shrink.clone());
         }
@@ -130,7 +131,11 @@ pub(crate) fn hand_back(gap: &mut Gap, outcomes: &[Outcome], after: &[Option<Jud
 }
 
 fn output(o: &Outcome, seed: u64) -> OutputGap {
-    let shrink = shrink(o, &o.found.last.judged, seed);
+    let last = &o.found.last.judged;
+    let mut shrink = shrink(o, o.predicted.as_ref().unwrap_or(last), seed);
+    if o.predicted.is_some() {
+        shrink.own_course = crate::shrink::fraction(o.found.base.judged.held_out, last.held_out);
+    }
     OutputGap {
         output: o.task.output.clone(),
         verdict: o.verdict,

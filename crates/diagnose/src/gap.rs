@@ -224,6 +224,10 @@ pub struct Shrink {
     /// came, and of the one with effects, re-tune and the shared offset. Null where they could not be simulated.
     #[serde(default)]
     pub rms_as_it_stands: Option<[f64; 2]>,
+    /// `fraction` with the course of a drift taken from the rows around each row. No model predicts such a course, so that
+    /// the other figures leave it out. Null without one.
+    #[serde(default)]
+    pub own_course: Option<f64>,
 }
 
 /// What goes in records that were left out of the fit.

@@ -32,6 +32,7 @@ mod normal;
 mod nuisance;
 mod offset;
 mod outcome;
+mod own_course;
 mod page;
 mod path_block;
 mod place;

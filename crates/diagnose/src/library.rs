@@ -236,9 +236,11 @@ impl Formula {
     }
 
     /// Whether it is a line of a frequency that is its own, in every record by itself.
-    pub(crate) fn is_line_of_own(&self) -> bool {
-        matches!(self.nuisance, Some(Nuisance::Lines { .. }))
-            && self.parameters.first().is_some_and(|p| p.log)
+    pub(crate) fn is_of_its_own(&self) -> bool {
+        match &self.nuisance {
+            Some(Nuisance::Lines { .. }) => self.parameters.first().is_some_and(|p| p.log),
+            other => other.as_ref().is_some_and(Nuisance::is_free_course),
+        }
     }
 
     /// Coefficients that are fitted: parameters, released ones, and those of each record.

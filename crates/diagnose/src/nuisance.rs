@@ -6,6 +6,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::data_set::{DataSet, RecordData};
 use crate::jitter;
+use crate::thresholds::base::Thresholds;
 
 /// A kind of terms.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,6 +62,11 @@ impl Nuisance {
     /// Whether its terms depend on no parameter.
     pub(crate) fn is_fixed(&self) -> bool {
         matches!(self, Self::Drift { .. } | Self::Knots { .. })
+    }
+
+    /// Whether it is a course without a formula.
+    pub(crate) fn is_free_course(&self) -> bool {
+        matches!(self, Self::Knots { .. })
     }
 
     /// Whether its terms depend on what is simulated.
@@ -251,7 +257,20 @@ impl Projector {
 
     /// Takes the terms that the fitted rows give out of all rows. A record without fitted rows judges: there
     /// each half is foretold by the terms of the other one, and nothing but one offset is fitted to all of it.
-    pub(crate) fn extend(&self, data: &DataSet, residual: &mut [f64]) {
+    /// Where a free course `is_own`, nothing causes it and nothing foretells it: rows are compared with the course
+    /// through the rows around them.
+    pub(crate) fn extend(&self, data: &DataSet, residual: &mut [f64], is_own: bool) {
+        if is_own && self.nuisances.iter().any(Nuisance::is_free_course) {
+            let finer = |n: &Nuisance| match n {
+                Nuisance::Knots { .. } => Nuisance::Knots { count: Thresholds::OWN_KNOTS },
+                other => other.clone(),
+            };
+            let nuisances = self.nuisances.iter().map(finer).collect();
+            let (values, rate) = (self.values.clone(), self.rate.clone());
+            let finer = Self { nuisances, values, rate, records: Vec::new() };
+            data.records.iter().for_each(|record| finer.interpolate(record, data, residual));
+            return;
+        }
         for (record, terms) in data.records.iter().zip(&self.records) {
             if record.fit.is_empty() {
                 self.foretell(record, data, residual);
@@ -264,6 +283,27 @@ impl Projector {
             let coefficients = normal.solve(&terms.basis.tr_mul(&values));
             let all = self.basis(record, data, record.rows.clone());
             subtract(residual, record.rows.clone(), &(all * coefficients));
+        }
+    }
+
+    /// Takes out of each piece of a record the course through the rows around it.
+    fn interpolate(&self, record: &RecordData, data: &DataSet, residual: &mut [f64]) {
+        let rows = record.rows.clone();
+        let basis = self.basis(record, data, rows.clone());
+        let all = DVector::from_column_slice(&residual[rows.clone()]);
+        let (normal, right) = (basis.tr_mul(&basis), basis.tr_mul(&all));
+        let ridge = 1e-9 * rows.len() as f64;
+        let length = rows.len().div_ceil(2 * Thresholds::OWN_KNOTS);
+        for from in (0..rows.len()).step_by(length) {
+            let size = length.min(rows.len() - from);
+            let piece = basis.rows(from, size);
+            let mut around = &normal - piece.tr_mul(&piece);
+            for k in 0..around.nrows() {
+                around[(k, k)] += ridge;
+            }
+            let Some(around) = around.cholesky() else { continue };
+            let course = piece * around.solve(&(&right - piece.tr_mul(&all.rows(from, size))));
+            subtract(residual, rows.start + from..rows.start + from + size, &course);
         }
     }
 
@@ -314,7 +354,7 @@ mod tests {
     const ROWS: usize = 1000;
 
     /// What is left of a residual in a record that only judges.
-    fn left(nuisance: Nuisance, mut residual: Vec<f64>) -> Vec<f64> {
+    fn left(nuisance: Nuisance, mut residual: Vec<f64>, is_own: bool) -> Vec<f64> {
         let record = RecordRows {
             name: "a".to_owned(),
             time: (0..ROWS).map(|k| 1e-3 * k as f64).collect(),
@@ -327,23 +367,40 @@ mod tests {
         };
         let data = DataSet::new(vec![record], &[], None);
         let simulated = vec![0.0; data.command.len()];
-        Projector::new(&[nuisance], Vec::new(), &data, &simulated).extend(&data, &mut residual);
+        Projector::new(&[nuisance], Vec::new(), &data, &simulated).extend(
+            &data,
+            &mut residual,
+            is_own,
+        );
         residual
     }
 
     #[test]
     fn rows_that_judge_are_not_fitted_by_a_free_course() {
         let bump = (0..ROWS).map(|k| f64::from((600..700).contains(&k))).collect();
-        let left = left(Nuisance::Knots { count: 8 }, bump);
+        let left = left(Nuisance::Knots { count: 8 }, bump, false);
         // Its own half must not take it; only the mean of all rows goes.
         assert!((left[650] - left[950] - 1.0).abs() < 1e-9, "{}", left[650] - left[950]);
         assert!(left.iter().sum::<f64>().abs() < 1e-9);
     }
 
     #[test]
+    fn a_course_of_its_own_is_seen_from_the_rows_around() {
+        let course = |k: usize| (0.012 * k as f64).sin();
+        let mut residual: Vec<f64> = (0..ROWS).map(course).collect();
+        // A bump shorter than a piece stays: its own rows do not count.
+        residual[505..510].iter_mut().for_each(|r| *r += 1.0);
+        let left = left(Nuisance::Knots { count: 8 }, residual, true);
+        assert!((left[507] - 1.0).abs() < 0.05, "{}", left[507]);
+        let rest = left.iter().enumerate().filter(|(k, _)| k.abs_diff(507) > 100);
+        let worst = rest.map(|(_, r)| r.abs()).fold(0.0, f64::max);
+        assert!(worst < 0.05, "{worst}");
+    }
+
+    #[test]
     fn a_drift_that_one_half_foretells_is_no_part_of_what_is_left() {
         let drift = (0..ROWS).map(|k| 5.0 + 2e-3 * k as f64).collect();
-        let left = left(Nuisance::Drift { order: 1 }, drift);
+        let left = left(Nuisance::Drift { order: 1 }, drift, false);
         assert!(left.iter().all(|r| r.abs() < 1e-6), "{left:?}");
     }
 }

@@ -23,6 +23,7 @@ use crate::gap::{SecondOpinion, Verdict};
 use crate::library::{self, Family};
 use crate::noise::{self, Shape};
 use crate::offset::Offset;
+use crate::own_course;
 use crate::request::Request;
 use crate::score::{Judge, Judged};
 use crate::select::{Candidate, Found, Memo, Search, has_gap};
@@ -55,6 +56,8 @@ pub(crate) struct Outcome {
     pub(crate) second: Option<SecondOpinion>,
     /// Offsets of the records.
     pub(crate) offset: Option<Offset>,
+    /// The answer judged without a course of its own, which no model predicts, where it has one.
+    pub(crate) predicted: Option<Judged>,
 }
 
 impl Outcome {
@@ -180,7 +183,8 @@ impl Run<'_> {
     fn base(&self, task: &Task, level: Level) -> Result<Base, Error> {
         let Level { shape, sure, retuned, guess } = level;
         let sigma = task.noise.sigma * task.factor;
-        let scale = Scale::new(task, shape, sigma, sure, self.request);
+        let mut scale = Scale::new(task, shape, sigma, sure, self.request);
+        scale.judge.is_course_own = own_course::is_own(&task.data, &retuned.judged.residual);
         let search = self.search_in(task, &[], &scale);
         let retuned = search.judged_again(retuned, sigma / guess).map_err(|_| cannot_run(task))?;
         let values = vec![0.0; retuned.chain.parameters.len()];
@@ -263,6 +267,7 @@ impl Run<'_> {
         };
         let Scale { judge, sigma, adequate, fine, .. } = scale;
         let offset = offset::of(&task, (&found.base, &found.last), sigma, self.count);
+        let predicted = own_course::left_out(&found.last, &judge, &task.data, sigma, self.count);
         Outcome {
             task,
             library,
@@ -277,6 +282,7 @@ impl Run<'_> {
             noise_ratio,
             second,
             offset,
+            predicted,
         }
     }
 
@@ -307,7 +313,9 @@ impl Run<'_> {
     ) -> (Task, Searched) {
         let Some((ratio, shape)) = quieter(&task, &searched.found) else { return (task, searched) };
         let Searched { mut found, given, scale, moves, noise_ratio } = searched;
-        let scale = Scale::new(&task, shape, ratio * scale.sigma, scale.sure, self.request);
+        let is_course_own = scale.judge.is_course_own;
+        let mut scale = Scale::new(&task, shape, ratio * scale.sigma, scale.sure, self.request);
+        scale.judge.is_course_own = is_course_own;
         let search = self.search_in(&task, library, &scale);
         let given = given.residual.iter().map(|r| r / ratio).collect();
         let given = scale.judge.figures(given, &task.data);

@@ -39,6 +39,8 @@ pub(crate) struct Judge {
     /// Mean of the logarithms of how far.
     margin: f64,
     shape: Shape,
+    /// Whether what the model leaves runs a course that nothing causes: a free one is then judged from the rows around.
+    pub(crate) is_course_own: bool,
 }
 
 /// Some rows of one record.
@@ -83,7 +85,8 @@ impl Judge {
                 (shape.density(ends[0], ends[1]), margin)
             })
             .collect();
-        let mut judge = Self { blocks, stretches, bands, floor, margin: 0.0, shape };
+        let mut judge =
+            Self { blocks, stretches, bands, floor, margin: 0.0, shape, is_course_own: false };
         judge.margin = judge.level(&vec![0.0; data.time.len()], sample);
         judge
     }
@@ -116,7 +119,8 @@ impl Judge {
         let simulated = bench.keep(theta)?;
         let mut residual = data.residual(simulated);
         let values = chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
-        Projector::new(&chain.nuisances, values, data, simulated).extend(data, &mut residual);
+        let projector = Projector::new(&chain.nuisances, values, data, simulated);
+        projector.extend(data, &mut residual, self.is_course_own);
         residual.iter_mut().for_each(|r| *r /= sigma);
         self.level_off(&mut residual, data);
         Ok(self.figures(residual, data))

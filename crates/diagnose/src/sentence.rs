@@ -92,6 +92,23 @@ fn effects(gap: &Gap) -> String {
         }
         _ => "shrinks the gap".to_owned(),
     };
+    let how = match s.own_course {
+        Some(own) if gap.effects.len() == 1 => {
+            return format!(
+                "The model lacks {missing}: {:.0} % of the gap's power on held-out rows is a drift that the rows around each \
+                 row show and no model predicts; {} stays off by {} rms, the noise is {}.",
+                percent(own),
+                gap.place.output,
+                amount(s.rms_before, &s.unit),
+                amount(s.noise_floor, &s.unit)
+            );
+        }
+        Some(own) => format!(
+            "{how} and {:.0} % with the drift taken from the rows around each row, which no model predicts",
+            percent(own)
+        ),
+        None => how,
+    };
     format!(
         "The model lacks {missing}: adding {} {how}, from {} to {} rms of {}; the noise is {}.",
         if gap.effects.len() > 1 { "them" } else { "it" },

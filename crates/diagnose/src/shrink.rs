@@ -49,6 +49,7 @@ impl Evidence<'_> {
             as_found: None,
             offset: None,
             rms_as_it_stands: None,
+            own_course: None,
         }
     }
 

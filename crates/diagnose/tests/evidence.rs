@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::machine::{Machine, blueprint};
+use common::machine::{Machine, Normal, blueprint};
 use common::truth::{Effect, input_side};
 use data::Log;
 use diagnose::{Gap, Model, Noise, Request, Silent, Verdict, diagnose};
@@ -36,6 +36,32 @@ fn an_effect_is_not_taken_for_noise() {
     let machine = Machine::new(52, 1.0).with(Effect::ThermalDrift, 6.0);
     let gap = gap_of(machine.logs(), machine.sigma, |_| ());
     assert!(gap.effects.iter().all(|e| e.effect != "sensor_noise"), "{}", gap.sentence);
+}
+
+/// A walk that differs in each record is named from the rows around each row; a shrink that nobody gets is not promised.
+#[test]
+fn a_walk_is_named_and_promises_nothing() {
+    const SEED: u64 = 52;
+    let machine = Machine::new(SEED, 1.0);
+    let mut random = Normal::new(SEED);
+    let logs = machine.logs().into_iter().map(|log| {
+        let mut walk = 0.0;
+        let mut drifted = |y: &f64| {
+            walk += 0.3 * machine.sigma * random.draw();
+            y + walk
+        };
+        let y = log.column("y").unwrap().values.iter().map(&mut drifted).collect();
+        let mut all = Log::new(log.origin(), log.time().to_vec()).unwrap();
+        all.add_column("u", Some("V"), log.column("u").unwrap().values.to_vec()).unwrap();
+        all.add_column("y", Some("um"), y).unwrap();
+        all
+    });
+    let gap = gap_of(logs.collect(), machine.sigma, |_| ());
+    assert_eq!(gap.effects.len(), 1, "seed {SEED}: {}", gap.sentence);
+    assert_eq!(gap.effects[0].effect, "thermal_drift", "seed {SEED}: {}", gap.sentence);
+    assert!(gap.shrink.own_course.unwrap() > 0.8, "seed {SEED}: {}", gap.sentence);
+    assert!(gap.shrink.fraction.unwrap() < 0.2, "seed {SEED}: {}", gap.sentence);
+    assert!(gap.sentence.contains("no model predicts"), "{}", gap.sentence);
 }
 
 #[test]

@@ -251,10 +251,11 @@ impl Search<'_> {
     /// Whether the effects together explain so much that they can be named.
     fn explains_enough(&self, base: &Candidate, best: &Candidate) -> bool {
         let power = explained(&base.judged, &best.judged);
-        let has_lines = self.formulas(&best.picks).iter().any(|f| f.is_line_of_own());
-        // A line that is no multiple of the mains is a disturbance only where it is nearly all.
-        let least = if has_lines && best.picks.len() == 1 {
-            Thresholds::POWER_OF_LINE
+        let has_own = self.formulas(&best.picks).iter().any(|f| f.is_of_its_own());
+        // A line that is no multiple of the mains, or a course without a formula, is a disturbance only where it is
+        // nearly all.
+        let least = if has_own && best.picks.len() == 1 {
+            Thresholds::POWER_OF_OWN
         } else {
             Thresholds::POWER
         };

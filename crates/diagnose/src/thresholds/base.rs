@@ -99,4 +99,14 @@ impl Thresholds {
     pub(crate) const PLAY_OFF: f64 = 0.05;
     /// Part of a parameter's relative change by which it must move the mode of an FMU, to be the mode's own.
     pub(crate) const MOVES_MODE: f64 = 0.1;
+    /// Least records from which it is seen that a course is not caused.
+    pub(crate) const COURSE_RECORDS: usize = 4;
+    /// Part of a course's power that its own command explains beyond those of other records, above which it is caused.
+    pub(crate) const COURSE_CAUSED: f64 = 0.12;
+    /// Part of a course's power that the sum of the other records' courses explains, above which it returns.
+    pub(crate) const COURSE_REPEATS: f64 = 0.5;
+    /// Knots of such a course in a record; pieces half as long as their distance are compared with the rows around.
+    pub(crate) const OWN_KNOTS: usize = 32;
+    /// Ridge of the regression, over the largest power of a function.
+    pub(crate) const COURSE_RIDGE: f64 = 1e-4;
 }

@@ -34,8 +34,8 @@ impl Thresholds {
     pub(crate) const BLOCKS_WITH_POWER: f64 = 2.0;
     /// Distance below the limits of both score and power at which a set of effects is not looked at again.
     pub(crate) const HOPELESS: f64 = 0.2;
-    /// Part of the held-out gap's power that a line in the spectrum must explain alone.
-    pub(crate) const POWER_OF_LINE: f64 = 0.8;
+    /// Part of the held-out gap's power that a line in the spectrum, or a course without a formula, must explain alone.
+    pub(crate) const POWER_OF_OWN: f64 = 0.8;
     /// Least part of the gap's power, or of the score, that each further effect must add.
     pub(crate) const FURTHER: (f64, f64) = (0.08, 0.15);
     /// Part of the held-out power from which a first effect is clear, or imitates a pair.
