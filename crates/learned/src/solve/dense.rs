@@ -146,6 +146,65 @@ pub(crate) fn solve_with(factor: &View<'_>, mut x: ViewMut<'_>) {
     divide_transposed(factor, x);
 }
 
+/// `b := b·L`.
+fn multiply_right(mut b: ViewMut<'_>, lower: &View<'_>) {
+    let n = lower.ncols();
+    if n <= LEAST {
+        for j in 0..n {
+            let (mut column, rest) = b.columns_range_pair_mut(j, j + 1..n);
+            column.scale_mut(lower[(j, j)]);
+            for k in j + 1..n {
+                column.axpy(lower[(k, j)], &rest.column(k - j - 1), 1.0);
+            }
+        }
+        return;
+    }
+    let half = n / 2;
+    let (mut first, second) = b.columns_range_pair_mut(0..half, half..n);
+    multiply_right(first.as_view_mut(), &lower.view((0, 0), (half, half)));
+    first.gemm(1.0, &second, &lower.view((half, 0), (n - half, half)), 1.0);
+    multiply_right(second, &lower.view((half, half), (n - half, n - half)));
+}
+
+/// `b := L·b`.
+fn multiply(lower: &View<'_>, mut b: ViewMut<'_>) {
+    let n = lower.ncols();
+    if n <= LEAST {
+        for mut x in b.column_iter_mut() {
+            for k in (0..n).rev() {
+                let (mut at, mut below) = x.rows_range_pair_mut(k, k + 1..n);
+                below.axpy(at[0], &lower.column(k).rows(k + 1, n - k - 1), 1.0);
+                at[0] *= lower[(k, k)];
+            }
+        }
+        return;
+    }
+    let half = n / 2;
+    let (first, mut second) = b.rows_range_pair_mut(0..half, half..n);
+    multiply(&lower.view((half, half), (n - half, n - half)), second.as_view_mut());
+    second.gemm(1.0, &lower.view((half, 0), (n - half, half)), &first, 1.0);
+    multiply(&lower.view((0, 0), (half, half)), first);
+}
+
+/// `b := Lᵀ·b`.
+fn multiply_transposed(lower: &View<'_>, mut b: ViewMut<'_>) {
+    let n = lower.ncols();
+    if n <= LEAST {
+        for mut x in b.column_iter_mut() {
+            for i in 0..n {
+                x[i] = lower.column(i).rows(i, n - i).dot(&x.rows(i, n - i));
+            }
+        }
+        return;
+    }
+    let half = n / 2;
+    let (mut first, second) = b.rows_range_pair_mut(0..half, half..n);
+    multiply_transposed(&lower.view((0, 0), (half, half)), first.as_view_mut());
+    let across = lower.view((half, 0), (n - half, half)).transpose();
+    first.gemm(1.0, &across, &second, 1.0);
+    multiply_transposed(&lower.view((half, half), (n - half, n - half)), second);
+}
+
 /// L⁻¹, whose upper half is zero.
 pub(crate) fn inverted_lower(lower: &View<'_>) -> Mat {
     fn fill(lower: &View<'_>, mut out: ViewMut<'_>) {
@@ -160,8 +219,10 @@ pub(crate) fn inverted_lower(lower: &View<'_>) -> Mat {
         fill(&lower.view((0, 0), (half, half)), left.rows_mut(0, half));
         fill(&lower.view((half, half), (n - half, n - half)), right.rows_mut(half, n - half));
         let (first, mut across) = left.rows_range_pair_mut(0..half, half..n);
-        let known = lower.view((half, 0), (n - half, half)) * first;
-        across.gemm(-1.0, &right.rows(half, n - half), &known, 0.0);
+        across.copy_from(&lower.view((half, 0), (n - half, half)));
+        multiply_right(across.as_view_mut(), &first.as_view());
+        multiply(&right.rows(half, n - half).as_view(), across.as_view_mut());
+        across.neg_mut();
     }
     let mut out = Mat::zeros(lower.ncols(), lower.ncols());
     fill(lower, out.as_view_mut());
@@ -183,7 +244,9 @@ pub(crate) fn inverse(factor: &View<'_>) -> Mat {
         squared(&last, out.view_mut((half, half), (n - half, n - half)));
         let mut first = out.view_mut((0, 0), (half, half));
         add_lower(&mut first, 1.0, 1.0, &across.transpose().as_view(), &across);
-        out.view_mut((half, 0), (n - half, half)).gemm(1.0, &last.transpose(), &across, 0.0);
+        let mut below = out.view_mut((half, 0), (n - half, half));
+        below.copy_from(&across);
+        multiply_transposed(&last, below);
     }
     let lower = inverted_lower(factor);
     let mut out = Mat::zeros(lower.ncols(), lower.ncols());
