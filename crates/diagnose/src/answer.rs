@@ -111,15 +111,14 @@ pub(crate) fn hand_back(gap: &mut Gap, outcomes: &[Outcome], after: &[Option<Jud
     let is_main = |output: &str| *output == gap.place.output;
     let mut of_main = None;
     for (o, after) in outcomes.iter().zip(after) {
-        let Some(after) = after.as_ref().filter(|_| !o.found.last.picks.is_empty()) else {
-            continue;
-        };
+        // Of a course that no model predicts nothing is written.
+        let is_written = !o.found.last.picks.is_empty() && o.predicted.is_none();
+        let Some(after) = after.as_ref().filter(|_| is_written) else { continue };
         let Some(own) = gap.outputs.iter_mut().find(|own| own.output == o.task.output) else {
             continue;
         };
         let as_found = own.shrink.fraction;
-        let own_course = own.shrink.own_course;
-        own.shrink = Shrink { as_found, own_course, ..shrink(o, after, gap.provenance.seed) };
+        own.shrink = Shrink { as_found, ..shrink(o, after, gap.provenance.seed) };
         if is_main(&own.output) {
             of_main = Some(own.shrink.clone());
         }

@@ -120,7 +120,9 @@ impl Judge {
         let mut residual = data.residual(simulated);
         let values = chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
         let projector = Projector::new(&chain.nuisances, values, data, simulated);
-        projector.extend(data, &mut residual, self.is_course_own);
+        // Beside another effect a free course would only make good what that one's formula lacks.
+        let is_alone = chain.parameters.iter().all(|p| p.is_base) && chain.nuisances.len() == 1;
+        projector.extend(data, &mut residual, self.is_course_own && is_alone);
         residual.iter_mut().for_each(|r| *r /= sigma);
         self.level_off(&mut residual, data);
         Ok(self.figures(residual, data))

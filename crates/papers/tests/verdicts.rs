@@ -55,14 +55,22 @@ fn model_iii_without_an_inverse_is_the_paper_s_on_the_tests() {
         assert!(row.own < 1.0 && row.ours.is_some_and(|ours| ours < 1.0), "{name}");
     }
     // Told the command alone a model is better than told the position alone, and no model of leave-one-out follows the
-    // training signal.
+    // training signal. There models II and III leave more than 40 % of the range: by how much is rounding, as their γ of 5e8
+    // is the largest that can be solved, so that their order says nothing.
+    let diverged = |name: &str| {
+        let what = format!("{name}, training");
+        answer.rows.iter().any(|row| row.what == what && row.own > 40.0)
+    };
+    assert!(diverged("model II (y, h)") && diverged("model III (u, y, h)"));
+    let by_rounding = "training: model III better than model II";
+    let all: Vec<_> = refuted(&answer).into_iter().filter(|order| *order != by_rounding).collect();
     let expected = [
         "training: model III better than Bouc-Wen",
         "training: model II better than model I",
         "test 1: model II better than model I",
         "test 2: model II better than model I",
     ];
-    assert_eq!(refuted(&answer), expected);
+    assert_eq!(all, expected);
 }
 
 #[test]
