@@ -185,20 +185,10 @@ impl Projector {
         for record in &data.records {
             let rows = &data.fit_rows[record.fit.clone()];
             let basis = projector.basis(record, data, rows.iter().map(|row| *row as usize));
-            let normal = projector.factor(&basis);
+            let normal = factor(basis.tr_mul(&basis), basis.nrows());
             projector.records.push(Terms { places: record.fit.clone(), basis, normal });
         }
         projector
-    }
-
-    fn factor(&self, basis: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
-        let mut normal = basis.tr_mul(basis);
-        // A ridge far below the data: a term that does not move in this record stays at zero.
-        let ridge = 1e-9 * basis.nrows().max(1) as f64;
-        for k in 0..normal.nrows() {
-            normal[(k, k)] += ridge;
-        }
-        Cholesky::new(normal)
     }
 
     fn basis(
@@ -257,20 +247,7 @@ impl Projector {
 
     /// Takes the terms that the fitted rows give out of all rows. A record without fitted rows judges: there
     /// each half is foretold by the terms of the other one, and nothing but one offset is fitted to all of it.
-    /// Where a free course `is_own`, nothing causes it and nothing foretells it: rows are compared with the course
-    /// through the rows around them.
-    pub(crate) fn extend(&self, data: &DataSet, residual: &mut [f64], is_own: bool) {
-        if is_own && self.nuisances.iter().any(Nuisance::is_free_course) {
-            let finer = |n: &Nuisance| match n {
-                Nuisance::Knots { .. } => Nuisance::Knots { count: Thresholds::OWN_KNOTS },
-                other => other.clone(),
-            };
-            let nuisances = self.nuisances.iter().map(finer).collect();
-            let (values, rate) = (self.values.clone(), self.rate.clone());
-            let finer = Self { nuisances, values, rate, records: Vec::new() };
-            data.records.iter().for_each(|record| finer.interpolate(record, data, residual));
-            return;
-        }
+    pub(crate) fn extend(&self, data: &DataSet, residual: &mut [f64]) {
         for (record, terms) in data.records.iter().zip(&self.records) {
             if record.fit.is_empty() {
                 self.foretell(record, data, residual);
@@ -286,27 +263,6 @@ impl Projector {
         }
     }
 
-    /// Takes out of each piece of a record the course through the rows around it.
-    fn interpolate(&self, record: &RecordData, data: &DataSet, residual: &mut [f64]) {
-        let rows = record.rows.clone();
-        let basis = self.basis(record, data, rows.clone());
-        let all = DVector::from_column_slice(&residual[rows.clone()]);
-        let (normal, right) = (basis.tr_mul(&basis), basis.tr_mul(&all));
-        let ridge = 1e-9 * rows.len() as f64;
-        let length = rows.len().div_ceil(2 * Thresholds::OWN_KNOTS);
-        for from in (0..rows.len()).step_by(length) {
-            let size = length.min(rows.len() - from);
-            let piece = basis.rows(from, size);
-            let mut around = &normal - piece.tr_mul(&piece);
-            for k in 0..around.nrows() {
-                around[(k, k)] += ridge;
-            }
-            let Some(around) = around.cholesky() else { continue };
-            let course = piece * around.solve(&(&right - piece.tr_mul(&all.rows(from, size))));
-            subtract(residual, rows.start + from..rows.start + from + size, &course);
-        }
-    }
-
     /// Takes out of each half of a record what the terms fitted to the other half foretell, then the mean.
     fn foretell(&self, record: &RecordData, data: &DataSet, residual: &mut [f64]) {
         let rows = record.rows.clone();
@@ -315,7 +271,7 @@ impl Projector {
             let halves = [rows.start..middle, middle..rows.end];
             let courses = [(0, 1), (1, 0)].map(|(from, to): (usize, usize)| {
                 let basis = self.basis(record, data, halves[from].clone());
-                let normal = self.factor(&basis)?;
+                let normal = factor(basis.tr_mul(&basis), basis.nrows())?;
                 let values = DVector::from_column_slice(&residual[halves[from].clone()]);
                 let mut coefficients = normal.solve(&basis.tr_mul(&values));
                 // The offset is that of all rows.
@@ -329,6 +285,39 @@ impl Projector {
         let part = &mut residual[rows];
         let mean = part.iter().sum::<f64>() / part.len().max(1) as f64;
         part.iter_mut().for_each(|r| *r -= mean);
+    }
+}
+
+/// The factor of normal equations over so many rows.
+fn factor(mut normal: DMatrix<f64>, rows: usize) -> Option<Cholesky<f64, Dyn>> {
+    // A ridge far below the data: a term that does not move in this record stays at zero.
+    let ridge = 1e-9 * rows.max(1) as f64;
+    for k in 0..normal.nrows() {
+        normal[(k, k)] += ridge;
+    }
+    Cholesky::new(normal)
+}
+
+/// Takes a course out of each record that nothing causes, so that nothing foretells it: each piece is compared with
+/// the course through the rows around it.
+pub(crate) fn take_own_course(data: &DataSet, residual: &mut [f64]) {
+    let nuisances = vec![Nuisance::Knots { count: Thresholds::OWN_KNOTS }];
+    let (values, rate, records) = (Vec::new(), Vec::new(), Vec::new());
+    let course = Projector { nuisances, values, rate, records };
+    for record in &data.records {
+        let rows = record.rows.clone();
+        let basis = course.basis(record, data, rows.clone());
+        let all = DVector::from_column_slice(&residual[rows.clone()]);
+        let (normal, right) = (basis.tr_mul(&basis), basis.tr_mul(&all));
+        let length = rows.len().div_ceil(2 * Thresholds::OWN_KNOTS);
+        for from in (0..rows.len()).step_by(length) {
+            let size = length.min(rows.len() - from);
+            let piece = basis.rows(from, size);
+            let around = factor(&normal - piece.tr_mul(&piece), rows.len());
+            let Some(around) = around else { continue };
+            let course = piece * around.solve(&(&right - piece.tr_mul(&all.rows(from, size))));
+            subtract(residual, rows.start + from..rows.start + from + size, &course);
+        }
     }
 }
 
@@ -353,8 +342,8 @@ mod tests {
 
     const ROWS: usize = 1000;
 
-    /// What is left of a residual in a record that only judges.
-    fn left(nuisance: Nuisance, mut residual: Vec<f64>, is_own: bool) -> Vec<f64> {
+    /// A record that only judges.
+    fn judging() -> DataSet {
         let record = RecordRows {
             name: "a".to_owned(),
             time: (0..ROWS).map(|k| 1e-3 * k as f64).collect(),
@@ -365,20 +354,21 @@ mod tests {
             run_in: 0,
             training: 0.0,
         };
-        let data = DataSet::new(vec![record], &[], None);
+        DataSet::new(vec![record], &[], None)
+    }
+
+    /// What is left of a residual there.
+    fn left(nuisance: Nuisance, mut residual: Vec<f64>) -> Vec<f64> {
+        let data = judging();
         let simulated = vec![0.0; data.command.len()];
-        Projector::new(&[nuisance], Vec::new(), &data, &simulated).extend(
-            &data,
-            &mut residual,
-            is_own,
-        );
+        Projector::new(&[nuisance], Vec::new(), &data, &simulated).extend(&data, &mut residual);
         residual
     }
 
     #[test]
     fn rows_that_judge_are_not_fitted_by_a_free_course() {
         let bump = (0..ROWS).map(|k| f64::from((600..700).contains(&k))).collect();
-        let left = left(Nuisance::Knots { count: 8 }, bump, false);
+        let left = left(Nuisance::Knots { count: 8 }, bump);
         // Its own half must not take it; only the mean of all rows goes.
         assert!((left[650] - left[950] - 1.0).abs() < 1e-9, "{}", left[650] - left[950]);
         assert!(left.iter().sum::<f64>().abs() < 1e-9);
@@ -390,7 +380,8 @@ mod tests {
         let mut residual: Vec<f64> = (0..ROWS).map(course).collect();
         // A bump shorter than a piece stays: its own rows do not count.
         residual[505..510].iter_mut().for_each(|r| *r += 1.0);
-        let left = left(Nuisance::Knots { count: 8 }, residual, true);
+        take_own_course(&judging(), &mut residual);
+        let left = residual;
         assert!((left[507] - 1.0).abs() < 0.05, "{}", left[507]);
         let rest = left.iter().enumerate().filter(|(k, _)| k.abs_diff(507) > 100);
         let worst = rest.map(|(_, r)| r.abs()).fold(0.0, f64::max);
@@ -400,7 +391,7 @@ mod tests {
     #[test]
     fn a_drift_that_one_half_foretells_is_no_part_of_what_is_left() {
         let drift = (0..ROWS).map(|k| 5.0 + 2e-3 * k as f64).collect();
-        let left = left(Nuisance::Drift { order: 1 }, drift, false);
+        let left = left(Nuisance::Drift { order: 1 }, drift);
         assert!(left.iter().all(|r| r.abs() < 1e-6), "{left:?}");
     }
 }

@@ -183,8 +183,7 @@ impl Run<'_> {
     fn base(&self, task: &Task, level: Level) -> Result<Base, Error> {
         let Level { shape, sure, retuned, guess } = level;
         let sigma = task.noise.sigma * task.factor;
-        let mut scale = Scale::new(task, shape, sigma, sure, self.request);
-        scale.judge.is_course_own = own_course::is_own(&task.data, &retuned.judged.residual);
+        let scale = Scale::new(task, shape, sigma, sure, self.request);
         let search = self.search_in(task, &[], &scale);
         let retuned = search.judged_again(retuned, sigma / guess).map_err(|_| cannot_run(task))?;
         let values = vec![0.0; retuned.chain.parameters.len()];
@@ -210,7 +209,7 @@ impl Run<'_> {
     /// Search: the effects that explain the gap, each with its rivals. Nothing is searched where no error is left, or
     /// where a reading that is noisier than stated is all of it.
     fn search(&self, task: &Task, library: &[Family], base: Base) -> Result<Searched, Error> {
-        let Base { retuned, given, scale, position } = base;
+        let Base { retuned, given, mut scale, position } = base;
         let moves = position.half > 3.0 * scale.sigma && task.data.command_span.half > 0.0;
         let is_open = has_gap(&retuned, scale.adequate);
         let is_asked = !self.request.without.iter().any(|n| n == effects::SENSOR_NOISE.name);
@@ -218,6 +217,7 @@ impl Run<'_> {
             .then(|| excess_noise::ratio(&retuned.judged.residual, &task.data))
             .flatten();
         let found = if is_open && noise_ratio.is_none() {
+            scale.judge.is_course_own = own_course::is_own(&task.data, &retuned.judged.residual);
             self.search_in(task, library, &scale).run(retuned).map_err(|_| cannot_run(task))?
         } else {
             Found::nothing(retuned)

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! for records i of power P_i. Without a cause the mean of D is zero, whatever the course is.
-//! The functions are powers, low-passes, plays and heating by the command and by each auxiliary signal; those of u_j are taken at the same part of the
-//! record. A course that returns in the records is none of its own.
+//! The functions are powers, low-passes, plays and heating by the command and by each auxiliary signal; those of u_j are
+//! taken at the same part of the record. A course that returns in the records is none of its own.
 //!
 //! Source of the idea: permutation tests, R. A. Fisher, The Design of Experiments, 1935.
 
@@ -20,17 +20,11 @@ use std::sync::atomic::AtomicU64;
 use components::hysteresis::play::play;
 use nalgebra::{DMatrix, DVector};
 
+use crate::chain::Chain;
 use crate::data_set::{DataSet, RecordData};
 use crate::score::{Judge, Judged};
 use crate::select::Candidate;
 use crate::thresholds::base::Thresholds;
-
-/// Blocks of a record, in which means are taken.
-const BLOCKS: usize = 96;
-/// Time constants of low-passes, over the length of the record.
-const LOW_PASSES: [f64; 3] = [0.01, 0.06, 0.4];
-/// Thresholds of plays, over half the range.
-const PLAYS: [f64; 3] = [0.1, 0.35, 0.8];
 
 /// The slow part of a residual and the functions of the command, by blocks, without their means.
 struct Slow {
@@ -40,7 +34,7 @@ struct Slow {
 
 /// Whether the residual runs such a course. With less than four records nobody knows, and it is taken as caused.
 pub(crate) fn is_own(data: &DataSet, residual: &[f64]) -> bool {
-    let rows = |r: &&RecordData| r.rows.len() >= 4 * BLOCKS;
+    let rows = |r: &&RecordData| r.rows.len() >= 4 * Thresholds::COURSE_BLOCKS;
     let records: Vec<Slow> = data
         .records
         .iter()
@@ -78,10 +72,11 @@ pub(crate) fn left_out(
     sigma: f64,
     count: &AtomicU64,
 ) -> Option<Judged> {
-    let mut chain = candidate.chain.clone();
-    chain.nuisances.retain(|n| !n.is_free_course());
-    let has_one = judge.is_course_own && chain.nuisances.len() < candidate.chain.nuisances.len();
-    has_one.then(|| judge.judge(&chain, &candidate.fit.theta, data, sigma, count).ok())?
+    if !judge.has_own_course(&candidate.chain) {
+        return None;
+    }
+    let chain = Chain { nuisances: Vec::new(), ..candidate.chain.clone() };
+    judge.judge(&chain, &candidate.fit.theta, data, sigma, count).ok()
 }
 
 /// Part of a signal's power that functions explain.
@@ -98,6 +93,7 @@ fn part(functions: &DMatrix<f64>, signal: &DVector<f64>) -> f64 {
 
 /// Means over blocks, about the mean of all.
 fn means(values: impl ExactSizeIterator<Item = f64>) -> DVector<f64> {
+    const BLOCKS: usize = Thresholds::COURSE_BLOCKS;
     let rows = values.len();
     let (mut sums, mut counts) = ([0.0; BLOCKS], [0.0; BLOCKS]);
     for (k, value) in values.enumerate() {
@@ -132,23 +128,21 @@ fn functions(data: &DataSet, rows: Range<usize>) -> DMatrix<f64> {
         }
         columns.push(means(u.iter().map(|u| u.powi(3))));
         columns.push(means((0..u.len()).map(|k| rate(k).abs())));
-        for time in LOW_PASSES {
+        for time in Thresholds::COURSE_LOW_PASSES {
             for values in [u, &square, &heat] {
                 let mut y = values[0];
-                let low = values.iter().map(|x| {
+                columns.push(means(values.iter().map(|x| {
                     y += (x - y) / (time * count).max(1.0);
                     y
-                });
-                columns.push(means(low.collect::<Vec<_>>().into_iter()));
+                })));
             }
         }
-        for half in PLAYS {
+        for half in Thresholds::COURSE_PLAYS {
             let mut last = u[0];
-            let plays = u.iter().map(|x| {
+            columns.push(means(u.iter().map(|x| {
                 last = play(*x, half, last);
                 last
-            });
-            columns.push(means(plays.collect::<Vec<_>>().into_iter()));
+            })));
         }
     }
     for column in &mut columns {

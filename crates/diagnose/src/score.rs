@@ -7,7 +7,7 @@ use crate::chain::{Bench, Chain, Failed, Horizon};
 use crate::data_set::DataSet;
 use crate::discrepancy::{self, Discrepancy};
 use crate::noise::Shape;
-use crate::nuisance::Projector;
+use crate::nuisance::{self, Projector};
 use crate::spectrum::{self, Bands};
 use crate::thresholds::search::Thresholds;
 
@@ -39,7 +39,7 @@ pub(crate) struct Judge {
     /// Mean of the logarithms of how far.
     margin: f64,
     shape: Shape,
-    /// Whether what the model leaves runs a course that nothing causes: a free one is then judged from the rows around.
+    /// Whether what the model leaves runs a course that nothing causes.
     pub(crate) is_course_own: bool,
 }
 
@@ -106,6 +106,13 @@ impl Judge {
         if terms > 0.0 { sum / terms } else { 0.0 }
     }
 
+    /// Whether all that is added to the model is a course that nothing causes. Beside another effect a free course would
+    /// only make good what that one's formula lacks.
+    pub(crate) fn has_own_course(&self, chain: &Chain) -> bool {
+        let is_all = chain.parameters.iter().all(|p| p.is_base) && chain.nuisances.len() == 1;
+        self.is_course_own && is_all && chain.nuisances[0].is_free_course()
+    }
+
     /// Simulates a chain over all rows.
     pub(crate) fn judge(
         &self,
@@ -118,11 +125,12 @@ impl Judge {
         let mut bench = Bench::new(chain, data, Horizon::All, count);
         let simulated = bench.keep(theta)?;
         let mut residual = data.residual(simulated);
-        let values = chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
-        let projector = Projector::new(&chain.nuisances, values, data, simulated);
-        // Beside another effect a free course would only make good what that one's formula lacks.
-        let is_alone = chain.parameters.iter().all(|p| p.is_base) && chain.nuisances.len() == 1;
-        projector.extend(data, &mut residual, self.is_course_own && is_alone);
+        if self.has_own_course(chain) {
+            nuisance::take_own_course(data, &mut residual);
+        } else {
+            let values = chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
+            Projector::new(&chain.nuisances, values, data, simulated).extend(data, &mut residual);
+        }
         residual.iter_mut().for_each(|r| *r /= sigma);
         self.level_off(&mut residual, data);
         Ok(self.figures(residual, data))

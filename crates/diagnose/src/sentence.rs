@@ -74,6 +74,17 @@ fn effects(gap: &Gap) -> String {
             all.collect::<Vec<_>>().join("; ")
         }
     };
+    // Nothing else is named beside it.
+    if let Some(own) = s.own_course {
+        return format!(
+            "The model lacks {missing}: {:.0} % of the gap's power on held-out rows is a drift that the rows around each row \
+             show and no model predicts; {} stays off by {} rms, the noise is {}.",
+            percent(own),
+            gap.place.output,
+            amount(s.rms_before, &s.unit),
+            amount(s.noise_floor, &s.unit)
+        );
+    }
     let how = match (s.fraction, s.ci95) {
         (Some(f), Some([low, high])) => {
             let interval = format!("95 %: {:.0} to {:.0} %", percent(low), percent(high));
@@ -91,23 +102,6 @@ fn effects(gap: &Gap) -> String {
             }
         }
         _ => "shrinks the gap".to_owned(),
-    };
-    let how = match s.own_course {
-        Some(own) if gap.effects.len() == 1 => {
-            return format!(
-                "The model lacks {missing}: {:.0} % of the gap's power on held-out rows is a drift that the rows around each \
-                 row show and no model predicts; {} stays off by {} rms, the noise is {}.",
-                percent(own),
-                gap.place.output,
-                amount(s.rms_before, &s.unit),
-                amount(s.noise_floor, &s.unit)
-            );
-        }
-        Some(own) => format!(
-            "{how} and {:.0} % with the drift taken from the rows around each row, which no model predicts",
-            percent(own)
-        ),
-        None => how,
     };
     format!(
         "The model lacks {missing}: adding {} {how}, from {} to {} rms of {}; the noise is {}.",

@@ -208,7 +208,7 @@ fn keep(one: &Reproduction, tool: &Tool, folder: &Path) -> anyhow::Result<()> {
     for row in &one.rows {
         let [ours, other] = [row.ours, row.other].map(|x| x.map_or_else(String::new, number));
         let (paper, own) = (number(row.paper), number(row.own));
-        let verdict = word(row.verdict);
+        let verdict = row.verdict.words().unwrap_or("-");
         figures +=
             &format!("\"{}\",{},{paper},{own},{ours},{other},{verdict}\n", row.what, row.unit);
     }
@@ -222,16 +222,6 @@ fn keep(one: &Reproduction, tool: &Tool, folder: &Path) -> anyhow::Result<()> {
             .with_context(|| format!("{} cannot be written", file.display()))?;
     }
     Ok(())
-}
-
-fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Reached => "reached",
-        Verdict::NotReached => "not reached",
-        Verdict::Matched => "as the paper's",
-        Verdict::NotMatched => "not as the paper's",
-        Verdict::NotJudged => "-",
-    }
 }
 
 impl Answer for Reproductions {
@@ -266,7 +256,7 @@ fn write_one(one: &Reproduction, out: &mut dyn Write) -> io::Result<()> {
         "figure", "paper", "its way", "ours", "other", "of baseline"
     )?;
     for row in &one.rows {
-        let verdict = word(row.verdict);
+        let verdict = row.verdict.words().unwrap_or("-");
         let what = format!("{} {} [{}]", row.paper_id, row.what, row.unit);
         let paper = if row.paper.is_nan() { "-".to_owned() } else { row.paper.to_string() };
         let described = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));

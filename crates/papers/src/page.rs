@@ -72,7 +72,7 @@ fn figures(one: &Reproduction) -> Section {
         ("another way", &|row| finite(row.other)),
         ("ratio to the baseline, paper", &|row| ratio(row, 0)),
         ("ratio to the baseline, here", &|row| ratio(row, 1)),
-        ("verdict", &|row| word(row.verdict).into()),
+        ("verdict", &|row| row.verdict.words().unwrap_or_default().into()),
         ("decisive assumptions", &|row| stand_ins::rests_on(row.paper_id, &row.what).into()),
     ];
     let table = filled(format!("Figures of {paper}, {}", one.part), &columns, &one.rows);
@@ -149,16 +149,6 @@ fn matched(one: &Reproduction) -> Table {
     })
 }
 
-fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Reached => "reached",
-        Verdict::NotReached => "not reached",
-        Verdict::Matched => "as the paper's",
-        Verdict::NotMatched => "not as the paper's",
-        Verdict::NotJudged => "",
-    }
-}
-
 fn assumptions(one: &Reproduction) -> anyhow::Result<Section> {
     let paper = one.paper.to_uppercase();
     let columns = ["axis", "part", "values", "what is known"];
@@ -202,7 +192,7 @@ mod tests {
             ("own", &|row| row.own.into()),
             ("ours", &|row| finite(row.ours)),
             ("other", &|row| finite(row.other)),
-            ("verdict", &|row| word(row.verdict).into()),
+            ("verdict", &|row| row.verdict.words().unwrap_or_default().into()),
         ];
         let rows = [row(None, Verdict::NotJudged), row(Some(0.2), Verdict::NotReached)];
         let heads = |rows: &[Row]| -> Vec<String> {

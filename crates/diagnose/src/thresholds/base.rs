@@ -101,6 +101,12 @@ impl Thresholds {
     pub(crate) const MOVES_MODE: f64 = 0.1;
     /// Least records from which it is seen that a course is not caused.
     pub(crate) const COURSE_RECORDS: usize = 4;
+    /// Blocks of a record whose means show a course.
+    pub(crate) const COURSE_BLOCKS: usize = 96;
+    /// Time constants of low-passes of the command, over the length of the record.
+    pub(crate) const COURSE_LOW_PASSES: [f64; 3] = [0.01, 0.06, 0.4];
+    /// Thresholds of plays of the command, over half its range.
+    pub(crate) const COURSE_PLAYS: [f64; 3] = [0.1, 0.35, 0.8];
     /// Part of a course's power that its own command explains beyond those of other records, above which it is caused.
     pub(crate) const COURSE_CAUSED: f64 = 0.12;
     /// Part of a course's power that the sum of the other records' courses explains, above which it returns.

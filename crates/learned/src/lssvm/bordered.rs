@@ -94,7 +94,7 @@ impl Bordered {
             }
         }
         let rows = y.columns(0, k);
-        add_lower(&mut b.as_view_mut(), 1.0, -1.0, &rows.transpose().as_view(), &rows);
+        add_lower(&mut b.as_view_mut(), -1.0, &rows.transpose().as_view(), &rows);
         let product = |a: usize, b: usize| (0..d).map(|i| y[(i, a)] * y[(i, b)]).sum::<f64>();
         Some(Self {
             alpha: (0..k).map(|j| self.alpha[kept[j]] - product(j, k)).collect(),
@@ -124,7 +124,7 @@ pub(super) fn held_out_errors(
         let columns = inverse.view((from, from), (n - from, size));
         let mut block = Mat::from_fn(size, size, |i, j| -u[from + i] * u[from + j] / s);
         let transposed = columns.transpose();
-        add_lower(&mut block.as_view_mut(), 1.0, 1.0, &transposed.as_view(), &columns);
+        add_lower(&mut block.as_view_mut(), 1.0, &transposed.as_view(), &columns);
         cholesky(block.as_view_mut()).ok_or(Error::IllPosed { samples: n, lambda })?;
         solve_with(&block.as_view(), view_mut(&mut errors[part.clone()], size, 1));
     }

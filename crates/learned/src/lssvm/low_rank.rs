@@ -45,7 +45,7 @@ impl<'a> Sums<'a> {
         let (mut gram, mut sums) = (self.gram.clone(), self.sums.clone());
         let right = Mat::from_fn(y.len(), 2, |i, c| if c == 0 { y[i] } else { 1.0 });
         let transposed = rows.transpose();
-        add_lower(&mut gram.as_view_mut(), 1.0, -1.0, &transposed.as_view(), &rows);
+        add_lower(&mut gram.as_view_mut(), -1.0, &transposed.as_view(), &rows);
         sums.gemm(-1.0, &transposed, &right, 1.0);
         let total: f64 = self.y.iter().sum::<f64>() - y.iter().sum::<f64>();
         fit(gram, sums, self.lambda, (self.y.len() - y.len()) as f64, total)

@@ -34,13 +34,13 @@ pub(crate) fn view_mut(values: &mut [f64], rows: usize, columns: usize) -> ViewM
     ViewMut::from_slice(values, rows, columns)
 }
 
-/// The lower half of `out := keep·out + factor·a·b`.
-pub(crate) fn add_lower(out: &mut ViewMut<'_>, keep: f64, factor: f64, a: &View<'_>, b: &View<'_>) {
+/// The lower half of `out := out + factor·a·b`.
+pub(crate) fn add_lower(out: &mut ViewMut<'_>, factor: f64, a: &View<'_>, b: &View<'_>) {
     let n = out.ncols();
     for from in (0..n).step_by(BLOCK) {
         let width = BLOCK.min(n - from);
         let mut block = out.view_mut((from, from), (n - from, width));
-        block.gemm(factor, &a.rows(from, n - from), &b.columns(from, width), keep);
+        block.gemm(factor, &a.rows(from, n - from), &b.columns(from, width), 1.0);
     }
 }
 
@@ -71,7 +71,7 @@ pub(crate) fn cholesky(mut a: ViewMut<'_>) -> Option<()> {
     divide_right(&upper.as_view(), lower);
     let lower = left.rows(half, n - half);
     let mut rest = right.rows_mut(half, n - half);
-    add_lower(&mut rest, 1.0, -1.0, &lower, &lower.transpose().as_view());
+    add_lower(&mut rest, -1.0, &lower, &lower.transpose().as_view());
     cholesky(rest)
 }
 
@@ -243,7 +243,7 @@ pub(crate) fn inverse(factor: &View<'_>) -> Mat {
         squared(&lower.view((0, 0), (half, half)), out.view_mut((0, 0), (half, half)));
         squared(&last, out.view_mut((half, half), (n - half, n - half)));
         let mut first = out.view_mut((0, 0), (half, half));
-        add_lower(&mut first, 1.0, 1.0, &across.transpose().as_view(), &across);
+        add_lower(&mut first, 1.0, &across.transpose().as_view(), &across);
         let mut below = out.view_mut((half, 0), (n - half, half));
         below.copy_from(&across);
         multiply_transposed(&last, below);

@@ -117,7 +117,7 @@ impl<'a> Preconditioner<'a> {
 pub(crate) fn gram(low: &View<'_>, lambda: f64) -> Mat {
     let r = low.ncols();
     let mut inner = Mat::from_diagonal_element(r, r, lambda);
-    add_lower(&mut inner.as_view_mut(), 1.0, 1.0, &low.transpose().as_view(), low);
+    add_lower(&mut inner.as_view_mut(), 1.0, &low.transpose().as_view(), low);
     inner
 }
 

@@ -76,6 +76,20 @@ pub enum Verdict {
     NotJudged,
 }
 
+impl Verdict {
+    /// The verdict in words; none where nothing is judged.
+    #[must_use]
+    pub fn words(self) -> Option<&'static str> {
+        Some(match self {
+            Self::Reached => "reached",
+            Self::NotReached => "not reached",
+            Self::Matched => "as the paper's",
+            Self::NotMatched => "not as the paper's",
+            Self::NotJudged => return None,
+        })
+    }
+}
+
 /// How much more of its baseline than in the paper a method may leave.
 const RATIO: f64 = 1.25;
 
