@@ -9,6 +9,39 @@ use std::process::Command;
 
 /// Runs the script of an example with the built tool first on the PATH; returns what it printed.
 fn run(example: &str, folder: &Path) -> String {
+    let (text, said, status) = script(example, folder);
+    assert!(status.success(), "{example} failed ({status}):\n{text}{said}");
+    text
+}
+
+/// As [`run`], for scripts with a bench in real time. A run during which this computer stood still measures the computer:
+/// it is repeated, twice at most.
+fn run_in_time(example: &str) -> (tempfile::TempDir, String) {
+    for _ in 0..2 {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (text, said, status) = script(example, folder.path());
+        let missed: f64 = text
+            .lines()
+            .filter_map(|line| {
+                line.split_once(" deadlines missed")?.0.rsplit(' ').next()?.parse::<f64>().ok()
+            })
+            .fold(0.0, f64::max);
+        if missed < 20.0 && status.success() {
+            return (folder, text);
+        }
+        let stalled = missed >= 20.0 || text.contains("no packet came from the machine");
+        assert!(stalled, "{example} failed ({status}):\n{text}{said}");
+        println!(
+            "{example}: {missed} deadlines missed in one run, {status}: once more\n{text}{said}"
+        );
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = run(example, folder.path());
+    (folder, text)
+}
+
+/// What the script of an example printed on both streams, and how it ended.
+fn script(example: &str, folder: &Path) -> (String, String, std::process::ExitStatus) {
     let tool = Path::new(env!("CARGO_BIN_EXE_piezoloop"));
     let tools = tool.parent().expect("the tool lies in a folder");
     let path = std::env::var_os("PATH").unwrap_or_default();
@@ -20,14 +53,9 @@ fn run(example: &str, folder: &Path) -> String {
         .env("PATH", std::env::join_paths(paths).expect("a PATH"))
         .output()
         .expect("a shell");
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(
-        output.status.success(),
-        "{example} failed ({}):\n{text}{}",
-        output.status,
-        String::from_utf8_lossy(&output.stderr)
-    );
-    text
+    let [text, said] =
+        [&output.stdout, &output.stderr].map(|b| String::from_utf8_lossy(b).into_owned());
+    (text, said, output.status)
 }
 
 /// The number in front of `unit` in the first line that holds `words`, behind them.
@@ -157,8 +185,7 @@ fn measured_mirror() {
 
 #[test]
 fn bench() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let message = run("05_bench", folder.path());
+    let (folder, message) = run_in_time("05_bench");
     println!("{message}");
     assert!(message.contains("ended in the state safe: the plan has ended"), "{message}");
     assert!(message.contains("The model lacks delay"), "{message}");
@@ -181,8 +208,7 @@ fn bench() {
 
 #[test]
 fn laser_beam_steering() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let message = run("10_laser_beam_steering", folder.path());
+    let (folder, message) = run_in_time("10_laser_beam_steering");
     println!("{message}");
     // In parts of the detectors' ranges: the paper has 0.3 and 0.2 % on hardware, for passes in 2 and in 1 s.
     for (what, most) in [
