@@ -101,7 +101,7 @@ fn maps(outcome: &Outcome) -> Maps<'_> {
     Maps {
         data: &outcome.task.data,
         before: &outcome.robust,
-        after: &outcome.found.last.judged.residual,
+        after: &outcome.with_effects().residual,
         sigma: outcome.sigma / outcome.task.factor,
     }
 }
@@ -131,7 +131,7 @@ pub(crate) fn hand_back(gap: &mut Gap, outcomes: &[Outcome], after: &[Option<Jud
 
 fn output(o: &Outcome, seed: u64) -> OutputGap {
     let last = &o.found.last.judged;
-    let mut shrink = shrink(o, o.predicted.as_ref().unwrap_or(last), seed);
+    let mut shrink = shrink(o, o.with_effects(), seed);
     if o.predicted.is_some() {
         shrink.own_course = crate::shrink::fraction(o.found.base.judged.held_out, last.held_out);
     }
@@ -428,7 +428,7 @@ fn cautions(o: &Outcome) -> Vec<String> {
 fn own_offsets(o: &Outcome) -> Option<String> {
     let is_told = !o.found.last.picks.is_empty();
     let offset = o.offset.filter(|_| is_told)?;
-    let (left, factor) = (o.sigma * o.found.last.judged.held_out.max(0.0).sqrt(), o.task.factor);
+    let (left, factor) = (o.sigma * o.with_effects().held_out.max(0.0).sqrt(), o.task.factor);
     (offset.as_it_stands.1 > Thresholds::OWN_OFFSETS * left).then(|| {
         format!(
             "{}: each record has its own offset, which no model predicts: over a log as recorded the error of the repaired model is {:.3e} {}, without the offset of the record {:.3e} {}",

@@ -71,6 +71,11 @@ impl Outcome {
         fitted.min_by(|a, b| a.rank.total_cmp(&b.rank)).unwrap_or(&found.base)
     }
 
+    /// The answer as a model can predict it.
+    pub(crate) fn with_effects(&self) -> &Judged {
+        self.predicted.as_ref().unwrap_or(&self.found.last.judged)
+    }
+
     /// Mean square in SI that [`Self::best`] leaves, on fitted and held-out rows alike.
     pub(crate) fn left(&self) -> f64 {
         let judged = &self.best().judged;

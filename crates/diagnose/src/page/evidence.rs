@@ -42,7 +42,7 @@ fn over_time(o: &Outcome, title: String, rows: Range<usize>) -> TimeSeries {
     let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.task.factor).collect();
     let without = |residual: &[f64]| y.iter().zip(residual).map(|(y, r)| y - r).collect::<Vec<_>>();
     let (before, after) =
-        (in_unit(&o.found.base.judged.residual), in_unit(&o.found.last.judged.residual));
+        (in_unit(&o.found.base.judged.residual), in_unit(&o.with_effects().residual));
     let is_repaired = !o.found.last.picks.is_empty();
     let mut figure = TimeSeries::new(title, &data.time[rows.clone()])
         .measured("measured", unit, &y)
@@ -77,7 +77,7 @@ fn signals(mut section: Section, o: &Outcome) -> Section {
         let in_unit = |v: &[f64]| v[rows.clone()].iter().map(|r| r * scale).collect::<Vec<f64>>();
         let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.task.factor).collect();
         let (before, after) =
-            (in_unit(&o.found.base.judged.residual), in_unit(&o.found.last.judged.residual));
+            (in_unit(&o.found.base.judged.residual), in_unit(&o.with_effects().residual));
         let model: Vec<f64> = y.iter().zip(&before).map(|(y, r)| y - r).collect();
         let title = format!("{}: {}", o.task.output, record.name);
         section = section.figure(over_time(o, title, rows.clone()));
@@ -137,7 +137,7 @@ fn map(mut section: Section, o: &Outcome) -> Section {
         let mut figure =
             Spectrum::new(title, axis()).linear().trace(Role::Residual, "before", &f, &before);
         if !o.found.last.picks.is_empty() {
-            let (f, after) = level(&o.found.last.judged.residual);
+            let (f, after) = level(&o.with_effects().residual);
             figure = figure.trace(Role::Other, "after", &f, &after);
         }
         section = section.figure(figure.limit(0.0, "noise"));
@@ -178,7 +178,7 @@ fn gap_over_command(o: &Outcome, name: &str, rows: Range<usize>) -> XyLoop {
     )
     .line(Role::Residual, "before", &command, &in_unit(&o.robust));
     if !o.found.last.picks.is_empty() {
-        let after = in_unit(&o.found.last.judged.residual);
+        let after = in_unit(&o.with_effects().residual);
         figure = figure.line(Role::Other, "after", &command, &after);
     }
     figure

@@ -50,7 +50,14 @@ fn figures(mut page: Report, gap: &Gap) -> Report {
         .key_figure(KeyFigure::new("Gap before (held-out rms)", s.rms_before, s.unit.as_str()))
         .key_figure(KeyFigure::new("Gap after", s.rms_after, s.unit.as_str()))
         .key_figure(KeyFigure::new("Noise", s.noise_floor, s.unit.as_str()));
-    if let Some(fraction) = s.fraction {
+    if let Some(own) = s.own_course {
+        let figure = KeyFigure::new(
+            "Share of the gap's power in a drift of its own course",
+            100.0 * own,
+            "%",
+        );
+        page = page.key_figure(figure.note("no model predicts it".to_owned()));
+    } else if let Some(fraction) = s.fraction {
         let note = s.ci95.map_or_else(String::new, |[low, high]| {
             format!("95 % for a new record: {:.0} to {:.0} %", 100.0 * low, 100.0 * high)
         });
