@@ -5,7 +5,7 @@ mod common;
 use common::machine::{Machine, Normal, blueprint};
 use common::truth::{Effect, input_side};
 use data::Log;
-use diagnose::{Gap, Model, Noise, Request, Silent, Verdict, diagnose};
+use diagnose::{Files, Gap, Model, Noise, Request, Silent, Verdict, diagnose, examine};
 
 fn gap_of(logs: Vec<Log>, sigma: f64, change: impl FnOnce(&mut Request)) -> Gap {
     let mut request = Request::new(Model::Blueprint(Box::new(blueprint())), logs);
@@ -56,12 +56,21 @@ fn a_walk_is_named_and_promises_nothing() {
         all.add_column("y", Some("um"), y).unwrap();
         all
     });
-    let gap = gap_of(logs.collect(), machine.sigma, |_| ());
+    let mut request = Request::new(Model::Blueprint(Box::new(blueprint())), logs.collect());
+    request.noise = Noise::Given(vec![(None, machine.sigma)]);
+    let diagnosis = examine(&request, &mut Silent).unwrap();
+    let gap = &diagnosis.gap;
     assert_eq!(gap.effects.len(), 1, "seed {SEED}: {}", gap.sentence);
     assert_eq!(gap.effects[0].effect, "thermal_drift", "seed {SEED}: {}", gap.sentence);
     assert!(gap.shrink.own_course.unwrap() > 0.8, "seed {SEED}: {}", gap.sentence);
     assert!(gap.shrink.fraction.unwrap() < 0.2, "seed {SEED}: {}", gap.sentence);
     assert!(gap.sentence.contains("no model predicts"), "{}", gap.sentence);
+    // Page and figures show what a model predicts.
+    for record in &gap.place.records {
+        assert!(record.rms[1] > 0.7 * record.rms[0], "seed {SEED}: {record:?}");
+    }
+    let page = diagnosis.report(&Files::default()).to_html().unwrap();
+    assert!(page.contains("no model predicts it") && !page.contains("power removed"));
 }
 
 #[test]
