@@ -10,7 +10,8 @@ use crate::thresholds::answer::Thresholds;
 pub(super) fn leftover(o: &Outcome, maps: &Maps<'_>) -> Leftover {
     let over_noise =
         o.found.last.judged.held_out / o.noise_ratio.map_or(1.0, |factor| factor * factor);
-    let left = Maps { before: &o.found.last.judged.residual, ..*maps };
+    let residual = &o.found.last.judged.residual;
+    let left = Maps { before: residual, after: residual, ..*maps };
     let is_there = over_noise > Thresholds::LEFT;
     Leftover {
         present: is_there,
