@@ -4,6 +4,7 @@ mod leftover;
 mod sensor;
 
 use std::collections::BTreeMap;
+use std::sync::atomic::AtomicU64;
 
 use self::leftover::leftover;
 use self::sensor::{noisier, stepped};
@@ -15,6 +16,7 @@ use crate::gap::{
     Verdict,
 };
 use crate::outcome::Outcome;
+use crate::own_course;
 use crate::place::Maps;
 use crate::request::{Model, Request};
 use crate::score::{Judged, explained};
@@ -304,11 +306,14 @@ fn partial(o: &Outcome) -> Option<Partial> {
     let fitted = o.found.first.iter().filter_map(|l| l.best.as_ref());
     let best = fitted.filter(|c| part(c) > 0.0).min_by(|a, b| a.rank.total_cmp(&b.rank))?;
     let rms = |judged: &Judged| o.sigma / o.task.factor * judged.held_out.max(0.0).sqrt();
+    let count = AtomicU64::new(0);
+    let predicted = own_course::left_out(best, &o.judge, &o.task.data, o.sigma, &count);
     Some(Partial {
         effect: effect_of(o, (best, 0), &o.found.first, part(best)),
         rms_before: rms(before),
-        rms_after: rms(&best.judged),
+        rms_after: rms(predicted.as_ref().unwrap_or(&best.judged)),
         unit: o.task.unit.clone(),
+        own_course: predicted.is_some().then(|| part(best)),
     })
 }
 

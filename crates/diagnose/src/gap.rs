@@ -112,10 +112,13 @@ pub struct Partial {
     pub effect: NamedEffect,
     /// Held-out root mean square of the re-tuned model.
     pub rms_before: f64,
-    /// As `rms_before`, with the effect.
+    /// As `rms_before`, with the effect as a model can predict it.
     pub rms_after: f64,
     /// Unit of both.
     pub unit: String,
+    /// As [`Shrink::own_course`], where the candidate is a drift that no model predicts. Null otherwise.
+    #[serde(default)]
+    pub own_course: Option<f64>,
 }
 
 /// An estimate.

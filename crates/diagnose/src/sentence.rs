@@ -57,11 +57,26 @@ fn partial(gap: &Gap) -> String {
     let Some(p) = gap.partial.iter().find(of_main) else {
         return "; no candidate alone removes any of it on held-out rows".to_owned();
     };
+    if let Some(own) = p.own_course {
+        return format!(
+            "; the best single candidate is {}: {}, so that it may be something else",
+            name(&p.effect),
+            own_drift(own)
+        );
+    }
     format!(
         "; the best single candidate is {}: it would remove {:.0} % of the gap's power on held-out rows and leave {} rms, so that it may be something else",
         name(&p.effect),
         percent(p.effect.explained),
         amount(p.rms_after, &p.unit)
+    )
+}
+
+/// The part of the gap's power that a drift without a formula takes, and what that means.
+pub(crate) fn own_drift(part: f64) -> String {
+    format!(
+        "{:.0} % of the gap's power on held-out rows is a drift that the rows around each row show and no model predicts",
+        percent(part)
     )
 }
 
@@ -77,9 +92,8 @@ fn effects(gap: &Gap) -> String {
     // Nothing else is named beside it.
     if let Some(own) = s.own_course {
         return format!(
-            "The model lacks {missing}: {:.0} % of the gap's power on held-out rows is a drift that the rows around each row \
-             show and no model predicts; {} stays off by {} rms, the noise is {}.",
-            percent(own),
+            "The model lacks {missing}: {}; {} stays off by {} rms, the noise is {}.",
+            own_drift(own),
             gap.place.output,
             amount(s.rms_before, &s.unit),
             amount(s.noise_floor, &s.unit)

@@ -8,6 +8,7 @@ use report::{Column, KeyFigure, Report, Section, Table, TimeSeries, Value, Verdi
 
 use crate::gap::{Estimate, Gap, HeldOut, Verdict};
 use crate::outcome::Outcome;
+use crate::sentence;
 use crate::{Diagnosis, Files};
 
 /// The gap of the first output over its command, in its slowest record, as SVG.
@@ -107,6 +108,15 @@ fn which(gap: &Gap) -> Section {
     if gap.effects.is_empty() {
         section = section.paragraph("No effect is named.");
         for p in &gap.partial {
+            if let Some(own) = p.own_course {
+                section = section.paragraph(format!(
+                    "The best single candidate for {} is {}: {}.",
+                    p.effect.output,
+                    p.effect.effect,
+                    sentence::own_drift(own)
+                ));
+                continue;
+            }
             section = section.paragraph(format!(
                 "The best single candidate for {}, {}, would remove {:.0} % of the gap's power on held-out rows and leave {} {} rms of {} {}.",
                 p.effect.output,
