@@ -14,8 +14,7 @@
 //! loop is stable (see `loop_shape`). A filter is tried at each resonance: a peak of |P| that stands out from what is a
 //! third of an octave away.
 //!
-//! Source: K. J. Åström, T. Hägglund, Advanced PID Control, ISA 2006, ch. 7 and 8; multisine: M. R. Schroeder, IEEE Trans.
-//! Inf. Theory 16 (1970) 85–89.
+//! Source: K. J. Åström, T. Hägglund, Advanced PID Control, ISA 2006, ch. 7 and 8; multisine: see there.
 
 use core::f64::consts::{PI, TAU};
 
@@ -28,6 +27,12 @@ use super::loop_shape::{margins, sensitivity};
 
 /// Part of the static response from which a peak is a resonance that a loop feels; smaller ones may be noise.
 const LOWEST_PEAK: f64 = 0.3;
+
+/// Lines whose median is the response at rest.
+const LOWEST_LINES: usize = 5;
+/// Rounds in which a multisine is clipped, at this part of its greatest value.
+const CLIPPINGS: usize = 40;
+const CLIP: f64 = 0.8;
 
 /// A notch filter (s² + 2·zeros·ω·s + ω²)/(s² + 2·poles·ω·s + ω²), bilinear with ω kept: frequency in Hz, zeros, poles.
 pub type NotchFilter = [f64; 3];
@@ -80,19 +85,78 @@ pub struct ServoLimits {
     pub noise: f64,
 }
 
-/// A multisine of amplitude 1 with these lines of equal power, Schroeder's phases.
+/// One of several multisines of amplitude 1 with the same lines and other phases: at first random, then led to a small
+/// crest factor by clipping. The power of line k falls with 1/k, so that low lines stand above what hysteresis, creep and
+/// drift add there.
+///
+/// Source: R. Pintelon, J. Schoukens, System Identification, 2nd ed., IEEE Press 2012, ch. 4 and 5; clipping: E. Van der
+/// Ouderaa, J. Schoukens, J. Renneboog, IEEE Trans. Instrum. Meas. 37 (1988) 145–147.
 #[must_use]
-pub fn multisine(points: usize, lines: usize) -> Vec<f64> {
-    let phase = |k: usize| -PI * (k * (k - 1)) as f64 / lines as f64;
+pub fn multisine(points: usize, lines: usize, realization: u64) -> Vec<f64> {
+    let lines = lines.min((points.max(1) - 1) / 2);
+    let mut phases = random_phases(realization);
     let mut spectrum = vec![Complex::new(0.0, 0.0); points];
-    for k in 1..=lines.min((points - 1) / 2) {
-        spectrum[k] = Complex::from_polar(1.0, phase(k));
-        spectrum[points - k] = spectrum[k].conj();
+    let line = |k: usize, phase: f64| Complex::from_polar((k as f64).sqrt().recip(), phase);
+    let set = |spectrum: &mut [Complex<f64>], k: usize, value: Complex<f64>| {
+        spectrum[k] = value;
+        spectrum[points - k] = value.conj();
+    };
+    (1..=lines).for_each(|k| set(&mut spectrum, k, line(k, TAU * phases())));
+    let (forward, inverse) = (Fft::forward(points), Fft::inverse(points));
+    for round in 0..=CLIPPINGS {
+        inverse.process(&mut spectrum);
+        let greatest = spectrum.iter().map(|x| x.re.abs()).fold(1e-300, f64::max);
+        if round == CLIPPINGS {
+            return spectrum.iter().map(|x| x.re / greatest).collect();
+        }
+        let clipped: Vec<f64> =
+            spectrum.iter().map(|x| x.re.clamp(-CLIP * greatest, CLIP * greatest)).collect();
+        let found = forward.of_real(&clipped);
+        spectrum.fill(Complex::new(0.0, 0.0));
+        (1..=lines).for_each(|k| set(&mut spectrum, k, line(k, found[k].arg())));
     }
-    let fft = Fft::inverse(points);
-    fft.process(&mut spectrum);
-    let greatest = spectrum.iter().map(|x| x.re.abs()).fold(1e-300, f64::max);
-    spectrum.iter().map(|x| x.re / greatest).collect()
+    Vec::new()
+}
+
+/// Numbers from 0 to 1 (SplitMix64), other ones for each realization.
+fn random_phases(realization: u64) -> impl FnMut() -> f64 {
+    let mut state = realization;
+    move || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// The mean of several responses over the same lines. A line is left out if its mean is uncertain (a standard error of
+/// more than 20 % of the line and 5 % of the static response): noise, or what hysteresis adds to it.
+#[must_use]
+pub fn mean_response(responses: &[Vec<(f64, Complex<f64>)>]) -> Vec<(f64, Complex<f64>)> {
+    let count = responses.len() as f64;
+    let shortest = responses.iter().map(Vec::len).min().unwrap_or(0);
+    let lines: Vec<(f64, Complex<f64>, f64)> = (0..shortest)
+        .map(|k| {
+            let mean = responses.iter().map(|lines| lines[k].1).sum::<Complex<f64>>() / count;
+            let square = responses.iter().map(|lines| (lines[k].1 - mean).norm_sqr()).sum::<f64>();
+            (responses[0][k].0, mean, (square / (count * (count - 1.0).max(1.0))).sqrt())
+        })
+        .collect();
+    let rest = static_size(&lines.iter().map(|(_, mean, _)| *mean).collect::<Vec<_>>());
+    let is_certain =
+        |mean: &Complex<f64>, error: f64| error <= (0.2 * mean.norm()).max(0.05 * rest);
+    lines
+        .into_iter()
+        .filter(|(_, g, error)| is_certain(g, *error))
+        .map(|(f, g, _)| (f, g))
+        .collect()
+}
+
+/// Size of the response at rest: the median of the lowest lines.
+fn static_size(response: &[Complex<f64>]) -> f64 {
+    let mut sizes: Vec<f64> = response.iter().take(LOWEST_LINES).map(|g| g.norm()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Output over input at the lines 1 to `lines` of a periodic excitation, continuous: without the hold of the input over
@@ -148,7 +212,7 @@ impl ServoPlant {
     pub fn resonances(&self) -> Vec<f64> {
         let third = 2.0_f64.powf(1.0 / 3.0);
         let size = |f: f64| self.at(f).norm();
-        let rest = self.response.first().map_or(0.0, |first| first.norm());
+        let rest = static_size(&self.response);
         let mut peaks: Vec<(f64, f64)> = Vec::new();
         for (k, response) in self.response.iter().enumerate() {
             let (f, height) = (self.frequency[k], response.norm());
@@ -217,6 +281,14 @@ impl ServoPlant {
         reference.iter().map(square).sum::<f64>().sqrt()
     }
 
+    /// The law with so much less gain that all lines keep the sensitivity; none: a hundredth does not.
+    fn within(&self, law: &ServoLaw, most: f64) -> Option<ServoLaw> {
+        let open = self.open(law);
+        let gains = (0..).map(|k| 0.96_f64.powi(k)).take_while(|gain| *gain > 0.01);
+        let mut kept = gains.filter(|gain| sensitivity(&open, *gain) <= most);
+        kept.next().map(|gain| law.times(gain))
+    }
+
     /// The law with the least error for the reference under these limits; none: none keeps them. `filters`: how many
     /// notch filters there are, and those that are possible at a frequency.
     #[must_use]
@@ -229,7 +301,7 @@ impl ServoPlant {
         let resonances = self.resonances();
         let near = self.thinned(&resonances);
         let variants = [near.clone(), near.shifted(0.97), near.shifted(1.03)];
-        let slope = near.response.first()?.norm();
+        let slope = static_size(&near.response);
         let mut best: Option<(f64, ServoLaw)> = None;
         for notches in filter_sets(&resonances, filters) {
             for shape in shapes(self.period) {
@@ -243,7 +315,14 @@ impl ServoPlant {
                 let Some(gain) = largest(allowed, 1e-4 / (slope * self.period)) else { continue };
                 let law = law.times(gain);
                 let error = near.error(&law, reference);
-                if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                let is_better = |error: f64| best.as_ref().is_none_or(|(least, _)| error < *least);
+                if !is_better(error) {
+                    continue;
+                }
+                // The lines between those that were looked at until now.
+                let Some(law) = self.within(&law, limits.sensitivity) else { continue };
+                let error = near.error(&law, reference);
+                if is_better(error) {
                     best = Some((error, law));
                 }
             }

@@ -86,7 +86,7 @@ fn the_predicted_error_is_that_of_the_loop_in_time() {
 #[test]
 fn a_multisine_measures_the_response_of_a_mode() {
     let (points, lines) = (2000, 800);
-    let wave = multisine(points, lines);
+    let wave = multisine(points, lines, 0);
     let rms = (wave.iter().map(|x| x * x).sum::<f64>() / points as f64).sqrt();
     assert!(rms > 0.4, "crest factor {}", 1.0 / rms);
     let input: Vec<f64> = wave.iter().cycle().take(6 * points).copied().collect();
@@ -108,6 +108,20 @@ fn a_multisine_measures_the_response_of_a_mode() {
         let wanted = mode(*f);
         assert!((response - wanted).norm() < 0.02 * wanted.norm(), "{f} Hz: {response} {wanted}");
     }
+}
+
+#[test]
+fn lines_that_the_realizations_do_not_agree_about_are_left_out() {
+    let line = |f: f64, re: f64| (f, Complex::new(re, 0.0));
+    let found = mean_response(&[
+        vec![line(1.0, 2.0), line(2.0, 2.1), line(3.0, 9.0), line(4.0, 0.05)],
+        vec![line(1.0, 2.0), line(2.0, 1.9), line(3.0, -4.0), line(4.0, -0.05)],
+    ]);
+    let lines: Vec<f64> = found.iter().map(|(f, _)| *f).collect();
+    // The last one is small whatever it is.
+    assert_eq!(lines, [1.0, 2.0, 4.0]);
+    assert!((found[1].1.re - 2.0).abs() < 1e-12);
+    assert_ne!(multisine(64, 20, 0), multisine(64, 20, 1));
 }
 
 #[test]

@@ -1,15 +1,16 @@
 //! The signals of `bench tune`, and what their records say.
 
 use bench::gateway::station::{self, Recorded, Station, Wave};
-use control::{multisine, periodic_response};
+use control::{mean_response, multisine, periodic_response};
 use serde::Serialize;
 
 /// Periods of the triangle; the first is run-in.
 const PERIODS: u32 = 3;
 /// Most points of a triangle.
 const POINTS: usize = 2000;
-/// Periods of the multisine, and its highest line as a part of the rate.
-const SINES: u32 = 4;
+/// Multisines with other phases, periods of each (the first is run-in), and the highest line as a part of the rate.
+const REALIZATIONS: u64 = 3;
+const SINES: u32 = 2;
 const HIGHEST: f64 = 0.45;
 /// Points of the multisine: as many as are needed for lines this close, in Hz, at most these.
 const CLOSE: f64 = 1.5;
@@ -149,17 +150,21 @@ impl Bed {
         let mut record = Recorded::default();
         for hold in if slow { vec![1, SLOW] } else { vec![1] } {
             let count = (HIGHEST * points as f64) as usize;
-            let sine = multisine(points, count);
-            let wave = Wave::complete(
-                false,
-                sine.iter().map(|x| volts[2] + size * x).collect(),
-                hold,
-                SINES,
-            );
-            record = station::play(station, &wave)?;
             let sample = f64::from(hold) * self.cycle;
-            let found =
-                periodic_response([&record.voltage, &record.position], points, count, sample);
+            let mut responses = Vec::new();
+            for realization in 0..REALIZATIONS {
+                let sine = multisine(points, count, realization);
+                let wave = Wave::complete(
+                    false,
+                    sine.iter().map(|x| volts[2] + size * x).collect(),
+                    hold,
+                    SINES,
+                );
+                record = station::play(station, &wave)?;
+                let signals = [&record.voltage[..], &record.position];
+                responses.push(periodic_response(signals, points, count, sample));
+            }
+            let found = mean_response(&responses);
             // The slow one knows the lower frequencies better.
             let below = 0.7 * count as f64 / (points as f64 * sample);
             if hold > 1 {

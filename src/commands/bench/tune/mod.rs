@@ -21,6 +21,10 @@ use crate::{inputs, ranges};
 
 /// Share of the voltage's changes that the law must explain, so that its values mean what they shall.
 const EXPLAINED: f64 = 0.9;
+/// Part to which the gains are lowered if the loop as it is oscillates.
+const LOWERED: f64 = 0.01;
+/// Times that are waited until such an axis has come to rest, at most.
+const RESTS: usize = 4;
 /// An error that is so many times the old one is a loop that went wrong.
 const WORSE: f64 = 1.0;
 
@@ -30,7 +34,8 @@ const WORSE: f64 = 1.0;
 /// around the middle of the travel. The frequency response of the plant and the law that is found in the record give
 /// the values with the least error for the triangle under a bound on the sensitivity. With --write they are
 /// written after a question (--yes: without), tried with a tenth of the triangle first, and measured again. If the error is
-/// not smaller, the old values are restored and the exit code is 1. Values are written until the next power-up only.
+/// not smaller, the old values are restored and the exit code is 1. With --write --yes also a loop that oscillates is measured:
+/// with lower gains. Values are written until the next power-up only.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop bench tune gcs://10.0.0.5\n  piezoloop bench tune 'gcs:///dev/ttyUSB0?axes=2' --frequency 10 --amplitude 5 --write\n  piezoloop bench tune nv200://10.0.0.6 --write --yes"
@@ -84,6 +89,8 @@ struct Tuned {
     /// Voltage per output of the law, and the share of the voltage's changes that the law explains.
     law_scale: f64,
     law_explained: f64,
+    /// Part of the gains with which the plant was measured, because the loop as it is oscillates; `null`: it does not.
+    gains_lowered_to: Option<f64>,
     before: Measured,
     proposed: Law,
     predicted: ServoVerdict,
@@ -99,6 +106,16 @@ struct Measured {
     law: Law,
     #[serde(flatten)]
     found: Loop,
+}
+
+/// What was measured before anything is proposed.
+struct Seen {
+    before: Measured,
+    lowered: Option<f64>,
+    plant: ServoPlant,
+    scale: f64,
+    explained: f64,
+    gain: f64,
 }
 
 impl Tune {
@@ -118,7 +135,7 @@ impl Tune {
         // Where it was, whatever came.
         let back = if origin.closed { origin.target } else { origin.voltage };
         let returned = station::lead(&mut *station, origin.closed, back);
-        let (before, plant, scale, explained, gain) = measured?;
+        let Seen { before, lowered, plant, scale, explained, gain } = measured?;
         returned.map_err(anyhow::Error::msg)?;
         let limits = ServoLimits { sensitivity: self.sensitivity, noise: self.noise };
         let filters = |frequency: f64| {
@@ -143,6 +160,7 @@ impl Tune {
             resonances_hz: plant.resonances().into_iter().take(3).collect(),
             law_scale: scale,
             law_explained: explained,
+            gains_lowered_to: lowered,
             before,
             proposed: values(&law),
             predicted,
@@ -172,41 +190,63 @@ impl Tune {
         Ok(Bed::new(station, middle, amplitude, self.frequency))
     }
 
-    /// The loop as it is, and the plant as its law sees it.
+    /// The loop as it is, and the plant as its law sees it. The law is afterwards what it was.
     fn measure(
         &self,
         station: &mut dyn Station,
         bed: &Bed,
         screen: &Screen,
-    ) -> anyhow::Result<(Measured, ServoPlant, f64, f64, f64)> {
+    ) -> anyhow::Result<Seen> {
         let law = station.law().map_err(anyhow::Error::msg)?;
         screen.say(&format!("{}: the loop as it is", station.describe()));
-        let (found, mut record) = bed.measure(station, 1.0).map_err(anyhow::Error::msg)?;
-        if record.period > 1.5 * station.cycle() {
-            record = bed.every_cycle(station).map_err(anyhow::Error::msg)?;
+        let (found, mut scale, mut explained) = loop_as_it_is(station, bed, &law)?;
+        let before = Measured { law: law.clone(), found };
+        let mut lowered = None;
+        let seen = (|| {
+            if self.yes && !is_explained(scale, explained) {
+                let percent = 100.0 * LOWERED;
+                screen.say(&format!("the loop oscillates: again with {percent} % of its gains"));
+                let lower = |gain: f64| LOWERED * gain;
+                let (kp, ki, kd) = (lower(law.kp), lower(law.ki), lower(law.kd));
+                let slower = Law { kp, ki, kd, ..law.clone() };
+                lowered = Some(LOWERED);
+                station.set_law(&slower).map_err(anyhow::Error::msg)?;
+                station::lead(station, true, bed.middle).map_err(anyhow::Error::msg)?;
+                for _ in 0..RESTS {
+                    station::settled(station, 1e-3 * bed.amplitude).map_err(anyhow::Error::msg)?;
+                }
+                (_, scale, explained) = loop_as_it_is(station, bed, &slower)?;
+            }
+            if !is_explained(scale, explained) {
+                let way_out = if self.yes {
+                    "give a smaller --amplitude"
+                } else {
+                    "give a smaller --amplitude, or --write --yes, which lower the gains for the measurement"
+                };
+                bail!(
+                    "the voltage does not follow the law that is read back (kp {}, ki {}/s, kd {} s explain {:.0} % of its changes): another control mode is on, the loop is unstable, or the axis is at the end of its voltages: {way_out}",
+                    law.kp,
+                    law.ki,
+                    law.kd,
+                    100.0 * explained.max(0.0)
+                );
+            }
+            screen.say("the plant, servo off");
+            bed.response(station).map_err(anyhow::Error::msg)
+        })();
+        if lowered.is_some() {
+            station
+                .set_law(&law)
+                .map_err(|error| anyhow::anyhow!("the old values cannot be restored: {error}"))?;
         }
-        let error: Vec<f64> =
-            record.command.iter().zip(&record.position).map(|(r, y)| r - y).collect();
-        let (scale, explained) =
-            law_in_record(&filters_of(&law), [&error, &record.voltage], station.cycle());
-        if explained.is_nan() || explained < EXPLAINED || scale == 0.0 {
-            bail!(
-                "the voltage does not follow the law that is read back (kp {}, ki {}/s, kd {} s explain {:.0} % of its changes): another control mode is on, the loop is unstable, or the axis is at the end of its voltages: give a smaller --amplitude, or lower the gains by hand first",
-                law.kp,
-                law.ki,
-                law.kd,
-                100.0 * explained.max(0.0)
-            );
-        }
-        screen.say("the plant, servo off");
-        let (lines, log) = bed.response(station).map_err(anyhow::Error::msg)?;
+        let (lines, log) = seen?;
         if let Some(file) = &self.log {
             log_of(&log, station.number(), false, &self.position_unit, file)?
                 .write(file, UnitPlace::Sidecar)?;
         }
         let gain = lines.first().map_or(0.0, |(_, g)| g.norm() * g.re.signum());
         let plant = ServoPlant::new(&lines, scale, station.cycle());
-        Ok((Measured { law, found }, plant, scale, explained, gain))
+        Ok(Seen { before, lowered, plant, scale, explained, gain })
     }
 
     fn agrees(&self, screen: &Screen, answer: &Tuned) -> anyhow::Result<bool> {
@@ -251,6 +291,28 @@ impl Tune {
         }
         Ok((tried.map_err(anyhow::Error::msg)?, !is_better))
     }
+}
+
+/// What the loop does with a law: its figures, voltage per output of the law, and the explained share.
+fn loop_as_it_is(
+    station: &mut dyn Station,
+    bed: &Bed,
+    law: &Law,
+) -> anyhow::Result<(Loop, f64, f64)> {
+    let (found, mut record) = bed.measure(station, 1.0).map_err(anyhow::Error::msg)?;
+    if record.period > 1.5 * station.cycle() {
+        record = bed.every_cycle(station).map_err(anyhow::Error::msg)?;
+    }
+    let error: Vec<f64> = record.command.iter().zip(&record.position).map(|(r, y)| r - y).collect();
+    let signals = [&error[..], &record.voltage];
+    let (scale, explained) = law_in_record(&filters_of(law), signals, station.cycle());
+    // An error beyond the whole triangle is that of a loop that oscillates.
+    let is_steady = found.rms_error < bed.amplitude;
+    Ok((found, scale, if is_steady { explained } else { 0.0 }))
+}
+
+fn is_explained(scale: f64, explained: f64) -> bool {
+    explained >= EXPLAINED && scale != 0.0
 }
 
 fn values(law: &ServoLaw) -> Law {
@@ -309,6 +371,10 @@ impl Answer for Tuned {
         writeln!(out, "plant: {:.5} {} per V, resonances: {peaks}", self.gain, self.unit)?;
         writeln!(out, "before: {}", text_of(&self.before.law))?;
         self.before.write(out, &self.unit)?;
+        if let Some(part) = self.gains_lowered_to {
+            let percent = 100.0 * part;
+            writeln!(out, "  it oscillates: the plant was measured with {percent} % of its gains")?;
+        }
         writeln!(out, "proposed: {}", text_of(&self.proposed))?;
         let found = &self.predicted;
         writeln!(
