@@ -414,7 +414,6 @@ impl Identify {
     fn settings(&self) -> Settings {
         let methods = match self.models.as_slice() {
             [] => Methods::Sensible,
-            [one] if one == "prandtl-ishlinskii" => Methods::PrandtlIshlinskii,
             names => Methods::Named(names.to_vec()),
         };
         let swarm = Swarm { seed: self.seed, threads: self.threads, ..Swarm::default() };

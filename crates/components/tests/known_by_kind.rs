@@ -13,7 +13,6 @@ const STILL: &[(&str, usize)] = &[
     ("linearised.rs", 5),
     // A key of an axis that a kind is named like.
     ("blueprint/read.rs", 1),
-    ("commands/identify.rs", 1),
     ("commands/invert.rs", 1),
     ("src/effects.rs", 1),
     ("control/p3.rs", 1),

@@ -12,8 +12,9 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::fit::delay;
-use crate::fit::response::responses;
-use crate::fit::weights::{Fitted, Task, mean};
+use crate::fit::operator::{Operator, Solved};
+use crate::fit::residual::mean;
+use crate::methods::{STATIC, Scene};
 use crate::record::{Record, Rows};
 use crate::settings::{Plan, Settings};
 
@@ -50,16 +51,12 @@ pub fn beginnings(records: &[Record], settings: &Settings) -> Result<Vec<Beginni
     let settings = Settings { drop: 0.0, plays: PLAYS, thresholds: None, ..settings.clone() };
     let plan = settings.plan(records)?;
     let rows = plan.fitted.iter().map(|rows| Rows { first: inside(*rows), end: rows.end });
-    let task = Task {
-        records,
-        rows: rows.collect(),
-        period: plan.period,
-        substeps: 1,
-        thresholds: plan.thresholds.clone(),
-        least_slope: plan.least_slope,
-    };
-    let (_, fitted) = delay::search(&task, plan.longest_delay, &mut |_, _| {})?;
-    let found = (0..records.len()).map(|k| beginning(&records[k], task.rows[k], &plan, &fitted));
+    let rows: Vec<Rows> = rows.collect();
+    let scene = Scene::of(records, &plan);
+    let (method, scene, period) = (STATIC, &scene, plan.period);
+    let operator = Operator { method, scene, records, rows: &rows, period, substeps: 1 };
+    let solved = delay::search(&operator, plan.longest_delay, &mut |_, _| {})?.solved;
+    let found = (0..records.len()).map(|k| beginning(&operator, k, &solved));
     let mut found = found.collect::<Result<Vec<_>, _>>()?;
     if found.iter().any(|beginning| beginning.run_in > 0.0) {
         let rested = records.iter().zip(&found).map(|(r, b)| r.clone().rested_at(b.rest));
@@ -68,8 +65,9 @@ pub fn beginnings(records: &[Record], settings: &Settings) -> Result<Vec<Beginni
             let rows = plan.fitted.iter().zip(records).zip(from).map(|((rows, record), from)| {
                 Rows { first: ((from / record.period()) as usize).min(rows.end), end: rows.end }
             });
-            let task = Task { records: &rested, rows: rows.collect(), ..task.clone() };
-            held_out_error(&rested, &plan, &task.solve(fitted.linear)?)
+            let rows: Vec<Rows> = rows.collect();
+            let operator = Operator { records: &rested, rows: &rows, ..operator };
+            held_out_error(&operator, &plan, &operator.solve(solved.linear, &[])?)
         };
         let run_ins: Vec<f64> = found.iter().map(|beginning| beginning.run_in).collect();
         if error_without(&run_ins)? > WORSE * WORSE * error_without(&vec![0.0; found.len()])? {
@@ -80,10 +78,10 @@ pub fn beginnings(records: &[Record], settings: &Settings) -> Result<Vec<Beginni
 }
 
 /// Mean square of what the model is off on the held-out rows, each record's mean taken out.
-fn held_out_error(records: &[Record], plan: &Plan, fitted: &Fitted) -> Result<f64, Error> {
+fn held_out_error(operator: &Operator<'_>, plan: &Plan, solved: &Solved) -> Result<f64, Error> {
     let (mut sum, mut count) = (0.0, 0);
-    for (record, rows) in records.iter().zip(&plan.judged) {
-        let errors = errors(record, record.rest(), plan, fitted)?;
+    for (record, rows) in operator.records.iter().zip(&plan.judged) {
+        let errors = errors(operator, record, record.rest(), solved)?;
         let errors = rows.of(&errors);
         let offset = mean(errors);
         sum += errors.iter().map(|e| (e - offset).powi(2)).sum::<f64>();
@@ -93,27 +91,25 @@ fn held_out_error(records: &[Record], plan: &Plan, fitted: &Fitted) -> Result<f6
 }
 
 /// What the model is off in each row of a record whose machine rested under this command.
-fn errors(record: &Record, rest: f64, plan: &Plan, fitted: &Fitted) -> Result<Vec<f64>, Error> {
-    let (period, substeps) = (record.period(), record.periods(plan.period));
-    let columns =
-        responses(rest, record.input(), period, substeps, &plan.thresholds, &fitted.linear)?;
-    let model =
-        |at: usize| columns.iter().zip(&fitted.weights).map(|(c, w)| c[at] * w).sum::<f64>();
-    Ok(record.output().iter().enumerate().map(|(k, y)| y - model(k)).collect())
+fn errors(
+    operator: &Operator<'_>,
+    record: &Record,
+    rest: f64,
+    solved: &Solved,
+) -> Result<Vec<f64>, Error> {
+    let model = operator.position(solved, record, rest, Rows { first: 0, end: record.len() })?;
+    Ok(record.output().iter().zip(model).map(|(y, model)| y - model).collect())
 }
 
 fn inside(rows: Rows) -> usize {
     rows.first + ((1.0 - INSIDE) * rows.len() as f64) as usize
 }
 
-fn beginning(
-    record: &Record,
-    rows: Rows,
-    plan: &Plan,
-    fitted: &Fitted,
-) -> Result<Beginning, Error> {
+/// How the record of this index begins.
+fn beginning(operator: &Operator<'_>, index: usize, solved: &Solved) -> Result<Beginning, Error> {
+    let (record, rows) = (&operator.records[index], operator.rows[index]);
     let errors = |rest: f64| -> Result<Vec<f64>, Error> {
-        let all = errors(record, rest, plan, fitted)?;
+        let all = errors(operator, record, rest, solved)?;
         let offset = mean(rows.of(&all));
         Ok(all.into_iter().map(|e| e - offset).collect())
     };

@@ -3,47 +3,18 @@
 use data::AxisBlueprint;
 use model::unit_on_axis;
 
-use crate::fit::delay::Delay;
 use crate::fit::least_squares::Partner;
 use crate::fit::linear_part::Deviations;
-use crate::fit::operator::{self, Fit, Operator};
+use crate::fit::operator::{self, Fit, Operator, Solved};
 use crate::fit::response::LinearPart;
-use crate::fit::weights::{Fitted, independent_samples};
 use crate::identification::{Correlation, Estimate, Verdict};
 use crate::settings::Plan;
 
 /// Relative standard deviation from which a parameter is uncertain.
 const UNCERTAIN: f64 = 0.5;
 
-/// The estimates of a plant with plays. `independent` is the number of independent residuals.
+/// The estimates of a fit.
 pub(crate) fn of(
-    plan: &Plan,
-    axis: &AxisBlueprint,
-    fitted: &Fitted,
-    delay: Delay,
-    deviations: Deviations,
-    independent: f64,
-) -> Vec<Estimate> {
-    let linear = LinearPart { delay: delay.value, ..fitted.linear };
-    let deviations = Deviations { delay: Some(delay.deviation), ..deviations };
-    let mut all = of_linear_part(plan, &linear, deviations);
-    let unit = unit_on_axis("{position}/{command}", &axis.command.unit, &axis.position.unit);
-    let noise = noise(fitted, independent);
-    let name = |index: usize| format!("hysteresis.w[{}]", index + 1);
-    for (index, (&weight, variance)) in fitted.weights.iter().zip(&fitted.variance).enumerate() {
-        let deviation = variance.map(|v| (v * noise).sqrt());
-        let mut weight = estimate(&name(index), weight, &unit, deviation, deviation.is_none());
-        if plan.thresholds.get(index).is_some_and(|r| *r >= plan.half_range) {
-            weight.verdict = Verdict::NotExcited;
-        }
-        weight.correlated = correlation(fitted.partner.get(index), name);
-        all.push(weight);
-    }
-    all
-}
-
-/// The estimates of any method's fit.
-pub(crate) fn of_operator(
     plan: &Plan,
     axis: &AxisBlueprint,
     operator: &Operator<'_>,
@@ -59,11 +30,15 @@ pub(crate) fn of_operator(
         one.correlated = correlation(fit.shape_partner.get(index), |i| shapes[i].name.to_string());
         all.push(one);
     }
-    let names = operator.method.weights(operator.scene).names;
+    let weights = operator.method.weights(operator.scene);
+    let names = &weights.names;
     let noise = operator::noise(&fit.solved, shapes.len());
-    for (index, (weight, (name, of))) in fit.solved.weights.iter().zip(&names).enumerate() {
+    for (index, (weight, (name, of))) in fit.solved.weights.iter().zip(names).enumerate() {
         let deviation = fit.solved.variance[index].map(|v| (v * noise).sqrt());
         let mut one = estimate(name, *weight, &unit(of), deviation, deviation.is_none());
+        if weights.threshold(index).is_some_and(|r| r >= plan.half_range) {
+            one.verdict = Verdict::NotExcited;
+        }
         one.correlated = correlation(fit.solved.partner.get(index), |i| names[i].0.clone());
         all.push(one);
     }
@@ -95,18 +70,12 @@ fn correlation(
 
 /// Root mean square of the weights' deviations over that of the weights; `None` where the weights
 /// are known one by one too little for a tolerance (neighbouring plays replace each other).
-pub(crate) fn relative_deviation(fitted: &Fitted) -> Option<f64> {
-    let noise = noise(fitted, independent_samples(&fitted.residual));
-    let spread: f64 = fitted.variance.iter().flatten().map(|v| v * noise).sum();
-    let size: f64 = fitted.weights.iter().map(|w| w * w).sum();
+pub(crate) fn relative_deviation(solved: &Solved) -> Option<f64> {
+    let noise = operator::noise(solved, 0);
+    let spread: f64 = solved.variance.iter().flatten().map(|v| v * noise).sum();
+    let size: f64 = solved.weights.iter().map(|w| w * w).sum();
     let relative = (spread / size).sqrt();
     (relative > 0.0 && relative < UNCERTAIN).then_some(relative)
-}
-
-/// Variance of the residual over what one sample of it is worth.
-fn noise(fitted: &Fitted, independent: f64) -> f64 {
-    let unknowns = fitted.variance.iter().flatten().count() as f64;
-    fitted.sum_of_squares / (independent - unknowns).max(1.0)
 }
 
 fn estimate(

@@ -7,16 +7,16 @@ use data::CheckedBlueprint;
 
 use crate::error::Error;
 use crate::estimates;
-use crate::fit::delay::{self, Delay};
+use crate::fit::delay;
 use crate::fit::linear_part::{self, Deviations, Structure};
+use crate::fit::operator::{Fit, Operator};
 use crate::fit::response::LinearPart;
-use crate::fit::weights::{Fitted, Task, independent_samples, mean};
 use crate::identification::{Candidate, Estimate, Identification, Predicted};
 use crate::judge::simulate;
-use crate::methods::{LINEAR, Scene};
+use crate::methods::{Chain, GAIN, Method, STATIC, Scene};
 use crate::observer::Observer;
-use crate::plant::{Actuator, Plant};
-use crate::record::{Record, Rows};
+use crate::plant::Plant;
+use crate::record::Record;
 use crate::settings::{Dynamics, Plan, Settings, Target};
 use crate::structure;
 
@@ -24,8 +24,6 @@ use crate::structure;
 pub const SIGNIFICANT_FALL: f64 = 0.10;
 /// Part of the measured range that a model must move by.
 const STILL: f64 = 1e-6;
-/// Name of the static model's method.
-const STATIC: &str = "prandtl-ishlinskii";
 
 /// Identifies a plant from records of one axis.
 ///
@@ -38,8 +36,8 @@ const STATIC: &str = "prandtl-ishlinskii";
 ///    without it ([`SIGNIFICANT_FALL`]); among structures that do not differ so much the simpler one
 ///    is returned: where plays do not err 10 % less than the best model without hysteresis, that one.
 /// 4. The other methods that were asked for, each with the linear parts found so far as its start,
-///    the simplest first, by the same rule. Methods that are named are not compared with the static
-///    model: the best of them is returned, and an error where none has a model. A model that nothing moves is never
+///    the simplest first, by the same rule. Among methods that are named the best is returned, and the static model only
+///    where it is one of them; an error where none has a model. A model that nothing moves is never
 ///    taken.
 ///
 /// Every error is that of the plant that is returned, simulated ([`RULES`](crate::RULES)). Where the observer asks to
@@ -55,13 +53,13 @@ pub fn identify(
 ) -> Result<Identification, Error> {
     let plan = settings.plan(records)?;
     structure::check_sign(records, &plan)?;
+    let scene = Scene::of(records, &plan);
     let offsets = vec![0.0; records.len()];
-    let mut session = Session { records, target, plan, observer, offsets };
+    let mut session = Session { records, target, plan: &plan, scene: &scene, observer, offsets };
     let baseline = session.line()?;
-    let delayed_line = session.delayed_line()?;
-    let mut linear = delayed_line.clone();
-    let (static_model, static_fit) = session.static_model()?;
-    session.offsets.clone_from(&static_fit.offsets);
+    let (delayed_line, _) = session.with_delay(GAIN, "straight line with delay")?;
+    let (static_model, offsets) = session.with_delay(STATIC, "hysteresis and delay")?;
+    session.offsets = offsets;
     let mut candidates = vec![
         session.candidate(&baseline, "the baseline, for comparison"),
         session.candidate(
@@ -70,22 +68,21 @@ pub fn identify(
         ),
         session.candidate(&static_model, "the simplest model with hysteresis"),
     ];
-    let mut best = static_model;
+    let (mut linear, mut plays) = (delayed_line, static_model);
     let mut stopped = session.observer.stopped();
-    if session.plan.linear && session.plan.dynamics == Dynamics::Automatic && !stopped {
-        match session.linear_parts(Plays::None, &mut linear, &mut candidates) {
-            Ok(()) => {}
-            Err(Error::Stopped) => stopped = true,
-            Err(error) => return Err(error),
+    if session.plan.dynamics == Dynamics::Automatic {
+        for (method, best) in [(GAIN, &mut linear), (STATIC, &mut plays)] {
+            if stopped || method.name() == GAIN.name() && !session.plan.linear {
+                continue;
+            }
+            match session.linear_parts(method, best, &mut candidates) {
+                Ok(()) => {}
+                Err(Error::Stopped) => stopped = true,
+                Err(error) => return Err(error),
+            }
         }
     }
-    if session.plan.dynamics == Dynamics::Automatic && !stopped {
-        match session.linear_parts(Plays::All, &mut best, &mut candidates) {
-            Ok(()) => {}
-            Err(Error::Stopped) => stopped = true,
-            Err(error) => return Err(error),
-        }
-    }
+    let mut best = plays.clone();
     if session.plan.linear && !session.plan.named {
         let fall = 1.0 - best.held_out_rmse / linear.held_out_rmse;
         if fall.is_nan() || fall < SIGNIFICANT_FALL {
@@ -101,7 +98,7 @@ pub fn identify(
         }
     }
     if !stopped {
-        stopped = session.other_methods(&linear, &mut best, &mut candidates)?;
+        stopped = session.other_methods([&linear, &plays], &mut best, &mut candidates)?;
     }
     for candidate in &mut candidates {
         candidate.accepted = is_of(candidate, &best);
@@ -111,15 +108,6 @@ pub fn identify(
 
 fn is_of(candidate: &Candidate, tried: &Tried) -> bool {
     candidate.method == tried.method && candidate.structure == tried.structure
-}
-
-/// What linear parts are looked for around.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Plays {
-    /// A gain.
-    None,
-    /// The static model.
-    All,
 }
 
 /// A model with its simulations.
@@ -152,79 +140,52 @@ impl Tried {
 struct Session<'a> {
     records: &'a [Record],
     target: &'a Target,
-    plan: Plan,
+    plan: &'a Plan,
+    scene: &'a Scene,
     observer: &'a mut dyn Observer,
     /// Of each record, by the static model.
     offsets: Vec<f64>,
 }
 
 impl<'a> Session<'a> {
-    fn task(&self, thresholds: Vec<f64>) -> Task<'a> {
-        Task {
+    /// The fit of a method, one internal step per sample.
+    fn operator(&self, method: &'static dyn Method) -> Operator<'a> {
+        Operator {
+            method,
+            scene: self.scene,
             records: self.records,
-            rows: self.plan.fitted.clone(),
+            rows: &self.plan.fitted,
             period: self.plan.period,
             substeps: 1,
-            thresholds,
-            least_slope: self.plan.least_slope,
         }
     }
 
     /// The best straight line.
     fn line(&self) -> Result<Tried, Error> {
-        let task = self.task(vec![0.0]);
-        let fitted = task.solve(LinearPart::default())?;
-        let mut tried = self.with_gain(&task, fitted, Delay::default(), Deviations::default())?;
+        let operator = self.operator(GAIN);
+        let solved = operator.solve(LinearPart::default(), &[])?;
+        let mut tried = self.fitted(&operator, &Fit::of(solved, Deviations::default()))?;
         // It is there to compare with.
         tried.method = None;
         Ok(tried)
     }
 
-    /// The best straight line with delay.
-    fn delayed_line(&mut self) -> Result<Tried, Error> {
-        let task = self.task(vec![0.0]);
-        let longest = self.plan.longest_delay;
-        let observer = &mut *self.observer;
-        let mut report = |done, total| observer.progress("straight line with delay", done, total);
-        let (delay, fitted) = delay::search(&task, longest, &mut report)?;
-        self.with_gain(&task, fitted, delay, Deviations::default())
+    /// A model with delay alone, and the offset of each record.
+    fn with_delay(
+        &mut self,
+        method: &'static dyn Method,
+        stage: &'static str,
+    ) -> Result<(Tried, Vec<f64>), Error> {
+        let operator = self.operator(method);
+        let mut report = |done, total| self.observer.progress(stage, done, total);
+        let fit = delay::search(&operator, self.plan.longest_delay, &mut report)?;
+        Ok((self.fitted(&operator, &fit)?, fit.solved.offsets))
     }
 
-    fn with_gain(
-        &self,
-        task: &Task<'_>,
-        fitted: Fitted,
-        delay: Delay,
-        deviations: Deviations,
-    ) -> Result<Tried, Error> {
-        let gain = fitted.weights.first().copied().unwrap_or(0.0);
-        let actuator = Actuator::Linear { gain };
-        let (name, offset) = (Some(LINEAR), mean(&fitted.offsets));
-        let mut tried =
-            self.tried(name, &actuator, offset, fitted.linear, deviations, task.substeps)?;
-        tried.parameters = self.estimates(&fitted, delay, deviations);
-        // The weight of the only play is the gain.
-        if let Some(weight) = tried.parameters.last_mut() {
-            "gain.gain".clone_into(&mut weight.name);
-        }
-        Ok(tried)
-    }
-
-    fn static_model(&mut self) -> Result<(Tried, Fitted), Error> {
-        let task = self.task(self.plan.thresholds.clone());
-        let longest = self.plan.longest_delay;
-        let observer = &mut *self.observer;
-        let mut report = |done, total| observer.progress("hysteresis and delay", done, total);
-        let (delay, fitted) = delay::search(&task, longest, &mut report)?;
-        let deviations = Deviations { delay: Some(delay.deviation), ..Deviations::default() };
-        let tried = self.with_plays(&task, fitted.clone(), delay, deviations)?;
-        Ok((tried, fitted))
-    }
-
-    /// Lag, mode and both around the static model or a gain; the best so far is where they begin.
+    /// Lag, mode and both around a method without a shape; the best so far is where they begin.
     fn linear_parts(
         &mut self,
-        plays: Plays,
+        method: &'static dyn Method,
         best: &mut Tried,
         candidates: &mut Vec<Candidate>,
     ) -> Result<(), Error> {
@@ -233,15 +194,12 @@ impl<'a> Session<'a> {
         for (lag, mode) in [(true, false), (false, true), (true, true)] {
             let structure = Structure { lag, mode };
             let known = if lag && mode { with_mode } else { first };
-            let tried = match self.linear_part(plays, structure, &known) {
+            let tried = match self.linear_part(method, structure, &known) {
                 Ok(tried) => tried,
                 // A structure that the data do not support is no reason to return nothing.
                 Err(error @ Error::NoSolution { .. }) => {
-                    let (method, name) = match plays {
-                        Plays::All => (STATIC, structure::name_of(structure).to_owned()),
-                        Plays::None => (LINEAR, format!("gain: {}", structure::name_of(structure))),
-                    };
-                    candidates.push(Candidate::failed(Some(method), name, &error));
+                    let name = structure::name_of(method, structure);
+                    candidates.push(Candidate::failed(Some(method.name()), name, &error));
                     continue;
                 }
                 Err(error) => return Err(error),
@@ -267,73 +225,58 @@ impl<'a> Session<'a> {
 
     fn linear_part(
         &mut self,
-        plays: Plays,
+        method: &'static dyn Method,
         structure: Structure,
         known: &LinearPart,
     ) -> Result<Tried, Error> {
-        let mut task = self.task(match plays {
-            Plays::None => vec![0.0],
-            Plays::All => self.plan.thresholds.clone(),
-        });
+        let mut operator = self.operator(method);
+        let stage = match (structure.lag, structure.mode) {
+            (true, true) => "amplifier lag and mode",
+            (_, true) => "mode",
+            (_, false) => "amplifier lag",
+        };
+        let mut report = |done, total| self.observer.progress(stage, done, total);
         let longest = self.plan.longest_delay;
-        let observer = &mut *self.observer;
-        let stage = structure::name_of(structure);
-        let mut report = |done, total| observer.progress(stage, done, total);
-        let (fitted, deviations) =
-            linear_part::fit(&mut task, structure, longest, known, &mut report)?;
+        let fit = linear_part::fit(&mut operator, structure, longest, known, &mut report)?;
         if self.observer.stopped() {
             return Err(Error::Stopped);
         }
-        let deviation = deviations.delay.unwrap_or(f64::INFINITY);
-        let delay = Delay { value: fitted.linear.delay, deviation };
-        match plays {
-            Plays::None => self.with_gain(&task, fitted, delay, deviations),
-            Plays::All => self.with_plays(&task, fitted, delay, deviations),
+        self.fitted(&operator, &fit)
+    }
+
+    /// The model of a fit.
+    fn fitted(&self, operator: &Operator<'_>, fit: &Fit) -> Result<Tried, Error> {
+        let (method, solved) = (operator.method, &fit.solved);
+        let offset = solved.offset();
+        let mut chain = method.chain(self.scene, &solved.shape, &solved.weights, offset);
+        if let Some(weights) = method.tolerance()
+            && let Some(relative) = estimates::relative_deviation(solved)
+        {
+            let parts = chain.hysteresis.into_iter();
+            chain.hysteresis = parts.map(|part| part.tolerance(weights, relative)).collect();
         }
-    }
-
-    fn with_plays(
-        &self,
-        task: &Task<'_>,
-        fitted: Fitted,
-        delay: Delay,
-        deviations: Deviations,
-    ) -> Result<Tried, Error> {
-        let (r, w) = (task.thresholds.clone(), fitted.weights.clone());
-        let relative_deviation = estimates::relative_deviation(&fitted);
-        let actuator = Actuator::Plays { r: &r, w: &w, relative_deviation };
-        let (offset, linear) = (mean(&fitted.offsets), fitted.linear);
-        let mut tried =
-            self.tried(Some(STATIC), &actuator, offset, linear, deviations, task.substeps)?;
-        tried.parameters = self.estimates(&fitted, delay, deviations);
+        let step = self.plan.period / operator.substeps as f64;
+        let mut tried = self.tried(method.name(), &chain, solved.linear, fit.deviations, step)?;
+        tried.parameters = estimates::of(self.plan, &self.target.axis, operator, fit);
         Ok(tried)
-    }
-
-    fn estimates(&self, fitted: &Fitted, delay: Delay, deviations: Deviations) -> Vec<Estimate> {
-        let independent = independent_samples(&fitted.residual);
-        estimates::of(&self.plan, &self.target.axis, fitted, delay, deviations, independent)
     }
 
     fn tried(
         &self,
-        method: Option<&'static str>,
-        actuator: &Actuator<'_>,
-        offset: f64,
+        method: &'static str,
+        chain: &Chain,
         linear: LinearPart,
         deviations: Deviations,
-        substeps: usize,
+        step: f64,
     ) -> Result<Tried, Error> {
-        let structure = structure::describe(method, actuator, &linear);
-        let step = self.plan.period / substeps as f64;
-        let actuator = actuator.clone();
-        let plant = Plant { actuator, offset, linear, deviations, step, table: None };
-        self.written(method, structure, &plant)
+        let structure = structure::describe(method, chain, &linear);
+        self.written(method, structure, &Plant { chain, linear, deviations, step, table: None })
     }
 
     /// What is found, simulated as it will be written.
     fn written(
         &self,
-        method: Option<&'static str>,
+        method: &'static str,
         structure: String,
         plant: &Plant<'_>,
     ) -> Result<Tried, Error> {
@@ -347,38 +290,18 @@ impl<'a> Session<'a> {
             .map(|record| simulate(&plant, record))
             .collect::<Result<Vec<_>, _>>()?;
         let held_out_rmse = self.pooled(&simulations);
-        let parameters = Vec::new();
         Ok(Tried {
-            method,
+            method: Some(method),
             structure,
             plant,
             simulations,
             held_out_rmse,
             linear,
-            parameters,
+            parameters: Vec::new(),
             numbers: None,
             predicted: None,
             training_note: None,
             seconds: 0.0,
         })
-    }
-
-    fn scene(&self) -> Scene {
-        let rows = || self.records.iter().zip(&self.plan.fitted);
-        let duration = rows().map(|(record, rows)| rows.len() as f64 * record.period());
-        let span = |column: fn(&Record) -> &[f64]| {
-            let part = |(record, rows): (&'a Record, &Rows)| rows.of(column(record));
-            let values = || rows().flat_map(part).copied();
-            [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
-        };
-        let (command, position) = (span(Record::input), span(Record::output));
-        Scene {
-            command,
-            position,
-            zero: Scene::zero_of(command, position),
-            duration: duration.fold(0.0, f64::max),
-            thresholds: self.plan.thresholds.clone(),
-            levels: self.plan.levels,
-        }
     }
 }

@@ -10,21 +10,10 @@ use crate::methods::Chain;
 use crate::record::Record;
 use crate::settings::{MOST_DELAY, Target};
 
-/// What turns the command into a position.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Actuator<'a> {
-    /// `gain · u + offset`.
-    Linear { gain: f64 },
-    /// A Prandtl–Ishlinskii model.
-    Plays { r: &'a [f64], w: &'a [f64], relative_deviation: Option<f64> },
-    /// Another method's components, offset included.
-    Chain(&'a Chain),
-}
-
 /// A plant with one axis.
 pub(crate) struct Plant<'a> {
-    pub(crate) actuator: Actuator<'a>,
-    pub(crate) offset: f64,
+    /// What turns the command into a position, offset included.
+    pub(crate) chain: &'a Chain,
     pub(crate) linear: LinearPart,
     pub(crate) deviations: Deviations,
     /// Internal step in s.
@@ -71,24 +60,7 @@ impl Plant<'_> {
             let lag = ComponentBlueprint::new("amplifier-lag").value("bandwidth", bandwidth);
             chain.push(tolerance(lag, "bandwidth", bandwidth, self.deviations.bandwidth));
         }
-        match &self.actuator {
-            Actuator::Linear { gain } => chain.push(
-                ComponentBlueprint::new("actuator-gain")
-                    .value("gain", *gain)
-                    .value("offset", self.offset),
-            ),
-            Actuator::Plays { r, w, relative_deviation } => {
-                let plays = ComponentBlueprint::new("prandtl-ishlinskii")
-                    .value("r", *r)
-                    .value("w", *w)
-                    .value("offset", self.offset);
-                chain.push(match relative_deviation {
-                    Some(relative) => plays.tolerance("w", *relative),
-                    None => plays,
-                });
-            }
-            Actuator::Chain(parts) => chain.extend(parts.hysteresis.iter().cloned()),
-        }
+        chain.extend(self.chain.hysteresis.iter().cloned());
         if let Some(shape) = linear.mode {
             let mode = ComponentBlueprint::new("mode")
                 .value("frequency", shape.frequency)
@@ -96,9 +68,7 @@ impl Plant<'_> {
             let mode = tolerance(mode, "frequency", shape.frequency, self.deviations.frequency);
             chain.push(tolerance(mode, "damping", shape.damping, self.deviations.damping));
         }
-        if let Actuator::Chain(parts) = &self.actuator {
-            chain.extend(parts.reading.iter().cloned());
-        }
+        chain.extend(self.chain.reading.iter().cloned());
         chain
     }
 }

@@ -5,7 +5,7 @@ use data::AxisBlueprint;
 use crate::error::{Error, Problem, SettingsProblem};
 use crate::fit::operator::Search;
 use crate::learned::{Seek, Selection};
-use crate::methods::{self, LINEAR, METHODS, Way};
+use crate::methods::{self, LINEAR, METHODS, STATIC, Way};
 use crate::record::{Record, Rows, common_period};
 
 /// Choices of an identification; [`Settings::default`] suits a log of some periods of a large slow
@@ -70,15 +70,19 @@ pub enum FeatureChoice {
 }
 
 /// Which hysteresis models are tried.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Methods {
-    /// The static Prandtl–Ishlinskii model only.
-    #[default]
-    PrandtlIshlinskii,
     /// A model without hysteresis and all operators of [`methods`](crate::methods), none that is learned.
     Sensible,
     /// These, by name; the best of them is returned.
     Named(Vec<String>),
+}
+
+impl Default for Methods {
+    /// The static Prandtl–Ishlinskii model.
+    fn default() -> Self {
+        Self::Named(vec![STATIC.name().to_owned()])
+    }
 }
 
 /// Which linear parts are looked for beside the delay.
@@ -101,7 +105,7 @@ impl Default for Settings {
             longest_delay: None,
             least_slope: 0.01,
             dynamics: Dynamics::Automatic,
-            methods: Methods::PrandtlIshlinskii,
+            methods: Methods::default(),
             levels: 20,
             search: Search::LevenbergMarquardt,
             learning: Learning::default(),
@@ -182,6 +186,7 @@ impl Settings {
             .zip(&fitted)
             .map(|(r, w)| range(w.of(r.output())) / range(w.of(r.input())))
             .fold(0.0, f64::max);
+        let methods = self.chosen()?;
         Ok(Plan {
             period,
             thresholds,
@@ -191,24 +196,19 @@ impl Settings {
             least_slope: self.least_slope * slope,
             dynamics: self.dynamics,
             half_range,
-            methods: self.chosen()?,
+            linear: methods.iter().any(|method| method.name() == LINEAR),
+            methods,
             named: matches!(self.methods, Methods::Named(_)),
-            linear: match &self.methods {
-                Methods::PrandtlIshlinskii => false,
-                Methods::Sensible => true,
-                Methods::Named(names) => names.iter().any(|name| name == LINEAR),
-            },
             levels: self.levels,
             search: self.search,
             learning: self.learning,
         })
     }
 
-    /// The methods that are tried beside the static model.
+    /// The methods that are tried.
     fn chosen(&self) -> Result<Vec<Way>, Error> {
         match &self.methods {
-            Methods::PrandtlIshlinskii => Ok(Vec::new()),
-            Methods::Sensible => Ok(METHODS.iter().copied().skip(1).map(Way::Operator).collect()),
+            Methods::Sensible => Ok(METHODS.iter().copied().map(Way::Operator).collect()),
             Methods::Named(names) => {
                 let find = |name: &String| {
                     methods::find(name).ok_or_else(|| Error::NoMethod { name: name.clone() })

@@ -4,60 +4,44 @@ use data::ComponentBlueprint;
 
 use crate::error::{Error, Problem};
 use crate::fit::linear_part::Structure;
+use crate::fit::residual::mean;
 use crate::fit::response::LinearPart;
-use crate::fit::weights::mean;
-use crate::plant::Actuator;
+use crate::methods::{Chain, LINEAR, Method};
 use crate::record::Record;
 use crate::settings::Plan;
 
 /// Correlation of input and output below which the output is taken to fall where the input rises.
 const CLEARLY_NEGATIVE: f64 = -0.3;
 
-/// The structure of a static model with these linear parts.
-pub(crate) fn name_of(structure: Structure) -> &'static str {
-    match (structure.lag, structure.mode) {
-        (true, false) => "delay, amplifier-lag, prandtl-ishlinskii",
-        (false, true) => "delay, prandtl-ishlinskii, mode",
-        (true, true) => "delay, amplifier-lag, prandtl-ishlinskii, mode",
-        (false, false) => "delay, prandtl-ishlinskii",
-    }
+/// The structure of a model that one method and these linear parts make.
+pub(crate) fn name_of(method: &dyn Method, structure: Structure) -> String {
+    let parts = [
+        Some("delay"),
+        structure.lag.then_some("amplifier-lag"),
+        Some(method.name()),
+        structure.mode.then_some("mode"),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 /// The components of a model, in order; a hysteresis that one component offers in several forms by the
 /// name of its method.
-pub(crate) fn describe(
-    method: Option<&'static str>,
-    actuator: &Actuator<'_>,
-    linear: &LinearPart,
-) -> String {
-    let parts = match actuator {
-        Actuator::Linear { .. } => {
-            let parts = [
-                (linear.delay > 0.0).then_some("delay"),
-                linear.bandwidth.map(|_| "amplifier-lag"),
-                Some("actuator-gain"),
-                linear.mode.map(|_| "mode"),
-            ];
-            return parts.into_iter().flatten().collect::<Vec<_>>().join(", ");
-        }
-        Actuator::Plays { .. } => {
-            let structure =
-                Structure { lag: linear.bandwidth.is_some(), mode: linear.mode.is_some() };
-            return name_of(structure).to_owned();
-        }
-        Actuator::Chain(parts) => parts,
-    };
+pub(crate) fn describe(method: &str, chain: &Chain, linear: &LinearPart) -> String {
     let kinds = |parts: &[ComponentBlueprint]| {
         parts.iter().map(|part| part.kind.clone()).collect::<Vec<_>>()
     };
-    let mut all = vec!["delay".to_owned()];
+    let mut all = Vec::new();
+    // A straight line that is there to compare with has none.
+    if linear.delay > 0.0 || method != LINEAR {
+        all.push("delay".to_owned());
+    }
     all.extend(linear.bandwidth.map(|_| "amplifier-lag".to_owned()));
-    match (method, &parts.hysteresis[..]) {
-        (Some(method), [one]) if method.starts_with(&one.kind) => all.push(method.to_owned()),
-        (_, several) => all.extend(kinds(several)),
+    match &chain.hysteresis[..] {
+        [one] if method.starts_with(&one.kind) => all.push(method.to_owned()),
+        several => all.extend(kinds(several)),
     }
     all.extend(linear.mode.map(|_| "mode".to_owned()));
-    all.extend(kinds(&parts.reading));
+    all.extend(kinds(&chain.reading));
     all.join(", ")
 }
 

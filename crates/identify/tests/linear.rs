@@ -90,6 +90,23 @@ fn hysteresis_is_not_taken_for_a_lag_and_linear_is_had_by_name() {
     let linear = found(&log, named("linear"), 8);
     assert_eq!(linear.method, "linear");
     assert!(linear.candidates.iter().any(|c| c.accepted && c.method == Some("linear")));
+    // Of those that are named the best is returned, in whatever order they are named.
+    for names in [["linear", "prandtl-ishlinskii"], ["prandtl-ishlinskii", "linear"]] {
+        let methods = Methods::Named(names.map(str::to_owned).to_vec());
+        assert_eq!(found(&log, methods, 8).method, "prandtl-ishlinskii", "{names:?}");
+    }
+}
+
+#[test]
+fn a_delay_beside_a_gain_states_its_tolerance() {
+    let machine = [
+        component("delay", &[("longest", 0.02), ("delay", 0.003)]),
+        component("actuator-gain", &[("gain", 0.06), ("offset", 1.0)]),
+    ];
+    let linear = found(&[record(&machine, (1500, 1e-3), 0.003)], named("linear"), 8);
+    let delay = &linear.plant.blueprint().axes[0].components[0];
+    let tolerance = delay.tolerance.get("delay").unwrap_or_else(|| panic!("{delay:?}"));
+    assert!(*tolerance > 0.0 && *tolerance < 0.1, "{tolerance}");
 }
 
 #[test]

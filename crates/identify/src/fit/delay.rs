@@ -19,8 +19,10 @@
 
 use crate::error::Error;
 
+use super::linear_part::Deviations;
+use super::operator::{Fit, Operator, Solved};
+use super::residual::independent_samples;
 use super::response::LinearPart;
-use super::weights::{Fitted, Task, independent_samples};
 
 /// Grid of the search in samples.
 const GRID: f64 = 0.5;
@@ -31,76 +33,71 @@ const INTERVALS: usize = 32;
 /// Golden-section steps that narrow the minimum.
 const NARROWING: usize = 24;
 
-/// A delay and what is known of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Delay {
-    /// Estimate in s.
-    pub(crate) value: f64,
-    /// Standard deviation in s.
-    pub(crate) deviation: f64,
-}
-
-/// Searches delays from 0 to `longest` (s), calling `report` with what is done and the total.
+/// The fit of a method without a shape and without lag and mode, its delay searched from 0 to `longest` (s); `report`
+/// is called with what is done and the total.
 ///
 /// # Errors
-/// Those of [`Task::solve`].
+/// Those of [`Operator::solve`].
 pub(crate) fn search(
-    task: &Task<'_>,
+    operator: &Operator<'_>,
     longest: f64,
     report: &mut dyn FnMut(usize, usize),
-) -> Result<(Delay, Fitted), Error> {
-    let total_samples = longest / task.period;
+) -> Result<Fit, Error> {
+    let total_samples = longest / operator.period;
     let grid_points = (total_samples / GRID).ceil() as usize + 1;
     let total = grid_points + NARROWING + INTERVALS + 1;
     let mut done = 0;
     let mut fit_at = |samples: f64| {
         done += 1;
         report(done.min(total), total);
-        task.solve(LinearPart { delay: samples * task.period, ..LinearPart::default() })
+        let delay = samples * operator.period;
+        operator.solve(LinearPart { delay, ..LinearPart::default() }, &[])
     };
     let mut profile = Vec::with_capacity(grid_points);
     for k in 0..grid_points {
         let samples = (k as f64 * GRID).min(total_samples);
-        profile.push((samples, fit_at(samples)?.sum_of_squares));
+        profile.push((samples, fit_at(samples)?.cost()));
     }
     let best = narrow(&profile, &mut fit_at)?;
-    let independent = independent_samples(&best.residual);
-    let likelihood = |sum_of_squares: f64| likelihood(sum_of_squares, &best, independent);
-    profile.push((best.linear.delay / task.period, best.sum_of_squares));
+    let independent = independent_samples(best.residual());
+    // A residual of rounding errors has no likelihood of its own.
+    let (least, floor) = (best.cost(), 1e-20 * operator.energy());
+    // Natural logarithm of the profile likelihood, 0 at the minimum.
+    let likelihood = |sum_of_squares: f64| {
+        let ratio = (sum_of_squares + floor) / (least + floor);
+        -0.5 * independent * ratio.max(1.0).ln()
+    };
+    profile.push((best.linear.delay / operator.period, least));
     profile.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (low, high) = allowed(&profile, likelihood);
     if high - low < 1e-9 {
-        return Ok((Delay { value: best.linear.delay, deviation: 0.0 }, best));
+        return Ok(found(best, 0.0));
     }
     let (mut weight, mut first, mut second) = (0.0, 0.0, 0.0);
     for k in 0..=INTERVALS {
         let samples = low + (high - low) * k as f64 / INTERVALS as f64;
         // Trapezoidal rule.
         let share = if k == 0 || k == INTERVALS { 0.5 } else { 1.0 };
-        let density = share * likelihood(fit_at(samples)?.sum_of_squares).exp();
+        let density = share * likelihood(fit_at(samples)?.cost()).exp();
         weight += density;
         first += density * samples;
         second += density * samples * samples;
     }
     let mean = first / weight;
-    let deviation = (second / weight - mean * mean).max(0.0).sqrt() * task.period;
-    let fitted = fit_at(mean)?;
-    Ok((Delay { value: mean * task.period, deviation }, fitted))
+    let deviation = (second / weight - mean * mean).max(0.0).sqrt() * operator.period;
+    Ok(found(fit_at(mean)?, deviation))
 }
 
-/// Natural logarithm of the profile likelihood, 0 at the minimum.
-fn likelihood(sum_of_squares: f64, best: &Fitted, independent: f64) -> f64 {
-    // A residual of rounding errors has no likelihood of its own.
-    let floor = 1e-20 * best.energy;
-    let ratio = (sum_of_squares + floor) / (best.sum_of_squares + floor);
-    -0.5 * independent * ratio.max(1.0).ln()
+/// The fit with the standard deviation of its delay.
+fn found(solved: Solved, deviation: f64) -> Fit {
+    Fit::of(solved, Deviations { delay: Some(deviation), ..Deviations::default() })
 }
 
 /// The minimum near the best grid point, by golden section.
 fn narrow(
     profile: &[(f64, f64)],
-    fit_at: &mut impl FnMut(f64) -> Result<Fitted, Error>,
-) -> Result<Fitted, Error> {
+    fit_at: &mut impl FnMut(f64) -> Result<Solved, Error>,
+) -> Result<Solved, Error> {
     let best = (0..profile.len()).min_by(|&a, &b| profile[a].1.total_cmp(&profile[b].1));
     let best = best.unwrap_or(0);
     let mut low = profile[best.saturating_sub(1)].0;
@@ -111,7 +108,7 @@ fn narrow(
     let mut right = fit_at(low + GOLDEN * (high - low))?;
     for _ in 0..NARROWING - 4 {
         let (x_left, x_right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-        if left.sum_of_squares < right.sum_of_squares {
+        if left.cost() < right.cost() {
             high = x_right;
             right = left;
             left = fit_at(high - GOLDEN * (high - low))?;
@@ -122,7 +119,7 @@ fn narrow(
         }
     }
     for candidate in [left, right] {
-        if candidate.sum_of_squares < fitted.sum_of_squares {
+        if candidate.cost() < fitted.cost() {
             fitted = candidate;
         }
     }

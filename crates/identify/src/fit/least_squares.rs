@@ -71,14 +71,6 @@ impl Reduced {
         self.factor = if stacked.nrows() > width { stacked.qr().r() } else { stacked };
     }
 
-    /// min ‖A x − b‖ with x ≥ 0.
-    ///
-    /// # Errors
-    /// [`Error::NoSolution`] where the method does not reach a point that is optimal.
-    pub(crate) fn solve_non_negative(self) -> Result<Solution, Error> {
-        self.solve(0)
-    }
-
     /// min ‖A x − b‖ where the first `free` unknowns have any sign and the others are ≥ 0.
     ///
     /// The free ones are eliminated exactly: the rows of R below them are the problem in which each
@@ -239,7 +231,7 @@ mod tests {
     fn blocks_of_rows_give_the_solution_of_the_whole() {
         let truth = [1.0, 0.5, 2.0, 3.0];
         let (reduced, a, b) = system(1, 3 * BLOCK + 7, &truth, 0.1);
-        let solution = reduced.solve_non_negative().expect("solvable");
+        let solution = reduced.solve(0).expect("solvable");
         let direct = a.clone().svd(true, true).solve(&b, 0.0).expect("full rank");
         for (mine, theirs) in solution.x.iter().zip(direct.iter()) {
             assert!((mine - theirs).abs() < 1e-11, "{mine} {theirs}");
@@ -249,7 +241,7 @@ mod tests {
     #[test]
     fn variances_are_those_of_the_normal_equations() {
         let (reduced, a, _) = system(2, 900, &[1.0, 0.0, 2.0], 0.01);
-        let solution = reduced.solve_non_negative().expect("solvable");
+        let solution = reduced.solve(0).expect("solvable");
         let free: Vec<usize> = (0..3).filter(|&i| solution.x[i] > 0.0).collect();
         let columns = a.select_columns(&free);
         let inverse = columns.tr_mul(&columns).try_inverse().expect("full rank");
@@ -268,7 +260,7 @@ mod tests {
                 .collect();
             for noise in [0.0, 1e-12, 1e-3] {
                 let (reduced, ..) = system(seed + 1000, 300, &truth, noise);
-                let solution = reduced.solve_non_negative();
+                let solution = reduced.solve(0);
                 let solution =
                     solution.unwrap_or_else(|e| panic!("seed {seed}, noise {noise}: {e}"));
                 for (found, wanted) in solution.x.iter().zip(&truth) {
@@ -286,7 +278,7 @@ mod tests {
             let x = f64::from(k) - 9.5;
             reduced.push([x, 0.0, 3.0 * x]);
         }
-        let solution = reduced.solve_non_negative().expect("solvable");
+        let solution = reduced.solve(0).expect("solvable");
         assert!((solution.x[0] - 3.0).abs() < 1e-12);
         assert_eq!(solution.x[1], 0.0);
         assert_eq!(solution.variance[1], None);
@@ -298,6 +290,6 @@ mod tests {
         reduced.push([1.0, 2.0]);
         reduced.push([1.0, f64::NAN]);
         reduced.push([f64::INFINITY, 1.0]);
-        assert!(reduced.solve_non_negative().is_err());
+        assert!(reduced.solve(0).is_err());
     }
 }

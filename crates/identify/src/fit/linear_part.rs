@@ -10,11 +10,13 @@
 use core::f64::consts::TAU;
 
 use crate::error::Error;
+use crate::methods::Scene;
 use crate::record::{Record, Rows};
 
 use super::levenberg_marquardt::{PATIENT, Unknown, minimise};
+use super::operator::{Fit, Operator};
+use super::residual::independent_samples;
 use super::response::{LinearPart, ModeShape};
-use super::weights::{Fitted, Task, independent_samples};
 
 /// Which linear parts a candidate has beside its delay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,32 +51,35 @@ const STEPS_PER_CYCLE: f64 = 20.0;
 /// Most internal steps per sample.
 const MOST_SUBSTEPS: f64 = 16.0;
 
-/// Fits the linear parts of `structure` together with the weights, from `known` on: the linear parts
-/// of a simpler structure.
+/// Fits the linear parts of `structure` together with the weights of a method without a shape, from `known` on: the
+/// linear parts of a simpler structure. The operator gets the internal steps that they need.
 ///
 /// # Errors
-/// [`Error::NoSolution`] where the search does not converge, and those of [`Task::solve`].
+/// [`Error::NoSolution`] where the search does not converge, and those of [`Operator::solve`].
 pub(crate) fn fit(
-    task: &mut Task<'_>,
+    operator: &mut Operator<'_>,
     structure: Structure,
     longest_delay: f64,
     known: &LinearPart,
     report: &mut dyn FnMut(usize, usize),
-) -> Result<(Fitted, Deviations), Error> {
-    let start = scan(task, structure, known, report)?;
-    task.substeps = substeps(&start, task.period);
-    let coordinates = Coordinates { structure, period: task.period };
-    let unknowns = coordinates.unknowns(&start, longest_delay, &frequencies(task));
-    let residuals = |p: &[f64]| task.solve(coordinates.linear(p)).map(|fitted| fitted.residual);
+) -> Result<Fit, Error> {
+    let start = scan(operator, structure, known, report)?;
+    operator.substeps = substeps(&start, operator.period);
+    let coordinates = Coordinates { structure, period: operator.period };
+    let range = visible(operator.records, operator.rows);
+    let unknowns = coordinates.unknowns(&start, longest_delay, &range);
+    let solve = |p: &[f64]| operator.solve(coordinates.linear(p), &[]);
+    let residuals = |p: &[f64]| solve(p).map(|solved| solved.residual().to_vec());
     let report = |iteration| report(iteration, PATIENT.iterations);
     let minimum = minimise(&unknowns, PATIENT, residuals, report)?;
-    let fitted = task.solve(coordinates.linear(&minimum.parameters))?;
-    let degrees = independent_samples(&fitted.residual) - minimum.parameters.len() as f64;
-    let noise = fitted.sum_of_squares / degrees.max(1.0);
+    let solved = solve(&minimum.parameters)?;
+    let degrees = independent_samples(solved.residual()) - minimum.parameters.len() as f64;
+    let noise = solved.cost() / degrees.max(1.0);
     // Correlated residuals: the variance grows by samples over independent samples.
     let deviation = |v: Option<f64>| v.map(|v| (v * noise).sqrt());
     let deviations: Vec<_> = minimum.variance.iter().map(|v| deviation(*v)).collect();
-    Ok((fitted.clone(), coordinates.deviations(&fitted.linear, &deviations)))
+    let deviations = coordinates.deviations(&solved.linear, &deviations);
+    Ok(Fit::of(solved, deviations))
 }
 
 /// Internal steps per sample: more than one only where the mode's input changes within a sample.
@@ -85,11 +90,6 @@ pub(crate) fn substeps(linear: &LinearPart, period: f64) -> usize {
         }
         _ => 1,
     }
-}
-
-/// Lowest and highest frequency that can be seen in the rows fitted on.
-fn frequencies(task: &Task<'_>) -> (f64, f64) {
-    visible(task.records, &task.rows)
 }
 
 /// Lowest and highest frequency that can be seen in these rows.
@@ -103,13 +103,16 @@ pub(crate) fn visible(records: &[Record], rows: &[Rows]) -> (f64, f64) {
 
 /// The best start on a grid of frequencies, with a coarse hysteresis.
 fn scan(
-    task: &Task<'_>,
+    operator: &Operator<'_>,
     structure: Structure,
     known: &LinearPart,
     report: &mut dyn FnMut(usize, usize),
 ) -> Result<LinearPart, Error> {
-    let coarse = coarse(task);
-    let (lowest, highest) = frequencies(task);
+    let stride = operator.scene.thresholds.len().div_ceil(SCAN_PLAYS).max(1);
+    let thresholds = operator.scene.thresholds.iter().copied().step_by(stride).collect();
+    let scene = Scene { thresholds, ..operator.scene.clone() };
+    let coarse = Operator { scene: &scene, substeps: 1, ..*operator };
+    let (lowest, highest) = visible(operator.records, operator.rows);
     let count = ((highest / lowest).log10() * SCAN_DENSITY).ceil().max(2.0) as usize;
     let grid: Vec<f64> = (0..count)
         .map(|k| lowest * (highest / lowest).powf(k as f64 / (count - 1) as f64))
@@ -118,21 +121,12 @@ fn scan(
     let mut best: Option<(f64, LinearPart)> = None;
     for (done, &linear) in candidates.iter().enumerate() {
         report(done, candidates.len());
-        let sum = coarse.solve(linear)?.sum_of_squares;
+        let sum = coarse.solve(linear, &[])?.cost();
         if best.is_none_or(|(least, _)| sum < least) {
             best = Some((sum, linear));
         }
     }
     best.map(|(_, linear)| linear).ok_or(Error::no_solution("there is no frequency to start from"))
-}
-
-fn coarse<'a>(task: &Task<'a>) -> Task<'a> {
-    let stride = task.thresholds.len().div_ceil(SCAN_PLAYS).max(1);
-    Task {
-        thresholds: task.thresholds.iter().copied().step_by(stride).collect(),
-        substeps: 1,
-        ..task.clone()
-    }
 }
 
 /// Points of the scan: a lag or a mode in addition to what is known. Either explains a part of the

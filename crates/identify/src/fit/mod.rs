@@ -1,10 +1,10 @@
-//! The fits: weights of the plays, delay, linear parts.
+//! The fits: weights and shape of a method, delay, linear parts.
 
 pub(crate) mod delay;
 pub(crate) mod least_squares;
 pub(crate) mod levenberg_marquardt;
 pub(crate) mod linear_part;
 pub(crate) mod operator;
+pub(crate) mod residual;
 pub(crate) mod response;
 pub(crate) mod swarm;
-pub(crate) mod weights;

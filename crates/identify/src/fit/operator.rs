@@ -17,9 +17,9 @@ use crate::record::{Record, Rows};
 use super::least_squares::{Partner, Reduced};
 use super::levenberg_marquardt::{self, Ending, Minimum, Unknown};
 use super::linear_part::{Coordinates, Deviations, Structure, visible};
+use super::residual::{independent_samples, mean};
 use super::response::{LinearPart, Part, after_hysteresis, before_hysteresis};
 use super::swarm::{self, Swarm};
-use super::weights::{independent_samples, mean};
 
 /// The search ends where the sum of squares falls by less than a thousandth of a percent.
 const ENDING: Ending = Ending { iterations: 150, tolerance: 1e-7 };
@@ -27,7 +27,7 @@ const ENDING: Ending = Ending { iterations: 150, tolerance: 1e-7 };
 const STARTS: usize = 2;
 
 /// What is fitted on.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 pub(crate) struct Operator<'a> {
     pub(crate) method: &'static dyn Method,
     pub(crate) scene: &'a Scene,
@@ -43,8 +43,8 @@ pub(crate) struct Solved {
     pub(crate) linear: LinearPart,
     pub(crate) shape: Vec<f64>,
     pub(crate) weights: Vec<f64>,
-    /// One number for all records: the mean of their offsets.
-    pub(crate) offset: f64,
+    /// Offset of each record in the position's unit.
+    pub(crate) offsets: Vec<f64>,
     /// Residual of all records, then of the penalty.
     residual: Vec<f64>,
     penalties: usize,
@@ -53,6 +53,11 @@ pub(crate) struct Solved {
 }
 
 impl Solved {
+    /// One number for all records: the mean of their offsets.
+    pub(crate) fn offset(&self) -> f64 {
+        mean(&self.offsets)
+    }
+
     /// Residual on the rows fitted on, record after record.
     pub(crate) fn residual(&self) -> &[f64] {
         &self.residual[..self.residual.len() - self.penalties]
@@ -75,6 +80,13 @@ pub(crate) struct Fit {
     pub(crate) shape_partner: Vec<Option<Partner>>,
 }
 
+impl Fit {
+    /// The fit of a method without a shape.
+    pub(crate) fn of(solved: Solved, deviations: Deviations) -> Self {
+        Self { solved, deviations, shape_deviation: Vec::new(), shape_partner: Vec::new() }
+    }
+}
+
 /// How the shape is searched.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Search {
@@ -92,15 +104,16 @@ impl Operator<'_> {
     /// [`Error::NoSolution`] and [`Error::Model`].
     pub(crate) fn solve(&self, linear: LinearPart, shape: &[f64]) -> Result<Solved, Error> {
         let weights = self.method.weights(self.scene);
+        let least = self.method.least(self.scene);
         let mut reduced = Reduced::new(weights.names.len());
         let mut parts = Vec::with_capacity(self.records.len());
         let mut count = 0;
         for (record, rows) in self.records.iter().zip(self.rows) {
-            let columns = self.columns(record, *rows, &linear, shape)?;
+            let columns = self.columns(record, record.rest(), *rows, &linear, shape)?;
             let part = Centred::new(self, shape, columns, rows.of(record.output()));
             count += rows.len();
             for k in 0..rows.len() {
-                reduced.push(part.row(k));
+                reduced.push(part.row(k, least));
             }
             parts.push(part);
         }
@@ -110,18 +123,19 @@ impl Operator<'_> {
             reduced.push(row.iter().map(|v| v * scale).chain([0.0]));
         }
         let solution = reduced.solve(weights.free)?;
-        let mut residual = Vec::with_capacity(count + penalty.len());
-        for part in &parts {
-            residual.extend((0..part.len()).map(|k| part.residual(k, &solution.x)));
+        let mut weights = solution.x;
+        if let Some(first) = weights.first_mut() {
+            *first += least;
         }
-        let product = |row: &Vec<f64>| row.iter().zip(&solution.x).map(|(a, x)| a * x).sum::<f64>();
+        let mut residual = Vec::with_capacity(count + penalty.len());
+        let offsets = parts.iter().map(|part| part.leave(&weights, least, &mut residual)).collect();
+        let product = |row: &Vec<f64>| row.iter().zip(&weights).map(|(a, x)| a * x).sum::<f64>();
         residual.extend(penalty.iter().map(|row| scale * product(row)));
-        let offsets: Vec<f64> = parts.iter().map(|part| part.offset(&solution.x)).collect();
         Ok(Solved {
             linear,
             shape: shape.to_vec(),
-            weights: solution.x,
-            offset: mean(&offsets),
+            weights,
+            offsets,
             residual,
             penalties: penalty.len(),
             variance: solution.variance,
@@ -129,29 +143,74 @@ impl Operator<'_> {
         })
     }
 
-    /// The columns at the rows fitted on.
+    /// Sum of squares of the positions fitted on less each record's mean.
+    pub(crate) fn energy(&self) -> f64 {
+        let of = |(record, rows): (&Record, &Rows)| {
+            let output = rows.of(record.output());
+            let level = mean(output);
+            output.iter().map(|y| (y - level).powi(2)).sum::<f64>()
+        };
+        self.records.iter().zip(self.rows).map(of).sum()
+    }
+
+    /// The position at these rows of a record whose machine rested under this command, less the offset.
+    ///
+    /// # Errors
+    /// [`Error::Model`].
+    pub(crate) fn position(
+        &self,
+        solved: &Solved,
+        record: &Record,
+        rest: f64,
+        rows: Rows,
+    ) -> Result<Vec<f64>, Error> {
+        let columns = self.columns(record, rest, rows, &solved.linear, &solved.shape)?;
+        let at = |k: usize| columns.iter().zip(&solved.weights).map(|(c, w)| c[k] * w).sum();
+        Ok((0..rows.len()).map(at).collect())
+    }
+
+    /// The columns at these rows of a record whose machine rested under this command: one per weight. Row k
+    /// is read before its command acts.
     fn columns(
         &self,
         record: &Record,
+        rest: f64,
         rows: Rows,
         linear: &LinearPart,
         shape: &[f64],
     ) -> Result<Vec<Vec<f64>>, Error> {
         let step = self.period / self.substeps as f64;
         let mut before = before_hysteresis(linear, step)?;
-        // What is behind the last row fitted on does not matter.
-        let input = &record.input()[..rows.end.min(record.len())];
-        let substeps = self.substeps * record.periods(self.period);
-        let signal = through(&mut before, record.rest(), input, substeps);
-        let mut columns = self.method.columns(self.scene, shape, &signal, step)?;
-        for column in &mut columns {
-            if let Some(mut mode) = after_hysteresis(linear, step)? {
-                for (k, value) in column.iter_mut().enumerate() {
-                    *value = if k == 0 { mode.rest(*value) } else { mode.step(*value) };
+        let mut bank = self.method.bank(self.scene, shape, step)?;
+        let count = self.method.weights(self.scene).names.len();
+        let mut after = Vec::with_capacity(count);
+        for _ in 0..count {
+            after.push(after_hysteresis(linear, step)?);
+        }
+        let mut row = vec![0.0; count];
+        let mut columns = vec![Vec::with_capacity(rows.len()); count];
+        // What is behind the last of the rows does not matter.
+        let end = rows.end.min(record.len());
+        let Some((_, held)) = record.input()[..end].split_last() else { return Ok(columns) };
+        bank(before.iter_mut().fold(rest, |signal, part| part.rest(signal)), &mut row);
+        for (value, after) in row.iter_mut().zip(&mut after) {
+            *value = after.as_mut().map_or(*value, |part| part.rest(*value));
+        }
+        let mut keep = |at: usize, row: &[f64]| {
+            if at >= rows.first {
+                columns.iter_mut().zip(row).for_each(|(column, value)| column.push(*value));
+            }
+        };
+        keep(0, &row);
+        for (k, &command) in held.iter().enumerate() {
+            for _ in 0..self.substeps * record.periods(self.period) {
+                let signal = before.iter_mut().fold(command, |signal, part| part.step(signal));
+                bank(signal, &mut row);
+                for (value, after) in row.iter_mut().zip(&mut after) {
+                    *value = after.as_mut().map_or(*value, |part| part.step(*value));
                 }
             }
-            let at = |row: usize| column[row * substeps];
-            *column = (rows.first..rows.end).map(at).collect();
+            keep(k + 1, &row);
         }
         Ok(columns)
     }
@@ -324,50 +383,119 @@ impl Both {
 /// The rows of one record, the offset eliminated by taking the weighted mean from both sides.
 struct Centred {
     columns: Vec<Vec<f64>>,
-    means: Vec<f64>,
     target: Vec<f64>,
-    target_mean: f64,
+    /// Of the map behind everything.
     slope: Vec<f64>,
+    /// Sum of the slopes' squares; none where the static map is tied to the offset.
+    total: Option<f64>,
+    means: Vec<f64>,
+    target_mean: f64,
 }
 
 impl Centred {
     fn new(operator: &Operator<'_>, shape: &[f64], columns: Vec<Vec<f64>>, output: &[f64]) -> Self {
         let unmapped = operator.method.unmapped(operator.scene, shape, output);
-        let (target, slope) = match unmapped {
+        let (target, slope): (Vec<f64>, Vec<f64>) = match unmapped {
             Some(pairs) => pairs.into_iter().unzip(),
             None => (output.to_vec(), vec![1.0; output.len()]),
         };
-        let total: f64 = slope.iter().map(|s: &f64| s * s).sum();
-        let mean = |values: &[f64]| {
-            if operator.method.anchored() {
-                return 0.0;
-            }
-            values.iter().zip(&slope).map(|(v, s)| v * s * s).sum::<f64>() / total
-        };
-        let means = columns.iter().map(|c| mean(c)).collect();
-        let target_mean = mean(&target);
-        Self { means, target_mean, columns, target, slope }
+        let total = slope.iter().map(|s| s * s).sum();
+        let total = (!operator.method.anchored()).then_some(total);
+        let (means, target_mean) = (Vec::new(), 0.0);
+        let mut all = Self { columns, target, slope, total, means, target_mean };
+        all.means = all.columns.iter().map(|c| all.mean(c)).collect();
+        all.target_mean = all.mean(&all.target);
+        all
     }
 
-    fn len(&self) -> usize {
-        self.target.len()
+    /// The offset of these values.
+    fn mean(&self, values: &[f64]) -> f64 {
+        let sum = || values.iter().zip(&self.slope).map(|(v, s)| v * s * s).sum::<f64>();
+        self.total.map_or(0.0, |total| sum() / total)
     }
 
-    fn row(&self, k: usize) -> impl Iterator<Item = f64> + '_ {
+    /// The row of the least squares, where the first weight is `least` plus an unknown that is not negative.
+    fn row(&self, k: usize, least: f64) -> impl Iterator<Item = f64> + '_ {
         let slope = self.slope[k];
         let columns = self.columns.iter().zip(&self.means);
-        columns
-            .map(move |(c, mean)| slope * (c[k] - mean))
-            .chain([slope * (self.target[k] - self.target_mean)])
+        let columns = columns.map(move |(c, mean)| slope * (c[k] - mean));
+        let known = if least > 0.0 { columns.clone().next() } else { None };
+        let target = slope * (self.target[k] - self.target_mean);
+        columns.chain([target - known.map_or(0.0, |first| least * first)])
     }
 
-    fn residual(&self, k: usize, x: &[f64]) -> f64 {
-        let columns = self.columns.iter().zip(&self.means).zip(x);
-        let model: f64 = columns.map(|((c, mean), x)| (c[k] - mean) * x).sum();
-        self.slope[k] * (self.target[k] - self.target_mean - model)
-    }
-
-    fn offset(&self, x: &[f64]) -> f64 {
+    /// Appends what these weights leave of each row; the offset.
+    fn leave(&self, x: &[f64], least: f64, residual: &mut Vec<f64>) -> f64 {
+        let rows = self.target.iter().zip(&self.slope).enumerate();
+        let sum = |k: usize| self.columns.iter().zip(x).map(|(c, x)| c[k] * x).sum::<f64>();
+        let centred = |k: usize| {
+            let columns = self.columns.iter().zip(&self.means).zip(x);
+            columns.map(|((c, mean), x)| (c[k] - mean) * x).sum::<f64>()
+        };
+        // Both are the same numbers but for the last bits. Where a log hardly determines a shape, its search ends
+        // elsewhere for other bits, so each kind of method keeps its own.
+        if least > 0.0 {
+            let left: Vec<f64> = rows.clone().map(|(k, (y, _))| y - sum(k)).collect();
+            let offset = self.mean(&left);
+            residual.extend(left.iter().map(|e| e - offset));
+            return offset;
+        }
+        residual.extend(rows.map(|(k, (y, slope))| slope * (y - self.target_mean - centred(k))));
         self.target_mean - self.means.iter().zip(x).map(|(mean, x)| mean * x).sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::STATIC;
+    use crate::record::Columns;
+
+    /// The columns of plays with these thresholds.
+    fn columns(
+        input: &[f64],
+        substeps: usize,
+        thresholds: &[f64],
+        linear: LinearPart,
+    ) -> Vec<Vec<f64>> {
+        let time: Vec<f64> = (0..input.len()).map(|k| k as f64 * 0.1).collect();
+        let (name, input_name, output_name) = ("a", "u", "y");
+        let all = Columns { name, time: &time, input_name, input, output_name, output: input };
+        let records = [Record::new(all).expect("a record")];
+        let scene = Scene {
+            command: [0.0, 1.0],
+            position: [0.0, 1.0],
+            zero: 0.0,
+            duration: 1.0,
+            thresholds: thresholds.to_vec(),
+            levels: 2,
+            least_slope: 0.01,
+        };
+        let rows = [Rows { first: 0, end: input.len() }];
+        let (method, scene, period) = (STATIC, &scene, 0.1);
+        let operator = Operator { method, scene, records: &records, rows: &rows, period, substeps };
+        operator.columns(&records[0], input[0], rows[0], &linear, &[]).expect("runs")
+    }
+
+    #[test]
+    fn a_row_is_read_before_its_input_acts() {
+        let ramp: Vec<f64> = (0..24).map(f64::from).collect();
+        let columns = columns(&ramp, 1, &[0.0, 0.5], LinearPart::default());
+        assert_eq!(columns[0][..4], [0.0, 0.0, 1.0, 2.0]);
+        assert_eq!(columns[1][..4], [0.0, 0.0, 0.5, 1.5]);
+    }
+
+    #[test]
+    fn at_rest_the_plays_are_on_the_virgin_curve() {
+        assert_eq!(columns(&[2.0; 24], 4, &[0.5], LinearPart::default()), [[1.5; 24]]);
+    }
+
+    #[test]
+    fn delay_shifts_and_substeps_do_not_change_a_static_model() {
+        let input: Vec<f64> = (0..200).map(|k| (f64::from(k) * 0.37).sin()).collect();
+        let linear = LinearPart { delay: 0.2, ..LinearPart::default() };
+        let one = columns(&input, 1, &[0.0, 0.3], linear);
+        assert_eq!(one, columns(&input, 4, &[0.0, 0.3], linear));
+        assert_eq!(one[0][3..], input[..197]);
     }
 }

@@ -1,12 +1,10 @@
-//! The methods that were asked for beside the static model.
+//! The methods that were asked for.
 
 use super::SIGNIFICANT_FALL;
-use super::STATIC;
 use super::STILL;
 use super::Session;
 use super::Tried;
 use crate::error::Error;
-use crate::estimates;
 use crate::fit::linear_part;
 use crate::fit::linear_part::Deviations;
 use crate::fit::operator::Operator;
@@ -24,28 +22,29 @@ use crate::methods::CURVED;
 use crate::methods::Chain;
 use crate::methods::Method;
 use crate::methods::NETWORK;
-use crate::methods::Scene;
+use crate::methods::STATIC;
 use crate::methods::Way;
-use crate::plant::Actuator;
 use crate::plant::Plant;
 use crate::settings::Dynamics;
 use std::time::Instant;
 
 impl Session<'_> {
-    /// Tries the other methods, the simplest first. Whether the observer stopped it.
+    /// Tries the methods, the simplest first; those that find linear parts were tried already. Whether the observer
+    /// stopped it.
     pub(super) fn other_methods(
         &mut self,
-        linear: &Tried,
+        tried_already: [&Tried; 2],
         best: &mut Tried,
         candidates: &mut Vec<Candidate>,
     ) -> Result<bool, Error> {
-        let scene = self.scene();
         let known = best.linear;
         let mut first = self.plan.named;
         let mut failures = Vec::new();
         for method in self.plan.methods.clone() {
-            if method.name() == STATIC {
-                first = false;
+            if let Some(tried) = tried_already.iter().find(|t| t.method == Some(method.name())) {
+                if self.plan.named && (first || tried.held_out_rmse < best.held_out_rmse) {
+                    (*best, first) = ((*tried).clone(), false);
+                }
                 continue;
             }
             if self.observer.stopped() {
@@ -53,16 +52,9 @@ impl Session<'_> {
             }
             let started = Instant::now();
             let tried = match method {
-                Way::Linear => {
-                    // It was tried already.
-                    if first || linear.held_out_rmse < best.held_out_rmse {
-                        (*best, first) = (linear.clone(), false);
-                    }
-                    continue;
-                }
-                Way::Operator(method) => self.method(method, &scene, known),
+                Way::Operator(method) => self.method(method, known),
                 Way::Learned(family) => self.learned(family, known),
-                Way::Network => self.network(&scene, known),
+                Way::Network => self.network(known),
             };
             let mut tried = match tried.and_then(|tried| self.moved(tried)) {
                 Ok(tried) => tried,
@@ -82,13 +74,13 @@ impl Session<'_> {
             tried.seconds = started.elapsed().as_secs_f64();
             let fall = 1.0 - tried.held_out_rmse / best.held_out_rmse;
             let open = match method {
-                Way::Operator(method) => self.open_shape(&tried, method, &scene),
-                Way::Linear | Way::Learned(_) | Way::Network => Vec::new(),
+                Way::Operator(method) => self.open_shape(&tried, method),
+                Way::Learned(_) | Way::Network => Vec::new(),
             };
             let mut reason = format!(
                 "held-out error {:+.1} % against {} ({:.0} % less is needed)",
                 -100.0 * fall,
-                best.method.unwrap_or(STATIC),
+                best.method.unwrap_or(STATIC.name()),
                 100.0 * SIGNIFICANT_FALL
             );
             if let Some(training_note) = &tried.training_note {
@@ -118,17 +110,13 @@ impl Session<'_> {
         let message = "the command moves nothing: the fit left every weight at 0; the records say nothing of this \
                        model, or it has another sign"
             .to_owned();
-        Err(Error::Model { name: tried.method.unwrap_or(STATIC).to_owned(), message })
+        Err(Error::Model { name: tried.method.unwrap_or(STATIC.name()).to_owned(), message })
     }
 
     /// Parameters of the shape, and weights of any sign, that the records leave uncertain: a model that rests on them fits these
     /// records and need not fit others.
-    pub(super) fn open_shape(
-        &self,
-        tried: &Tried,
-        method: &dyn Method,
-        scene: &Scene,
-    ) -> Vec<String> {
+    pub(super) fn open_shape(&self, tried: &Tried, method: &dyn Method) -> Vec<String> {
+        let scene = self.scene;
         let weights = method.weights(scene);
         let free = weights.names.into_iter().take(weights.free).map(|(name, _)| name);
         let shapes = method.shape(scene).into_iter().map(|s| s.name.into_owned());
@@ -141,47 +129,25 @@ impl Session<'_> {
     pub(super) fn method(
         &mut self,
         method: &'static dyn Method,
-        scene: &Scene,
         known: LinearPart,
     ) -> Result<Tried, Error> {
-        let operator = Operator {
-            method,
-            scene,
-            records: self.records,
-            rows: &self.plan.fitted,
-            period: self.plan.period,
-            substeps: linear_part::substeps(&known, self.plan.period),
-        };
+        let substeps = linear_part::substeps(&known, self.plan.period);
+        let operator = Operator { substeps, ..self.operator(method) };
         let (longest, search) = (self.plan.longest_delay, self.plan.search);
         let fit = operator.fit(known, longest, search, self.observer)?;
-        let solved = &fit.solved;
-        let chain = method.chain(scene, &solved.shape, &solved.weights, solved.offset);
-        let actuator = Actuator::Chain(&chain);
-        let (linear, deviations) = (solved.linear, fit.deviations);
-        let name = Some(method.name());
-        let substeps = operator.substeps;
-        let mut tried = self.tried(name, &actuator, solved.offset, linear, deviations, substeps)?;
-        tried.parameters = estimates::of_operator(&self.plan, &self.target.axis, &operator, &fit);
-        Ok(tried)
+        self.fitted(&operator, &fit)
     }
 
     /// Plays between two curves, and the network over them that learns what they leave.
-    pub(super) fn network(&mut self, scene: &Scene, known: LinearPart) -> Result<Tried, Error> {
-        let operator = Operator {
-            method: CURVED,
-            scene,
-            records: self.records,
-            rows: &self.plan.fitted,
-            period: self.plan.period,
-            substeps: 1,
-        };
+    pub(super) fn network(&mut self, known: LinearPart) -> Result<Tried, Error> {
+        let (operator, scene) = (self.operator(CURVED), self.scene);
         // The curve of the position stands in the component: a mode behind it is none of this model.
         let known = LinearPart { mode: None, ..known };
         let (longest, search) = (self.plan.longest_delay, self.plan.search);
         let fit = operator.fit(known, longest, search, self.observer)?;
         let (linear, deviations) = (fit.solved.linear, fit.deviations);
         let solved = &fit.solved;
-        let chain = CURVED.chain(scene, &solved.shape, &solved.weights, solved.offset);
+        let chain = CURVED.chain(scene, &solved.shape, &solved.weights, solved.offset());
         let plays =
             network::Plays::of(&chain).ok_or_else(|| Error::no_solution("it has no plays"))?;
         let period = self.plan.period;
@@ -201,9 +167,7 @@ impl Session<'_> {
             CURVED.shape(scene).iter().map(|shape| (shape.lower, shape.upper)).collect();
         let (component, training_note) = plays.learn(&lessons, period, &bounds, self.observer)?;
         let chain = Chain::of(component);
-        let actuator = Actuator::Chain(&chain);
-        let mut tried =
-            self.tried(Some(NETWORK), &actuator, solved.offset, linear, deviations, 1)?;
+        let mut tried = self.tried(NETWORK, &chain, linear, deviations, period)?;
         tried.numbers = Some(plays.numbers());
         tried.training_note = Some(training_note);
         Ok(tried)
@@ -238,8 +202,7 @@ impl Session<'_> {
         let chain = Chain { hysteresis: chain, reading: Vec::new() };
         let delay = late as f64 * self.plan.period;
         let plant = Plant {
-            actuator: Actuator::Chain(&chain),
-            offset: 0.0,
+            chain: &chain,
             linear: LinearPart { delay, ..LinearPart::default() },
             deviations: Deviations::default(),
             step: self.plan.period,
@@ -248,7 +211,7 @@ impl Session<'_> {
         let kinds = chain.hysteresis.iter().map(|component| component.kind.as_str());
         let structure = (late > 0).then_some("delay").into_iter().chain(kinds);
         let structure = structure.collect::<Vec<_>>().join(", ");
-        let mut tried = self.written(Some(family.name()), structure, &plant)?;
+        let mut tried = self.written(family.name(), structure, &plant)?;
         (tried.numbers, tried.predicted) = (Some(numbers), predicted);
         Ok(tried)
     }

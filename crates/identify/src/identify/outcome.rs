@@ -1,8 +1,9 @@
 //! What was tried, as it is told.
 
-use super::{STATIC, Session, Tried};
+use super::{Session, Tried};
 use crate::identification::{Candidate, Identification, RULES, RecordFit};
 use crate::judge::compare;
+use crate::methods::STATIC;
 use crate::record::Rows;
 
 impl Session<'_> {
@@ -58,7 +59,7 @@ impl Session<'_> {
             plant: best.plant,
             unit: self.target.axis.position.unit.clone(),
             rules: RULES,
-            method: best.method.unwrap_or(STATIC),
+            method: best.method.unwrap_or(STATIC.name()),
             stopped,
             records,
             candidates,

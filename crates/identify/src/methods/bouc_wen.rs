@@ -8,7 +8,7 @@
 use components::hysteresis::BoucWen as Component;
 use data::ComponentBlueprint;
 
-use super::{Chain, Method, PER_COMMAND, Scene, Shape, Weights, states_of};
+use super::{Bank, Chain, Method, PER_COMMAND, Scene, Shape, Weights, stepped};
 use crate::error::Error;
 use crate::fit::response::Part;
 
@@ -65,21 +65,14 @@ impl Method for BoucWen {
 
     fn weights(&self, _scene: &Scene) -> Weights {
         let names = ["hysteresis.gain", "hysteresis.alpha*gain"];
-        Weights { free: 0, names: names.map(|n| (n.to_owned(), PER_COMMAND)).to_vec() }
+        Weights { names: names.map(|n| (n.to_owned(), PER_COMMAND)).to_vec(), ..Weights::default() }
     }
 
-    fn columns(
-        &self,
-        _scene: &Scene,
-        shape: &[f64],
-        signal: &[f64],
-        step: f64,
-    ) -> Result<Vec<Vec<f64>>, Error> {
+    fn bank<'a>(&'a self, _scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
         let [beta, gamma, delta] = law(shape);
         let part = Part::new(&Component, &[], &[1.0, 1.0, beta, gamma, delta, 1.0, 0.0], step)?;
-        Ok(states_of(part, signal, |u, state, row| {
-            row.push(u);
-            row.push(-state.first().copied().unwrap_or(0.0));
+        Ok(stepped(part, |u, state, row| {
+            row.copy_from_slice(&[u, -state.first().copied().unwrap_or(0.0)]);
         }))
     }
 

@@ -18,7 +18,7 @@
 use data::ComponentBlueprint;
 
 use super::prandtl_ishlinskii::plays;
-use super::{Chain, Method, Scene, Shape, Weights};
+use super::{Bank, Chain, Method, Scene, Shape, Weights};
 use crate::error::Error;
 use crate::fit::response::Part;
 
@@ -74,30 +74,27 @@ impl Method for Curved {
     }
 
     fn weights(&self, scene: &Scene) -> Weights {
-        Weights::plays(&[], thresholds(scene).len())
+        Weights::plays(&[], &thresholds(scene))
     }
 
-    fn columns(
-        &self,
-        scene: &Scene,
-        shape: &[f64],
-        signal: &[f64],
-        step: f64,
-    ) -> Result<Vec<Vec<f64>>, Error> {
+    fn bank<'a>(&'a self, scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
         let (centre, half) = scene.centre();
-        let bend = |u: &f64| u + half * shape[0] * ((u - centre) / half).powi(2);
-        let bent: Vec<f64> = signal.iter().map(bend).collect();
+        let [before, share] = [shape[0], shape[3]];
         let [a, b, c] = time_constants(scene);
-        let parameters = [shape[3], shape[3], shape[3], a, b, c];
-        let mut columns = plays(&thresholds(scene), &bent);
-        for column in &mut columns {
-            let creep = &components::creep::KelvinVoigtCreep;
-            let mut creep = Part::new(creep, &[3.0], &parameters, step)?;
-            for (k, value) in column.iter_mut().enumerate() {
-                *value = if k == 0 { creep.rest(*value) } else { creep.step(*value) };
+        let parameters = [share, share, share, a, b, c];
+        let thresholds = thresholds(scene);
+        let creep =
+            |_: &f64| Part::new(&components::creep::KelvinVoigtCreep, &[3.0], &parameters, step);
+        let mut creeps = thresholds.iter().map(creep).collect::<Result<Vec<_>, _>>()?;
+        let mut plays = plays(thresholds);
+        let mut at_rest = true;
+        Ok(Box::new(move |u, row| {
+            plays(u + half * before * ((u - centre) / half).powi(2), row);
+            for (value, creep) in row.iter_mut().zip(&mut creeps) {
+                *value = if at_rest { creep.rest(*value) } else { creep.step(*value) };
             }
-        }
-        Ok(columns)
+            at_rest = false;
+        }))
     }
 
     fn unmapped(&self, scene: &Scene, shape: &[f64], output: &[f64]) -> Option<Vec<(f64, f64)>> {

@@ -3,11 +3,11 @@
 //! `y = offset + Σ w_i P_i + Σ_s (alpha_s·u̇ + beta_s·ü)·1_s·Σ P_i`. The paper searches alpha and beta by
 //! particle swarm; as they enter linearly, least squares finds the same minimum at once.
 
-use components::hysteresis::play::play;
 use components::hysteresis::rate;
 use data::ComponentBlueprint;
 
-use super::{Chain, Method, Scene, Shape, Weights};
+use super::prandtl_ishlinskii::plays;
+use super::{Bank, Chain, Method, Scene, Shape, Weights};
 use crate::error::Error;
 
 /// The method `dynamic-prandtl-ishlinskii`.
@@ -40,7 +40,7 @@ impl Method for DynamicPrandtlIshlinskii {
     }
 
     fn weights(&self, scene: &Scene) -> Weights {
-        let mut weights = Weights::plays(&[], scene.thresholds.len());
+        let mut weights = Weights::plays(&[], &scene.thresholds);
         let names = |name: &'static str, unit: &'static str| {
             (1..=4).map(move |s| (format!("hysteresis.{name}[{s}]"), unit))
         };
@@ -49,39 +49,29 @@ impl Method for DynamicPrandtlIshlinskii {
         weights
     }
 
-    fn columns(
-        &self,
-        scene: &Scene,
-        _shape: &[f64],
-        signal: &[f64],
-        step: f64,
-    ) -> Result<Vec<Vec<f64>>, Error> {
-        let count = scene.thresholds.len();
-        let mut columns = vec![Vec::with_capacity(signal.len()); 8 + count];
-        let mut plays = vec![0.0; count];
-        let mut memory = rate::rest(signal.first().copied().unwrap_or(0.0));
+    fn bank<'a>(&'a self, scene: &'a Scene, _shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
+        let mut plays = plays(scene.thresholds.clone());
+        let mut memory = None;
         let mut acceleration = 0.0;
-        for (k, &u) in signal.iter().enumerate() {
+        Ok(Box::new(move |u, row| {
             // The first value is the rest; then as the component does.
-            if k > 0
-                && let Some(new) = rate::step(&mut memory, u, 1.0 / step)
-            {
-                acceleration = new;
-            }
+            let memory = match &mut memory {
+                None => memory.insert(rate::rest(u)),
+                Some(memory) => {
+                    acceleration = rate::step(memory, u, 1.0 / step).unwrap_or(acceleration);
+                    memory
+                }
+            };
             let rate = memory[1];
-            for ((p, r), column) in plays.iter_mut().zip(&scene.thresholds).zip(&mut columns[8..]) {
-                *p = play(u, *r, *p);
-                column.push(*p);
-            }
-            let sum: f64 = plays.iter().sum();
+            let (dynamic, own) = row.split_at_mut(8);
+            plays(u, own);
+            let sum: f64 = own.iter().sum();
             let here = segment(rate, acceleration);
             for s in 0..4 {
                 let on = if s == here { sum } else { 0.0 };
-                columns[s].push(on * rate);
-                columns[4 + s].push(on * acceleration);
+                (dynamic[s], dynamic[4 + s]) = (on * rate, on * acceleration);
             }
-        }
-        Ok(columns)
+        }))
     }
 
     fn chain(&self, scene: &Scene, _shape: &[f64], weights: &[f64], offset: f64) -> Chain {

@@ -7,7 +7,7 @@
 use components::hysteresis::GeneralisedPlay as Component;
 use data::ComponentBlueprint;
 
-use super::{Chain, Method, Scene, Shape, Weights, states_of};
+use super::{Bank, Chain, Method, Scene, Shape, Weights, stepped};
 use crate::error::Error;
 use crate::fit::response::Part;
 
@@ -48,20 +48,14 @@ impl Method for GeneralisedPlay {
     }
 
     fn weights(&self, scene: &Scene) -> Weights {
-        Weights::plays(&[], scene.thresholds.len())
+        Weights::plays(&[], &scene.thresholds)
     }
 
-    fn columns(
-        &self,
-        scene: &Scene,
-        shape: &[f64],
-        signal: &[f64],
-        step: f64,
-    ) -> Result<Vec<Vec<f64>>, Error> {
+    fn bank<'a>(&'a self, scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
         let r = scene.thresholds.as_slice();
         let parameters = [r, &vec![1.0; r.len()], &[0.0], &envelopes(scene, shape)[..]].concat();
         let part = Part::new(&Component, &[r.len() as f64], &parameters, step)?;
-        Ok(states_of(part, signal, |_, state, row| row.extend_from_slice(&state[2..2 + r.len()])))
+        Ok(stepped(part, |_, state, row| row.copy_from_slice(&state[2..2 + row.len()])))
     }
 
     fn chain(&self, scene: &Scene, shape: &[f64], weights: &[f64], offset: f64) -> Chain {

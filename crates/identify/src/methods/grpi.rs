@@ -7,7 +7,7 @@ use components::hysteresis::Grpi as Component;
 use data::ComponentBlueprint;
 
 use super::rate_dependent_play::growth;
-use super::{Chain, Method, Scene, Shape, Weights, states_of};
+use super::{Bank, Chain, Method, Scene, Shape, Weights, stepped};
 use crate::error::Error;
 use crate::fit::response::Part;
 
@@ -38,21 +38,15 @@ impl Method for Grpi {
     }
 
     fn weights(&self, scene: &Scene) -> Weights {
-        Weights::plays(&[], scene.thresholds.len())
+        Weights::plays(&[], &scene.thresholds)
     }
 
-    fn columns(
-        &self,
-        scene: &Scene,
-        shape: &[f64],
-        signal: &[f64],
-        step: f64,
-    ) -> Result<Vec<Vec<f64>>, Error> {
+    fn bank<'a>(&'a self, scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
         let r = scene.thresholds.as_slice();
         let parameters =
             [r, &vec![1.0; r.len()], &[0.0, 1.0, shape[0], shape[1], shape[2]]].concat();
         let part = Part::new(&Component, &[r.len() as f64], &parameters, step)?;
-        Ok(states_of(part, signal, |_, state, row| row.extend_from_slice(&state[..r.len()])))
+        Ok(stepped(part, |_, state, row| row.copy_from_slice(&state[..row.len()])))
     }
 
     fn chain(&self, scene: &Scene, shape: &[f64], weights: &[f64], offset: f64) -> Chain {

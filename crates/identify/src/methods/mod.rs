@@ -10,6 +10,7 @@ mod curved_prandtl_ishlinskii;
 mod dynamic_prandtl_ishlinskii;
 mod generalised_play;
 mod grpi;
+mod linear;
 mod modified_prandtl_ishlinskii;
 mod mpi;
 mod prandtl_ishlinskii;
@@ -23,9 +24,12 @@ use data::ComponentBlueprint;
 use crate::error::Error;
 use crate::fit::response::Part;
 use crate::learned::plant::Family;
+use crate::record::Record;
+use crate::settings::Plan;
 
 /// All methods, the simplest first. Among methods that differ little the simpler one is returned.
 pub(crate) static METHODS: &[&dyn Method] = &[
+    &linear::Linear,
     &prandtl_ishlinskii::PrandtlIshlinskii,
     &bouc_wen::BoucWen { asymmetric: false },
     &bouc_wen::BoucWen { asymmetric: true },
@@ -53,18 +57,20 @@ pub(crate) trait Method: Sync {
     }
     /// Parameters that are linear, in the order of the columns: those of any sign first.
     fn weights(&self, scene: &Scene) -> Weights;
-    /// One column per weight: its part of the position for each sample of `signal`, which moves from
-    /// rest under its first value, `step` seconds apart.
+    /// The columns, one per weight: its part of the position for each sample of a signal, `step` seconds apart.
     ///
     /// # Errors
     /// [`Error::Model`] where the component refuses the shape.
-    fn columns(
-        &self,
-        scene: &Scene,
-        shape: &[f64],
-        signal: &[f64],
-        step: f64,
-    ) -> Result<Vec<Vec<f64>>, Error>;
+    fn bank<'a>(&'a self, scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error>;
+    /// Least value of the first weight where none is free.
+    fn least(&self, scene: &Scene) -> f64 {
+        let _ = scene;
+        0.0
+    }
+    /// The parameter of the component that holds the weights, where it states their common tolerance.
+    fn tolerance(&self) -> Option<&'static str> {
+        None
+    }
     /// Positions before the static map that the method puts behind everything, and the slope of that
     /// map there; `None` where there is no such map.
     fn unmapped(&self, scene: &Scene, shape: &[f64], output: &[f64]) -> Option<Vec<(f64, f64)>> {
@@ -99,9 +105,31 @@ pub(crate) struct Scene {
     pub(crate) thresholds: Vec<f64>,
     /// Levels of a Preisach model.
     pub(crate) levels: usize,
+    /// Least slope of a model for small motions, in position per command.
+    pub(crate) least_slope: f64,
 }
 
 impl Scene {
+    /// What the rows fitted on show.
+    pub(crate) fn of(records: &[Record], plan: &Plan) -> Self {
+        let rows = || records.iter().zip(&plan.fitted);
+        let duration = rows().map(|(record, rows)| rows.len() as f64 * record.period());
+        let span = |column: fn(&Record) -> &[f64]| {
+            let values = || rows().flat_map(|(record, rows)| rows.of(column(record))).copied();
+            [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+        };
+        let (command, position) = (span(Record::input), span(Record::output));
+        Self {
+            command,
+            position,
+            zero: Self::zero_of(command, position),
+            duration: duration.fold(0.0, f64::max),
+            thresholds: plan.thresholds.clone(),
+            levels: plan.levels,
+            least_slope: plan.least_slope,
+        }
+    }
+
     /// Position at zero command on the line from the least to the greatest command and position.
     pub(crate) fn zero_of([low, high]: [f64; 2], [bottom, top]: [f64; 2]) -> f64 {
         bottom - low * (top - bottom) / (high - low)
@@ -149,16 +177,25 @@ pub(crate) struct Weights {
     pub(crate) free: usize,
     /// Name and unit of each.
     pub(crate) names: Vec<(String, &'static str)>,
+    /// Thresholds of the plays; their weights are the last ones.
+    pub(crate) thresholds: Vec<f64>,
 }
 
 pub(crate) const PER_COMMAND: &str = "{position}/{command}";
 
 impl Weights {
     /// These of any sign, then one per play.
-    pub(crate) fn plays(free: &[(&str, &'static str)], plays: usize) -> Self {
+    pub(crate) fn plays(free: &[(&str, &'static str)], thresholds: &[f64]) -> Self {
         let named = free.iter().map(|(name, unit)| ((*name).to_owned(), *unit));
-        let plays = (1..=plays).map(|i| (format!("hysteresis.w[{i}]"), PER_COMMAND));
-        Self { free: free.len(), names: named.chain(plays).collect() }
+        let plays = (1..=thresholds.len()).map(|i| (format!("hysteresis.w[{i}]"), PER_COMMAND));
+        let (free, thresholds) = (free.len(), thresholds.to_vec());
+        Self { free, names: named.chain(plays).collect(), thresholds }
+    }
+
+    /// Threshold of the play with this weight.
+    pub(crate) fn threshold(&self, index: usize) -> Option<f64> {
+        let first = self.names.len() - self.thresholds.len();
+        index.checked_sub(first).map(|play| self.thresholds[play])
     }
 }
 
@@ -176,30 +213,24 @@ impl Chain {
     }
 }
 
-/// Runs a component over a signal and takes the columns from what it remembers.
-pub(crate) fn states_of(
+/// The columns of a method: takes the next sample of the signal and writes its row. The machine rests under the first one.
+pub(crate) type Bank<'a> = Box<dyn FnMut(f64, &mut [f64]) + 'a>;
+
+/// Runs a component over the signal and takes each row from what it remembers.
+pub(crate) fn stepped(
     mut part: Part,
-    signal: &[f64],
-    mut take: impl FnMut(f64, &[f64], &mut Vec<f64>),
-) -> Vec<Vec<f64>> {
-    let mut row = Vec::new();
-    let mut columns: Vec<Vec<f64>> = Vec::new();
-    for (k, &u) in signal.iter().enumerate() {
-        if k == 0 {
+    mut take: impl FnMut(f64, &[f64], &mut [f64]) + 'static,
+) -> Bank<'static> {
+    let mut at_rest = true;
+    Box::new(move |u, row| {
+        if at_rest {
             part.rest(u);
         } else {
             part.step(u);
         }
-        row.clear();
-        take(u, part.state(), &mut row);
-        if k == 0 {
-            columns = row.iter().map(|_| Vec::with_capacity(signal.len())).collect();
-        }
-        for (column, value) in columns.iter_mut().zip(&row) {
-            column.push(*value);
-        }
-    }
-    columns
+        at_rest = false;
+        take(u, part.state(), row);
+    })
 }
 
 /// Name of plays between two curves with a small network.
@@ -208,24 +239,27 @@ pub(crate) const NETWORK: &str = "learned-plays";
 /// The method whose plays these are.
 pub(crate) static CURVED: &dyn Method = &curved_prandtl_ishlinskii::Curved;
 
+/// The static model with hysteresis: its offsets and linear parts are where the others begin.
+pub(crate) static STATIC: &dyn Method = &prandtl_ishlinskii::PrandtlIshlinskii;
+
+/// The model without hysteresis.
+pub(crate) static GAIN: &dyn Method = &linear::Linear;
+
 /// Name of the model without hysteresis.
 pub(crate) const LINEAR: &str = "linear";
 
 /// The method of this name.
 pub(crate) fn find(name: &str) -> Option<Way> {
-    let linear = (name == LINEAR).then_some(Way::Linear);
-    let operator = || METHODS.iter().copied().find(|m| m.name() == name).map(Way::Operator);
+    let operator = METHODS.iter().copied().find(|m| m.name() == name).map(Way::Operator);
     let learned = || Family::ALL.into_iter().find(|f| f.name() == name).map(Way::Learned);
     let network = (name == NETWORK).then_some(Way::Network);
-    linear.or_else(operator).or_else(learned).or(network)
+    operator.or_else(learned).or(network)
 }
 
 /// How a plant is found.
 #[derive(Clone, Copy)]
 pub(crate) enum Way {
-    /// A gain with linear parts.
-    Linear,
-    /// By a fit of an operator.
+    /// By a fit.
     Operator(&'static dyn Method),
     /// By learning.
     Learned(Family),
@@ -236,7 +270,6 @@ pub(crate) enum Way {
 impl Way {
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Way::Linear => LINEAR,
             Way::Operator(method) => method.name(),
             Way::Learned(family) => family.name(),
             Way::Network => NETWORK,
@@ -253,13 +286,12 @@ pub fn is_learned(name: &str) -> bool {
 /// Name and sentence of every method that can be identified.
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
     let learned = Family::ALL.into_iter().map(|f| (f.name(), f.summary()));
-    let linear = (LINEAR, "Gain, delay, lag and mode without hysteresis");
     let operators = METHODS.iter().map(|m| (m.name(), m.summary()));
     let network = (
         NETWORK,
         "Smooth Prandtl-Ishlinskii between two curves, and a network over its plays: learned",
     );
-    std::iter::once(linear).chain(operators).chain(learned).chain([network])
+    operators.chain(learned).chain([network])
 }
 
 #[cfg(test)]
@@ -271,7 +303,7 @@ mod tests {
     #[test]
     fn names_are_unique_and_found() {
         let names: BTreeSet<_> = methods().map(|(name, _)| name).collect();
-        assert_eq!(names.len(), 2 + METHODS.len() + Family::ALL.len());
+        assert_eq!(names.len(), 1 + METHODS.len() + Family::ALL.len());
         assert!(names.iter().all(|name| find(name).is_some()));
     }
 
@@ -284,6 +316,7 @@ mod tests {
             duration: 1.0,
             thresholds: vec![0.0, 1.0, 2.0, 3.0],
             levels: 6,
+            least_slope: 0.0,
         };
         let signal: Vec<f64> = (0..100).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.1).cos()).collect();
         for method in METHODS {
@@ -293,12 +326,16 @@ mod tests {
                 for (value, s) in start.iter().zip(&shape) {
                     assert!((s.lower..=s.upper).contains(value), "{}: {s:?}", method.name());
                 }
-                let columns = method.columns(&scene, &start, &signal, 0.01);
-                let columns = columns.unwrap_or_else(|e| panic!("{}: {e}", method.name()));
+                let bank = method.bank(&scene, &start, 0.01);
+                let mut bank = bank.unwrap_or_else(|e| panic!("{}: {e}", method.name()));
                 let weights = method.weights(&scene);
-                assert_eq!(columns.len(), weights.names.len(), "{}", method.name());
-                assert!(weights.free <= columns.len());
-                assert!(columns.iter().all(|c| c.len() == signal.len()));
+                assert!(weights.free <= weights.names.len());
+                // Each value of a row is written.
+                let mut row = vec![f64::NAN; weights.names.len()];
+                for &u in &signal {
+                    bank(u, &mut row);
+                    assert!(row.iter().all(|value| value.is_finite()), "{}", method.name());
+                }
             }
         }
     }

@@ -8,7 +8,7 @@ use components::hysteresis::dead_zone::DeadZones;
 use data::ComponentBlueprint;
 
 use super::prandtl_ishlinskii::plays;
-use super::{Chain, Method, Scene, Shape, Weights};
+use super::{Bank, Chain, Method, Scene, Shape, Weights};
 use crate::error::Error;
 
 /// The method `modified-prandtl-ishlinskii`.
@@ -41,17 +41,11 @@ impl Method for ModifiedPrandtlIshlinskii {
     }
 
     fn weights(&self, scene: &Scene) -> Weights {
-        Weights::plays(&[], scene.thresholds.len())
+        Weights::plays(&[], &scene.thresholds)
     }
 
-    fn columns(
-        &self,
-        scene: &Scene,
-        _shape: &[f64],
-        signal: &[f64],
-        _step: f64,
-    ) -> Result<Vec<Vec<f64>>, Error> {
-        Ok(plays(&scene.thresholds, signal))
+    fn bank<'a>(&'a self, scene: &'a Scene, _shape: &[f64], _step: f64) -> Result<Bank<'a>, Error> {
+        Ok(plays(scene.thresholds.clone()))
     }
 
     fn unmapped(&self, scene: &Scene, shape: &[f64], output: &[f64]) -> Option<Vec<(f64, f64)>> {

@@ -7,7 +7,7 @@ use components::hysteresis::Mpi as Component;
 use data::ComponentBlueprint;
 
 use super::rate_dependent_play::{above_zero, growth};
-use super::{Chain, Method, PER_COMMAND, Scene, Shape, Weights, states_of};
+use super::{Bank, Chain, Method, PER_COMMAND, Scene, Shape, Weights, stepped};
 use crate::error::Error;
 use crate::fit::response::Part;
 
@@ -35,22 +35,17 @@ impl Method for Mpi {
     fn weights(&self, scene: &Scene) -> Weights {
         let cubic = "{position}/{command}/{command}/{command}";
         let free = [("hysteresis.linear", PER_COMMAND), ("hysteresis.cubic", cubic)];
-        Weights::plays(&free, above_zero(scene).len())
+        Weights::plays(&free, above_zero(scene))
     }
 
-    fn columns(
-        &self,
-        scene: &Scene,
-        shape: &[f64],
-        signal: &[f64],
-        step: f64,
-    ) -> Result<Vec<Vec<f64>>, Error> {
+    fn bank<'a>(&'a self, scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
         let r = above_zero(scene);
         let parameters = [r, &vec![1.0; r.len()], &[0.0, 0.0, 0.0, shape[0], shape[1]]].concat();
         let part = Part::new(&Component, &[r.len() as f64], &parameters, step)?;
-        Ok(states_of(part, signal, |u, state, row| {
-            row.extend([u, u * u * u]);
-            row.extend_from_slice(&state[..r.len()]);
+        Ok(stepped(part, |u, state, row| {
+            let (polynomial, plays) = row.split_at_mut(2);
+            polynomial.copy_from_slice(&[u, u * u * u]);
+            plays.copy_from_slice(&state[..plays.len()]);
         }))
     }
 

@@ -3,23 +3,21 @@
 use components::hysteresis::play::play;
 use data::ComponentBlueprint;
 
-use super::{Chain, Method, Scene, Shape, Weights};
+use super::{Bank, Chain, Method, Scene, Shape, Weights};
 use crate::error::Error;
 
 /// The method `prandtl-ishlinskii`.
 pub(crate) struct PrandtlIshlinskii;
 
 /// The plays of these thresholds, one column each.
-pub(crate) fn plays(thresholds: &[f64], signal: &[f64]) -> Vec<Vec<f64>> {
-    let column = |r: &f64| {
-        let mut state = 0.0;
-        let step = |u: &f64| {
-            state = play(*u, *r, state);
-            state
-        };
-        signal.iter().map(step).collect()
-    };
-    thresholds.iter().map(column).collect()
+pub(crate) fn plays(thresholds: Vec<f64>) -> Bank<'static> {
+    let mut states = vec![0.0; thresholds.len()];
+    Box::new(move |u, row| {
+        for ((value, state), r) in row.iter_mut().zip(&mut states).zip(&thresholds) {
+            *state = play(u, *r, *state);
+            *value = *state;
+        }
+    })
 }
 
 impl Method for PrandtlIshlinskii {
@@ -36,17 +34,19 @@ impl Method for PrandtlIshlinskii {
     }
 
     fn weights(&self, scene: &Scene) -> Weights {
-        Weights::plays(&[], scene.thresholds.len())
+        Weights::plays(&[], &scene.thresholds)
     }
 
-    fn columns(
-        &self,
-        scene: &Scene,
-        _shape: &[f64],
-        signal: &[f64],
-        _step: f64,
-    ) -> Result<Vec<Vec<f64>>, Error> {
-        Ok(plays(&scene.thresholds, signal))
+    fn bank<'a>(&'a self, scene: &'a Scene, _shape: &[f64], _step: f64) -> Result<Bank<'a>, Error> {
+        Ok(plays(scene.thresholds.clone()))
+    }
+
+    fn least(&self, scene: &Scene) -> f64 {
+        scene.least_slope
+    }
+
+    fn tolerance(&self) -> Option<&'static str> {
+        Some("w")
     }
 
     fn chain(&self, scene: &Scene, _shape: &[f64], weights: &[f64], offset: f64) -> Chain {

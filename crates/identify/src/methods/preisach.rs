@@ -10,7 +10,7 @@
 
 use data::ComponentBlueprint;
 
-use super::{Chain, Method, Scene, Shape, Weights};
+use super::{Bank, Chain, Method, Scene, Shape, Weights};
 use crate::error::Error;
 
 /// The method `preisach`.
@@ -130,27 +130,17 @@ impl Method for Preisach {
     fn weights(&self, scene: &Scene) -> Weights {
         let names =
             (1..=relays(scene.levels)).map(|i| (format!("hysteresis.cell[{i}]"), "{position}"));
-        Weights { free: 0, names: names.collect() }
+        Weights { names: names.collect(), ..Weights::default() }
     }
 
-    fn columns(
-        &self,
-        scene: &Scene,
-        _shape: &[f64],
-        signal: &[f64],
-        _step: f64,
-    ) -> Result<Vec<Vec<f64>>, Error> {
+    fn bank<'a>(&'a self, scene: &'a Scene, _shape: &[f64], _step: f64) -> Result<Bank<'a>, Error> {
         let [low, high] = range(scene);
         let mut relays = Relays::new(scene.levels);
         let per_command = relays.levels as f64 / (high - low);
-        let mut columns = vec![Vec::with_capacity(signal.len()); relays.parts.len()];
-        for &u in signal {
+        Ok(Box::new(move |u, row| {
             relays.step(((u - low) * per_command).floor() as usize);
-            for (column, value) in columns.iter_mut().zip(&relays.parts) {
-                column.push(*value);
-            }
-        }
-        Ok(columns)
+            row.copy_from_slice(&relays.parts);
+        }))
     }
 
     fn penalty(&self, scene: &Scene) -> Vec<Vec<f64>> {
@@ -193,14 +183,16 @@ mod tests {
                 duration: 1.0,
                 thresholds: vec![0.0],
                 levels,
+                least_slope: 0.0,
             };
             let wave = |k: i32| {
                 let k = f64::from(k);
                 10.0 + (22.0 - 0.03 * k) * (0.1 * k).sin() + 3.0 * (0.37 * k).sin()
             };
             let signal: Vec<f64> = (0..600).map(wave).collect();
-            let columns = Preisach.columns(&scene, &[], &signal, 1.0).expect("columns");
-            let weights: Vec<f64> = (0..columns.len()).map(|i| 0.1 + (i % 7) as f64).collect();
+            let mut bank = Preisach.bank(&scene, &[], 1.0).expect("columns");
+            let mut row = vec![0.0; relays(levels)];
+            let weights: Vec<f64> = (0..row.len()).map(|i| 0.1 + (i % 7) as f64).collect();
             let mu = spread(&weights, levels);
             let structure = [mu.len() as f64];
             let parameters = [&mu[..], &range(&scene), &[0.5]].concat();
@@ -209,7 +201,8 @@ mod tests {
             let mut part = Part::new(component, &structure, &parameters, 1.0).expect("parameters");
             for (k, u) in signal.iter().enumerate() {
                 let found = if k == 0 { part.rest(*u) } else { part.step(*u) };
-                let sum: f64 = columns.iter().zip(&weights).map(|(c, w)| c[k] * w).sum();
+                bank(*u, &mut row);
+                let sum: f64 = row.iter().zip(&weights).map(|(c, w)| c * w).sum();
                 assert!(
                     (found - 0.5 - sum).abs() < 1e-9 * weights.iter().sum::<f64>(),
                     "{levels}: {k}"

@@ -6,7 +6,7 @@
 use components::hysteresis::RateDependentPlay as Component;
 use data::ComponentBlueprint;
 
-use super::{Chain, Method, PER_COMMAND, Scene, Shape, Weights, states_of};
+use super::{Bank, Chain, Method, PER_COMMAND, Scene, Shape, Weights, stepped};
 use crate::error::Error;
 use crate::fit::response::Part;
 
@@ -46,24 +46,19 @@ impl Method for RateDependentPlay {
     }
 
     fn weights(&self, scene: &Scene) -> Weights {
-        let mut weights = Weights::plays(&[], above_zero(scene).len());
+        let mut weights = Weights::plays(&[], above_zero(scene));
         weights.names.insert(0, ("hysteresis.gain".to_owned(), PER_COMMAND));
         weights
     }
 
-    fn columns(
-        &self,
-        scene: &Scene,
-        shape: &[f64],
-        signal: &[f64],
-        step: f64,
-    ) -> Result<Vec<Vec<f64>>, Error> {
+    fn bank<'a>(&'a self, scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
         let r = above_zero(scene);
         let parameters = [r, &vec![1.0; r.len()], &[0.0, 0.0, shape[0]]].concat();
         let part = Part::new(&Component, &[r.len() as f64], &parameters, step)?;
-        Ok(states_of(part, signal, |u, state, row| {
-            row.push(u);
-            row.extend_from_slice(&state[..r.len()]);
+        Ok(stepped(part, |u, state, row| {
+            let (gain, plays) = row.split_at_mut(1);
+            gain[0] = u;
+            plays.copy_from_slice(&state[..plays.len()]);
         }))
     }
 

@@ -32,7 +32,7 @@ impl Baseline<'_> {
             longest_delay: if self.dynamic { None } else { Some(0.0) },
             dynamics: if self.dynamic { Dynamics::Automatic } else { Dynamics::Static },
             methods: match self.method {
-                None => Methods::PrandtlIshlinskii,
+                None => Methods::default(),
                 Some(name) => Methods::Named(vec![name.to_owned()]),
             },
             levels: self.levels,
