@@ -211,7 +211,6 @@ fn is_named_once(
 }
 
 #[test]
-#[ignore = "each output has the name by itself"]
 fn a_shared_mode_of_another_frequency_is_named_once() {
     for axes in [2, 3] {
         is_named_once(axes, |all, _| all[1].frequency *= 1.09, "resonance_shift", 0.01);
@@ -219,7 +218,6 @@ fn a_shared_mode_of_another_frequency_is_named_once() {
 }
 
 #[test]
-#[ignore = "each output has the name by itself"]
 fn a_shared_mode_that_is_damped_more_is_named_once() {
     for axes in [2, 3] {
         is_named_once(axes, |all, _| all[0].damping *= 2.0, "damping", 0.01);
@@ -227,7 +225,6 @@ fn a_shared_mode_that_is_damped_more_is_named_once() {
 }
 
 #[test]
-#[ignore = "the answer is unknown"]
 fn a_shared_mode_that_the_model_lacks_is_named_once() {
     for axes in [2, 3] {
         let add = |all: &mut Vec<Mode>, random: &mut Random| {

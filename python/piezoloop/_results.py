@@ -22,6 +22,8 @@ class Effect(Record):
     effect: str
     """Identifier, such as ``"creep"``; ``piezoloop list effects`` lists them."""
     output: str
+    also: list[str]
+    """Further outputs that show the same cause."""
     stage: str
     """Place in the signal path: ``"timing"``, ``"amplifier"``, ``"actuator"``, ``"mechanics"``, ``"coupling"``, ``"environment"``, ``"sensor"``."""
     probability: float

@@ -2,6 +2,7 @@
 
 mod leftover;
 mod sensor;
+mod shared;
 
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicU64;
@@ -32,7 +33,8 @@ pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> 
         .max_by(|a, b| size(&outcomes[*a]).total_cmp(&size(&outcomes[*b])).then(b.cmp(a)))
         .unwrap_or(0);
     let outputs: Vec<OutputGap> = outcomes.iter().map(|o| output(o, request.seed)).collect();
-    let mut effects: Vec<NamedEffect> = outcomes.iter().flat_map(named).collect();
+    let effects: Vec<NamedEffect> = outcomes.iter().flat_map(named).collect();
+    let mut effects = shared::once(effects, outcomes, &outcomes[main].task.output);
     effects.sort_by(|a, b| b.explained.total_cmp(&a.explained));
     let outcome = &outcomes[main];
     let maps = maps(outcome);
@@ -287,6 +289,7 @@ fn effect_of(
     NamedEffect {
         effect: effect.name.to_owned(),
         output: o.task.output.clone(),
+        also: Vec::new(),
         stage: effect.stage.name().to_owned(),
         probability,
         set,

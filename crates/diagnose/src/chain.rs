@@ -13,6 +13,7 @@ use surround::{Block, ForcedMode, Signals};
 
 use crate::black_box::BlackBox;
 use crate::data_set::{DataSet, RecordData};
+use crate::library::OWN_COMMAND;
 use crate::path_block::PathBlock;
 use crate::thresholds::fit::Thresholds;
 
@@ -91,7 +92,7 @@ pub(crate) enum Node {
     /// A mode of the model with other forces on it.
     Forced { mode: ComponentNode, forces: Vec<Acting> },
     /// A block of an effect; its parameters begin at `first`. Its drive is that of the actuator, or the command.
-    Block { block: PathBlock, first: usize, count: usize, aux: usize, of_command: bool },
+    Block { block: PathBlock, takes: Vec<usize>, aux: usize, of_command: bool },
     /// The gain of the output: 1 + deviation·coordinate.
     Gain { parameter: usize, deviation: f64 },
     /// An FMU.
@@ -256,10 +257,13 @@ impl<'a> Bench<'a> {
             return component.run(theta, self.data.step, &mut lanes);
         }
         let (parameters, step) = (&self.chain.parameters, self.data.step);
-        if let Node::Block { block, first, count, aux, of_command } = node {
-            let p = natural(parameters, theta, *first, *count);
+        if let Node::Block { block, takes, aux, of_command } = node {
+            let p: Vec<f64> = takes.iter().map(|k| parameters[*k].value(theta[*k])).collect();
             let block = block.prepare(&p, step).map_err(|_| Failed)?;
-            let aux = self.data.aux.get(*aux).map_or(x, |a| &a.hits);
+            let aux = match *aux {
+                OWN_COMMAND => &self.data.command,
+                aux => self.data.aux.get(aux).map_or(x, |a| &a.hits),
+            };
             let drive = if *of_command { &self.data.command } else { drive };
             return self.ranges().try_for_each(|(_, range)| {
                 let (x, drive) = (&x[range.clone()], &drive[range.clone()]);

@@ -91,6 +91,9 @@ pub struct NamedEffect {
     pub effect: String,
     /// Output that shows it.
     pub output: String,
+    /// Further outputs that show the same cause.
+    #[serde(default)]
+    pub also: Vec<String>,
     /// Stage on the signal path.
     pub stage: String,
     /// Probability that the name is right, given the data and this library.

@@ -51,14 +51,17 @@ impl Slot {
     ];
 }
 
+/// The path's own command as the auxiliary signal of a block.
+pub(crate) const OWN_COMMAND: usize = usize::MAX;
+
 /// A block in its place.
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
     pub(crate) slot: Slot,
     pub(crate) block: PathBlock,
-    /// Number of parameters that it takes from the formula's, in order.
-    pub(crate) count: usize,
-    /// Auxiliary column.
+    /// Numbers of the formula's parameters that it takes, in its order.
+    pub(crate) takes: Vec<usize>,
+    /// Auxiliary column, or [`OWN_COMMAND`].
     pub(crate) aux: usize,
     /// Whether its drive is the command as it enters the model, and not what drives the actuator.
     pub(crate) of_command: bool,
@@ -171,9 +174,21 @@ impl Formula {
         block: impl Into<PathBlock>,
         parameters: Vec<Free>,
     ) -> Self {
-        let (block, count) = (block.into(), parameters.len());
-        self.pieces.push(Piece { slot, block, count, aux: 0, of_command: false });
+        let first = self.parameters.len();
+        let takes = (first..first + parameters.len()).collect();
         self.parameters.extend(parameters);
+        self.sharing(slot, block, takes)
+    }
+
+    /// With a block that takes these of the parameters that there are.
+    pub(crate) fn sharing(
+        mut self,
+        slot: Slot,
+        block: impl Into<PathBlock>,
+        takes: Vec<usize>,
+    ) -> Self {
+        let block = block.into();
+        self.pieces.push(Piece { slot, block, takes, aux: 0, of_command: false });
         self
     }
 

@@ -82,7 +82,7 @@ pub(crate) fn repair(
     if let Some(steps) = o.task.steps {
         let span = o.task.data.output_span;
         let (slot, block) = (Slot::Reading, Block::Rounding { half: span.half }.into());
-        let piece = Piece { slot, block, count: 2, aux: 0, of_command: false };
+        let piece = Piece { slot, block, takes: vec![0, 1], aux: 0, of_command: false };
         let values = [2.0 * span.half / steps.size, steps.phase];
         let note = format!("{}, seen in the readings", effects::SENSOR_QUANTISATION.name);
         let place = given.axes[axis - 1].components.len();
@@ -168,10 +168,9 @@ fn write(
         return Some(vec![Change::Replace { place, component }]);
     }
     let mut all = Vec::new();
-    let mut at = 0;
     for piece in &formula.pieces {
-        let own = &values[at..at + piece.count];
-        at += piece.count;
+        let own: Vec<f64> = piece.takes.iter().map(|k| values[*k]).collect();
+        let own = &own[..];
         let node = base.slots.get(&piece.slot).copied().unwrap_or(0);
         let actuator = place_of(base.actuator);
         let old = place_now(given, now, actuator).and_then(|at| now.components.get(at));

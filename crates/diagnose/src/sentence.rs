@@ -142,5 +142,9 @@ fn name(e: &NamedEffect) -> String {
     } else {
         e.effect.replace('_', " ")
     };
-    format!("{what} ({}, {:.0} %)", e.stage, 100.0 * e.probability)
+    let also = match e.also.as_slice() {
+        [] => String::new(),
+        others => format!(", also in {}", others.join(", ")),
+    };
+    format!("{what} ({}, {:.0} %{also})", e.stage, 100.0 * e.probability)
 }

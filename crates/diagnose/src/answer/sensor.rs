@@ -17,6 +17,7 @@ pub(super) fn noisier(o: &Outcome) -> Option<NamedEffect> {
     Some(NamedEffect {
         effect: effect.name.to_owned(),
         output: o.task.output.clone(),
+        also: Vec::new(),
         stage: effect.stage.name().to_owned(),
         probability: Thresholds::SURE_OF_NOISE,
         set: vec![effect.name.to_owned()],
@@ -38,6 +39,7 @@ pub(super) fn stepped(o: &Outcome) -> Option<NamedEffect> {
     Some(NamedEffect {
         effect: effect.name.to_owned(),
         output: o.task.output.clone(),
+        also: Vec::new(),
         stage: effect.stage.name().to_owned(),
         probability: Thresholds::SURE_OF_STEPS,
         set: vec![effect.name.to_owned()],

@@ -104,19 +104,23 @@ impl<'a> Composer<'a> {
                 continue;
             }
             for (effect, first) in self.effects.iter().zip(self.first.clone()) {
-                let mut at = first;
-                for piece in &effect.pieces {
-                    if piece.slot == slot {
-                        self.touch(at, piece.count);
-                        self.nodes.push(Node::Block {
-                            block: piece.block.clone(),
-                            first: at,
-                            count: piece.count,
-                            aux: piece.aux,
-                            of_command: piece.of_command,
-                        });
+                for (number, piece) in effect.pieces.iter().enumerate() {
+                    if piece.slot != slot {
+                        continue;
                     }
-                    at += piece.count;
+                    // Several pieces may share a parameter, which acts from the first of them on.
+                    let earlier = &effect.pieces[..number];
+                    for own in &piece.takes {
+                        if !earlier.iter().any(|other| other.takes.contains(own)) {
+                            self.touch(first + own, 1);
+                        }
+                    }
+                    self.nodes.push(Node::Block {
+                        block: piece.block.clone(),
+                        takes: piece.takes.iter().map(|own| first + own).collect(),
+                        aux: piece.aux,
+                        of_command: piece.of_command,
+                    });
                 }
             }
             let has_force = self.effects.iter().any(|effect| effect.force.is_some());
@@ -187,7 +191,8 @@ impl<'a> Composer<'a> {
             if let Some(nuisance) = &effect.nuisance {
                 nuisances.push(nuisance.shifted(*first));
                 let end = self.nodes.len();
-                let own: usize = effect.pieces.iter().map(|p| p.count).sum();
+                let taken = effect.pieces.iter().flat_map(|p| &p.takes);
+                let own = taken.max().map_or(0, |last| last + 1);
                 for p in &mut self.parameters[first + own..first + effect.parameters.len()] {
                     p.node = end;
                 }

@@ -23,7 +23,7 @@ fn mode() -> Chain {
     let block = Block::SecondOrder.into();
     Chain {
         nodes: vec![
-            Node::Block { block, first: 0, count: 2, aux: 0, of_command: false },
+            Node::Block { block, takes: vec![0, 1], aux: 0, of_command: false },
             Node::Gain { parameter: 2, deviation: 0.1 },
         ],
         parameters: vec![

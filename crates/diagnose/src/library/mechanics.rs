@@ -4,7 +4,7 @@ use components::effects;
 use model::Effect;
 use surround::Block;
 
-use super::{Family, Formula, Free, Setting, Slot};
+use super::{Family, Formula, Free, OWN_COMMAND, Setting, Slot};
 use crate::chain::Force;
 use crate::nuisance::Nuisance;
 use crate::thresholds::search::Thresholds;
@@ -148,9 +148,54 @@ fn extra_mode(s: &Setting<'_>) -> Vec<Formula> {
                 .resonates(0),
         );
     }
+    if !s.base.is_white {
+        all.extend(shared_mode(s));
+    }
     all.retain(|f| !f.starts.is_empty());
     all
 }
+
+/// A mode of a structure that all commands move: one frequency and damping, a weight for each command.
+fn shared_mode(s: &Setting<'_>) -> Option<Formula> {
+    let neighbours: Vec<usize> =
+        s.data.aux.iter().enumerate().filter(|(_, a)| a.is_command).map(|(k, _)| k).collect();
+    if neighbours.is_empty() || neighbours.len() > Thresholds::SHARING_COMMANDS {
+        return None;
+    }
+    let count = 1 + neighbours.len();
+    let (low, high) = (0.5 / s.length, 0.49 / s.sample);
+    let mut formula = Formula::new("mode that all commands move").screened(count).resonates(count);
+    let weights = WEIGHTS.iter().take(count);
+    formula.parameters =
+        weights.map(|name| Free::linear(name, "1", -2.0, 2.0).step(1e-3)).collect();
+    formula.parameters.push(Free::log("frequency", "Hz", low, high).step(2e-3));
+    formula.parameters.push(Free::log("damping", "1", 1e-3, 0.12));
+    let own = (OWN_COMMAND, s.command.half, 0.0);
+    let others = neighbours.iter().map(|k| {
+        let aux = &s.data.aux[*k];
+        (*k, aux.span.half, aux.zero())
+    });
+    for (number, (aux, half, zero)) in std::iter::once(own).chain(others).enumerate() {
+        let scale = half / s.position.half;
+        let block = Block::ModalAuxiliary { scale, zero };
+        let takes = vec![number, count, count + 1];
+        formula = formula.sharing(Slot::AfterMechanics, block, takes).aux(aux);
+    }
+    let start = |f: f64| {
+        let mut all = vec![1e-3; count];
+        all.extend([f, 0.03]);
+        all
+    };
+    Some(formula.starts(frequencies(s, 24).into_iter().map(start)))
+}
+
+/// Names of the weights of a mode that all commands move, the path's own command first.
+const WEIGHTS: [&str; 1 + Thresholds::SHARING_COMMANDS] = [
+    "weight",
+    "weight of the second command",
+    "weight of the third command",
+    "weight of the fourth command",
+];
 
 fn duffing(s: &Setting<'_>) -> Vec<Formula> {
     let (c, h) = (s.position.centre, s.position.half);

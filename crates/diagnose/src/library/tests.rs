@@ -70,8 +70,8 @@ fn setting<'a>(base: &'a Base, data: &'a DataSet) -> Setting<'a> {
     }
 }
 
-/// The block as the one effect behind an FMU that passes its input on.
-fn repaired(piece: &Piece, p: &[f64], step: f64) -> Option<Surround> {
+/// The blocks as the one effect behind an FMU that passes its input on.
+fn repaired(pieces: &[Piece], p: &[f64], step: f64) -> Option<Surround> {
     let variable = |reference| surround::Variable { reference, start: vec![0.0] };
     let port = |reference: u32| surround::Port {
         name: reference.to_string(),
@@ -92,16 +92,20 @@ fn repaired(piece: &Piece, p: &[f64], step: f64) -> Option<Surround> {
         max: None,
         reference: 10 + k as u32,
     };
-    let (side, auxiliary) = (Side::Output, Some(1));
-    let (parameters, block) = ((0..p.len()).collect(), piece.block.effect()?.clone());
-    let block = Surrounding { side, port: 0, drive: 0, auxiliary, place: 0, parameters, block };
+    let surrounding = |piece: &Piece| {
+        let auxiliary = Some(usize::from(piece.aux != OWN_COMMAND));
+        let (parameters, block) = (piece.takes.clone(), piece.block.effect()?.clone());
+        let side = Side::Output;
+        Some(Surrounding { side, port: 0, drive: 0, auxiliary, place: 0, parameters, block })
+    };
+    let blocks = pieces.iter().map(surrounding).collect::<Option<Vec<_>>>()?;
     let effect = surround::Effect {
         name: "effect".to_owned(),
         description: String::new(),
         enabled: true,
         reference: 4,
         parameters: p.iter().enumerate().map(parameter).collect(),
-        blocks: vec![block],
+        blocks,
     };
     let text = || "1".to_owned();
     let (identifier, token, sha256) = (text(), text(), text());
@@ -130,9 +134,11 @@ fn a_repaired_fmu_computes_the_very_numbers_of_the_diagnosis() {
         let base = base(is_white);
         for family in families(&setting(&base, &data), &[]) {
             for formula in &family.formulas {
-                let Some(piece) = formula.pieces.first() else { continue };
+                if formula.pieces.is_empty() {
+                    continue;
+                }
                 for start in &formula.starts {
-                    compared += usize::from(compare(&base, &data, formula, piece, start));
+                    compared += usize::from(compare(&base, &data, formula, start));
                 }
             }
         }
@@ -141,7 +147,7 @@ fn a_repaired_fmu_computes_the_very_numbers_of_the_diagnosis() {
 }
 
 /// Whether there is something to compare, which is then the same to the bits.
-fn compare(base: &Base, data: &DataSet, formula: &Formula, piece: &Piece, start: &[f64]) -> bool {
+fn compare(base: &Base, data: &DataSet, formula: &Formula, start: &[f64]) -> bool {
     let chain = base.compose(&[formula]);
     let mut theta = vec![0.0; chain.parameters.len()];
     let first = chain.parameters.len() - formula.parameters.len();
@@ -149,15 +155,17 @@ fn compare(base: &Base, data: &DataSet, formula: &Formula, piece: &Piece, start:
         theta[first + k] = free.coordinate(*value);
     }
     let p: Vec<f64> =
-        (first..first + piece.count).map(|k| chain.parameters[k].value(theta[k])).collect();
-    let Some(mut fmu) = repaired(piece, &p, data.step) else { return false };
+        (first..chain.parameters.len()).map(|k| chain.parameters[k].value(theta[k])).collect();
+    let Some(mut fmu) = repaired(&formula.pieces, &p, data.step) else { return false };
+    let beside = formula.pieces.iter().map(|piece| piece.aux).find(|aux| *aux != OWN_COMMAND);
+    let beside = beside.unwrap_or(0);
     let count = AtomicU64::new(0);
     let mut bench = Bench::new(&chain, data, Horizon::All, &count);
     let diagnosed = bench.keep(&theta).expect("a simulation");
     for record in &data.records {
         for hit in record.hits.clone() {
             fmu.take(1, &[data.command[hit]]);
-            fmu.take(2, &[data.aux[piece.aux].hits[hit]]);
+            fmu.take(2, &[data.aux[beside].hits[hit]]);
             let is_rest = hit == record.hits.start;
             if is_rest {
                 fmu.rest_inputs()

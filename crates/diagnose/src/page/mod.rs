@@ -132,10 +132,12 @@ fn which(gap: &Gap) -> Section {
     }
     for e in &gap.effects {
         let known = components::effects::find(&e.effect);
+        let outputs: Vec<&str> =
+            [&e.output].into_iter().chain(&e.also).map(String::as_str).collect();
         let text = format!(
             "{} on {}, stage {}: probability {:.2}{}. {}",
             e.effect,
-            e.output,
+            outputs.join(", "),
             e.stage,
             e.probability,
             if e.set.len() > 1 { format!(", one of {}", e.set.join(", ")) } else { String::new() },

@@ -11,7 +11,7 @@ use surround::{Block, Change, Effect, Original, Parameter, Piece, Port, Repair, 
 use crate::answer::scale_of;
 use crate::error::Error;
 use crate::fmu::inner_step;
-use crate::library::{Formula, Slot};
+use crate::library::{Formula, OWN_COMMAND, Slot};
 use crate::outcome::Outcome;
 pub use package::Repaired;
 pub(crate) use package::pack;
@@ -149,6 +149,9 @@ impl<'a> Maker<'a> {
 
     /// The auxiliary signal of a column: another input of the FMU, or a new one.
     fn auxiliary(&mut self, o: &Outcome, number: usize) -> Result<usize, Error> {
+        if number == OWN_COMMAND {
+            return self.port(&o.task.input, true, &o.task.command_unit);
+        }
         let aux = &o.task.data.aux[number];
         let inputs = self.fmu.names(Causality::Input);
         let column = |input: &str| self.names.column(input).unwrap_or(input) == aux.name;
@@ -226,7 +229,7 @@ impl<'a> Maker<'a> {
         let mut blocks = Vec::new();
         let base = &o.task.base;
         let mode = base.mode_in(&o.found.last.chain, &o.found.last.fit.theta);
-        for (piece, place) in formula.pieces.iter().zip(places(formula)) {
+        for piece in &formula.pieces {
             // Between two clocks, or of the start of a record.
             let Some(block) = piece.block.effect().cloned() else { continue };
             let slot = place_of(piece.slot);
@@ -238,7 +241,7 @@ impl<'a> Maker<'a> {
             };
             let auxiliary =
                 block.reads_auxiliary().then(|| self.auxiliary(o, piece.aux)).transpose()?;
-            let parameters = place.collect();
+            let parameters = piece.takes.clone();
             let piece = Piece { side, port, drive, auxiliary, place: slot, parameters, block };
             // Inside, between what enters the mode and the mode.
             let inside = at.filter(|at| *at > 0 && base.mode == Some(*at));
@@ -282,6 +285,20 @@ impl<'a> Maker<'a> {
             ));
             return Ok(());
         }
+        let mut is_there = !formula.releases.is_empty();
+        for k in &formula.releases {
+            is_there &= self.is_changed(&base.parameters[*k].name)?;
+        }
+        if is_there {
+            self.notes.push(format!(
+                "{name}, as the FMU's own parameters, was found for {} as well; it is there once, as for the output \
+                 with the larger gap",
+                o.task.output
+            ));
+            if blocks.is_empty() {
+                return Ok(());
+            }
+        }
         self.notes.extend(part_stays_out(name, formula));
         let own = self.name(name, o);
         let mut effect = Effect {
@@ -316,6 +333,14 @@ impl<'a> Maker<'a> {
         Ok(())
     }
 
+    /// Whether an effect changes this parameter of the FMU already.
+    fn is_changed(&self, name: &str) -> Result<bool, Error> {
+        let (variable, element) = self.variable(name)?;
+        let is_same =
+            |c: &Change| c.variable.reference == variable.reference && c.element == element;
+        Ok(self.repair.changes.iter().any(is_same))
+    }
+
     /// A parameter of the FMU that an effect, or the re-tune, changes.
     fn change(
         &mut self,
@@ -328,6 +353,10 @@ impl<'a> Maker<'a> {
         let last = &o.found.last;
         let at = last.chain.parameters.iter().position(|p| p.is_base && p.name == described.name);
         let Some(at) = at else { return Ok(()) };
+        // Several outputs may show it; a change of one is a change for all.
+        if self.is_changed(&described.name)? {
+            return Ok(());
+        }
         let (variable, element) = self.variable(&described.name)?;
         let parameter = effect.parameters.len();
         effect.parameters.push(Parameter {
@@ -499,15 +528,6 @@ fn place_of(slot: Slot) -> u32 {
 /// A block without parameters where another one is.
 fn plain_piece(beside: &Piece, block: Block) -> Piece {
     Piece { parameters: Vec::new(), auxiliary: None, block, ..beside.clone() }
-}
-
-/// The parameters that each piece of a formula takes.
-fn places(formula: &Formula) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
-    formula.pieces.iter().scan(0, |at, piece| {
-        let range = *at..*at + piece.count;
-        *at = range.end;
-        Some(range)
-    })
 }
 
 /// Why an effect is no part of a repaired model.

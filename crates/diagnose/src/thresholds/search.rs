@@ -23,6 +23,8 @@ impl Thresholds {
     pub(crate) const SEGMENT_SHORTEST: usize = 256;
     /// Least segments of the longest stretch.
     pub(crate) const SEGMENTS: usize = 8;
+    /// Most commands beside its own that a mode of a structure is looked for with.
+    pub(crate) const SHARING_COMMANDS: usize = 3;
     /// Most frequencies at which a mode is looked for.
     pub(crate) const RESONANCES: usize = 4;
     /// Lines beside a peak that must be lower.
