@@ -1,5 +1,6 @@
 /* Two FMUs of sources, two instances of each, in one program: the first FMU is part of this file, the second is
- * linked. One instance is broken on purpose; it says so, the others go on, and it works again after a reset. */
+ * linked. One instance is broken on purpose, by a panic and by wild addresses; the others go on, and it works again after
+ * a reset. */
 #include "fmu.c"
 
 #include <stdio.h>
@@ -53,6 +54,7 @@ static int run(fmi3Instance instance, int from, int to, double* sum) {
 
 int main(void) {
   fmi3Instance a[2], b[2];
+  const fmi3ValueReference position = 2;
   double sum[2] = {0, 0}, again = 0, last;
   fmi3Boolean event, terminate, early;
   const char* names[2] = {"first", "second"};
@@ -81,6 +83,20 @@ int main(void) {
   MUST(fmi3Reset(a[0]));
   if (start(a[0]) || run(a[0], 0, 1000, &again)) return 1;
   if (again != sum[1]) return puts("a reset instance differs"), 1;
+  for (int shift = 0; shift < 28; shift++) {
+    uint32_t kept = ((Instance*)a[0])->fmu;
+    double y[2];
+    ((Instance*)a[0])->fmu = 0xfffffff8u << shift;
+    fmi3DoStep(a[0], 1000 * 2e-5, 2e-5, false, &event, &terminate, &early, &last);
+    fmi3GetFloat64(a[0], &position, 1, y, 2);
+    ((Instance*)a[0])->fmu = kept;
+    /* What it read was its own: the other goes on, and a reset makes it well. */
+    if (run(a[1], 1000 + shift, 1001 + shift, &sum[1])) return 1;
+    MUST(fmi3Reset(a[0]));
+    again = 0;
+    if (start(a[0]) || run(a[0], 0, 500, &again)) return 1;
+    if (again != sum[0]) return puts("an instance with a wild address differs after its reset"), 1;
+  }
   fmi3FreeInstance(a[0]);
   fmi3FreeInstance(a[1]);
   p885_fmi3FreeInstance(b[0]);

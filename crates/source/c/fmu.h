@@ -86,19 +86,30 @@ static void wasm_rt_trap(wasm_rt_trap_t code) {
   RETURN_TO(current->back);
 }
 
-/* Reserves at least this many pages; what is there moves along. */
+/* Reserves at least this many pages; what is there moves along. Their number is a power of two, so that a masked address
+ * lies inside, and there is room for one number behind them. */
 static bool reserve(Instance* s, wasm_rt_memory_t* memory, uint64_t pages) {
   uint8_t* data;
+  uint64_t whole = 1;
   if (pages <= s->reserved) return true;
-  data = (uint8_t*)s->allocate((size_t)pages, PAGE);
+  while (whole < pages) whole *= 2;
+  if (whole > ((size_t)-1) / PAGE / 2) return false;
+  data = (uint8_t*)s->allocate((size_t)whole * PAGE + sizeof(uint64_t), 1);
   if (!data) return false;
   if (memory->data) {
     memcpy(data, memory->data, (size_t)memory->size);
     s->release(memory->data);
   }
   memory->data = data;
-  s->reserved = pages;
+  memory->mask = (uint8_t*)(uintptr_t)(whole * PAGE - 1);
+  s->reserved = whole;
   return true;
+}
+
+static void set_pages(wasm_rt_memory_t* memory, uint64_t pages) {
+  memory->pages = pages;
+  memory->size = pages * PAGE;
+  memory->limit = (uint8_t*)(uintptr_t)memory->size;
 }
 
 static void wasm_rt_allocate_memory(wasm_rt_memory_t* memory, uint64_t pages, uint64_t max, bool is64, uint32_t page) {
@@ -107,8 +118,7 @@ static void wasm_rt_allocate_memory(wasm_rt_memory_t* memory, uint64_t pages, ui
   (void)page;
   memory->max_pages = max;
   if (!reserve(s, memory, pages > PIEZOLOOP_PAGES ? pages : PIEZOLOOP_PAGES)) RETURN_TO(s->back);
-  memory->pages = pages;
-  memory->size = pages * PAGE;
+  set_pages(memory, pages);
 }
 
 static uint64_t wasm_rt_grow_memory(wasm_rt_memory_t* memory, uint64_t pages) {
@@ -116,8 +126,7 @@ static uint64_t wasm_rt_grow_memory(wasm_rt_memory_t* memory, uint64_t pages) {
   uint64_t before = memory->pages;
   if (pages > memory->max_pages - before) return (uint32_t)-1;
   if (before + pages > s->reserved && (s->is_built || !reserve(s, memory, before + pages))) return (uint32_t)-1;
-  memory->pages += pages;
-  memory->size = memory->pages * PAGE;
+  set_pages(memory, before + pages);
   return before;
 }
 

@@ -86,10 +86,35 @@ typedef void* wasm_rt_externref_t;
 static const wasm_rt_funcref_t wasm_rt_funcref_null_value = {0, 0, {0}, 0};
 #define wasm_rt_externref_null_value ((wasm_rt_externref_t)0)
 
+/* `mask` and `limit` are numbers kept as pointers: what the core writes to its memory are numbers, so that a compiler
+ * need not read these fields anew after each write. */
 typedef struct {
-  uint8_t* data;
+  uint8_t *data, *mask, *limit;
   uint64_t pages, max_pages, size;
 } wasm_rt_memory_t;
+#define MASK(memory) ((uint64_t)(uintptr_t)(memory)->mask)
+#define LIMIT(memory) ((uint64_t)(uintptr_t)(memory)->limit)
+
+/* A number at any place of the memory. */
+#if defined(__GNUC__)
+typedef union __attribute__((packed)) {
+  uint8_t u8_;
+  int8_t s8_;
+  uint16_t u16_;
+  int16_t s16_;
+  uint32_t u32_;
+  int32_t s32_;
+  uint64_t u64_;
+  int64_t s64_;
+  float f32_;
+  double f64_;
+} Cell;
+#define READ_CELL(number, place, type) number = ((const Cell*)(place))->type##_
+#define WRITE_CELL(place, number, type) ((Cell*)(place))->type##_ = number
+#else
+#define READ_CELL(number, place, type) memcpy(&number, place, sizeof number)
+#define WRITE_CELL(place, number, type) memcpy(place, &number, sizeof number)
+#endif
 typedef struct {
   wasm_rt_funcref_t* data;
   uint32_t max_size, size;
