@@ -29,7 +29,6 @@ mod nyquist;
 mod path;
 mod preview;
 mod probe;
-mod random;
 mod responses;
 mod search;
 mod servo;

@@ -3,10 +3,10 @@
 
 use components::effects;
 use model::{AxisSpec, NodeSpec};
+use numerics::random::Xorshift64;
 
 use crate::curve::Curve;
 use crate::probe::{Probe, is_actuator};
-use crate::random::Uniform;
 
 /// Inputs of one trial.
 const TRIAL: usize = 64;
@@ -392,8 +392,8 @@ pub(crate) fn at_rest(
 
 /// Uniform numbers from -1 to 1 that are the same at every run.
 fn numbers(seed: u64) -> Vec<f64> {
-    let mut random = Uniform::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
-    (0..TRIAL).map(|_| 2.0 * random.next() - 1.0).collect()
+    let mut random = Xorshift64::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+    (0..TRIAL).map(|_| 2.0 * random.uniform() - 1.0).collect()
 }
 
 /// What a component is, and what is lost where it is left to feedback.

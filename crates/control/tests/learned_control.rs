@@ -7,7 +7,7 @@ mod common;
 
 use core::f64::consts::TAU;
 
-use common::{Random, target};
+use common::target;
 use control::{ControlSettings, Error, Feedforward, Inversion, invert, simulate_loop};
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint};
 use identify::{
@@ -15,6 +15,7 @@ use identify::{
     Settings, Silent, identify, simulate,
 };
 use model::Kind;
+use numerics::random::SplitMix64;
 
 const PERIOD: f64 = 1e-3;
 
@@ -68,7 +69,7 @@ fn record(truth: &CheckedBlueprint, noise: f64) -> Record {
     };
     let record = Record::new(columns(&input)).unwrap_or_else(|e| panic!("{e:?}"));
     let mut output = simulate(truth, &record).unwrap_or_else(|e| panic!("{e}"));
-    let mut random = Random::new(5);
+    let mut random = SplitMix64::new(5);
     output.iter_mut().for_each(|y| *y += noise * random.normal());
     Record::new(columns(&output)).unwrap_or_else(|e| panic!("{e:?}"))
 }

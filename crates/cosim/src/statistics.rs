@@ -6,6 +6,8 @@
 
 use std::time::{Duration, Instant};
 
+use numerics::random::Xorshift64;
+
 /// Part of a run's time that reading the clock may take.
 const SHARE: f64 = 0.005;
 /// Bins of the histogram: the first is below 1 ns, each ends at twice the end before.
@@ -117,7 +119,7 @@ pub(crate) struct Stopwatch {
     /// machine does makes steps longer, but not their part of the processor's time.
     last: (usize, f64),
     quickest: f64,
-    random: u64,
+    random: Xorshift64,
     timed: u64,
     late: (u64, f64),
 }
@@ -132,7 +134,7 @@ impl Stopwatch {
         }
         let reading = begin.elapsed().as_secs_f64() / f64::from(READINGS);
         let cost = reading * (2 * fmus + 1) as f64;
-        let (next, random, timed) = (0, 0x9e37_79b9_7f4a_7c15, 0);
+        let (next, random, timed) = (0, Xorshift64::new(0x9e37_79b9_7f4a_7c15), 0);
         let (last, quickest, late) = ((0, 0.0), f64::INFINITY, (0, 0.0));
         Stopwatch { begin: Instant::now(), next, cost, last, quickest, random, timed, late }
     }
@@ -157,11 +159,7 @@ impl Stopwatch {
         self.last = (n, now);
         let apart =
             if n == 0 { 1.0 } else { (self.cost / (SHARE * self.quickest)).clamp(1.0, 1e6) };
-        self.random ^= self.random << 13;
-        self.random ^= self.random >> 7;
-        self.random ^= self.random << 17;
-        let part = (self.random >> 11) as f64 / (1_u64 << 53) as f64;
-        self.next = n + 1 + (2.0 * part * (apart - 1.0)).round() as usize;
+        self.next = n + 1 + (2.0 * self.random.uniform() * (apart - 1.0)).round() as usize;
         true
     }
 

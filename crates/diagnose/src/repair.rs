@@ -8,6 +8,7 @@ use components::effects;
 use components::hysteresis::play::play;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
 use model::{Extension, Role, Stage};
+use numerics::least_squares::Reduced;
 use surround::Block;
 
 use crate::base::{Base, Part};
@@ -389,43 +390,21 @@ impl Plays {
         if self.pairs.iter().all(|(_, w)| *w >= 0.0) {
             return;
         }
-        let n = self.pairs.len();
-        let mut states = vec![0.0_f64; n];
-        let mut normal = vec![vec![0.0; n]; n];
-        let mut target = vec![0.0; n];
+        let mut states = vec![0.0_f64; self.pairs.len()];
+        let mut rows = Reduced::new(states.len());
         let stride = command.len().div_ceil(Thresholds::PLAYS_ROWS).max(1);
         for (k, u) in command.iter().enumerate() {
             for (state, (r, _)) in states.iter_mut().zip(&self.pairs) {
                 *state = play(*u, *r, *state);
             }
-            if k % stride != 0 {
-                continue;
-            }
-            let y: f64 = states.iter().zip(&self.pairs).map(|(p, (_, w))| p * w).sum();
-            for i in 0..n {
-                target[i] += states[i] * y;
-                for j in 0..n {
-                    normal[i][j] += states[i] * states[j];
-                }
+            if k % stride == 0 {
+                let y: f64 = states.iter().zip(&self.pairs).map(|(p, (_, w))| p * w).sum();
+                rows.push(states.iter().copied().chain([y]));
             }
         }
-        // One weight after the other to its best value, which converges as the problem is convex.
-        let mut w: Vec<f64> = self.pairs.iter().map(|(_, w)| w.max(0.0)).collect();
-        for _ in 0..Thresholds::PLAYS_SWEEPS {
-            let mut change = 0.0_f64;
-            for i in 0..n {
-                if normal[i][i] <= 0.0 {
-                    continue;
-                }
-                let others: f64 = (0..n).filter(|j| *j != i).map(|j| normal[i][j] * w[j]).sum();
-                let best = ((target[i] - others) / normal[i][i]).max(0.0);
-                change = change.max((best - w[i]).abs());
-                w[i] = best;
-            }
-            if change < 1e-12 {
-                break;
-            }
-        }
+        // The written axis is compared with the fitted formulas and tuned again where it is off.
+        let nearest = || self.pairs.iter().map(|(_, w)| w.max(0.0)).collect();
+        let w: Vec<f64> = rows.solve(0).map_or_else(|_| nearest(), |solution| solution.x);
         self.pairs.iter_mut().zip(w).for_each(|(pair, w)| pair.1 = w);
         self.pairs.retain(|(r, w)| *w > 0.0 || *r == 0.0);
     }

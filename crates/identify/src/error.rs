@@ -92,6 +92,14 @@ impl Error {
     }
 }
 
+impl From<numerics::least_squares::NoSolution> for Error {
+    fn from(
+        numerics::least_squares::NoSolution(reason): numerics::least_squares::NoSolution,
+    ) -> Self {
+        Self::NoSolution { reason }
+    }
+}
+
 /// One problem of a record.
 #[derive(Clone, Debug, PartialEq, ThisError)]
 #[non_exhaustive]

@@ -2,8 +2,8 @@
 
 use data::AxisBlueprint;
 use model::unit_on_axis;
+use numerics::least_squares::Partner;
 
-use crate::fit::least_squares::Partner;
 use crate::fit::linear_part::Deviations;
 use crate::fit::operator::{self, Fit, Operator, Solved};
 use crate::fit::response::LinearPart;

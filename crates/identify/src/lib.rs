@@ -25,8 +25,6 @@ mod plant;
 mod record;
 mod settings;
 mod structure;
-#[cfg(test)]
-mod testing;
 
 pub use beginning::{Beginning, beginnings};
 pub use error::{Error, NotInvertible, Problem, SettingsProblem};

@@ -6,13 +6,14 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{Random, target};
+use common::target;
 use components::COMPONENTS;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint};
 use identify::{
     Columns, Error, Identification, Methods, Record, Settings, Silent, identify, simulate,
 };
 use model::Kind;
+use numerics::random::SplitMix64;
 
 /// A record of `rows` rows, `period` s apart, of a machine with these components under two sines.
 fn record(components: &[ComponentBlueprint], (rows, period): (usize, f64), noise: f64) -> Record {
@@ -37,7 +38,7 @@ fn record(components: &[ComponentBlueprint], (rows, period): (usize, f64), noise
         Record::new(columns).unwrap_or_else(|e| panic!("{e:?}"))
     };
     let mut output = simulate(&truth, &of(&input)).unwrap_or_else(|e| panic!("{e}"));
-    let mut random = Random::new(7);
+    let mut random = SplitMix64::new(7);
     println!("seed 7, {rows} rows of {period} s");
     output.iter_mut().for_each(|y| *y += noise * random.normal());
     of(&output)

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Random, target};
+use common::target;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint};
 use identify::learned::{Seek, Selection};
 use identify::{
@@ -13,6 +13,7 @@ use identify::{
 };
 use learned::COMPONENTS;
 use model::Kind;
+use numerics::random::SplitMix64;
 
 const PERIOD: f64 = 1e-3;
 
@@ -48,7 +49,7 @@ fn measured(axis: AxisBlueprint, noise: f64) -> Record {
     };
     let record = Record::new(columns(&input)).unwrap_or_else(|e| panic!("{e:?}"));
     let mut output = simulate(&truth, &record).unwrap_or_else(|e| panic!("{e}"));
-    let mut random = Random::new(11);
+    let mut random = SplitMix64::new(11);
     output.iter_mut().for_each(|y| *y += noise * random.normal());
     Record::new(columns(&output)).unwrap_or_else(|e| panic!("{e:?}"))
 }

@@ -4,13 +4,14 @@
 
 mod common;
 
-use common::{Random, target};
+use common::target;
 use components::COMPONENTS;
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint};
 use identify::{
     Columns, Dynamics, Identification, Record, Settings, Silent, Verdict, identify, simulate,
 };
 use model::Kind;
+use numerics::random::SplitMix64;
 
 const R: [f64; 10] = [0.0, 6.0, 12.0, 18.0, 24.0, 30.0, 36.0, 42.0, 48.0, 54.0];
 const W: [f64; 10] = [0.01354, 0.0279, 0.002, 0.004014, 0.007765, 0.001, 0.0, 0.0015, 0.0, 0.0005];
@@ -58,7 +59,7 @@ fn log(truth: &CheckedBlueprint, period: f64, input: &[f64], noise: f64, seed: u
     };
     let record = Record::new(columns(&clean)).unwrap_or_else(|e| panic!("{e:?}"));
     let mut output = simulate(truth, &record).unwrap_or_else(|e| panic!("{e}"));
-    let mut random = Random::new(seed);
+    let mut random = SplitMix64::new(seed);
     for y in &mut output {
         *y += noise * random.normal();
     }
@@ -82,7 +83,7 @@ fn slow(count: usize, seconds: f64, period: f64) -> Vec<f64> {
 
 /// A slow wave of 80 V and a multisine from 20 to 900 Hz on top.
 fn multisine(count: usize, period: f64, seed: u64) -> Vec<f64> {
-    let mut random = Random::new(seed);
+    let mut random = SplitMix64::new(seed);
     let lines: Vec<(f64, f64)> = (1..=45)
         .map(|k| (20.0 * f64::from(k), core::f64::consts::TAU * random.uniform()))
         .collect();

@@ -2,6 +2,8 @@
 //! here once, and not again in each crate that calls them.
 
 pub mod fft;
+pub mod least_squares;
+pub mod random;
 pub mod spectrum;
 pub mod threads;
 

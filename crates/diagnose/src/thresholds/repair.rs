@@ -12,8 +12,6 @@ impl Thresholds {
     pub(crate) const OFFSET_LEAST: f64 = 0.1;
     /// Most rows under which plays without negative weights are fitted to found ones.
     pub(crate) const PLAYS_ROWS: usize = 20_000;
-    /// Most sweeps of that fit over the weights.
-    pub(crate) const PLAYS_SWEEPS: usize = 20_000;
     /// Mean square under the written axis, over that of the fitted formulas, above which the axis is tuned again.
     pub(crate) const WRITTEN_OFF: f64 = 1.02;
     /// Standard deviation within which values of components that were found may be tuned again, relative.

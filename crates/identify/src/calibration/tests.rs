@@ -1,7 +1,7 @@
 //! Calibrations of Jacobians whose truth is known.
 
 use super::*;
-use crate::testing::Random;
+use numerics::random::SplitMix64;
 
 fn tunable(start: f64, scale: f64) -> Tunable {
     Tunable { start, lower: f64::NEG_INFINITY, upper: f64::INFINITY, scale }
@@ -16,7 +16,7 @@ fn decay(p: &[f64]) -> Vec<f64> {
 fn the_truth_lies_in_19_of_20_intervals() {
     let truth = [2.0e3, 1.5, -300.0];
     let parameters = [tunable(1e3, 1e3), tunable(1.0, 1.0), tunable(0.0, 100.0)];
-    let (mut inside, mut random) = (0, Random::new(7));
+    let (mut inside, mut random) = (0, SplitMix64::new(7));
     let draws = 400;
     for _ in 0..draws {
         let measured: Vec<f64> = decay(&truth).iter().map(|y| y + 40.0 * random.normal()).collect();
@@ -34,7 +34,7 @@ fn the_truth_lies_in_19_of_20_intervals() {
 
 #[test]
 fn residuals_that_hang_together_widen_the_intervals() {
-    let (mut random, mut noise) = (Random::new(3), 0.0);
+    let (mut random, mut noise) = (SplitMix64::new(3), 0.0);
     let coloured: Vec<f64> = (0..4000)
         .map(|_| {
             noise = 0.9 * noise + random.normal();

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
 
-use super::least_squares::{Partner, spread};
+use numerics::least_squares::{Partner, spread};
 
 /// One parameter: start and bounds, scaled so that a change of 1 is a large one.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,6 @@
 //! The fits: weights and shape of a method, delay, linear parts.
 
 pub(crate) mod delay;
-pub(crate) mod least_squares;
 pub(crate) mod levenberg_marquardt;
 pub(crate) mod linear_part;
 pub(crate) mod operator;

@@ -9,12 +9,13 @@
 
 use std::cell::RefCell;
 
+use numerics::least_squares::{Partner, Reduced};
+
 use crate::error::Error;
 use crate::methods::{Method, Scene, Shape};
 use crate::observer::Observer;
 use crate::record::{Record, Rows};
 
-use super::least_squares::{Partner, Reduced};
 use super::levenberg_marquardt::{self, Ending, Minimum, Unknown};
 use super::linear_part::{Coordinates, Deviations, Structure, visible};
 use super::residual::{independent_samples, mean};

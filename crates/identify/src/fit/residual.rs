@@ -32,11 +32,11 @@ pub(crate) fn independent_samples(residual: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use numerics::random::SplitMix64;
 
     #[test]
     fn independent_samples_of_white_and_of_correlated_noise() {
-        let mut random = Random::new(7);
+        let mut random = SplitMix64::new(7);
         let white: Vec<f64> = (0..20_000).map(|_| random.normal()).collect();
         assert!(independent_samples(&white) > 0.9 * 20_000.0);
         // First-order noise with ρ = 0.9 is worth N (1−ρ)/(1+ρ).

@@ -10,6 +10,8 @@
 //! Source: J. Kennedy, R. Eberhart, Proc. IEEE ICNN (1995) 1942–1948; inertia: Y. Shi, R. Eberhart,
 //! Proc. IEEE ICEC (1998) 69–73.
 
+use numerics::random::SplitMix64;
+
 use crate::error::Error;
 
 use super::levenberg_marquardt::Unknown;
@@ -44,23 +46,6 @@ impl Default for Swarm {
     }
 }
 
-/// SplitMix64, uniform on [0, 1).
-pub(crate) struct Uniform(u64);
-
-impl Uniform {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d)
-    }
-
-    pub(crate) fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// A place and its cost.
 pub(crate) type Best = (Vec<f64>, f64);
 
@@ -76,7 +61,7 @@ pub(crate) fn minimise(
     mut costs: impl FnMut(&[Vec<f64>]) -> Vec<f64>,
     mut stop: impl FnMut(usize) -> bool,
 ) -> Result<Best, Error> {
-    let mut random = Uniform::new(swarm.seed);
+    let mut random = SplitMix64::new(swarm.seed);
     let mut at = start(unknowns, swarm.particles.max(1), &mut random);
     let mut speed: Vec<Vec<f64>> = at.iter().map(|x| vec![0.0; x.len()]).collect();
     let mut own: Vec<Best> = at.iter().map(|x| (x.clone(), f64::INFINITY)).collect();
@@ -97,8 +82,8 @@ pub(crate) fn minimise(
         let inertia = swarm.inertia[0] + share * (swarm.inertia[1] - swarm.inertia[0]);
         for ((x, v), own) in at.iter_mut().zip(&mut speed).zip(&own) {
             for (j, unknown) in unknowns.iter().enumerate() {
-                let own_pull = swarm.pull[0] * random.next() * (own.0[j] - x[j]);
-                let common_pull = swarm.pull[1] * random.next() * (best.0[j] - x[j]);
+                let own_pull = swarm.pull[0] * random.uniform() * (own.0[j] - x[j]);
+                let common_pull = swarm.pull[1] * random.uniform() * (best.0[j] - x[j]);
                 let most = 0.5 * (unknown.upper - unknown.lower);
                 v[j] = (inertia * v[j] + own_pull + common_pull).clamp(-most, most);
                 x[j] += v[j];
@@ -113,11 +98,11 @@ pub(crate) fn minimise(
     if best.1.is_finite() { Ok(best) } else { Err(Error::no_solution("no particle has a cost")) }
 }
 
-fn start(unknowns: &[Unknown], particles: usize, random: &mut Uniform) -> Vec<Vec<f64>> {
+fn start(unknowns: &[Unknown], particles: usize, random: &mut SplitMix64) -> Vec<Vec<f64>> {
     let first = unknowns.iter().map(|u| u.start.clamp(u.lower, u.upper)).collect();
     let mut all = vec![first];
     for _ in 1..particles {
-        let place = unknowns.iter().map(|u| u.lower + random.next() * (u.upper - u.lower));
+        let place = unknowns.iter().map(|u| u.lower + random.uniform() * (u.upper - u.lower));
         all.push(place.collect());
     }
     all

@@ -8,8 +8,6 @@
 use nalgebra::{DMatrix, DVector};
 use ndarray::{Array1, Array2};
 
-use crate::error::Error;
-
 /// Rows that are reduced at a time.
 const BLOCK: usize = 512;
 /// Largest scaled violation of the optimality conditions that counts as zero.
@@ -20,9 +18,13 @@ const TIE_BREAKER: f64 = 1e-10;
 /// Columns shorter than this, relative to the longest, carry no information.
 const EMPTY_COLUMN: f64 = 1e-12;
 
+/// Why a system has no solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoSolution(pub &'static str);
+
 /// The triangular factor of a tall system [A b].
 #[derive(Clone, Debug)]
-pub(crate) struct Reduced {
+pub struct Reduced {
     columns: usize,
     factor: DMatrix<f64>,
     pending: Vec<f64>,
@@ -30,26 +32,27 @@ pub(crate) struct Reduced {
 
 /// A solution of min ‖A x − b‖.
 #[derive(Clone, Debug)]
-pub(crate) struct Solution {
+pub struct Solution {
     /// The minimiser.
-    pub(crate) x: Vec<f64>,
+    pub x: Vec<f64>,
     /// For each unknown that is not at its bound, its variance for residuals of unit variance.
-    pub(crate) variance: Vec<Option<f64>>,
+    pub variance: Vec<Option<f64>>,
     /// For each such unknown, the other one it is correlated with most, and that correlation.
-    pub(crate) partner: Vec<Option<Partner>>,
+    pub partner: Vec<Option<Partner>>,
 }
 
 /// The index of another unknown and the correlation with it.
-pub(crate) type Partner = (usize, f64);
+pub type Partner = (usize, f64);
 
 impl Reduced {
     /// An empty system of this many unknowns.
-    pub(crate) fn new(columns: usize) -> Self {
+    #[must_use]
+    pub fn new(columns: usize) -> Self {
         Self { columns, factor: DMatrix::zeros(0, columns + 1), pending: Vec::new() }
     }
 
     /// Adds one row: `columns` coefficients, then the right-hand side.
-    pub(crate) fn push(&mut self, row: impl IntoIterator<Item = f64>) {
+    pub fn push(&mut self, row: impl IntoIterator<Item = f64>) {
         self.pending.extend(row.into_iter().take(self.columns + 1));
         if self.pending.len() >= BLOCK * (self.columns + 1) {
             self.reduce();
@@ -77,8 +80,8 @@ impl Reduced {
     /// other column and the right-hand side is orthogonal to theirs.
     ///
     /// # Errors
-    /// [`Error::NoSolution`] where the method does not reach a point that is optimal.
-    pub(crate) fn solve(mut self, free: usize) -> Result<Solution, Error> {
+    /// [`NoSolution`] where the method does not reach a point that is optimal.
+    pub fn solve(mut self, free: usize) -> Result<Solution, NoSolution> {
         self.reduce();
         let free = free.min(self.columns);
         if free > 0 {
@@ -86,7 +89,7 @@ impl Reduced {
         }
         let (matrix, target) = self.split();
         if !matrix.iter().chain(target.iter()).all(|v| v.is_finite()) {
-            return Err(Error::no_solution("the regressors hold a value that is not finite"));
+            return Err(NoSolution("the regressors hold a value that is not finite"));
         }
         let rows = matrix.nrows();
         let first = free.min(rows);
@@ -99,7 +102,7 @@ impl Reduced {
             let own = matrix.view((0, 0), (first, free)).into_owned();
             let threshold = EMPTY_COLUMN * own.amax();
             let solved = own.svd(true, true).solve(&right, threshold);
-            x.copy_from_slice(solved.map_err(Error::no_solution)?.as_slice());
+            x.copy_from_slice(solved.map_err(NoSolution)?.as_slice());
         }
         x.extend(bounded);
         Ok(finish(&matrix, x))
@@ -114,7 +117,7 @@ impl Reduced {
 }
 
 /// min ‖A x − b‖ with x ≥ 0, columns without information left at zero.
-fn bounded(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Result<Vec<f64>, Error> {
+fn bounded(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Result<Vec<f64>, NoSolution> {
     let lengths: Vec<f64> = matrix.column_iter().map(|c| c.norm()).collect();
     let longest = lengths.iter().copied().fold(0.0, f64::max);
     let used: Vec<usize> =
@@ -134,7 +137,7 @@ fn bounded(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Result<Vec<f64>, Err
 }
 
 /// Runs the active-set method on columns of unit length.
-fn lawson_hanson(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Result<Vec<f64>, Error> {
+fn lawson_hanson(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Result<Vec<f64>, NoSolution> {
     let (rows, columns) = matrix.shape();
     let scale = target.norm();
     if scale == 0.0 {
@@ -149,13 +152,17 @@ fn lawson_hanson(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Result<Vec<f64
     // The solver panics where two unknowns reach zero at exactly the same length of a step. The
     // extra rows keep that from happening; should it happen all the same, it is an error here.
     let outcome = std::panic::catch_unwind(|| nnls::nnls(a.view(), b.view()));
-    let (x, _) = outcome
-        .map_err(|_| Error::no_solution("two weights left the active set at the same moment"))?;
+    let (x, _) =
+        outcome.map_err(|_| NoSolution("two weights left the active set at the same moment"))?;
     Ok(x.iter().map(|v| v * scale).collect())
 }
 
 /// Karush–Kuhn–Tucker: x ≥ 0, gradient zero where x > 0 and not negative where x = 0.
-fn check_optimality(matrix: &DMatrix<f64>, target: &DVector<f64>, x: &[f64]) -> Result<(), Error> {
+fn check_optimality(
+    matrix: &DMatrix<f64>,
+    target: &DVector<f64>,
+    x: &[f64],
+) -> Result<(), NoSolution> {
     let residual = target - matrix * DVector::from_column_slice(x);
     let descent = matrix.tr_mul(&residual);
     let allowed = OPTIMALITY * target.norm();
@@ -163,7 +170,7 @@ fn check_optimality(matrix: &DMatrix<f64>, target: &DVector<f64>, x: &[f64]) -> 
         !x.is_finite() || x < 0.0 || descent > allowed || (x > 0.0 && descent < -allowed)
     });
     if wrong {
-        return Err(Error::no_solution("the answer fails the optimality conditions"));
+        return Err(NoSolution("the answer fails the optimality conditions"));
     }
     Ok(())
 }
@@ -176,10 +183,8 @@ fn finish(matrix: &DMatrix<f64>, x: Vec<f64>) -> Solution {
 }
 
 /// Diagonal of (JᵀJ)⁻¹ over the columns `free`, and for each the greatest correlation with another.
-pub(crate) fn spread(
-    matrix: &DMatrix<f64>,
-    free: &[usize],
-) -> (Vec<Option<f64>>, Vec<Option<Partner>>) {
+#[must_use]
+pub fn spread(matrix: &DMatrix<f64>, free: &[usize]) -> (Vec<Option<f64>>, Vec<Option<Partner>>) {
     let (mut variance, mut partner) = (vec![None; matrix.ncols()], vec![None; matrix.ncols()]);
     // Columns of unit length: the inverse then does not suffer from different units.
     let columns = matrix.select_columns(free);
@@ -206,7 +211,7 @@ pub(crate) fn spread(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use crate::random::SplitMix64;
 
     fn system(
         seed: u64,
@@ -214,7 +219,7 @@ mod tests {
         truth: &[f64],
         noise: f64,
     ) -> (Reduced, DMatrix<f64>, DVector<f64>) {
-        let mut random = Random::new(seed);
+        let mut random = SplitMix64::new(seed);
         let a = DMatrix::from_fn(rows, truth.len(), |_, _| random.normal());
         let b = DVector::from_fn(rows, |i, _| {
             let exact: f64 = truth.iter().enumerate().map(|(j, x)| a[(i, j)] * x).sum();
@@ -254,7 +259,7 @@ mod tests {
     #[test]
     fn weights_that_are_zero_are_found_without_noise_and_with_it() {
         for seed in 0..200 {
-            let mut random = Random::new(seed);
+            let mut random = SplitMix64::new(seed);
             let truth: Vec<f64> = (0..12)
                 .map(|_| if random.uniform() < 0.5 { 0.0 } else { random.uniform() })
                 .collect();
@@ -262,7 +267,7 @@ mod tests {
                 let (reduced, ..) = system(seed + 1000, 300, &truth, noise);
                 let solution = reduced.solve(0);
                 let solution =
-                    solution.unwrap_or_else(|e| panic!("seed {seed}, noise {noise}: {e}"));
+                    solution.unwrap_or_else(|e| panic!("seed {seed}, noise {noise}: {e:?}"));
                 for (found, wanted) in solution.x.iter().zip(&truth) {
                     let error = (found - wanted).abs();
                     assert!(error < 1e-9 + noise, "seed {seed}, noise {noise}: {found} {wanted}");
