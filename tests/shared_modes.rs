@@ -146,10 +146,10 @@ fn names(axes: usize) -> Vec<String> {
     (1..=axes).flat_map(of).flat_map(|map| ["--map".to_owned(), map]).collect()
 }
 
-/// Diagnoses the FMU of the model and checks that this effect is named once, for all outputs, and is in the repaired
+/// Diagnoses the FMU of the model and checks that this effect is named once, for so many outputs, and is in the repaired
 /// FMU.
 fn is_named_once(
-    axes: usize,
+    (axes, outputs): (usize, usize),
     change: impl FnOnce(&mut Vec<Mode>, &mut Random),
     effect: &str,
     most: f64,
@@ -193,7 +193,8 @@ fn is_named_once(
     assert_eq!(found.len(), 1, "seed {SEED}: {}", gap["sentence"]);
     assert_eq!(found[0]["effect"], effect, "seed {SEED}: {}", gap["sentence"]);
     let also = found[0]["also"].as_array().expect("the other outputs");
-    assert_eq!(also.len() + 1, axes, "seed {SEED}: {}", gap["sentence"]);
+    assert_eq!(also.len() + 1, outputs, "seed {SEED}: {}", gap["sentence"]);
+    assert_eq!(found[0]["set"].as_array().map(Vec::len), Some(1), "seed {SEED}: {}", found[0]);
     // On a new record.
     let left = |fmu: &str| -> Vec<f64> {
         let simulated =
@@ -206,21 +207,23 @@ fn is_named_once(
     assert_eq!(after.len(), axes);
     for (before, after) in before.iter().zip(&after) {
         let power = |rms: &f64| (rms.powi(2) - NOISE.powi(2)).max(0.0);
-        assert!(power(after) < most * power(before), "seed {SEED}: {before} before, {after} after");
+        // Up to 0.3 of the noise's power is no error of an output that has none.
+        let most = (most * power(before)).max(0.3 * NOISE.powi(2));
+        assert!(power(after) < most, "seed {SEED}: {before} before, {after} after");
     }
 }
 
 #[test]
 fn a_shared_mode_of_another_frequency_is_named_once() {
     for axes in [2, 3] {
-        is_named_once(axes, |all, _| all[1].frequency *= 1.09, "resonance_shift", 0.01);
+        is_named_once((axes, axes), |all, _| all[1].frequency *= 1.09, "resonance_shift", 0.01);
     }
 }
 
 #[test]
 fn a_shared_mode_that_is_damped_more_is_named_once() {
     for axes in [2, 3] {
-        is_named_once(axes, |all, _| all[0].damping *= 2.0, "damping", 0.01);
+        is_named_once((axes, axes), |all, _| all[0].damping *= 2.0, "damping", 0.01);
     }
 }
 
@@ -232,6 +235,15 @@ fn a_shared_mode_that_the_model_lacks_is_named_once() {
             let frequency = random.between(400.0, 430.0);
             all.push(Mode { frequency, damping: 0.02, gives: shape.clone(), sees: shape });
         };
-        is_named_once(axes, add, "extra_mode", 0.15);
+        is_named_once((axes, axes), add, "extra_mode", 0.15);
     }
+}
+
+#[test]
+fn a_mode_that_another_command_moves_is_a_coupling_of_one_output() {
+    let add = |all: &mut Vec<Mode>, _: &mut Random| {
+        let (gives, sees) = (vec![0.0, 0.25], vec![0.25, 0.0]);
+        all.push(Mode { frequency: 410.0, damping: 0.03, gives, sees });
+    };
+    is_named_once((2, 1), add, "cross_coupling", 0.15);
 }

@@ -12,7 +12,10 @@ use crate::thresholds::search::Thresholds;
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(Family::new(&effects::RESONANCE_SHIFT, resonance(s)));
     all.push(Family::new(&effects::DAMPING, damping(s)));
-    all.push(Family::new(&effects::EXTRA_MODE, extra_mode(s)));
+    let mut family = Family::new(&effects::EXTRA_MODE, extra_mode(s));
+    // A mode that its own command does not move is a coupling.
+    family.nulls = shared_mode(s, false).into_iter().collect();
+    all.push(family);
     if s.base.mode.is_some() {
         let mut family = Family::new(&effects::DUFFING, duffing(s));
         // A spring that is stiffer at every amplitude bends nothing, whether or not the gain goes with it.
@@ -148,21 +151,21 @@ fn extra_mode(s: &Setting<'_>) -> Vec<Formula> {
                 .resonates(0),
         );
     }
-    if !s.base.is_white {
-        all.extend(shared_mode(s));
-    }
+    all.extend(shared_mode(s, true));
     all.retain(|f| !f.starts.is_empty());
     all
 }
 
-/// A mode of a structure that all commands move: one frequency and damping, a weight for each command.
-fn shared_mode(s: &Setting<'_>) -> Option<Formula> {
+/// A mode of a structure that all commands move, or all others: one frequency and damping, a weight for each command.
+fn shared_mode(s: &Setting<'_>, by_own: bool) -> Option<Formula> {
     let neighbours: Vec<usize> =
         s.data.aux.iter().enumerate().filter(|(_, a)| a.is_command).map(|(k, _)| k).collect();
-    if neighbours.is_empty() || neighbours.len() > Thresholds::SHARING_COMMANDS {
+    let is_possible = (1..=Thresholds::SHARING_COMMANDS).contains(&neighbours.len());
+    // The axes of a blueprint share no structure.
+    if s.base.is_white || !is_possible {
         return None;
     }
-    let count = 1 + neighbours.len();
+    let count = usize::from(by_own) + neighbours.len();
     let (low, high) = (0.5 / s.length, 0.49 / s.sample);
     let mut formula = Formula::new("mode that all commands move").screened(count).resonates(count);
     let weights = WEIGHTS.iter().take(count);
@@ -170,12 +173,12 @@ fn shared_mode(s: &Setting<'_>) -> Option<Formula> {
         weights.map(|name| Free::linear(name, "1", -2.0, 2.0).step(1e-3)).collect();
     formula.parameters.push(Free::log("frequency", "Hz", low, high).step(2e-3));
     formula.parameters.push(Free::log("damping", "1", 1e-3, 0.12));
-    let own = (OWN_COMMAND, s.command.half, 0.0);
+    let own = by_own.then_some((OWN_COMMAND, s.command.half, 0.0));
     let others = neighbours.iter().map(|k| {
         let aux = &s.data.aux[*k];
         (*k, aux.span.half, aux.zero())
     });
-    for (number, (aux, half, zero)) in std::iter::once(own).chain(others).enumerate() {
+    for (number, (aux, half, zero)) in own.into_iter().chain(others).enumerate() {
         let scale = half / s.position.half;
         let block = Block::ModalAuxiliary { scale, zero };
         let takes = vec![number, count, count + 1];
