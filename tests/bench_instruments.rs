@@ -163,6 +163,7 @@ fn tuned_values_make_the_error_many_times_smaller_and_bad_ones_are_not_kept() {
             answer["seconds"]
         );
         assert!(of(&answer, "after") < of(&answer, "before") / 5.0, "{answer:#}");
+        assert!(answer["after"]["overshoot"].as_f64().unwrap() <= 0.5, "{answer:#}");
         assert!(answer["predicted"]["sensitivity"].as_f64().unwrap() <= 1.505);
         assert!(answer["seconds"].as_f64().unwrap() < 120.0);
         assert!(answer["law_explained"].as_f64().unwrap() > 0.99, "{answer:#}");
@@ -182,6 +183,7 @@ fn tuned_values_make_the_error_many_times_smaller_and_bad_ones_are_not_kept() {
     assert_eq!(output.status.code(), Some(1));
     let kept: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(kept["restored"], true, "{kept:#}");
+    assert!(kept["refused"].as_str().unwrap().ends_with("the error is not smaller"), "{kept:#}");
     let last = json(&["bench", "tune", &gateway], here);
     assert_eq!(last["before"]["law"], kept["before"]["law"], "the old values are back");
     let message = refuse(&["bench", "tune", &gateway, "--write"], here);

@@ -23,10 +23,10 @@ use crate::{inputs, ranges};
 const EXPLAINED: f64 = 0.9;
 /// Part to which the gains are lowered if the loop as it is oscillates.
 const LOWERED: f64 = 0.01;
+/// Parts of the proposed gains that are tried one after the other until the step does not overshoot too far.
+const GENTLER: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 /// Times that are waited until such an axis has come to rest, at most.
 const RESTS: usize = 4;
-/// An error that is so many times the old one is a loop that went wrong.
-const WORSE: f64 = 1.0;
 
 /// Proposes better PID and notch values for the servo of an instrument, and writes them on confirmation
 ///
@@ -34,8 +34,9 @@ const WORSE: f64 = 1.0;
 /// around the middle of the travel. The frequency response of the plant and the law that is found in the record give
 /// the values with the least error for the triangle under a bound on the sensitivity. With --write they are
 /// written after a question (--yes: without), tried with a tenth of the triangle first, and measured again. If the error is
-/// not smaller, the old values are restored and the exit code is 1. With --write --yes also a loop that oscillates is measured:
-/// with lower gains. Values are written until the next power-up only.
+/// not smaller, or if the step overshoots too far even with an eighth of the gains, the old values are restored and the exit
+/// code is 1. With --write --yes also a loop that oscillates is measured: with lower gains. Values are written until the
+/// next power-up only.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop bench tune gcs://10.0.0.5\n  piezoloop bench tune 'gcs:///dev/ttyUSB0?axes=2' --frequency 10 --amplitude 5 --write\n  piezoloop bench tune nv200://10.0.0.6 --write --yes"
@@ -60,6 +61,9 @@ pub(crate) struct Tune {
     /// sensor noise)
     #[arg(long, value_name = "RATIO", default_value_t = 10.0, value_parser = ranges::above(0.0, 1e9))]
     noise: f64,
+    /// Largest allowed overshoot of the measured step, as a part of it; what the old values overshoot is allowed, too
+    #[arg(long, value_name = "PART", default_value_t = 0.5, value_parser = ranges::from(0.0, 100.0))]
+    overshoot: f64,
     /// Write the values to the instrument, after a question
     #[arg(long)]
     write: bool,
@@ -97,6 +101,8 @@ struct Tuned {
     /// `null`: not written.
     after: Option<Measured>,
     restored: bool,
+    /// Why the old values were restored.
+    refused: Option<String>,
     seconds: f64,
 }
 
@@ -117,6 +123,15 @@ struct Seen {
     explained: f64,
     gain: f64,
 }
+
+/// Why a loop is not kept.
+struct Refusal {
+    why: String,
+    is_wild: bool,
+}
+
+/// A new loop as it was measured, if it was measured whole, and why it is not kept.
+type Tried = (Option<Measured>, Option<Refusal>);
 
 impl Tune {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
@@ -166,12 +181,15 @@ impl Tune {
             predicted,
             after: None,
             restored: false,
+            refused: None,
             seconds: 0.0,
         };
         if self.write && self.agrees(screen, &answer)? {
             let tried = self.try_law(&mut *station, &bed, &answer);
             let returned = station::lead(&mut *station, origin.closed, back);
-            (answer.after, answer.restored) = tried?;
+            let (after, refusal) = tried?;
+            answer.restored = refusal.is_some();
+            (answer.after, answer.refused) = (after, refusal.map(|refusal| refusal.why));
             returned.map_err(anyhow::Error::msg)?;
         }
         answer.seconds = begin.elapsed().as_secs_f64();
@@ -262,34 +280,82 @@ impl Tune {
         Ok(matches!(line.trim(), "y" | "Y" | "yes"))
     }
 
-    /// Writes the proposed law and measures it, first with a tenth of the reference; whether the old one was restored.
+    /// Writes the proposed law and measures it, first with a tenth of the reference; why the old one was restored, if it was.
     fn try_law(
         &self,
         station: &mut dyn Station,
         bed: &Bed,
         answer: &Tuned,
-    ) -> anyhow::Result<(Option<Measured>, bool)> {
+    ) -> anyhow::Result<Tried> {
         let old = &answer.before;
-        let mut attempt = || -> Result<Option<Measured>, String> {
-            station.set_law(&answer.proposed)?;
-            let (small, _) = bed.measure(station, 0.1)?;
-            if small.rms_error > WORSE * old.found.rms_error {
-                return Ok(None);
+        let mut attempt = || -> Result<Tried, String> {
+            let mut last = (None, None);
+            for part in GENTLER {
+                last = self.try_part(station, bed, answer, part)?;
+                // Smaller gains help a loop that went wrong at once or overshoots, not one that is too slow.
+                if !matches!(&last, (_, Some(Refusal { is_wild: true, .. }))) {
+                    break;
+                }
             }
-            let (found, _) = bed.measure(station, 1.0)?;
-            Ok(Some(Measured { law: station.law()?, found }))
+            Ok(last)
         };
         let tried = attempt();
-        let is_better =
-            matches!(&tried, Ok(Some(new)) if new.found.rms_error < old.found.rms_error);
-        if !is_better {
+        if !matches!(&tried, Ok((_, None))) {
             station.set_law(&old.law).map_err(|error| {
                 anyhow::anyhow!(
                     "the values are no better, and the old ones cannot be restored: {error}"
                 )
             })?;
         }
-        Ok((tried.map_err(anyhow::Error::msg)?, !is_better))
+        tried.map_err(anyhow::Error::msg)
+    }
+
+    /// Writes the proposed law with this part of its gains and measures it; why it is not kept.
+    fn try_part(
+        &self,
+        station: &mut dyn Station,
+        bed: &Bed,
+        answer: &Tuned,
+        part: f64,
+    ) -> Result<Tried, String> {
+        let (law, old) = (&answer.proposed, &answer.before.found);
+        let (kp, ki, kd) = (part * law.kp, part * law.ki, part * law.kd);
+        station.set_law(&Law { kp, ki, kd, ..law.clone() })?;
+        if part < 1.0 {
+            station::lead(station, true, bed.middle)?;
+            for _ in 0..RESTS {
+                station::settled(station, 1e-3 * bed.amplitude)?;
+            }
+        }
+        let (small, _) = bed.measure(station, 0.1)?;
+        if let Some(mut refusal) = self.refusal(&small, old) {
+            refusal.why.insert_str(0, "with a tenth of the signals ");
+            refusal.is_wild = true;
+            return Ok((None, Some(refusal)));
+        }
+        let (found, _) = bed.measure(station, 1.0)?;
+        let why = self.refusal(&found, old);
+        Ok((Some(Measured { law: station.law()?, found }), why))
+    }
+
+    /// Why a loop is not kept; none: it is better than the old one.
+    fn refusal(&self, new: &Loop, old: &Loop) -> Option<Refusal> {
+        // Not a number is no better either.
+        if new.rms_error.is_nan() || new.rms_error >= old.rms_error {
+            return Some(Refusal { why: "the error is not smaller".to_owned(), is_wild: false });
+        }
+        let allowed = self.overshoot.max(old.overshoot);
+        if new.overshoot <= allowed {
+            return None;
+        }
+        let percent = |part: f64| 100.0 * part;
+        let why = format!(
+            "the step overshoots by {:.0} %, more than before ({:.0} %) and than --overshoot allows ({:.0} %): give a smaller --sensitivity or --noise",
+            percent(new.overshoot),
+            percent(old.overshoot),
+            percent(self.overshoot)
+        );
+        Some(Refusal { why, is_wild: true })
     }
 }
 
@@ -389,16 +455,19 @@ impl Answer for Tuned {
         )?;
         match &self.after {
             Some(after) => {
-                writeln!(out, "after:")?;
+                writeln!(out, "after: {}", text_of(&after.law))?;
                 after.write(out, &self.unit)?;
                 let ratio = self.before.found.rms_error / after.found.rms_error;
                 writeln!(out, "  the error is {ratio:.1} times smaller")?;
             }
             None if self.restored => {}
-            None => writeln!(out, "not written; --write does")?,
+            None => writeln!(
+                out,
+                "not written; --write does, and measures whether its step overshoots"
+            )?,
         }
-        if self.restored {
-            writeln!(out, "the error is not smaller: the old values are restored")?;
+        if let Some(why) = &self.refused {
+            writeln!(out, "{why}; the old values are restored")?;
         }
         writeln!(out, "{:.0} s", self.seconds)
     }
