@@ -1,5 +1,6 @@
 //! Linear effects: delay, lags, modes, creep, gains, feed-through.
 
+use components::hysteresis::play::between;
 use components::linear::{SecondOrder, Transition, lag_fraction};
 use libm::{expm1, log10, pow};
 
@@ -328,7 +329,7 @@ impl Step<1> for Slew {
     #[inline]
     fn step(&self, w: Wires, _t: f64, [z]: &mut [f64; 1]) -> f64 {
         let [down, up] = self.most;
-        *z += (w.x - *z).max(-down).min(up);
+        *z += between(-down, up, w.x - *z);
         *z
     }
 }

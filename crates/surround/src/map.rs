@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use components::hysteresis::play::between;
 use libm::{exp, log1p, sin, tanh};
 
 use crate::kernel::{Kernel, Map};
@@ -50,7 +51,7 @@ pub(crate) fn limit_below(limit: f64) -> Kernel {
 }
 
 pub(crate) fn limits(centre: f64, half: f64) -> Kernel {
-    kernel(move |x| centre + (x - centre).max(-half).min(half))
+    kernel(move |x| centre + between(-half, half, x - centre))
 }
 
 /// `x − width·ln(1 + exp((x − limit)/width))`, without overflow.

@@ -1,6 +1,6 @@
 //! Plays, and what else remembers the drive whatever its rate.
 
-use components::hysteresis::play::play;
+use components::hysteresis::play::{between, play};
 
 use crate::kernel::{Bank, Step, Wires};
 use crate::span::Span;
@@ -116,7 +116,7 @@ impl Bank<0, 2> for BentPlays {
         [u, low, high]: [f64; 3],
         [bent, straight]: &mut [f64; 2],
     ) -> f64 {
-        *bent = (low - r).max((high + r).min(*bent));
+        *bent = between(low - r, high + r, *bent);
         *straight = play(u, *r, *straight);
         weight * (*bent - *straight)
     }
