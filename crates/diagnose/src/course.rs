@@ -20,8 +20,8 @@ use crate::thresholds::base::Thresholds;
 /// Diagnoses one output. Where something is left, the other readings of the logs are tried with what was found:
 /// one that leaves clearly less is taken, and the search made anew. A mode near half the sample rate is what a
 /// command looks like that moves between the rows: before it is named the search is made with those at any rate,
-/// and the one is taken that leaves less with fewer effects. A lag of the model that acts faster looks like that, too:
-/// another reading is taken if it leaves about as much without the lag.
+/// and the one is taken that leaves less with fewer effects. Other effects look like that, too (a lag of the model that
+/// acts faster, a crosstalk): another reading is taken if it leaves about as much with fewer effects.
 pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
     let open = Course::open(request.between, request.reading);
     if open.is_empty() || !task.base.is_white {
@@ -37,7 +37,8 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
         }
         None => promising(&outcome, &open, count).into_iter().collect::<Vec<_>>(),
     };
-    let first = outcome.left();
+    let (first, first_named) = (outcome.left(), names(&outcome));
+    let had_lag = has_released_lag(&outcome);
     for course in courses {
         let data = fresh.data.played(course);
         let Ok(other) = outcome::of(Task { course, data, ..fresh.clone() }, request, count) else {
@@ -51,16 +52,16 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
                     && without_mode(&outcome)
                         .is_some_and(|left| held_out(&other) < Thresholds::READING_LESS * left);
                 let leaves_less = count(&other) <= count(&outcome) && other.left() < outcome.left();
-                other.verdict == Verdict::Effects
+                is_explained(&other)
                     && mode_near_nyquist(&other).is_none()
                     && (stands_for_it || leaves_less)
             }
-            // With fewer effects it stands for the lag.
+            // With fewer effects it stands for the others.
             None => {
                 other.left() < Thresholds::READING_LESS * outcome.left()
-                    || (has_released_lag(&outcome)
+                    || (is_explained(&other)
                         && other.found.last.picks.len() < outcome.found.last.picks.len()
-                        && other.left() < Thresholds::READING_FOR_LAG * outcome.left())
+                        && other.left() < Thresholds::READING_FOR_EFFECT * outcome.left())
             }
         };
         if is_better {
@@ -89,9 +90,18 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
             "a mode would be missing at {frequency:.4} Hz, within 10 % of half the sample rate"
         ))),
         None if course == usual => None,
-        // Not less, but without the lag.
+        // Not less, but with fewer effects.
         None if outcome.left() >= Thresholds::READING_LESS * first => {
-            Some(read_as("a lag of the model would have to act faster".to_owned()))
+            let now = names(&outcome);
+            let gone: Vec<String> = first_named
+                .iter()
+                .filter(|n| !now.contains(n))
+                .map(|n| n.replace('_', " "))
+                .collect();
+            Some(read_as(match had_lag {
+                true => "a lag of the model would have to act faster".to_owned(),
+                false => format!("{} would be missing", gone.join(" and ")),
+            }))
         }
         None => Some(read_as(format!(
             "the best answer would leave {:.1} times as much",
@@ -100,6 +110,16 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
     };
     outcome.task.warnings.extend(warning);
     Ok(outcome)
+}
+
+/// Names of the effects that were found.
+fn names(o: &Outcome) -> Vec<&'static str> {
+    o.found.last.picks.iter().map(|(family, _)| o.library[*family].effect.name).collect()
+}
+
+/// Whether the answer explains the log: by effects, or because none is needed.
+fn is_explained(o: &Outcome) -> bool {
+    matches!(o.verdict, Verdict::Effects | Verdict::Retune | Verdict::Adequate)
 }
 
 /// Whether a lag of the model that acts faster was found, as a command looks like that moves between the rows.

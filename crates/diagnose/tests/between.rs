@@ -8,15 +8,13 @@ use std::f64::consts::TAU;
 use common::machine::Normal;
 use components::COMPONENTS;
 use data::{Blueprint, CheckedBlueprint, Log};
-use diagnose::{Between, Gap, Model, Noise, Reading, Request, Silent, diagnose};
+use diagnose::{Between, Gap, Model, Noise, Reading, Request, Silent, Verdict, diagnose};
 
 /// Rows per second.
 const RATE: f64 = 4000.0;
 /// Steps of the machine between two rows.
 const FINE: usize = 16;
 const ROWS: usize = 8000;
-/// Standard deviation of the noise in um.
-const NOISE: f64 = 0.01;
 const SEED: u64 = 61;
 const CREEP: &str = "[[axis.component]]\ntype = \"kelvin-voigt-creep\"\nshare = [0.03, 0.04]\n\
                      time_constant = [0.05, 0.4]\n";
@@ -41,11 +39,11 @@ fn command(lines: &[(f64, f64)], time: f64) -> f64 {
     (75.0 + 9.0 * sum).clamp(0.0, 150.0)
 }
 
-/// What diagnose says of a machine whose command moves between the rows, or is held.
-fn gap_of(behind: &str, moves: bool) -> Gap {
-    let mut random = Normal::new(SEED);
+/// What diagnose says of a machine whose command of waves up to `top` Hz moves between the rows, or is held.
+fn gap_of(seed: u64, behind: &str, moves: bool, noise: f64, top: f64) -> Gap {
+    let mut random = Normal::new(seed);
     let lines: Vec<(f64, f64)> =
-        (0..24).map(|k| (1.0 * 60f64.powf(f64::from(k) / 23.0), TAU * random.uniform())).collect();
+        (0..24).map(|k| (1.0 * top.powf(f64::from(k) / 23.0), TAU * random.uniform())).collect();
     let step = 1.0 / (RATE * FINE as f64);
     let mut system = machine(step, behind).build();
     let of = |name: &str| system.variables().find(name).unwrap();
@@ -56,7 +54,7 @@ fn gap_of(behind: &str, moves: bool) -> Gap {
     let (mut u, mut y) = (Vec::new(), Vec::new());
     for (row, start) in time.iter().enumerate() {
         u.push(command(&lines, *start));
-        y.push(system.get(output).unwrap() + NOISE * random.draw());
+        y.push(system.get(output).unwrap() + noise * random.draw());
         for part in 0..FINE {
             let n = row * FINE + part;
             // The mean over the step, nearly.
@@ -70,14 +68,14 @@ fn gap_of(behind: &str, moves: bool) -> Gap {
     log.add_column("y", Some("um"), y).unwrap();
     let model = Model::Blueprint(Box::new(machine(1.0 / RATE, "")));
     let mut request = Request::new(model, vec![log]);
-    request.noise = Noise::Given(vec![(None, NOISE)]);
+    request.noise = Noise::Given(vec![(None, noise)]);
     diagnose(&request, &mut Silent).unwrap()
 }
 
 #[test]
 fn a_command_that_moves_between_the_rows_is_no_faster_lag_beside_the_effect() {
     for moves in [true, false] {
-        let gap = gap_of(CREEP, moves);
+        let gap = gap_of(SEED, CREEP, moves, 0.01, 60.0);
         let names: Vec<&str> = gap.effects.iter().map(|e| e.effect.as_str()).collect();
         assert_eq!(names, ["creep"], "seed {SEED}: {} {:?}", gap.sentence, gap.warnings);
         let own = &gap.outputs[0];
@@ -87,5 +85,32 @@ fn a_command_that_moves_between_the_rows_is_no_faster_lag_beside_the_effect() {
         // It leaves about as much: the lag is the reason.
         let is_lag = |w: &String| w.contains("a lag of the model would have to act faster");
         assert_eq!(gap.warnings.iter().any(is_lag), moves, "seed {SEED}: {:?}", gap.warnings);
+    }
+}
+
+/// A held command is late by half a row: what makes a model earlier imitates that, a crosstalk or a mode far above the
+/// command as well as a lag.
+#[test]
+fn a_command_that_moves_between_the_rows_is_no_other_effect_either() {
+    for (noise, top) in [(0.01, 100.0), (0.02, 150.0), (0.03, 250.0)] {
+        for (behind, wanted) in [("", &[][..]), (CREEP, &["creep"][..])] {
+            for moves in [true, false] {
+                let gap = gap_of(71, behind, moves, noise, top);
+                let names: Vec<&str> = gap.effects.iter().map(|e| e.effect.as_str()).collect();
+                assert_eq!(
+                    names, wanted,
+                    "{noise} {top} {moves}: {} {:?}",
+                    gap.sentence, gap.warnings
+                );
+                assert_ne!(
+                    gap.verdict,
+                    Verdict::Unknown,
+                    "{noise} {top} {moves}: {}",
+                    gap.sentence
+                );
+                let is_held = gap.outputs[0].between == Between::Zoh;
+                assert_eq!(is_held, !moves, "{noise} {top}: {:?}", gap.warnings);
+            }
+        }
     }
 }

@@ -18,8 +18,8 @@ impl Thresholds {
     pub(crate) const MODE_NEAR_NYQUIST: f64 = 0.45;
     /// As [`Self::READING_LESS`], for trying another reading where a released lag was found.
     pub(crate) const READING_TRIED_FOR_LAG: f64 = 0.95;
-    /// Error power that another reading may leave without the lag, over that with it.
-    pub(crate) const READING_FOR_LAG: f64 = 1.1;
+    /// Error power that another reading may leave with fewer effects, over that with them.
+    pub(crate) const READING_FOR_EFFECT: f64 = 1.1;
     /// Least motion of the reading while the command stands, over its range and over the noise, for another rest
     /// state.
     pub(crate) const START_MOVES: (f64, f64) = (0.05, 10.0);
