@@ -10,6 +10,7 @@ use std::path::Path;
 use std::process::Command;
 
 use common::faulty::has_compiler;
+use common::random::Random;
 use common::{json, refuse, root, succeed};
 use serde_json::Value;
 
@@ -53,23 +54,6 @@ fn lag(folder: &Path) {
          <Unknown index=\"7\"/></Outputs></ModelStructure>\n</fmiModelDescription>\n"
     );
     fs::write(folder.join("lag.fmu/modelDescription.xml"), text).expect("writable");
-}
-
-/// A generator of normal numbers (Box and Muller over xorshift64*).
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        let (a, b) = (self.uniform().max(1e-300), self.uniform());
-        (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-    }
 }
 
 fn command(k: usize, phase: usize) -> f64 {

@@ -10,6 +10,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use common::random::Random;
 use common::{json, succeed};
 use serde_json::Value;
 
@@ -18,26 +19,6 @@ const ROWS: usize = 6000;
 /// Standard deviation of the noise in um.
 const NOISE: f64 = 0.005;
 const SEED: u64 = 401;
-
-/// Random numbers of a seed.
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.uniform()
-    }
-
-    fn normal(&mut self) -> f64 {
-        (-2.0 * self.uniform().max(1e-300).ln()).sqrt() * (TAU * self.uniform()).cos()
-    }
-}
 
 /// One mode: frequency in Hz, damping, and what each axis gives to it and sees of it.
 #[derive(Clone)]

@@ -10,6 +10,7 @@ pub(crate) mod four_axes;
 pub(crate) mod jobs;
 pub(crate) mod packed;
 pub(crate) mod python;
+pub(crate) mod random;
 pub(crate) mod repaired;
 pub(crate) mod spy;
 

@@ -21,6 +21,7 @@ use core::f64::consts::{PI, TAU};
 use identify::frequency::hold;
 use nalgebra::Complex;
 use numerics::fft::Fft;
+use numerics::random::SplitMix64;
 use serde::Serialize;
 
 use super::loop_shape::{margins, sensitivity};
@@ -94,14 +95,14 @@ pub struct ServoLimits {
 #[must_use]
 pub fn multisine(points: usize, lines: usize, realization: u64) -> Vec<f64> {
     let lines = lines.min((points.max(1) - 1) / 2);
-    let mut phases = random_phases(realization);
+    let mut random = SplitMix64::from_state(realization);
     let mut spectrum = vec![Complex::new(0.0, 0.0); points];
     let line = |k: usize, phase: f64| Complex::from_polar((k as f64).sqrt().recip(), phase);
     let set = |spectrum: &mut [Complex<f64>], k: usize, value: Complex<f64>| {
         spectrum[k] = value;
         spectrum[points - k] = value.conj();
     };
-    (1..=lines).for_each(|k| set(&mut spectrum, k, line(k, TAU * phases())));
+    (1..=lines).for_each(|k| set(&mut spectrum, k, line(k, TAU * random.uniform())));
     let (forward, inverse) = (Fft::forward(points), Fft::inverse(points));
     for round in 0..=CLIPPINGS {
         inverse.process(&mut spectrum);
@@ -116,17 +117,6 @@ pub fn multisine(points: usize, lines: usize, realization: u64) -> Vec<f64> {
         (1..=lines).for_each(|k| set(&mut spectrum, k, line(k, found[k].arg())));
     }
     Vec::new()
-}
-
-/// Numbers from 0 to 1 (SplitMix64), other ones for each realization.
-fn random_phases(realization: u64) -> impl FnMut() -> f64 {
-    let mut state = realization;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }
 
 /// The mean of several responses over the same lines. A line is left out if its mean is uncertain (a standard error of

@@ -12,6 +12,12 @@ impl SplitMix64 {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d)
     }
 
+    /// A generator in this state.
+    #[must_use]
+    pub const fn from_state(state: u64) -> Self {
+        Self(state)
+    }
+
     /// Uniform on [0, 1).
     pub const fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);

@@ -224,15 +224,10 @@ impl Tune {
             if self.yes && !is_explained(scale, explained) {
                 let percent = 100.0 * LOWERED;
                 screen.say(&format!("the loop oscillates: again with {percent} % of its gains"));
-                let lower = |gain: f64| LOWERED * gain;
-                let (kp, ki, kd) = (lower(law.kp), lower(law.ki), lower(law.kd));
-                let slower = Law { kp, ki, kd, ..law.clone() };
+                let slower = with_part(&law, LOWERED);
                 lowered = Some(LOWERED);
                 station.set_law(&slower).map_err(anyhow::Error::msg)?;
-                station::lead(station, true, bed.middle).map_err(anyhow::Error::msg)?;
-                for _ in 0..RESTS {
-                    station::settled(station, 1e-3 * bed.amplitude).map_err(anyhow::Error::msg)?;
-                }
+                come_to_rest(station, bed).map_err(anyhow::Error::msg)?;
                 (_, scale, explained) = loop_as_it_is(station, bed, &slower)?;
             }
             if !is_explained(scale, explained) {
@@ -319,13 +314,9 @@ impl Tune {
         part: f64,
     ) -> Result<Tried, String> {
         let (law, old) = (&answer.proposed, &answer.before.found);
-        let (kp, ki, kd) = (part * law.kp, part * law.ki, part * law.kd);
-        station.set_law(&Law { kp, ki, kd, ..law.clone() })?;
+        station.set_law(&with_part(law, part))?;
         if part < 1.0 {
-            station::lead(station, true, bed.middle)?;
-            for _ in 0..RESTS {
-                station::settled(station, 1e-3 * bed.amplitude)?;
-            }
+            come_to_rest(station, bed)?;
         }
         let (small, _) = bed.measure(station, 0.1)?;
         if let Some(mut refusal) = self.refusal(&small, old) {
@@ -357,6 +348,20 @@ impl Tune {
         );
         Some(Refusal { why, is_wild: true })
     }
+}
+
+/// The law with this part of its gains.
+fn with_part(law: &Law, part: f64) -> Law {
+    Law { kp: part * law.kp, ki: part * law.ki, kd: part * law.kd, ..law.clone() }
+}
+
+/// Leads an axis that oscillated to the middle of the travel, and waits there.
+fn come_to_rest(station: &mut dyn Station, bed: &Bed) -> Result<(), String> {
+    station::lead(station, true, bed.middle)?;
+    for _ in 0..RESTS {
+        station::settled(station, 1e-3 * bed.amplitude)?;
+    }
+    Ok(())
 }
 
 /// What the loop does with a law: its figures, voltage per output of the law, and the explained share.
