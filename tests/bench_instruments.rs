@@ -226,14 +226,107 @@ fn what_an_instrument_cannot_play_is_refused() {
     assert!(message.contains("is no emulated line"), "{message}");
 }
 
+/// Two steps and a ramp of an analog signal, 1.2 s long.
+fn analog_signal(folder: &Path) -> Vec<f64> {
+    let at = |k: usize| match k {
+        0..200 => -2.0,
+        200..400 => 3.0,
+        _ => 3.0 - 0.0125 * (k - 400) as f64,
+    };
+    let volts: Vec<f64> = (0..600).map(at).collect();
+    let rows = volts.iter().enumerate().map(|(k, v)| format!("{},{v}\n", 2e-3 * k as f64));
+    let text = format!("time [s],analog [V]\n{}", rows.collect::<String>());
+    std::fs::write(folder.join("analog.csv"), text).unwrap();
+    volts
+}
+
+#[test]
+fn a_loop_follows_an_analog_input_and_is_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let volts = analog_signal(here);
+    let place = format!("127.0.0.1:{}", port());
+    let plant = ["p1", "--rate", "500", "--analog", "analog.csv"];
+    let _machine = emulated("gcs", "GCS 2.0", &place, &plant, here);
+    let gateway = format!("gcs://{place}");
+    let measure = |input: &str, more: &[&str]| {
+        let call = ["bench", "measure", "--gateway", &gateway, "-o", "log.csv", "--follow", input];
+        [&call, more].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let run = |call: &[String]| {
+        let call: Vec<&str> = call.iter().map(String::as_str).collect();
+        json(&call, here)
+    };
+    let answer = run(&measure("2", &["--duration", "2.4"]));
+    assert_eq!((&answer["rows"], &answer["sample_time_s"]), (&1200.into(), &2e-3.into()));
+    let log = data::Log::read(&here.join("log.csv"), &data::ReadOptions::default()).unwrap();
+    let column = |name: &str| log.column(name).unwrap().values.clone();
+    let (target, position) = (column("command[1]"), column("position[1]"));
+    // As delivered ± 10 V are the travel, from -7 to 42 um; the record begins anywhere in the signal.
+    let wanted: Vec<f64> = volts.iter().map(|v| 17.5 + 2.45 * v).collect();
+    let off = |first: usize| {
+        let differs = |(k, y): (usize, &f64)| (y - wanted[(first + k) % wanted.len()]).abs();
+        target.iter().enumerate().map(differs).fold(0.0_f64, f64::max)
+    };
+    let least = (0..wanted.len()).map(off).fold(f64::INFINITY, f64::min);
+    assert!(least < 2e-6, "the target is the scaled signal, twice: {least} um off");
+    // An integrator of 30 1/s: it comes after within some 0.1 s.
+    let late = |lag: usize| {
+        let pairs = position[lag..].iter().zip(&target);
+        (pairs.map(|(y, r)| (y - r).powi(2)).sum::<f64>() / (target.len() - lag) as f64).sqrt()
+    };
+    let (now, later) = (late(0), late(17));
+    assert!(later < 0.75 * now && now < 4.0, "{now} um, {later} um after 34 ms");
+    // Ended early, no log is written and the input is disconnected: moves are taken again.
+    std::fs::remove_file(here.join("log.csv")).unwrap();
+    let call = measure("2", &["--duration", "60"]);
+    let call: Vec<&str> = call.iter().map(String::as_str).collect();
+    let process = Process::tool(&call, here);
+    assert!(process.first.contains("follows input signal 2"), "{}", process.first);
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    process.signal("-INT");
+    assert_eq!((process.end().1, here.join("log.csv").exists()), (Some(2), false));
+    triangles("2", "2e-3", here);
+    json(&["bench", "measure", "triangles.csv", "--gateway", &gateway, "-o", "wave.csv"], here);
+
+    let refused = |call: &[String]| {
+        let call: Vec<&str> = call.iter().map(String::as_str).collect();
+        refuse(&call, here)
+    };
+    let message = refused(&measure("7", &["--duration", "1"]));
+    assert!(message.contains("input signals 1 to 2, not 7"), "{message}");
+    let message = refused(&measure("2", &["--duration", "1e-3"]));
+    assert!(message.contains("give a longer time"), "{message}");
+    let message = refused(&measure("2", &["--duration", "100", "--every", "1"]));
+    assert!(message.contains("the instrument takes 32768"), "{message}");
+}
+
+#[test]
+fn analog_signals_that_are_none_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let refused = |text: &str, protocol: &str, words: &str| {
+        std::fs::write(here.join("analog.csv"), text).unwrap();
+        let call = ["bench", "emulate", "p1", "--rate", "500", "--protocol", protocol];
+        let message = refuse(&[&call[..], &["--analog", "analog.csv"]].concat(), here);
+        assert!(message.contains(words), "{message}");
+    };
+    refused("time,u\n0,1\n1,12\n", "gcs", "u has 12 V; an analog input takes -10 to 10 V");
+    refused("time,u,v\n0,1,1\n1,1,1\n", "gcs", "has 2 columns for 1 analog inputs");
+    refused("time,u [um]\n0,1\n1,1\n", "gcs", "um");
+    refused("time,u\n0,1\n1,1\n", "nv200", "--analog needs --protocol gcs");
+}
+
 #[test]
 fn pis_own_client_works_with_the_instrument() {
     let Some(python) = foreign::environment("pipython") else { return };
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let (port, line) = (port().to_string(), here.join("line").display().to_string());
+    std::fs::write(here.join("four.csv"), "time,volts [V]\n0,4\n1,4\n").unwrap();
     for (place, argument) in [(format!("127.0.0.1:{port}"), &port), (line.clone(), &line)] {
-        let _machine = instrument("gcs", "GCS 2.0", &place, here);
+        let plant = ["p1", "--rate", "500", "--analog", "four.csv"];
+        let _machine = emulated("gcs", "GCS 2.0", &place, &plant, here);
         let messages = foreign::script(&python, "pi_client.py", &[argument], here);
         println!("{messages}");
         assert!(messages.contains("PIPython"));

@@ -109,5 +109,33 @@ pi.CCL(1, "advanced")
 pi.SPA("1", [0x08000100], [40.0])
 pi.SPA("1", [0x08000200], [0.05])
 pi.CCL(0)
-assert pi.qTSC() == 2 and abs(pi.qTSP(2)[2] - pi.qPOS("1")["1"]) < 0.5
+assert pi.qTSC() == 2 and abs(pi.qTSP(1)[1] - pi.qPOS("1")["1"]) < 0.5
+# The analog input, at which there are 4 V: normalized, scaled, and as what the axis follows.
+pi.CCL(1, "advanced")
+pi.SPA([2, 2], [0x02000200, 0x02000300], [1.0, 0.05])
+assert abs(pi.qTNS(2)[2] - 40.0) < 1e-3 and abs(pi.qTSP(2)[2] - 3.0) < 1e-5 and pi.qTAD(2)[2] in (45874, 45875)
+pi.AOS("1", 0.25)
+assert pi.HasAOS() and pi.qAOS("1")["1"] == 0.25
+pi.SPA("1", 0x06000500, 2)
+pi.CCL(0)
+pitools.waitontarget(pi, "1", timeout=60)
+assert abs(pi.qMOV("1")["1"] - 3.25) < 1e-5 and abs(pi.qPOS("1")["1"] - 3.25) < 2e-3 * (greatest - least)
+for move in (lambda: pi.MOV("1", 1), lambda: pi.WGO(1, 1)):
+    try:
+        move()
+    except GCSError as said:
+        assert said == gcserror.E72_PI_CNTR_ANALOG_TARGET_ACTIVE, said
+    else:
+        raise AssertionError("a move while the axis follows its analog input")
+try:
+    pi.SPA("1", 0x06000500, 0)
+except GCSError as said:
+    assert said == gcserror.E60_PI_CNTR_PARAM_PROTECTION, said
+else:
+    raise AssertionError("a protected parameter")
+pi.CCL(1, "advanced")
+pi.SPA("1", 0x06000500, 0)
+pi.CCL(0)
+pi.MOV("1", 1)
+assert pi.qMOV("1")["1"] == 1
 print("PIPython", least, greatest)

@@ -47,6 +47,10 @@ pub(crate) struct Emulate {
     /// Voltage range of an instrument, if the plant's inputs have no bounds
     #[arg(long, value_name = "MIN..MAX", value_parser = ranges::limits())]
     volts: Option<[f64; 2]>,
+    /// Voltages at the analog inputs of an instrument of PI: a log with one record of equally spaced rows and a column in V
+    /// for each input, from the first; it is repeated [default: the inputs are wired to second sensors of the axes]
+    #[arg(long, value_name = "FILE")]
+    analog: Option<PathBuf>,
     /// The runner's address; packets from others are ignored [default: 127.0.0.1 and the next port]
     #[arg(long, value_name = "IP:PORT")]
     peer: Option<SocketAddr>,
@@ -145,6 +149,9 @@ impl Emulate {
         if self.volts.is_some() {
             bail!("--volts needs --protocol gcs or nv200");
         }
+        if self.analog.is_some() {
+            bail!("--analog needs --protocol gcs: what is emulated here has no analog inputs");
+        }
         let script = self.script()?;
         let stop = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&stop);
@@ -215,6 +222,7 @@ impl Emulate {
             at,
             rate: self.rate,
             volts: self.volts,
+            analog: self.analog.as_deref(),
             commands: &self.commands,
             positions: &self.positions,
             duration: self.duration,

@@ -7,10 +7,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, bail};
-use bench::emulate::{GcsInstrument, Instrument, Nv200Instrument, Plant, Travel, travel};
+use bench::emulate::{GcsInstrument, Instrument, Nv200Instrument, Plant, Signals, Travel, travel};
 use bench::gateway::{self, InstrumentServed, Place, gcs, nv200};
 use cli::{Answer, Screen};
 use cosim::{Fmu, InstanceOptions};
+use data::{Log, ReadOptions, SampleTime};
 use modeldescription::variable::Causality;
 use serde::Serialize;
 
@@ -49,6 +50,7 @@ pub(super) struct Play<'a> {
     pub(super) at: Place,
     pub(super) rate: f64,
     pub(super) volts: Option<[f64; 2]>,
+    pub(super) analog: Option<&'a Path>,
     pub(super) commands: &'a [String],
     pub(super) positions: &'a [String],
     pub(super) duration: Option<f64>,
@@ -90,15 +92,24 @@ impl Play<'_> {
             self.rate,
             axes.join("; ")
         );
-        let mut instrument: Box<dyn Instrument> = match self.kind {
-            Kind::Gcs => Box::new(GcsInstrument::new(make()?, travel)),
-            Kind::Nv200 => Box::new(Nv200Instrument::new(make()?, travel).with_context(|| {
-                format!(
-                    "an NV200 has one axis, {} has {}; choose with --commands and --positions",
-                    opened.name,
-                    commands.len()
-                )
-            })?),
+        let signals = self.analog.map(|file| signals(file, commands.len())).transpose()?;
+        let mut instrument: Box<dyn Instrument> = match (self.kind, signals) {
+            (Kind::Gcs, None) => Box::new(GcsInstrument::new(make()?, travel)),
+            (Kind::Gcs, Some(signals)) => {
+                Box::new(GcsInstrument::new(make()?, travel).with_signals(signals))
+            }
+            (Kind::Nv200, Some(_)) => {
+                bail!("--analog needs --protocol gcs: the emulated NV200 has no analog input")
+            }
+            (Kind::Nv200, None) => {
+                Box::new(Nv200Instrument::new(make()?, travel).with_context(|| {
+                    format!(
+                        "an NV200 has one axis, {} has {}; choose with --commands and --positions",
+                        opened.name,
+                        commands.len()
+                    )
+                })?)
+            }
         };
         let duration_ns = self.duration.map(|seconds| (seconds * 1e9) as u64);
         let ready = || screen.say(&line);
@@ -123,6 +134,45 @@ impl Play<'_> {
         }
         Ok(volts)
     }
+}
+
+/// Most volts at an analog input.
+const MOST_VOLTS: f64 = 10.0;
+
+/// What is led to the analog inputs, from a log.
+fn signals(file: &Path, inputs: usize) -> anyhow::Result<Signals> {
+    let name = file.display();
+    let log = Log::read(file, &ReadOptions::default())?;
+    cli::note_on_log(&log.notes());
+    let [record] = log.records() else {
+        bail!(
+            "{name}: has {} records; give a log with one, which is repeated",
+            log.records().len()
+        );
+    };
+    let period = log.sample_time(record, SampleTime::TOLERANCE)?.period;
+    let columns = log.columns();
+    if columns.is_empty() || columns.len() > inputs {
+        bail!(
+            "{name}: has {} columns for {inputs} analog inputs; give one in V for each, at most {inputs}",
+            columns.len()
+        );
+    }
+    let volts = |column: &data::Column| -> anyhow::Result<Vec<f64>> {
+        let volts = match column.unit {
+            Some(_) => log.convert(&column.name, "V")?,
+            None => column.values.clone(),
+        };
+        if let Some(bad) = volts.iter().find(|v| !v.is_finite() || v.abs() > MOST_VOLTS) {
+            bail!(
+                "{name}: {} has {bad} V; an analog input takes -{MOST_VOLTS} to {MOST_VOLTS} V",
+                column.name
+            );
+        }
+        Ok(volts)
+    };
+    let columns = columns.iter().map(volts).collect::<anyhow::Result<_>>()?;
+    Ok(Signals { period, columns })
 }
 
 impl Answer for Played {

@@ -9,7 +9,7 @@ mod plant;
 mod serve;
 
 pub use fault::{Active, Direction, Fault, FaultKind, Script, ScriptError};
-pub use instrument::{GcsInstrument, Instrument, Nv200Instrument, Travel, travel};
+pub use instrument::{GcsInstrument, Instrument, Nv200Instrument, Signals, Travel, travel};
 pub use link::{Injected, Link};
 pub use plant::{Plant, PlantError};
 pub use serve::{Serve, Served, serve};

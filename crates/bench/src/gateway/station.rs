@@ -52,6 +52,26 @@ impl Wave {
     }
 }
 
+/// Targets that an input signal of the instrument gives, such as its analog input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Follow {
+    /// Number of the input signal in the instrument, from 1.
+    pub input: u32,
+    /// Servo cycles per recorded row.
+    pub every: u32,
+    /// Recorded rows.
+    pub rows: usize,
+}
+
+/// Where an input signal is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Input {
+    /// The input signal that gives the targets of the axis now; 0: none.
+    pub connected: u32,
+    /// The target that the one asked for gives.
+    pub target: f64,
+}
+
 /// What an instrument has recorded: in row k the position was sampled before command and voltage of that row acted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recorded {
@@ -146,6 +166,23 @@ pub trait Station {
     /// The instrument says no, or nothing.
     fn run(&mut self, wave: &Wave) -> Result<Recorded, String>;
 
+    /// Where an input signal is that shall give the targets.
+    ///
+    /// # Errors
+    /// The instrument says no, or nothing; or has no such inputs.
+    fn input(&mut self, number: u32) -> Result<Input, String> {
+        Err(no_input(number))
+    }
+
+    /// Connects the targets of the axis to an input signal, records, and connects them as they were. `go_on`: false
+    /// ends it early.
+    ///
+    /// # Errors
+    /// The instrument says no, or nothing; or it ended early.
+    fn follow(&mut self, follow: &Follow, _: &dyn Fn() -> bool) -> Result<Recorded, String> {
+        Err(no_input(follow.input))
+    }
+
     /// Reads the law of the servo.
     ///
     /// # Errors
@@ -160,6 +197,12 @@ pub trait Station {
 
     /// How many notch filters it has, and those that it can have at a frequency, from narrow to wide.
     fn notches(&self, frequency: f64) -> (usize, Vec<NotchValues>);
+}
+
+fn no_input(number: u32) -> String {
+    format!(
+        "the targets cannot come from input signal {number} here; an instrument of PI can do that: gcs://IP"
+    )
 }
 
 /// Leads the axis to a target or a voltage in small steps.
@@ -241,10 +284,61 @@ pub fn play(station: &mut dyn Station, wave: &Wave) -> Result<Recorded, String> 
     let returned = lead(station, before.closed, back);
     let recorded = recorded?;
     returned?;
-    let rows = wave.rows;
+    checked(recorded, wave.rows)
+}
+
+fn checked(recorded: Recorded, rows: usize) -> Result<Recorded, String> {
     let lengths = [&recorded.command, &recorded.voltage, &recorded.position].map(Vec::len);
     if lengths.iter().any(|length| *length != rows) {
         return Err(format!("the recorder gave {lengths:?} values where {rows} were asked for"));
     }
     Ok(recorded)
+}
+
+/// Records while the targets come from an input signal: leads the axis to where that is, connects it, records, and leads
+/// the axis back to where it was, with the servo as it was. `go_on`: false ends it early.
+///
+/// # Errors
+/// The signal is outside the travel, another one is connected, the record is longer than the instrument takes, or it
+/// ended early; or what the instrument says.
+pub fn follow(
+    station: &mut dyn Station,
+    follow: &Follow,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Recorded, String> {
+    let ((_, most), [least, greatest]) = (station.most(), station.travel());
+    let number = follow.input;
+    if follow.rows > most {
+        return Err(format!(
+            "{} rows are to be recorded; the instrument takes {most}: give more servo cycles per row, or a shorter time",
+            follow.rows
+        ));
+    }
+    let Input { connected, target } = station.input(number)?;
+    if connected == number {
+        // It works so by itself, and goes on.
+        return checked(station.follow(follow, go_on)?, follow.rows);
+    }
+    if connected != 0 {
+        return Err(format!(
+            "input signal {connected} gives the targets of the axis already; record that one, or disconnect it first"
+        ));
+    }
+    if !(least..=greatest).contains(&target) {
+        return Err(format!(
+            "input signal {number} asks for {target}, the travel of the axis is from {least} to {greatest}; scale the input with its offset and gain (parameters 0x02000200, 0x02000300), or change the signal"
+        ));
+    }
+    let before = station.place()?;
+    lead(station, true, target)?;
+    let recorded = station.follow(follow, go_on);
+    // What is commanded now is no longer what was commanded last: on from where the axis is.
+    let position = station.place().map(|place| place.position.clamp(least, greatest));
+    let returned = position.and_then(|position| station.command(true, position)).and_then(|()| {
+        let back = if before.closed { before.target } else { before.voltage };
+        lead(station, before.closed, back)
+    });
+    let recorded = recorded?;
+    returned?;
+    checked(recorded, follow.rows)
 }

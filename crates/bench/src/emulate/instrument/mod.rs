@@ -6,13 +6,16 @@
 
 mod gcs;
 mod generator;
+mod inputs;
 mod nv200;
 mod servo;
 
 pub use gcs::GcsInstrument;
+pub use inputs::Signals;
 pub use nv200::Nv200Instrument;
 
 use self::generator::{Generator, Recorder, Seen, Source};
+use self::inputs::Inputs;
 use self::servo::{Notch, Servo};
 use super::plant::{Plant, PlantError};
 
@@ -129,6 +132,8 @@ pub(super) struct Stage {
     /// One for each axis.
     pub(super) generators: Vec<Generator>,
     pub(super) recorder: Recorder,
+    inputs: Inputs,
+    steps: u64,
 }
 
 impl Stage {
@@ -139,7 +144,9 @@ impl Stage {
         let servos = vec![Servo::new(integral); axes.len()];
         let generators = vec![Generator::new(); axes.len()];
         let saved = servos.clone();
-        let mut stage = Stage { plant, travel, axes, servos, saved, generators, recorder };
+        let inputs = Inputs::new(&travel);
+        let mut stage =
+            Stage { plant, travel, axes, servos, saved, generators, recorder, inputs, steps: 0 };
         stage.look();
         stage
     }
@@ -164,11 +171,13 @@ impl Stage {
     /// # Errors
     /// The plant failed.
     pub(super) fn step(&mut self) -> Result<(), PlantError> {
+        let analog: Vec<Option<f64>> = (0..self.axes.len()).map(|n| self.analog(n)).collect();
         for (n, axis) in self.axes.iter_mut().enumerate() {
             let travel = &self.travel[n];
             let [low, high] = travel.volts;
             let volts = [low.min(high), high.max(low)];
-            if let Some(value) = self.generators[n].next() {
+            let wave = self.generators[n].next();
+            if let Some(value) = analog[n].or(wave) {
                 let [least, greatest] = if axis.servo { travel.range() } else { volts };
                 let value = value.clamp(least, greatest);
                 *(if axis.servo { &mut axis.target } else { &mut axis.volts }) = value;
@@ -183,8 +192,29 @@ impl Stage {
         let axes = &self.axes;
         self.recorder.take(|source| axes[source.0].seen(source));
         self.plant.step(&self.volts())?;
+        self.steps += 1;
         self.look();
         Ok(())
+    }
+
+    /// An input signal, from 0: normalized to ±100, and scaled to a position.
+    pub(super) fn input(&self, n: usize) -> [f64; 2] {
+        let axes = self.axes.len();
+        let axis = n % axes;
+        let [least, greatest] = self.travel[axis].range();
+        let position = self.axes[axis].position;
+        let sensor = 200.0 * (position - least) / (greatest - least).max(1e-300) - 100.0;
+        let Some(input) = n.checked_sub(axes) else { return [sensor, position] };
+        let seconds = self.steps as f64 * self.period();
+        let normalized = self.inputs.normalized(input, seconds, sensor);
+        let [offset, gain] = self.inputs.now.scales[n];
+        [normalized, offset + gain * normalized]
+    }
+
+    /// The target of an axis that an input signal gives; none: none is connected to it.
+    pub(super) fn analog(&self, axis: usize) -> Option<f64> {
+        let source = self.inputs.now.sources[axis].checked_sub(1)?;
+        Some(self.input(source)[1] + self.inputs.now.offsets[axis])
     }
 
     fn look(&mut self) {
@@ -196,6 +226,7 @@ impl Stage {
     /// Power off and on: servo off, the voltage next to 0, what was not saved is lost.
     pub(super) fn reboot(&mut self) {
         self.servos = self.saved.clone();
+        self.inputs.now = self.inputs.saved.clone();
         self.generators.iter_mut().for_each(|generator| *generator = Generator::new());
         self.recorder = Recorder::new(self.recorder.sources.clone(), self.recorder.length);
         for (axis, travel) in self.axes.iter_mut().zip(&self.travel) {

@@ -3,7 +3,8 @@
 //! Axis n has wave generator n and output channel n; wave table n and record tables 1 to 3 are used, their old content
 //! is lost. The law of the servo: P, T_i and T_d in parallel; notch filters with frequency and rejection.
 //!
-//! Source: PI, E-727 user manual E727T0005, "Data Recorder", "Wave Generator", "Control Details".
+//! Source: PI, E-727 user manual E727T0005, "Data Recorder", "Wave Generator", "Control Details", "How to
+//! work with the Analog Input".
 
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -12,7 +13,7 @@ use super::PATIENCE;
 use super::speech::Speech;
 use super::text;
 use crate::gateway::line::{Broken, Line, Options};
-use crate::gateway::station::{Law, NotchValues, Place, Recorded, Station, Wave};
+use crate::gateway::station::{Follow, Input, Law, NotchValues, Place, Recorded, Station, Wave};
 
 /// Points in one command.
 const BUNCH: usize = 100;
@@ -23,6 +24,9 @@ const ARRAY: Duration = Duration::from_secs(10);
 /// Wait between two looks at the recorder.
 const LOOK: Duration = Duration::from_millis(20);
 
+/// The input signal that gives the targets of an axis, and what is added to it.
+const SOURCE: u32 = 0x0600_0500;
+const ADDED: u32 = 0x0600_0501;
 const SERVO_TIME: u32 = 0x0E00_0200;
 const P: u32 = 0x0700_0300;
 const TI: u32 = 0x0700_0301;
@@ -138,8 +142,27 @@ impl GcsStation {
         Ok(())
     }
 
+    /// Lets an input signal give the targets of the axis; 0: none.
+    fn connect(&mut self, number: u32) -> Result<(), String> {
+        let axis = self.axis.clone();
+        self.tell("CCL 1 advanced")?;
+        let done = self.tell(&format!("SPA {axis} 0x{SOURCE:08X} {number}"));
+        let level = self.tell("CCL 0");
+        done.and(level)?;
+        match self.connected()? {
+            found if found == number => Ok(()),
+            found => Err(format!("parameter 0x{SOURCE:08X} is {found} after {number} was written")),
+        }
+    }
+
+    /// The input signal that gives the targets of the axis; 0: none.
+    fn connected(&mut self) -> Result<u32, String> {
+        let axis = self.axis.clone();
+        Ok(self.parameter(&axis, SOURCE)? as u32)
+    }
+
     fn configure(&mut self, wave: &Wave) -> Result<(), String> {
-        let (n, axis) = (self.number, self.axis.clone());
+        let n = self.number;
         self.tell(&format!("WGO {n} 0"))?;
         self.tell(&format!("WCL {n}"))?;
         for (k, points) in wave.points.chunks(BUNCH).enumerate() {
@@ -152,44 +175,58 @@ impl GcsStation {
         self.tell(&format!("WTR {n} {} 0", wave.hold))?;
         self.tell(&format!("WGC {n} {}", wave.cycles))?;
         self.tell(&format!("WOS {n} 0"))?;
-        self.tell(&format!("RTR {}", wave.every))?;
+        self.record_every(wave.every)
+    }
+
+    /// What is recorded, and how often.
+    fn record_every(&mut self, every: u32) -> Result<(), String> {
+        let (n, axis) = (self.number, self.axis.clone());
+        self.tell(&format!("RTR {every}"))?;
         // Target, voltage of the output channel, position.
         self.tell(&format!("DRC 1 {axis} 1"))?;
         self.tell(&format!("DRC 2 {n} 7"))?;
         self.tell(&format!("DRC 3 {axis} 2"))
     }
 
-    fn record(&mut self, wave: &Wave) -> Result<Recorded, String> {
-        let until = Instant::now()
-            + Duration::from_secs_f64(1.2 * wave.duration(self.cycle))
-            + Duration::from_secs(5);
+    fn record(
+        &mut self,
+        (rows, every, closed): (usize, u32, bool),
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Recorded, String> {
+        let seconds = rows as f64 * f64::from(every) * self.cycle;
+        let until =
+            Instant::now() + Duration::from_secs_f64(1.2 * seconds) + Duration::from_secs(5);
         loop {
             let answer = self.ask("DRL? 1")?;
             let count = answer.rsplit_once('=').and_then(|(_, n)| n.trim().parse::<usize>().ok());
             let count = count.ok_or_else(|| format!("DRL? 1: answered {answer:?}"))?;
-            if count >= wave.rows {
+            if count >= rows {
                 break;
             }
             if Instant::now() > until {
                 return Err(format!(
-                    "the recorder holds {count} rows of {} and goes on no more",
-                    wave.rows
+                    "the recorder holds {count} rows of {rows} and goes on no more"
+                ));
+            }
+            if !go_on() {
+                return Err(format!(
+                    "interrupted after {count} rows of {rows}: nothing is written"
                 ));
             }
             sleep(LOOK);
         }
-        let question = format!("DRR? 1 {} 1 2 3", wave.rows);
+        let question = format!("DRR? 1 {rows} 1 2 3");
         let (period, columns) = self
             .speech
             .array(&question, ARRAY)
             .map_err(|broken| format!("{question}: {broken}"))?;
-        let wanted = f64::from(wave.every) * self.cycle;
+        let wanted = f64::from(every) * self.cycle;
         if (period / wanted - 1.0).abs() > 1e-3 {
             return Err(format!("it recorded every {period} s, where {wanted} s were asked for"));
         }
         let [target, voltage, position] = <[Vec<f64>; 3]>::try_from(columns)
             .map_err(|columns| format!("{question}: {} columns, not 3", columns.len()))?;
-        let command = if wave.closed { target } else { voltage.clone() };
+        let command = if closed { target } else { voltage.clone() };
         Ok(Recorded { period: wanted, command, voltage, position })
     }
 }
@@ -247,10 +284,48 @@ impl Station for GcsStation {
         let n = self.number;
         self.configure(wave)?;
         self.tell(&format!("WGO {n} 1"))?;
-        let recorded = self.record(wave);
+        let recorded = self.record((wave.rows, wave.every, wave.closed), &|| true);
         self.tell(&format!("WGO {n} 0"))?;
         self.tell("RTR 1")?;
         recorded
+    }
+
+    fn input(&mut self, number: u32) -> Result<Input, String> {
+        let answer = self.ask("TSC?")?;
+        let most =
+            answer.trim().parse::<u32>().map_err(|_| format!("TSC?: answered {answer:?}"))?;
+        if !(1..=most).contains(&number) {
+            return Err(format!(
+                "it has the input signals 1 to {most}, not {number}; its manual says which of them is its analog input"
+            ));
+        }
+        let (axis, item) = (self.axis.clone(), number.to_string());
+        let connected = self.connected()?;
+        let question = format!("TSP? {item}");
+        let answer = self.ask(&question)?;
+        let value =
+            text::numbers(&answer, &[item]).map_err(|broken| format!("{question}: {broken}"))?[0];
+        Ok(Input { connected, target: value + self.parameter(&axis, ADDED)? })
+    }
+
+    fn follow(&mut self, follow: &Follow, go_on: &dyn Fn() -> bool) -> Result<Recorded, String> {
+        let before = self.connected()?;
+        self.record_every(follow.every)?;
+        let connected = if before == follow.input { Ok(()) } else { self.connect(follow.input) };
+        let recorded = connected
+            .and_then(|()| self.tell("DRT 0 4 0"))
+            .and_then(|()| self.record((follow.rows, follow.every, true), go_on));
+        // Whatever has gone wrong: nothing stays connected that was not.
+        let back = if before == follow.input { Ok(()) } else { self.connect(before) };
+        back.map_err(|error| {
+            format!(
+                "{error}; input signal {} may still give the targets: `SPA {} 0x{SOURCE:08X} 0` disconnects it",
+                follow.input, self.axis
+            )
+        })?;
+        let rate = self.tell("RTR 1");
+        let recorded = recorded?;
+        rate.map(|()| recorded)
     }
 
     fn law(&mut self) -> Result<Law, String> {

@@ -5,7 +5,7 @@ mod recording;
 mod waves;
 
 use super::generator::{Recorder, Seen};
-use super::{Axis, Instrument, Stage, Travel};
+use super::{Axis, Instrument, Signals, Stage, Travel};
 use crate::emulate::{Plant, PlantError};
 
 /// The instrument.
@@ -44,12 +44,13 @@ const RECORDER_OPTION: i32 = 58;
 const PROTECTED: i32 = 60;
 const READ_ONLY: i32 = 64;
 const TOO_LARGE: i32 = 67;
+const ANALOG_ACTIVE: i32 = 72;
 const GENERATOR_ACTIVE: i32 = 73;
 const NO_WAVE: i32 = 75;
 const LONGEST: usize = 65_536;
 
 const HELP: &str = "The following commands are valid: \n#5 Request Motion Status \n#9 Get Wave Generator Status \n#7 Request Controller Ready Status \n#24 Stop All Axes \n\
-    *IDN? Get Device Identification \nCCL Set Command Level \nCCL? Get Command Level \nDRC Set Data Recorder Configuration \n\
+    *IDN? Get Device Identification \nAOS Set Analog Input Offset \nAOS? Get Analog Input Offset \nCCL Set Command Level \nCCL? Get Command Level \nDRC Set Data Recorder Configuration \n\
     DRC? Get Data Recorder Configuration \nDRL? Get Number Of Recorded Points \nDRR? Get Recorded Data Values \n\
     DRT Set Data Recorder Trigger Source \nDRT? Get Data Recorder Trigger Source \nGWD? Get Wave Table Data \n\
     HDR? Get All Data Recorder Options \nHPA? Get List Of Available Parameters \nRPA Reset Volatile Memory Parameters \n\
@@ -87,6 +88,13 @@ impl GcsInstrument {
         }
     }
 
+    /// Leads voltages to its analog inputs.
+    #[must_use]
+    pub fn with_signals(mut self, signals: Signals) -> Self {
+        self.stage.inputs.signals = Some(signals);
+        self
+    }
+
     /// Bit i: axis i is not on its target.
     fn moving(&self) -> u32 {
         let moves = (0..self.stage.axes.len())
@@ -102,6 +110,7 @@ impl GcsInstrument {
 
     fn stop(&mut self) {
         self.stage.generators.iter_mut().for_each(super::generator::Generator::stop);
+        self.stage.inputs.now.sources.fill(0);
         self.stage.axes.iter_mut().for_each(|axis| axis.target = axis.position);
         self.error = STOPPED;
     }
@@ -203,8 +212,11 @@ impl GcsInstrument {
         Ok(String::new())
     }
 
-    /// No axis is commanded while a wave generator commands it.
+    /// No axis is commanded while an analog input or a wave generator commands it.
     fn may_move(&self, pairs: &[(usize, f64)]) -> Result<(), i32> {
+        if pairs.iter().any(|(n, _)| self.stage.analog(*n).is_some()) {
+            return Err(ANALOG_ACTIVE);
+        }
         let is_busy = pairs.iter().any(|(n, _)| self.stage.generators[*n].is_running());
         if is_busy { Err(GENERATOR_ACTIVE) } else { Ok(()) }
     }

@@ -5,14 +5,19 @@
 //! N(s) = (s² + 2·r·ω·s + ω²)/(s + ω)² with frequency and rejection r (1: off), for a bandwidth of 1.
 //!
 //! Source: PI, E-727 user manual E727T0005, "Control Details" and "Parameters"; how the three parts of the law come
-//! together, and the filter's equation, are not printed there: r is the gain at its frequency, and 1 is no filter.
+//! together, and the filter's equation, are not printed there: r is the gain at its frequency, and 1 is no filter. The
+//! analog inputs: `inputs.rs`.
 
 use super::{
     GcsInstrument, OUT_OF_RANGE, PASSWORD, PROTECTED, READ_ONLY, SYNTAX, UNKNOWN_PARAMETER, lines,
 };
 
 /// Parameters: number, least command level for a change, type, item, name.
-const PARAMETERS: [(u32, u8, &str, &str, &str); 14] = [
+const PARAMETERS: [(u32, u8, &str, &str, &str); 18] = [
+    (OFFSET, 1, "FLOAT", "channel", "Sensor Mech. Correction 1"),
+    (GAIN, 1, "FLOAT", "channel", "Sensor Mech. Correction 2"),
+    (SOURCE, 1, "INT", "axis", "ADC Channel For Target"),
+    (ADDED, 1, "FLOAT", "axis", "Analog Target Offset"),
     (P, 0, "FLOAT", "axis", "Servo Loop P-Term"),
     (TI, 0, "FLOAT", "axis", "Servo Loop I-Term"),
     (TD, 0, "FLOAT", "axis", "Servo Loop D-Term"),
@@ -28,6 +33,10 @@ const PARAMETERS: [(u32, u8, &str, &str, &str); 14] = [
     (0x1600_0200, 9, "INT", "system", "Data Recorder Max Points"),
     (0x1600_0300, 9, "INT", "system", "Data Recorder Chan Number"),
 ];
+const OFFSET: u32 = 0x0200_0200;
+const GAIN: u32 = 0x0200_0300;
+const SOURCE: u32 = 0x0600_0500;
+const ADDED: u32 = 0x0600_0501;
 const P: u32 = 0x0700_0300;
 const TI: u32 = 0x0700_0301;
 const TD: u32 = 0x0700_0302;
@@ -68,10 +77,12 @@ impl GcsInstrument {
             "SPA" => self.write(words).map(|()| done()),
             "RPA" => {
                 self.stage.servos = self.stage.saved.clone();
+                self.stage.inputs.now = self.stage.inputs.saved.clone();
                 Ok(done())
             }
             "WPA" if words.first() == Some(&"100") => {
                 self.stage.saved = self.stage.servos.clone();
+                self.stage.inputs.saved = self.stage.inputs.now.clone();
                 Ok(done())
             }
             "WPA" => Err(PASSWORD),
@@ -84,40 +95,57 @@ impl GcsInstrument {
             }
             "TSC?" => Ok(format!("{}\n", 2 * axes)),
             "TPC?" => Ok(format!("{axes}\n")),
-            "TSP?" => self.inputs(words, |position, _| position),
-            "TNS?" => self.inputs(words, |_, share| 200.0 * share - 100.0),
-            "TAD?" => self.inputs(words, |_, share| (65_535.0 * share).round()),
+            "TSP?" => self.inputs(words, |[_, scaled]| format!("{scaled:.6}")),
+            "TNS?" => self.inputs(words, |[normalized, _]| format!("{normalized:.6}")),
+            "TAD?" => self.inputs(words, |[normalized, _]| {
+                format!("{:.0}", 65_535.0 * (0.005 * normalized + 0.5))
+            }),
+            "AOS" => self.pairs(words).map(|pairs| {
+                pairs.iter().for_each(|(n, value)| self.stage.inputs.now.offsets[*n] = *value);
+                done()
+            }),
+            "AOS?" => self.places(words).map(|places| {
+                let offset = |n: &usize| self.stage.inputs.now.offsets[*n];
+                lines(places.iter().map(|n| format!("{}={:+.6}", n + 1, offset(n))))
+            }),
             _ => return None,
         })
     }
 
-    /// Input signals: the sensors of the axes, then as many analog inputs, which are wired to second sensors. `of`:
-    /// from the position, in the axis' unit and as a share of its travel.
-    fn inputs(&self, words: &[&str], of: impl Fn(f64, f64) -> f64) -> Answer {
-        let axes = self.stage.axes.len();
-        let all: Vec<String> = (1..=2 * axes).map(|n| n.to_string()).collect();
-        let words = if words.is_empty() {
-            all.iter().map(String::as_str).collect()
-        } else {
-            words.to_vec()
+    /// Input signals: sensors of the axes, then analog inputs. `of`: from the value normalized and scaled.
+    fn inputs(&self, words: &[&str], of: impl Fn([f64; 2]) -> String) -> Answer {
+        let places = match words {
+            [] => (0..2 * self.stage.axes.len()).collect(),
+            _ => words.iter().map(|word| self.channel(word)).collect::<Result<Vec<_>, i32>>()?,
         };
-        let line = |word: &&str| {
-            let n = word.parse::<usize>().ok().filter(|n| (1..=2 * axes).contains(n));
-            let n = n.ok_or(OUT_OF_RANGE)?;
-            let axis = (n - 1) % axes;
-            let [least, greatest] = self.stage.travel[axis].range();
-            let position = self.stage.axes[axis].position;
-            let value = of(position, (position - least) / (greatest - least).max(1e-300));
-            Ok(format!("{n}={value:.6}"))
-        };
-        Ok(lines(words.iter().map(line).collect::<Result<Vec<_>, i32>>()?.into_iter()))
+        let line = |n: &usize| format!("{}={}", n + 1, of(self.stage.input(*n)));
+        Ok(lines(places.iter().map(line)))
+    }
+
+    /// The place of an input signal.
+    fn channel(&self, word: &str) -> Result<usize, i32> {
+        let number = word.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+        number.filter(|n| *n < 2 * self.stage.axes.len()).ok_or(OUT_OF_RANGE)
+    }
+
+    /// The place of a parameter's item: an input signal or an axis.
+    fn item(&self, word: &str, id: u32) -> Result<usize, i32> {
+        match id {
+            OFFSET | GAIN => self.channel(word),
+            _ => Ok(self.places(&[word])?[0]),
+        }
+    }
+
+    /// Items that have a parameter.
+    fn items(&self, id: u32) -> usize {
+        self.stage.axes.len() * if matches!(id, OFFSET | GAIN) { 2 } else { 1 }
     }
 
     fn ask(&self, words: &[&str]) -> Answer {
         let all: Vec<(String, u32)> = match words {
             [] => PARAMETERS
                 .iter()
-                .flat_map(|p| (1..=self.stage.axes.len()).map(|n| (n.to_string(), p.0)))
+                .flat_map(|p| (1..=self.items(p.0)).map(|n| (n.to_string(), p.0)))
                 .collect(),
             _ if words.len().is_multiple_of(2) => words
                 .chunks(2)
@@ -126,12 +154,23 @@ impl GcsInstrument {
             _ => return Err(SYNTAX),
         };
         let line = |(item, id): &(String, u32)| {
-            Ok(format!("{item} 0x{id:08X}={}", self.value(self.places(&[item])?[0], *id)?))
+            Ok(format!("{item} 0x{id:08X}={}", self.value(self.item(item, *id)?, *id)?))
         };
         Ok(lines(all.iter().map(line).collect::<Result<Vec<_>, i32>>()?.into_iter()))
     }
 
-    fn value(&self, axis: usize, id: u32) -> Result<String, i32> {
+    fn value(&self, item: usize, id: u32) -> Result<String, i32> {
+        let usage = &self.stage.inputs.now;
+        match id {
+            OFFSET => Ok(usage.scales[item][0].to_string()),
+            GAIN => Ok(usage.scales[item][1].to_string()),
+            SOURCE => Ok(usage.sources[item].to_string()),
+            ADDED => Ok(usage.offsets[item].to_string()),
+            _ => self.value_of_servo(item, id),
+        }
+    }
+
+    fn value_of_servo(&self, axis: usize, id: u32) -> Result<String, i32> {
         let (servo, period) = (&self.stage.servos[axis], self.stage.period());
         let place = (id & 1) as usize;
         let notch = servo.notches[place];
@@ -160,14 +199,35 @@ impl GcsInstrument {
             return Err(SYNTAX);
         }
         for words in words.chunks(3) {
-            let (axis, id) = (self.places(&words[..1])?[0], id(words[1])?);
+            let id = id(words[1])?;
+            let item = self.item(words[0], id)?;
             let value = words[2].parse::<f64>().ok().filter(|x| x.is_finite()).ok_or(SYNTAX)?;
             let known = PARAMETERS.iter().find(|p| p.0 == id).ok_or(UNKNOWN_PARAMETER)?;
             match known.1 {
                 9 => return Err(READ_ONLY),
                 level if level > self.level => return Err(PROTECTED),
-                _ => self.set_value(axis, id, value)?,
+                _ if matches!(id, OFFSET | GAIN | SOURCE | ADDED) => {
+                    self.use_input(item, id, value)?;
+                }
+                _ => self.set_value(item, id, value)?,
             }
+        }
+        Ok(())
+    }
+
+    fn use_input(&mut self, item: usize, id: u32, value: f64) -> Result<(), i32> {
+        let (axes, most) = (self.stage.axes.len(), 2 * self.stage.axes.len());
+        let usage = &mut self.stage.inputs.now;
+        match id {
+            // The scale of the sensors is that of the plant.
+            OFFSET | GAIN if item < axes => return Err(READ_ONLY),
+            OFFSET => usage.scales[item][0] = value,
+            GAIN => usage.scales[item][1] = value,
+            ADDED => usage.offsets[item] = value,
+            _ if value.fract() != 0.0 || !(0.0..=most as f64).contains(&value) => {
+                return Err(OUT_OF_RANGE);
+            }
+            _ => usage.sources[item] = value as usize,
         }
         Ok(())
     }

@@ -3,8 +3,8 @@
 use super::super::generator::{Generator, Seen};
 use super::waves::{MOST_POINTS, segment};
 use super::{
-    GENERATOR_ACTIVE, GcsInstrument, NO_WAVE, OUT_OF_RANGE, RECORDER_OPTION, RECORDER_TABLE,
-    SYNTAX, TABLES, lines,
+    ANALOG_ACTIVE, GENERATOR_ACTIVE, GcsInstrument, NO_WAVE, OUT_OF_RANGE, RECORDER_OPTION,
+    RECORDER_TABLE, SYNTAX, TABLES, lines,
 };
 
 /// Triggers of the recorder: commands that move an axis, the next command.
@@ -168,6 +168,9 @@ impl GcsInstrument {
         let table = |me: &Self, n: usize| me.plays[n].checked_sub(1).map(|t| me.tables[t].clone());
         if starts.iter().any(|(n, on)| *on && table(self, *n).is_none_or(|t| t.is_empty())) {
             return Err(NO_WAVE);
+        }
+        if starts.iter().any(|(n, on)| *on && self.stage.analog(*n).is_some()) {
+            return Err(ANALOG_ACTIVE);
         }
         for (n, on) in &starts {
             let table = table(self, *n);
