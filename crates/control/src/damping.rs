@@ -28,6 +28,7 @@
 
 mod figures;
 mod gains;
+mod laws;
 mod plants;
 
 use core::f64::consts::TAU;
@@ -35,6 +36,7 @@ use core::f64::consts::TAU;
 use data::ComponentBlueprint;
 use serde::Serialize;
 
+pub use self::laws::Damping;
 use self::plants::{Plants, UNFIT};
 use crate::design::CommandActs;
 use crate::linearised::LIGHT;
@@ -54,102 +56,6 @@ pub(crate) fn grid() -> impl Iterator<Item = (f64, f64)> {
 pub(crate) fn slopes(steepest: f64, least: f64) -> [f64; 3] {
     let share = (least / steepest).clamp(0.2, 1.0);
     [0.5 * (share + 1.0), share, 1.0]
-}
-
-/// Greatest gain of the inner loop at rest.
-const INNER: f64 = 0.9;
-
-/// How the first resonance is damped.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Damping {
-    /// Not at all.
-    #[default]
-    None,
-    /// The law of the three that settles first.
-    Automatic,
-    /// Integral resonant control.
-    IntegralResonant,
-    /// Positive position feedback.
-    PositivePosition,
-    /// Non-minimum-phase damping.
-    NonMinimumPhase,
-    /// PI with a notch: nothing is damped, the resonance is left out.
-    Notch,
-}
-
-impl Damping {
-    /// All damping laws.
-    pub const ALL: [Self; 6] = [
-        Self::None,
-        Self::Automatic,
-        Self::IntegralResonant,
-        Self::PositivePosition,
-        Self::NonMinimumPhase,
-        Self::Notch,
-    ];
-    /// Those that damp.
-    const LAWS: [Self; 3] = [Self::NonMinimumPhase, Self::IntegralResonant, Self::PositivePosition];
-
-    /// The damping's name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Automatic => "automatic",
-            Self::IntegralResonant => "irc",
-            Self::PositivePosition => "ppf",
-            Self::NonMinimumPhase => "nrc",
-            Self::Notch => "notch",
-        }
-    }
-
-    /// One sentence.
-    #[must_use]
-    pub const fn summary(self) -> &'static str {
-        match self {
-            Self::None => "no inner loop",
-            Self::Automatic => "the one of irc, ppf and nrc that settles first",
-            Self::IntegralResonant => "integral resonant control",
-            Self::PositivePosition => "positive position feedback",
-            Self::NonMinimumPhase => "non-minimum-phase resonant control",
-            Self::Notch => "PI with a notch at the resonance, which stays undamped",
-        }
-    }
-
-    /// What the loop is called.
-    const fn loop_name(self) -> &'static str {
-        match self {
-            Self::IntegralResonant => "PID around integral resonant control",
-            Self::PositivePosition => "PID around positive position feedback",
-            Self::NonMinimumPhase => "PID around non-minimum-phase damping",
-            _ => "PI with a notch",
-        }
-    }
-
-    /// The damping's component.
-    const fn kind(self) -> &'static str {
-        match self {
-            Self::IntegralResonant => "integral-resonant-control",
-            Self::PositivePosition => "positive-position-feedback",
-            Self::NonMinimumPhase => "non-minimum-phase-damping",
-            _ => "notch",
-        }
-    }
-
-    /// Bounds of the gains that are sought, over the plant's slope and the resonance: those of the law, then kp, ki,
-    /// kd and the corner of the derivative's filter.
-    fn bounds(self, derivative: bool) -> Vec<(f64, f64)> {
-        let mut bounds = match self {
-            Self::PositivePosition => vec![(0.05, INNER), (0.3, 10.0), (0.1, 2.0)],
-            Self::Notch => vec![(1e-3, 1.0), (0.05, 2.0)],
-            _ => vec![(0.05, INNER), (0.1, 10.0)],
-        };
-        bounds.extend([(1e-3, 3.0), (1e-2, 3.0)]);
-        if derivative && self != Self::Notch {
-            bounds.extend([(1e-3, 5.0), (0.5, 30.0)]);
-        }
-        bounds
-    }
 }
 
 /// What is known of a loop with a damped resonance. All of it is computed with the feedback alone on the linear parts,
@@ -268,7 +174,7 @@ pub(crate) fn damped(
 ) -> Result<Damped, String> {
     let plants = Plants::of(axis_plant, acts)?;
     let laws: &[Damping] = match damping {
-        Damping::Automatic => &Damping::LAWS,
+        Damping::Automatic => Damping::LAWS,
         _ => std::slice::from_ref(&damping),
     };
     let found = laws.iter().map(|law| plants.search(*law, derivative, limits));

@@ -149,7 +149,7 @@ fn the_damped_loop_reaches_beyond_the_resonance_settles_first_and_is_stable_on_1
 #[test]
 fn every_law_damps_and_keeps_its_limits() {
     let plant = stage(RESONANCE, false);
-    for law in [Damping::IntegralResonant, Damping::PositivePosition, Damping::Automatic] {
+    for law in Damping::LAWS.iter().copied().chain([Damping::Automatic]) {
         let (found, figures) = designed(&plant, &settings(law));
         let damping = figures.damping.clone().expect("an inner loop");
         assert!(figures.sensitivity <= 2.0 && damping.plants == 90, "{damping:?}");

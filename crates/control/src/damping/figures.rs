@@ -62,12 +62,11 @@ impl Plants {
         };
         let (settling, longest_settling) = settles(gains);
         let is_notch = *law == Damping::Notch;
-        let has_damping = matches!(law, Damping::Notch | Damping::PositivePosition);
         let figures = DampingFigures {
             law: law.name(),
             gain: if is_notch { 0.0 } else { gains.gain / self.slope },
             frequency: in_hz(gains.angle),
-            filter_damping: has_damping.then_some(gains.damping),
+            filter_damping: law.has_damping().then_some(gains.damping),
             resonance: in_hz(self.first),
             closed_loop_bandwidth: in_hz(self.bandwidth(&laws)),
             least_closed_loop_bandwidth: in_hz(width),

@@ -1,10 +1,10 @@
-//! The gains of a damped loop, and its two laws.
+//! The gains of a damped loop, and its two laws: what tracks and what damps.
 
 use core::f64::consts::PI;
 
 use nalgebra::Complex;
 
-use super::Damping;
+use super::laws::{Damping, Filtering};
 
 /// Gains over the steepest slope, frequencies in rad per sample.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +26,7 @@ pub(super) struct Gains {
 impl Gains {
     /// From the values that are sought; `first`: the resonance in rad per sample.
     pub(super) fn of(law: Damping, x: &[f64], first: f64) -> Self {
-        let (own, outer) = x.split_at(if law == Damping::PositivePosition { 3 } else { 2 });
+        let (own, outer) = x.split_at(law.own_gains());
         let (angle, damping) = match law {
             Damping::Notch => (first, own[1]),
             _ => (own[1] * first, own.get(2).copied().unwrap_or(1.0)),
@@ -48,27 +48,15 @@ impl Gains {
             outer += difference * (self.kd * (1.0 - self.keep)) / (one - back * self.keep);
         }
         let w = (0.5 * self.angle).tan();
-        let (square, broad) = (w * w, 2.0 * self.damping * w);
-        let denominator = || {
-            one * (1.0 + square + broad)
-                + back * (2.0 * (square - 1.0))
-                + back * back * (1.0 + square - broad)
-        };
-        let sum = one + back;
-        let low = || sum * w / (one * (1.0 + w) - back * (1.0 - w));
-        let inner = match self.law {
-            Damping::IntegralResonant => low(),
-            Damping::NonMinimumPhase => low() * 2.0 - one,
-            Damping::PositivePosition => sum * sum * square / denominator(),
-            _ => {
-                let left = broad * self.gain;
-                let numerator = one * (1.0 + square + left)
-                    + back * (2.0 * (square - 1.0))
-                    + back * back * (1.0 + square - left);
-                return (outer * numerator / denominator(), Complex::new(0.0, 0.0));
+        let at = Filtering { back, w, broad: 2.0 * self.damping * w };
+        match self.law.filter(&at) {
+            Some(inner) => (outer, inner * self.gain),
+            // The notch is in line with the tracking law.
+            None => {
+                let ratio = outer * at.second_order(at.broad * self.gain);
+                (ratio / at.second_order(at.broad), Complex::new(0.0, 0.0))
             }
-        };
-        (outer, inner * self.gain)
+        }
     }
 
     /// Standard deviation of C − D behind white noise, without the integral's sum of it.
