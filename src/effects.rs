@@ -1,12 +1,46 @@
 //! Every effect of the registry at its default strength: added to a blueprint, or tried on a loop.
 
 use anyhow::{Context, bail};
-use data::{AxisBlueprint, Blueprint, ComponentBlueprint, CouplingBlueprint, Value};
-use model::{Declaration, Kind, Stage};
+use data::{
+    AxisBlueprint, Blueprint, ComponentBlueprint, CouplingBlueprint, SignalBlueprint, Value,
+};
+use model::{Component, Conversion, Declaration, Kind, Shape, Stage};
 
-/// The blueprint of all effects.
+/// The blueprint of all effects: the rig `effects`, and an axis for each component that makes a position of the
+/// command and declares an example.
 pub(crate) fn library() -> anyhow::Result<Blueprint> {
-    Ok(Blueprint::parse(rigs::EFFECTS, "effects.toml")?)
+    let mut library = Blueprint::parse(rigs::EFFECTS, "effects.toml")?;
+    for component in components::COMPONENTS {
+        let declared = component.declaration();
+        if declared.conversion == Conversion::CommandToPosition && !component.example().is_empty() {
+            library.axes.push(axis_of(*component));
+        }
+    }
+    Ok(library)
+}
+
+/// An axis with the example of a component.
+fn axis_of(component: &dyn Component) -> AxisBlueprint {
+    let kind = component.declaration().kind;
+    let name = kind.replace('-', "_");
+    let mut axis = AxisBlueprint::new(&name, "V", "um");
+    axis.command = SignalBlueprint::of_unit("V").between(0.0, 150.0);
+    let mut part = ComponentBlueprint::new(kind);
+    for (name, values) in component.example() {
+        match values {
+            [value] if !is_list(component, name) => part.set(name, *value),
+            _ => part.set(name, values.to_vec()),
+        }
+    }
+    part.name = name;
+    axis.components = vec![part];
+    axis
+}
+
+/// Whether this quantity of a component has several values.
+fn is_list(component: &dyn Component, name: &str) -> bool {
+    let quantity = component.declaration().parameters.iter().find(|quantity| quantity.name == name);
+    quantity.is_some_and(|quantity| matches!(quantity.shape, Shape::Array(_)))
 }
 
 fn declaration(kind: &str) -> anyhow::Result<&'static Declaration> {

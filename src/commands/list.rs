@@ -1,5 +1,6 @@
 //! `piezoloop list`: rigs, records, effects, models, signals, options.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use anyhow::Context;
@@ -91,6 +92,9 @@ struct ModelRow {
     effect: Option<&'static str>,
     structure: Vec<QuantityRow>,
     parameters: Vec<QuantityRow>,
+    /// Values by name on an axis in V and um, where the component declares an example.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    example: BTreeMap<&'static str, &'static [f64]>,
 }
 
 #[derive(Serialize)]
@@ -205,7 +209,13 @@ fn group_name(group: model::Group) -> &'static str {
 }
 
 fn models() -> Vec<ModelRow> {
-    let row = |d: &'static model::Declaration| ModelRow {
+    let row =
+        |component: &'static dyn model::Component| model_row(component, component.declaration());
+    learned::COMPONENTS.iter().copied().map(row).collect()
+}
+
+fn model_row(component: &'static dyn model::Component, d: &'static model::Declaration) -> ModelRow {
+    ModelRow {
         r#type: d.kind,
         stage: d.stage.name(),
         summary: d.summary,
@@ -240,8 +250,8 @@ fn models() -> Vec<ModelRow> {
                 },
             })
             .collect(),
-    };
-    learned::COMPONENTS.iter().map(|c| row(c.declaration())).collect()
+        example: component.example().iter().copied().collect(),
+    }
 }
 
 /// A bound, none where it is infinite: JSON has no infinity.

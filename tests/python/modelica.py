@@ -14,9 +14,9 @@ import zipfile
 from pathlib import Path
 
 import rumoca
-from modelica_cases import CONTROLLER, COUPLING, PLANT
+from modelica_cases import CONTROLLER, COUPLING, PLANT, add_declared
 from modelica_examples import (
-    OFF, RANDOM, RESERVED, ROWS, STEP, camel, documentation, example, further, packages, records, rigs,
+    OFF, RANDOM, RESERVED, ROWS, STEP, base, camel, documentation, example, further, packages, records, rigs,
 )
 
 BLOCK = re.compile(r'^  block (\w+) "([^"]*)"\n(.*?)^  end \1;', re.S | re.M)
@@ -32,7 +32,9 @@ OWN = {"step", "elements", "cells", "u_start"}
 def registry(tool):
     said = subprocess.run([tool, "list", "models", "--json"], check=True, capture_output=True, text=True)
     rows = [row for row in json.loads(said.stdout) if not re.match("lssvm|gaussian|gp-|(inverse-)?learned-|preview-coordinator|feedback-notch", row["type"])]
-    return {row["type"]: row for row in rows}
+    rows = {row["type"]: row for row in rows}
+    add_declared(rows)
+    return rows
 
 
 def blocks(package):
@@ -81,10 +83,23 @@ def declared(text):
 
 
 def made(tool, package):
-    """Files of the package that are made from the cases and the rigs."""
+    """Files of the package that are made from the cases and the rigs, and those of blocks with the registry's documentation."""
     rows, written = registry(tool), blocks(package)
     found = {package / "Examples" / f"{name}.mo": text for name, text in packages(rows, written).items()}
     found[package / "Rigs.mo"], found[package / "Examples" / "Rigs.mo"], _ = rigs(rows, written, read_rig(tool))
+    pages = (package / "../../docs/effects.md").read_text()
+    of_block = {camel(kind): (kind, row["summary"]) for kind, row in rows.items()}
+
+    def documented(block):
+        name, _, text = block.groups()
+        if name not in of_block:
+            return block[0]
+        info = documentation(*of_block[name], pages)
+        return block[0].replace(text, re.sub(r'(?<=Documentation\(info=")[^"]*', lambda _: info, text, count=1))
+
+    for home in {home for home, _, _ in written.values()}:
+        file = package / f"{home.replace('.', '/')}.mo"
+        found[file] = BLOCK.sub(documented, file.read_text())
     texts = [tomllib.loads(file.read_text()) for file in sorted((package / "../../rigs/records").glob("*.toml"))]
     found[package / "Records.mo"] = records(rows, texts)
     return found
@@ -243,10 +258,7 @@ def coupling(session, tool, rows, written, kind, parameters, bound):
 # What stands around a control component: components in front of it and behind it.
 FEEDFORWARD, LIMITS = ("feedforward-gain", {"gain": 8.0}), {"output_min": -1e6, "output_max": 1e6}
 LINEAR, OPEN, CLOSED = ("feedforward-gain", {"gain": 1.0}), ("pid", {"kp": 0.0} | LIMITS), ("pid", {"kp": 1.0} | LIMITS)
-AROUND = {"pid": ([FEEDFORWARD], []), "incremental-pid": ([FEEDFORWARD], []), "repetitive": ([FEEDFORWARD], []),
-          "integral-resonant-control": ([FEEDFORWARD], []), "positive-position-feedback": ([FEEDFORWARD], []),
-          "non-minimum-phase-damping": ([FEEDFORWARD], []),
-          "reference-lead": ([], [LINEAR, OPEN]), "inverse-kelvin-voigt-creep": ([], [LINEAR, OPEN]),
+AROUND = {"reference-lead": ([], [LINEAR, OPEN]), "inverse-kelvin-voigt-creep": ([], [LINEAR, OPEN]),
           "reference-curve": ([], [LINEAR, OPEN]), "command-curve": ([FEEDFORWARD], [OPEN]),
           "notch": ([], [LINEAR, OPEN]), "disturbance-observer": ([], [LINEAR]),
           "reference-filter": ([], [LINEAR, CLOSED]), "reference-preview": ([], [LINEAR, CLOSED])}
@@ -259,7 +271,7 @@ def controller(session, tool, rows, written, case, parameters, bound):
     table = tabulate(waves("0.08"))
     inputs = {"reference[1]": [row[0] for row in table], "measured[1]": [0.5 * row[1] for row in table]}
     output, tail, axes = ["command[1]"], "", 1
-    before, behind = AROUND.get(kind, ([], [OPEN]))
+    before, behind = AROUND.get(kind, ([FEEDFORWARD], []) if base(text) == "Controller" else ([], [OPEN]))
     component = [*before, (kind, parameters), *behind]
     if "enable" in further(text):
         inputs["enable"] = [0.0 if OFF[0] <= k < OFF[1] else 1.0 for k in range(ROWS)]

@@ -18,9 +18,8 @@ INPUT = re.compile(r"^    (?:Interfaces\.\w+Input|input Boolean) (\w+)(?:\[axes\
 FURTHER = {"displacement": (0, 0.0, 0.0), "n": (0, 0.0, 0.0), "drive": (0, 0.0, 0.0), "temperature": (2, 0.1, 273.15),
            "actuator_temperature": (2, 0.1, 273.15), "voltage": (1, 1.0, 0.0), "force": (2, 0.5, 0.0), "disturbance": (2, 0.01e-6, 0.0), "command": (1, 1.0, 0.0),
            "reference": (1, 1e-6, 0.0), "measured": (2, 0.5e-6, 0.0)}
-# Control components that stand behind a feedforward of 8 V/um, and those whose reference the law behind them sees.
-BEHIND = {"pid", "incremental-pid", "repetitive", "command-curve", "integral-resonant-control", "positive-position-feedback",
-          "non-minimum-phase-damping"}
+# Interfaces of control components that stand behind a feedforward of 8 V/um, and components whose reference the law behind them sees.
+BEHIND = {"Controller", "CommandFilter"}
 BEFORE = {"reference-filter", "reference-preview"}
 
 
@@ -32,12 +31,16 @@ def further(text):
     return [name for name in INPUT.findall(text) if name != "u"]
 
 
+def base(text):
+    """The interface that a block extends."""
+    found = re.search(r"extends Interfaces\.(\w+)[;(]", text)
+    return found[1] if found else "PositionFilter"
+
+
 def scales(text):
     """What turns um into the connectors' metres: factors of the input u and of the output y."""
-    base = re.search(r"extends Interfaces\.(\w+)[;(]", text)
-    base = base[1] if base else "PositionFilter"
-    return (1e-6 if base in ("PositionFilter", "Inverse", "ReferenceFilter") else 1.0,
-            1e-6 if base in ("PositionFilter", "Actuator", "ReferenceFilter") else 1.0)
+    return (1e-6 if base(text) in ("PositionFilter", "Inverse", "ReferenceFilter") else 1.0,
+            1e-6 if base(text) in ("PositionFilter", "Actuator", "ReferenceFilter") else 1.0)
 
 
 def flat(rows):
@@ -144,7 +147,7 @@ def example(rows, written, case, parameters):
             model.equations += [f"    command[{i}] = 2*device.y[{i}] - device.measured_motion[{i}];" for i in (1, 2)]
             wanted = [("command[1]", 1e6), ("command[2]", 1e6)]
         return package, model, wanted
-    scale = 1e-6 * 0.1 if case in PLANT and into == 1e-6 else into * lead * (8.0 if kind in BEHIND else 1.0)
+    scale = 1e-6 * 0.1 if case in PLANT and into == 1e-6 else into * lead * (8.0 if case in CONTROLLER and base(text) in BEHIND else 1.0)
     model.source("wave", 1, scale, 0.0, "device.u")
     for input_ in extra:
         if input_ == "enable":
@@ -268,8 +271,7 @@ def rig(rows, written, blueprint, xml):
         if sampled and last_moves[i]:
             delays[i] += 1
         last_moves[i] = moves or (last_moves[i] and not sampled)
-        base = re.search(r"extends Interfaces\.(\w+)[;(]", text)[1]
-        units[i] = "m" if base in ("Actuator", "PositionFilter") else "V"
+        units[i] = "m" if base(text) in ("Actuator", "PositionFilter") else "V"
 
     last_moves = [False] * len(axes)
     stages = {name: row["stage"] for name, row in rows.items()}

@@ -1,6 +1,6 @@
 //! What holds for every component type, tried on an example of each.
 //!
-//! A new component fails here until it has its section in `rigs/effects.toml`, or its line in `OWN`.
+//! A new component fails here until it declares an example, or has its section in `rigs/effects.toml`.
 
 mod examples;
 

@@ -23,7 +23,7 @@ use crate::{Deviation, KernelSum};
 /// All component types: those of the library, then those that run learned tables.
 pub static COMPONENTS: model::Registry = &ALL;
 
-const OWN: [&dyn Component; 10] = [
+const OWN: model::Registry = &[
     &declarations::LSSVM_NARX,
     &declarations::LSSVM_STOPS,
     &declarations::GAUSSIAN_PROCESS,
@@ -35,17 +35,9 @@ const OWN: [&dyn Component; 10] = [
     &plays::LearnedPlays,
     &plays::INVERSE,
 ];
-const LIBRARY: usize = components::COMPONENTS.len();
+static LISTS: [model::Registry; 2] = [components::COMPONENTS, OWN];
 
-static ALL: [&dyn Component; LIBRARY + OWN.len()] = {
-    let mut all = [OWN[0]; LIBRARY + OWN.len()];
-    let mut at = 0;
-    while at < all.len() {
-        all[at] = if at < LIBRARY { components::COMPONENTS[at] } else { OWN[at - LIBRARY] };
-        at += 1;
-    }
-    all
-};
+static ALL: [&dyn Component; model::count(&LISTS)] = model::joined(&LISTS);
 
 /// Steps that lead to rest.
 const STEPS_TO_REST: usize = 100;

@@ -1,6 +1,6 @@
 //! Effects by name: the identifiers that commands, files and reports use.
 
-use crate::component::Stage;
+use crate::Stage;
 
 /// Effects that input and output alone cannot always separate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

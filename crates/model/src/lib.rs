@@ -13,21 +13,26 @@ extern crate alloc;
 mod bundle;
 mod component;
 mod context;
+mod declaration;
 mod effect;
+mod fit;
+mod port;
 mod quantity;
+mod registry;
 mod system;
 mod table;
 mod unit;
 mod variable;
 
 pub use bundle::Bundle;
-pub use component::{
-    Component, Conversion, DEMANDED_INPUTS, Declaration, DemandedInput, Extension, Input, Inverse,
-    MAX_PORTS, Output, Published, Registry, Sizes, Source, Stage, Tick, Undoing, Violation,
-};
+pub use component::{Component, Example, Extension, Inverse, Sizes, Tick, Undoing, Violation};
 pub use context::{Context, ContextError};
+pub use declaration::{Conversion, Declaration, Stage};
 pub use effect::{Effect, Group};
+pub use fit::{Fit, Scale, Search};
+pub use port::{DEMANDED_INPUTS, DemandedInput, Input, MAX_PORTS, Output, Published, Source};
 pub use quantity::{Quantity, Role, Shape, Structural, Variability, Within, unit_on_axis};
+pub use registry::{Registry, count, joined};
 pub use system::{
     AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, PortSpec,
     StepError, System, SystemSpec,

@@ -15,3 +15,13 @@ pub use remanence::Remanence;
 pub use self_heating::SelfHeating;
 pub use temperature::ActuatorTemperature;
 pub use thermal_port::ThermalPort;
+
+/// The components of this folder, in the order of the signal path.
+pub(crate) static COMPONENTS: model::Registry = &[
+    &PolarisationSaturation,
+    &ACTUATOR_GAIN,
+    &ActuatorTemperature,
+    &ActuatorAgeing,
+    &SelfHeating,
+    &ThermalPort,
+];

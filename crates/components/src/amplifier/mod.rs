@@ -17,3 +17,15 @@ pub use piezo_charge::PiezoCharge;
 pub use rc::AmplifierRc;
 pub use second_order::AMPLIFIER_SECOND_ORDER;
 pub use slew::AmplifierSlew;
+
+/// The components of this folder, in the order of the signal path.
+pub(crate) static COMPONENTS: model::Registry = &[
+    &AmplifierLag,
+    &AMPLIFIER_SECOND_ORDER,
+    &AmplifierRc,
+    &AmplifierSlew,
+    &AmplifierFoldback,
+    &AmplifierClamp,
+    &AmplifierNonlinearity,
+    &PiezoCharge,
+];

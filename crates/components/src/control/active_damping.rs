@@ -32,7 +32,8 @@ use core::f64::consts::PI;
 
 use libm::tan;
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Example, Input, Output, Quantity, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::limiter::{ENABLE, truth};
@@ -42,6 +43,7 @@ use crate::rules::{WRONG_LENGTH, require};
 pub struct ActiveDamping {
     declaration: &'static Declaration,
     filter: Filter,
+    example: Example,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -52,16 +54,30 @@ enum Filter {
 }
 
 /// The component `integral-resonant-control`.
-pub static INTEGRAL_RESONANT_CONTROL: ActiveDamping =
-    ActiveDamping { declaration: &INTEGRAL_RESONANT, filter: Filter::LowPass };
+pub static INTEGRAL_RESONANT_CONTROL: ActiveDamping = ActiveDamping {
+    declaration: &INTEGRAL_RESONANT,
+    filter: Filter::LowPass,
+    example: &[("gain", &[12.0]), ("frequency", &[400.0]), ("setpoint_weight", &[0.5])],
+};
 
 /// The component `positive-position-feedback`.
-pub static POSITIVE_POSITION_FEEDBACK: ActiveDamping =
-    ActiveDamping { declaration: &POSITIVE_POSITION, filter: Filter::SecondOrder };
+pub static POSITIVE_POSITION_FEEDBACK: ActiveDamping = ActiveDamping {
+    declaration: &POSITIVE_POSITION,
+    filter: Filter::SecondOrder,
+    example: &[
+        ("gain", &[12.0]),
+        ("frequency", &[700.0]),
+        ("damping", &[0.6]),
+        ("setpoint_weight", &[0.0]),
+    ],
+};
 
 /// The component `non-minimum-phase-damping`.
-pub static NON_MINIMUM_PHASE_DAMPING: ActiveDamping =
-    ActiveDamping { declaration: &NON_MINIMUM_PHASE, filter: Filter::AllPass };
+pub static NON_MINIMUM_PHASE_DAMPING: ActiveDamping = ActiveDamping {
+    declaration: &NON_MINIMUM_PHASE,
+    filter: Filter::AllPass,
+    example: &[("gain", &[12.0]), ("frequency", &[900.0])],
+};
 
 const GAIN: Quantity =
     Quantity::new("gain", "{command}/{position}", "Static gain of the feedback").tunable();
@@ -139,6 +155,10 @@ const COEFFICIENTS: usize = 7;
 impl Component for ActiveDamping {
     fn declaration(&self) -> &'static Declaration {
         self.declaration
+    }
+
+    fn example(&self) -> Example {
+        self.example
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {

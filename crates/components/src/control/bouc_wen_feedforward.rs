@@ -62,6 +62,18 @@ impl Component for BoucWenFeedforward {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("gain", &[0.06]),
+            ("alpha", &[0.2]),
+            ("beta", &[0.02]),
+            ("gamma", &[0.01]),
+            ("lag", &[1e-4]),
+            ("inertia", &[1e-7]),
+            ("limit", &[0.5]),
+        ]
+    }
+
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
         Sizes { coefficients: 7, states: 4 }
     }

@@ -66,6 +66,16 @@ impl Component for DisturbanceObserver {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("longest", &[0.1]),
+            ("bandwidth", &[10.0]),
+            ("lag", &[1e-3]),
+            ("delay", &[2.35e-4]),
+            ("limit", &[0.5]),
+        ]
+    }
+
     fn sizes(&self, structure: &[f64], period: f64) -> Sizes {
         Sizes { coefficients: 5, states: 3 + ring_size(structure, period) }
     }

@@ -42,6 +42,10 @@ impl Component for FeedforwardGain {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[("gain", &[15.0]), ("offset", &[0.3])]
+    }
+
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
         Sizes { coefficients: 2, states: 0 }
     }

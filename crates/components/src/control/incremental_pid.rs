@@ -82,6 +82,20 @@ impl Component for IncrementalPid {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("kp", &[2.0]),
+            ("ki", &[300.0]),
+            ("kd", &[1e-4]),
+            ("output_min", &[0.0]),
+            ("output_max", &[120.0]),
+            ("feedforward_gain", &[0.9]),
+            ("rate_max", &[5e5]),
+            ("hold", &[1.0]),
+            ("safe", &[20.0]),
+        ]
+    }
+
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
         Sizes { coefficients: OWN + Limiter::COEFFICIENTS, states: 5 }
     }

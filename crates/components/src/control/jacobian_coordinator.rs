@@ -71,6 +71,14 @@ impl Component for JacobianCoordinator {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("matrix", &[1.0, 0.02, -0.03, 0.9]),
+            ("offset", &[3.0, -2.0]),
+            ("condition_max", &[1000.0]),
+        ]
+    }
+
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         let (n, entries) = (matrix::axes(structure), matrix::entries(structure));
         // The inverse, the offset, and room for the matrix and its rotation.

@@ -32,3 +32,26 @@ pub use reference_filter::ReferenceFilter;
 pub use reference_lead::ReferenceLead;
 pub use reference_preview::ReferencePreview;
 pub use repetitive::Repetitive;
+
+/// The components of this folder, in the order of the signal path.
+pub(crate) static COMPONENTS: model::Registry = &[
+    &JacobianCoordinator,
+    &PreviewCoordinator,
+    &ReferencePreview,
+    &ReferenceFilter,
+    &DisturbanceObserver,
+    &ReferenceLead,
+    &super::creep::InverseKelvinVoigtCreep,
+    &REFERENCE_CURVE,
+    &FeedforwardGain,
+    &BoucWenFeedforward,
+    &COMMAND_CURVE,
+    &Notch,
+    &FeedbackNotch,
+    &Repetitive,
+    &INTEGRAL_RESONANT_CONTROL,
+    &POSITIVE_POSITION_FEEDBACK,
+    &NON_MINIMUM_PHASE_DAMPING,
+    &Pid,
+    &IncrementalPid,
+];

@@ -77,6 +77,10 @@ impl Component for Notch {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[("frequency", &[480.0]), ("damping", &[0.5]), ("depth", &[0.1])]
+    }
+
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
         Sizes { coefficients: 4, states: 2 }
     }
@@ -147,6 +151,10 @@ fn filtered(coefficients: &[f64], state: &mut [f64], u: f64) -> f64 {
 impl Component for FeedbackNotch {
     fn declaration(&self) -> &'static Declaration {
         &FEEDBACK
+    }
+
+    fn example(&self) -> model::Example {
+        &[("frequency", &[480.0]), ("damping", &[0.5]), ("depth", &[0.1])]
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {

@@ -103,6 +103,22 @@ impl Component for Pid {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("kp", &[2.0]),
+            ("ki", &[300.0]),
+            ("kd", &[1e-4]),
+            ("derivative_filter", &[0.0]),
+            ("output_min", &[0.0]),
+            ("output_max", &[120.0]),
+            ("feedforward_gain", &[0.9]),
+            ("rate_max", &[5e5]),
+            ("tracking_time", &[0.0]),
+            ("hold", &[1.0]),
+            ("safe", &[20.0]),
+        ]
+    }
+
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
         Sizes { coefficients: OWN + Limiter::COEFFICIENTS, states: 5 }
     }

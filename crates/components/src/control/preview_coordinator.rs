@@ -88,6 +88,16 @@ impl Component for PreviewCoordinator {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("sample_time", &[1e-4]),
+            ("preview", &[1e-4]),
+            ("matrix", &[1.0, 0.02, -0.03, 0.9]),
+            ("offset", &[3.0, -2.0]),
+            ("taps", &[0.1, 0.0, 0.02, 0.2, 0.9, -0.1, 0.0, 0.8]),
+        ]
+    }
+
     fn sizes(&self, structure: &[f64], period: f64) -> Sizes {
         let (n, taps, ahead) = counts(structure, period);
         let own = JacobianCoordinator.sizes(structure, period).coefficients;

@@ -42,6 +42,10 @@ impl Component for ReferenceFilter {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[("frequency", &[200.0]), ("damping", &[0.8])]
+    }
+
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
         Sizes { coefficients: SecondOrder::COEFFICIENTS, states: 2 }
     }

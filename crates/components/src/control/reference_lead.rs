@@ -56,6 +56,10 @@ impl Component for ReferenceLead {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[("lag", &[1e-3]), ("inertia", &[1e-7]), ("limit", &[0.5])]
+    }
+
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
         Sizes { coefficients: 3, states: 2 }
     }

@@ -55,6 +55,10 @@ impl Component for ReferencePreview {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[("longest", &[0.01]), ("preview", &[2.35e-4])]
+    }
+
     fn sizes(&self, structure: &[f64], period: f64) -> Sizes {
         Sizes { coefficients: 2, states: ring_size(structure, period) }
     }

@@ -97,6 +97,17 @@ impl Component for Repetitive {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("cycle", &[0.01]),
+            ("half", &[5.0]),
+            ("gain", &[0.5]),
+            ("lead", &[3e-4]),
+            ("keep", &[0.99]),
+            ("limit", &[20.0]),
+        ]
+    }
+
     fn sizes(&self, structure: &[f64], period: f64) -> Sizes {
         let (samples, half) = lengths(structure, period);
         // Place, errors and learned commands of a cycle, and of the window behind it.

@@ -19,3 +19,14 @@ pub use modal_matrix::ModalMatrix;
 pub use mode::ModeCoupling;
 pub use pincushion::PsdPincushion;
 pub use softening_modes::SofteningModes;
+
+/// The components of this folder, in the order of the signal path.
+pub(crate) static COMPONENTS: model::Registry = &[
+    &CommandCoupling,
+    &DisplacementCoupling,
+    &ModeCoupling,
+    &ModalMatrix,
+    &SofteningModes,
+    &OpticsJacobian,
+    &PsdPincushion,
+];

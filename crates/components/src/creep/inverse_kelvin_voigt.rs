@@ -38,6 +38,10 @@ impl Component for InverseKelvinVoigtCreep {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[("share", &[0.02, 0.03]), ("time_constant", &[0.1, 5.0])]
+    }
+
     fn sizes(&self, structure: &[f64], period: f64) -> Sizes {
         KelvinVoigtCreep.sizes(structure, period)
     }

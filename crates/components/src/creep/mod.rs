@@ -14,3 +14,7 @@ pub use fractional::FractionalCreep;
 pub use inverse_kelvin_voigt::InverseKelvinVoigtCreep;
 pub use kelvin_voigt::KelvinVoigtCreep;
 pub use logarithmic::LogarithmicCreep;
+
+/// The components of this folder, in the order of the signal path.
+pub(crate) static COMPONENTS: model::Registry =
+    &[&KelvinVoigtCreep, &LogarithmicCreep, &FractionalCreep];

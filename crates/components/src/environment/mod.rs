@@ -9,3 +9,7 @@ pub use disturbance::Disturbance;
 pub use floor_vibration::FloorVibration;
 pub use thermal_drift::ThermalDrift;
 pub use thermal_expansion::ThermalExpansion;
+
+/// The components of this folder, in the order of the signal path.
+pub(crate) static COMPONENTS: model::Registry =
+    &[&ThermalDrift, &ThermalExpansion, &Disturbance, &FloorVibration];

@@ -169,6 +169,18 @@ impl Component for BoucWen {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("gain", &[0.06]),
+            ("alpha", &[0.2]),
+            ("beta", &[0.02]),
+            ("gamma", &[0.01]),
+            ("delta", &[0.002]),
+            ("exponent", &[1.3]),
+            ("offset", &[0.3]),
+        ]
+    }
+
     fn inverses(&self) -> &'static [Inverse] {
         const {
             &[

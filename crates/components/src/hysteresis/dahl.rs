@@ -62,6 +62,10 @@ impl Component for Dahl {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[("gain", &[0.06]), ("height", &[0.4]), ("length", &[20.0]), ("offset", &[0.3])]
+    }
+
     fn inverses(&self) -> &'static [Inverse] {
         const { &[Inverse::iteration("inverse-dahl")] }
     }

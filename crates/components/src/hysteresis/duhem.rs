@@ -103,6 +103,10 @@ impl Component for Duhem {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[("slope", &[0.06]), ("initial", &[0.04]), ("decay", &[0.05]), ("offset", &[0.3])]
+    }
+
     fn inverses(&self) -> &'static [Inverse] {
         const { &[Inverse::iteration("inverse-duhem")] }
     }

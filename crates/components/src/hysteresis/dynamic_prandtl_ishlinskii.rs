@@ -138,6 +138,16 @@ impl Component for DynamicPrandtlIshlinskii {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("r", &[0.0, 12.0]),
+            ("w", &[0.05, 0.01]),
+            ("alpha", &[-1e-08, -1e-08, 1e-08, 1e-08]),
+            ("beta", &[1e-13, 1e-13, 1e-13, 1e-13]),
+            ("offset", &[0.3]),
+        ]
+    }
+
     fn inverses(&self) -> &'static [Inverse] {
         const { &[Inverse::iteration("inverse-dynamic-prandtl-ishlinskii")] }
     }

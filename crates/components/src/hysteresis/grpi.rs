@@ -17,8 +17,8 @@
 
 use libm::fabs;
 use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Tick,
-    Violation,
+    Component, Conversion, Declaration, Fit, Input, Inverse, Output, Quantity, Scale, Search,
+    Sizes, Stage, Tick, Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
@@ -110,9 +110,33 @@ impl Parts<'_> {
     }
 }
 
+/// A common factor of both slopes is one of all thresholds, so `a1` is 1 and `b1` relative to it.
+static FIT: Fit = Fit {
+    summary: "Generalised rate-dependent Prandtl-Ishlinskii: envelopes with own slopes and rates",
+    powers: &[],
+    search: &[
+        Search { name: "a2", scale: Scale::Growth, start: 0.0, lower: -1.0, upper: 1.0 },
+        Search { name: "b1", scale: Scale::Own, start: 1.0, lower: 0.8, upper: 1.25 },
+        Search { name: "b2", scale: Scale::Growth, start: 0.0, lower: -1.0, upper: 1.0 },
+    ],
+    starts: &[&[-0.0, 1.0, 0.0], &[-1e-4, 1.0, 1e-4], &[-1e-3, 1.0, 1e-3], &[-1e-2, 1.0, 1e-2]],
+};
+
 impl Component for Grpi {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn example(&self) -> model::Example {
+        &[
+            ("r", &[0.0, 12.0]),
+            ("w", &[0.05, 0.01]),
+            ("offset", &[0.3]),
+            ("a1", &[1.02]),
+            ("a2", &[-1e-05]),
+            ("b1", &[0.99]),
+            ("b2", &[2e-05]),
+        ]
     }
 
     fn plays(&self, _structure: &[f64], parameters: &[f64], each: &mut dyn FnMut(f64, f64)) {
@@ -123,6 +147,10 @@ impl Component for Grpi {
 
     fn inverses(&self) -> &'static [Inverse] {
         const { &[Inverse::iteration("inverse-grpi")] }
+    }
+
+    fn fit(&self) -> Option<&'static Fit> {
+        Some(&FIT)
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

@@ -44,6 +44,10 @@ impl Component for InversePrandtlIshlinskii {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[("r", &[0.0, 8.0, 20.0]), ("w", &[0.05, 0.02, 0.01]), ("offset", &[0.3])]
+    }
+
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         let plays = DECLARATION.length(0, structure);
         Sizes { coefficients: 2 * plays + 1, states: plays }

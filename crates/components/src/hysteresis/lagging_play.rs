@@ -70,6 +70,16 @@ impl Component for LaggingPlay {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("r", &[4.0, 12.0]),
+            ("w", &[0.02, 0.01]),
+            ("offset", &[0.3]),
+            ("gain", &[0.05]),
+            ("bandwidth", &[150.0]),
+        ]
+    }
+
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         let plays = DECLARATION.length(0, structure);
         Sizes { coefficients: DECLARATION.parameter_count(structure), states: plays + 1 }

@@ -45,6 +45,39 @@ pub use preisach_inverse::InversePreisach;
 pub use rate_dependent_play::{INVERSE as INVERSE_RATE_DEPENDENT_PLAY, RateDependentPlay};
 pub use skewed_play::SkewedPlay;
 
+/// The models, and what they leave behind.
+pub(crate) static OPERATORS: model::Registry = &[
+    &PrandtlIshlinskii,
+    &ModifiedPrandtlIshlinskii,
+    &SkewedPlay,
+    &GeneralisedPlay,
+    &Preisach,
+    &BoucWen,
+    &Duhem,
+    &Dahl,
+    &RateDependentPlay,
+    &LaggingPlay,
+    &Grpi,
+    &Mpi,
+    &DynamicPrandtlIshlinskii,
+    &super::actuator::Remanence,
+];
+
+/// What undoes them in front of the machine.
+pub(crate) static INVERSES: model::Registry = &[
+    &InversePrandtlIshlinskii,
+    &InverseModifiedPrandtlIshlinskii,
+    &InverseGeneralisedPlay,
+    &InversePreisach,
+    &INVERSE_BOUC_WEN,
+    &INVERSE_DUHEM,
+    &INVERSE_DAHL,
+    &INVERSE_RATE_DEPENDENT_PLAY,
+    &INVERSE_GRPI,
+    &INVERSE_MPI,
+    &INVERSE_DYNAMIC_PRANDTL_ISHLINSKII,
+];
+
 /// What an actuator of plays, or without memory, becomes with one thing more.
 pub(crate) fn extended(by: model::Extension) -> Option<&'static dyn model::Component> {
     use model::Extension;

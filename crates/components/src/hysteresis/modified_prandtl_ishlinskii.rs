@@ -93,6 +93,16 @@ impl Component for ModifiedPrandtlIshlinskii {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("r", &[0.0, 8.0, 20.0]),
+            ("w", &[0.05, 0.02, 0.01]),
+            ("edge", &[-1.0, 3.0]),
+            ("slope", &[0.1, -0.2]),
+            ("offset", &[0.3]),
+        ]
+    }
+
     fn inverses(&self) -> &'static [Inverse] {
         const { &[Inverse::closed_form("inverse-modified-prandtl-ishlinskii")] }
     }
@@ -142,6 +152,16 @@ impl Component for ModifiedPrandtlIshlinskii {
 impl Component for InverseModifiedPrandtlIshlinskii {
     fn declaration(&self) -> &'static Declaration {
         &INVERSE
+    }
+
+    fn example(&self) -> model::Example {
+        &[
+            ("r", &[0.0, 8.0, 20.0]),
+            ("w", &[0.05, 0.02, 0.01]),
+            ("edge", &[-1.0, 3.0]),
+            ("slope", &[0.1, -0.2]),
+            ("offset", &[0.3]),
+        ]
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

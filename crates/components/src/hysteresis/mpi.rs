@@ -18,15 +18,15 @@
 
 use libm::{fabs, fmax};
 use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Role, Sizes, Stage, Tick,
-    Violation,
+    Component, Conversion, Declaration, Fit, Input, Inverse, Output, Quantity, Role, Scale, Search,
+    Sizes, Stage, Tick, Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
 use super::play::Plays;
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
 use super::rate;
-use super::rate_dependent_play::{COMMAND_MAX, COMMAND_MIN, RATE, widened, widened_frozen};
+use super::rate_dependent_play::{COMMAND_MAX, COMMAND_MIN, GROWTH, RATE, widened, widened_frozen};
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
 
@@ -94,9 +94,31 @@ fn polynomial(offset: f64, linear: f64, cubic: f64, u: f64) -> f64 {
     offset + (linear + cubic * u * u) * u
 }
 
+static FIT: Fit = Fit {
+    summary: "Modified rate-dependent Prandtl-Ishlinskii: plays that widen with the rate, and a cubic",
+    powers: &[("linear", 1), ("cubic", 3)],
+    search: &[
+        Search { name: "scale", scale: Scale::Own, start: 1.0, lower: 0.3, upper: 1.5 },
+        GROWTH,
+    ],
+    starts: &[&[1.0, 0.0], &[1.0, 1e-4], &[1.0, 1e-3], &[1.0, 1e-2]],
+};
+
 impl Component for Mpi {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn example(&self) -> model::Example {
+        &[
+            ("r", &[4.0, 12.0]),
+            ("w", &[0.02, 0.01]),
+            ("offset", &[0.3]),
+            ("linear", &[0.05]),
+            ("cubic", &[1e-08]),
+            ("scale", &[1.1]),
+            ("rate", &[1e-05]),
+        ]
     }
 
     fn plays(&self, _structure: &[f64], parameters: &[f64], each: &mut dyn FnMut(f64, f64)) {
@@ -106,6 +128,10 @@ impl Component for Mpi {
 
     fn inverses(&self) -> &'static [Inverse] {
         const { &[Inverse::iteration("inverse-mpi")] }
+    }
+
+    fn fit(&self) -> Option<&'static Fit> {
+        Some(&FIT)
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

@@ -20,7 +20,7 @@
 //! reaches give the nearest limit.
 
 use libm::fmax;
-use model::{Component, Declaration, Sizes, Tick, Violation};
+use model::{Component, Declaration, Example, Sizes, Tick, Violation};
 
 use super::play::Plays;
 use super::rate;
@@ -76,6 +76,10 @@ pub(super) fn mean_slope(plays: Plays<'_>, without_memory: f64, limits: [f64; 2]
 impl<M: Forward> Component for NumericInverse<M> {
     fn declaration(&self) -> &'static Declaration {
         self.declaration
+    }
+
+    fn example(&self) -> Example {
+        self.forward.example()
     }
 
     fn sizes(&self, structure: &[f64], period: f64) -> Sizes {

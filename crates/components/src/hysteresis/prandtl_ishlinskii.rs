@@ -101,6 +101,10 @@ impl Component for PrandtlIshlinskii {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[("r", &[0.0, 8.0, 20.0]), ("w", &[0.05, 0.02, 0.01]), ("offset", &[0.3])]
+    }
+
     fn extended(&self, by: Extension) -> Option<&'static dyn Component> {
         super::extended(by)
     }

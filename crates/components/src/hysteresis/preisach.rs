@@ -184,6 +184,15 @@ impl Component for Preisach {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("mu", &[0.5, 1.0, 0.2, 0.1, 0.3, 0.7]),
+            ("low", &[-20.0]),
+            ("high", &[120.0]),
+            ("offset", &[0.3]),
+        ]
+    }
+
     fn inverses(&self) -> &'static [Inverse] {
         const { &[Inverse::iteration("inverse-preisach")] }
     }

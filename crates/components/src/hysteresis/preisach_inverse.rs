@@ -75,6 +75,15 @@ impl Component for InversePreisach {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("mu", &[0.5, 1.0, 0.2, 0.1, 0.3, 0.7]),
+            ("low", &[-20.0]),
+            ("high", &[120.0]),
+            ("offset", &[0.3]),
+        ]
+    }
+
     fn sizes(&self, structure: &[f64], period: f64) -> Sizes {
         Preisach.sizes(structure, period)
     }

@@ -16,8 +16,8 @@
 
 use libm::fabs;
 use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Role, Sizes, Stage, Tick,
-    Violation,
+    Component, Conversion, Declaration, Fit, Input, Inverse, Output, Quantity, Role, Scale, Search,
+    Sizes, Stage, Tick, Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
@@ -105,13 +105,38 @@ pub(super) fn widened_frozen(plays: Plays<'_>, u: f64, wider: f64, state: &[f64]
     terms.fold(0.0, |sum, ((p, r), w)| sum + w * play(u, r + wider, *p))
 }
 
+static FIT: Fit = Fit {
+    summary: "Rate-dependent Prandtl-Ishlinskii: the loop widens with the command's rate",
+    powers: &[("gain", 1)],
+    search: &[GROWTH],
+    starts: &[&[0.0], &[1e-4], &[1e-3], &[1e-2]],
+};
+
+/// The growth of thresholds with the rate, from none on.
+pub(super) const GROWTH: Search =
+    Search { name: "rate", scale: Scale::Growth, start: 0.0, lower: 0.0, upper: 1.0 };
+
 impl Component for RateDependentPlay {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("r", &[4.0, 12.0]),
+            ("w", &[0.02, 0.01]),
+            ("offset", &[0.3]),
+            ("gain", &[0.05]),
+            ("rate", &[1e-05]),
+        ]
+    }
+
     fn inverses(&self) -> &'static [Inverse] {
         const { &[Inverse::iteration("inverse-rate-dependent-play")] }
+    }
+
+    fn fit(&self) -> Option<&'static Fit> {
+        Some(&FIT)
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

@@ -126,6 +126,21 @@ impl Component for SkewedPlay {
         &DECLARATION
     }
 
+    fn example(&self) -> model::Example {
+        &[
+            ("r", &[0.0, 8.0, 20.0]),
+            ("w", &[0.05, 0.02, 0.01]),
+            ("skew", &[0.0, 0.004, 0.006]),
+            ("offset", &[0.3]),
+            ("play_weight", &[0.01]),
+            ("width", &[0.2]),
+            ("width_growth", &[0.1]),
+            ("width_curvature", &[0.05]),
+            ("centre", &[50.0]),
+            ("half_range", &[50.0]),
+        ]
+    }
+
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         let plays = DECLARATION.length(0, structure);
         Sizes { coefficients: DECLARATION.parameter_count(structure), states: plays + 1 }

@@ -31,6 +31,24 @@ pub use nonlinear_damping::NonlinearDamping;
 pub use position_stiffness::PositionStiffness;
 pub use vibration::Vibration;
 
+/// The components of this folder, in the order of the signal path.
+pub(crate) static COMPONENTS: model::Registry = &[
+    &LoadForce,
+    &MODE,
+    &ModePair,
+    &Arx,
+    &CollocatedMode,
+    &LOADED_MODE,
+    &Duffing,
+    &PositionStiffness,
+    &Friction,
+    &NonlinearDamping,
+    &Backlash,
+    &CuttingForce,
+    &Vibration,
+    &MechanicalPort,
+];
+
 /// What a linear mode becomes with one thing more.
 pub(crate) fn extended(by: model::Extension) -> Option<&'static dyn model::Component> {
     use model::Extension;

@@ -23,3 +23,18 @@ pub use quad_cell::SensorQuadCell;
 pub use quantisation::SENSOR_QUANTISATION;
 pub use scale::SENSOR_SCALE;
 pub use second_order::SENSOR_SECOND_ORDER;
+
+/// The components of this folder, in the order of the signal path.
+pub(crate) static COMPONENTS: model::Registry = &[
+    &SensorLag,
+    &SENSOR_SECOND_ORDER,
+    &SensorButterworth,
+    &SENSOR_SCALE,
+    &SensorPolynomial,
+    &SensorQuadCell,
+    &SensorNoise,
+    &SensorDrift,
+    &MainsHum,
+    &Crosstalk,
+    &SENSOR_QUANTISATION,
+];

@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 
 use components::find;
 use model::{
-    AxisSpec, Connections, Conversion, CouplingSpec, Declaration, Kind, NodeSpec, Quantity, Shape,
-    Stage, SystemSpec,
+    AxisSpec, Component, Connections, Conversion, CouplingSpec, Declaration, Kind, NodeSpec,
+    Quantity, Shape, Stage, SystemSpec,
 };
 
 /// Internal step in s.
@@ -15,24 +15,51 @@ pub const T: f64 = 1e-4;
 /// Kind, structure, parameters in the declared units with V and um.
 pub type Example = (&'static str, &'static [f64], &'static [f64]);
 
-/// One of each component type, in the order of the registry: of those below, else of `rigs/effects.toml`.
+/// One of each component type, in the order of the registry: of those below, else as it declares, else of
+/// `rigs/effects.toml`.
 pub static EXAMPLES: LazyLock<Vec<Example>> = LazyLock::new(|| {
-    let kinds = components::COMPONENTS.iter().map(|component| component.declaration());
     let own = |kind: &str| OWN.iter().find(|example| example.0 == kind).copied();
-    kinds.filter_map(|declaration| own(declaration.kind).or_else(|| of_rig(declaration))).collect()
+    let of = |component: &&'static dyn Component| {
+        let declaration = component.declaration();
+        own(declaration.kind).or_else(|| declared(*component)).or_else(|| of_rig(declaration))
+    };
+    components::COMPONENTS.iter().filter_map(of).collect()
 });
+
+/// The example that a component declares; none where it declares none.
+fn declared(component: &dyn Component) -> Option<Example> {
+    let limits =
+        |name: &str| LIMITS.iter().find(|limit| limit.0 == name).map(|limit| vec![limit.1]);
+    let given = component.example();
+    let of = |name: &str| given.iter().find(|value| value.0 == name).map(|value| value.1.to_vec());
+    if given.is_empty() {
+        None
+    } else {
+        complete(component.declaration(), |n| of(n).or_else(|| limits(n)))
+    }
+}
+
+/// Commands that inverses search between.
+const LIMITS: [(&str, f64); 2] = [("command_min", -20.0), ("command_max", 150.0)];
 
 /// The example of a component in `rigs/effects.toml`; none where it is not there.
 fn of_rig(declaration: &'static Declaration) -> Option<Example> {
     const RIG: &str = include_str!("../../../../rigs/effects.toml");
     let is_it = format!("type = \"{}\"\n", declaration.kind);
     let section = RIG.split("[[axis.component]]\n").find(|section| section.starts_with(&is_it))?;
-    let numbers = |name: &str| -> Option<Vec<f64>> {
+    complete(declaration, |name| {
         let begin = format!("{name} = ");
         let text = section.lines().find_map(|line| line.strip_prefix(&begin))?;
         let each = text.trim_matches(['[', ']']).split(',').map(|number| number.trim().parse());
         Some(each.collect::<Result<_, _>>().unwrap_or_else(|_| panic!("{is_it}{text}")))
-    };
+    })
+}
+
+/// An example of these values; where there is none, the start values, and lengths of the lists.
+fn complete(
+    declaration: &'static Declaration,
+    numbers: impl Fn(&str) -> Option<Vec<f64>>,
+) -> Option<Example> {
     let of_structure = |(at, part): (usize, &model::Structural)| {
         numbers(part.name).map(|given| given[0]).or(part.start).or_else(|| {
             let is_along = |q: &&Quantity| matches!(q.shape, Shape::Array(along) if along == at);
@@ -50,7 +77,7 @@ fn of_rig(declaration: &'static Declaration) -> Option<Example> {
     Some((declaration.kind, structure.leak(), values.leak()))
 }
 
-/// Of those that are not in `rigs/effects.toml`, or not with all their parts.
+/// Of those that declare none and are not in `rigs/effects.toml`, or not with all their parts.
 const OWN: &[Example] = &[
     ("amplifier-lag", &[], &[800.0, 1.1]),
     ("amplifier-foldback", &[], &[0.02, 0.1, 1e-6, 0.5]),
@@ -91,21 +118,6 @@ const OWN: &[Example] = &[
     ("optics-jacobian", &[2.0, 4.0], &[1.0, 0.02, -0.03, 0.9, 3.0, -2.0]),
     ("psd-pincushion", &[2.0], &[0.01, 5000.0]),
     ("thermal-expansion", &[], &[0.02, 0.01, 20.0]),
-    ("inverse-prandtl-ishlinskii", &[3.0], &[0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.3]),
-    (
-        "inverse-modified-prandtl-ishlinskii",
-        &[3.0, 2.0],
-        &[0.0, 8.0, 20.0, 0.05, 0.02, 0.01, -1.0, 3.0, 0.1, -0.2, 0.3],
-    ),
-    (
-        "inverse-generalised-play",
-        &[3.0],
-        &[
-            0.0, 8.0, 20.0, 0.05, 0.02, 0.01, 0.3, 180.0, 0.006, -0.05, 2.0, 200.0, 0.0055, 0.02,
-            3.0,
-        ],
-    ),
-    ("inverse-preisach", &[6.0], &[0.5, 1.0, 0.2, 0.1, 0.3, 0.7, -20.0, 120.0, 0.3]),
     ("inverse-bouc-wen", &[], &[0.06, 0.2, 0.02, 0.01, 0.002, 1.0, 0.3, -20.0, 150.0]),
     ("inverse-duhem", &[], &[0.06, 0.04, 0.05, 0.3, -20.0, 150.0]),
     ("inverse-dahl", &[], &[0.06, 0.4, 20.0, 0.3, -20.0, 150.0]),
@@ -124,29 +136,8 @@ const OWN: &[Example] = &[
             -20.0, 150.0,
         ],
     ),
-    ("jacobian-coordinator", &[2.0, 4.0], &[1.0, 0.02, -0.03, 0.9, 3.0, -2.0, 1000.0]),
-    (
-        "preview-coordinator",
-        &[2.0, 4.0, 8.0, 1e-4, 1e-4],
-        &[1.0, 0.02, -0.03, 0.9, 3.0, -2.0, 0.1, 0.0, 0.02, 0.2, 0.9, -0.1, 0.0, 0.8],
-    ),
-    ("reference-preview", &[0.01], &[2.35e-4]),
-    ("reference-filter", &[], &[200.0, 0.8]),
-    ("disturbance-observer", &[0.1], &[10.0, 1e-3, 2.35e-4, 0.5]),
-    ("reference-lead", &[], &[1e-3, 1e-7, 0.5]),
-    ("inverse-kelvin-voigt-creep", &[2.0], &[0.02, 0.03, 0.1, 5.0]),
     ("reference-curve", &[3.0], &[0.0, 4.0, 9.0, 0.1, 3.8, 9.5]),
-    ("feedforward-gain", &[], &[15.0, 0.3]),
-    ("bouc-wen-feedforward", &[], &[0.06, 0.2, 0.02, 0.01, 1e-4, 1e-7, 0.5]),
     ("command-curve", &[3.0], &[0.0, 50.0, 120.0, -2.0, 52.0, 118.0]),
-    ("notch", &[], &[480.0, 0.5, 0.1]),
-    ("feedback-notch", &[], &[480.0, 0.5, 0.1]),
-    ("repetitive", &[0.01, 5.0], &[0.5, 3e-4, 0.99, 20.0]),
-    ("integral-resonant-control", &[], &[12.0, 400.0, 0.5]),
-    ("positive-position-feedback", &[], &[12.0, 700.0, 0.6, 0.0]),
-    ("non-minimum-phase-damping", &[], &[12.0, 900.0, 1.0]),
-    ("pid", &[], &[2.0, 300.0, 1e-4, 0.0, 0.0, 120.0, 0.9, 5e5, 0.0, 1.0, 20.0]),
-    ("incremental-pid", &[], &[2.0, 300.0, 1e-4, 0.0, 120.0, 0.9, 5e5, 1.0, 20.0]),
 ];
 
 /// The component of an example.

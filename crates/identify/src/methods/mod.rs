@@ -1,4 +1,5 @@
-//! The hysteresis models that can be identified: one file per method, and the one list of them.
+//! The hysteresis models that can be identified: one file per method, and the one list of them. An operator of plays
+//! needs none: its component declares how it is fitted ([`model::Fit`], `declared`).
 //!
 //! A method says which of its parameters enter the position linearly, its *weights*, and which do
 //! not, its *shape*. For a shape it gives one column per weight; the weights are then found by least
@@ -7,17 +8,16 @@
 
 mod bouc_wen;
 mod curved_prandtl_ishlinskii;
+mod declared;
 mod dynamic_prandtl_ishlinskii;
 mod generalised_play;
-mod grpi;
 mod linear;
 mod modified_prandtl_ishlinskii;
-mod mpi;
 mod prandtl_ishlinskii;
 mod preisach;
-mod rate_dependent_play;
 
 use std::borrow::Cow;
+use std::sync::LazyLock;
 
 use data::ComponentBlueprint;
 
@@ -28,14 +28,21 @@ use crate::record::Record;
 use crate::settings::Plan;
 
 /// All methods, the simplest first. Among methods that differ little the simpler one is returned.
-pub(crate) static METHODS: &[&dyn Method] = &[
+pub(crate) static METHODS: LazyLock<Vec<&'static dyn Method>> = LazyLock::new(|| {
+    let declared = declared::Declared::all().map(|method| &*Box::leak(Box::new(method)) as _);
+    STATIC_METHODS.into_iter().chain(declared).chain(FREER_METHODS).collect()
+});
+
+/// Those before the ones that components declare.
+const STATIC_METHODS: [&dyn Method; 4] = [
     &linear::Linear,
     &prandtl_ishlinskii::PrandtlIshlinskii,
     &bouc_wen::BoucWen { asymmetric: false },
     &bouc_wen::BoucWen { asymmetric: true },
-    &rate_dependent_play::RateDependentPlay,
-    &grpi::Grpi,
-    &mpi::Mpi,
+];
+
+/// Those behind them: they have more freedom.
+const FREER_METHODS: [&dyn Method; 5] = [
     &generalised_play::GeneralisedPlay,
     &modified_prandtl_ishlinskii::ModifiedPrandtlIshlinskii,
     &curved_prandtl_ishlinskii::Curved,
@@ -319,7 +326,7 @@ mod tests {
             least_slope: 0.0,
         };
         let signal: Vec<f64> = (0..100).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.1).cos()).collect();
-        for method in METHODS {
+        for method in METHODS.iter() {
             let shape = method.shape(&scene);
             for start in method.starts(&scene) {
                 assert_eq!(start.len(), shape.len(), "{}", method.name());
