@@ -11,6 +11,7 @@ use control::{
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint};
 use identify::Silent;
 use model::Kind;
+use numerics::random::Xorshift64;
 
 /// Sample time, the published resonance in Hz with the damping of a flexure, and the range of frequencies.
 const PERIOD: f64 = 2e-5;
@@ -95,21 +96,9 @@ fn gain(plant: &CheckedBlueprint, controller: &CheckedBlueprint, frequency: f64)
     2.0 * f64::hypot(cosine, sine) / tail.len() as f64 / 2.0
 }
 
-/// Uniform numbers from 0 to 1, the same at every run.
-struct Draw(u64);
-
-impl Draw {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Factors of a frequency, 0.9 to 1.1, and of a damping, 1/2 to 2.
-    fn factors(&mut self) -> (f64, f64) {
-        (0.9 + 0.2 * self.next(), 4f64.powf(self.next() - 0.5))
-    }
+/// Factors of a frequency, 0.9 to 1.1, and of a damping, 1/2 to 2.
+fn factors(draw: &mut Xorshift64) -> (f64, f64) {
+    (0.9 + 0.2 * draw.uniform(), 4f64.powf(draw.uniform() - 0.5))
 }
 
 #[test]
@@ -131,10 +120,10 @@ fn the_damped_loop_reaches_beyond_the_resonance_settles_first_and_is_stable_on_1
     let (settled, _) = step(&stage(RESONANCE, true), &found.controller, (0.0, 1.0), 2000);
     println!("a step settles in {settled} s, {} s was computed", damping.settling);
     assert!((settled - damping.settling).abs() < 0.25 * damping.settling + 4.0 * PERIOD);
-    let mut draw = Draw(0x5eed);
+    let mut draw = Xorshift64::new(0x5eed);
     let mut slowest = 0.0_f64;
     for number in 0..1000 {
-        let (f, d) = draw.factors();
+        let (f, d) = factors(&mut draw);
         let machine = stage((RESONANCE.0 * f, RESONANCE.1 * d), number % 2 == 0);
         let (settled, end) = step(&machine, &found.controller, (0.0, 1.0), 2500);
         assert!(
@@ -187,13 +176,13 @@ fn the_truth_rig_is_damped_with_all_its_hysteresis() {
     let (ours, theirs) = (settled(&found), settled(&notch));
     assert!(3.0 * ours <= theirs, "{ours} {theirs}");
     println!("a step on the rig settles in {ours} s, PI with a notch in {theirs} s");
-    let mut draw = Draw(0x7e57);
+    let mut draw = Xorshift64::new(0x7e57);
     for number in 0..1000 {
         let mut other = blueprint.clone();
         for axis in &mut other.axes {
             let mode = axis.components.iter_mut().find(|c| c.get("frequency").is_some());
             let mode = mode.expect("a mode");
-            let (f, d) = draw.factors();
+            let (f, d) = factors(&mut draw);
             let first = if axis.name == "Y" { 482.6 } else { 290.7 };
             mode.set("frequency", first * f);
             mode.set("damping", 0.02 * d);

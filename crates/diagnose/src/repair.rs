@@ -2,15 +2,15 @@
 
 mod handed;
 mod parts;
+mod plays;
 mod zones;
 
 use components::effects;
-use components::hysteresis::play::play;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
-use model::{Extension, Role, Stage};
-use numerics::least_squares::Reduced;
+use model::{Extension, Stage};
 use surround::Block;
 
+use self::plays::Plays;
 use crate::base::{Base, Part};
 use crate::chain::Chain;
 use crate::library::{Formula, Piece, Slot};
@@ -18,7 +18,6 @@ use crate::outcome::Outcome;
 use crate::score::Judged;
 use crate::select::Candidate;
 use crate::stand_in::stand_in;
-use crate::thresholds::repair::Thresholds;
 
 /// One change of an axis.
 #[derive(Clone)]
@@ -330,83 +329,6 @@ fn take_place(component: &mut ComponentBlueprint, old: &ComponentBlueprint) {
     component.name.clone_from(&old.name);
     if let Some(offset) = old.get("offset") {
         component.set("offset", offset.clone());
-    }
-}
-
-/// Plays of an actuator: threshold and weight, in the axis' units.
-struct Plays {
-    pairs: Vec<(f64, f64)>,
-}
-
-impl Plays {
-    fn of(component: &ComponentBlueprint) -> Option<Self> {
-        let kind = components::find(&component.kind)?;
-        // What has no extension holds more than plays.
-        kind.extended(Extension::Plays)?;
-        let of = |role: Role| {
-            let quantity = kind.declaration().parameters.iter().find(|q| q.role == Some(role))?;
-            match component.get(quantity.name)? {
-                Value::List(all) => all.iter().map(number).collect::<Option<Vec<f64>>>(),
-                one => Some(vec![number(one)?]),
-            }
-        };
-        let mut pairs: Vec<(f64, f64)> =
-            of(Role::Slope).unwrap_or_default().into_iter().map(|w| (0.0, w)).collect();
-        if let (Some(r), Some(w)) = (of(Role::Threshold), of(Role::Weight)) {
-            pairs.extend(r.into_iter().zip(w));
-        }
-        (!pairs.is_empty()).then_some(Self { pairs })
-    }
-
-    /// The component that an actuator becomes with an extension, with these plays; the part without memory
-    /// is a quantity of its own where there is one.
-    fn written(self, old: &ComponentBlueprint, by: Extension) -> Option<ComponentBlueprint> {
-        let declaration = components::find(&old.kind)?.extended(by)?.declaration();
-        let name =
-            |role| declaration.parameters.iter().find(|q| q.role == Some(role)).map(|q| q.name);
-        let mut component = ComponentBlueprint::new(declaration.kind);
-        let mut pairs = self.pairs;
-        if let Some(slope) = name(Role::Slope) {
-            let straight = pairs.iter().filter(|(r, _)| *r == 0.0).map(|(_, w)| w).sum::<f64>();
-            component = component.value(slope, straight);
-            pairs.retain(|(r, _)| *r != 0.0);
-        }
-        let (r, w): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
-        Some(component.value(name(Role::Threshold)?, r).value(name(Role::Weight)?, w))
-    }
-
-    fn add(&mut self, r: f64, w: f64) {
-        match self.pairs.binary_search_by(|(own, _)| own.total_cmp(&r)) {
-            Ok(at) => self.pairs[at].1 += w,
-            Err(at) => self.pairs.insert(at, (r, w)),
-        }
-    }
-}
-
-impl Plays {
-    /// Where weights are negative, which no component takes: the weights of zero and above that come
-    /// nearest under this command, by least squares.
-    fn no_negative(&mut self, command: &[f64]) {
-        if self.pairs.iter().all(|(_, w)| *w >= 0.0) {
-            return;
-        }
-        let mut states = vec![0.0_f64; self.pairs.len()];
-        let mut rows = Reduced::new(states.len());
-        let stride = command.len().div_ceil(Thresholds::PLAYS_ROWS).max(1);
-        for (k, u) in command.iter().enumerate() {
-            for (state, (r, _)) in states.iter_mut().zip(&self.pairs) {
-                *state = play(*u, *r, *state);
-            }
-            if k % stride == 0 {
-                let y: f64 = states.iter().zip(&self.pairs).map(|(p, (_, w))| p * w).sum();
-                rows.push(states.iter().copied().chain([y]));
-            }
-        }
-        // The written axis is compared with the fitted formulas and tuned again where it is off.
-        let nearest = || self.pairs.iter().map(|(_, w)| w.max(0.0)).collect();
-        let w: Vec<f64> = rows.solve(0).map_or_else(|_| nearest(), |solution| solution.x);
-        self.pairs.iter_mut().zip(w).for_each(|(pair, w)| pair.1 = w);
-        self.pairs.retain(|(r, w)| *w > 0.0 || *r == 0.0);
     }
 }
 

@@ -99,6 +99,17 @@ enum Protocol {
     Nv200,
 }
 
+impl Protocol {
+    /// The instrument that speaks it.
+    fn instrument(self) -> Option<Kind> {
+        match self {
+            Self::Packet => None,
+            Self::Gcs => Some(Kind::Gcs),
+            Self::Nv200 => Some(Kind::Nv200),
+        }
+    }
+}
+
 /// When the machine steps.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 enum When {
@@ -124,23 +135,20 @@ impl Emulate {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let gateway = match (self.protocol, &self.gateway) {
             (given, Some(address @ Address::Instrument { protocol, at, options })) => {
-                let kind = match (given, protocol.scheme) {
-                    (None | Some(Protocol::Gcs), "gcs") => Kind::Gcs,
-                    (None | Some(Protocol::Nv200), "nv200") => Kind::Nv200,
-                    (None, scheme) => {
-                        bail!("{address}: there is no emulator of {scheme}; give gcs or nv200")
-                    }
-                    _ => bail!("{}", other_protocol(address)),
+                let kind = Kind::of(protocol);
+                if given.is_some_and(|given| kind.is_none() || given.instrument() != kind) {
+                    bail!("{}", other_protocol(address));
+                }
+                let Some(kind) = kind else {
+                    let known = Kind::ALL.map(|kind| kind.named().0).join(" or ");
+                    bail!("{address}: there is no emulator of {}; give {known}", protocol.scheme)
                 };
                 return self.instrument(screen, kind, at.clone(), options);
             }
-            (Some(Protocol::Gcs), None) => {
-                return self.instrument(screen, Kind::Gcs, Kind::Gcs.here(), "");
-            }
-            (Some(Protocol::Nv200), None) => {
-                return self.instrument(screen, Kind::Nv200, Kind::Nv200.here(), "");
-            }
-            (Some(Protocol::Packet) | None, None) => bail!("give --gateway ADDRESS"),
+            (given, None) => match given.and_then(Protocol::instrument) {
+                Some(kind) => return self.instrument(screen, kind, kind.here(), ""),
+                None => bail!("give --gateway ADDRESS"),
+            },
             (Some(Protocol::Gcs | Protocol::Nv200), Some(address)) => {
                 bail!("{}", other_protocol(address))
             }

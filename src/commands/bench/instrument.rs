@@ -26,6 +26,14 @@ pub(super) enum Kind {
 }
 
 impl Kind {
+    /// All that can be emulated.
+    pub(super) const ALL: [Self; 2] = [Self::Gcs, Self::Nv200];
+
+    /// That of the addresses of a protocol.
+    pub(super) fn of(protocol: &gateway::Protocol) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.named().0 == protocol.scheme)
+    }
+
     /// Where it listens when nothing else is said. The port of the real NV200 is for administrators.
     pub(super) fn here(self) -> Place {
         let port = match self {
@@ -35,7 +43,8 @@ impl Kind {
         Place::Net((Ipv4Addr::LOCALHOST, port).into())
     }
 
-    fn named(self) -> (&'static str, &'static str) {
+    /// What its addresses begin with, and the protocol's name.
+    pub(super) fn named(self) -> (&'static str, &'static str) {
         match self {
             Kind::Gcs => ("gcs", "GCS 2.0"),
             Kind::Nv200 => ("nv200", "NV200"),

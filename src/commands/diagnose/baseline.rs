@@ -13,7 +13,7 @@ use data::{Blueprint, ComponentBlueprint, Log, SampleTime};
 use diagnose::{Baseline, Estimate};
 use identify::Candidate;
 use identify::frequency::{self, FrequencyResponse as Response, PlantNames, RationalSettings};
-use model::{NodeSpec, unit_on_axis};
+use model::{Component, Conversion, NodeSpec, unit_on_axis};
 
 use crate::commands::frequency_response::Signal;
 use crate::commands::frequency_response::table::{self, Table};
@@ -295,8 +295,14 @@ fn beside_plays(
         part.kind != "delay" || delay.and_then(deviation).unwrap_or(false)
     };
     let of = |kind: &str| with_plays.iter().find(|part| part.kind == kind).filter(is_seen).cloned();
-    let gain = linear.iter().find(|part| part.kind == "actuator-gain").cloned();
+    let is_gain = |part: &&ComponentBlueprint| components::find(&part.kind).is_some_and(is_gain);
+    let gain = linear.iter().find(is_gain).cloned();
     [of("delay"), of("amplifier-lag"), gain, of("mode")].into_iter().flatten().collect()
+}
+
+/// Whether a component is an actuator of a gain and an offset, without memory.
+fn is_gain(component: &dyn Component) -> bool {
+    component.is_affine() && component.declaration().conversion == Conversion::CommandToPosition
 }
 
 /// Gives each fitted parameter of an axis its tolerance, from the first identification that has an estimate of it.
@@ -311,7 +317,7 @@ fn give_tolerances(
         part.tolerance.clear();
         for (name, _, value) in fitted(node) {
             // The other source knows delay, lag and mode; the gain is that of the linear plant.
-            let order = if part.kind == "actuator-gain" { [0, 1] } else { [1, 0] };
+            let order = if is_gain(&*node.component) { [0, 1] } else { [1, 0] };
             let deviation = order.iter().find_map(|k| {
                 let all = &sources[*k].identification.parameters;
                 let is_own = |p: &&identify::Estimate| {

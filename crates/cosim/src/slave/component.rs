@@ -33,6 +33,17 @@ use bindings::exports::fmi::fmi3::co_simulation::GuestCoSimulationInstance;
 use bindings::fmi::fmi3::{callbacks, types};
 use types::Status;
 
+/// A call of an instance's function.
+trait Call<T>:
+    FnOnce(&GuestCoSimulationInstance<'_>, &mut Store<Host>, ResourceAny) -> wasmtime::Result<T>
+{
+}
+
+impl<T, F> Call<T> for F where
+    F: FnOnce(&GuestCoSimulationInstance<'_>, &mut Store<Host>, ResourceAny) -> wasmtime::Result<T>
+{
+}
+
 /// Longest component that is compiled, bytes.
 const LONGEST: u64 = 64 << 20;
 /// Bound of the memory of an instance, bytes.
@@ -140,15 +151,7 @@ impl ComponentSlave {
     }
 
     /// One call: with a fresh budget; an error where it traps.
-    fn call<T>(
-        &mut self,
-        name: &str,
-        call: impl FnOnce(
-            &GuestCoSimulationInstance<'_>,
-            &mut Store<Host>,
-            ResourceAny,
-        ) -> wasmtime::Result<T>,
-    ) -> Result<T, Error> {
+    fn call<T>(&mut self, name: &str, call: impl Call<T>) -> Result<T, Error> {
         let Live { store, bindings, instance } = &mut self.live;
         let guest = bindings.fmi_fmi3_co_simulation();
         let done = store
@@ -158,15 +161,7 @@ impl ComponentSlave {
     }
 
     /// A call that answers with a status.
-    fn done(
-        &mut self,
-        name: &str,
-        call: impl FnOnce(
-            &GuestCoSimulationInstance<'_>,
-            &mut Store<Host>,
-            ResourceAny,
-        ) -> wasmtime::Result<Status>,
-    ) -> Result<(), Error> {
+    fn done(&mut self, name: &str, call: impl Call<Status>) -> Result<(), Error> {
         match self.call(name, call)? {
             Status::Ok | Status::Warning => Ok(()),
             status => Err(self.refused(name, status)),
@@ -174,15 +169,7 @@ impl ComponentSlave {
     }
 
     /// A call that answers with values or a status.
-    fn values<T>(
-        &mut self,
-        name: &str,
-        call: impl FnOnce(
-            &GuestCoSimulationInstance<'_>,
-            &mut Store<Host>,
-            ResourceAny,
-        ) -> wasmtime::Result<Result<T, Status>>,
-    ) -> Result<T, Error> {
+    fn values<T>(&mut self, name: &str, call: impl Call<Result<T, Status>>) -> Result<T, Error> {
         self.call(name, call)?.map_err(|status| self.refused(name, status))
     }
 

@@ -196,8 +196,7 @@ mod tests {
             let mu = spread(&weights, levels);
             let structure = [mu.len() as f64];
             let parameters = [&mu[..], &range(&scene), &[0.5]].concat();
-            let mut all = components::COMPONENTS.iter();
-            let component = *all.find(|c| c.declaration().kind == "preisach").expect("a component");
+            let component = &components::hysteresis::Preisach;
             let mut part = Part::new(component, &structure, &parameters, 1.0).expect("parameters");
             for (k, u) in signal.iter().enumerate() {
                 let found = if k == 0 { part.rest(*u) } else { part.step(*u) };

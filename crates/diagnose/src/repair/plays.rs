@@ -1,0 +1,137 @@
+//! The plays of an actuator that is written anew.
+
+use components::hysteresis::play::play;
+use data::{ComponentBlueprint, Value};
+use model::{Extension, Role};
+use numerics::least_squares::Reduced;
+
+use super::number;
+use crate::thresholds::repair::Thresholds;
+
+/// Plays of an actuator: threshold and weight, in the axis' units.
+pub(super) struct Plays {
+    pub(super) pairs: Vec<(f64, f64)>,
+}
+
+impl Plays {
+    pub(super) fn of(component: &ComponentBlueprint) -> Option<Self> {
+        let kind = components::find(&component.kind)?;
+        // What has no extension holds more than plays.
+        kind.extended(Extension::Plays)?;
+        let of = |role: Role| {
+            let quantity = kind.declaration().parameters.iter().find(|q| q.role == Some(role))?;
+            match component.get(quantity.name)? {
+                Value::List(all) => all.iter().map(number).collect::<Option<Vec<f64>>>(),
+                one => Some(vec![number(one)?]),
+            }
+        };
+        let mut pairs: Vec<(f64, f64)> =
+            of(Role::Slope).unwrap_or_default().into_iter().map(|w| (0.0, w)).collect();
+        if let (Some(r), Some(w)) = (of(Role::Threshold), of(Role::Weight)) {
+            pairs.extend(r.into_iter().zip(w));
+        }
+        (!pairs.is_empty()).then_some(Self { pairs })
+    }
+
+    /// The component that an actuator becomes with an extension, with these plays; the part without memory
+    /// is a quantity of its own where there is one.
+    pub(super) fn written(
+        self,
+        old: &ComponentBlueprint,
+        by: Extension,
+    ) -> Option<ComponentBlueprint> {
+        let declaration = components::find(&old.kind)?.extended(by)?.declaration();
+        let name =
+            |role| declaration.parameters.iter().find(|q| q.role == Some(role)).map(|q| q.name);
+        let mut component = ComponentBlueprint::new(declaration.kind);
+        let mut pairs = self.pairs;
+        if let Some(slope) = name(Role::Slope) {
+            let straight = pairs.iter().filter(|(r, _)| *r == 0.0).map(|(_, w)| w).sum::<f64>();
+            component = component.value(slope, straight);
+            pairs.retain(|(r, _)| *r != 0.0);
+        }
+        let (r, w): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+        Some(component.value(name(Role::Threshold)?, r).value(name(Role::Weight)?, w))
+    }
+
+    pub(super) fn add(&mut self, r: f64, w: f64) {
+        match self.pairs.binary_search_by(|(own, _)| own.total_cmp(&r)) {
+            Ok(at) => self.pairs[at].1 += w,
+            Err(at) => self.pairs.insert(at, (r, w)),
+        }
+    }
+}
+
+impl Plays {
+    /// Where weights are negative, which no component takes: the weights of zero and above that come
+    /// nearest under this command, by least squares.
+    pub(super) fn no_negative(&mut self, command: &[f64]) {
+        if self.pairs.iter().all(|(_, w)| *w >= 0.0) {
+            return;
+        }
+        let mut states = vec![0.0_f64; self.pairs.len()];
+        let mut rows = Reduced::new(states.len());
+        let stride = command.len().div_ceil(Thresholds::PLAYS_ROWS).max(1);
+        for (k, u) in command.iter().enumerate() {
+            for (state, (r, _)) in states.iter_mut().zip(&self.pairs) {
+                *state = play(*u, *r, *state);
+            }
+            if k % stride == 0 {
+                let y: f64 = states.iter().zip(&self.pairs).map(|(p, (_, w))| p * w).sum();
+                rows.push(states.iter().copied().chain([y]));
+            }
+        }
+        // The written axis is compared with the fitted formulas and tuned again where it is off.
+        let nearest = || self.pairs.iter().map(|(_, w)| w.max(0.0)).collect();
+        let w: Vec<f64> = rows.solve(0).map_or_else(|_| nearest(), |solution| solution.x);
+        self.pairs.iter_mut().zip(w).for_each(|(pair, w)| pair.1 = w);
+        self.pairs.retain(|(r, w)| *w > 0.0 || *r == 0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Root mean square of what plays with these weights leave of those with the others.
+    fn left(pairs: &[(f64, f64)], others: &[(f64, f64)], command: &[f64]) -> f64 {
+        let position = |pairs: &[(f64, f64)]| {
+            let mut states = vec![0.0_f64; pairs.len()];
+            let step = |u: &f64| -> f64 {
+                let each = states.iter_mut().zip(pairs);
+                each.map(|(state, (r, w))| {
+                    *state = play(*u, *r, *state);
+                    w * *state
+                })
+                .sum()
+            };
+            command.iter().map(step).collect::<Vec<f64>>()
+        };
+        let pairs = position(pairs).into_iter().zip(position(others));
+        (pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>() / command.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn negative_weights_become_the_nearest_that_a_component_takes() {
+        let command: Vec<f64> = (0..2000)
+            .map(|k| 50.0 - (50.0 - 0.02 * f64::from(k)) * (0.05 * f64::from(k)).cos())
+            .collect();
+        let fitted = [(0.0, 0.05), (8.0, -0.01), (20.0, 0.02), (35.0, 0.01)];
+        let mut plays = Plays { pairs: fitted.to_vec() };
+        plays.no_negative(&command);
+        assert!(
+            plays.pairs.iter().all(|(r, w)| *w > 0.0 || *r == 0.0 && *w == 0.0),
+            "{:?}",
+            plays.pairs
+        );
+        // Nearer than without the negative one, and near.
+        let cut: Vec<(f64, f64)> = fitted.iter().map(|(r, w)| (*r, w.max(0.0))).collect();
+        let (ours, without) =
+            (left(&plays.pairs, &fitted, &command), left(&cut, &fitted, &command));
+        assert!(ours < 0.2 * without, "{ours} {without}");
+        // Weights that a component takes stay as they are.
+        let mut allowed = Plays { pairs: cut.clone() };
+        allowed.no_negative(&command);
+        assert_eq!(allowed.pairs, cut);
+    }
+}
