@@ -1,6 +1,8 @@
 //! `piezoloop diagnose`: where a model and its machine differ, which effect it is, what it is worth.
 
 mod baseline;
+mod repaired;
+mod tolerances;
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -9,20 +11,15 @@ use anyhow::{Context, bail};
 use clap::Args;
 use cli::{Answer, PageOptions, Pages, STANDARD_OUTPUT, Screen};
 use data::WholeFile;
-use diagnose::{
-    Diagnosis, Discrepancy, Files, Gap, Model, Noise, Observer, Request, Tolerance, Verdict,
-};
-use fmi_bindings::export::Library;
+use diagnose::{Discrepancy, Files, Gap, Model, Noise, Observer, Request, Tolerance, Verdict};
 use indicatif::ProgressBar;
-use modeldescription::package::Platform;
-use modeldescription::{FmiVersion, Package};
 use serde::Serialize;
 
-use crate::commands::pack::{self, Binary};
+use self::tolerances::check_tolerances;
 use crate::fmus::Isolation;
 use crate::inputs::{self, BlueprintText, LogOptions};
 use crate::pages;
-use crate::{libraries, ranges, wrapped};
+use crate::ranges;
 
 const NO_MODEL: &str = "no model is given; give one with --model, or --input COLUMN and --output COLUMN to identify a linear one from the logs";
 
@@ -190,56 +187,6 @@ impl Observer for Bar {
         self.0.set_length(total as u64);
         self.0.set_position(done as u64);
     }
-}
-
-/// Whether each `--tune` names a parameter that can be re-tuned. Of several, a pattern may be for another
-/// model of a series: what matches nothing is given back to be said.
-fn check_tolerances(request: &Request) -> anyhow::Result<Vec<String>> {
-    if request.tolerances.is_empty() {
-        return Ok(Vec::new());
-    }
-    let names: Vec<String> = match &request.model {
-        Model::Blueprint(checked) => {
-            let system = checked.build();
-            let variables = system.variables().as_slice().iter();
-            variables.filter(|v| v.fit && v.start != Some(0.0)).map(|v| v.name.clone()).collect()
-        }
-        Model::Fmu(path) => {
-            let package = Package::open(path)?;
-            let variables = package.description().variables.iter();
-            let is_tuned = |v: &&modeldescription::variable::Variable| {
-                v.causality == modeldescription::variable::Causality::Parameter
-                    && v.start.as_ref().is_some_and(|start| start.numbers().is_some())
-            };
-            variables.filter(is_tuned).map(|v| v.name.clone()).collect()
-        }
-    };
-    let matches = |tolerance: &Tolerance| names.iter().any(|name| tolerance.is_for(name));
-    let any = request.tolerances.iter().any(matches);
-    let mut unmatched = Vec::new();
-    for tolerance in &request.tolerances {
-        if !matches(tolerance) {
-            if any && tolerance.name.contains('*') {
-                unmatched.push(format!(
-                    "--tune {}: no parameter of the model has such a name; it changes nothing",
-                    tolerance.name
-                ));
-                continue;
-            }
-            let near = inputs::meant(&tolerance.name, names.iter().map(String::as_str));
-            let most = 12;
-            let more = match names.len().saturating_sub(most) {
-                0 => String::new(),
-                more => format!(" and {more} more"),
-            };
-            bail!(
-                "--tune {}: is no parameter of the model that can be re-tuned (its value is a number and not 0); {near}there are {}{more}",
-                tolerance.name,
-                names.iter().take(most).cloned().collect::<Vec<_>>().join(", ")
-            );
-        }
-    }
-    Ok(unmatched)
 }
 
 impl Diagnose {
@@ -445,76 +392,6 @@ impl Diagnose {
             all.push((output, sigma));
         }
         Ok(Noise::Given(all))
-    }
-
-    /// Whether the repaired model can be of the kind that is asked for.
-    fn check_repair(&self) -> anyhow::Result<()> {
-        let Some(file) = &self.repair else { return Ok(()) };
-        let is = |ending| file.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
-        match (is("fmu"), is("toml")) {
-            (true, _) => Ok(()),
-            (_, true) if self.is_fmu() => bail!(
-                "--repair {}: an FMU has no blueprint that effects could be written into; give a \
-                 name that ends in .fmu, and effects are put around it",
-                file.display()
-            ),
-            (_, true) => Ok(()),
-            _ => bail!(
-                "--repair {}: the ending says what is written; give one in .toml or .fmu",
-                file.display()
-            ),
-        }
-    }
-
-    /// The libraries of other platforms, where they were given.
-    fn libraries(&self) -> anyhow::Result<Vec<Binary>> {
-        let Some(folder) = &self.libraries else { return Ok(Vec::new()) };
-        let library = if self.is_fmu() { Library::Wrap } else { Library::Blueprint };
-        let mut all = pack::binaries_in(folder, library)?;
-        all.retain(|binary| Some(binary.platform) != Platform::from_name(libraries::PLATFORM));
-        Ok(all)
-    }
-
-    /// Writes an FMU with the diagnosed one inside.
-    fn write_around(
-        &self,
-        diagnosis: &Diagnosis,
-        (model, file): (&Path, &Path),
-        others: &[Binary],
-    ) -> anyhow::Result<Vec<String>> {
-        let mut carried = vec![(libraries::PLATFORM, libraries::WRAP.bytes)];
-        carried
-            .extend(others.iter().map(|b| (b.platform.folder(FmiVersion::V3), b.bytes.as_slice())));
-        let names = self.options.names()?;
-        let mut repaired = diagnosis.repair_fmu(model, &names, &carried)?;
-        others.iter().try_for_each(|binary| binary.check(Library::Wrap, &repaired.description))?;
-        let original = modeldescription::Package::open(model)?;
-        wrapped::finish(&mut repaired, &original, file, self.isolation.worker()?.as_ref())?;
-        Ok(repaired.notes)
-    }
-
-    /// Writes the repaired model; what stays out of it, one sentence each.
-    fn write_repair(
-        &self,
-        diagnosis: &mut Diagnosis,
-        (source, file): (&Source, &Path),
-        others: &[Binary],
-    ) -> anyhow::Result<Vec<String>> {
-        if let Source::Fmu(model) = source {
-            return self.write_around(diagnosis, (model, file), others);
-        }
-        let (repaired, notes) = diagnosis.repair(&source.blueprint()?.blueprint);
-        repaired.check(learned::COMPONENTS).with_context(|| {
-            format!("{} is not written: the repaired blueprint breaks a rule", file.display())
-        })?;
-        if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {
-            let text = repaired.to_toml();
-            let source = BlueprintText { text, blueprint: repaired };
-            pack::pack(&source, pack::PACKED_WITH, others, file)?;
-            return Ok(notes);
-        }
-        repaired.write(file)?;
-        Ok(notes)
     }
 }
 

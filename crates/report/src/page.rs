@@ -20,7 +20,8 @@ const TEMPLATE: &str = include_str!("../assets/page.html");
 const STYLE: &str = include_str!("../assets/page.css");
 const CHART_STYLE: &str = include_str!("../assets/chart.css");
 const AXES_SCRIPT: &str = include_str!("../assets/axes.js");
-const LIVE_SCRIPT: &str = include_str!("../assets/live.js");
+const LIVE_SCRIPT: &str =
+    concat!(include_str!("../assets/live_drawing.js"), include_str!("../assets/live.js"));
 const UPLOT: &str = include_str!("../assets/uPlot.iife.min.js");
 const UPLOT_LICENCE: &str = include_str!("../assets/uPlot.LICENSE");
 const UPLOT_STYLE: &str = include_str!("../assets/uPlot.min.css");

@@ -4,9 +4,10 @@
 //! ends this component alone; its text goes to `log-message` first. The model's bytes are written into its [`Slot`] when
 //! the FMU is packed.
 
-use std::cell::RefCell;
+mod calls;
+
 use std::collections::BTreeMap;
-use std::ffi::{CStr, CString, c_void};
+use std::ffi::{CString, c_void};
 use std::marker::PhantomData;
 use std::path::Path;
 use std::ptr::{null, null_mut};
@@ -15,7 +16,6 @@ use model::System;
 
 use super::slot::Slot;
 use super::v3;
-use crate::fmi3::fmi3Status;
 
 /// What `wit/fmi3.wit` becomes.
 #[allow(missing_docs, unreachable_pub, clippy::all, clippy::undocumented_unsafe_blocks)]
@@ -29,7 +29,8 @@ pub mod bindings {
 }
 
 use self::bindings::exports::fmi::fmi3::{co_simulation, common};
-use self::bindings::fmi::fmi3::callbacks;
+use self::calls::{answer, begin, plain, status_of, tell, values};
+pub(super) use self::calls::{panicked, say};
 use co_simulation::{
     CoSimulationInstance, DiscreteStatesInfo, DoStepResult, IntervalFraction, IntervalQualifier,
     Status, VariableDependency,
@@ -46,47 +47,8 @@ pub trait Model: 'static {
     fn build(bytes: &[u8]) -> Result<System, String>;
 }
 
-thread_local! {
-    /// The instance that is called, for its messages.
-    static CALLED: RefCell<String> = const { RefCell::new(String::new()) };
-}
-
 fn build<M: Model>(_resources: &Path) -> Result<System, String> {
     M::build(M::slot().model().ok_or("the component has no model")?)
-}
-
-/// A message to the importer.
-pub(super) fn say(status: u32, category: &CStr, message: &CStr) {
-    tell(status_of(fmi3Status(status)), &category.to_string_lossy(), &message.to_string_lossy());
-}
-
-/// The text of a panic, behind which the component traps.
-pub(super) fn panicked(text: &[u8]) {
-    let text = String::from_utf8_lossy(text);
-    tell(Status::Fatal, "logStatusError", &format!("internal defect, please report it: {text}"));
-}
-
-fn tell(status: Status, category: &str, message: &str) {
-    let name = CALLED.with_borrow(String::clone);
-    callbacks::log_message(&name, status, category, message);
-}
-
-fn status_of(status: fmi3Status) -> Status {
-    match status.0 {
-        0 => Status::Ok,
-        1 => Status::Warning,
-        2 => Status::Discard,
-        3 => Status::Error,
-        _ => Status::Fatal,
-    }
-}
-
-/// Values where the call may be trusted, else its status.
-fn answer<T>(status: fmi3Status, values: T) -> Result<T, Status> {
-    match status_of(status) {
-        Status::Ok | Status::Warning => Ok(values),
-        status => Err(status),
-    }
 }
 
 /// A function of FMI 3.0 that no FMU of this library offers is called for its message and status.
@@ -124,7 +86,7 @@ impl<M> Drop for Instance<M> {
 impl<M> Instance<M> {
     /// The handle, right before a call.
     fn handle(&self) -> *mut c_void {
-        CALLED.with_borrow_mut(|called| called.clone_from(&self.name));
+        begin(&self.name);
         self.handle
     }
 
@@ -132,37 +94,6 @@ impl<M> Instance<M> {
     fn size(&self, references: &[u32]) -> usize {
         references.iter().map(|reference| self.sizes.get(reference).copied().unwrap_or(1)).sum()
     }
-}
-
-/// Getter and setter of a type whose values are plain.
-macro_rules! values {
-    ($($get:ident $fmi_get:ident $set:ident $fmi_set:ident $type:ty;)*) => { $(
-        fn $get(&self, references: Vec<u32>) -> Result<Vec<$type>, Status> {
-            let mut values = vec![<$type>::default(); self.size(&references)];
-            // SAFETY: arrays of the lengths given.
-            let status = unsafe {
-                v3::$fmi_get(self.handle(), references.as_ptr(), references.len(), values.as_mut_ptr(), values.len())
-            };
-            answer(status, values)
-        }
-
-        fn $set(&self, references: Vec<u32>, values: Vec<$type>) -> Status {
-            // SAFETY: arrays of the lengths given.
-            status_of(unsafe {
-                v3::$fmi_set(self.handle(), references.as_ptr(), references.len(), values.as_ptr(), values.len())
-            })
-        }
-    )* };
-}
-
-/// A call without further arguments.
-macro_rules! plain {
-    ($($name:ident $fmi:ident;)*) => { $(
-        fn $name(&self) -> Status {
-            // SAFETY: the handle of this instance.
-            status_of(unsafe { v3::$fmi(self.handle()) })
-        }
-    )* };
 }
 
 impl<M: Model> co_simulation::GuestCoSimulationInstance for Instance<M> {
@@ -201,7 +132,7 @@ impl<M: Model> co_simulation::GuestCoSimulationInstance for Instance<M> {
         early_return_allowed: bool,
         required: Vec<u32>,
     ) -> Option<CoSimulationInstance> {
-        CALLED.with_borrow_mut(|called| called.clone_from(&name));
+        begin(&name);
         super::install_panic_hook();
         // A text of the component model may hold zero bytes; the C edge says what is wrong with a cut one.
         let text = |text: &str| CString::new(text.split('\0').next().unwrap_or("")).ok();

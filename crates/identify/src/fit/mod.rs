@@ -1,5 +1,6 @@
 //! The fits: weights and shape of a method, delay, linear parts.
 
+mod centred;
 pub(crate) mod delay;
 pub(crate) mod levenberg_marquardt;
 pub(crate) mod linear_part;
