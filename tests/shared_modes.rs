@@ -11,7 +11,7 @@ use std::fs;
 use std::path::Path;
 
 use common::random::Random;
-use common::{json, succeed};
+use common::{json, refuse, succeed};
 use serde_json::Value;
 
 const STEP: f64 = 2.5e-4;
@@ -147,35 +147,37 @@ fn is_named_once(
         let commands = commands(axes, levels, &mut random);
         measure(name, &commands, &mut random, path);
     }
+    for has_tolerances in [true, false] {
+        is_named_in(path, (axes, outputs, has_tolerances), effect, most);
+    }
+}
+
+/// As [`is_named_once`], of logs and a model in this folder, with tolerances of the modes or without any.
+fn is_named_in(
+    path: &Path,
+    (axes, outputs, has_tolerances): (usize, usize, bool),
+    effect: &str,
+    most: f64,
+) {
     let (names, noise) = (names(axes), NOISE.to_string());
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let call = [
-        "diagnose",
-        "--model",
-        "model.fmu",
-        "--log",
-        "waves.csv",
-        "--log",
-        "levels.csv",
-        "--log",
-        "more.csv",
-        "--noise",
-        &noise,
-        "--tune",
-        "*.frequency*=0.01",
-        "--tune",
-        "*.damping*=0.1",
-        "--repair",
-        "repaired.fmu",
-    ];
+    let mut call =
+        vec!["diagnose", "--model", "model.fmu", "--noise", &noise, "--repair", "repaired.fmu"];
+    for log in ["waves.csv", "levels.csv", "more.csv"] {
+        call.extend(["--log", log]);
+    }
+    if has_tolerances {
+        call.extend(["--tune", "*.frequency*=0.01", "--tune", "*.damping*=0.1"]);
+    }
     let gap: Value = json(&[&call[..], &names].concat(), path);
-    println!("{}", gap["sentence"]);
+    let sentence = format!("seed {SEED}, tolerances {has_tolerances}: {}", gap["sentence"]);
+    println!("{sentence}");
     let found: Vec<&Value> = gap["effects"].as_array().expect("effects").iter().collect();
-    assert_eq!(found.len(), 1, "seed {SEED}: {}", gap["sentence"]);
-    assert_eq!(found[0]["effect"], effect, "seed {SEED}: {}", gap["sentence"]);
+    assert_eq!(found.len(), 1, "{sentence}");
+    assert_eq!(found[0]["effect"], effect, "{sentence}");
     let also = found[0]["also"].as_array().expect("the other outputs");
-    assert_eq!(also.len() + 1, outputs, "seed {SEED}: {}", gap["sentence"]);
-    assert_eq!(found[0]["set"].as_array().map(Vec::len), Some(1), "seed {SEED}: {}", found[0]);
+    assert_eq!(also.len() + 1, outputs, "{sentence}");
+    assert_eq!(found[0]["set"].as_array().map(Vec::len), Some(1), "{sentence} {}", found[0]);
     // On a new record.
     let left = |fmu: &str| -> Vec<f64> {
         let simulated =
@@ -190,7 +192,7 @@ fn is_named_once(
         let power = |rms: &f64| (rms.powi(2) - NOISE.powi(2)).max(0.0);
         // Up to 0.3 of the noise's power is no error of an output that has none.
         let most = (most * power(before)).max(0.3 * NOISE.powi(2));
-        assert!(power(after) < most, "seed {SEED}: {before} before, {after} after");
+        assert!(power(after) < most, "{sentence} {before} before, {after} after");
     }
 }
 
@@ -227,4 +229,96 @@ fn a_mode_that_another_command_moves_is_a_coupling_of_one_output() {
         all.push(Mode { frequency: 410.0, damping: 0.03, gives, sees });
     };
     is_named_once((2, 1), add, "cross_coupling", 0.15);
+}
+
+#[test]
+fn an_output_that_nothing_explains_is_not_hidden_by_what_is_found_in_another() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let mut random = Random(SEED);
+    let all = modes(2, &mut random);
+    fs::write(path.join("model.toml"), blueprint(2, &all)).expect("the folder is writable");
+    fs::write(path.join("truth.toml"), blueprint(2, &all)).expect("the folder is writable");
+    for (name, levels) in [("waves", false), ("levels", true), ("more", false)] {
+        measure(name, &commands(2, levels, &mut random), &mut random, path);
+        // The first reading moves with a product of both commands, the second one is too large by 8 %.
+        let file = path.join(format!("{name}.csv"));
+        let text = fs::read_to_string(&file).expect("a log");
+        let mut lines = text.lines();
+        let mut changed = format!("{}\n", lines.next().expect("a header"));
+        for line in lines {
+            let v: Vec<f64> = line.split(',').map(|c| c.parse().expect("a number")).collect();
+            let product = (v[1] - 75.0) * (v[2] - 75.0) / 75f64.powi(2);
+            let row = [v[0], v[1], v[2], v[3] + 2.0 * product, 1.08 * v[4]];
+            changed += &(row.map(|v| v.to_string()).join(",") + "\n");
+        }
+        fs::write(file, changed).expect("the folder is writable");
+    }
+    let names = names(2);
+    succeed(&["pack", "model.toml", "-o", "model.fmu"], path);
+    let mut call = vec!["diagnose", "--model", "model.fmu", "--noise", "0.005"];
+    for log in ["waves.csv", "levels.csv", "more.csv"] {
+        call.extend(["--log", log]);
+    }
+    call.extend(names.iter().map(String::as_str));
+    let gap = json(&call, path);
+    let sentence = gap["sentence"].as_str().expect("a sentence");
+    println!("{sentence}");
+    let outputs = gap["outputs"].as_array().expect("outputs");
+    assert_eq!(outputs[0]["verdict"], "unknown", "seed {SEED}: {sentence}");
+    assert_eq!(outputs[1]["verdict"], "effects", "seed {SEED}: {sentence}");
+    assert_eq!(gap["effects"][0]["effect"], "actuator_gain", "seed {SEED}: {sentence}");
+    // What is promised belongs to the output with a name, and the other one is not forgotten.
+    assert!(sentence.contains("rms of position[2]"), "seed {SEED}: {sentence}");
+    assert!(
+        sentence.contains("none of the candidates explains: position[1] is off by"),
+        "seed {SEED}: {sentence}"
+    );
+}
+
+#[test]
+fn a_blueprint_whose_modes_join_its_axes_is_packed_and_diagnosed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let mut random = Random(SEED);
+    let mut all = modes(2, &mut random);
+    // A tolerance of the blueprint counts as one of the FMU.
+    let with_tolerance = blueprint(2, &all) + "tolerance = { frequency = 0.02 }\n";
+    fs::write(path.join("model.toml"), with_tolerance).expect("the folder is writable");
+    all[0].damping *= 2.0;
+    fs::write(path.join("truth.toml"), blueprint(2, &all)).expect("the folder is writable");
+    for (name, levels) in [("waves", false), ("levels", true), ("more", false), ("unseen", false)] {
+        measure(name, &commands(2, levels, &mut random), &mut random, path);
+    }
+    let names = names(2);
+    let mut call = vec!["diagnose", "--model", "model.toml", "--noise", "0.005"];
+    for log in ["waves.csv", "levels.csv", "more.csv"] {
+        call.extend(["--log", log]);
+    }
+    call.extend(names.iter().map(String::as_str));
+    let gap = json(&[&call[..], &["--repair", "repaired.fmu"]].concat(), path);
+    assert_eq!(gap["effects"][0]["effect"], "damping", "seed {SEED}: {}", gap["sentence"]);
+    assert_eq!(
+        gap["effects"].as_array().map(Vec::len),
+        Some(1),
+        "seed {SEED}: {}",
+        gap["sentence"]
+    );
+    assert_eq!(gap["provenance"]["model"], "mirror");
+    let notes: Vec<&str> =
+        gap["warnings"].as_array().expect("notes").iter().filter_map(Value::as_str).collect();
+    assert!(notes[0].contains("packed") && notes[0].contains("modes"), "{notes:?}");
+    let has_none = |note: &&&str| note.contains("no parameter of the model has a tolerance");
+    assert_eq!(notes.iter().find(has_none), None);
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let simulated =
+        json(&[&["simulate", "repaired.fmu", "--log", "unseen.csv"][..], &names].concat(), path);
+    for fit in simulated["fits"].as_array().expect("fits") {
+        let left = fit["raw_rmse"].as_f64().expect("rms");
+        assert!(left < 1.1 * NOISE, "seed {SEED}: {left} um on a new record");
+    }
+    // What cannot be written into the blueprint is refused before the diagnosis.
+    let text = refuse(&[&call[..], &["--repair", "repaired.toml"]].concat(), path);
+    assert!(text.contains("repaired.toml") && text.contains(".fmu"), "{text}");
+    assert!(!path.join("repaired.toml").exists());
 }

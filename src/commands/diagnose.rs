@@ -2,6 +2,7 @@
 
 mod baseline;
 mod repaired;
+mod source;
 mod tolerances;
 
 use std::io::{self, Write};
@@ -15,9 +16,10 @@ use diagnose::{Discrepancy, Files, Gap, Model, Noise, Observer, Request, Toleran
 use indicatif::ProgressBar;
 use serde::Serialize;
 
+use self::source::Source;
 use self::tolerances::check_tolerances;
 use crate::fmus::Isolation;
-use crate::inputs::{self, BlueprintText, LogOptions};
+use crate::inputs::{self, LogOptions};
 use crate::pages;
 use crate::ranges;
 
@@ -147,24 +149,6 @@ pub(crate) struct Diagnose {
     fail_above: Option<f64>,
 }
 
-/// The model that is diagnosed.
-enum Source {
-    Fmu(PathBuf),
-    Blueprint(Box<BlueprintText>),
-    /// Made of the logs.
-    Generated(Box<baseline::Generated>),
-}
-
-impl Source {
-    fn blueprint(&self) -> anyhow::Result<&BlueprintText> {
-        match self {
-            Self::Blueprint(text) => Ok(text),
-            Self::Generated(identified) => Ok(&identified.text),
-            Self::Fmu(path) => bail!("{} is no blueprint", path.display()),
-        }
-    }
-}
-
 /// The gap, and what was written.
 #[derive(Serialize)]
 #[serde(transparent)]
@@ -220,19 +204,35 @@ impl Diagnose {
             identified.text.blueprint.write(file)?;
             written.push(file.clone());
         }
-        let libraries = self.libraries()?;
-        let request = self.request(&source)?;
+        let mut libraries = self.libraries(self.is_fmu())?;
+        let mut request = self.request(&source)?;
         let unmatched = check_tolerances(&request)?;
         let mut bar = Bar(cli::bar(screen, "diagnose", 1));
-        let diagnosis = diagnose::examine(&request, &mut bar);
+        let mut diagnosis = diagnose::examine(&request, &mut bar);
+        let mut packed = None;
+        if let Err(diagnose::Error::Joined { model, reason }) = &diagnosis {
+            let (file, note) = self.packed(&source, &mut request, (model, reason))?;
+            libraries = self.libraries(true)?;
+            packed = Some((file, note, model.clone()));
+            diagnosis = diagnose::examine(&request, &mut bar);
+        }
         bar.0.finish_and_clear();
         let mut diagnosis = diagnosis?;
         diagnosis.gap.warnings.extend(unmatched);
+        let mut notes = Vec::new();
         if let Source::Generated(identified) = &source {
             diagnosis.gap.baseline.clone_from(&identified.baselines);
-            let described = std::mem::take(&mut diagnosis.gap.warnings);
-            diagnosis.gap.warnings = identified.notes.iter().cloned().chain(described).collect();
+            notes.clone_from(&identified.notes);
         }
+        let source = match packed {
+            None => source,
+            Some((file, note, model)) => {
+                notes.push(note);
+                diagnosis.gap.provenance.model = model;
+                file
+            }
+        };
+        diagnosis.gap.warnings.splice(0..0, notes);
         // Before the answer, which speaks of the model that is handed back; where that cannot be
         // written the answer is there all the same.
         let is_repaired = matches!(diagnosis.gap.verdict, Verdict::Effects | Verdict::Retune);
@@ -305,32 +305,13 @@ impl Diagnose {
         model.into_iter().chain(response).chain(&self.logs).chain(&self.holdout).chain(&self.rest)
     }
 
-    /// The model as it was given, or as it is made of the logs.
-    fn source(&self, screen: &Screen) -> anyhow::Result<Source> {
-        match &self.model {
-            Some(model) if self.is_fmu() => Ok(Source::Fmu(model.clone())),
-            Some(model) => Ok(Source::Blueprint(Box::new(inputs::blueprint(model)?))),
-            None => {
-                let asked = baseline::Asked {
-                    logs: &self.logs,
-                    inputs: &self.inputs,
-                    outputs: &self.output_columns,
-                    options: &self.options,
-                    drop: self.drop.filter(|drop| *drop > 0.0),
-                    response: self.frequency_response.as_deref().map(|table| (table, self.modes)),
-                };
-                Ok(Source::Generated(Box::new(baseline::identified(&asked, screen)?)))
-            }
-        }
-    }
-
     fn request(&self, source: &Source) -> anyhow::Result<Request> {
         let logs = |paths: &[PathBuf]| {
             paths.iter().map(|p| self.options.read(p)).collect::<anyhow::Result<Vec<_>>>()
         };
-        let model = match source {
-            Source::Fmu(path) => Model::Fmu(path.clone()),
-            Source::Blueprint(_) | Source::Generated(_) => {
+        let model = match source.fmu() {
+            Some(path) => Model::Fmu(path),
+            None => {
                 let blueprint = source.blueprint()?.blueprint.clone();
                 Model::Blueprint(Box::new(blueprint.check(learned::COMPONENTS)?))
             }

@@ -135,12 +135,11 @@ impl Base {
                 continue;
             }
             if !(declaration.inputs.len() == 1 || reads_command(declaration)) {
-                let message = format!(
-                    "axis[{number}].{} ({}) reads other signals than its axis' own; pack the \
-                     blueprint (piezoloop pack) and diagnose the FMU",
+                let reason = format!(
+                    "axis[{number}].{} ({}) reads other signals than its axis' own",
                     spec.name, declaration.kind
                 );
-                return Err(Error::Model { model: name.clone(), message });
+                return Err(Error::Joined { model: name.clone(), reason });
             }
             if declaration.conversion == Conversion::CommandToPosition {
                 base.actuator = base.nodes.len();
@@ -370,7 +369,7 @@ impl Base {
 /// The couplings that have one axis only, this one: components of it in a section of their own.
 ///
 /// # Errors
-/// [`Error::Model`]: another coupling reaches this axis, whose motion is not what is looked at.
+/// [`Error::Joined`]: another coupling reaches this axis, whose motion is not what is looked at.
 fn couplings_in_series(
     blueprint: &CheckedBlueprint,
     (number, part): (usize, Part),

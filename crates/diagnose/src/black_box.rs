@@ -25,10 +25,19 @@ pub(crate) struct BlackBox {
     times: Arc<Times>,
     /// The last runs over these records.
     known: Arc<Mutex<Known>>,
-    /// Parameters: name, value, and which coordinate moves it.
-    pub(crate) parameters: Vec<(String, f64)>,
+    /// Parameters that may be off.
+    pub(crate) parameters: Vec<Own>,
     /// Links to the chain's parameters; `index` counts `parameters`.
     pub(crate) links: Vec<Link>,
+}
+
+/// A parameter of the FMU.
+#[derive(Clone)]
+pub(crate) struct Own {
+    pub(crate) name: String,
+    /// The value that it has where nobody sets it.
+    pub(crate) start: f64,
+    pub(crate) value: f64,
 }
 
 /// Times of the rows of each record, by the record's first row.
@@ -90,8 +99,8 @@ impl BlackBox {
     /// As `over`, with one parameter moved by this much.
     pub(crate) fn with(&self, parameter: usize, shift: f64) -> Self {
         let mut moved = self.clone();
-        if let Some((_, value)) = moved.parameters.get_mut(parameter) {
-            *value += shift;
+        if let Some(own) = moved.parameters.get_mut(parameter) {
+            own.value += shift;
         }
         moved
     }
@@ -138,7 +147,7 @@ impl BlackBox {
         let links = self.links.iter().filter(|link| link.index == k);
         let shift =
             |link: &Link| link.deviation * theta.get(link.parameter).copied().unwrap_or(0.0);
-        self.parameters[k].1 + links.map(shift).sum::<f64>()
+        self.parameters[k].value + links.map(shift).sum::<f64>()
     }
 
     /// Runs a record; a failure of the FMU is remembered, and a failed simulation where it happens
@@ -168,6 +177,24 @@ impl BlackBox {
         Ok(())
     }
 
+    /// Whether the output's answer to a small step of the driven input changes with a parameter, which the FMU allows.
+    pub(crate) fn hears(
+        &self,
+        parameter: usize,
+        shift: f64,
+        record: &RecordData,
+        command: Span,
+    ) -> bool {
+        let rows = self.times.get(&record.rows.start).map_or(0, Vec::len);
+        let x = small_step(rows.min(Thresholds::ENTRY_ROWS), command);
+        let answer = |fmu: &Self| {
+            let mut answer = vec![0.0; x.len()];
+            fmu.try_run(&vec![0.0; self.parameters.len()], record, &x, &mut answer).ok()?;
+            Some(answer)
+        };
+        answer(&self.with(parameter, shift)).is_some_and(|moved| answer(self) != Some(moved))
+    }
+
     /// How the output is entered: the mode that it leaves through, where the answer to a small step of the driven
     /// input shows one and nothing else that moves.
     pub(crate) fn entry(&self, record: &RecordData, command: Span) -> Option<Entry> {
@@ -176,15 +203,7 @@ impl BlackBox {
         if rows < 4 * Thresholds::ENTRY_BEFORE {
             return None;
         }
-        let step = |row| {
-            command.centre
-                + if row < Thresholds::ENTRY_BEFORE {
-                    0.0
-                } else {
-                    Thresholds::ENTRY_SIZE * command.half
-                }
-        };
-        let x: Vec<f64> = (0..rows).map(step).collect();
+        let x = small_step(rows, command);
         ringing(&self.answer(record, &x)?, Thresholds::ENTRY_BEFORE, sample)
     }
 
@@ -301,8 +320,11 @@ impl BlackBox {
         let (Some(&start), stop) = (times.first(), times.last().copied()) else { return Ok(()) };
         let experiment = Experiment { start, stop, tolerance: None };
         slave.setup(&experiment)?;
-        for (k, (name, _)) in self.parameters.iter().enumerate() {
-            slave.set_start(name, &Value::Real(self.value(k, theta)))?;
+        for (k, own) in self.parameters.iter().enumerate() {
+            let value = self.value(k, theta);
+            if value.to_bits() != own.start.to_bits() {
+                slave.set_start(&own.name, &Value::Real(value))?;
+            }
         }
         let mut values = vec![0.0; names.len()];
         let fill = |values: &mut [f64], row: usize, value: f64| {
@@ -342,6 +364,13 @@ impl BlackBox {
         }
         slave.terminate()
     }
+}
+
+/// A small step up from the middle of the command.
+fn small_step(rows: usize, command: Span) -> Vec<f64> {
+    let size = Thresholds::ENTRY_SIZE * command.half;
+    let step = |row| if row < Thresholds::ENTRY_BEFORE { 0.0 } else { size };
+    (0..rows).map(|row| command.centre + step(row)).collect()
 }
 
 /// The mode through which an output leaves.

@@ -36,7 +36,7 @@ pub(crate) struct Coupled {
 /// The groups of axes that couplings join, in which one is chosen.
 ///
 /// # Errors
-/// [`Error::Model`]: couplings that cannot be undone, and why.
+/// [`Error::Joined`]: couplings that cannot be undone, and why.
 fn groups(blueprint: &CheckedBlueprint, chosen: &[usize]) -> Result<Vec<Group>, Error> {
     let joins = |c: &&CouplingSpec| c.node.enabled && c.axes.len() > 1;
     let couplings = || blueprint.spec().connections.couplings.iter().filter(joins);
@@ -52,13 +52,12 @@ fn groups(blueprint: &CheckedBlueprint, chosen: &[usize]) -> Result<Vec<Group>, 
     blueprint.coupled_axes().into_iter().filter(is_chosen).map(group).collect()
 }
 
-/// That coupled axes are not looked at one by one, and the way out.
+/// That coupled axes are not looked at one by one.
 pub(crate) fn refused(blueprint: &CheckedBlueprint, coupling: &str, reason: &str) -> Error {
-    let message = format!(
-        "couples its axes (coupling {coupling}), and {reason}; pack it (piezoloop pack) and diagnose the FMU, whose \
-         inputs all act"
-    );
-    Error::Model { model: blueprint.spec().name.clone(), message }
+    Error::Joined {
+        model: blueprint.spec().name.clone(),
+        reason: format!("couples its axes (coupling {coupling}), and {reason}"),
+    }
 }
 
 /// The tasks of the axes that couplings join: their motions, worked out of the readings of all of them.

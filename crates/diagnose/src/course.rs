@@ -92,12 +92,14 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
         None if course == usual => None,
         // Not less, but with fewer effects.
         None if outcome.left() >= Thresholds::READING_LESS * first => {
-            let now = names(&outcome);
-            let gone: Vec<String> = first_named
-                .iter()
-                .filter(|n| !now.contains(n))
-                .map(|n| n.replace('_', " "))
-                .collect();
+            // One name may stand for two effects.
+            let mut now = names(&outcome);
+            let stays = |n: &&'static str| {
+                let at = now.iter().position(|other| other == n);
+                at.map(|at| now.swap_remove(at)).is_some()
+            };
+            let (_, gone): (Vec<&str>, Vec<&str>) = first_named.iter().copied().partition(stays);
+            let gone: Vec<String> = gone.iter().map(|n| n.replace('_', " ")).collect();
             Some(read_as(match had_lag {
                 true => "a lag of the model would have to act faster".to_owned(),
                 false => format!("{} would be missing", gone.join(" and ")),

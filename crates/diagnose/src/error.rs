@@ -41,6 +41,16 @@ pub enum Error {
         /// Rule and way out.
         message: String,
     },
+    /// A blueprint whose axes cannot be looked at one by one.
+    #[error(
+        "{model}: {reason}; pack it (piezoloop pack) and diagnose the FMU, whose inputs all act"
+    )]
+    Joined {
+        /// Name of the model.
+        model: String,
+        /// What joins them, and why that cannot be undone.
+        reason: String,
+    },
     /// A log cannot be used as it is.
     #[error("{log}: {message}")]
     Log {

@@ -9,7 +9,7 @@ use modeldescription::ModelDescription;
 use modeldescription::variable::{Causality, DataType, Number, Variable};
 
 use crate::base::{Base, BaseParameter, Part, tolerance};
-use crate::black_box::{BlackBox, Entry, Times};
+use crate::black_box::{BlackBox, Entry, Own, Times};
 use crate::chain::{ComponentNode, Node};
 use crate::error::Error;
 use crate::library::Slot;
@@ -81,7 +81,7 @@ fn task(
     output: usize,
 ) -> Result<Task, Error> {
     let fmu = open(path, request.worker.as_ref())?;
-    let tuned = tuned(request, &fmu);
+    let mut tuned = tuned(request, &fmu);
     let mut names = vec![inputs[input].name.clone()];
     names.extend(
         inputs.iter().enumerate().filter(|(k, _)| *k != input).map(|(_, p)| p.name.clone()),
@@ -116,7 +116,8 @@ fn task(
     }
     let units = (inputs[input].si, outputs[output].si);
     let mut node = BlackBox::new(fmu, names, outputs[output].name.clone(), units, times);
-    node.parameters = tuned.iter().map(|p| (p.name.clone(), p.value)).collect();
+    let own = |p: &BaseParameter| Own { name: p.name.clone(), start: p.value, value: p.value };
+    node.parameters = tuned.iter().map(own).collect();
     // Said once, in full, before a failure only means a bad candidate.
     let mut out = vec![0.0; task.data.command.len()];
     for record in &task.data.records {
@@ -126,6 +127,20 @@ fn task(
     }
     let longest = task.data.records.iter().max_by_key(|r| r.rows.len());
     let command = task.data.command_span;
+    // What nobody asked for must be heard by the output, and must not harm the FMU.
+    if let Some(record) = longest {
+        let is_heard = |k: usize, p: &BaseParameter| {
+            p.has_tolerance || node.hears(k, p.deviation, record, command)
+        };
+        let mut heard =
+            (0..).zip(&tuned).map(|(k, p)| is_heard(k, p)).collect::<Vec<_>>().into_iter();
+        tuned.retain(|_| heard.next().unwrap_or(false));
+        for (k, p) in tuned.iter_mut().enumerate() {
+            p.indices = vec![(k, p.deviation)];
+        }
+        node.parameters = tuned.iter().map(own).collect();
+        task.base.parameters.clone_from(&tuned);
+    }
     let modes: Option<(Entry, _)> = longest.and_then(|record| {
         let mode = node.entry(record, command)?;
         let moved = tuned.iter().enumerate().map(|(k, p)| {
@@ -207,26 +222,22 @@ fn parse(text: &str) -> Result<Unit, UnitError> {
     Unit::parse(if text.is_empty() { "1" } else { text })
 }
 
-/// Parameters that the request says may be off.
+/// Parameters that the request says may be off, and those that an effect may stand for: these move only where it does.
 fn tuned(request: &Request, fmu: &Fmu) -> Vec<BaseParameter> {
-    let mut all = Vec::new();
+    let mut all: Vec<BaseParameter> = Vec::new();
     for v in &numbers(fmu, Causality::Parameter) {
         let Some(value) = start_of(v) else { continue };
         let (deviation, has_tolerance) = tolerance(&v.name, value, None, &request.tolerances);
-        if !has_tolerance {
+        let unit = fmu.description().properties(v).unit.unwrap_or_else(|| "1".to_owned());
+        let effect = effect_of(&v.name, &unit);
+        let alike = all.iter().filter(|p| !p.has_tolerance && p.effect == effect).count();
+        let is_free = effect.is_some() && deviation > 0.0 && alike < Thresholds::MOST_OF_ARRAY;
+        if !has_tolerance && !is_free {
             continue;
         }
-        let name = v.name.to_lowercase();
-        let effect = if name.contains("freq") || name.contains("resonan") {
-            Some("resonance_shift")
-        } else if name.contains("damp") || name.contains("zeta") {
-            Some("damping")
-        } else {
-            None
-        };
         all.push(BaseParameter {
             name: v.name.clone(),
-            unit: fmu.description().properties(v).unit.unwrap_or_else(|| "1".to_owned()),
+            unit,
             node: 0,
             indices: vec![(all.len(), deviation)],
             also: Vec::new(),
@@ -237,6 +248,21 @@ fn tuned(request: &Request, fmu: &Fmu) -> Vec<BaseParameter> {
         });
     }
     all
+}
+
+/// What a parameter with this name belongs to: the frequency or the damping of a mode.
+fn effect_of(name: &str, unit: &str) -> Option<&'static str> {
+    let name = name.to_lowercase();
+    let has = |parts: &[&str]| parts.iter().any(|part| name.contains(part));
+    // The frequency of a filter, of the mains or of the samples is none.
+    let is_other = has(&["cut", "corner", "band", "sampl", "mains", "grid"]);
+    if has(&["freq", "resonan"]) && !is_other && !matches!(unit, "s" | "1") {
+        Some("resonance_shift")
+    } else if has(&["damp", "zeta"]) {
+        Some("damping")
+    } else {
+        None
+    }
 }
 
 fn start_of(variable: &Variable) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use data::{CheckedBlueprint, Log, NameMap};
+use data::{CheckedBlueprint, ComponentBlueprint, Log, NameMap};
 
 use crate::between::{Between, Reading};
 use crate::error::Error;
@@ -116,6 +116,31 @@ impl Request {
 }
 
 impl Tolerance {
+    /// The tolerances that a blueprint states, under the names that its variables have.
+    #[must_use]
+    pub fn of_blueprint(blueprint: &CheckedBlueprint) -> Vec<Self> {
+        let (spec, given) = (blueprint.spec(), blueprint.blueprint());
+        let mut all = Vec::new();
+        let mut add = |path: String, component: &ComponentBlueprint| {
+            for (parameter, relative) in &component.tolerance {
+                // A number, or each of a list.
+                for end in ["", "[*"] {
+                    let name = format!("{path}.{parameter}{end}");
+                    all.push(Self { name, deviation: Deviation::Relative(*relative) });
+                }
+            }
+        };
+        for (number, (axis, given)) in (1..).zip(spec.axes.iter().zip(&given.axes)) {
+            for (node, component) in axis.components.iter().zip(&given.components) {
+                add(format!("axis[{number}].{}", node.name), component);
+            }
+        }
+        for (coupling, given) in spec.connections.couplings.iter().zip(&given.couplings) {
+            add(format!("coupling.{}", coupling.node.name), &given.component);
+        }
+        all
+    }
+
     /// Reads `GLOB=REL` or `NAME=+-ABS`.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! The answer in one sentence.
 
-use crate::gap::{Gap, NamedEffect, Partial, Verdict};
+use crate::gap::{Gap, NamedEffect, OutputGap, Shrink, Verdict};
 use crate::thresholds::answer::Thresholds;
 
 /// The one effect that no model foretells.
@@ -35,26 +35,29 @@ pub(crate) fn of(gap: &Gap) -> String {
         Verdict::InsufficientExcitation => format!(
             "These logs are not sufficient: the command hardly moves {output} above its noise of {floor}."
         ),
-        Verdict::Unknown => format!(
-            "Something is missing that none of the candidates explains: {output} is off by {before} rms where the noise is {floor}{}{}.",
-            match gap.place.input_driven {
-                Some(true) => ", and it follows the command",
-                Some(false) => ", and it does not follow the command",
-                None => "",
-            },
-            partial(gap)
-        ),
-        Verdict::Effects if gap.effects.iter().all(|e| e.effect == NOISE) => format!(
-            "The readings are noisier than stated, and nothing else is missing (sensor noise): {output} is off by {before} rms that no model predicts; the noise was given as {floor}."
-        ),
+        Verdict::Unknown => unknown(gap, output, s, gap.place.input_driven),
         Verdict::Effects => effects(gap),
     }
 }
 
-/// The best partial answer, which is no name.
-fn partial(gap: &Gap) -> String {
-    let of_main = |p: &&Partial| p.effect.output == gap.place.output;
-    let Some(p) = gap.partial.iter().find(of_main) else {
+/// An output whose gap no candidate explains.
+fn unknown(gap: &Gap, output: &str, s: &Shrink, input_driven: Option<bool>) -> String {
+    format!(
+        "Something is missing that none of the candidates explains: {output} is off by {} rms where the noise is {}{}{}.",
+        amount(s.rms_before, &s.unit),
+        amount(s.noise_floor, &s.unit),
+        match input_driven {
+            Some(true) => ", and it follows the command",
+            Some(false) => ", and it does not follow the command",
+            None => "",
+        },
+        partial(gap, output)
+    )
+}
+
+/// The best partial answer for an output, which is no name.
+fn partial(gap: &Gap, output: &str) -> String {
+    let Some(p) = gap.partial.iter().find(|p| p.effect.output == output) else {
         return "; no candidate alone removes any of it on held-out rows".to_owned();
     };
     if let Some(own) = p.own_course {
@@ -80,10 +83,36 @@ pub(crate) fn own_drift(part: f64) -> String {
     )
 }
 
+/// What is named, what adding it does to the output with the largest gap that has a name, and the outputs of which
+/// nothing is explained.
 fn effects(gap: &Gap) -> String {
-    let s = &gap.shrink;
+    let is_named = |o: &&OutputGap| o.verdict == Verdict::Effects;
+    let main = gap.outputs.iter().find(|o| o.output == gap.place.output && is_named(o));
+    let over_noise = |o: &OutputGap| o.shrink.rms_before / o.shrink.noise_floor;
+    let largest = || {
+        let named = gap.outputs.iter().filter(is_named);
+        named.max_by(|a, b| over_noise(a).total_cmp(&over_noise(b)))
+    };
+    let (output, s) = match main.or_else(largest) {
+        Some(o) => (&o.output, if main.is_some() { &gap.shrink } else { &o.shrink }),
+        None => (&gap.place.output, &gap.shrink),
+    };
+    let unexplained = gap.outputs.iter().filter(|o| o.verdict == Verdict::Unknown);
+    let others = unexplained.map(|o| format!(" {}", unknown(gap, &o.output, &o.shrink, None)));
+    let own = match gap.effects.iter().all(|e| e.effect == NOISE) {
+        true => format!(
+            "The readings are noisier than stated, and nothing else is missing (sensor noise): {output} is off by {} rms that no model predicts; the noise was given as {}.",
+            amount(s.rms_before, &s.unit),
+            amount(s.noise_floor, &s.unit)
+        ),
+        false => named(gap, output, s),
+    };
+    own + &others.collect::<String>()
+}
+
+fn named(gap: &Gap, of: &str, s: &Shrink) -> String {
     let missing = match &gap.by_output()[..] {
-        [(_, own)] => listed(own),
+        [(output, own)] if *output == of && gap.place.output == of => listed(own),
         several => {
             let all = several.iter().map(|(output, own)| format!("{} in {output}", listed(own)));
             all.collect::<Vec<_>>().join("; ")
@@ -94,7 +123,7 @@ fn effects(gap: &Gap) -> String {
         return format!(
             "The model lacks {missing}: {}; {} stays off by {} rms, the noise is {}.",
             own_drift(own),
-            gap.place.output,
+            of,
             amount(s.rms_before, &s.unit),
             amount(s.noise_floor, &s.unit)
         );
@@ -122,7 +151,7 @@ fn effects(gap: &Gap) -> String {
         if gap.effects.len() > 1 { "them" } else { "it" },
         number(s.rms_before),
         amount(s.rms_after, &s.unit),
-        gap.place.output,
+        of,
         amount(s.noise_floor, &s.unit)
     )
 }

@@ -8,7 +8,8 @@ use fmi_bindings::export::Library;
 use modeldescription::FmiVersion;
 use modeldescription::package::Platform;
 
-use super::{Diagnose, Source};
+use super::Diagnose;
+use super::source::Source;
 use crate::commands::pack::{self, Binary};
 use crate::inputs::BlueprintText;
 use crate::{libraries, wrapped};
@@ -33,10 +34,10 @@ impl Diagnose {
         }
     }
 
-    /// The libraries of other platforms, where they were given.
-    pub(super) fn libraries(&self) -> anyhow::Result<Vec<Binary>> {
+    /// The libraries of other platforms, where they were given; for a repaired FMU that has another one inside, or not.
+    pub(super) fn libraries(&self, is_around: bool) -> anyhow::Result<Vec<Binary>> {
         let Some(folder) = &self.libraries else { return Ok(Vec::new()) };
-        let library = if self.is_fmu() { Library::Wrap } else { Library::Blueprint };
+        let library = if is_around { Library::Wrap } else { Library::Blueprint };
         let mut all = pack::binaries_in(folder, library)?;
         all.retain(|binary| Some(binary.platform) != Platform::from_name(libraries::PLATFORM));
         Ok(all)
@@ -67,8 +68,8 @@ impl Diagnose {
         (source, file): (&Source, &Path),
         others: &[Binary],
     ) -> anyhow::Result<Vec<String>> {
-        if let Source::Fmu(model) = source {
-            return self.write_around(diagnosis, (model, file), others);
+        if let Some(model) = source.fmu() {
+            return self.write_around(diagnosis, (&model, file), others);
         }
         let (repaired, notes) = diagnosis.repair(&source.blueprint()?.blueprint);
         repaired.check(learned::COMPONENTS).with_context(|| {

@@ -48,12 +48,12 @@ pub(super) fn released(s: &Setting<'_>, effect: &Effect) -> Option<Formula> {
     (!releases.is_empty()).then_some(Formula { releases, ..formula })
 }
 
-/// For a black box: the poles of a resonance moved, as a filter behind the model.
+/// The model's own parameter; for a black box without one, or whose parameter may be another mode's: the poles of a
+/// resonance moved, as a filter behind the model.
 fn resonance(s: &Setting<'_>) -> Vec<Formula> {
-    // A box whose own parameter moves its mode is as good as a blueprint.
-    let has_own = s.base.mode.is_some() && !own(s, &effects::RESONANCE_SHIFT).is_empty();
-    if s.base.is_white || has_own {
-        return stiffness(s);
+    let mut all = stiffness(s);
+    if s.base.is_white || (s.base.mode.is_some() && !all.is_empty()) {
+        return all;
     }
     // A pair of poles far from the model's own is another mode, or a lag.
     let (low, high) = match s.resonance {
@@ -71,12 +71,13 @@ fn resonance(s: &Setting<'_>) -> Vec<Formula> {
     if let Some((f, damping)) = s.base.mode_values() {
         starts.extend([0.97, 1.03].map(|k| vec![k * f, damping, 1.0 / k, damping]));
     }
-    vec![
+    all.push(
         Formula::new("poles moved, behind the model")
             .block(Slot::AfterMechanics, Block::PoleZero, parameters)
             .starts(starts)
             .screened(3),
-    ]
+    );
+    all
 }
 
 /// A spring that is softer or stiffer moves the frequency and the static gain.
@@ -96,8 +97,12 @@ fn stiffness(s: &Setting<'_>) -> Vec<Formula> {
 /// Damping that grows with the speed, beside the model's own.
 fn damping(s: &Setting<'_>) -> Vec<Formula> {
     let releases = own(s, &effects::DAMPING);
-    if s.base.mode.is_none() || releases.is_empty() {
+    if releases.is_empty() {
         return Vec::new();
+    }
+    // The damping of modes that no single place of the path holds.
+    if s.base.mode.is_none() {
+        return released(s, &effects::DAMPING).into_iter().collect();
     }
     let mut formula = Formula::new("damping that grows with the speed").start(&[0.1]);
     formula.parameters = vec![Free::linear("growth", "1", 0.0, 100.0).step(1e-2)];
