@@ -1,6 +1,6 @@
 //! Gain and offset: one component with several declarations.
 
-use model::{Component, Conversion, Declaration, Extension, Inverse, Sizes, Tick, Violation};
+use model::{Component, Conversion, Declaration, Extension, Inverse, Sizes, Violation};
 
 use crate::rules::WRONG_LENGTH;
 
@@ -53,16 +53,5 @@ impl Component for Affine {
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         let (&[gain, offset], &[u], [y]) = (coefficients, inputs, outputs) else { return };
         *y = gain * u + offset;
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }

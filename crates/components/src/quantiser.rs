@@ -1,6 +1,6 @@
 //! The converters' resolution: one component with two declarations.
 
-use model::{Component, Declaration, Sizes, Tick, Violation};
+use model::{Component, Declaration, Sizes, Violation};
 
 use crate::linear::quantise;
 use crate::rules::{WRONG_LENGTH, require};
@@ -36,17 +36,6 @@ impl Component for Quantiser {
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         let (&[resolution], &[x], [y]) = (coefficients, inputs, outputs) else { return };
         *y = quantise(x, resolution);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }
 

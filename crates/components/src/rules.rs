@@ -12,6 +12,15 @@ pub(crate) const WRONG_LENGTH: Violation = Violation {
     rule: "the number of values differs from the declaration; give as many as it declares",
 };
 
+/// The coefficients are the parameters.
+pub(crate) fn kept(parameters: &[f64], coefficients: &mut [f64]) -> Result<(), Violation> {
+    if coefficients.len() != parameters.len() {
+        return Err(WRONG_LENGTH);
+    }
+    coefficients.copy_from_slice(parameters);
+    Ok(())
+}
+
 /// Refuses `quantity` with `rule` unless `holds`.
 pub(crate) fn require(
     holds: bool,

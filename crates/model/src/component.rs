@@ -216,7 +216,8 @@ pub trait Component: Send + Sync {
     /// that belong to it.
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]);
 
-    /// Advances by one period with the inputs held over it, and writes the outputs at its end.
+    /// Advances by one period with the inputs held over it, and writes the outputs at its end. A component
+    /// without memory gives what it gives at rest.
     fn step(
         &self,
         coefficients: &[f64],
@@ -224,7 +225,10 @@ pub trait Component: Send + Sync {
         tick: Tick,
         inputs: &[f64],
         outputs: &mut [f64],
-    );
+    ) {
+        let _ = tick;
+        self.rest(coefficients, inputs, state, outputs);
+    }
 
     /// [`step`](Self::step) on the cells of a system. It stands here so that each component has a
     /// copy of it, compiled together with its own step: one call per hit, whose slices stay in

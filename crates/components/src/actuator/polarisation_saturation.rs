@@ -9,12 +9,10 @@
 //! Limits: symmetric about the centre; static.
 
 use crate::hysteresis::play::between;
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `polarisation-saturation`.
 pub struct PolarisationSaturation;
@@ -60,11 +58,7 @@ impl Component for PolarisationSaturation {
     ) -> Result<(), Violation> {
         let &[.., half_range] = parameters else { return Err(WRONG_LENGTH) };
         require(half_range > 0.0, "half_range", half_range, "must be above zero")?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
-        Ok(())
+        kept(parameters, coefficients)
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
@@ -75,17 +69,6 @@ impl Component for PolarisationSaturation {
         let inside = between(-1.0, 1.0, xi);
         let beyond = (1.0 - 3.0 * flattening) * (xi - inside);
         *y = centre + half_range * (inside - flattening * inside * inside * inside + beyond);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }
 

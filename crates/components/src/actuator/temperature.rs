@@ -8,9 +8,7 @@
 //!
 //! Limits: linear; it scales the whole path, as sensor data cannot tell it from a sensor's gain.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
 use crate::rules::WRONG_LENGTH;
@@ -68,17 +66,6 @@ impl Component for ActuatorTemperature {
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         let (&[gain], &[x], [y]) = (coefficients, inputs, outputs) else { return };
         *y = gain * x;
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }
 

@@ -11,12 +11,10 @@
 //!
 //! Limits: static; the same softness at both ends.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `amplifier-clamp`.
 pub struct AmplifierClamp;
@@ -75,11 +73,7 @@ impl Component for AmplifierClamp {
         require(low < high, "low", low, "must be below high")?;
         let rule = "the two bends overlap; softness is at most half of high - low";
         require(2.0 * softness <= high - low, "softness", softness, rule)?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
-        Ok(())
+        kept(parameters, coefficients)
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
@@ -90,17 +84,6 @@ impl Component for AmplifierClamp {
         } else if u - low >= softness {
             *y = u;
         }
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }
 

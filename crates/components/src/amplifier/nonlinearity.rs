@@ -8,12 +8,10 @@
 //!
 //! Limits: static; meant for |ξ| ≤ 1.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `amplifier-nonlinearity`.
 pub struct AmplifierNonlinearity;
@@ -60,11 +58,7 @@ impl Component for AmplifierNonlinearity {
     ) -> Result<(), Violation> {
         let &[.., half_range] = parameters else { return Err(WRONG_LENGTH) };
         require(half_range > 0.0, "half_range", half_range, "must be above zero")?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
-        Ok(())
+        kept(parameters, coefficients)
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
@@ -75,17 +69,6 @@ impl Component for AmplifierNonlinearity {
         };
         let xi = (u - centre) / half_range;
         *y = u + offset + half_range * (quadratic + cubic * xi) * xi * xi;
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }
 

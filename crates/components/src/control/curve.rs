@@ -15,7 +15,7 @@
 //! Systems with Actuator and Sensor Nonlinearities, Wiley 1996, ch. 2.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural,
     Violation,
 };
 
@@ -94,17 +94,6 @@ impl Component for Curve {
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         let (&[u], [y]) = (inputs, outputs) else { return };
         *y = value(coefficients, u).unwrap_or(u);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }
 

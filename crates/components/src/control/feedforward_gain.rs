@@ -7,9 +7,7 @@
 //!
 //! Limits: no hysteresis, no dynamics; the baseline against which inverse models are judged.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
 
 use crate::rules::WRONG_LENGTH;
 
@@ -67,17 +65,6 @@ impl Component for FeedforwardGain {
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         let (&[gain, offset], &[y], [u]) = (coefficients, inputs, outputs) else { return };
         *u = gain * (y - offset);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }
 

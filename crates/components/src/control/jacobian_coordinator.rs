@@ -24,7 +24,7 @@
 
 use libm::{fabs, hypot, sqrt};
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural,
     Violation,
 };
 
@@ -99,17 +99,6 @@ impl Component for JacobianCoordinator {
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         motions(coefficients, inputs, outputs);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }
 

@@ -27,7 +27,7 @@ use model::{
 
 use super::jacobian_coordinator::{JacobianCoordinator, motions};
 use crate::coupling::matrix;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `preview-coordinator`.
 pub struct PreviewCoordinator;
@@ -145,11 +145,7 @@ impl Component for PreviewCoordinator {
         JacobianCoordinator::prepare_with(n, jacobian, CONDITION, coordinator)?;
         let (steps, room) = rest.split_first_mut().ok_or(WRONG_LENGTH)?;
         *steps = ahead as f64;
-        if room.len() != filter.len() {
-            return Err(WRONG_LENGTH);
-        }
-        room.copy_from_slice(filter);
-        Ok(())
+        kept(filter, room)
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {

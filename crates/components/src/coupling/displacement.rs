@@ -10,7 +10,7 @@
 //! Limits: linear; the neighbour does not feel the motion that it causes.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural,
     Violation,
 };
 
@@ -71,16 +71,5 @@ impl Component for DisplacementCoupling {
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         matrix::product(coefficients, inputs.iter(), inputs, outputs);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }

@@ -10,7 +10,7 @@
 //! Limits: small angles, fixed geometry.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural,
     Violation,
 };
 
@@ -71,16 +71,5 @@ impl Component for OpticsJacobian {
         let n = inputs.len();
         let Some((matrix, offset)) = coefficients.split_at_checked(n * n) else { return };
         matrix::product(matrix, offset.iter(), inputs, outputs);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }

@@ -11,7 +11,7 @@
 //! Source: W. Wang, I. J. Busch-Vishniac, Applied Optics 28 (1989) 4504.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
+    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural,
     Violation,
 };
 
@@ -67,16 +67,5 @@ impl Component for PsdPincushion {
         let (&[factor], &[x, y], [p, q]) = (coefficients, inputs, outputs) else { return };
         let scale = 1.0 + factor * (x * x + y * y);
         (*p, *q) = (x * scale, y * scale);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }

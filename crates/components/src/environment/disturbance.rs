@@ -5,9 +5,7 @@
 //! * d is the axis' input `disturbance`, in position; gain scales it.
 //! * No state.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
 
 use crate::rules::WRONG_LENGTH;
 
@@ -53,16 +51,5 @@ impl Component for Disturbance {
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         let (&[gain], &[x, d], [y]) = (coefficients, inputs, outputs) else { return };
         *y = x + gain * d;
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }

@@ -36,7 +36,7 @@ use super::prandtl_ishlinskii::{OFFSET, PLAYS, R, W, check_invertible, check_pla
 use super::rate;
 use super::rate_dependent_play::{COMMAND_MAX, COMMAND_MIN};
 use crate::effects;
-use crate::rules::WRONG_LENGTH;
+use crate::rules::{WRONG_LENGTH, kept};
 
 /// The component `dynamic-prandtl-ishlinskii`.
 pub struct DynamicPrandtlIshlinskii;
@@ -168,10 +168,7 @@ impl Component for DynamicPrandtlIshlinskii {
         let Some((per_period, inner)) = coefficients.split_last_mut() else {
             return Err(WRONG_LENGTH);
         };
-        if inner.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        inner.copy_from_slice(parameters);
+        kept(parameters, inner)?;
         *per_period = 1.0 / period;
         Ok(())
     }

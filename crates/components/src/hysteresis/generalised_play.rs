@@ -29,7 +29,7 @@ use model::{
 use super::play::{Plays, between, invert};
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_invertible, check_plays};
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `generalised-play`.
 pub struct GeneralisedPlay;
@@ -190,11 +190,7 @@ impl Component for GeneralisedPlay {
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
         check(parameters)?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
-        Ok(())
+        kept(parameters, coefficients)
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
@@ -253,10 +249,7 @@ impl Component for InverseGeneralisedPlay {
     ) -> Result<(), Violation> {
         let forward = check(parameters)?.plays;
         check_invertible(forward)?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
+        kept(parameters, coefficients)?;
         let (r, rest) = coefficients.split_at_mut(forward.r.len());
         let (w, _) = rest.split_at_mut(forward.w.len());
         invert(forward.r, forward.w, r, w);

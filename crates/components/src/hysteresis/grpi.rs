@@ -27,7 +27,7 @@ use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_invertible, check
 use super::rate;
 use super::rate_dependent_play::{COMMAND_MAX, COMMAND_MIN};
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `grpi`.
 pub struct Grpi;
@@ -175,10 +175,7 @@ impl Component for Grpi {
         let rule = "an envelope rises with the command; give a value above 0, usually near 1";
         require(a1 > 0.0, "a1", a1, rule)?;
         require(b1 > 0.0, "b1", b1, rule)?;
-        if inner.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        inner.copy_from_slice(parameters);
+        kept(parameters, inner)?;
         *per_period = 1.0 / period;
         Ok(())
     }

@@ -25,7 +25,7 @@ use super::play::Plays;
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
 use crate::effects;
 use crate::linear::lag_fraction;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `lagging-play`.
 pub struct LaggingPlay;
@@ -95,10 +95,7 @@ impl Component for LaggingPlay {
         let (plays, [_, _, bandwidth]) = split(parameters).ok_or(WRONG_LENGTH)?;
         check_plays(plays)?;
         require(bandwidth > 0.0, "bandwidth", bandwidth, "must be above zero")?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
+        kept(parameters, coefficients)?;
         if let Some(last) = coefficients.last_mut() {
             *last = lag_fraction(bandwidth, period);
         }

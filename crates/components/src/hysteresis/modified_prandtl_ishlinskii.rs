@@ -20,7 +20,7 @@ use super::dead_zone::DeadZones;
 use super::play::{Plays, invert};
 use super::prandtl_ishlinskii::{OFFSET, PLAYS, R, W, check_invertible, check_plays};
 use crate::effects;
-use crate::rules::WRONG_LENGTH;
+use crate::rules::{WRONG_LENGTH, kept};
 
 /// The component `modified-prandtl-ishlinskii`.
 pub struct ModifiedPrandtlIshlinskii;
@@ -122,11 +122,7 @@ impl Component for ModifiedPrandtlIshlinskii {
         let (forward, zones, _) = parts(parameters, plays).ok_or(WRONG_LENGTH)?;
         check_plays(forward)?;
         zones.check()?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
-        Ok(())
+        kept(parameters, coefficients)
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {

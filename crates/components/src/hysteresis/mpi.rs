@@ -28,7 +28,7 @@ use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
 use super::rate;
 use super::rate_dependent_play::{COMMAND_MAX, COMMAND_MIN, GROWTH, RATE, widened, widened_frozen};
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `mpi`.
 pub struct Mpi;
@@ -154,10 +154,7 @@ impl Component for Mpi {
         let (r, w) = arrays.split_at(arrays.len() / 2);
         check_plays(Plays { r, w })?;
         require(scale > 0.0, "scale", scale, "must be above zero; 1 leaves the thresholds")?;
-        if inner.len() != arrays.len() {
-            return Err(WRONG_LENGTH);
-        }
-        inner.copy_from_slice(arrays);
+        kept(arrays, inner)?;
         inner.iter_mut().take(r.len()).for_each(|r| *r *= scale);
         *scalars = [offset, linear, cubic, growth, 1.0 / period];
         Ok(())

@@ -20,7 +20,7 @@ use model::{
 
 use super::play::Plays;
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, increasing, require, require_at};
+use crate::rules::{WRONG_LENGTH, increasing, kept, require, require_at};
 
 /// The component `prandtl-ishlinskii`.
 pub struct PrandtlIshlinskii;
@@ -126,11 +126,7 @@ impl Component for PrandtlIshlinskii {
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
         check_plays(plays(parameters).0)?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
-        Ok(())
+        kept(parameters, coefficients)
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {

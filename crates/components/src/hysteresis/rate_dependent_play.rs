@@ -25,7 +25,7 @@ use super::play::{Plays, play};
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
 use super::rate;
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `rate-dependent-play`.
 pub struct RateDependentPlay;
@@ -158,10 +158,7 @@ impl Component for RateDependentPlay {
         };
         let (r, w) = arrays.split_at(arrays.len() / 2);
         check_plays(Plays { r, w })?;
-        if inner.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        inner.copy_from_slice(parameters);
+        kept(parameters, inner)?;
         *per_period = 1.0 / period;
         Ok(())
     }

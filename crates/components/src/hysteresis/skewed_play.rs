@@ -27,7 +27,7 @@ use model::{
 use super::play::{Plays, play};
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `skewed-play`.
 pub struct SkewedPlay;
@@ -158,11 +158,7 @@ impl Component for SkewedPlay {
         require(scalars.half > 0.0, "half_range", scalars.half, "must be above zero")?;
         let [width, ..] = scalars.width;
         require(width >= 0.0, "width", width, "must be zero or positive")?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
-        Ok(())
+        kept(parameters, coefficients)
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {

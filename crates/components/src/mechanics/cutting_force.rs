@@ -18,7 +18,7 @@ use model::{
 };
 
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 use crate::turn;
 
 /// The component `cutting-force`.
@@ -67,11 +67,7 @@ impl Component for CuttingForce {
     ) -> Result<(), Violation> {
         let &[_, _, duty, _] = parameters else { return Err(WRONG_LENGTH) };
         require(duty > 0.0, "duty", duty, "must be above zero; set enabled = false for no cut")?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
-        Ok(())
+        kept(parameters, coefficients)
     }
 
     fn rest(&self, _coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {

@@ -12,9 +12,7 @@
 //! Limits: linear; the force does not show in the voltage (the direct piezoelectric effect on an
 //! amplifier of finite impedance).
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
 
 use crate::rules::{WRONG_LENGTH, require};
 
@@ -72,17 +70,6 @@ impl Component for LoadForce {
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         let (&[stiffness], &[u, force], [y]) = (coefficients, inputs, outputs) else { return };
         *y = u + force / stiffness;
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }
 

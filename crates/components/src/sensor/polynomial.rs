@@ -8,12 +8,10 @@
 //!
 //! Limits: meant for |ξ| ≤ 1; no cross terms with another axis.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `sensor-polynomial`.
 pub struct SensorPolynomial;
@@ -58,11 +56,7 @@ impl Component for SensorPolynomial {
     ) -> Result<(), Violation> {
         let &[.., half_range] = parameters else { return Err(WRONG_LENGTH) };
         require(half_range > 0.0, "half_range", half_range, "must be above zero")?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
-        Ok(())
+        kept(parameters, coefficients)
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
@@ -72,17 +66,6 @@ impl Component for SensorPolynomial {
         };
         let xi = (x - centre) / half_range;
         *y = x + half_range * (quadratic + cubic * xi) * xi * xi;
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }
 

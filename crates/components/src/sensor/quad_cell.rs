@@ -13,12 +13,10 @@
 use core::f64::consts::{FRAC_2_SQRT_PI, SQRT_2};
 
 use libm::erf;
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
-use crate::rules::{WRONG_LENGTH, require};
+use crate::rules::{WRONG_LENGTH, kept, require};
 
 /// The component `sensor-quad-cell`.
 pub struct SensorQuadCell;
@@ -59,28 +57,13 @@ impl Component for SensorQuadCell {
     ) -> Result<(), Violation> {
         let &[radius, _] = parameters else { return Err(WRONG_LENGTH) };
         require(radius > 0.0, "radius", radius, "must be above zero")?;
-        if coefficients.len() != parameters.len() {
-            return Err(WRONG_LENGTH);
-        }
-        coefficients.copy_from_slice(parameters);
-        Ok(())
+        kept(parameters, coefficients)
     }
 
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         let (&[radius, centre], &[x], [y]) = (coefficients, inputs, outputs) else { return };
         let slope = SQRT_2 / radius;
         *y = centre + erf(slope * (x - centre)) / (slope * FRAC_2_SQRT_PI);
-    }
-
-    fn step(
-        &self,
-        coefficients: &[f64],
-        state: &mut [f64],
-        _tick: Tick,
-        inputs: &[f64],
-        outputs: &mut [f64],
-    ) {
-        self.rest(coefficients, inputs, state, outputs);
     }
 }
 

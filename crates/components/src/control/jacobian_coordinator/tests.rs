@@ -1,6 +1,8 @@
 use std::vec;
 use std::vec::Vec;
 
+use model::Tick;
+
 use super::*;
 use crate::testing::Random;
 
