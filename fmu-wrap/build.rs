@@ -12,6 +12,7 @@ fn main() {
     if target("CARGO_CFG_TARGET_OS") == "linux"
         && target("CARGO_CFG_TARGET_ENV") == "gnu"
         && target("CARGO_CFG_TARGET_ARCH") == "x86_64"
+        && !links_with_zig()
     {
         // Where the functions of the loader are until glibc 2.34, and an empty library afterwards; nothing that
         // is linked here needs it by name, so it is named by its file.
@@ -25,4 +26,11 @@ fn main() {
         println!("cargo:rerun-if-changed={list}");
         println!("cargo:rustc-cdylib-link-arg={list}");
     }
+}
+
+/// zig links against the C library of an old glibc, in which the functions of the loader are in libdl already, and does
+/// not know the options that keep a library.
+fn links_with_zig() -> bool {
+    println!("cargo:rerun-if-env-changed=RUSTC_LINKER");
+    std::env::var("RUSTC_LINKER").is_ok_and(|linker| linker.contains("zig"))
 }

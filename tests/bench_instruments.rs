@@ -5,6 +5,7 @@
 
 mod common;
 
+use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 
 use common::bench::{Process, port};
@@ -190,6 +191,54 @@ fn tuned_values_make_the_error_many_times_smaller_and_bad_ones_are_not_kept() {
     assert!(message.contains("give --yes too"), "{message}");
     let message = refuse(&["bench", "tune", "udp://127.0.0.1:9000"], here);
     assert!(message.contains("no wave generator"), "{message}");
+}
+
+/// The answer of an emulated PI controller to a question of one line or more.
+fn asked(place: &str, question: &str) -> String {
+    let mut line = std::net::TcpStream::connect(place).unwrap();
+    line.write_all(format!("{question}\n").as_bytes()).unwrap();
+    let mut answer = BufReader::new(line);
+    let mut text = String::new();
+    // All lines but the last end with a blank.
+    while !text.ends_with('\n') || text.ends_with(" \n") {
+        assert!(answer.read_line(&mut text).unwrap() > 0, "{question}: {text}");
+    }
+    text
+}
+
+#[test]
+fn values_whose_step_overshoots_are_refused_and_nothing_of_them_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let place = format!("127.0.0.1:{}", port());
+    let _machine = emulated("gcs", "GCS 2.0", &place, &["p1-truth", "--rate", "1k"], here);
+    let all = |place: &str| ["SPA?", "SEP?", "SVO?", "CCL?"].map(|question| asked(place, question));
+    let before = all(&place);
+    assert!(before[0].contains("0x07000301="), "{before:?}");
+    // An eighth of the proposed gains overshoots by 5 %, too.
+    let gateway = format!("gcs://{place}");
+    let call = ["--json", "bench", "tune", &gateway, "--write", "--yes", "--overshoot", "0.01"];
+    let output = common::piezoloop(&call, here);
+    assert_eq!(output.status.code(), Some(1));
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let refused = answer["refused"].as_str().unwrap();
+    println!("{refused}; {} s", answer["seconds"]);
+    assert!(refused.contains("the step overshoots by "), "{refused}");
+    assert!(refused.contains("than --overshoot allows (1.0 %): give"), "{refused}");
+    assert_eq!(answer["restored"], true, "{answer:#}");
+    assert!(answer["before"]["overshoot"].as_f64().unwrap() <= 0.01, "{answer:#}");
+    assert_ne!(answer["proposed"], answer["before"]["law"], "{answer:#}");
+    // Parameters that act, parameters of the next power-up, servo, command level: as they were, to the digits that are
+    // written, and with 1e-9 for a gain of 0, which such controllers refuse.
+    let numbers = |text: &str| {
+        let values = text.lines().map(|line| line.rsplit(['=', ' ']).find(|word| !word.is_empty()));
+        values.map(|value| value.unwrap().parse::<f64>().unwrap()).collect::<Vec<_>>()
+    };
+    for (old, new) in before.iter().zip(all(&place)) {
+        let (old, new) = (numbers(old), numbers(&new));
+        let same = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-8 * a.abs().max(1.0);
+        assert!(old.len() == new.len() && old.iter().zip(&new).all(same), "{old:?} {new:?}");
+    }
 }
 
 #[test]

@@ -45,6 +45,16 @@ impl Library {
         if let (Err(_), Some(file)) = (&binary, package.component()) {
             return Ok(Library::Component(Arc::new(crate::slave::ComponentLibrary::load(&file)?)));
         }
+        #[cfg(not(feature = "wasm"))]
+        if let (Err(_), Some(_)) = (&binary, package.component()) {
+            return Err(Error::Component {
+                fmu: package.description().model_name.clone(),
+                call: "the component".to_owned(),
+                what: "is all that it has for this machine, and this build does not run WebAssembly components: build \
+                       it with `cargo install --path . --features wasm`, or get a library for this machine"
+                    .to_owned(),
+            });
+        }
         let binary = binary?;
         Ok(match version {
             FmiVersion::V2 => Library::V2(Arc::new(v2::Library::load(&binary)?)),

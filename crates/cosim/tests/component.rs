@@ -73,3 +73,62 @@ fn a_component_computes_what_the_library_does() {
     assert_eq!(rows[0], rows[1]);
     assert!(rows[0].iter().collect::<std::collections::HashSet<_>>().len() > 100);
 }
+
+/// A lag that another hand wrote (`fmus/components/lag.rs`), in initialization; `mode`: how it misbehaves.
+fn lag(mode: f64) -> Box<dyn Slave> {
+    let mut slave = opened("lag.fmu").unwrap();
+    let parameters = Selection::of(slave.description(), &["k", "T", "mode"]).unwrap();
+    slave.set(&parameters, &[3.0, 0.02, mode]).unwrap();
+    slave.setup(&Experiment { start: 0.0, stop: None, tolerance: None }).unwrap();
+    slave.enter_initialization().unwrap();
+    slave.exit_initialization().unwrap();
+    slave
+}
+
+#[test]
+fn a_component_by_another_hand_computes_what_it_says() {
+    let mut slave = lag(0.0);
+    let [input, output] =
+        [["u"], ["y"]].map(|names| Selection::of(slave.description(), &names).unwrap());
+    let share = 1.0 - (1.0 - 1e-3_f64 / 0.02 / 64.0).powi(64);
+    let (mut wanted, mut saved) = (0.0, None);
+    for k in 0..500 {
+        let u = (0.05 * f64::from(k)).sin();
+        wanted += share * (3.0 * u - wanted);
+        slave.set(&input, &[u]).unwrap();
+        slave.step(f64::from(k) * 1e-3, 1e-3).unwrap();
+        let mut y = [0.0];
+        slave.get(&output, &mut y).unwrap();
+        assert!((y[0] - wanted).abs() < 1e-12, "step {k}: {} is not {wanted}", y[0]);
+        if k == 250 {
+            saved = Some((slave.save(None).unwrap(), y[0]));
+        }
+    }
+    let ((state, y), mut again) = (saved.unwrap(), [0.0]);
+    slave.restore(state).unwrap();
+    slave.get(&output, &mut again).unwrap();
+    assert_eq!(again[0].to_bits(), y.to_bits());
+}
+
+#[test]
+fn a_component_that_misbehaves_in_a_step_ends_by_its_limits() {
+    for (mode, words) in [
+        (1.0, "did not end within 5000000000 instructions"),
+        (2.0, "asked for more than 256 MiB of memory"),
+        (3.0, "trapped: wasm `unreachable` instruction executed"),
+        (
+            4.0,
+            "do-step: returned the status error: hostile: logStatusError: the lag refuses this step",
+        ),
+    ] {
+        let mut slave = lag(mode);
+        slave.step(0.0, 1e-3).unwrap();
+        let begin = Instant::now();
+        let message = slave.step(1e-3, 1e-3).expect_err("it misbehaves").to_string();
+        println!("mode {mode}, {:?}: {message}", begin.elapsed());
+        assert!(message.contains(words) && message.starts_with("FMU `"), "{message}");
+        // It is not called any more, but a new one works.
+        assert!(slave.step(2e-3, 1e-3).is_err());
+        lag(0.0).step(0.0, 1e-3).unwrap();
+    }
+}

@@ -174,8 +174,17 @@ impl ComponentSlave {
     }
 
     fn refused(&self, name: &str, status: Status) -> Error {
-        let said = self.live.store.data().messages.last().cloned().unwrap_or_default();
-        let what = format!("returned {status:?}; {said}");
+        let status = match status {
+            Status::Ok => "ok",
+            Status::Warning => "warning",
+            Status::Discard => "discard",
+            Status::Error => "error",
+            Status::Fatal => "fatal",
+        };
+        let what = match self.live.store.data().messages.last() {
+            Some(said) => format!("returned the status {status}: {said}"),
+            None => format!("returned the status {status}, and no message"),
+        };
         Error::Component { fmu: self.settings.name.clone(), call: name.to_owned(), what }
     }
 

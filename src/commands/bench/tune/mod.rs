@@ -339,9 +339,10 @@ impl Tune {
         if new.overshoot <= allowed {
             return None;
         }
-        let percent = |part: f64| 100.0 * part;
+        // A part below 0 is told as 0: there is no overshoot.
+        let percent = |part: f64| 100.0 * part.max(0.0);
         let why = format!(
-            "the step overshoots by {:.0} %, more than before ({:.0} %) and than --overshoot allows ({:.0} %): give a smaller --sensitivity or --noise",
+            "the step overshoots by {:.1} %, more than before ({:.1} %) and than --overshoot allows ({:.1} %): give a smaller --sensitivity or --noise",
             percent(new.overshoot),
             percent(old.overshoot),
             percent(self.overshoot)
