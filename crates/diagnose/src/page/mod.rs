@@ -47,8 +47,12 @@ pub(crate) fn report(diagnosis: &Diagnosis, files: &Files<'_>) -> Report {
 
 fn figures(mut page: Report, gap: &Gap) -> Report {
     let s = &gap.shrink;
+    let before = match gap.outputs.len() {
+        1 => "Gap before (held-out rms)".to_owned(),
+        _ => format!("Gap of {} before (held-out rms)", gap.place.output),
+    };
     page = page
-        .key_figure(KeyFigure::new("Gap before (held-out rms)", s.rms_before, s.unit.as_str()))
+        .key_figure(KeyFigure::new(before, s.rms_before, s.unit.as_str()))
         .key_figure(KeyFigure::new("Gap after", s.rms_after, s.unit.as_str()))
         .key_figure(KeyFigure::new("Noise", s.noise_floor, s.unit.as_str()));
     if let Some(own) = s.own_course {
