@@ -57,9 +57,6 @@ impl GuestCoSimulationInstance for One {
             2 => loop { self.hoard.borrow_mut().push(vec![1; 1 << 20]) },
             3 => std::process::abort(),
             4 => { self.say("the lag refuses this step"); return Err(Status::Error) }
-            5 => { self.all.borrow_mut().y = f64::NAN }
-            6 => { let mut v: Vec<u8> = Vec::new(); return Err(if v.pop() == unsafe { Some(*(usize::MAX as *const u8)) } { Status::Ok } else { Status::Error }) }
-            7 => { return Ok(DoStepResult { last_successful_time: now, event_handling_needed: false, terminate_simulation: true, early_return: false }) }
             _ => {} } }
         let mut a = self.all.borrow_mut();
         let share = 1.0 - (1.0 - h / a.t / 64.0).powi(64);
