@@ -73,13 +73,12 @@ pub(crate) fn load(file: &Path, worker: Option<&Worker>) -> Result<Fmu, cosim::E
 
 /// As [`open`], to run in processes of its own where there is a worker.
 pub(crate) fn open_in(what: &Path, worker: Option<&Worker>) -> anyhow::Result<Opened> {
-    let is_blueprint =
-        what.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) || !what.exists();
+    let is_blueprint = cli::ends_in(what, "toml") || !what.exists();
     if !is_blueprint {
         let fmu = load(what, worker)?;
         return Ok(Opened { name: fmu.description().model_name.clone(), fmu, folder: None });
     }
-    if what.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {
+    if cli::ends_in(what, "fmu") {
         bail!("{}: there is no such file", what.display());
     }
     let source = inputs::blueprint(what)?;

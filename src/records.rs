@@ -87,8 +87,7 @@ pub(crate) fn renew(columns: &[Column], out: &Path) -> std::io::Result<()> {
         description: String::new(),
     };
     let columns: Vec<ColumnHeader> = columns.iter().map(header).collect();
-    let is_parquet = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"));
-    match is_parquet {
+    match cli::ends_in(out, "parquet") {
         true => data::renew_sidecar(out, &columns),
         false => data::write_sidecar(out, &columns),
     }

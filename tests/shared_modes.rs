@@ -127,6 +127,22 @@ fn names(axes: usize) -> Vec<String> {
     (1..=axes).flat_map(of).flat_map(|map| ["--map".to_owned(), map]).collect()
 }
 
+/// The call that diagnoses a model with three logs, of whose columns these are the names.
+fn diagnose<'a>(model: &'a str, noise: &'a str, names: &'a [String]) -> Vec<&'a str> {
+    let logs = ["waves.csv", "levels.csv", "more.csv"].iter().flat_map(|log| ["--log", log]);
+    let call = ["diagnose", "--model", model, "--noise", noise].into_iter().chain(logs);
+    call.chain(names.iter().map(String::as_str)).collect()
+}
+
+/// What an FMU leaves of each reading of a new record, in um rms.
+fn left_of_unseen(fmu: &str, names: &[String], folder: &Path) -> Vec<f64> {
+    let call = ["simulate", fmu, "--log", "unseen.csv"].into_iter();
+    let call: Vec<&str> = call.chain(names.iter().map(String::as_str)).collect();
+    let simulated = json(&call, folder);
+    let fits = simulated["fits"].as_array().expect("fits");
+    fits.iter().map(|fit| fit["raw_rmse"].as_f64().expect("rms")).collect()
+}
+
 /// Diagnoses the FMU of the model and checks that this effect is named once, for so many outputs, and is in the repaired
 /// FMU.
 fn is_named_once(
@@ -160,16 +176,12 @@ fn is_named_in(
     most: f64,
 ) {
     let (names, noise) = (names(axes), NOISE.to_string());
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let mut call =
-        vec!["diagnose", "--model", "model.fmu", "--noise", &noise, "--repair", "repaired.fmu"];
-    for log in ["waves.csv", "levels.csv", "more.csv"] {
-        call.extend(["--log", log]);
-    }
+    let mut call = diagnose("model.fmu", &noise, &names);
+    call.extend(["--repair", "repaired.fmu"]);
     if has_tolerances {
         call.extend(["--tune", "*.frequency*=0.01", "--tune", "*.damping*=0.1"]);
     }
-    let gap: Value = json(&[&call[..], &names].concat(), path);
+    let gap: Value = json(&call, path);
     let sentence = format!("seed {SEED}, tolerances {has_tolerances}: {}", gap["sentence"]);
     println!("{sentence}");
     let found: Vec<&Value> = gap["effects"].as_array().expect("effects").iter().collect();
@@ -178,14 +190,8 @@ fn is_named_in(
     let also = found[0]["also"].as_array().expect("the other outputs");
     assert_eq!(also.len() + 1, outputs, "{sentence}");
     assert_eq!(found[0]["set"].as_array().map(Vec::len), Some(1), "{sentence} {}", found[0]);
-    // On a new record.
-    let left = |fmu: &str| -> Vec<f64> {
-        let simulated =
-            json(&[&["simulate", fmu, "--log", "unseen.csv"][..], &names].concat(), path);
-        let fits = simulated["fits"].as_array().expect("fits");
-        fits.iter().map(|fit| fit["raw_rmse"].as_f64().expect("rms")).collect()
-    };
-    let (before, after) = (left("model.fmu"), left("repaired.fmu"));
+    let [before, after] =
+        ["model.fmu", "repaired.fmu"].map(|fmu| left_of_unseen(fmu, &names, path));
     println!("{before:?} before, {after:?} after");
     assert_eq!(after.len(), axes);
     for (before, after) in before.iter().zip(&after) {
@@ -256,12 +262,8 @@ fn an_output_that_nothing_explains_is_not_hidden_by_what_is_found_in_another() {
     }
     let names = names(2);
     succeed(&["pack", "model.toml", "-o", "model.fmu"], path);
-    let mut call = vec!["diagnose", "--model", "model.fmu", "--noise", "0.005"];
-    for log in ["waves.csv", "levels.csv", "more.csv"] {
-        call.extend(["--log", log]);
-    }
-    call.extend(names.iter().map(String::as_str));
-    let gap = json(&call, path);
+    let noise = NOISE.to_string();
+    let gap = json(&diagnose("model.fmu", &noise, &names), path);
     let sentence = gap["sentence"].as_str().expect("a sentence");
     println!("{sentence}");
     let outputs = gap["outputs"].as_array().expect("outputs");
@@ -291,11 +293,8 @@ fn a_blueprint_whose_modes_join_its_axes_is_packed_and_diagnosed() {
         measure(name, &commands(2, levels, &mut random), &mut random, path);
     }
     let names = names(2);
-    let mut call = vec!["diagnose", "--model", "model.toml", "--noise", "0.005"];
-    for log in ["waves.csv", "levels.csv", "more.csv"] {
-        call.extend(["--log", log]);
-    }
-    call.extend(names.iter().map(String::as_str));
+    let noise = NOISE.to_string();
+    let call = diagnose("model.toml", &noise, &names);
     let gap = json(&[&call[..], &["--repair", "repaired.fmu"]].concat(), path);
     assert_eq!(gap["effects"][0]["effect"], "damping", "seed {SEED}: {}", gap["sentence"]);
     assert_eq!(
@@ -310,11 +309,7 @@ fn a_blueprint_whose_modes_join_its_axes_is_packed_and_diagnosed() {
     assert!(notes[0].contains("packed") && notes[0].contains("modes"), "{notes:?}");
     let has_none = |note: &&&str| note.contains("no parameter of the model has a tolerance");
     assert_eq!(notes.iter().find(has_none), None);
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let simulated =
-        json(&[&["simulate", "repaired.fmu", "--log", "unseen.csv"][..], &names].concat(), path);
-    for fit in simulated["fits"].as_array().expect("fits") {
-        let left = fit["raw_rmse"].as_f64().expect("rms");
+    for left in left_of_unseen("repaired.fmu", &names, path) {
         assert!(left < 1.1 * NOISE, "seed {SEED}: {left} um on a new record");
     }
     // What cannot be written into the blueprint is refused before the diagnosis.

@@ -197,7 +197,7 @@ impl Diagnose {
             bail!(NO_MODEL);
         }
         inputs::are_apart(("--log", &self.logs), ("--holdout", &self.holdout))?;
-        let source = self.source(screen)?;
+        let mut source = self.source(screen)?;
         let mut written = Vec::new();
         // Before the diagnosis, which may refuse it: coupled axes are packed first.
         if let (Source::Generated(identified), Some(file)) = (&source, &self.baseline) {
@@ -209,29 +209,25 @@ impl Diagnose {
         let unmatched = check_tolerances(&request)?;
         let mut bar = Bar(cli::bar(screen, "diagnose", 1));
         let mut diagnosis = diagnose::examine(&request, &mut bar);
-        let mut packed = None;
-        if let Err(diagnose::Error::Joined { model, reason }) = &diagnosis {
-            let (file, note) = self.packed(&source, &mut request, (model, reason))?;
+        let (mut notes, baseline) = match &source {
+            Source::Generated(identified) => {
+                (identified.notes.clone(), identified.baselines.clone())
+            }
+            _ => Default::default(),
+        };
+        let mut name = None;
+        if let Err(diagnose::Error::Joined { model, reason }) = diagnosis {
+            let (packed, note) = self.packed(&source, &mut request, (&model, &reason))?;
+            (source, name) = (packed, Some(model));
+            notes.push(note);
             libraries = self.libraries(true)?;
-            packed = Some((file, note, model.clone()));
             diagnosis = diagnose::examine(&request, &mut bar);
         }
         bar.0.finish_and_clear();
         let mut diagnosis = diagnosis?;
+        diagnosis.gap.baseline = baseline;
+        diagnosis.gap.provenance.model = name.unwrap_or(diagnosis.gap.provenance.model);
         diagnosis.gap.warnings.extend(unmatched);
-        let mut notes = Vec::new();
-        if let Source::Generated(identified) = &source {
-            diagnosis.gap.baseline.clone_from(&identified.baselines);
-            notes.clone_from(&identified.notes);
-        }
-        let source = match packed {
-            None => source,
-            Some((file, note, model)) => {
-                notes.push(note);
-                diagnosis.gap.provenance.model = model;
-                file
-            }
-        };
         diagnosis.gap.warnings.splice(0..0, notes);
         // Before the answer, which speaks of the model that is handed back; where that cannot be
         // written the answer is there all the same.
@@ -348,8 +344,7 @@ impl Diagnose {
     }
 
     fn is_fmu(&self) -> bool {
-        let extension = self.model.as_deref().and_then(Path::extension);
-        extension.is_some_and(|e| e.eq_ignore_ascii_case("fmu"))
+        self.model.as_deref().is_some_and(|model| cli::ends_in(model, "fmu"))
     }
 
     fn noise(&self) -> anyhow::Result<Noise> {

@@ -11,6 +11,6 @@ pub use answer::{
     Answer, ErasedAnswer, STANDARD_OUTPUT, Screen, keep_standard_output, note_on_log, rounded,
     sentence, standard_output,
 };
-pub use output::{can_write, can_write_as};
+pub use output::{can_write, can_write_as, ends_in};
 pub use page::{PageOptions, Pages};
 pub use progress::bar;

@@ -7,6 +7,12 @@ use anyhow::{Context, bail};
 /// Endings of pages, and of the same as data.
 pub(crate) const REPORT: &[&str] = &["html", "htm", "json"];
 
+/// Whether a file's name ends in this, in letters of any size: `fmu` for `plant.FMU`.
+#[must_use]
+pub fn ends_in(file: &Path, ending: &str) -> bool {
+    file.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
+}
+
 /// Whether a file can be written there; told before the work, so that no result is lost.
 ///
 /// # Errors

@@ -93,12 +93,12 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
         // Not less, but with fewer effects.
         None if outcome.left() >= Thresholds::READING_LESS * first => {
             // One name may stand for two effects.
-            let mut now = names(&outcome);
-            let stays = |n: &&'static str| {
-                let at = now.iter().position(|other| other == n);
-                at.map(|at| now.swap_remove(at)).is_some()
-            };
-            let (_, gone): (Vec<&str>, Vec<&str>) = first_named.iter().copied().partition(stays);
+            let mut gone = first_named;
+            for name in names(&outcome) {
+                if let Some(at) = gone.iter().position(|other| *other == name) {
+                    gone.remove(at);
+                }
+            }
             let gone: Vec<String> = gone.iter().map(|n| n.replace('_', " ")).collect();
             Some(read_as(match had_lag {
                 true => "a lag of the model would have to act faster".to_owned(),

@@ -7,10 +7,12 @@ use cosim::{Fmu, Worker};
 use model::{Unit, UnitError};
 use modeldescription::ModelDescription;
 use modeldescription::variable::{Causality, DataType, Number, Variable};
+use surround::Span;
 
 use crate::base::{Base, BaseParameter, Part, tolerance};
 use crate::black_box::{BlackBox, Entry, Own, Times};
 use crate::chain::{ComponentNode, Node};
+use crate::data_set::RecordData;
 use crate::error::Error;
 use crate::library::Slot;
 use crate::request::Request;
@@ -81,7 +83,7 @@ fn task(
     output: usize,
 ) -> Result<Task, Error> {
     let fmu = open(path, request.worker.as_ref())?;
-    let mut tuned = tuned(request, &fmu);
+    let possible = tuned(request, &fmu);
     let mut names = vec![inputs[input].name.clone()];
     names.extend(
         inputs.iter().enumerate().filter(|(k, _)| *k != input).map(|(_, p)| p.name.clone()),
@@ -97,7 +99,7 @@ fn task(
     ]);
     let base = Base {
         nodes: Vec::new(),
-        parameters: tuned.clone(),
+        parameters: Vec::new(),
         slots,
         actuator: 0,
         mode: None,
@@ -116,31 +118,23 @@ fn task(
     }
     let units = (inputs[input].si, outputs[output].si);
     let mut node = BlackBox::new(fmu, names, outputs[output].name.clone(), units, times);
-    let own = |p: &BaseParameter| Own { name: p.name.clone(), start: p.value, value: p.value };
-    node.parameters = tuned.iter().map(own).collect();
     // Said once, in full, before a failure only means a bad candidate.
     let mut out = vec![0.0; task.data.command.len()];
     for record in &task.data.records {
         let range = record.hits.clone();
         let x = &task.data.command[range.clone()];
-        node.try_run(&vec![0.0; tuned.len()], record, x, &mut out[range])?;
+        node.try_run(&[], record, x, &mut out[range])?;
     }
     let longest = task.data.records.iter().max_by_key(|r| r.rows.len());
     let command = task.data.command_span;
-    // What nobody asked for must be heard by the output, and must not harm the FMU.
-    if let Some(record) = longest {
-        let is_heard = |k: usize, p: &BaseParameter| {
-            p.has_tolerance || node.hears(k, p.deviation, record, command)
-        };
-        let mut heard =
-            (0..).zip(&tuned).map(|(k, p)| is_heard(k, p)).collect::<Vec<_>>().into_iter();
-        tuned.retain(|_| heard.next().unwrap_or(false));
-        for (k, p) in tuned.iter_mut().enumerate() {
-            p.indices = vec![(k, p.deviation)];
-        }
-        node.parameters = tuned.iter().map(own).collect();
-        task.base.parameters.clone_from(&tuned);
+    let own = |p: &BaseParameter| Own { name: p.name.clone(), start: p.value, value: p.value };
+    node.parameters = possible.iter().map(own).collect();
+    let mut tuned = longest.map_or_else(Vec::new, |record| heard(possible, &node, record, command));
+    for (k, p) in tuned.iter_mut().enumerate() {
+        p.indices = vec![(k, p.deviation)];
     }
+    node.parameters = tuned.iter().map(own).collect();
+    task.base.parameters.clone_from(&tuned);
     let modes: Option<(Entry, _)> = longest.and_then(|record| {
         let mode = node.entry(record, command)?;
         let moved = tuned.iter().enumerate().map(|(k, p)| {
@@ -239,7 +233,7 @@ fn tuned(request: &Request, fmu: &Fmu) -> Vec<BaseParameter> {
             name: v.name.clone(),
             unit,
             node: 0,
-            indices: vec![(all.len(), deviation)],
+            indices: Vec::new(),
             also: Vec::new(),
             value,
             deviation,
@@ -248,6 +242,26 @@ fn tuned(request: &Request, fmu: &Fmu) -> Vec<BaseParameter> {
         });
     }
     all
+}
+
+/// Those that somebody asked for, and those that the output hears: its answer to a small step changes with them, and the
+/// FMU bears it.
+fn heard(
+    possible: Vec<BaseParameter>,
+    node: &BlackBox,
+    record: &RecordData,
+    command: Span,
+) -> Vec<BaseParameter> {
+    if possible.iter().all(|p| p.has_tolerance) {
+        return possible;
+    }
+    let still = node.step_answer(record, command);
+    let is_heard = |k: usize, p: &BaseParameter| {
+        let moved = node.with(k, p.deviation).step_answer(record, command);
+        moved.is_some() && moved != still
+    };
+    let all = possible.into_iter().enumerate();
+    all.filter(|(k, p)| p.has_tolerance || is_heard(*k, p)).map(|(_, p)| p).collect()
 }
 
 /// What a parameter with this name belongs to: the frequency or the damping of a mode.

@@ -86,17 +86,12 @@ pub(crate) fn own_drift(part: f64) -> String {
 /// What is named, what adding it does to the output with the largest gap that has a name, and the outputs of which
 /// nothing is explained.
 fn effects(gap: &Gap) -> String {
-    let is_named = |o: &&OutputGap| o.verdict == Verdict::Effects;
-    let main = gap.outputs.iter().find(|o| o.output == gap.place.output && is_named(o));
+    let named_outputs = gap.outputs.iter().filter(|o| o.verdict == Verdict::Effects);
     let over_noise = |o: &OutputGap| o.shrink.rms_before / o.shrink.noise_floor;
-    let largest = || {
-        let named = gap.outputs.iter().filter(is_named);
-        named.max_by(|a, b| over_noise(a).total_cmp(&over_noise(b)))
-    };
-    let (output, s) = match main.or_else(largest) {
-        Some(o) => (&o.output, if main.is_some() { &gap.shrink } else { &o.shrink }),
-        None => (&gap.place.output, &gap.shrink),
-    };
+    let is_main = |o: &OutputGap| o.output == gap.place.output;
+    let first = named_outputs
+        .max_by(|a, b| is_main(a).cmp(&is_main(b)).then(over_noise(a).total_cmp(&over_noise(b))));
+    let (output, s) = first.map_or((&gap.place.output, &gap.shrink), |o| (&o.output, &o.shrink));
     let unexplained = gap.outputs.iter().filter(|o| o.verdict == Verdict::Unknown);
     let others = unexplained.map(|o| format!(" {}", unknown(gap, &o.output, &o.shrink, None)));
     let own = match gap.effects.iter().all(|e| e.effect == NOISE) {

@@ -18,8 +18,7 @@ impl Diagnose {
     /// Whether the repaired model can be of the kind that is asked for.
     pub(super) fn check_repair(&self) -> anyhow::Result<()> {
         let Some(file) = &self.repair else { return Ok(()) };
-        let is = |ending| file.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
-        match (is("fmu"), is("toml")) {
+        match (cli::ends_in(file, "fmu"), cli::ends_in(file, "toml")) {
             (true, _) => Ok(()),
             (_, true) if self.is_fmu() => bail!(
                 "--repair {}: an FMU has no blueprint that effects could be written into; give a \
@@ -75,7 +74,7 @@ impl Diagnose {
         repaired.check(learned::COMPONENTS).with_context(|| {
             format!("{} is not written: the repaired blueprint breaks a rule", file.display())
         })?;
-        if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) {
+        if cli::ends_in(file, "fmu") {
             let text = repaired.to_toml();
             let source = BlueprintText { text, blueprint: repaired };
             pack::pack(&source, pack::PACKED_WITH, others, file)?;

@@ -1,6 +1,6 @@
 //! The model that a diagnosis starts from.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use cli::Screen;
@@ -75,9 +75,7 @@ impl Diagnose {
         (model, reason): (&str, &str),
     ) -> anyhow::Result<(Source, String)> {
         let text = source.blueprint()?;
-        let is_toml =
-            |file: &&Path| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-        if let Some(file) = self.repair.as_deref().filter(is_toml) {
+        if let Some(file) = self.repair.as_deref().filter(|file| cli::ends_in(file, "toml")) {
             bail!(
                 "--repair {}: {model} {reason}, so that effects cannot be written into its blueprint; give a name that \
                  ends in .fmu, and effects are put around its FMU",

@@ -214,7 +214,7 @@ impl Gatherer {
     /// A model that is diagnosed: as FMU nobody looks inside, as blueprint one does.
     fn model(&mut self, role: &str, what: &str) -> anyhow::Result<()> {
         let path = self.resolve(what);
-        let (ending, bytes) = if is_fmu(&path) {
+        let (ending, bytes) = if cli::ends_in(&path, "fmu") {
             ("fmu", archive(&path)?)
         } else {
             let source = inputs::blueprint(&path)?;
@@ -291,10 +291,6 @@ fn is_file_name(name: &str) -> bool {
         && !name.chars().any(char::is_control)
 }
 
-fn is_fmu(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"))
-}
-
 /// The bytes of an FMU.
 fn archive(path: &Path) -> anyhow::Result<Vec<u8>> {
     if path.is_dir() {
@@ -309,7 +305,7 @@ fn archive(path: &Path) -> anyhow::Result<Vec<u8>> {
 }
 
 fn fmu_file(name: String, path: &Path, all_effects: bool) -> anyhow::Result<File> {
-    if is_fmu(path) {
+    if cli::ends_in(path, "fmu") {
         if all_effects {
             bail!("{}: all-effects needs a blueprint or a rig; this is an FMU", path.display());
         }

@@ -97,7 +97,7 @@ impl Pages {
 }
 
 fn is_json(file: &Path) -> bool {
-    file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
+    output::ends_in(file, "json")
 }
 
 /// A new file for a page that nobody gave a name; it stays.

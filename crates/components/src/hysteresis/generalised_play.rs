@@ -221,19 +221,7 @@ impl Component for InverseGeneralisedPlay {
     }
 
     fn example(&self) -> model::Example {
-        &[
-            ("r", &[0.0, 8.0, 20.0]),
-            ("w", &[0.05, 0.02, 0.01]),
-            ("offset", &[0.3]),
-            ("left_a0", &[180.0]),
-            ("left_a1", &[0.006]),
-            ("left_a2", &[-0.05]),
-            ("left_a3", &[2.0]),
-            ("right_a0", &[200.0]),
-            ("right_a1", &[0.0055]),
-            ("right_a2", &[0.02]),
-            ("right_a3", &[3.0]),
-        ]
+        GeneralisedPlay.example()
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

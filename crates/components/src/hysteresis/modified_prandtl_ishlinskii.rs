@@ -151,13 +151,7 @@ impl Component for InverseModifiedPrandtlIshlinskii {
     }
 
     fn example(&self) -> model::Example {
-        &[
-            ("r", &[0.0, 8.0, 20.0]),
-            ("w", &[0.05, 0.02, 0.01]),
-            ("edge", &[-1.0, 3.0]),
-            ("slope", &[0.1, -0.2]),
-            ("offset", &[0.3]),
-        ]
+        ModifiedPrandtlIshlinskii.example()
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
