@@ -1,7 +1,7 @@
 //! Bad input gets an error that names the file, the value, the rule and the way out; nothing is
 //! written, nothing panics, the exit code is not 0.
 
-mod common;
+use crate::common;
 
 use std::fs;
 use std::path::Path;

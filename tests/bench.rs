@@ -2,7 +2,7 @@
 #![cfg(unix)]
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-mod common;
+use crate::common;
 
 use std::io::BufRead;
 use std::path::Path;

@@ -3,14 +3,15 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use common::bench::{machine, port, stage};
-use common::piezoloop;
+use common::{at_once, piezoloop};
 use data::{Log, ReadOptions};
 
 /// The calls by which a file changes; each thread counts its own. By the second kind only the end of the
@@ -78,9 +79,10 @@ fn a_record_is_whole_or_comes_back_from_its_journal() {
         return;
     }
     let thorough = std::env::var_os("PIEZOLOOP_KILLS").is_some();
-    let (mut killed, mut recovered) = (0, 0);
+    let (killed, recovered) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let records = ["run.csv", "run.parquet", "run.mf4"];
-    for (writes, record) in WRITES.iter().flat_map(|w| records.map(|record| (w, record))) {
+    let cases: Vec<_> = WRITES.iter().flat_map(|w| records.map(|record| (w, record))).collect();
+    at_once(&cases, |(writes, record)| {
         let (folder, port) = (stage(1.0), port());
         let _machine = machine(port, &["--timing", "commands"], folder.path());
         let mut count = 1;
@@ -92,8 +94,8 @@ fn a_record_is_whole_or_comes_back_from_its_journal() {
                 assert!(found.is_some_and(|rows| rows > 60), "{found:?} rows of a whole run");
                 break;
             }
-            killed += 1;
-            recovered += usize::from(found.is_some());
+            killed.fetch_add(1, Relaxed);
+            recovered.fetch_add(usize::from(found.is_some()), Relaxed);
             for (name, _) in common::jobs::listing(folder.path()) {
                 if name.starts_with("run.") || name.starts_with("recovered.") {
                     fs::remove_file(folder.path().join(name)).expect("it is ours");
@@ -103,7 +105,8 @@ fn a_record_is_whole_or_comes_back_from_its_journal() {
             count += 1 + if thorough { count / 16 } else { count / 8 * 2 };
             assert!(count < 100_000, "it never ends");
         }
-    }
+    });
+    let (killed, recovered) = (killed.into_inner(), recovered.into_inner());
     println!("killed {killed} times; rows came back {recovered} times");
     assert!(recovered > 10);
 }

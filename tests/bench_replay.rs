@@ -1,7 +1,7 @@
 //! `piezoloop bench replay`: a controller FMU's record is its replay.
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! docs/blueprints.md: its examples are blueprints and records that the tool takes.
 
-mod common;
+use crate::common;
 
 use std::fs;
 

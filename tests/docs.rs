@@ -5,7 +5,7 @@
 #![cfg(unix)]
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! FMUs that explain themselves: fields, variables, page, icon, reference results; and `check` repeats
 //! the results.
 
-mod common;
+use crate::common;
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,6 +1,6 @@
 //! docs/fmi.md, coupling.md and conformance.md say what the code does.
 
-mod common;
+use crate::common;
 
 use common::packed::{CONTROLLER, PLANT};
 use common::succeed;

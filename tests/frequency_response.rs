@@ -1,7 +1,7 @@
 //! `piezoloop frequency-response`: modes, coherence and distortion of machines that are known.
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::fs;
 use std::path::Path;

@@ -3,7 +3,7 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use common::packed::{CONTROLLER, Host, PLANT, Packed, with};
 use common::{python, spy};

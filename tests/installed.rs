@@ -2,7 +2,7 @@
 
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use common::{refuse, root, succeed};
 use std::fs;

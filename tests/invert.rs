@@ -1,7 +1,7 @@
 //! `invert` on the rigs: what it says, what it writes, and that it holds on the very plant.
 #![cfg(target_os = "linux")]
 
-mod common;
+use crate::common;
 
 use std::fs;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Learned tables travel with the FMU: beside the blueprint, in its resources, and run there.
 
-mod common;
+use crate::common;
 
 use std::fs;
 use std::path::Path;

@@ -2,7 +2,7 @@
 //! and what cannot be read is refused with a way out.
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 use std::process::Command;

@@ -1,7 +1,7 @@
 //! modelica/Piezoloop says what the registry says, and compiled by rumoca it moves as our FMUs do.
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 #![cfg(unix)]
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::collections::BTreeMap;
 use std::fs;

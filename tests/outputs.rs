@@ -2,7 +2,7 @@
 //! write; links, devices and permissions stay; numbers that no command can work with are refused.
 #![cfg(unix)]
 
-mod common;
+use crate::common;
 
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};

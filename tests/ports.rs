@@ -3,7 +3,7 @@
 #![cfg(unix)]
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};

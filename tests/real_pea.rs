@@ -2,7 +2,7 @@
 
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::fmt::Write as _;
 use std::path::Path;

@@ -2,7 +2,7 @@
 //! name, or under one that the run has said.
 #![cfg(unix)]
 
-mod common;
+use crate::common;
 
 use std::collections::BTreeMap;
 use std::fs;

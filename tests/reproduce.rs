@@ -2,7 +2,7 @@
 
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -3,7 +3,7 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

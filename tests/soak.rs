@@ -1,12 +1,12 @@
 //! A plant and its controller in a closed loop for very many steps: no drift in time or state.
 //!
-//! `PIEZOLOOP_SOAK=1000000000 cargo test --release --test soak -- --nocapture` takes so many; with
+//! `PIEZOLOOP_SOAK=1000000000 cargo test --release --test tool soak:: -- --nocapture` takes so many; with
 //! `PIEZOLOOP_SOAK_SOURCES=1` of the C of source FMUs in place of the libraries. Instances live and die
 //! `PIEZOLOOP_LIVES` times.
 #![cfg(target_os = "linux")]
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::process::Command;
 

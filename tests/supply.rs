@@ -2,7 +2,7 @@
 //! that nothing but the bench's gateways reaches for a network.
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,7 +1,7 @@
 //! `piezoloop system`: the example's figures, and what is refused.
 #![allow(clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::fs;
 use std::path::Path;

@@ -22,6 +22,13 @@ pub(crate) const COORDINATED: &str = include_str!("../blueprints/coordinated.tom
 /// A plant of one axis, u in V and y in um: two plays behind a lag of the amplifier.
 pub(crate) const PLAYED: &str = include_str!("../blueprints/played.toml");
 
+/// Runs cases side by side that wait for a machine's time.
+pub(crate) fn at_once<T: Sync>(cases: &[T], run: impl Fn(&T) + Sync) {
+    std::thread::scope(|scope| {
+        cases.iter().for_each(|case| drop(scope.spawn(|| run(case))));
+    });
+}
+
 /// Runs the tool and returns what it said.
 pub(crate) fn piezoloop(arguments: &[&str], folder: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_piezoloop"))
