@@ -7,7 +7,7 @@ mod zones;
 
 use components::effects;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
-use model::{Extension, Stage};
+use model::{Declaration, Extension, Stage};
 use surround::Block;
 
 use self::plays::Plays;
@@ -243,7 +243,12 @@ fn scaled(old: &ComponentBlueprint, factor: f64) -> ComponentBlueprint {
     component
 }
 
-/// The actuator with plays of its own, or with thresholds that grow with the rate.
+/// What is declared of the component that this one becomes with an extension.
+fn extended(old: &ComponentBlueprint, by: Extension) -> Option<&'static Declaration> {
+    Some(components::find(&old.kind)?.extended(by)?.declaration())
+}
+
+/// The actuator with plays of its own, or as another operator of its plays.
 fn actuator_with(
     o: &Outcome,
     last: &Candidate,
@@ -263,15 +268,19 @@ fn actuator_with(
             r.iter().zip(weights).for_each(|(r, w)| all.add(r / u, weight(*w)));
             let command: Vec<f64> = o.task.data.command.iter().map(|v| v / u).collect();
             all.no_negative(&command);
-            all.written(old, Extension::Plays)?
+            all.written(extended(old, Extension::Plays)?)?
         }
-        Block::RatePlays(_) => {
-            let &[rate] = p else { return None };
-            plays.written(old, Extension::Rate)?.value("rate", rate)
-        }
-        Block::LaggedPlays(_) => {
-            let &[bandwidth] = p else { return None };
-            plays.written(old, Extension::Lag)?.value("bandwidth", bandwidth)
+        Block::Operator { component: operator, .. } => {
+            let declaration = operator.component().declaration();
+            let mut component = plays.written(declaration)?;
+            for (free, value) in operator.missing().free.iter().zip(p) {
+                let quantity = declaration.parameters.iter().find(|q| q.name == free.quantity)?;
+                let units = (o.task.command_unit.as_str(), o.task.unit.as_str());
+                let text = model::unit_on_axis(quantity.unit, units.0, units.1);
+                let unit = model::Unit::parse(&text).unwrap_or(model::Unit::ONE);
+                component.set(free.quantity, unit.from_si(*value));
+            }
+            component
         }
         Block::SkewedPlays { .. } | Block::GeneralisedPlay(_) => {
             skewed(o, last, block, p, (plays, old))?
@@ -313,7 +322,7 @@ fn skewed(
     let skew: Vec<f64> = plays.pairs.iter().map(|(r, _)| skew_of(*r)).collect();
     Some(
         plays
-            .written(old, Extension::Skew)?
+            .written(extended(old, Extension::Skew)?)?
             .value("skew", skew)
             .value("play_weight", wide)
             .value("width", width)

@@ -3,17 +3,13 @@
 use alloc::string::String;
 use core::fmt;
 
-use crate::{ComponentRef, Declaration, Fit, Role, Table, Wiring};
+use crate::{ComponentRef, Declaration, Fit, Missing, Role, Table, Wiring};
 
 /// What a component may lack that another component has beside all that the first one does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extension {
     /// An actuator: plays.
     Plays,
-    /// An actuator: thresholds that grow with the command's rate.
-    Rate,
-    /// An actuator: memory that lags behind the command.
-    Lag,
     /// An actuator: loops that are wider at one end of the range.
     Skew,
     /// An actuator: a bent characteristic behind its plays.
@@ -165,6 +161,11 @@ pub trait Component: Send + Sync {
 
     /// How an identification fits it; none where it has a method of its own, or cannot be fitted.
     fn fit(&self) -> Option<&'static Fit> {
+        None
+    }
+
+    /// How a diagnosis finds that a machine has it where the model has plain plays; none where it is not tried.
+    fn missing(&self) -> Option<&'static Missing> {
         None
     }
 

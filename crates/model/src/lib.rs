@@ -29,7 +29,7 @@ pub use component::{Component, Example, Extension, Inverse, Sizes, Tick, Undoing
 pub use context::{Context, ContextError};
 pub use declaration::{Conversion, Declaration, Stage};
 pub use effect::{Effect, Group};
-pub use fit::{Fit, Scale, Search};
+pub use fit::{Fit, Free, Missing, Range, Scale, Search};
 pub use port::{DEMANDED_INPUTS, DemandedInput, Input, MAX_PORTS, Output, Published, Source};
 pub use quantity::{Quantity, Role, Shape, Structural, Variability, Within, unit_on_axis};
 pub use registry::{Registry, count, joined};

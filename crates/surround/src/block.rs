@@ -3,6 +3,7 @@
 //! A block starts at rest under its first value. A value is what is held over the step that ends
 //! now; steps may differ in length.
 
+use components::hysteresis::{LaggingPlay, RateDependentPlay};
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::{Banked, Count, Kernel, Stepping, WrongCount, each, exactly};
@@ -10,6 +11,7 @@ use crate::linear::{self, Added, BeforeMode, Creep, Delay, Element, Lags, Mode};
 use crate::map;
 use crate::mechanics::{Backlash, Dahl, Force, Forced};
 use crate::memory::{self, BoucWen};
+use crate::operator::Operator;
 use crate::rated::{self, Growth, Smoothed};
 use crate::span::{Memory, Span};
 use crate::warmth::{Heating, Loss, Onto, Warming, Warmth};
@@ -158,8 +160,16 @@ pub enum Block {
         #[serde(flatten)]
         span: Span,
     },
-    /// Plays whose thresholds grow with the drive's rate by a time: `r + T·|v′|`, v′ as the component of that
-    /// name takes it: T.
+    /// `x + C[v] − Σ w·P_r[v]` of the drive v, C the component of this operator with the same plays: its parameters
+    /// that a diagnosis fits, in their order.
+    Operator {
+        /// The component.
+        component: Operator,
+        /// Plays of the original.
+        #[serde(flatten)]
+        memory: Memory,
+    },
+    /// As earlier versions wrote the operator `rate-dependent-play`: T.
     RatePlays(Memory),
     /// Plays whose thresholds grow in their own proportion, `r·(1 + g·f(|ρ|/(k·scale)))`, with the smoothed
     /// rate ρ of the drive: g, k, and the time in s over which the rate is smoothed, where it is free.
@@ -176,7 +186,7 @@ pub enum Block {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         smoothing: Option<f64>,
     },
-    /// Plays that lag behind the drive: bandwidth in Hz.
+    /// As earlier versions wrote the operator `lagging-play`: bandwidth in Hz.
     LaggedPlays(Memory),
     /// `x + T·ρ/half·Σ w·(P[v] − v)` with the smoothed rate ρ of the drive v: T.
     RateMemory {
@@ -275,6 +285,16 @@ impl Block {
         ) -> Result<Kernel, WrongCount> {
             Ok(Kernel::new(Banked { bank, elements }, dt))
         }
+        /// A component that earlier versions wrote by another name.
+        fn earlier(
+            component: &'static dyn model::Component,
+            memory: &Memory,
+            p: &[f64],
+            dt: f64,
+        ) -> Result<Kernel, WrongCount> {
+            let operator = Operator::of(component).expect("it declares how it is tried");
+            operator.kernel(memory, p, dt)
+        }
         match self {
             Self::Factor => exactly(p).map(|[factor]| map::factor(factor)),
             Self::Offset => exactly(p).map(|[offset]| map::offset(offset)),
@@ -364,10 +384,9 @@ impl Block {
             Self::BentPlays { memory, span } => {
                 banked(memory::BentPlays { span: *span, bends: exactly(p)? }, memory.plays(), dt)
             }
-            Self::RatePlays(memory) => {
-                let [time] = exactly(p)?;
-                banked(rated::RatePlays { time, per_step: 0.0 }, memory.plays(), dt)
-            }
+            Self::Operator { component, memory } => component.kernel(memory, p, dt),
+            Self::RatePlays(memory) => earlier(&RateDependentPlay, memory, p, dt),
+            Self::LaggedPlays(memory) => earlier(&LaggingPlay, memory, p, dt),
             Self::GrowingPlays { memory, law, scale, smoothing } => {
                 let (growth, of_scale, rate) = match smoothing {
                     Some(time) => {
@@ -381,10 +400,6 @@ impl Block {
                 };
                 let (law, reference) = (*law, of_scale * scale);
                 banked(rated::GrowingPlays { rate, growth, law, reference }, memory.plays(), dt)
-            }
-            Self::LaggedPlays(memory) => {
-                let [bandwidth] = exactly(p)?;
-                banked(rated::LaggedPlays { bandwidth, fraction: 0.0 }, memory.plays(), dt)
             }
             Self::RateMemory { memory, half, smoothing } => {
                 let [time] = exactly(p)?;

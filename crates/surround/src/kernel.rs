@@ -37,7 +37,7 @@ impl<'a> Signals<'a> {
         Self { x, drive: x, aux: x }
     }
 
-    fn wires(self) -> impl Iterator<Item = Wires> {
+    pub(crate) fn wires(self) -> impl Iterator<Item = Wires> {
         let all = self.x.iter().zip(self.drive).zip(self.aux);
         all.map(|((x, drive), aux)| Wires { x: *x, drive: *drive, aux: *aux })
     }

@@ -18,6 +18,7 @@ mod linear;
 mod map;
 mod mechanics;
 mod memory;
+mod operator;
 mod port_variable;
 mod rated;
 mod repair;
@@ -32,6 +33,7 @@ pub use kernel::{Count, Kernel, Signals, Wires, WrongCount, exactly};
 pub use linear::time_of;
 pub use map::code;
 pub use mechanics::{Acting, Force, ForcedMode};
+pub use operator::Operator;
 pub use port_variable::PortVariable;
 pub use rated::Growth;
 pub use repair::{

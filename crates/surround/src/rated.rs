@@ -2,8 +2,6 @@
 //! rate less what those inside the original do without it.
 
 use components::hysteresis::play::play;
-use components::hysteresis::rate::{self, RateState};
-use components::linear::lag_fraction;
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::{Bank, Wires};
@@ -36,44 +34,6 @@ fn two(weight: f64, r: f64, u: f64, [changed, plain]: &mut [f64; 2], wide: f64) 
     *changed = play(u, wide, *changed);
     *plain = play(u, r, *plain);
     weight * (*changed - *plain)
-}
-
-/// Thresholds `r + T·|v′|`, v′ as the components with a rate take it. Shared state: theirs.
-#[derive(Clone)]
-pub(crate) struct RatePlays {
-    /// T in s.
-    pub(crate) time: f64,
-    /// 1/step.
-    pub(crate) per_step: f64,
-}
-
-impl Bank<{ rate::STATES }, 2> for RatePlays {
-    type Element = (f64, f64);
-    /// The drive, and by how much thresholds grow.
-    type Shared = (f64, f64);
-
-    fn set_step(&mut self, dt: f64, _: &mut [(f64, f64)]) {
-        self.per_step = 1.0 / dt;
-    }
-
-    fn rest(&self, w: Wires) -> (RateState, [f64; 2]) {
-        (rate::rest(w.drive), [0.0; 2])
-    }
-
-    #[inline]
-    fn advance(&self, w: Wires, head: &mut RateState) {
-        rate::update(head, w.drive, self.per_step);
-    }
-
-    #[inline]
-    fn shared(&self, w: Wires, head: &RateState) -> (f64, f64) {
-        (w.drive, self.time * head[1].abs())
-    }
-
-    #[inline]
-    fn add((r, weight): &(f64, f64), (u, grow): (f64, f64), z: &mut [f64; 2]) -> f64 {
-        two(*weight, *r, u, z, (r + grow).max(0.0))
-    }
 }
 
 /// A rate of the drive, smoothed over a time: `ρ ← ρ + (1 − exp(−dt/time))·(v′ − ρ)`. State: the drive before, ρ.
@@ -142,45 +102,6 @@ impl Bank<2, 2> for GrowingPlays {
     #[inline]
     fn add((r, weight): &(f64, f64), (u, factor): (f64, f64), z: &mut [f64; 2]) -> f64 {
         two(*weight, *r, u, z, r * factor)
-    }
-}
-
-/// Plays of the drive behind a first-order lag. Shared state: the lagged drive.
-#[derive(Clone)]
-pub(crate) struct LaggedPlays {
-    /// In Hz.
-    pub(crate) bandwidth: f64,
-    pub(crate) fraction: f64,
-}
-
-impl Bank<1, 2> for LaggedPlays {
-    type Element = (f64, f64);
-    /// The drive, and the lagged one.
-    type Shared = (f64, f64);
-
-    fn set_step(&mut self, dt: f64, _: &mut [(f64, f64)]) {
-        self.fraction = lag_fraction(self.bandwidth, dt);
-    }
-
-    fn rest(&self, w: Wires) -> ([f64; 1], [f64; 2]) {
-        ([w.drive], [0.0; 2])
-    }
-
-    #[inline]
-    fn advance(&self, w: Wires, [late]: &mut [f64; 1]) {
-        *late += self.fraction * (w.drive - *late);
-    }
-
-    #[inline]
-    fn shared(&self, w: Wires, [late]: &[f64; 1]) -> (f64, f64) {
-        (w.drive, *late)
-    }
-
-    #[inline]
-    fn add((r, weight): &(f64, f64), (u, late): (f64, f64), z: &mut [f64; 2]) -> f64 {
-        z[0] = play(late, *r, z[0]);
-        z[1] = play(u, *r, z[1]);
-        weight * (z[0] - z[1])
     }
 }
 

@@ -1,9 +1,11 @@
 //! Every block: whole signals, single steps and a repaired FMU give the same bits, and a wrong number of parameters
 //! is an error.
 
+use components::hysteresis::LaggingPlay;
+use model::Range;
 use surround::{
-    Block, Effect, Force, Growth, Kernel, Loss, Memory, Original, Parameter, Piece, Port, Repair,
-    Side, Signals, Span, State, Surround, Variable, Wires,
+    Block, Effect, Force, Growth, Kernel, Loss, Memory, Operator, Original, Parameter, Piece, Port,
+    Repair, Side, Signals, Span, State, Surround, Variable, Wires,
 };
 
 const STEP: f64 = 1e-4;
@@ -16,7 +18,18 @@ fn all() -> Vec<(Block, Vec<f64>)> {
     let half = span.half;
     let r = || memory.r.clone();
     let mode = |force| Block::ForcedMode { frequency: 300.0, damping: 0.05, force, far: 2.5 };
-    vec![
+    let operators = Operator::all().map(|component| {
+        let free = component.missing().free.iter();
+        let p = free.map(|free| match free.range {
+            Range::Between { lower, upper, .. } => 0.3 * lower + 0.7 * upper,
+            Range::Growth => 1e-3,
+            Range::Bandwidth => 200.0,
+        });
+        let p = p.collect();
+        (Block::Operator { component, memory: memory.clone() }, p)
+    });
+    let operators: Vec<_> = operators.collect();
+    let all = vec![
         (Block::Factor, vec![1.3]),
         (Block::Offset, vec![0.2]),
         (Block::Delay, vec![3.4 * STEP]),
@@ -85,7 +98,8 @@ fn all() -> Vec<(Block, Vec<f64>)> {
         (Block::LaggedAuxiliary { scale: 2.0, zero: 0.1 }, vec![0.3, 200.0]),
         (Block::ModalAuxiliary { scale: 2.0, zero: 0.1 }, vec![0.3, 200.0, 0.05]),
         (Block::FeedThrough { scale: 2.0, time: 1e-3 }, vec![0.3, 0.2]),
-    ]
+    ];
+    all.into_iter().chain(operators).collect()
 }
 
 fn growing(memory: &Memory, law: Growth, smoothing: Option<f64>) -> Block {
@@ -99,6 +113,7 @@ fn takes(block: &Block, given: usize) -> bool {
         Block::Creep => return given >= 2 && given.is_multiple_of(2),
         Block::Auxiliary { .. } => return given == 1 || given == 2,
         Block::FixedCreep { times } => times.len(),
+        Block::Operator { component, .. } => component.missing().free.len(),
         Block::Warming { times, .. } => times.len() + 1,
         Block::Plays { r, slope } => r.len() + usize::from(*slope),
         Block::SkewedPlays { r, .. } => r.len(),
@@ -382,6 +397,13 @@ fn files_that_earlier_versions_wrote_are_read() {
         ),
         (format!("kind = \"rate-plays\"\n{plays}"), Block::RatePlays(memory.clone())),
         (format!("kind = \"lagged-plays\"\n{plays}"), Block::LaggedPlays(memory.clone())),
+        (
+            format!("kind = \"operator\"\ncomponent = \"lagging-play\"\n{plays}"),
+            Block::Operator {
+                component: Operator::of(&LaggingPlay).unwrap(),
+                memory: memory.clone(),
+            },
+        ),
         (
             format!("kind = \"growing-plays\"\n{plays}law = \"limited\"\nscale = 400.0\nsmoothing = 0.003\n"),
             growing(&memory, Growth::Limited, Some(0.003)),

@@ -17,8 +17,8 @@
 //! relaxation in front of them.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
-    Violation,
+    Component, Conversion, Declaration, Free, Input, Missing, Output, Quantity, Range, Role, Sizes,
+    Stage, Tick, Violation,
 };
 
 use super::play::Plays;
@@ -58,6 +58,11 @@ static DECLARATION: Declaration = Declaration {
     ],
 };
 
+static MISSING: Missing = Missing {
+    name: "plays that lag",
+    free: &[Free { quantity: "bandwidth", name: "bandwidth", range: Range::Bandwidth }],
+};
+
 /// `r | w | offset | gain | bandwidth`; coefficients have the part of a step in its place.
 fn split(values: &[f64]) -> Option<(Plays<'_>, [f64; 3])> {
     let (arrays, &scalars) = values.split_last_chunk::<3>()?;
@@ -78,6 +83,10 @@ impl Component for LaggingPlay {
             ("gain", &[0.05]),
             ("bandwidth", &[150.0]),
         ]
+    }
+
+    fn missing(&self) -> Option<&'static Missing> {
+        Some(&MISSING)
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

@@ -46,7 +46,7 @@ pub use rate_dependent_play::{INVERSE as INVERSE_RATE_DEPENDENT_PLAY, RateDepend
 pub use skewed_play::SkewedPlay;
 
 /// The models, and what they leave behind.
-pub(crate) static OPERATORS: model::Registry = &[
+pub static OPERATORS: model::Registry = &[
     &PrandtlIshlinskii,
     &ModifiedPrandtlIshlinskii,
     &SkewedPlay,
@@ -83,8 +83,6 @@ pub(crate) fn extended(by: model::Extension) -> Option<&'static dyn model::Compo
     use model::Extension;
     match by {
         Extension::Plays => Some(&PrandtlIshlinskii),
-        Extension::Rate => Some(&RateDependentPlay),
-        Extension::Lag => Some(&LaggingPlay),
         Extension::Skew => Some(&SkewedPlay),
         Extension::Bend => Some(&ModifiedPrandtlIshlinskii),
         _ => None,

@@ -16,8 +16,8 @@
 
 use libm::fabs;
 use model::{
-    Component, Conversion, Declaration, Fit, Input, Inverse, Output, Quantity, Role, Scale, Search,
-    Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Fit, Free, Input, Inverse, Missing, Output, Quantity,
+    Range, Role, Scale, Search, Sizes, Stage, Tick, Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
@@ -112,6 +112,12 @@ static FIT: Fit = Fit {
     starts: &[&[0.0], &[1e-4], &[1e-3], &[1e-2]],
 };
 
+static MISSING: Missing =
+    Missing { name: "thresholds that grow with the rate", free: &[FREE_GROWTH] };
+
+/// The growth of thresholds with the rate, for a diagnosis.
+pub(super) const FREE_GROWTH: Free = Free { quantity: "rate", name: "time", range: Range::Growth };
+
 /// The growth of thresholds with the rate, from none on.
 pub(super) const GROWTH: Search =
     Search { name: "rate", scale: Scale::Growth, start: 0.0, lower: 0.0, upper: 1.0 };
@@ -137,6 +143,10 @@ impl Component for RateDependentPlay {
 
     fn fit(&self) -> Option<&'static Fit> {
         Some(&FIT)
+    }
+
+    fn missing(&self) -> Option<&'static Missing> {
+        Some(&MISSING)
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

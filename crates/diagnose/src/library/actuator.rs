@@ -1,7 +1,8 @@
 //! Actuator: memory, creep, polarisation, temperature.
 
 use components::effects;
-use surround::{Block, Growth, Loss, Memory};
+use model::Range;
+use surround::{Block, Growth, Loss, Memory, Operator};
 
 use super::{Family, Formula, Free, Setting, Slot};
 use crate::path_block::RecordBlock;
@@ -37,6 +38,50 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(Family::new(&effects::ACTUATOR_GAIN, vec![gain(), ageing()]));
     all.push(Family::new(&effects::SELF_HEATING, heating(s)));
     all.push(Family::new(&effects::INITIAL_STATE, initial(s, &memory)));
+    if s.base.memory.is_some() {
+        Operator::all().for_each(|operator| add_operator(s, operator, &memory, all));
+    }
+}
+
+/// An operator with the model's plays, as a formula of the effect that its component stands for.
+fn add_operator(s: &Setting<'_>, operator: Operator, memory: &Memory, all: &mut Vec<Family>) {
+    let Some(effect) = operator.component().declaration().effect else { return };
+    let missing = operator.missing();
+    let (mut parameters, mut starts) = (Vec::new(), vec![Vec::new()]);
+    for free in missing.free {
+        let quantities = operator.component().declaration().parameters;
+        let unit = quantities.iter().find(|q| q.name == free.quantity).map_or("1", |q| q.unit);
+        let (parameter, own) = match free.range {
+            Range::Between { lower, upper, starts } => {
+                (Free::linear(free.name, unit, lower, upper), starts.to_vec())
+            }
+            Range::Growth => {
+                let time = growth_unit(s);
+                let own = vec![0.02 * time, 0.2 * time];
+                (Free::log(free.name, unit, 1e-5 * time, 10.0 * time), own)
+            }
+            Range::Bandwidth => {
+                let (low, high) = (1.0 / s.length, 50.0 / s.sample);
+                (Free::log(free.name, unit, low, high), super::input::bandwidths(s))
+            }
+        };
+        parameters.push(parameter);
+        let with = |start: &Vec<f64>| own.iter().map(|v| [&start[..], &[*v]].concat()).collect();
+        starts = starts.iter().flat_map::<Vec<Vec<f64>>, _>(with).collect();
+    }
+    let block = Block::Operator { component: operator, memory: memory.clone() };
+    let formula =
+        Formula::new(missing.name).block(Slot::AfterActuator, block, parameters).starts(starts);
+    match all.iter_mut().find(|family| family.effect.name == effect.name) {
+        Some(family) => family.formulas.push(formula),
+        None => all.push(Family::new(effect, vec![formula])),
+    }
+}
+
+/// The time in s by which thresholds that grow with the command's rate move by half its range. Not over the steepest
+/// rate: steps are far steeper than what lies between them.
+fn growth_unit(s: &Setting<'_>) -> f64 {
+    s.command.half / s.slope_power.sqrt().max(f64::MIN_POSITIVE)
 }
 
 /// Another gain.
@@ -247,11 +292,8 @@ fn even_play(s: &Setting<'_>) -> Formula {
 
 fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     let slot = Slot::AfterActuator;
-    // Not over the steepest rate: steps are far steeper than what lies between them.
-    let unit = s.command.half / s.slope_power.sqrt().max(f64::MIN_POSITIVE);
+    let unit = growth_unit(s);
     let time = || Free::log("time", "s", 1e-5 * unit, 10.0 * unit);
-    let bandwidth = Free::log("bandwidth", "Hz", 1.0 / s.length, 50.0 / s.sample);
-    let frequencies = super::input::bandwidths(s);
     let growing = |name, law| {
         let (memory, scale) = (memory.clone(), s.steepest);
         let block = Block::GrowingPlays { memory, law, scale, smoothing: None };
@@ -272,10 +314,6 @@ fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     let own = own.into_iter().filter(|_| !s.base.is_white);
     let own = own.map(|(name, law)| growing(name, law));
     let all = vec![
-        Formula::new("thresholds that grow with the rate")
-            .block(slot, Block::RatePlays(memory.clone()), vec![time()])
-            .start(&[0.02 * unit])
-            .start(&[0.2 * unit]),
         Formula::new("thresholds that grow in proportion, up to a limit")
             .block(
                 slot,
@@ -292,9 +330,6 @@ fn rate(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
             )
             .start(&[0.3, 0.3])
             .start(&[0.3, 0.03]),
-        Formula::new("plays that lag")
-            .block(slot, Block::LaggedPlays(memory.clone()), vec![bandwidth])
-            .starts(frequencies.into_iter().map(|f| vec![f])),
         Formula::new("loop that grows with the rate")
             .block(
                 slot,

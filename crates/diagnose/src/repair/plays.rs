@@ -2,7 +2,7 @@
 
 use components::hysteresis::play::play;
 use data::{ComponentBlueprint, Value};
-use model::{Extension, Role};
+use model::{Declaration, Extension, Role};
 use numerics::least_squares::Reduced;
 
 use super::number;
@@ -33,14 +33,9 @@ impl Plays {
         (!pairs.is_empty()).then_some(Self { pairs })
     }
 
-    /// The component that an actuator becomes with an extension, with these plays; the part without memory
-    /// is a quantity of its own where there is one.
-    pub(super) fn written(
-        self,
-        old: &ComponentBlueprint,
-        by: Extension,
-    ) -> Option<ComponentBlueprint> {
-        let declaration = components::find(&old.kind)?.extended(by)?.declaration();
+    /// A component of this declaration with these plays; the part without memory is a quantity of its own where
+    /// there is one.
+    pub(super) fn written(self, declaration: &'static Declaration) -> Option<ComponentBlueprint> {
         let name =
             |role| declaration.parameters.iter().find(|q| q.role == Some(role)).map(|q| q.name);
         let mut component = ComponentBlueprint::new(declaration.kind);

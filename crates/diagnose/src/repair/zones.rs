@@ -3,7 +3,7 @@
 use data::ComponentBlueprint;
 use model::Extension;
 
-use super::{Plays, number, output_gain, take_place};
+use super::{Plays, extended, number, output_gain, take_place};
 use crate::library::{Piece, Slot};
 use crate::outcome::Outcome;
 use crate::select::Candidate;
@@ -38,7 +38,7 @@ pub(super) fn bent(
     let zones = Zones::of(&map, end(-1.0), end(1.0))?;
     plays.pairs.iter_mut().for_each(|(_, w)| *w *= zones.slope);
     let mut component = plays
-        .written(old, Extension::Bend)?
+        .written(extended(old, Extension::Bend)?)?
         .value("edge", zones.edges)
         .value("slope", zones.changes);
     take_place(&mut component, old);
