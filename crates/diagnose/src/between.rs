@@ -9,6 +9,9 @@
 //! band-limited            U'(f) = U(f)·exp(iπfT)/sinc(fT)             (sinc(x) = sin(πx)/(πx))
 //! ```
 //!
+//! A model that takes several steps from row to row is played the course itself: its mean over each step, or, as a
+//! converter does that interpolates between the rows, its value at the begin of each, held over it.
+//!
 //! Source: L. Ljung, System Identification, 2nd ed., 1999, section 13.3 (intersample behaviour);
 //! R. Pintelon, J. Schoukens, System Identification: A Frequency Domain Approach, 2012, section 6.8.
 //!
@@ -70,18 +73,22 @@ impl Between {
         if self == Self::Zoh { Reading::Before } else { Reading::With }
     }
 
-    /// The held command that stands for the logged one; as it is where the times are not uniform.
-    fn held(self, time: &[f64], command: Vec<f64>) -> Vec<f64> {
-        if self == Self::Zoh || command.len() < 8 || !is_uniform(time) {
-            return command;
-        }
+    /// The held command that stands for the logged one, a value for each step; as it is where the times are not uniform.
+    fn held(self, time: &[f64], command: &[f64], steps: Steps) -> Vec<f64> {
+        let Steps { per_row, are_held } = steps;
+        let is_short = command.len() < 8 || !is_uniform(time);
         match self {
-            Self::Zoh => command,
-            Self::Line => {
-                let means = command.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
-                means.chain(command.last().copied()).collect()
+            Self::Line if !is_short => {
+                let next = command[1..].iter().chain(command.last());
+                let middle = if are_held { 0.0 } else { 0.5 };
+                let row = |(u, next): (&f64, &f64)| {
+                    let (u, rise) = (*u, (next - u) / per_row as f64);
+                    (0..per_row).map(move |step| u + (step as f64 + middle) * rise)
+                };
+                command.iter().zip(next).flat_map(row).collect()
             }
-            Self::BandLimited => band_limited(&command),
+            Self::BandLimited if !is_short => band_limited(command, steps),
+            _ => command.iter().flat_map(|u| std::iter::repeat_n(*u, per_row)).collect(),
         }
     }
 }
@@ -139,22 +146,38 @@ impl Reading {
     }
 }
 
+/// The model's steps from row to row.
+#[derive(Clone, Copy)]
+struct Steps {
+    per_row: usize,
+    /// Whether a command that moves is held over each.
+    are_held: bool,
+}
+
 /// How a log is read: what the command does between rows, and when readings are taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Course {
     pub(crate) between: Between,
     pub(crate) reading: Reading,
+    /// Whether a command that moves is held over each of several steps of the model.
+    pub(crate) is_stepped: bool,
 }
 
 impl Course {
     /// As said, and as usual where nothing is.
     pub(crate) fn given(between: Option<Between>, reading: Option<Reading>) -> Self {
         let between = between.unwrap_or_default();
-        Self { between, reading: reading.unwrap_or(between.usual_reading()) }
+        let reading = reading.unwrap_or(between.usual_reading());
+        Self { between, reading, is_stepped: false }
     }
 
-    /// What else a log may be read as that says no more than this.
-    pub(crate) fn open(between: Option<Between>, reading: Option<Reading>) -> Vec<Self> {
+    /// What else a log may be read as that says no more than this, by a model with several `steps` from row to row or
+    /// one.
+    pub(crate) fn open(
+        between: Option<Between>,
+        reading: Option<Reading>,
+        steps: bool,
+    ) -> Vec<Self> {
         let given = Self::given(between, reading);
         let betweens = Between::ALL.into_iter().filter(|b| between.is_none_or(|own| own == *b));
         betweens
@@ -162,7 +185,12 @@ impl Course {
                 // A held command that acts at once is seen by the row that is read after it.
                 let usual = [between.usual_reading(), Reading::After];
                 let readings = reading.map_or(usual.to_vec(), |own| vec![own]);
-                readings.into_iter().map(move |reading| Self { between, reading })
+                let kinds: &[bool] =
+                    if steps && between != Between::Zoh { &[false, true] } else { &[false] };
+                let of = move |reading| {
+                    kinds.iter().map(move |kind| Self { between, reading, is_stepped: *kind })
+                };
+                readings.into_iter().flat_map(of)
             })
             .filter(|course| *course != given)
             .collect()
@@ -170,13 +198,17 @@ impl Course {
 
     /// In words, as in "the log is read as …".
     pub(crate) fn words(self) -> String {
-        format!("the command {}, each reading {}", self.between.words(), self.reading.words())
+        let stepped = if self.is_stepped { " and held over each step of the model" } else { "" };
+        let (between, reading) = (self.between.words(), self.reading.words());
+        format!("the command {between}{stepped}, each reading {reading}")
     }
 
-    /// The held command that stands for the logged one, row by row; it acts until the next row.
-    pub(crate) fn held(self, time: &[f64], command: &[f64]) -> Vec<f64> {
-        let mut held = self.between.held(time, command.to_vec());
-        let last = held.len().saturating_sub(1);
+    /// The held command that stands for the logged one, a value for each of these steps per row; the last of them acts
+    /// until the next row.
+    pub(crate) fn held(self, time: &[f64], command: &[f64], steps: usize) -> Vec<f64> {
+        let are_held = self.is_stepped && steps > 1;
+        let mut held = self.between.held(time, command, Steps { per_row: steps, are_held });
+        let kept = held.len().saturating_sub(steps);
         // Held, a row acts from its own instant on: a reading at that instant is one before it acts.
         let natural = self.between.usual_reading();
         let rows = match (self.between, self.reading) {
@@ -185,13 +217,14 @@ impl Course {
             (_, reading) => reading.row() - natural.row(),
         };
         match rows {
-            1 if last > 0 => {
-                held.rotate_left(1);
-                held[last] = held[last - 1];
+            1 if kept > 0 => {
+                held.rotate_left(steps);
+                let last = held[kept - 1];
+                held[kept..].fill(last);
             }
-            -1 if last > 0 => {
-                held.rotate_right(1);
-                held[0] = command[0];
+            -1 if kept > 0 => {
+                held.rotate_right(steps);
+                held[..steps].fill(command[0]);
             }
             _ => {}
         }
@@ -208,27 +241,32 @@ fn is_uniform(time: &[f64]) -> bool {
     period > 0.0 && time.iter().enumerate().all(is_near)
 }
 
-/// Half a sample earlier, the droop of the hold taken back. The record is continued by its mirror image, so
-/// that its end does not run into its begin.
-fn band_limited(command: &[f64]) -> Vec<f64> {
+/// Half a step earlier, the droop of its hold taken back; or as the course is at the begin of each step. The record is
+/// continued by its mirror image, so that its end does not run into its begin.
+fn band_limited(command: &[f64], Steps { per_row, are_held }: Steps) -> Vec<f64> {
     let mirrored: Vec<f64> = command.iter().chain(command.iter().rev()).copied().collect();
     let count = mirrored.len();
-    let mut all = Fft::forward(count).of_real(&mirrored);
-    for (k, value) in all.iter_mut().enumerate() {
+    let rows = Fft::forward(count).of_real(&mirrored);
+    let mut all = vec![Complex::default(); count * per_row];
+    for (k, value) in rows.into_iter().enumerate() {
         // Frequency times sample time, from -1/2 to 1/2.
-        let f = if 2 * k <= count { k as f64 } else { k as f64 - count as f64 } / count as f64;
-        let angle = std::f64::consts::PI * f;
+        let is_above = 2 * k <= count;
+        let f = if is_above { k as f64 } else { k as f64 - count as f64 } / count as f64;
+        let angle = std::f64::consts::PI * f / per_row as f64;
         let droop = if f == 0.0 { 1.0 } else { angle.sin() / angle };
-        *value *= Complex::from_polar(1.0 / droop, angle);
+        let at = if is_above { k } else { k + count * (per_row - 1) };
+        all[at] = if are_held { value } else { value * Complex::from_polar(1.0 / droop, angle) };
     }
-    Fft::inverse(count).process(&mut all);
-    all[..command.len()].iter().map(|value| value.re / count as f64).collect()
+    Fft::inverse(count * per_row).process(&mut all);
+    all[..command.len() * per_row].iter().map(|value| value.re / count as f64).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::f64::consts::{PI, TAU};
+
+    const ONE: Steps = Steps { per_row: 1, are_held: false };
 
     /// What a lag of 10 ms answers to a sine of 20 Hz that is sampled at 500 Hz: exactly, and to held commands.
     #[test]
@@ -239,7 +277,7 @@ mod tests {
         let w = TAU * frequency * lag;
         let exact = |t: f64| (TAU * frequency * t - w.atan()).sin() / (1.0 + w * w).sqrt();
         let error = |between: Between| {
-            let held = between.held(&time, command.clone());
+            let held = between.held(&time, &command, ONE);
             let decay = (-period / lag).exp();
             let (mut y, mut worst) = (0.0, 0.0_f64);
             for (k, t) in time.iter().enumerate() {
@@ -260,7 +298,9 @@ mod tests {
     fn a_reading_that_comes_later_answers_to_a_later_row() {
         let time: Vec<f64> = (0..10).map(f64::from).collect();
         let command: Vec<f64> = time.iter().map(|t| t * t).collect();
-        let held = |between, reading| Course { between, reading }.held(&time, &command);
+        let held = |between, reading| {
+            Course { between, reading, is_stepped: false }.held(&time, &command, 1)
+        };
         let zoh = held(Between::Zoh, Reading::Before);
         assert_eq!(zoh, command);
         assert_eq!(held(Between::Zoh, Reading::After)[..9], command[1..]);
@@ -271,12 +311,44 @@ mod tests {
     }
 
     #[test]
+    fn several_steps_from_row_to_row_are_played_the_course_itself() {
+        let time: Vec<f64> = (0..400).map(|k| f64::from(k) * 1e-3).collect();
+        // 60 and 180 Hz at 1 kHz, from rest to rest.
+        let course = |t: f64| {
+            (0.5 - 0.5 * (TAU * t / 0.4).cos())
+                * ((TAU * 60.0 * t).sin() + 0.5 * (TAU * 180.0 * t).sin())
+        };
+        let command: Vec<f64> = time.iter().map(|t| course(*t)).collect();
+        let of = |between, reading, is_stepped| {
+            Course { between, reading, is_stepped }.held(&time, &command, 4)
+        };
+        let error = |held: &[f64], wanted: &dyn Fn(f64) -> f64| {
+            let at = |(k, u): (usize, &f64)| (u - wanted(k as f64 * 2.5e-4)).abs();
+            held.iter().enumerate().skip(100).take(1400).map(at).fold(0.0, f64::max)
+        };
+        let (with, before, after) = (Reading::With, Reading::Before, Reading::After);
+        let stepped = |reading| of(Between::BandLimited, reading, true);
+        assert!(error(&stepped(with), &course) < 1e-3);
+        assert!(error(&stepped(before), &|t| course(t - 1e-3)) < 1e-3);
+        assert!(error(&stepped(after), &|t| course(t + 1e-3)) < 1e-3);
+        // The middle of each step, and 0.3 % of the wave of 180 Hz, which a hold over 0.25 ms takes.
+        assert!(error(&of(Between::BandLimited, with, false), &|t| course(t + 1.25e-4)) < 3e-3);
+        let at = |part: f64| command[10] + part * (command[11] - command[10]);
+        assert_eq!(of(Between::Line, with, true)[41], at(0.25));
+        assert_eq!(of(Between::Line, with, false)[41], at(0.375));
+        let zoh = of(Between::Zoh, before, false);
+        assert!(zoh.chunks(4).zip(&command).all(|(held, u)| held == [*u; 4]));
+        assert_eq!(of(Between::Zoh, after, false)[..1596], zoh[4..]);
+    }
+
+    #[test]
     fn what_is_said_is_not_open() {
         assert_eq!(Course::given(Some(Between::Line), None).reading, Reading::With);
-        let open = Course::open(None, None);
+        let open = Course::open(None, None, false);
         assert_eq!(open.len(), 5);
+        assert_eq!(Course::open(None, None, true).len(), 9);
         assert!(!open.contains(&Course::default()));
-        let of = |between, reading| Course::open(between, reading);
+        let of = |between, reading| Course::open(between, reading, false);
         assert!(of(Some(Between::Zoh), Some(Reading::After)).is_empty());
         assert!(of(Some(Between::Line), None).iter().all(|c| c.between == Between::Line));
         assert!(of(None, Some(Reading::With)).iter().all(|c| c.reading == Reading::With));
@@ -288,7 +360,7 @@ mod tests {
         time[7] += 0.1;
         let command: Vec<f64> = time.iter().map(|t| t.sin()).collect();
         for between in Between::ALL {
-            assert_eq!(between.held(&time, command.clone()), command);
+            assert_eq!(between.held(&time, &command, ONE), command);
             assert_eq!(Between::find(between.name()), Some(between));
         }
     }

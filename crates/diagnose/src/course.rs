@@ -23,7 +23,8 @@ use crate::thresholds::base::Thresholds;
 /// and the one is taken that leaves less with fewer effects. Other effects look like that, too (a lag of the model that
 /// acts faster, a crosstalk): another reading is taken if it leaves about as much with fewer effects.
 pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
-    let open = Course::open(request.between, request.reading);
+    let steps = task.data.has_steps();
+    let open = Course::open(request.between, request.reading, steps);
     if open.is_empty() || !task.base.is_white {
         return outcome::of(task, request, count);
     }
@@ -31,11 +32,19 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
     let mut outcome = outcome::of(task, request, count)?;
     let usual = outcome.task.course;
     let mode = mode_near_nyquist(&outcome);
-    let courses = match mode {
+    let courses: Vec<Course> = match mode {
         Some(_) => {
             open.into_iter().filter(|c| c.between != Between::Zoh && is_usual(*c)).rev().collect()
         }
-        None => promising(&outcome, &open, count).into_iter().collect::<Vec<_>>(),
+        None => {
+            let tried = promising(&outcome, &open, count);
+            let first = tried.first().filter(|(_, part)| *part < most(&outcome)).map(|t| t.0);
+            // A missing lag and a command that moves between the rows hide each other.
+            let is_open = outcome.verdict == Verdict::Unknown;
+            let moves = |c: &Course| c.between != Between::Zoh && is_usual(*c) && Some(*c) != first;
+            let others = tried.iter().map(|t| t.0).filter(|c| is_open && moves(c));
+            first.into_iter().chain(others.take(2)).collect()
+        }
     };
     let (first, first_named) = (outcome.left(), names(&outcome));
     let had_lag = has_released_lag(&outcome);
@@ -56,12 +65,9 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
                     && mode_near_nyquist(&other).is_none()
                     && (stands_for_it || leaves_less)
             }
-            // With fewer effects it stands for the others.
             None => {
                 other.left() < Thresholds::READING_LESS * outcome.left()
-                    || (is_explained(&other)
-                        && other.found.last.picks.len() < outcome.found.last.picks.len()
-                        && other.left() < Thresholds::READING_FOR_EFFECT * outcome.left())
+                    || stands_for_effects(&other, &outcome)
             }
         };
         if is_better {
@@ -70,6 +76,35 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
                 break;
             }
         }
+    }
+    // Whether a command that moves is held over each step of the model is half a step: a lag beside what is missing.
+    let course = outcome.task.course;
+    let other = Course { is_stepped: !course.is_stepped, ..course };
+    if steps && course.between != Between::Zoh && names_lag(&outcome) {
+        let data = fresh.data.played(other);
+        match outcome::of(Task { course: other, data, ..fresh.clone() }, request, count) {
+            Ok(other) if stands_for_effects(&other, &outcome) => outcome = other,
+            _ => {}
+        }
+    }
+    let course = outcome.task.course;
+    let finer =
+        (course.between != Between::Zoh && !steps).then(|| finer(&outcome, &fresh)).flatten();
+    if let Some(task) = finer
+        && let Ok(other) = outcome::of(task, request, count)
+        && (stands_for_effects(&other, &outcome)
+            || (names(&other) == names(&outcome)
+                && other.left() < Thresholds::FINER_LESS * outcome.left()))
+    {
+        let less = (outcome.left() / other.left()).sqrt();
+        let counted_effects = data::counted(outcome.found.last.picks.len(), "effect");
+        outcome = other;
+        outcome.task.warnings.push(format!(
+            "{}: the model is simulated in steps of {} s: with its own, one from row to row, the best answer would leave \
+             {less:.2} times as much, with {}: a command that moves between the rows acts on a curved part otherwise than \
+             its mean",
+            outcome.task.output, outcome.task.data.step, counted_effects
+        ));
     }
     let (output, course) = (outcome.task.output.clone(), outcome.task.course);
     let read_as = |what: String| {
@@ -132,17 +167,40 @@ fn has_released_lag(o: &Outcome) -> bool {
     })
 }
 
-fn is_usual(course: Course) -> bool {
-    course == Course::given(Some(course.between), None)
+/// The same records with a model of several steps from row to row, where effects are missing: a held command stands for one
+/// that moves in linear parts alone.
+fn finer(outcome: &Outcome, fresh: &Task) -> Option<Task> {
+    let is_alone = outcome.verdict == Verdict::Effects && outcome.task.coupled.is_none();
+    let course = outcome.task.course;
+    let data = is_alone.then(|| fresh.data.finer(Thresholds::FINER_STEPS).played(course))?;
+    Some(Task { course, data, ..fresh.clone() })
 }
 
-/// The one of these with which the model, or the best that was found, leaves least, where that is clearly less.
-fn promising(o: &Outcome, open: &[Course], count: &AtomicU64) -> Option<Course> {
+/// Whether this reading explains the log with fewer effects, and leaves about as much.
+fn stands_for_effects(other: &Outcome, outcome: &Outcome) -> bool {
+    is_explained(other)
+        && other.found.last.picks.len() < outcome.found.last.picks.len()
+        && other.left() < Thresholds::READING_FOR_EFFECT * outcome.left()
+}
+
+/// Whether a lag was found.
+fn names_lag(o: &Outcome) -> bool {
+    let mut picks = o.found.last.picks.iter();
+    picks.any(|(family, _)| o.library[*family].effect.group == Some(Group::Lag))
+}
+
+fn is_usual(course: Course) -> bool {
+    course.reading == Course::given(Some(course.between), None).reading
+}
+
+/// The error power that the model, or the best that was found, leaves with each of these, over what it leaves now; the
+/// least first.
+fn promising(o: &Outcome, open: &[Course], count: &AtomicU64) -> Vec<(Course, f64)> {
     let both = [&o.found.base, o.best()];
     if !has_gap(&o.found.base, o.adequate) {
-        return None;
+        return Vec::new();
     }
-    let tried: Vec<(Course, f64)> = open
+    let mut tried: Vec<(Course, f64)> = open
         .par_iter()
         .with_max_len(1)
         .filter_map(|course| {
@@ -163,12 +221,16 @@ fn promising(o: &Outcome, open: &[Course], count: &AtomicU64) -> Option<Course> 
             Some((*course, parts.min_by(f64::total_cmp)?))
         })
         .collect();
-    let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let most = match has_released_lag(o) {
+    tried.sort_by(|a, b| a.1.total_cmp(&b.1));
+    tried
+}
+
+/// The greatest part of the error power with which another reading is tried.
+fn most(o: &Outcome) -> f64 {
+    match has_released_lag(o) {
         true => Thresholds::READING_TRIED_FOR_LAG,
         false => Thresholds::READING_LESS,
-    };
-    (best.1 < most).then_some(best.0)
+    }
 }
 
 /// Mean square in SI of what the answer leaves on held-out rows.

@@ -40,6 +40,13 @@ impl RecordData {
     pub(crate) fn still(&self) -> usize {
         self.logged.iter().take_while(|u| **u == self.logged[0]).count()
     }
+
+    /// Steps of the grid from each row to the next, where they are as many for all.
+    fn steps_per_row(&self) -> Option<usize> {
+        let mut all = self.hit_of_row.windows(2).map(|pair| (pair[1] - pair[0]) as usize);
+        let first = all.next().filter(|steps| *steps > 0)?;
+        all.all(|steps| steps == first).then_some(first)
+    }
 }
 
 /// An auxiliary column.
@@ -85,6 +92,8 @@ pub(crate) struct DataSet {
     pub(crate) command_span: Span,
     /// Range of the output.
     pub(crate) output_span: Span,
+    /// Whether the grid is finer than the model says.
+    pub(crate) is_finer: bool,
 }
 
 /// One record as it comes.
@@ -117,6 +126,7 @@ impl DataSet {
             fit_rows: Vec::new(),
             command_span: Span::of(records.iter().flat_map(|r| r.command.iter().copied())),
             output_span: Span::of(records.iter().flat_map(|r| r.y.iter().copied())),
+            is_finer: false,
         };
         all.aux = aux
             .iter()
@@ -181,10 +191,15 @@ impl DataSet {
     pub(crate) fn played(&self, course: Course) -> Self {
         let mut all = self.clone();
         for ((_, times), record) in self.times().zip(&self.records) {
-            let held = course.held(&times, &record.logged);
+            let steps = record.steps_per_row();
+            let held = course.held(&times, &record.logged, steps.unwrap_or(1));
             let command = &mut all.command[record.hits.clone()];
-            for (pair, value) in record.hit_of_row.windows(2).zip(&held) {
-                command[pair[0] as usize + 1..=pair[1] as usize].fill(*value);
+            for (row, pair) in record.hit_of_row.windows(2).enumerate() {
+                let hits = &mut command[pair[0] as usize + 1..=pair[1] as usize];
+                match steps {
+                    Some(steps) => hits.copy_from_slice(&held[row * steps..][..steps]),
+                    None => hits.fill(held[row]),
+                }
             }
             if let (Some(first), Some(rest)) = (command.first_mut(), record.logged.first()) {
                 *first = record.rest.unwrap_or(*rest);
@@ -192,6 +207,46 @@ impl DataSet {
         }
         all.command_span = Span::of(all.command.iter().copied());
         all
+    }
+
+    /// These records on a grid with `parts` steps in the place of each.
+    pub(crate) fn finer(&self, parts: usize) -> Self {
+        let mut all = self.clone();
+        // A record has its rest, and its steps.
+        let of_record = |r: &RecordData, values: &[f64]| {
+            let values = &values[r.hits.clone()];
+            let steps = values[1..].iter().flat_map(|v| std::iter::repeat_n(*v, parts));
+            values.first().copied().into_iter().chain(steps).collect::<Vec<f64>>()
+        };
+        let expand = |values: &[f64]| {
+            self.records.iter().flat_map(|r| of_record(r, values)).collect::<Vec<f64>>()
+        };
+        all.command = expand(&self.command);
+        for (aux, given) in all.aux.iter_mut().zip(&self.aux) {
+            aux.hits = expand(&given.hits);
+        }
+        let mut start = 0;
+        for (record, given) in all.records.iter_mut().zip(&self.records) {
+            let at = |hit: usize| start + (hit - given.hits.start) * parts;
+            for row in given.rows.clone() {
+                all.row_hit[row] = at(self.row_hit[row] as usize) as u32;
+            }
+            let training = given.training_hits_end;
+            record.training_hits_end =
+                if training > given.hits.start { at(training - 1) + 1 } else { start };
+            record.hit_of_row.iter_mut().for_each(|hit| *hit *= parts as u32);
+            let end = at(given.hits.end - 1) + 1;
+            record.hits = start..end;
+            start = end;
+        }
+        all.step /= parts as f64;
+        all.is_finer = true;
+        all
+    }
+
+    /// Whether the model takes several steps from row to row.
+    pub(crate) fn has_steps(&self) -> bool {
+        self.records.iter().any(|record| record.steps_per_row().is_some_and(|steps| steps > 1))
     }
 
     fn choose_fit_rows(&mut self) {
@@ -268,5 +323,50 @@ impl DataSet {
     /// Rows of a record that are held out.
     pub(crate) fn held_out(record: &RecordData) -> Range<usize> {
         record.training.end..record.rows.end
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::between::{Between, Reading};
+
+    /// Two records of twelve rows, the first with a run-in of two.
+    fn records() -> DataSet {
+        let record = |begin: f64, run_in: usize| RecordRows {
+            name: String::new(),
+            time: (0..12).map(|k| f64::from(k) * 1e-3).collect(),
+            command: (0..12).map(|k| begin + f64::from(k)).collect(),
+            y: vec![0.0; 12],
+            aux: vec![(0..12).map(f64::from).collect()],
+            others: Vec::new(),
+            run_in,
+            training: 0.5,
+        };
+        DataSet::new(vec![record(0.0, 2), record(100.0, 0)], &[("T".into(), false)], Some(1e-3))
+    }
+
+    #[test]
+    fn a_finer_grid_is_that_of_a_model_with_the_shorter_step() {
+        let own = records();
+        let finer = own.finer(4);
+        assert!(finer.has_steps() && !own.has_steps());
+        assert_eq!((finer.step, finer.command.len()), (2.5e-4, 2 * (11 * 4 + 1)));
+        for (short, long) in finer.records.iter().zip(&own.records) {
+            assert_eq!((&short.rows, &short.training), (&long.rows, &long.training));
+            let last = short.training.end - 1;
+            assert_eq!(short.training_hits_end, finer.row_hit[last] as usize + 1);
+            for row in long.rows.clone() {
+                let (at, of) = (finer.row_hit[row] as usize, own.row_hit[row] as usize);
+                assert_eq!(at - short.hits.start, 4 * (of - long.hits.start));
+                // Held, the same command acts at each row.
+                assert_eq!(finer.command[at], own.command[of]);
+                assert_eq!(finer.aux[0].hits[at], own.aux[0].hits[of]);
+            }
+        }
+        let line = Course { between: Between::Line, reading: Reading::With, is_stepped: true };
+        let played = finer.played(line);
+        let second = &played.command[finer.records[1].hits.clone()];
+        assert_eq!(second[..6], [100.0, 100.0, 100.25, 100.5, 100.75, 101.0]);
     }
 }

@@ -152,6 +152,13 @@ impl Diagnosis {
     pub fn repair(&mut self, blueprint: &data::Blueprint) -> (data::Blueprint, Vec<String>) {
         let mut repaired = blueprint.clone();
         let (mut notes, mut after) = (Vec::new(), Vec::new());
+        let finer = self.outcomes.iter().map(|o| &o.task.data).filter(|data| data.is_finer);
+        if let Some(step) = finer.map(|data| data.step).min_by(f64::total_cmp) {
+            repaired.step = data::Value::Number(step);
+            notes.push(format!(
+                "the step of the repaired blueprint is {step} s, as its command moves between rows"
+            ));
+        }
         for outcome in &self.outcomes {
             let (own, judged) = repair::repair(outcome, outcome.task.axis, &mut repaired);
             notes.extend(own);

@@ -20,6 +20,10 @@ impl Thresholds {
     pub(crate) const READING_TRIED_FOR_LAG: f64 = 0.95;
     /// Error power that another reading may leave with fewer effects, over that with them.
     pub(crate) const READING_FOR_EFFECT: f64 = 1.1;
+    /// Steps from row to row of a model that has one, where a command moves that acts on a curved part.
+    pub(crate) const FINER_STEPS: usize = 2;
+    /// Error power that it must leave, over what the model's own step leaves.
+    pub(crate) const FINER_LESS: f64 = 0.95;
     /// Least motion of the reading while the command stands, over its range and over the noise, for another rest
     /// state.
     pub(crate) const START_MOVES: (f64, f64) = (0.05, 10.0);
