@@ -112,3 +112,122 @@ fn check_says_what_is_wrong_with_a_component() {
         assert!(message.contains(wanted), "{entry}: {message}");
     }
 }
+
+/// What commands do with components, in a build that runs them.
+#[cfg(feature = "wasm")]
+mod run {
+    use super::*;
+    use common::bench::{Process, port};
+
+    /// The same model as `NAME-library.fmu` and, with a component alone, as `NAME-component.fmu`.
+    fn both(model: &str, folder: &Path) -> [String; 2] {
+        let stem = model.trim_end_matches(".toml");
+        [("library", None), ("component", Some("--wasm=only"))].map(|(kind, more)| {
+            let fmu = format!("{stem}-{kind}.fmu");
+            let call = [&["pack", model, "--fmi", "3", "-o", &fmu][..], more.as_slice()].concat();
+            succeed(&call, folder);
+            fmu
+        })
+    }
+
+    fn same(files: [&str; 2], folder: &Path) {
+        let [a, b] = files.map(|file| fs::read_to_string(folder.join(file)).expect(file));
+        assert!(a == b && a.lines().count() > 500, "{files:?} differ");
+        // Whatever has moved: rows that differ behind the time.
+        let rest = |line: &str| line.split_once(',').map(|(_, rest)| rest.to_owned());
+        let values: std::collections::HashSet<_> = a.lines().map(rest).collect();
+        assert!(values.len() > 100, "{files:?}: it moves");
+    }
+
+    #[test]
+    fn simulate_writes_what_it_writes_with_the_library() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let here = folder.path();
+        let rows: String = (0..600)
+            .map(|k| {
+                format!("{},{}\n", 1e-4 * f64::from(k), 3.0 + 2.0 * (0.02 * f64::from(k)).sin())
+            })
+            .collect();
+        fs::write(here.join("log.csv"), format!("time,u\n{rows}")).expect("a log");
+        for rig in RIGS {
+            let outputs = both(rig, here).map(|fmu| {
+                let out = format!("{fmu}.csv");
+                let call =
+                    ["simulate", &fmu, "--log", "log.csv", "--map", "command[1]=u", "-o", &out];
+                succeed(&call, here);
+                out
+            });
+            same([&outputs[0], &outputs[1]], here);
+        }
+        // In a process of its own.
+        let call = ["simulate", "p1-component.fmu", "--log", "log.csv", "--map", "command[1]=u"];
+        succeed(&[&call[..], &["--isolate", "-o", "isolated.csv"]].concat(), here);
+        same(["p1-library.fmu.csv", "isolated.csv"], here);
+    }
+
+    #[test]
+    fn loops_and_systems_of_components_are_those_of_libraries() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let here = folder.path();
+        succeed(&["invert", "p1", "--period", "1e-3", "-o", "controller.toml"], here);
+        let (plants, controllers) = (both("p1", here), both("controller.toml", here));
+        let rows: String = (0..600)
+            .map(|k| {
+                format!("{},{}\n", 1e-3 * f64::from(k), 10.0 + 5.0 * (0.05 * f64::from(k)).sin())
+            })
+            .collect();
+        fs::write(here.join("reference.csv"), format!("time,reference[1]\n{rows}")).expect("a log");
+        let [libraries, components] = [0, 1].map(|kind| {
+            let (plant, controller) = (&plants[kind], &controllers[kind]);
+            let out = |what: &str| format!("{what}-{kind}.csv");
+            let call = ["simulate", "--loop", plant, controller, "--reference", "reference.csv"];
+            succeed(&[&call[..], &["-o", &out("loop")]].concat(), here);
+            let system = format!(
+                "name = \"p1\"\nstep = 1e-3\norder = [\"controller\", \"plant\"]\n\
+                 [fmus]\ncontroller = \"{controller}\"\nplant = \"{plant}\"\n\
+                 [connections]\n\"plant.command[1]\" = \"controller.command[1]\"\n\
+                 \"controller.measured[1]\" = \"plant.position[1]\"\n\
+                 [inputs]\n\"controller.reference[1]\" = \"reference[1]\"\n\
+                 [record]\n\"command[1]\" = \"plant.command[1]\"\n\"position[1]\" = \"plant.position[1]\"\n"
+            );
+            fs::write(here.join("system.toml"), system).expect("a system");
+            let ssp = format!("system-{kind}.ssp");
+            succeed(&["system", "system.toml", "--export", &ssp], here);
+            for algorithm in ["gauss-seidel", "iteration"] {
+                let call = ["system", &ssp, "--input", "reference.csv", "--algorithm", algorithm];
+                succeed(&[&call[..], &["-o", &out(algorithm)]].concat(), here);
+            }
+            ["loop", "gauss-seidel", "iteration"].map(out)
+        });
+        for (library, component) in libraries.iter().zip(&components) {
+            same([library, component], here);
+        }
+    }
+
+    #[test]
+    fn the_bench_runs_a_component_and_its_library_replays_the_record() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let here = folder.path();
+        succeed(&["invert", "p1", "--period", "1e-3", "-o", "controller.toml"], here);
+        let [library, component] = both("controller.toml", here);
+        let plan = "rate = 1000\nsettle = 0.1\napproach = 0.1\npatience = 20\n\
+                    [[axis]]\ncommand_limits = [-2, 12]\n\
+                    [watch]\nhold = 300\nmax_age = 300\n\
+                    [[sequence]]\nkind = \"signal\"\nname = \"multisine-odd\"\naxis = 1\noffset = 10\ngain = 0.5\n";
+        fs::write(here.join("plan.toml"), plan).expect("a plan");
+        let gateway = format!("udp://127.0.0.1:{}", port());
+        let machine =
+            Process::tool(&["bench", "emulate", "p1", "--gateway", &gateway, "--rate", "1k"], here);
+        assert!(machine.first.contains("machine p1"), "{}", machine.first);
+        let call = ["bench", "run", &component, "--plan", "plan.toml", "--gateway", &gateway];
+        let answer = json(&[&call[..], &["--record", "run.parquet"]].concat(), here);
+        assert_eq!(answer["reason"], "the plan has ended", "{answer:#}");
+        let again = json(&["bench", "replay", "run.parquet"], here);
+        let other = ["bench", "replay", "run.parquet", "--fmu", &library, "--any-fmu"];
+        let other = json(&other, here);
+        for answer in [again, other] {
+            assert_eq!(answer["different"], 0, "{answer:#}");
+            assert!(answer["records"][0]["compared"].as_u64() > Some(1000), "{answer:#}");
+        }
+    }
+}
