@@ -362,6 +362,85 @@ fn a_loop_follows_an_analog_input_and_is_recorded() {
     assert!(message.contains("the instrument takes 32768"), "{message}");
 }
 
+/// The answer of an emulated NV200 to a command or a question.
+fn told(place: &str, line: &str) -> String {
+    let mut stream = std::net::TcpStream::connect(place).unwrap();
+    stream.write_all(format!("{line}\r").as_bytes()).unwrap();
+    let mut answer = Vec::new();
+    BufReader::new(stream).read_until(0x11, &mut answer).unwrap();
+    String::from_utf8_lossy(&answer).trim_matches(|c: char| c.is_control()).to_owned()
+}
+
+#[test]
+fn an_nv200_follows_its_analog_input_and_lets_go_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let volts = analog_signal(here);
+    let place = format!("127.0.0.1:{}", port());
+    let plant = ["p1", "--rate", "20k", "--analog", "analog.csv"];
+    let _machine = emulated("nv200", "NV200", &place, &plant, here);
+    let gateway = format!("nv200://{place}?timeout=2");
+    let begin = ["bench", "measure", "--gateway", &gateway, "-o", "log.csv", "--follow"];
+    let call = |more: &[&'static str]| [&begin[..], more].concat();
+    let as_it_was = || {
+        assert_eq!(
+            ["modsrc", "modon", "sr"].map(|name| told(&place, name)),
+            ["modsrc,0", "modon,0", "sr,2000"]
+        );
+    };
+    let answer = json(&call(&["1", "--duration", "2.4", "--every", "40"]), here);
+    assert_eq!((&answer["rows"], &answer["sample_time_s"]), (&1200.into(), &2e-3.into()));
+    // The recorder has two channels.
+    assert_eq!(answer["columns"], serde_json::json!(["command[1]", "position[1]"]));
+    as_it_was();
+    let log = data::Log::read(&here.join("log.csv"), &data::ReadOptions::default()).unwrap();
+    let column = |name: &str| log.column(name).unwrap().values.clone();
+    let (target, position) = (column("command[1]"), column("position[1]"));
+    // 0 to 10 V are the travel, from -7 to 42 um; below 0 V it stays at its end.
+    let [low, high] = ["posmin", "posmax"]
+        .map(|name| told(&place, name).rsplit_once(',').unwrap().1.parse::<f64>().unwrap());
+    assert!((low + 7.0).abs() < 1e-3 && (high - 42.0).abs() < 1e-3, "{low} {high}");
+    let wanted: Vec<f64> = volts.iter().map(|v| low + 0.1 * (high - low) * v.max(0.0)).collect();
+    let off = |first: usize| {
+        let differs = |(k, y): (usize, &f64)| (y - wanted[(first + k) % wanted.len()]).abs();
+        target.iter().enumerate().map(differs).fold(0.0_f64, f64::max)
+    };
+    let least = (0..wanted.len()).map(off).fold(f64::INFINITY, f64::min);
+    assert!(
+        least < 2e-6,
+        "the set point is the scaled signal, from the first row on: {least} um off"
+    );
+    // An integrator of 30 1/s: it comes after within some 0.1 s.
+    let late = |lag: usize| {
+        let pairs = position[lag..].iter().zip(&target);
+        (pairs.map(|(y, r)| (y - r).powi(2)).sum::<f64>() / (target.len() - lag) as f64).sqrt()
+    };
+    let (now, later) = (late(0), late(17));
+    assert!(later < 0.75 * now && now < 6.0, "{now} um, {later} um after 34 ms");
+    // Ended early, no log is written and the input is disconnected.
+    std::fs::remove_file(here.join("log.csv")).unwrap();
+    let process = Process::tool(&call(&["1", "--duration", "60"]), here);
+    assert!(process.first.contains("follows input signal 1"), "{}", process.first);
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    process.signal("-INT");
+    assert_eq!((process.end().1, here.join("log.csv").exists()), (Some(2), false));
+    as_it_was();
+    // One that works so by itself goes on.
+    for line in ["cl,1", "modon,1", "modsrc,1"] {
+        assert_eq!(told(&place, line), "");
+    }
+    json(&call(&["1", "--duration", "0.5"]), here);
+    assert_eq!(["modsrc", "modon"].map(|name| told(&place, name)), ["modsrc,1", "modon,1"]);
+
+    let message = refuse(&call(&["2", "--duration", "1"]), here);
+    assert!(message.contains("one input signal, its analog input: give --follow 1"), "{message}");
+    assert_eq!(told(&place, "modsrc,2"), "");
+    let message = refuse(&call(&["1", "--duration", "1"]), here);
+    assert!(message.contains("input signal 2 gives the targets of the axis already"), "{message}");
+    let message = refuse(&call(&["1", "--duration", "1", "--every", "1"]), here);
+    assert!(message.contains("the instrument takes 6144"), "{message}");
+}
+
 #[test]
 fn analog_signals_that_are_none_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -375,7 +454,10 @@ fn analog_signals_that_are_none_are_refused() {
     refused("time,u\n0,1\n1,12\n", "gcs", "u has 12 V; an analog input takes -10 to 10 V");
     refused("time,u,v\n0,1,1\n1,1,1\n", "gcs", "has 2 columns for 1 analog inputs");
     refused("time,u [um]\n0,1\n1,1\n", "gcs", "um");
-    refused("time,u\n0,1\n1,1\n", "nv200", "--analog needs --protocol gcs");
+    refused("time,u,v\n0,1,1\n1,1,1\n", "nv200", "has 2 columns for 1 analog inputs");
+    let call = ["bench", "emulate", "p1", "--rate", "500", "--gateway", "udp://127.0.0.1:9000"];
+    let message = refuse(&[&call[..], &["--analog", "analog.csv"]].concat(), here);
+    assert!(message.contains("--analog needs --protocol gcs or nv200"), "{message}");
 }
 
 #[test]

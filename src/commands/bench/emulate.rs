@@ -47,8 +47,9 @@ pub(crate) struct Emulate {
     /// Voltage range of an instrument, if the plant's inputs have no bounds
     #[arg(long, value_name = "MIN..MAX", value_parser = ranges::limits())]
     volts: Option<[f64; 2]>,
-    /// Voltages at the analog inputs of an instrument of PI: a log with one record of equally spaced rows and a column in V
-    /// for each input, from the first; it is repeated [default: the inputs are wired to second sensors of the axes]
+    /// Voltages at the analog inputs of an instrument: a log with one record of equally spaced rows and a column in V for
+    /// each input, from the first; it is repeated [default: of an instrument of PI the inputs are wired to second sensors
+    /// of the axes, of an NV200 there are 0 V]
     #[arg(long, value_name = "FILE")]
     analog: Option<PathBuf>,
     /// The runner's address; packets from others are ignored [default: 127.0.0.1 and the next port]
@@ -158,7 +159,9 @@ impl Emulate {
             bail!("--volts needs --protocol gcs or nv200");
         }
         if self.analog.is_some() {
-            bail!("--analog needs --protocol gcs: what is emulated here has no analog inputs");
+            bail!(
+                "--analog needs --protocol gcs or nv200: what is emulated here has no analog inputs"
+            );
         }
         let script = self.script()?;
         let stop = Arc::new(AtomicBool::new(false));

@@ -107,17 +107,18 @@ impl Play<'_> {
             (Kind::Gcs, Some(signals)) => {
                 Box::new(GcsInstrument::new(make()?, travel).with_signals(signals))
             }
-            (Kind::Nv200, Some(_)) => {
-                bail!("--analog needs --protocol gcs: the emulated NV200 has no analog input")
-            }
-            (Kind::Nv200, None) => {
-                Box::new(Nv200Instrument::new(make()?, travel).with_context(|| {
+            (Kind::Nv200, signals) => {
+                let instrument = Nv200Instrument::new(make()?, travel).with_context(|| {
                     format!(
                         "an NV200 has one axis, {} has {}; choose with --commands and --positions",
                         opened.name,
                         commands.len()
                     )
-                })?)
+                })?;
+                match signals {
+                    Some(signals) => Box::new(instrument.with_signals(signals)),
+                    None => Box::new(instrument),
+                }
             }
         };
         let duration_ns = self.duration.map(|seconds| (seconds * 1e9) as u64);

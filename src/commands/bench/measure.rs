@@ -24,13 +24,14 @@ use crate::ranges;
 /// --follow N records a loop that follows input signal N of the instrument instead, such as its analog input.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop bench measure triangles.csv --gateway 'gcs://10.0.0.5?mode=open' -o log.csv\n  piezoloop bench measure steps.csv --gateway 'gcs:///dev/ttyUSB0?axes=2&baud=115200' --every 2 -o loop.csv\n  piezoloop bench measure triangles.csv --gateway nv200://10.0.0.6 -o loop.csv\n  piezoloop bench measure --follow 4 --duration 2 --gateway gcs://10.0.0.5 -o loop.csv"
+    after_help = "Examples:\n  piezoloop bench measure triangles.csv --gateway 'gcs://10.0.0.5?mode=open' -o log.csv\n  piezoloop bench measure steps.csv --gateway 'gcs:///dev/ttyUSB0?axes=2&baud=115200' --every 2 -o loop.csv\n  piezoloop bench measure triangles.csv --gateway nv200://10.0.0.6 -o loop.csv\n  piezoloop bench measure --follow 4 --duration 2 --gateway gcs://10.0.0.5 -o loop.csv\n  piezoloop bench measure --follow 1 --duration 2 --gateway nv200://10.0.0.6 -o loop.csv"
 )]
 pub(crate) struct Measure {
     /// The signal: a log with one record of equally spaced rows
     #[arg(required_unless_present = "follow")]
     signal: Option<PathBuf>,
-    /// Number of the instrument's input signal that gives the targets meanwhile; it needs --duration
+    /// Number of the instrument's input signal that gives the targets meanwhile (1 for the analog input of an NV200); it
+    /// needs --duration
     #[arg(long, value_name = "INPUT", conflicts_with_all = ["signal", "column", "cycles"], requires = "duration", value_parser = ranges::integers(1, 1000_u32))]
     follow: Option<u32>,
     /// How long an input signal is followed, in s
@@ -187,7 +188,7 @@ pub(super) fn log_of(
     let mut log = Log::new(&file.display().to_string(), time)?;
     let command_unit = if closed { unit } else { "V" };
     log.add_column(&format!("command[{axis}]"), Some(command_unit), recorded.command.clone())?;
-    if closed {
+    if closed && !recorded.voltage.is_empty() {
         log.add_column(&format!("voltage[{axis}]"), Some("V"), recorded.voltage.clone())?;
     }
     log.add_column(&format!("position[{axis}]"), Some(unit), recorded.position.clone())?;

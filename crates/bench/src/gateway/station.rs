@@ -68,8 +68,9 @@ pub struct Follow {
 pub struct Input {
     /// The input signal that gives the targets of the axis now; 0: none.
     pub connected: u32,
-    /// The target that the one asked for gives.
-    pub target: f64,
+    /// The target that the one asked for gives; none: the instrument does not tell, and is led there slowly when it is
+    /// connected.
+    pub target: Option<f64>,
 }
 
 /// What an instrument has recorded: in row k the position was sampled before command and voltage of that row acted.
@@ -79,7 +80,7 @@ pub struct Recorded {
     pub period: f64,
     /// Targets, or voltages with the servo off.
     pub command: Vec<f64>,
-    /// Voltages.
+    /// Voltages; empty: there was no room for them.
     pub voltage: Vec<f64>,
     /// Positions.
     pub position: Vec<f64>,
@@ -201,7 +202,7 @@ pub trait Station {
 
 fn no_input(number: u32) -> String {
     format!(
-        "the targets cannot come from input signal {number} here; an instrument of PI can do that: gcs://IP"
+        "the targets cannot come from input signal {number} here; gcs://IP and nv200://IP can do that"
     )
 }
 
@@ -289,7 +290,8 @@ pub fn play(station: &mut dyn Station, wave: &Wave) -> Result<Recorded, String> 
 
 fn checked(recorded: Recorded, rows: usize) -> Result<Recorded, String> {
     let lengths = [&recorded.command, &recorded.voltage, &recorded.position].map(Vec::len);
-    if lengths.iter().any(|length| *length != rows) {
+    let is_short = |(at, length): (usize, &usize)| *length != rows && !(at == 1 && *length == 0);
+    if lengths.iter().enumerate().any(is_short) {
         return Err(format!("the recorder gave {lengths:?} values where {rows} were asked for"));
     }
     Ok(recorded)
@@ -324,13 +326,15 @@ pub fn follow(
             "input signal {connected} gives the targets of the axis already; record that one, or disconnect it first"
         ));
     }
-    if !(least..=greatest).contains(&target) {
+    let outside = target.filter(|target| !(least..=greatest).contains(target));
+    if let Some(target) = outside {
         return Err(format!(
             "input signal {number} asks for {target}, the travel of the axis is from {least} to {greatest}; scale the input with its offset and gain (parameters 0x02000200, 0x02000300), or change the signal"
         ));
     }
     let before = station.place()?;
-    lead(station, true, target)?;
+    let begin = if before.closed { before.target } else { before.position };
+    lead(station, true, target.unwrap_or(begin.clamp(least, greatest)))?;
     let recorded = station.follow(follow, go_on);
     // What is commanded now is no longer what was commanded last: on from where the axis is.
     let position = station.place().map(|place| place.position.clamp(least, greatest));

@@ -66,6 +66,11 @@ impl Inputs {
         Inputs { signals: None, saved: now.clone(), now }
     }
 
+    /// What is led to an analog input, from 0, in V; nothing: 0 V.
+    pub(super) fn volts(&self, input: usize, seconds: f64) -> f64 {
+        self.signals.as_ref().map_or(0.0, |signals| signals.at(input, seconds))
+    }
+
     /// An analog input, from 0, normalized: what is led to it, or a second sensor.
     pub(super) fn normalized(&self, input: usize, seconds: f64, sensor: f64) -> f64 {
         self.signals.as_ref().map_or(sensor, |signals| 10.0 * signals.at(input, seconds))

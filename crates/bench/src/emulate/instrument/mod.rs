@@ -49,7 +49,7 @@ const INTEGRAL: f64 = 0.03;
 const INTEGRAL_RATE: f64 = 30.0;
 /// Within this share of the travel an axis is on its target.
 const ON_TARGET: f64 = 1e-3;
-/// Steps in which the plant comes to rest when its ends are measured.
+/// Steps in which the plant is led to each of its ends, steps in which it comes to rest there, and those in which it is read.
 const REST: usize = 2000;
 
 /// How far an axis goes.
@@ -82,16 +82,27 @@ impl Travel {
 
 /// Measures how far each axis of a plant goes between two voltages: it is used up.
 ///
+/// The voltages are led there smoothly, and the positions averaged: a light mode would still ring after a jump.
+///
 /// # Errors
 /// The plant failed.
 pub fn travel(mut plant: Plant, volts: &[[f64; 2]]) -> Result<Vec<Travel>, PlantError> {
     let mut ends = [0, 1].map(|_| vec![0.0; plant.axes()]);
+    let mut from = plant.commands()?;
+    let mut read = vec![0.0; plant.axes()];
     for (end, positions) in ends.iter_mut().enumerate() {
-        let commands: Vec<f64> = volts.iter().map(|volts| volts[end]).collect();
-        for _ in 0..REST {
-            plant.step(&commands)?;
+        let to: Vec<f64> = volts.iter().map(|volts| volts[end]).collect();
+        for k in 1..=3 * REST {
+            let part = (k as f64 / REST as f64).min(1.0);
+            let share = 0.5 - 0.5 * (core::f64::consts::PI * part).cos();
+            let lead = from.iter().zip(&to).map(|(from, to)| from + share * (to - from));
+            plant.step(&lead.collect::<Vec<_>>())?;
+            if k > 2 * REST {
+                plant.read(&mut read);
+                positions.iter_mut().zip(&read).for_each(|(sum, y)| *sum += y / REST as f64);
+            }
         }
-        plant.read(positions);
+        from = to;
     }
     let axis =
         |axis: usize| Travel { volts: volts[axis], positions: [ends[0][axis], ends[1][axis]] };
@@ -209,6 +220,11 @@ impl Stage {
         let normalized = self.inputs.normalized(input, seconds, sensor);
         let [offset, gain] = self.inputs.now.scales[n];
         [normalized, offset + gain * normalized]
+    }
+
+    /// What is led to an analog input, from 0, now, in V; nothing: 0 V.
+    pub(super) fn analog_volts(&self, input: usize) -> f64 {
+        self.inputs.volts(input, self.steps as f64 * self.period())
     }
 
     /// The target of an axis that an input signal gives; none: none is connected to it.

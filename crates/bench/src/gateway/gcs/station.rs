@@ -305,7 +305,7 @@ impl Station for GcsStation {
         let answer = self.ask(&question)?;
         let value =
             text::numbers(&answer, &[item]).map_err(|broken| format!("{question}: {broken}"))?[0];
-        Ok(Input { connected, target: value + self.parameter(&axis, ADDED)? })
+        Ok(Input { connected, target: Some(value + self.parameter(&axis, ADDED)?) })
     }
 
     fn follow(&mut self, follow: &Follow, go_on: &dyn Fn() -> bool) -> Result<Recorded, String> {

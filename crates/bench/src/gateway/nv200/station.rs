@@ -6,12 +6,14 @@
 //!
 //! Source: piezosystem jena, Python library nv200 1.6.0.
 
+mod analog;
+
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use super::{Nv200Device, PATIENCE, explained};
 use crate::gateway::line::{Line, Options};
-use crate::gateway::station::{Law, NotchValues, Place, Recorded, Station, Wave};
+use crate::gateway::station::{Follow, Input, Law, NotchValues, Place, Recorded, Station, Wave};
 
 /// Step of generator, recorder and servo, in s.
 const CYCLE: f64 = 50e-6;
@@ -99,12 +101,15 @@ impl Nv200Station {
         Ok(())
     }
 
-    fn wait(&mut self, seconds: f64) -> Result<(), String> {
+    fn wait(&mut self, seconds: f64, go_on: &dyn Fn() -> bool) -> Result<(), String> {
         let until =
             Instant::now() + Duration::from_secs_f64(1.2 * seconds) + Duration::from_secs(5);
         while self.number("recrun")? != 0.0 {
             if Instant::now() > until {
                 return Err("the recorder does not come to its end".to_owned());
+            }
+            if !go_on() {
+                return Err("interrupted while it recorded: nothing is written".to_owned());
             }
             sleep(LOOK);
         }
@@ -112,7 +117,7 @@ impl Nv200Station {
     }
 
     fn record(&mut self, wave: &Wave) -> Result<Recorded, String> {
-        self.wait(wave.duration(CYCLE))?;
+        self.wait(wave.duration(CYCLE), &|| true)?;
         let (position, voltage) = (self.channel(0, wave.rows)?, self.channel(1, wave.rows)?);
         let command = match wave.closed {
             true => (0..wave.rows).map(|row| wave.at(row)).collect(),
@@ -158,7 +163,7 @@ impl Station for Nv200Station {
                 for command in ["recast,0", "recsrc,1,2", "recstr,1", "reclen,1", "recrun,1"] {
                     self.tell(command)?;
                 }
-                self.wait(CYCLE)?;
+                self.wait(CYCLE, &|| true)?;
                 self.channel(1, 1)?[0]
             }
         };
@@ -188,6 +193,14 @@ impl Station for Nv200Station {
         self.tell("modsrc,0")?;
         self.command(wave.closed, last)?;
         recorded
+    }
+
+    fn input(&mut self, number: u32) -> Result<Input, String> {
+        self.analog_input(number)
+    }
+
+    fn follow(&mut self, follow: &Follow, go_on: &dyn Fn() -> bool) -> Result<Recorded, String> {
+        self.follow_analog(follow, go_on)
     }
 
     fn law(&mut self) -> Result<Law, String> {

@@ -2,12 +2,20 @@
 //!
 //! A command `name,value` or a question `name` ends with a carriage return; the answer to a question is
 //! `name,value`, an error `error,N`; after each, XON says that the next may come. An empty line asks who
-//! is there. Source: piezosystem jena, Python library nv200 1.6.0, and its documentation.
+//! is there. Set points come from commands, from the wave generator, or from the analog input:
+//!
+//! ```text
+//! set point = least + u / (10 V) · (greatest − least), within its range; modon 0: u = 0
+//! ```
+//!
+//! Commands and the analog input go through a limit of the slew rate. Source: piezosystem jena, Python library nv200
+//! 1.6.0, and its documentation; manual of the NV200/D NET, section 8.5.
 
+mod analog;
 mod recording;
 
 use super::generator::{Recorder, Seen};
-use super::{Instrument, Stage, Travel};
+use super::{Instrument, Signals, Stage, Travel};
 use crate::emulate::{Plant, PlantError};
 
 const XON: u8 = 0x11;
@@ -37,9 +45,15 @@ pub struct Nv200Instrument {
     range: [usize; 2],
     /// Notch filter: on, frequency and width in Hz.
     notch: (bool, [f64; 2]),
+    /// Whether the analog input is on.
+    analog: bool,
+    /// Limit of the slew rate of the set point in %/ms.
+    slew: f64,
+    /// A commanded set point that the limited one has not reached yet.
+    wanted: Option<f64>,
 }
 
-/// Targets come from the wave generator.
+/// Set points come from the wave generator.
 const GENERATOR: u8 = 3;
 /// Points of the wave generator, values of each recorder channel.
 const POINTS: usize = 1024;
@@ -62,7 +76,17 @@ impl Nv200Instrument {
             wave: vec![0.0; POINTS],
             range: [0, POINTS - 1],
             notch: (false, [1000.0, 100.0]),
+            analog: false,
+            slew: analog::NO_LIMIT,
+            wanted: None,
         })
+    }
+
+    /// Leads a voltage to its analog input.
+    #[must_use]
+    pub fn with_signals(mut self, signals: Signals) -> Self {
+        self.stage.inputs.signals = Some(signals);
+        self
     }
 
     fn command(&mut self, line: &str) -> String {
@@ -96,6 +120,8 @@ impl Nv200Instrument {
             "unitcl" => "um".to_owned(),
             "unitol" => "V".to_owned(),
             "modsrc" => self.source.to_string(),
+            "modon" => u8::from(self.analog).to_string(),
+            "sr" => self.slew.to_string(),
             "ctrlmode" => "0".to_owned(),
             "desc" => "EMULATED".to_owned(),
             "acserno" => "0".to_owned(),
@@ -132,7 +158,11 @@ impl Nv200Instrument {
                 }
                 // Only where targets are those of commands.
                 if self.source == 0 {
-                    *(if axis.servo { &mut axis.target } else { &mut axis.volts }) = value;
+                    if self.slew < analog::NO_LIMIT {
+                        self.wanted = Some(value);
+                    } else {
+                        *(if axis.servo { &mut axis.target } else { &mut axis.volts }) = value;
+                    }
                     if self.autostart == 1 {
                         self.stage.recorder.start();
                     }
@@ -151,8 +181,24 @@ impl Nv200Instrument {
                 Ok(())
             }
             "notchon" | "notchf" | "notchb" => self.set_notch(name, number()?),
+            "modon" => match number()? {
+                on @ (0.0 | 1.0) => {
+                    self.analog = on == 1.0;
+                    Ok(())
+                }
+                _ => Err(RANGE),
+            },
+            "sr" => {
+                let value = number()?;
+                if !(analog::SLOWEST..=analog::NO_LIMIT).contains(&value) {
+                    return Err(RANGE);
+                }
+                self.slew = value;
+                Ok(())
+            }
             "cl" => match number()? {
                 closed @ (0.0 | 1.0) => {
+                    self.wanted = None;
                     self.stage.servo(0, closed == 1.0);
                     Ok(())
                 }
@@ -160,7 +206,7 @@ impl Nv200Instrument {
             },
             "modsrc" => match number()? {
                 source @ (0.0 | 1.0 | 2.0 | 3.0) => {
-                    self.source = source as u8;
+                    (self.source, self.wanted) = (source as u8, None);
                     if self.source != GENERATOR {
                         self.stage.generators[0].stop();
                     }
@@ -213,6 +259,7 @@ impl Instrument for Nv200Instrument {
     }
 
     fn step(&mut self) -> Result<(), PlantError> {
+        self.lead();
         self.stage.step()
     }
 
@@ -221,6 +268,7 @@ impl Instrument for Nv200Instrument {
         (self.source, self.line, self.autostart) = (0, Vec::new(), 0);
         (self.range, self.notch) = ([0, POINTS - 1], (false, [1000.0, 100.0]));
         self.wave = vec![0.0; POINTS];
+        (self.analog, self.slew, self.wanted) = (false, analog::NO_LIMIT, None);
     }
 
     fn hang_up(&mut self) {
