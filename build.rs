@@ -35,6 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("cargo:rerun-if-changed=build.rs");
     commit();
+    shrink();
     let missing: Vec<_> =
         LIBRARIES.into_iter().filter(|(_, _, variable)| env::var_os(variable).is_none()).collect();
     if missing.is_empty() {
@@ -193,6 +194,42 @@ fn sources(folder: &Path) -> Result<BTreeSet<PathBuf>, Box<dyn Error>> {
 
 fn pass_on(variable: &str, path: &Path) {
     println!("cargo:rustc-env={variable}={}", path.display());
+}
+
+/// Makes the tool's file smaller where the linker can: functions and constants of the same bytes once, relocations
+/// packed. Each option is tried on a program that does nothing, and that program is run.
+fn shrink() {
+    let of = |name: &str| env::var_os(name);
+    let (Some(rustc), Some(out)) = (of("RUSTC"), of("OUT_DIR")) else { return };
+    // What is built for another system cannot be tried here.
+    if of("TARGET") != of("HOST") || of("CARGO_CFG_TARGET_OS").is_none_or(|os| os != "linux") {
+        return;
+    }
+    let folder = PathBuf::from(out);
+    let (source, program) = (folder.join("nothing.rs"), folder.join("nothing"));
+    if std::fs::write(&source, "fn main() {}\n").is_err() {
+        return;
+    }
+    let flags = env::var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default();
+    for option in
+        ["-Wl,--icf=all", "-Wl,--ignore-data-address-equality", "-Wl,--pack-dyn-relocs=relr"]
+    {
+        // A linker that somebody chose may link for older systems, which cannot unpack relocations.
+        if option.ends_with("=relr") && of("RUSTC_LINKER").is_some() {
+            continue;
+        }
+        let mut link = Command::new(&rustc);
+        link.args(flags.split('\u{1f}').filter(|flag| !flag.is_empty()));
+        if let Some(linker) = of("RUSTC_LINKER") {
+            link.arg("-C")
+                .arg([OsString::from("linker="), linker].into_iter().collect::<OsString>());
+        }
+        link.arg("-C").arg(format!("link-arg={option}")).arg("-o").arg(&program).arg(&source);
+        let links = link.output().is_ok_and(|output| output.status.success());
+        if links && Command::new(&program).output().is_ok_and(|output| output.status.success()) {
+            println!("cargo:rustc-link-arg-bins={option}");
+        }
+    }
 }
 
 /// The commit that the tool is built from, for `--version`; empty outside a checkout.
