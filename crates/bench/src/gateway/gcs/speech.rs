@@ -72,6 +72,31 @@ impl Speech {
         text::error_of(&answer, what)
     }
 
+    /// What became of a question that was not answered in time: its answer after all, or why there is none. Where two
+    /// answers come to the question for the error, the first is the late one.
+    pub(super) fn late(&mut self, question: &str, timeout: Duration) -> Result<String, Broken> {
+        let first = self.ask("ERR?", timeout)?;
+        match self.answer(timeout) {
+            Ok(error) => text::error_of(&error, question).map(|()| first),
+            Err(Broken::Late) => text::error_of(&first, question).and(Err(Broken::Late)),
+            Err(other) => Err(other),
+        }
+    }
+
+    /// Drops answers that come too late, until the instrument says who it is, which it does once they are all there.
+    pub(super) fn settle(
+        &mut self,
+        identity: &str,
+        timeout: Duration,
+        patience: Duration,
+    ) -> Result<(), Broken> {
+        self.write("*IDN?\n")?;
+        let tries = (patience.as_secs_f64() / timeout.as_secs_f64()).ceil() as usize;
+        let is_there =
+            (0..tries).any(|_| self.answer(timeout).is_ok_and(|answer| answer.trim() == identity));
+        if is_there { Ok(()) } else { Err(Broken::Late) }
+    }
+
     /// A command: no answer but that of the question for its error.
     pub(super) fn command(&mut self, command: &str, timeout: Duration) -> Result<(), Broken> {
         self.write(&format!("{command}\n"))?;

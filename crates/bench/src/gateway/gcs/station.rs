@@ -52,6 +52,8 @@ pub struct GcsStation {
     travel: [f64; 2],
     cycle: f64,
     is_open_loop: bool,
+    /// An answer may still come that nobody waits for.
+    is_late: bool,
 }
 
 impl GcsStation {
@@ -75,6 +77,7 @@ impl GcsStation {
             travel: [0.0; 2],
             cycle: 0.0,
             is_open_loop: options.open_loop,
+            is_late: false,
         };
         station.speech.open(PATIENCE)?;
         station.identity = station.ask("*IDN?")?.trim().to_owned();
@@ -102,18 +105,33 @@ impl GcsStation {
 
     /// A question; one that the instrument does not know is not answered, but it says so afterwards.
     fn ask(&mut self, question: &str) -> Result<String, String> {
-        let answer = match self.speech.ask(question, self.timeout) {
-            Err(Broken::Late) => match self.speech.check(question, self.timeout) {
-                Err(Broken::Said(text)) => Err(Broken::Said(text)),
-                _ => Err(Broken::Late),
-            },
+        let timeout = self.timeout;
+        let answer = self.exchange(|speech| match speech.ask(question, timeout) {
+            Err(Broken::Late) => speech.late(question, timeout),
             answer => answer,
-        };
+        });
         answer.map_err(|broken| format!("{question}: {broken}"))
     }
 
     fn tell(&mut self, command: &str) -> Result<(), String> {
-        self.speech.command(command, self.timeout).map_err(|broken| broken.to_string())
+        let timeout = self.timeout;
+        let answer = self.exchange(|speech| speech.command(command, timeout));
+        answer.map_err(|broken| broken.to_string())
+    }
+
+    /// One exchange. After one whose answer did not come in time the late answer is awaited first, so that it is not taken for
+    /// that of the next question.
+    fn exchange<T>(
+        &mut self,
+        exchange: impl FnOnce(&mut Speech) -> Result<T, Broken>,
+    ) -> Result<T, Broken> {
+        let settled = match self.is_late {
+            true => self.speech.settle(&self.identity, self.timeout, PATIENCE),
+            false => Ok(()),
+        };
+        let answer = settled.and_then(|()| exchange(&mut self.speech));
+        self.is_late = matches!(answer, Err(Broken::Late | Broken::Garbage(_)));
+        answer
     }
 
     /// The number of the axis behind a question.
@@ -369,5 +387,69 @@ impl Station for GcsStation {
     fn notches(&self, frequency: f64) -> (usize, Vec<NotchValues>) {
         let notch = |zeros: f64| NotchValues { frequency, zeros, poles: 1.0 };
         (2, REJECTIONS.map(notch).to_vec())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::VecDeque;
+
+    /// A controller that answers a question for a parameter only when the next one has been asked.
+    #[derive(Debug, Default)]
+    struct Slow {
+        /// Reads in which nothing comes, and what comes then.
+        answers: VecDeque<(usize, String)>,
+        /// Reads in vain before the answer for a parameter comes.
+        late: usize,
+    }
+
+    impl Line for Slow {
+        fn open(&mut self, _: Duration) -> Result<(), String> {
+            Ok(())
+        }
+
+        fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
+            let question = std::str::from_utf8(bytes).unwrap().trim();
+            let answer = match question {
+                "*IDN?" => "a controller",
+                "ERR?" => "0",
+                "SAI?" => "1",
+                "TMN? 1" => "1=0",
+                "TMX? 1" => "1=100",
+                "SPA? 1 0x0E000200" => "1=0.001",
+                "SPA? 1 0x07000301" => "1=30",
+                _ => return Ok(()),
+            };
+            let waits = if question.ends_with("301") { self.late } else { 0 };
+            self.answers.push_back((waits, format!("{answer}\n")));
+            Ok(())
+        }
+
+        fn read(&mut self, bytes: &mut [u8], _: Duration) -> Result<usize, String> {
+            let Some((waits, _)) = self.answers.front_mut() else { return Ok(0) };
+            if *waits > 0 {
+                *waits -= 1;
+                return Ok(0);
+            }
+            let (_, answer) = self.answers.pop_front().unwrap_or_default();
+            bytes[..answer.len()].copy_from_slice(answer.as_bytes());
+            Ok(answer.len())
+        }
+
+        fn close(&mut self) {}
+    }
+
+    /// A late answer is that of its own question, or nobody's.
+    #[test]
+    fn a_late_answer_is_not_taken_for_that_of_the_next_question() {
+        for (late, found) in [(0, Some(30.0)), (1, Some(30.0)), (2, None), (20, None)] {
+            let options = Options::parse("timeout=0.01", 0.01).unwrap();
+            let line = Slow { late, ..Slow::default() };
+            let mut station = GcsStation::open(Box::new(line), options).unwrap();
+            assert_eq!(station.parameter("1", 0x0700_0301).ok(), found, "{late}");
+            assert_eq!(station.number_of("TMX?"), Ok(100.0), "{late}");
+            assert_eq!(station.tell("SVO 1 1"), Ok(()), "{late}");
+        }
     }
 }
