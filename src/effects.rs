@@ -130,7 +130,9 @@ pub(crate) fn place(axis: &AxisBlueprint, effect: &Declaration) -> anyhow::Resul
         declaration(&c.kind).is_ok_and(|d| d.conversion == model::Conversion::CommandToPosition)
     };
     let turn = axis.components.iter().position(turns).unwrap_or(axis.components.len());
-    let on_voltage = effect.stage <= Stage::Amplifier || effect.kind == "polarisation-saturation";
+    // In the actuator: where its values are in the unit of the command, and the signal of the path is that command.
+    let in_command = effect.parameters.iter().any(|q| q.unit == "{command}");
+    let on_voltage = effect.stage <= Stage::Amplifier || (in_command && effect.inputs.len() == 1);
     let mut at = 0;
     for (index, component) in axis.components.iter().enumerate() {
         if declaration(&component.kind)?.stage <= effect.stage {

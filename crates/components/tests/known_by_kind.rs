@@ -14,7 +14,6 @@ const STILL: &[(&str, usize)] = &[
     // A key of an axis that a kind is named like.
     ("blueprint/read.rs", 1),
     ("commands/invert.rs", 1),
-    ("src/effects.rs", 1),
     ("control/p3.rs", 1),
     // An option of an instrument that a kind is named like.
     ("gateway/line.rs", 2),
