@@ -98,8 +98,11 @@ pub(crate) fn repair(
     let base = &o.found.base;
     let is_worse = |j: &Judged| j.held_out > base.judged.held_out && !last.picks.is_empty();
     if !judged.as_ref().is_some_and(is_worse) {
-        notes.extend(handed::level(o, last, (axis, &axis_given), blueprint));
-        return (notes, judged);
+        let given = (axis, &axis_given);
+        notes.extend(handed::level(o, last, given, blueprint));
+        // As it is written, with the offset.
+        let levelled = judged.and_then(|j| handed::judge(o, last, given, blueprint).or(Some(j)));
+        return (notes, levelled);
     }
     *blueprint = given_blueprint;
     retune(&o.task.base, (&base.chain, &base.fit.theta), o, (blueprint, axis));

@@ -87,7 +87,19 @@ pub(super) fn level(
     if shared == 0.0 && gain == 1.0 {
         return None;
     }
-    if let Some(levelled) = levelled(o, last, axis, gain, blueprint) {
+    let at = |is_behind| {
+        let levelled = levelled(o, last, axis, (gain, is_behind), blueprint)?;
+        let left = judge(o, last, axis, &levelled).map_or(f64::INFINITY, |judged| judged.training);
+        Some((left, levelled))
+    };
+    // In front of a curved part an offset moves its working point: behind all, where less is left with it.
+    let levelled = match (at(false), at(true)) {
+        (Some(front), Some(behind)) if behind.0 < Thresholds::OFFSET_BEHIND * front.0 => {
+            Some(behind)
+        }
+        (front, behind) => front.or(behind),
+    };
+    if let Some((_, levelled)) = levelled {
         *blueprint = levelled;
         return None;
     }
@@ -99,12 +111,24 @@ pub(super) fn level(
     ))
 }
 
-/// The blueprint with that offset; none where the axis has no place for it or cannot be run by itself.
+/// What a written axis leaves of the logs; none where it cannot be run by itself.
+pub(super) fn judge(
+    o: &Outcome,
+    last: &Candidate,
+    axis: (usize, &AxisBlueprint),
+    blueprint: &Blueprint,
+) -> Option<Judged> {
+    let count = AtomicU64::new(0);
+    let written = Written::new(o, last, blueprint, axis, &count)?;
+    written.judge(&written.start)
+}
+
+/// The blueprint with that offset, in the actuator or behind all; none where the axis has no place for it or cannot be run by itself.
 fn levelled(
     o: &Outcome,
     last: &Candidate,
     (axis, given): (usize, &AxisBlueprint),
-    gain: f64,
+    (gain, is_behind): (f64, bool),
     blueprint: &Blueprint,
 ) -> Option<Blueprint> {
     let base = &o.task.base;
@@ -121,7 +145,7 @@ fn levelled(
     let place = base.components.get(base.actuator).map(|at| at.place);
     let name = place.and_then(|at| given.components.get(at)).map(|actuator| &actuator.name);
     let actuator = own.iter().position(|c| Some(&c.name) == name);
-    let at = match actuator.filter(|at| has_offset(&own[*at])) {
+    let at = match actuator.filter(|at| has_offset(&own[*at]) && !is_behind) {
         Some(at) => at,
         None if base.part == Part::Motion => return None,
         None => {

@@ -18,6 +18,8 @@ impl Thresholds {
     pub(crate) const WRITTEN_DEVIATION: f64 = 0.2;
     /// Most changes of the written offset until what is left of it is far below the noise.
     pub(crate) const OFFSET_TURNS: usize = 4;
+    /// Error power with an offset behind all parts, over that with one in the actuator, from which it stands there.
+    pub(crate) const OFFSET_BEHIND: f64 = 0.95;
     /// Part of the noise below which what is left of the written offset is nothing.
     pub(crate) const OFFSET_SMALL: f64 = 1e-3;
     /// Straight pieces on each side of zero.
