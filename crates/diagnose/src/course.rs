@@ -32,6 +32,7 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
     let mut outcome = outcome::of(task, request, count)?;
     let usual = outcome.task.course;
     let mode = mode_near_nyquist(&outcome);
+    let mut pointed = None;
     let courses: Vec<Course> = match mode {
         Some(_) => {
             open.into_iter().filter(|c| c.between != Between::Zoh && is_usual(*c)).rev().collect()
@@ -39,6 +40,7 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
         None => {
             let tried = promising(&outcome, &open, count);
             let first = tried.first().filter(|(_, part)| *part < most(&outcome)).map(|t| t.0);
+            pointed = first;
             // A missing lag and a command that moves between the rows hide each other.
             let is_open = outcome.verdict == Verdict::Unknown;
             let moves = |c: &Course| c.between != Between::Zoh && is_usual(*c) && Some(*c) != first;
@@ -64,6 +66,10 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
                 is_explained(&other)
                     && mode_near_nyquist(&other).is_none()
                     && (stands_for_it || leaves_less)
+            }
+            // Where nothing pointed to it, it must leave nothing: else it helps wrong names.
+            None if outcome.verdict == Verdict::Unknown && Some(course) != pointed => {
+                is_explained(&other) && !has_gap(&other.found.last, other.adequate)
             }
             None => {
                 other.left() < Thresholds::READING_LESS * outcome.left()
