@@ -74,8 +74,8 @@ impl Between {
     }
 
     /// The held command that stands for the logged one, a value for each step; as it is where the times are not uniform.
-    fn held(self, time: &[f64], command: &[f64], steps: Steps) -> Vec<f64> {
-        let Steps { per_row, are_held } = steps;
+    fn held(self, time: &[f64], command: &[f64], grid: Grid) -> Vec<f64> {
+        let Grid { per_row, are_held } = grid;
         let is_short = command.len() < 8 || !is_uniform(time);
         match self {
             Self::Line if !is_short => {
@@ -87,7 +87,7 @@ impl Between {
                 };
                 command.iter().zip(next).flat_map(row).collect()
             }
-            Self::BandLimited if !is_short => band_limited(command, steps),
+            Self::BandLimited if !is_short => band_limited(command, grid),
             _ => command.iter().flat_map(|u| std::iter::repeat_n(*u, per_row)).collect(),
         }
     }
@@ -148,7 +148,7 @@ impl Reading {
 
 /// The model's steps from row to row.
 #[derive(Clone, Copy)]
-struct Steps {
+struct Grid {
     per_row: usize,
     /// Whether a command that moves is held over each.
     are_held: bool,
@@ -207,7 +207,7 @@ impl Course {
     /// until the next row.
     pub(crate) fn held(self, time: &[f64], command: &[f64], steps: usize) -> Vec<f64> {
         let are_held = self.is_stepped && steps > 1;
-        let mut held = self.between.held(time, command, Steps { per_row: steps, are_held });
+        let mut held = self.between.held(time, command, Grid { per_row: steps, are_held });
         let kept = held.len().saturating_sub(steps);
         // Held, a row acts from its own instant on: a reading at that instant is one before it acts.
         let natural = self.between.usual_reading();
@@ -243,18 +243,18 @@ fn is_uniform(time: &[f64]) -> bool {
 
 /// Half a step earlier, the droop of its hold taken back; or as the course is at the begin of each step. The record is
 /// continued by its mirror image, so that its end does not run into its begin.
-fn band_limited(command: &[f64], Steps { per_row, are_held }: Steps) -> Vec<f64> {
+fn band_limited(command: &[f64], Grid { per_row, are_held }: Grid) -> Vec<f64> {
     let mirrored: Vec<f64> = command.iter().chain(command.iter().rev()).copied().collect();
     let count = mirrored.len();
     let rows = Fft::forward(count).of_real(&mirrored);
     let mut all = vec![Complex::default(); count * per_row];
     for (k, value) in rows.into_iter().enumerate() {
         // Frequency times sample time, from -1/2 to 1/2.
-        let is_above = 2 * k <= count;
-        let f = if is_above { k as f64 } else { k as f64 - count as f64 } / count as f64;
+        let is_lower = 2 * k <= count;
+        let f = if is_lower { k as f64 } else { k as f64 - count as f64 } / count as f64;
         let angle = std::f64::consts::PI * f / per_row as f64;
         let droop = if f == 0.0 { 1.0 } else { angle.sin() / angle };
-        let at = if is_above { k } else { k + count * (per_row - 1) };
+        let at = if is_lower { k } else { k + count * (per_row - 1) };
         all[at] = if are_held { value } else { value * Complex::from_polar(1.0 / droop, angle) };
     }
     Fft::inverse(count * per_row).process(&mut all);
@@ -266,7 +266,7 @@ mod tests {
     use super::*;
     use std::f64::consts::{PI, TAU};
 
-    const ONE: Steps = Steps { per_row: 1, are_held: false };
+    const ONE: Grid = Grid { per_row: 1, are_held: false };
 
     /// What a lag of 10 ms answers to a sine of 20 Hz that is sampled at 500 Hz: exactly, and to held commands.
     #[test]

@@ -8,6 +8,7 @@ use model::Group;
 use rayon::prelude::*;
 
 use crate::between::{Between, Course};
+use crate::data_set::DataSet;
 use crate::error::Error;
 use crate::fit::Fitter;
 use crate::gap::Verdict;
@@ -23,95 +24,21 @@ use crate::thresholds::base::Thresholds;
 /// and the one is taken that leaves less with fewer effects. Other effects look like that, too (a lag of the model that
 /// acts faster, a crosstalk): another reading is taken if it leaves about as much with fewer effects.
 pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
-    let steps = task.data.has_steps();
-    let open = Course::open(request.between, request.reading, steps);
+    let open = Course::open(request.between, request.reading, task.data.has_steps());
     if open.is_empty() || !task.base.is_white {
         return outcome::of(task, request, count);
     }
-    let fresh = task.clone();
-    let mut outcome = outcome::of(task, request, count)?;
+    let readings = Readings { fresh: task.clone(), request, count };
+    let outcome = outcome::of(task, request, count)?;
     let usual = outcome.task.course;
     let mode = mode_near_nyquist(&outcome);
-    let mut pointed = None;
-    let courses: Vec<Course> = match mode {
-        Some(_) => {
-            open.into_iter().filter(|c| c.between != Between::Zoh && is_usual(*c)).rev().collect()
-        }
-        None => {
-            let tried = promising(&outcome, &open, count);
-            let first = tried.first().filter(|(_, part)| *part < most(&outcome)).map(|t| t.0);
-            pointed = first;
-            // A missing lag and a command that moves between the rows hide each other.
-            let is_open = outcome.verdict == Verdict::Unknown;
-            let moves = |c: &Course| c.between != Between::Zoh && is_usual(*c) && Some(*c) != first;
-            let others = tried.iter().map(|t| t.0).filter(|c| is_open && moves(c));
-            first.into_iter().chain(others.take(2)).collect()
-        }
-    };
     let (first, first_named) = (outcome.left(), names(&outcome));
     let had_lag = has_released_lag(&outcome);
-    for course in courses {
-        let data = fresh.data.played(course);
-        let Ok(other) = outcome::of(Task { course, data, ..fresh.clone() }, request, count) else {
-            continue;
-        };
-        let is_better = match mode {
-            Some(_) => {
-                let count = |o: &Outcome| o.found.last.picks.len();
-                // With fewer effects it stands for the mode: what counts is what is left without that.
-                let stands_for_it = count(&other) < count(&outcome)
-                    && without_mode(&outcome)
-                        .is_some_and(|left| held_out(&other) < Thresholds::READING_LESS * left);
-                let leaves_less = count(&other) <= count(&outcome) && other.left() < outcome.left();
-                is_explained(&other)
-                    && mode_near_nyquist(&other).is_none()
-                    && (stands_for_it || leaves_less)
-            }
-            // Where nothing pointed to it, it must leave nothing: else it helps wrong names.
-            None if outcome.verdict == Verdict::Unknown && Some(course) != pointed => {
-                is_explained(&other) && !has_gap(&other.found.last, other.adequate)
-            }
-            None => {
-                other.left() < Thresholds::READING_LESS * outcome.left()
-                    || stands_for_effects(&other, &outcome)
-            }
-        };
-        if is_better {
-            outcome = other;
-            if !has_gap(&outcome.found.last, outcome.adequate) {
-                break;
-            }
-        }
-    }
-    // Whether a command that moves is held over each step of the model is half a step: a lag beside what is missing.
-    let course = outcome.task.course;
-    let other = Course { is_stepped: !course.is_stepped, ..course };
-    if steps && course.between != Between::Zoh && names_lag(&outcome) {
-        let data = fresh.data.played(other);
-        match outcome::of(Task { course: other, data, ..fresh.clone() }, request, count) {
-            Ok(other) if stands_for_effects(&other, &outcome) => outcome = other,
-            _ => {}
-        }
-    }
-    let course = outcome.task.course;
-    let finer =
-        (course.between != Between::Zoh && !steps).then(|| finer(&outcome, &fresh)).flatten();
-    if let Some(task) = finer
-        && let Ok(other) = outcome::of(task, request, count)
-        && (stands_for_effects(&other, &outcome)
-            || (names(&other) == names(&outcome)
-                && other.left() < Thresholds::FINER_LESS * outcome.left()))
-    {
-        let less = (outcome.left() / other.left()).sqrt();
-        let counted_effects = data::counted(outcome.found.last.picks.len(), "effect");
-        outcome = other;
-        outcome.task.warnings.push(format!(
-            "{}: the model is simulated in steps of {} s: with its own, one from row to row, the best answer would leave \
-             {less:.2} times as much, with {}: a command that moves between the rows acts on a curved part otherwise than \
-             its mean",
-            outcome.task.output, outcome.task.data.step, counted_effects
-        ));
-    }
+    let outcome = match mode {
+        Some(_) => readings.without_mode(outcome, open),
+        None => readings.best(outcome, &open),
+    };
+    let mut outcome = readings.in_finer_steps(readings.half_a_step_on(outcome));
     let (output, course) = (outcome.task.output.clone(), outcome.task.course);
     let read_as = |what: String| {
         format!(
@@ -155,6 +82,107 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
     Ok(outcome)
 }
 
+/// The logs of a task, to be read otherwise.
+struct Readings<'a> {
+    fresh: Task,
+    request: &'a Request,
+    count: &'a AtomicU64,
+}
+
+impl Readings<'_> {
+    /// The answer under a command that was played so; none where the model cannot be simulated.
+    fn answer(&self, course: Course, data: &DataSet) -> Option<Outcome> {
+        let task = Task { course, data: data.played(course), ..self.fresh.clone() };
+        outcome::of(task, self.request, self.count).ok()
+    }
+
+    /// The answer, or a better one among these readings; the search ends with the first that leaves nothing.
+    fn taken(
+        &self,
+        mut outcome: Outcome,
+        courses: impl IntoIterator<Item = Course>,
+        is_better: impl Fn(&Outcome, &Outcome) -> bool,
+    ) -> Outcome {
+        for course in courses {
+            let other = self.answer(course, &self.fresh.data);
+            let Some(other) = other.filter(|other| is_better(other, &outcome)) else { continue };
+            outcome = other;
+            if !has_gap(&outcome.found.last, outcome.adequate) {
+                break;
+            }
+        }
+        outcome
+    }
+
+    /// In place of a mode near half the sample rate: a reading under which the command moves.
+    fn without_mode(&self, outcome: Outcome, open: Vec<Course>) -> Outcome {
+        self.taken(outcome, open.into_iter().filter(|c| moves(*c)).rev(), |other, outcome| {
+            let count = |o: &Outcome| o.found.last.picks.len();
+            // With fewer effects it stands for the mode: what counts is what is left without that.
+            let stands_for_it = count(other) < count(outcome)
+                && without_mode(outcome)
+                    .is_some_and(|left| held_out(other) < Thresholds::READING_LESS * left);
+            let leaves_less = count(other) <= count(outcome) && other.left() < outcome.left();
+            is_explained(other)
+                && mode_near_nyquist(other).is_none()
+                && (stands_for_it || leaves_less)
+        })
+    }
+
+    /// The reading to which what was found points; where nothing is explained, those under which the command moves, too: it
+    /// and a missing lag hide each other.
+    fn best(&self, outcome: Outcome, open: &[Course]) -> Outcome {
+        let tried = promising(&outcome, open, self.count);
+        let pointed = tried.first().filter(|(_, part)| *part < most(&outcome)).map(|t| t.0);
+        let is_open = outcome.verdict == Verdict::Unknown;
+        let others = tried.iter().map(|t| t.0);
+        let others = others.filter(|c| is_open && moves(*c) && Some(*c) != pointed).take(2);
+        self.taken(outcome, pointed.into_iter().chain(others), |other, outcome| {
+            // Where nothing pointed to it, it must leave nothing: else it helps wrong names.
+            if outcome.verdict == Verdict::Unknown && Some(other.task.course) != pointed {
+                return is_explained(other) && !has_gap(&other.found.last, other.adequate);
+            }
+            other.left() < Thresholds::READING_LESS * outcome.left()
+                || stands_for_effects(other, outcome)
+        })
+    }
+
+    /// Whether a command that moves is held over each step of the model is half a step: a lag beside what is missing.
+    fn half_a_step_on(&self, outcome: Outcome) -> Outcome {
+        let course = outcome.task.course;
+        let has_steps = self.fresh.data.has_steps() && course.between != Between::Zoh;
+        let other = Course { is_stepped: !course.is_stepped, ..course };
+        let is_tried = has_steps && names_lag(&outcome);
+        self.taken(outcome, is_tried.then_some(other), stands_for_effects)
+    }
+
+    /// With a model of several steps from row to row, where effects are missing and it has one: a held command stands for one
+    /// that moves in linear parts alone.
+    fn in_finer_steps(&self, outcome: Outcome) -> Outcome {
+        let course = outcome.task.course;
+        let has_one = !self.fresh.data.has_steps() && outcome.task.coupled.is_none();
+        if course.between == Between::Zoh || !has_one || outcome.verdict != Verdict::Effects {
+            return outcome;
+        }
+        let is_better = |other: &Outcome| {
+            let is_less = other.left() < Thresholds::FINER_LESS * outcome.left();
+            stands_for_effects(other, &outcome) || (is_less && names(other) == names(&outcome))
+        };
+        let other = self.answer(course, &self.fresh.data.finer(Thresholds::FINER_STEPS));
+        let Some(mut other) = other.filter(is_better) else { return outcome };
+        other.task.warnings.push(format!(
+            "{}: the model is simulated in steps of {} s: with its own, one from row to row, the best answer would leave \
+             {:.2} times as much, with {}: a command that moves between the rows acts on a curved part otherwise than \
+             its mean",
+            other.task.output,
+            other.task.data.step,
+            (outcome.left() / other.left()).sqrt(),
+            data::counted(outcome.found.last.picks.len(), "effect")
+        ));
+        other
+    }
+}
+
 /// Names of the effects that were found.
 fn names(o: &Outcome) -> Vec<&'static str> {
     o.found.last.picks.iter().map(|(family, _)| o.library[*family].effect.name).collect()
@@ -173,15 +201,6 @@ fn has_released_lag(o: &Outcome) -> bool {
     })
 }
 
-/// The same records with a model of several steps from row to row, where effects are missing: a held command stands for one
-/// that moves in linear parts alone.
-fn finer(outcome: &Outcome, fresh: &Task) -> Option<Task> {
-    let is_alone = outcome.verdict == Verdict::Effects && outcome.task.coupled.is_none();
-    let course = outcome.task.course;
-    let data = is_alone.then(|| fresh.data.finer(Thresholds::FINER_STEPS).played(course))?;
-    Some(Task { course, data, ..fresh.clone() })
-}
-
 /// Whether this reading explains the log with fewer effects, and leaves about as much.
 fn stands_for_effects(other: &Outcome, outcome: &Outcome) -> bool {
     is_explained(other)
@@ -195,8 +214,10 @@ fn names_lag(o: &Outcome) -> bool {
     picks.any(|(family, _)| o.library[*family].effect.group == Some(Group::Lag))
 }
 
-fn is_usual(course: Course) -> bool {
-    course.reading == Course::given(Some(course.between), None).reading
+/// Whether the command moves, and the reading is the usual one of such a command.
+fn moves(course: Course) -> bool {
+    let usual = Course::given(Some(course.between), None);
+    course.between != Between::Zoh && course.reading == usual.reading
 }
 
 /// The error power that the model, or the best that was found, leaves with each of these, over what it leaves now; the

@@ -99,14 +99,14 @@ pub(crate) fn repair(
     let is_worse = |j: &Judged| j.held_out > base.judged.held_out && !last.picks.is_empty();
     if !judged.as_ref().is_some_and(is_worse) {
         let given = (axis, &axis_given);
-        notes.extend(handed::level(o, last, given, blueprint));
-        // As it is written, with the offset.
-        let levelled = judged.and_then(|j| handed::judge(o, last, given, blueprint).or(Some(j)));
-        return (notes, levelled);
+        let (note, judged) = handed::level(o, last, given, blueprint, judged.as_ref());
+        notes.extend(note);
+        return (notes, judged);
     }
     *blueprint = given_blueprint;
     retune(&o.task.base, (&base.chain, &base.fit.theta), o, (blueprint, axis));
-    notes.extend(handed::level(o, base, (axis, &axis_given), blueprint));
+    let (note, _) = handed::level(o, base, (axis, &axis_given), blueprint, Some(&base.judged));
+    notes.extend(note);
     notes.push(
         "the effects stay out of the repaired blueprint: with what components can do in their place \
          it would be further from the logs than without"

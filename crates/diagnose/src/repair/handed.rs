@@ -70,14 +70,15 @@ pub(super) fn settle(
     }
 }
 
-/// Gives a written axis the offset that all records share: in its actuator, or in the sensor behind all.
-/// What could not be done, in a sentence.
+/// Gives a written axis, which left so much without it, the offset that all records share: in its actuator, or in the sensor
+/// behind all. What could not be done, in a sentence, and what the axis leaves with it.
 pub(super) fn level(
     o: &Outcome,
     last: &Candidate,
     axis: (usize, &AxisBlueprint),
     blueprint: &mut Blueprint,
-) -> Option<String> {
+    without: Option<&Judged>,
+) -> (Option<String>, Option<Judged>) {
     let shared = o.offset.map_or(0.0, |offset| offset.shared);
     // A reading has no actuator that holds its gain.
     let gain = match o.task.base.part {
@@ -85,34 +86,37 @@ pub(super) fn level(
         _ => 1.0,
     };
     if shared == 0.0 && gain == 1.0 {
-        return None;
+        return (None, without.cloned());
     }
     let at = |is_behind| {
         let levelled = levelled(o, last, axis, (gain, is_behind), blueprint)?;
-        let left = judge(o, last, axis, &levelled).map_or(f64::INFINITY, |judged| judged.training);
-        Some((left, levelled))
+        Some((judge(o, last, axis, &levelled)?, levelled))
     };
+    let is_less = |a: &Judged, b: &Judged| a.training < Thresholds::OFFSET_BEHIND * b.training;
+    let front = at(false);
     // In front of a curved part an offset moves its working point: behind all, where less is left with it.
-    let levelled = match (at(false), at(true)) {
-        (Some(front), Some(behind)) if behind.0 < Thresholds::OFFSET_BEHIND * front.0 => {
-            Some(behind)
+    let is_good = front.as_ref().is_some_and(|(j, _)| without.is_none_or(|w| !is_less(w, j)));
+    let behind = if is_good { None } else { at(true) };
+    let behind = behind.filter(|(j, _)| front.as_ref().is_none_or(|(front, _)| is_less(j, front)));
+    match behind.or(front) {
+        Some((judged, levelled)) => {
+            *blueprint = levelled;
+            (None, Some(judged))
         }
-        (front, behind) => front.or(behind),
-    };
-    if let Some((_, levelled)) = levelled {
-        *blueprint = levelled;
-        return None;
+        None => {
+            let note = format!(
+                "the offset that all records share, {:.4} {} of {}, stays out of the repaired blueprint",
+                shared / o.task.factor,
+                o.task.unit,
+                o.task.output
+            );
+            (Some(note), without.cloned())
+        }
     }
-    Some(format!(
-        "the offset that all records share, {:.4} {} of {}, stays out of the repaired blueprint",
-        shared / o.task.factor,
-        o.task.unit,
-        o.task.output
-    ))
 }
 
 /// What a written axis leaves of the logs; none where it cannot be run by itself.
-pub(super) fn judge(
+fn judge(
     o: &Outcome,
     last: &Candidate,
     axis: (usize, &AxisBlueprint),
@@ -123,7 +127,8 @@ pub(super) fn judge(
     written.judge(&written.start)
 }
 
-/// The blueprint with that offset, in the actuator or behind all; none where the axis has no place for it or cannot be run by itself.
+/// The blueprint with that offset, in the actuator or behind all; none where the axis has no place for it or cannot be run by
+/// itself.
 fn levelled(
     o: &Outcome,
     last: &Candidate,
