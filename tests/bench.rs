@@ -1,6 +1,5 @@
 //! `piezoloop bench`: runner and machine as two processes.
 #![cfg(unix)]
-#![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use crate::common;
 

@@ -1,7 +1,6 @@
 //! Emulated instruments: the runner works with those of PI and of piezosystem jena over network and serial lines, their
 //! wave generators and data recorders measure logs and tune servos, and PI's own client, PIPython, works with the first.
 #![cfg(unix)]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 
@@ -301,6 +300,24 @@ fn analog_signal(folder: &Path) -> Vec<f64> {
     volts
 }
 
+/// How far the targets of a log are at most from a signal that repeats, begun anywhere in it, and how far the position is
+/// from the target of its row and of 17 rows before, rms; in um.
+fn followed(file: &Path, signal: &[f64]) -> [f64; 3] {
+    let log = data::Log::read(file, &data::ReadOptions::default()).unwrap();
+    let column = |name: &str| log.column(name).unwrap().values.clone();
+    let (target, position) = (column("command[1]"), column("position[1]"));
+    let off = |first: usize| {
+        let differs = |(k, y): (usize, &f64)| (y - signal[(first + k) % signal.len()]).abs();
+        target.iter().enumerate().map(differs).fold(0.0_f64, f64::max)
+    };
+    let least = (0..signal.len()).map(off).fold(f64::INFINITY, f64::min);
+    let late = |lag: usize| {
+        let pairs = position[lag..].iter().zip(&target);
+        (pairs.map(|(y, r)| (y - r).powi(2)).sum::<f64>() / (target.len() - lag) as f64).sqrt()
+    };
+    [least, late(0), late(17)]
+}
+
 #[test]
 fn a_loop_follows_an_analog_input_and_is_recorded() {
     let folder = tempfile::tempdir().unwrap();
@@ -310,39 +327,19 @@ fn a_loop_follows_an_analog_input_and_is_recorded() {
     let plant = ["p1", "--rate", "500", "--analog", "analog.csv"];
     let _machine = emulated("gcs", "GCS 2.0", &place, &plant, here);
     let gateway = format!("gcs://{place}");
-    let measure = |input: &str, more: &[&str]| {
-        let call = ["bench", "measure", "--gateway", &gateway, "-o", "log.csv", "--follow", input];
-        [&call, more].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()
-    };
-    let run = |call: &[String]| {
-        let call: Vec<&str> = call.iter().map(String::as_str).collect();
-        json(&call, here)
-    };
-    let answer = run(&measure("2", &["--duration", "2.4"]));
+    let begin = ["bench", "measure", "--gateway", &gateway, "-o", "log.csv", "--follow"];
+    let call = |more: &[&'static str]| [&begin[..], more].concat();
+    let answer = json(&call(&["2", "--duration", "2.4"]), here);
     assert_eq!((&answer["rows"], &answer["sample_time_s"]), (&1200.into(), &2e-3.into()));
-    let log = data::Log::read(&here.join("log.csv"), &data::ReadOptions::default()).unwrap();
-    let column = |name: &str| log.column(name).unwrap().values.clone();
-    let (target, position) = (column("command[1]"), column("position[1]"));
     // As delivered ± 10 V are the travel, from -7 to 42 um; the record begins anywhere in the signal.
     let wanted: Vec<f64> = volts.iter().map(|v| 17.5 + 2.45 * v).collect();
-    let off = |first: usize| {
-        let differs = |(k, y): (usize, &f64)| (y - wanted[(first + k) % wanted.len()]).abs();
-        target.iter().enumerate().map(differs).fold(0.0_f64, f64::max)
-    };
-    let least = (0..wanted.len()).map(off).fold(f64::INFINITY, f64::min);
+    let [least, now, later] = followed(&here.join("log.csv"), &wanted);
     assert!(least < 2e-6, "the target is the scaled signal, twice: {least} um off");
     // An integrator of 30 1/s: it comes after within some 0.1 s.
-    let late = |lag: usize| {
-        let pairs = position[lag..].iter().zip(&target);
-        (pairs.map(|(y, r)| (y - r).powi(2)).sum::<f64>() / (target.len() - lag) as f64).sqrt()
-    };
-    let (now, later) = (late(0), late(17));
     assert!(later < 0.75 * now && now < 4.0, "{now} um, {later} um after 34 ms");
     // Ended early, no log is written and the input is disconnected: moves are taken again.
     std::fs::remove_file(here.join("log.csv")).unwrap();
-    let call = measure("2", &["--duration", "60"]);
-    let call: Vec<&str> = call.iter().map(String::as_str).collect();
-    let process = Process::tool(&call, here);
+    let process = Process::tool(&call(&["2", "--duration", "60"]), here);
     assert!(process.first.contains("follows input signal 2"), "{}", process.first);
     std::thread::sleep(std::time::Duration::from_secs(2));
     process.signal("-INT");
@@ -350,15 +347,12 @@ fn a_loop_follows_an_analog_input_and_is_recorded() {
     triangles("2", "2e-3", here);
     json(&["bench", "measure", "triangles.csv", "--gateway", &gateway, "-o", "wave.csv"], here);
 
-    let refused = |call: &[String]| {
-        let call: Vec<&str> = call.iter().map(String::as_str).collect();
-        refuse(&call, here)
-    };
-    let message = refused(&measure("7", &["--duration", "1"]));
+    let refused = |more| refuse(&call(more), here);
+    let message = refused(&["7", "--duration", "1"]);
     assert!(message.contains("input signals 1 to 2, not 7"), "{message}");
-    let message = refused(&measure("2", &["--duration", "1e-3"]));
+    let message = refused(&["2", "--duration", "1e-3"]);
     assert!(message.contains("give a longer time"), "{message}");
-    let message = refused(&measure("2", &["--duration", "100", "--every", "1"]));
+    let message = refused(&["2", "--duration", "100", "--every", "1"]);
     assert!(message.contains("the instrument takes 32768"), "{message}");
 }
 
@@ -393,29 +387,17 @@ fn an_nv200_follows_its_analog_input_and_lets_go_of_it() {
     // The recorder has two channels.
     assert_eq!(answer["columns"], serde_json::json!(["command[1]", "position[1]"]));
     as_it_was();
-    let log = data::Log::read(&here.join("log.csv"), &data::ReadOptions::default()).unwrap();
-    let column = |name: &str| log.column(name).unwrap().values.clone();
-    let (target, position) = (column("command[1]"), column("position[1]"));
     // 0 to 10 V are the travel, from -7 to 42 um; below 0 V it stays at its end.
     let [low, high] = ["posmin", "posmax"]
         .map(|name| told(&place, name).rsplit_once(',').unwrap().1.parse::<f64>().unwrap());
     assert!((low + 7.0).abs() < 1e-3 && (high - 42.0).abs() < 1e-3, "{low} {high}");
     let wanted: Vec<f64> = volts.iter().map(|v| low + 0.1 * (high - low) * v.max(0.0)).collect();
-    let off = |first: usize| {
-        let differs = |(k, y): (usize, &f64)| (y - wanted[(first + k) % wanted.len()]).abs();
-        target.iter().enumerate().map(differs).fold(0.0_f64, f64::max)
-    };
-    let least = (0..wanted.len()).map(off).fold(f64::INFINITY, f64::min);
+    let [least, now, later] = followed(&here.join("log.csv"), &wanted);
     assert!(
         least < 2e-6,
         "the set point is the scaled signal, from the first row on: {least} um off"
     );
     // An integrator of 30 1/s: it comes after within some 0.1 s.
-    let late = |lag: usize| {
-        let pairs = position[lag..].iter().zip(&target);
-        (pairs.map(|(y, r)| (y - r).powi(2)).sum::<f64>() / (target.len() - lag) as f64).sqrt()
-    };
-    let (now, later) = (late(0), late(17));
     assert!(later < 0.75 * now && now < 6.0, "{now} um, {later} um after 34 ms");
     // Ended early, no log is written and the input is disconnected.
     std::fs::remove_file(here.join("log.csv")).unwrap();

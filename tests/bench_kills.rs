@@ -1,7 +1,6 @@
 //! `piezoloop bench run --record` killed at its writes: the record is whole, or the journal has every row that
 //! was written.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,7 +1,6 @@
 //! Drivers in C behind `plugin://`: the example card on the bench, and the one for NI-DAQmx against its
 //! functions as a stub of the header declares them. Skipped where there is no C compiler.
 #![cfg(unix)]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

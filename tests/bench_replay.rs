@@ -1,5 +1,4 @@
 //! `piezoloop bench replay`: a controller FMU's record is its replay.
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

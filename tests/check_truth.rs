@@ -1,7 +1,6 @@
 //! `check` tells the truth: what could not be opened is never without problem, no code of an FMU runs
 //! unless asked for, and a name in an FMU never leads out of it.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,6 +1,5 @@
 //! Controllers through the tool: calibration of a Jacobian, tuning, the coordinated controller FMU.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

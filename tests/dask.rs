@@ -1,6 +1,5 @@
 //! Sweeps on Dask: on a cluster of this machine, and across two network namespaces.
 #![cfg(unix)]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -3,7 +3,6 @@
 //! A fence ```` ```sh ```` holds commands that are run here, page by page, each page in a folder of its own.
 //! ```` ```sh hardware ````, `sh data` and `sh long` hold what needs a machine, measured logs or minutes.
 #![cfg(unix)]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

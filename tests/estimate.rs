@@ -1,7 +1,6 @@
 //! `piezoloop estimate`: a known truth is found, lies in its intervals as often as they say, and what the
 //! logs do not tell is named. The FMU is a small one in C.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,6 +1,5 @@
 //! Example 03 in other tools: its parameter sets in fmpy.ssp and ecos; the examples' notebooks.
 #![cfg(unix)]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

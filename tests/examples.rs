@@ -1,6 +1,5 @@
 //! Every numbered example runs as its README says.
 #![cfg(unix)]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,7 +1,6 @@
 //! Files appear whole or not at all: killed at any moment, on a full disk, where nothing may be
 //! written, with others at work in the same folder; what was there before is there afterwards.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

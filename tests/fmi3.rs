@@ -1,8 +1,6 @@
 //! FMUs of FMI 3.0: axes and array parameters are arrays, and everything computes the bits of the
 //! FMU of FMI 2.0 with its scalars; in fmpy and in our master.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common;
 
 use std::fmt::Write as _;

@@ -1,7 +1,6 @@
 //! What the C functions of our FMUs cost, in ns per call, beside C FMUs: one that does the same at each
 //! call, and a short one.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

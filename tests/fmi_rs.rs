@@ -1,7 +1,6 @@
 //! fmi-rs, an importer and validator in Rust by the author of FMPy: it finds no fault with our FMUs,
 //! and they give there what they give here, from a serialised state, too.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,7 +1,5 @@
 //! The verdict of fmpy: our FMUs are valid, and give in fmpy what they give here.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common;
 
 use common::{json, python, succeed};

@@ -1,7 +1,6 @@
 //! Verdicts of foreign checkers, and our loop in foreign masters: where they couple as ours does,
 //! the trajectory is ours.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

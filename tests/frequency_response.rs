@@ -1,5 +1,4 @@
 //! `piezoloop frequency-response`: modes, coherence and distortion of machines that are known.
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,7 +1,6 @@
 //! The interface of `piezoloop diagnose`: flags as they are documented, exit codes, the same bytes
 //! for any number of threads, every answer valid by the schema, the page in a real browser.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

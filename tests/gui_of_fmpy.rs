@@ -1,7 +1,6 @@
 //! Our FMUs in FMPy's graphical user interface, offscreen: it loads them, shows their documentation,
 //! validates and simulates them, and has nothing to warn of.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,7 +1,6 @@
 //! What importers really pass. Our FMUs must give the same bits to all of them; and our own master
 //! is recorded by an FMU that spies on it.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

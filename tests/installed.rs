@@ -1,7 +1,5 @@
 //! What an installation brings besides the commands: completions, manual pages, the Python package.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common;
 
 use common::{refuse, root, succeed};

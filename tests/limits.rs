@@ -1,7 +1,6 @@
 //! Where the system gives few threads and processes (`ulimit -u`, containers): each command works with those
 //! that there are, or says that it needs more; nothing panics, and no FMU is blamed.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,6 +1,5 @@
 //! Logs in other programs' formats, written by these programs: every number is read by the bit,
 //! and what cannot be read is refused with a way out.
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

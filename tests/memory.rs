@@ -1,7 +1,6 @@
 //! Whole lives of our FMUs under valgrind and under the address sanitizer: no wrong access, no leak,
 //! no race.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

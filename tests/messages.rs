@@ -1,7 +1,6 @@
 //! What FMUs say and how they end a run: heard once each, in names instead of numbers, and never taken
 //! for success. Each is a small FMU in C.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

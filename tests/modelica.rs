@@ -1,5 +1,4 @@
 //! modelica/Piezoloop says what the registry says, and compiled by rumoca it moves as our FMUs do.
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

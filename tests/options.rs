@@ -1,7 +1,6 @@
 //! Every option of every command with every hostile number: an answer within seconds, never a panic, an
 //! abort or a hang. The options come from the tool's own tree of commands, so that new ones are in it.
 #![cfg(unix)]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,7 +1,6 @@
 //! The shared library inside a packed FMU, loaded by C hosts as importers load it: what it exports
 //! and needs, that stepping allocates nothing, lives of many instances, where resources are found.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

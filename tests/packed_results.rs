@@ -1,7 +1,6 @@
 //! What a packed FMU computes, through the C functions: it does not depend on how the time is cut
 //! into steps, it comes back from saved states, and no wrong call disturbs it.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -2,7 +2,6 @@
 //! work, axe-core finds nothing in light and dark, they fit a telephone, print, and are usable soon. And
 //! `--plot` opens them.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

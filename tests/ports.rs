@@ -1,7 +1,6 @@
 //! `pack --ports`: what a simulator of a whole system connects to a plant. Against closed forms, by energy, in
 //! fmpy; a port whose physics is not known is refused.
 #![cfg(unix)]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

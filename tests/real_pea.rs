@@ -1,7 +1,5 @@
 //! A measured stack: identified by the tool, packed, and simulated as an FMU on rows it never saw.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common;
 
 use std::fmt::Write as _;

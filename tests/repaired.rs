@@ -2,7 +2,6 @@
 //! switched off the original to the bit. Over our FMUs, over one in C, over one of PythonFMU, and
 //! over a repaired one.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,7 +1,6 @@
 //! Effects between the actuator and the mode of an FMU: the mode is taken out behind the FMU, and the
 //! effect goes in before it is put in again, in the diagnosis and in the repaired FMU.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,7 +1,5 @@
 //! `piezoloop-papers`: the quick run is complete, lists what it omits, and what it keeps runs elsewhere.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common;
 
 use std::path::Path;

@@ -1,7 +1,6 @@
 //! A gap in a mode that several outputs share is one cause: it is named once, for all outputs, and the repaired FMU
 //! has it.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -4,7 +4,6 @@
 //! `PIEZOLOOP_SOAK_SOURCES=1` of the C of source FMUs in place of the libraries. Instances live and die
 //! `PIEZOLOOP_LIVES` times.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

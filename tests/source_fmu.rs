@@ -1,6 +1,5 @@
 //! FMUs of C sources: compiled, they are what the shared library is, in values, rules and states.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

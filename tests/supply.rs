@@ -1,6 +1,5 @@
 //! What the program is made of: where `unsafe` is, that Python and npm parts are pinned by hash, and
 //! that nothing but the bench's gateways reaches for a network.
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,6 +1,5 @@
 //! Sweeps: the same bytes whatever the threads, shards and pauses; what is wrong is told.
 #![cfg(unix)]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

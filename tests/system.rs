@@ -1,5 +1,4 @@
 //! `piezoloop system`: the example's figures, and what is refused.
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,7 +1,6 @@
 //! FMUs of others that crash, hang, fail, leak, print, lie, or change the program around them: the
 //! tool survives, names the FMU and keeps the record so far. Each is a small faulty FMU in C.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

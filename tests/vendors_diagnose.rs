@@ -1,7 +1,6 @@
 //! A diagnosis of an FMU that crashes, hangs, fails, prints or lies: it survives, names the FMU and
 //! says how far it came. Each is a small faulty FMU in C.
 #![cfg(target_os = "linux")]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,6 +1,5 @@
 //! FMUs with a WebAssembly component: in wasmtime it is what the shared library is in fmpy.
 #![cfg(unix)]
-#![allow(clippy::print_stdout)]
 
 use crate::common;
 

@@ -1,5 +1,5 @@
 //! What the tests of the tool share: the built tool, a Python with the foreign checkers, folders.
-#![allow(dead_code, clippy::print_stderr, clippy::print_stdout)]
+#![allow(dead_code)]
 
 #[cfg(unix)]
 pub(crate) mod bench;

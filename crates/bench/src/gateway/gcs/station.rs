@@ -235,8 +235,7 @@ impl GcsStation {
         }
         let question = format!("DRR? 1 {rows} 1 2 3");
         let (period, columns) = self
-            .speech
-            .array(&question, ARRAY)
+            .exchange(|speech| speech.array(&question, ARRAY))
             .map_err(|broken| format!("{question}: {broken}"))?;
         let wanted = f64::from(every) * self.cycle;
         if (period / wanted - 1.0).abs() > 1e-3 {
