@@ -49,8 +49,8 @@ pub use invert::{ControlSettings, Coordinator, Inversion, LoopFigures, invert};
 pub use preview::PreviewFigures;
 pub use responses::{AxisResponses, FrequencyCurves, TimeRun, responses};
 pub use servo::{
-    NotchFilter, ServoLaw, ServoLimits, ServoPlant, ServoVerdict, law_in_record, mean_response,
-    multisine, periodic_response,
+    Line, NarrowMode, NotchFilter, ServoLaw, ServoLimits, ServoPlant, ServoVerdict, law_in_record,
+    measured_response, multisine,
 };
 pub use tuning::{
     Gains, LoopCurves, LoopVerdict, Machine, Ultimate, impulse_of, judge_loop, loop_curves, relay,

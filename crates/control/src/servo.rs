@@ -26,9 +26,15 @@ use serde::Serialize;
 
 use super::loop_shape::{margins, sensitivity};
 
+mod narrow;
+
+pub use narrow::{NarrowMode, measured_response};
+
 /// Part of the static response from which a peak is a resonance that a loop feels; smaller ones may be noise.
 const LOWEST_PEAK: f64 = 0.3;
 
+/// How far from a narrow mode its circle reaches: half widths at half power.
+const CIRCLE: f64 = 30.0;
 /// Lines whose median is the response at rest.
 const LOWEST_LINES: usize = 5;
 /// Rounds in which a multisine is clipped, at this part of its greatest value.
@@ -37,6 +43,9 @@ const CLIP: f64 = 0.8;
 
 /// A notch filter (s² + 2·zeros·ω·s + ω²)/(s² + 2·poles·ω·s + ω²), bilinear with ω kept: frequency in Hz, zeros, poles.
 pub type NotchFilter = [f64; 3];
+
+/// A response at one frequency: Hz, position per unit of the input.
+pub type Line = (f64, Complex<f64>);
 
 /// What one output of the law does, line by line.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +56,8 @@ pub struct ServoPlant {
     pub frequency: Vec<f64>,
     /// Position per output of the law.
     pub response: Vec<Complex<f64>>,
+    /// Modes between the lines of its measurement, around which there are more.
+    pub narrow: Vec<NarrowMode>,
 }
 
 /// The law: kp, ki in 1/s, kd in s, and the filters that are on.
@@ -122,7 +133,7 @@ pub fn multisine(points: usize, lines: usize, realization: u64) -> Vec<f64> {
 /// The mean of several responses over the same lines. A line is left out if its mean is uncertain (a standard error of
 /// more than 20 % of the line and 5 % of the static response): noise, or what hysteresis adds to it.
 #[must_use]
-pub fn mean_response(responses: &[Vec<(f64, Complex<f64>)>]) -> Vec<(f64, Complex<f64>)> {
+pub(crate) fn mean_response(responses: &[Vec<Line>]) -> Vec<Line> {
     let count = responses.len() as f64;
     let shortest = responses.iter().map(Vec::len).min().unwrap_or(0);
     let lines: Vec<(f64, Complex<f64>, f64)> = (0..shortest)
@@ -152,12 +163,12 @@ fn static_size(response: &[Complex<f64>]) -> f64 {
 /// Output over input at the lines 1 to `lines` of a periodic excitation, continuous: without the hold of the input over
 /// a sample time. The first period is run-in, the others are averaged.
 #[must_use]
-pub fn periodic_response(
+pub(crate) fn periodic_response(
     [input, output]: [&[f64]; 2],
     points: usize,
     lines: usize,
     sample_time: f64,
-) -> Vec<(f64, Complex<f64>)> {
+) -> Vec<Line> {
     let mean = |signal: &[f64]| -> Vec<f64> {
         let periods = (signal.len() / points).max(2) - 1;
         let sum = |k: usize| (1..=periods).map(|p| signal[p * points + k]).sum::<f64>();
@@ -175,10 +186,10 @@ pub fn periodic_response(
 impl ServoPlant {
     /// From a continuous response per volt: `scale` is the voltage per output of the law.
     #[must_use]
-    pub fn new(lines: &[(f64, Complex<f64>)], scale: f64, period: f64) -> Self {
+    pub fn new(lines: &[Line], narrow: &[NarrowMode], scale: f64, period: f64) -> Self {
         let below = lines.iter().filter(|(f, _)| f * period < 0.5);
         let (frequency, response) = below.map(|(f, g)| (*f, g * hold(*f, period) * scale)).unzip();
-        ServoPlant { period, frequency, response }
+        ServoPlant { period, frequency, response, narrow: narrow.to_vec() }
     }
 
     /// The response at a frequency, between the lines along a straight line.
@@ -218,13 +229,18 @@ impl ServoPlant {
         peaks.into_iter().map(|(_, f)| f).collect()
     }
 
-    /// Fewer lines: all around the resonances, others evenly over the logarithm.
+    /// Fewer lines: all around the resonances, others evenly over the logarithm; every one on the circle of a narrow mode.
     fn thinned(&self, resonances: &[f64]) -> Self {
-        let mut thin = ServoPlant { period: self.period, frequency: vec![], response: vec![] };
+        let mut thin =
+            ServoPlant { frequency: vec![], response: vec![], narrow: vec![], ..self.clone() };
         let mut last = 0.0;
         for (f, response) in self.frequency.iter().zip(&self.response) {
             let is_near = resonances.iter().any(|peak| (f / peak - 1.0).abs() < 0.15);
-            if f / last > if is_near { 1.002 } else { 1.015 } {
+            let is_on_circle = self
+                .narrow
+                .iter()
+                .any(|mode| (f / mode.frequency_hz - 1.0).abs() < CIRCLE * mode.damping);
+            if is_on_circle || f / last > if is_near { 1.002 } else { 1.015 } {
                 thin.frequency.push(*f);
                 thin.response.push(*response);
                 last = *f;
@@ -240,6 +256,7 @@ impl ServoPlant {
             period: self.period,
             frequency: frequency[..keep].to_vec(),
             response: self.response[..keep].to_vec(),
+            narrow: Vec::new(),
         }
     }
 

@@ -12,7 +12,7 @@ fn mode(frequency: f64) -> Complex<f64> {
 
 fn plant() -> ServoPlant {
     let lines: Vec<_> = (1..4500).map(f64::from).map(|f| (f, mode(f))).collect();
-    ServoPlant::new(&lines, 1.0, T)
+    ServoPlant::new(&lines, &[], 1.0, T)
 }
 
 fn rejections(frequency: f64) -> (usize, Vec<NotchFilter>) {

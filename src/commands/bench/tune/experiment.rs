@@ -1,7 +1,7 @@
 //! The signals of `bench tune`, and what their records say.
 
 use bench::gateway::station::{self, Recorded, Station, Wave};
-use control::{mean_response, multisine, periodic_response};
+use control::{Line, NarrowMode, measured_response, multisine};
 use serde::Serialize;
 
 /// Periods of the triangle; the first is run-in.
@@ -18,8 +18,15 @@ const MOST: usize = 8192;
 /// Servo cycles per point of the slow multisine, where one alone has its lines too far apart.
 const SLOW: u32 = 8;
 
-/// A response, line by line: frequency in Hz, position per volt.
-type Lines = Vec<(f64, identify::frequency::Complex)>;
+/// The plant around the middle, servo off.
+pub(super) struct Response {
+    /// Position per volt, continuous.
+    pub(super) lines: Vec<Line>,
+    /// Modes between the lines.
+    pub(super) narrow: Vec<NarrowMode>,
+    /// The record of the last multisine.
+    pub(super) record: Recorded,
+}
 
 /// Signals for an axis.
 #[derive(Clone, Debug)]
@@ -125,8 +132,8 @@ impl Bed {
         station::play(station, &wave)
     }
 
-    /// The response of the plant around the middle, servo off, and the record of the last multisine.
-    pub(super) fn response(&self, station: &mut dyn Station) -> Result<(Lines, Recorded), String> {
+    /// The response of the plant around the middle, servo off.
+    pub(super) fn response(&self, station: &mut dyn Station) -> Result<Response, String> {
         // The voltage of the middle, and how far the amplitude is in volts.
         let mut volts = [0.0; 3];
         let far = 0.5 * self.amplitude;
@@ -146,12 +153,11 @@ impl Bed {
         let most = MOST.min(self.most.0).min(self.most.1 / SINES as usize);
         let points = needed.next_power_of_two().clamp(64, most);
         let slow = needed > 2 * points;
-        let mut lines = Lines::new();
-        let mut record = Recorded::default();
+        let mut found = Response { lines: vec![], narrow: vec![], record: Recorded::default() };
         for hold in if slow { vec![1, SLOW] } else { vec![1] } {
             let count = (HIGHEST * points as f64) as usize;
             let sample = f64::from(hold) * self.cycle;
-            let mut responses = Vec::new();
+            let mut records = Vec::new();
             for realization in 0..REALIZATIONS {
                 let sine = multisine(points, count, realization);
                 let wave = Wave::complete(
@@ -160,22 +166,25 @@ impl Bed {
                     hold,
                     SINES,
                 );
-                record = station::play(station, &wave)?;
-                let signals = [&record.voltage[..], &record.position];
-                responses.push(periodic_response(signals, points, count, sample));
+                records.push(station::play(station, &wave)?);
             }
-            let found = mean_response(&responses);
+            let signals: Vec<[&[f64]; 2]> =
+                records.iter().map(|record| [&record.voltage[..], &record.position]).collect();
+            let (lines, narrow) = measured_response(&signals, points, count, sample);
             // The slow one knows the lower frequencies better.
-            let below = 0.7 * count as f64 / (points as f64 * sample);
-            if hold > 1 {
-                lines.retain(|(f, _)| *f > below);
-                lines.extend(found.into_iter().filter(|(f, _)| *f <= below));
+            let below = if hold > 1 {
+                0.7 * count as f64 / (points as f64 * sample)
             } else {
-                lines = found;
-            }
+                f64::INFINITY
+            };
+            found.lines.retain(|(f, _)| *f > below);
+            found.lines.extend(lines.into_iter().filter(|(f, _)| *f <= below));
+            found.narrow.retain(|mode| mode.frequency_hz > below);
+            found.narrow.extend(narrow.into_iter().filter(|mode| mode.frequency_hz <= below));
+            found.record = records.pop().unwrap_or_default();
         }
-        lines.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Ok((lines, record))
+        found.lines.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(found)
     }
 }
 

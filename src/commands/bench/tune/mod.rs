@@ -1,6 +1,7 @@
 //! `piezoloop bench tune`: better servo values for an instrument, from its own wave generator and data recorder.
 
 mod experiment;
+mod trial;
 
 use std::io::{self, BufRead as _, IsTerminal as _, Write};
 use std::path::PathBuf;
@@ -11,11 +12,12 @@ use bench::gateway::station::{self, Law, NotchValues, Station};
 use bench::gateway::{self, Address};
 use clap::Args;
 use cli::{Answer, Screen, rounded};
-use control::{ServoLaw, ServoLimits, ServoPlant, ServoVerdict, law_in_record};
+use control::{NarrowMode, ServoLaw, ServoLimits, ServoPlant, ServoVerdict, law_in_record};
 use data::UnitPlace;
 use serde::Serialize;
 
-use self::experiment::{Bed, Loop};
+use self::experiment::{Bed, Loop, Response};
+use self::trial::{CALMER, come_to_rest, is_wild, with_part};
 use super::measure::log_of;
 use crate::{inputs, ranges};
 
@@ -23,10 +25,6 @@ use crate::{inputs, ranges};
 const EXPLAINED: f64 = 0.9;
 /// Part to which the gains are lowered if the loop as it is oscillates.
 const LOWERED: f64 = 0.01;
-/// Parts of the proposed gains that are tried one after the other until the step does not overshoot too far.
-const GENTLER: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
-/// Times that are waited until such an axis has come to rest, at most.
-const RESTS: usize = 4;
 
 /// Proposes better PID and notch values for the servo of an instrument, and writes them on confirmation
 ///
@@ -34,9 +32,9 @@ const RESTS: usize = 4;
 /// around the middle of the travel. The frequency response of the plant and the law that is found in the record give
 /// the values with the least error for the triangle under a bound on the sensitivity. With --write they are
 /// written after a question (--yes: without), tried with a tenth of the triangle first, and measured again. If the error is
-/// not smaller, or if the step overshoots too far even with an eighth of the gains, the old values are restored and the exit
-/// code is 1. With --write --yes also a loop that oscillates is measured: with lower gains. Values are written until the
-/// next power-up only.
+/// not smaller, or if the step overshoots too far even with an eighth of the gains, and so with values for a tenth of
+/// --noise, the old values are restored and the exit code is 1. With --write --yes also a loop that oscillates is measured:
+/// with lower gains. Values are written until the next power-up only.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  piezoloop bench tune gcs://10.0.0.5\n  piezoloop bench tune 'gcs:///dev/ttyUSB0?axes=2' --frequency 10 --amplitude 5 --write\n  piezoloop bench tune nv200://10.0.0.6 --write --yes"
@@ -90,6 +88,8 @@ struct Tuned {
     /// Position per voltage at rest.
     gain: f64,
     resonances_hz: Vec<f64>,
+    /// Modes so light that they fall between the lines of the multisine.
+    narrow_modes: Vec<NarrowMode>,
     /// Voltage per output of the law, and the share of the voltage's changes that the law explains.
     law_scale: f64,
     law_explained: f64,
@@ -119,19 +119,11 @@ struct Seen {
     before: Measured,
     lowered: Option<f64>,
     plant: ServoPlant,
+    narrow: Vec<NarrowMode>,
     scale: f64,
     explained: f64,
     gain: f64,
 }
-
-/// Why a loop is not kept.
-struct Refusal {
-    why: String,
-    is_wild: bool,
-}
-
-/// A new loop as it was measured, if it was measured whole, and why it is not kept.
-type Tried = (Option<Measured>, Option<Refusal>);
 
 impl Tune {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
@@ -150,14 +142,9 @@ impl Tune {
         // Where it was, whatever came.
         let back = if origin.closed { origin.target } else { origin.voltage };
         let returned = station::lead(&mut *station, origin.closed, back);
-        let Seen { before, lowered, plant, scale, explained, gain } = measured?;
+        let Seen { before, lowered, plant, narrow, scale, explained, gain } = measured?;
         returned.map_err(anyhow::Error::msg)?;
-        let limits = ServoLimits { sensitivity: self.sensitivity, noise: self.noise };
-        let filters = |frequency: f64| {
-            let (count, all) = station.notches(frequency);
-            (count, all.iter().map(|n| [n.frequency, n.zeros, n.poles]).collect())
-        };
-        let Some((law, predicted)) = plant.design(&bed.reference(), limits, filters) else {
+        let Some((law, predicted)) = self.design(&*station, &bed, &plant, self.noise) else {
             bail!(
                 "no values keep the sensitivity below {}: the plant does not answer steadily (its response at the lowest line is {:.3e}); give a larger --amplitude, or --sensitivity 2",
                 self.sensitivity,
@@ -173,6 +160,7 @@ impl Tune {
             frequency_hz: bed.frequency(),
             gain,
             resonances_hz: plant.resonances().into_iter().take(3).collect(),
+            narrow_modes: narrow,
             law_scale: scale,
             law_explained: explained,
             gains_lowered_to: lowered,
@@ -185,7 +173,17 @@ impl Tune {
             seconds: 0.0,
         };
         if self.write && self.agrees(screen, &answer)? {
-            let tried = self.try_law(&mut *station, &bed, &answer);
+            let mut tried = self.try_law(&mut *station, &bed, &answer, false);
+            if is_wild(&tried)
+                && let Some((law, found)) =
+                    self.design(&*station, &bed, &plant, CALMER * self.noise)
+            {
+                screen.say("a proposal that answers a step less abruptly");
+                (answer.proposed, answer.predicted) = (values(&law), found);
+                if self.agrees(screen, &answer)? {
+                    tried = self.try_law(&mut *station, &bed, &answer, true);
+                }
+            }
             let returned = station::lead(&mut *station, origin.closed, back);
             let (after, refusal) = tried?;
             answer.restored = refusal.is_some();
@@ -194,6 +192,22 @@ impl Tune {
         }
         answer.seconds = begin.elapsed().as_secs_f64();
         screen.show(&answer)
+    }
+
+    /// The law with the least error under the limits, and what it shall do; none: none keeps them.
+    fn design(
+        &self,
+        station: &dyn Station,
+        bed: &Bed,
+        plant: &ServoPlant,
+        noise: f64,
+    ) -> Option<(ServoLaw, ServoVerdict)> {
+        let limits = ServoLimits { sensitivity: self.sensitivity, noise };
+        let filters = |frequency: f64| {
+            let (count, all) = station.notches(frequency);
+            (count, all.iter().map(|n| [n.frequency, n.zeros, n.poles]).collect())
+        };
+        plant.design(&bed.reference(), limits, filters)
     }
 
     fn bed(&self, station: &dyn Station) -> anyhow::Result<Bed> {
@@ -252,14 +266,14 @@ impl Tune {
                 .set_law(&law)
                 .map_err(|error| anyhow::anyhow!("the old values cannot be restored: {error}"))?;
         }
-        let (lines, log) = seen?;
+        let Response { lines, narrow, record } = seen?;
         if let Some(file) = &self.log {
-            log_of(&log, station.number(), false, &self.position_unit, file)?
+            log_of(&record, station.number(), false, &self.position_unit, file)?
                 .write(file, UnitPlace::Sidecar)?;
         }
         let gain = lines.first().map_or(0.0, |(_, g)| g.norm() * g.re.signum());
-        let plant = ServoPlant::new(&lines, scale, station.cycle());
-        Ok(Seen { before, lowered, plant, scale, explained, gain })
+        let plant = ServoPlant::new(&lines, &narrow, scale, station.cycle());
+        Ok(Seen { before, lowered, plant, narrow, scale, explained, gain })
     }
 
     fn agrees(&self, screen: &Screen, answer: &Tuned) -> anyhow::Result<bool> {
@@ -274,95 +288,6 @@ impl Tune {
         io::stdin().lock().read_line(&mut line)?;
         Ok(matches!(line.trim(), "y" | "Y" | "yes"))
     }
-
-    /// Writes the proposed law and measures it, first with a tenth of the reference; why the old one was restored, if it was.
-    fn try_law(
-        &self,
-        station: &mut dyn Station,
-        bed: &Bed,
-        answer: &Tuned,
-    ) -> anyhow::Result<Tried> {
-        let old = &answer.before;
-        let mut attempt = || -> Result<Tried, String> {
-            let mut last = (None, None);
-            for part in GENTLER {
-                last = self.try_part(station, bed, answer, part)?;
-                // Smaller gains help a loop that went wrong at once or overshoots, not one that is too slow.
-                if !matches!(&last, (_, Some(Refusal { is_wild: true, .. }))) {
-                    break;
-                }
-            }
-            Ok(last)
-        };
-        let tried = attempt();
-        if !matches!(&tried, Ok((_, None))) {
-            station.set_law(&old.law).map_err(|error| {
-                anyhow::anyhow!(
-                    "the values are no better, and the old ones cannot be restored: {error}"
-                )
-            })?;
-        }
-        tried.map_err(anyhow::Error::msg)
-    }
-
-    /// Writes the proposed law with this part of its gains and measures it; why it is not kept.
-    fn try_part(
-        &self,
-        station: &mut dyn Station,
-        bed: &Bed,
-        answer: &Tuned,
-        part: f64,
-    ) -> Result<Tried, String> {
-        let (law, old) = (&answer.proposed, &answer.before.found);
-        station.set_law(&with_part(law, part))?;
-        if part < 1.0 {
-            come_to_rest(station, bed)?;
-        }
-        let (small, _) = bed.measure(station, 0.1)?;
-        if let Some(mut refusal) = self.refusal(&small, old) {
-            refusal.why.insert_str(0, "with a tenth of the signals ");
-            refusal.is_wild = true;
-            return Ok((None, Some(refusal)));
-        }
-        let (found, _) = bed.measure(station, 1.0)?;
-        let why = self.refusal(&found, old);
-        Ok((Some(Measured { law: station.law()?, found }), why))
-    }
-
-    /// Why a loop is not kept; none: it is better than the old one.
-    fn refusal(&self, new: &Loop, old: &Loop) -> Option<Refusal> {
-        // Not a number is no better either.
-        if new.rms_error.is_nan() || new.rms_error >= old.rms_error {
-            return Some(Refusal { why: "the error is not smaller".to_owned(), is_wild: false });
-        }
-        let allowed = self.overshoot.max(old.overshoot);
-        if new.overshoot <= allowed {
-            return None;
-        }
-        // A part below 0 is told as 0: there is no overshoot.
-        let percent = |part: f64| 100.0 * part.max(0.0);
-        let why = format!(
-            "the step overshoots by {:.1} %, more than before ({:.1} %) and than --overshoot allows ({:.1} %): give a smaller --sensitivity or --noise",
-            percent(new.overshoot),
-            percent(old.overshoot),
-            percent(self.overshoot)
-        );
-        Some(Refusal { why, is_wild: true })
-    }
-}
-
-/// The law with this part of its gains.
-fn with_part(law: &Law, part: f64) -> Law {
-    Law { kp: part * law.kp, ki: part * law.ki, kd: part * law.kd, ..law.clone() }
-}
-
-/// Leads an axis that oscillated to the middle of the travel, and waits there.
-fn come_to_rest(station: &mut dyn Station, bed: &Bed) -> Result<(), String> {
-    station::lead(station, true, bed.middle)?;
-    for _ in 0..RESTS {
-        station::settled(station, 1e-3 * bed.amplitude)?;
-    }
-    Ok(())
 }
 
 /// What the loop does with a law: its figures, voltage per output of the law, and the explained share.
@@ -441,6 +366,12 @@ impl Answer for Tuned {
         let peaks: Vec<String> = self.resonances_hz.iter().map(|f| format!("{f:.1} Hz")).collect();
         let peaks = if peaks.is_empty() { "none".to_owned() } else { peaks.join(", ") };
         writeln!(out, "plant: {:.5} {} per V, resonances: {peaks}", self.gain, self.unit)?;
+        for NarrowMode { frequency_hz, damping } in &self.narrow_modes {
+            writeln!(
+                out,
+                "  light mode between the lines: {frequency_hz:.2} Hz, damping {damping:.2e}"
+            )?;
+        }
         writeln!(out, "before: {}", text_of(&self.before.law))?;
         self.before.write(out, &self.unit)?;
         if let Some(part) = self.gains_lowered_to {

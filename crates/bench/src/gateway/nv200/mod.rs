@@ -188,7 +188,21 @@ impl Nv200Device {
     fn who(&mut self, timeout: Duration) -> Result<String, Broken> {
         self.write("")?;
         let text = self.until(b'\n', timeout)?;
-        Ok(text.trim_matches([' ', '<', '>']).to_owned())
+        Ok(name_in(&text))
+    }
+
+    /// Drops answers that come too late, until the instrument says who it is, which it does once they are all there.
+    fn settle(&mut self, patience: Duration) -> Result<(), Broken> {
+        self.write("")?;
+        let (timeout, identity) = (self.options.timeout, self.identity.clone());
+        let tries = (patience.as_secs_f64() / timeout.as_secs_f64()).ceil() as usize;
+        let is_there = (0..tries)
+            .any(|_| self.until(b'\n', timeout).is_ok_and(|text| name_in(&text) == identity));
+        if !is_there {
+            return Err(Broken::Late);
+        }
+        // With it goes the XON behind the name, which a command would take for its own.
+        self.number("meas", timeout).map(|_| ())
     }
 
     /// The value of a question: the text behind its name.
@@ -250,6 +264,11 @@ impl Nv200Device {
         }
         Ok(position)
     }
+}
+
+/// Who answers an empty line.
+fn name_in(prompt: &str) -> String {
+    prompt.trim_matches([' ', '<', '>']).to_owned()
 }
 
 /// Why an instrument does not open.

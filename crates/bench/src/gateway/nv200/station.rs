@@ -12,7 +12,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use super::{Nv200Device, PATIENCE, explained};
-use crate::gateway::line::{Line, Options};
+use crate::gateway::line::{Broken, Line, Options};
 use crate::gateway::station::{Follow, Input, Law, NotchValues, Place, Recorded, Station, Wave};
 
 /// Step of generator, recorder and servo, in s.
@@ -34,6 +34,8 @@ pub struct Nv200Station {
     volts: [f64; 2],
     /// Points of the generator that were written, in %; one command for each takes long.
     points: Vec<String>,
+    /// An answer may still come that nobody waits for.
+    is_late: bool,
 }
 
 impl Nv200Station {
@@ -46,23 +48,38 @@ impl Nv200Station {
         let mut number = |name: &str| device.number(name, PATIENCE).map_err(explained);
         let travel = [number("posmin")?, number("posmax")?];
         let volts = [number("avmin")?, number("avmax")?];
-        Ok(Nv200Station { device, travel, volts, points: Vec::new() })
+        Ok(Nv200Station { device, travel, volts, points: Vec::new(), is_late: false })
     }
 
     fn number(&mut self, name: &str) -> Result<f64, String> {
         let timeout = self.device.options.timeout;
-        self.device.number(name, timeout).map_err(|broken| format!("{name}: {broken}"))
+        let number = self.exchange(|device| device.number(name, timeout));
+        number.map_err(|broken| format!("{name}: {broken}"))
     }
 
     fn tell(&mut self, command: &str) -> Result<(), String> {
-        self.device.command(command).map_err(|broken| format!("{command}: {broken}"))
+        let done = self.exchange(|device| device.command(command));
+        done.map_err(|broken| format!("{command}: {broken}"))
+    }
+
+    /// One exchange. After one whose answer did not come in time the late answer is awaited first, so that it is not taken for
+    /// that of the next question or command.
+    fn exchange<T>(
+        &mut self,
+        exchange: impl FnOnce(&mut Nv200Device) -> Result<T, Broken>,
+    ) -> Result<T, Broken> {
+        let settled = if self.is_late { self.device.settle(PATIENCE) } else { Ok(()) };
+        let answer = settled.and_then(|()| exchange(&mut self.device));
+        self.is_late = matches!(answer, Err(Broken::Late | Broken::Garbage(_)));
+        answer
     }
 
     /// What a recorder channel holds.
     fn channel(&mut self, channel: usize, rows: usize) -> Result<Vec<f64>, String> {
         let question = format!("recoutf,{channel}");
-        let answer =
-            self.device.ask(&question, ARRAY).map_err(|broken| format!("{question}: {broken}"))?;
+        let answer = self
+            .exchange(|device| device.ask(&question, ARRAY))
+            .map_err(|broken| format!("{question}: {broken}"))?;
         let values = answer.split(',').skip(1).map(|word| word.trim().parse::<f64>());
         let values = values.collect::<Result<Vec<_>, _>>();
         let values = values.map_err(|_| format!("{question}: a value is no number"))?;
@@ -243,5 +260,77 @@ impl Station for Nv200Station {
     fn notches(&self, frequency: f64) -> (usize, Vec<NotchValues>) {
         let notch = |width: f64| NotchValues { frequency, zeros: 0.0, poles: 0.5 * width };
         (1, WIDTHS.map(notch).to_vec())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::VecDeque;
+
+    /// An instrument that answers one question, or a command, only when more has been asked.
+    #[derive(Debug, Default)]
+    struct Slow {
+        /// Reads in which nothing comes, and what comes then.
+        answers: VecDeque<(usize, String)>,
+        /// Reads in vain before the answers to `kp` and to `cl,1` come.
+        late: usize,
+    }
+
+    impl Line for Slow {
+        fn open(&mut self, _: Duration) -> Result<(), String> {
+            Ok(())
+        }
+
+        fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
+            let question = std::str::from_utf8(bytes).unwrap().trim();
+            let answer = match question {
+                "" => "NV200/D_NET>\r\n",
+                "posmin" | "avmin" => "0",
+                "posmax" | "avmax" => "100",
+                "meas" => "50",
+                "kp" => "0.5",
+                "ki" => "30",
+                "ki,-1" => "error,4\r\n",
+                "cl,1" => "",
+                _ => "error,2\r\n",
+            };
+            let waits = if matches!(question, "kp" | "cl,1") { self.late } else { 0 };
+            let is_value = answer.parse::<f64>().is_ok();
+            let text = if is_value { format!("{question},{answer}\r\n") } else { answer.into() };
+            self.answers.push_back((waits, format!("{text}\u{11}")));
+            Ok(())
+        }
+
+        fn read(&mut self, bytes: &mut [u8], _: Duration) -> Result<usize, String> {
+            let Some((waits, _)) = self.answers.front_mut() else { return Ok(0) };
+            if *waits > 0 {
+                *waits -= 1;
+                return Ok(0);
+            }
+            let (_, answer) = self.answers.pop_front().unwrap_or_default();
+            bytes[..answer.len()].copy_from_slice(answer.as_bytes());
+            Ok(answer.len())
+        }
+
+        fn close(&mut self) {}
+    }
+
+    /// A late answer is nobody's.
+    #[test]
+    fn a_late_answer_is_not_taken_for_that_of_the_next_question() {
+        for late in [0, 1, 2, 20] {
+            let options = Options::parse("timeout=0.01", 0.01).unwrap();
+            let line = Slow { late, ..Slow::default() };
+            let station = &mut Nv200Station::open(Box::new(line), options).unwrap();
+            assert_eq!(station.number("kp").ok(), (late == 0).then_some(0.5), "{late}");
+            assert_eq!(station.number("ki"), Ok(30.0), "{late}");
+            assert_eq!(station.tell("cl,1").is_ok(), late == 0, "{late}");
+            let refused = station.tell("ki,-1").unwrap_err();
+            assert!(refused.contains("the range is exceeded"), "{late}: {refused}");
+            assert_eq!(station.number("meas"), Ok(50.0), "{late}");
+            assert_eq!(station.tell("cl,1").is_ok(), late == 0, "{late}");
+            assert_eq!(station.number("ki"), Ok(30.0), "{late}");
+        }
     }
 }

@@ -37,7 +37,7 @@ impl Nv200Station {
     /// Whether the analog input is on; none: an instrument without that switch.
     fn switch(&mut self) -> Result<Option<f64>, String> {
         let timeout = self.device.options.timeout;
-        match self.device.number("modon", timeout) {
+        match self.exchange(|device| device.number("modon", timeout)) {
             Ok(on) => Ok(Some(on)),
             Err(Broken::Said(text)) if text.contains("unknown command") => Ok(None),
             Err(broken) => Err(format!("modon: {broken}")),
