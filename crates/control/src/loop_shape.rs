@@ -135,13 +135,13 @@ impl Response {
             angles.extend(near.filter(|angle| *angle < PI));
         }
         angles.sort_by(f64::total_cmp);
-        let values = angles.iter().map(|&angle| transfer(impulse, angle)).collect();
+        let values = transfers(impulse, &angles);
         Self { angles, values, period }
     }
 
     /// A plant with another impulse response at the same frequencies.
     pub(crate) fn of(&self, impulse: &[f64]) -> Self {
-        let values = self.angles.iter().map(|&angle| transfer(impulse, angle)).collect();
+        let values = transfers(impulse, &self.angles);
         Self { angles: self.angles.clone(), values, period: self.period }
     }
 
@@ -162,9 +162,28 @@ impl Response {
 
 /// z⁻¹ · Σ h_k z⁻ᵏ at z = exp(i·angle), by Horner's rule.
 pub(crate) fn transfer(impulse: &[f64], angle: f64) -> Complex<f64> {
-    let back = Complex::from_polar(1.0, -angle);
-    let sum = impulse.iter().rev().fold(Complex::new(0.0, 0.0), |sum, h| (sum + h) * back);
-    sum * back
+    let [value] = together(impulse, [angle]);
+    value
+}
+
+/// `transfer` at all angles, to the same bits.
+pub(crate) fn transfers(impulse: &[f64], angles: &[f64]) -> Vec<Complex<f64>> {
+    // Several rules at once do not wait for each other's products.
+    const TOGETHER: usize = 8;
+    let (many, rest) = angles.as_chunks::<TOGETHER>();
+    let many = many.iter().flat_map(|angles| together(impulse, *angles));
+    many.chain(rest.iter().map(|angle| transfer(impulse, *angle))).collect()
+}
+
+fn together<const N: usize>(impulse: &[f64], angles: [f64; N]) -> [Complex<f64>; N] {
+    let back = angles.map(|angle| Complex::from_polar(1.0, -angle));
+    let mut sum = [Complex::new(0.0, 0.0); N];
+    for h in impulse.iter().rev() {
+        for (sum, back) in sum.iter_mut().zip(&back) {
+            *sum = (*sum + h) * back;
+        }
+    }
+    std::array::from_fn(|k| sum[k] * back[k])
 }
 
 /// The largest gain of `shape` that keeps the limits for all variants of the plant; the first is the
@@ -260,6 +279,18 @@ mod tests {
         // |L| = 1 where 2 sin(angle/2) = k.
         let exact = 2.0 * (0.5 * k).asin() / (TAU * 0.01);
         assert!((found.bandwidth / exact - 1.0).abs() < 0.03, "{found:?}, {exact} Hz");
+    }
+
+    #[test]
+    fn responses_together_are_those_of_each_angle() {
+        let impulse: Vec<f64> =
+            (0..200).map(|k| (0.97_f64).powi(k) * (0.3 * f64::from(k)).cos()).collect();
+        let angles: Vec<f64> = (0..19).map(|k| PI * 0.7_f64.powi(k)).collect();
+        for (angle, value) in angles.iter().zip(transfers(&impulse, &angles)) {
+            let back = Complex::from_polar(1.0, -angle);
+            let sum = impulse.iter().rev().fold(Complex::new(0.0, 0.0), |sum, h| (sum + h) * back);
+            assert_eq!(value, sum * back, "{angle}");
+        }
     }
 
     #[test]

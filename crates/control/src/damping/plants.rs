@@ -9,7 +9,7 @@ use super::gains::Gains;
 use super::{BEYOND, DampedPlant, Damping, slopes};
 use crate::design::CommandActs;
 use crate::linearised::LIGHT;
-use crate::loop_shape::{Limits, transfer};
+use crate::loop_shape::{Limits, transfers};
 use crate::nyquist::Round;
 use crate::search::evolve;
 
@@ -87,7 +87,7 @@ impl Plants {
         let mut values = Vec::new();
         for impulse in axis_plant.impulses {
             let own: Vec<Complex<f64>> =
-                angles.iter().map(|angle| transfer(impulse, *angle) / slope).collect();
+                transfers(impulse, &angles).into_iter().map(|value| value / slope).collect();
             if at_once {
                 values.push(own.iter().zip(&back).map(|(value, back)| value / back).collect());
             }
