@@ -46,6 +46,38 @@ impl Normal {
     }
 }
 
+/// What changes a mode: factors of its frequency and damping, hardening, friction.
+type Forces = ((f64, f64), Option<f64>, Option<f64>);
+
+/// What the stages of one machine gave for a record the last time: most strengths of an effect change one stage.
+struct Known {
+    hysteresis: Last<Option<f64>>,
+    mode: Last<Forces>,
+}
+
+impl Known {
+    const fn new() -> Self {
+        Self { hysteresis: Last(None), mode: Last(None) }
+    }
+}
+
+/// Input, parameters and output of a stage.
+struct Last<P>(Option<(Vec<f64>, P, Vec<f64>)>);
+
+impl<P: Copy + PartialEq> Last<P> {
+    /// The output for an input and parameters, computed unless they are the last ones.
+    fn of(&mut self, (input, parameters): (&[f64], P), new: impl FnOnce() -> Vec<f64>) -> Vec<f64> {
+        match &self.0 {
+            Some((u, p, output)) if u == input && *p == parameters => output.clone(),
+            _ => {
+                let output = new();
+                self.0 = Some((input.to_vec(), parameters, output.clone()));
+                output
+            }
+        }
+    }
+}
+
 /// One machine: its parameters are drawn around the model's, within tolerance.
 pub struct Machine {
     pub w: [f64; 8],
@@ -86,14 +118,17 @@ impl Machine {
             _ => size,
         };
         let records = self.commands();
-        let rms = |machine: &Self| {
-            let mut none = Self { effects: Vec::new(), w: machine.w, ..*machine };
-            none.effects.clone_from(&self.effects);
+        let positions = |machine: &Self, known: &mut [Known]| -> Vec<Vec<f64>> {
+            let each = records.iter().zip(known).enumerate();
+            each.map(|(k, (u, known))| machine.position_from(k, u, known)).collect()
+        };
+        let mut known = [const { Known::new() }; 4];
+        let without = positions(&self, &mut known);
+        let mut rms = |machine: &Self| {
             let (mut sum, mut count) = (0.0, 0.0);
-            for (k, u) in records.iter().enumerate() {
-                let (a, b) = (machine.position(k, u), none.position(k, u));
-                let mean = a.iter().zip(&b).map(|(a, b)| a - b).sum::<f64>() / a.len() as f64;
-                sum += a.iter().zip(&b).map(|(a, b)| (a - b - mean).powi(2)).sum::<f64>();
+            for (a, b) in positions(machine, &mut known).iter().zip(&without) {
+                let mean = a.iter().zip(b).map(|(a, b)| a - b).sum::<f64>() / a.len() as f64;
+                sum += a.iter().zip(b).map(|(a, b)| (a - b - mean).powi(2)).sum::<f64>();
                 count += a.len() as f64;
             }
             (sum / count).sqrt() / machine.sigma
@@ -157,15 +192,21 @@ impl Machine {
 
     /// Noise-free position at each row, in um.
     pub fn position(&self, record: usize, u: &[f64]) -> Vec<f64> {
+        self.position_from(record, u, &mut Known::new())
+    }
+
+    /// The same, with what the last call for this record has computed already.
+    fn position_from(&self, record: usize, u: &[f64], known: &mut Known) -> Vec<f64> {
         let h = 1.0 / RATE;
-        let neighbour = self.neighbour(record);
         let find = |e: Effect| self.effects.iter().find(|(x, _)| *x == e).map(|(_, s)| *s);
         let v = super::truth::input_side(self, u);
         // Actuator.
-        let mut x = self.hysteresis(&v, find(Effect::RateDependence));
-        super::truth::actuator(self, &v, &neighbour, &mut x);
+        let rate = find(Effect::RateDependence);
+        let mut x = known.hysteresis.of((&v, rate), || self.hysteresis(&v, rate));
+        super::truth::actuator(self, &v, || self.neighbour(record), &mut x);
         // Mechanics: the mode by exact steps.
-        let x = self.mode(&x, find(Effect::Duffing));
+        let forces = (self.changes(), find(Effect::Duffing), find(Effect::Friction));
+        let x = known.mode.of((&x, forces), || self.mode(&x, forces));
         super::truth::output_side(self, record, u, x, h)
     }
 
@@ -195,21 +236,23 @@ impl Machine {
         out
     }
 
-    fn mode(&self, u: &[f64], duffing: Option<f64>) -> Vec<f64> {
-        // Twenty fine steps per row of the damped oscillator.
-        let fine = 20;
-        let shift = self
-            .effects
+    /// Factors of frequency and damping.
+    fn changes(&self) -> (f64, f64) {
+        self.effects
             .iter()
             .map(|(e, s)| match e {
                 Effect::ResonanceShift => (1.0 - 0.1 * s, 1.0),
                 Effect::Damping => (1.0, 1.0 + s),
                 _ => (1.0, 1.0),
             })
-            .fold((1.0, 1.0), |a, b| (a.0 * b.0, a.1 * b.1));
+            .fold((1.0, 1.0), |a, b| (a.0 * b.0, a.1 * b.1))
+    }
+
+    fn mode(&self, u: &[f64], (shift, duffing, friction): Forces) -> Vec<f64> {
+        // Twenty fine steps per row of the damped oscillator.
+        let fine = 20;
         let w0 = TAU * self.frequency * shift.0;
         let zeta = self.damping * shift.1;
-        let friction = self.effects.iter().find(|(e, _)| *e == Effect::Friction).map(|(_, s)| *s);
         let h = 1.0 / (RATE * f64::from(fine));
         let transition = components::linear::Transition::new(w0 / TAU, zeta, h);
         let (mut x, mut rate) = (u[0], 0.0);

@@ -150,7 +150,7 @@ pub fn input_side(m: &Machine, u: &[f64]) -> Vec<f64> {
     v
 }
 
-pub fn actuator(m: &Machine, v: &[f64], neighbour: &[f64], x: &mut Vec<f64>) {
+pub fn actuator(m: &Machine, v: &[f64], neighbour: impl Fn() -> Vec<f64>, x: &mut Vec<f64>) {
     for (effect, s) in &m.effects {
         match effect {
             // Ten relaxations whose shares fall.
@@ -212,7 +212,7 @@ pub fn actuator(m: &Machine, v: &[f64], neighbour: &[f64], x: &mut Vec<f64>) {
                 }
             }
             Effect::CrossCoupling => {
-                let mut n: Vec<f64> = neighbour.iter().map(|n| n - 60.0).collect();
+                let mut n: Vec<f64> = neighbour().iter().map(|n| n - 60.0).collect();
                 lag(&mut n, 120.0);
                 x.iter_mut().zip(&n).for_each(|(x, n)| *x += 0.05 * s * n);
             }
