@@ -3,7 +3,8 @@
 use crate::common;
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use common::{json, measured, refuse, succeed};
 use data::{Blueprint, Value};
@@ -105,14 +106,32 @@ fn shown(model: &str, log: &str, at: &Path) -> [f64; 2] {
     [percent, run["fits"][0]["nrmse_percent"].as_f64().expect("a figure")]
 }
 
+/// A folder with the stack as stop operators and its FMU, and what [`shown`] gives of it: learned once for both tests.
+fn stops(log: &str) -> &'static (PathBuf, [f64; 2]) {
+    static STOPS: OnceLock<(PathBuf, [f64; 2])> = OnceLock::new();
+    STOPS.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("stack");
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let errors = shown("lssvm-stops", log, &folder);
+        (folder, errors)
+    })
+}
+
 /// The learned models know the motion that they were shown: one large sine.
 #[test]
 fn a_learned_stack_follows_the_motion_that_it_was_shown() {
     let Some(log) = measured("pea_p885_1hz_inverse_ff/model_1hz_3v6.csv") else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let Some(other) = measured("pea_p885_1hz_inverse_ff/test_ff.csv") else { return };
-    for model in ["lssvm-narx", "gp", "lssvm-stops"] {
-        let [percent, packed] = shown(model, &log.to_string_lossy(), folder.path());
+    let log = log.to_string_lossy();
+    let (stops, of_stops) = stops(&log);
+    for (model, errors) in [
+        ("lssvm-narx", shown("lssvm-narx", &log, folder.path())),
+        ("gp", shown("gp", &log, folder.path())),
+        ("lssvm-stops", *of_stops),
+    ] {
+        let [percent, packed] = errors;
         println!("held-out half of model_1hz_3v6.csv, {model}: {percent:.3} % of the range");
         println!("the same by the packed FMU, which starts under the first command: {packed:.3} %");
         assert!(percent <= 0.3, "{model}: {percent}");
@@ -122,7 +141,7 @@ fn a_learned_stack_follows_the_motion_that_it_was_shown() {
     let log = other.to_string_lossy();
     let arguments =
         ["simulate", "plant.fmu", "--log", &log, "--map", "u=u1", "--rows", "5051..6050"];
-    let run = json(&arguments, folder.path());
+    let run = json(&arguments, stops);
     let error = run["fits"][0]["nrmse_percent"].as_f64().expect("a figure");
     println!("rows 5051 to 6050 of test_ff.csv, lssvm-stops: {error:.3} %");
     assert!(error <= 0.6, "{error}");
@@ -135,7 +154,10 @@ fn the_learned_inverse_of_the_stack_beats_feedback_alone() {
     let Some(log) = measured("pea_p885_1hz_inverse_ff/model_1hz_3v6.csv") else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
-    shown("lssvm-stops", &log.to_string_lossy(), at);
+    let (stops, _) = stops(&log.to_string_lossy());
+    for name in ["plant.toml", "plant-y.npy", "plant.fmu"] {
+        std::fs::copy(stops.join(name), at.join(name)).expect("a copy");
+    }
     let answer = json(&["invert", "plant.toml", "-o", "controller.toml"], at);
     let inverse = &answer["axes"][0]["inverse"];
     let error = 100.0 * inverse["error"].as_f64().expect("a figure");

@@ -6,6 +6,7 @@
 mod common;
 
 use core::f64::consts::TAU;
+use std::sync::OnceLock;
 
 use common::target;
 use control::{ControlSettings, Error, Feedforward, Inversion, invert, simulate_loop};
@@ -85,6 +86,12 @@ fn identified(method: &str) -> Identification {
         .unwrap_or_else(|e| panic!("{method}: {e}"))
 }
 
+/// The machine as stop operators and their lag, learned once for all tests.
+fn stops() -> &'static CheckedBlueprint {
+    static STOPS: OnceLock<CheckedBlueprint> = OnceLock::new();
+    STOPS.get_or_init(|| identified("lssvm-stops").plant)
+}
+
 fn feedback_only(found: &Inversion) -> CheckedBlueprint {
     let mut blueprint = found.controller.blueprint().clone();
     blueprint.axes[0].components.retain(|component| component.kind == "pid");
@@ -110,9 +117,9 @@ fn rms(reference: &[f64], position: &[f64]) -> f64 {
 
 #[test]
 fn the_learned_inverse_beats_feedback_alone_on_the_model_and_on_the_machine() {
-    let plant = identified("lssvm-stops").plant;
+    let plant = stops();
     let found =
-        invert(&plant, &ControlSettings::default(), &mut Silent).unwrap_or_else(|e| panic!("{e}"));
+        invert(plant, &ControlSettings::default(), &mut Silent).unwrap_or_else(|e| panic!("{e}"));
     let figures = &found.axes[0];
     let inverse = figures.inverse.expect("learned");
     println!("{figures:?}");
@@ -123,7 +130,7 @@ fn the_learned_inverse_beats_feedback_alone_on_the_model_and_on_the_machine() {
     assert_eq!(kinds, ["reference-lead", "arx", "lssvm-stops-inverse", "pid"]);
     let (low, high) = figures.reach;
     let range = [low + 0.1 * (high - low), high - 0.1 * (high - low)];
-    for (name, machine, limit) in [("model", &plant, 0.005), ("machine", &truth(), 0.01)] {
+    for (name, machine, limit) in [("model", plant, 0.005), ("machine", &truth(), 0.01)] {
         let r = reference(low, range);
         let run = |controller: &CheckedBlueprint| {
             let run = simulate_loop(machine, controller, std::slice::from_ref(&r), PERIOD);
@@ -172,9 +179,9 @@ fn a_term_of_positions_is_the_feedforward_without_an_inverse() {
 
 #[test]
 fn what_does_not_suit_a_learned_plant_is_refused_with_the_way_out() {
-    let plant = identified("lssvm-stops").plant;
+    let plant = stops();
     let refused = |settings: ControlSettings| {
-        invert(&plant, &settings, &mut Silent).expect_err("refused").to_string()
+        invert(plant, &settings, &mut Silent).expect_err("refused").to_string()
     };
     let usual = ControlSettings::default;
     let text = refused(ControlSettings { period: Some(5e-4), ..usual() });
@@ -188,7 +195,7 @@ fn what_does_not_suit_a_learned_plant_is_refused_with_the_way_out() {
             true
         }
     }
-    let error = invert(&plant, &usual(), &mut Impatient).expect_err("stopped");
+    let error = invert(plant, &usual(), &mut Impatient).expect_err("stopped");
     assert_eq!(error, Error::Stopped);
     let operator = identified("prandtl-ishlinskii").plant;
     let error = invert(&operator, &ControlSettings { band: Some(5.0), ..usual() }, &mut Silent);

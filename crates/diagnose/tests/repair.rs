@@ -30,34 +30,29 @@ fn before_after_written(effect: Effect) -> [f64; 3] {
     [promised.rms_before, promised.rms_after, second.shrink.rms_as_given]
 }
 
-#[test]
-fn the_answer_speaks_of_the_blueprint_that_is_handed_back() {
-    for effect in [
-        Effect::Asymmetry,
-        Effect::AmplifierSaturation,
-        Effect::Crosstalk,
-        Effect::PolarisationSaturation,
-        Effect::SelfHeating,
-        Effect::CrossCoupling,
-    ] {
-        let [before, after, written] = before_after_written(effect);
-        assert!((written / after - 1.0).abs() < 1e-3, "{effect:?}: {written} is not {after}");
-        assert!(after < 1.02 * before, "{effect:?}: {after} is worse than {before}");
-    }
-}
+/// Which machines: the answer's figures are those of the blueprint; its component takes the gap away.
+const MACHINES: [(Effect, bool, bool); 8] = [
+    (Effect::Asymmetry, true, true),
+    (Effect::AmplifierSaturation, true, true),
+    (Effect::Crosstalk, true, true),
+    (Effect::PolarisationSaturation, true, true),
+    (Effect::SelfHeating, true, false),
+    (Effect::CrossCoupling, true, false),
+    (Effect::Friction, false, true),
+    (Effect::Duffing, false, true),
+];
 
 #[test]
-fn a_component_that_can_do_it_takes_the_gap_away() {
-    for effect in [
-        Effect::Crosstalk,
-        Effect::PolarisationSaturation,
-        Effect::Asymmetry,
-        Effect::AmplifierSaturation,
-        Effect::Friction,
-        Effect::Duffing,
-    ] {
-        let [before, after, _] = before_after_written(effect);
-        assert!(after < 0.3 * before, "{effect:?}: {after} of {before}");
+fn the_answer_speaks_of_the_blueprint_that_is_handed_back_and_its_component_takes_the_gap_away() {
+    for (effect, is_as_written, takes_away) in MACHINES {
+        let [before, after, written] = before_after_written(effect);
+        if is_as_written {
+            assert!((written / after - 1.0).abs() < 1e-3, "{effect:?}: {written} is not {after}");
+            assert!(after < 1.02 * before, "{effect:?}: {after} is worse than {before}");
+        }
+        if takes_away {
+            assert!(after < 0.3 * before, "{effect:?}: {after} of {before}");
+        }
     }
 }
 
