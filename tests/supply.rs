@@ -281,7 +281,7 @@ const WAY: [&[&str]; 6] = [
 #[cfg(target_os = "linux")]
 fn drive(folder: &Path) {
     let mut text = "time,command[1],command[2]\n".to_owned();
-    for k in 0..2000 {
+    for k in 0..500 {
         let t = f64::from(k) * 1e-4;
         let u = 60.0 - 50.0 * (2.0 * std::f64::consts::PI * 20.0 * t).cos() * (1.0 - t);
         text += &format!("{t},{u},{u}\n");

@@ -38,8 +38,8 @@ const CALLS: [(&str, &str); 16] = [
     ),
     (
         "identify",
-        "identify --log run.csv --input command[1] --output position[1] -o OUT/found.toml \
-         --picture OUT/loop.svg --report OUT/page.html",
+        "identify --log run.csv --input command[1] --output position[1] --model prandtl-ishlinskii \
+         -o OUT/found.toml --picture OUT/loop.svg --report OUT/page.html",
     ),
     (
         "tune",
@@ -76,7 +76,7 @@ fn inputs(folder: &Path) {
     write("plan.toml", PLAN);
     let (mut u, mut motion) =
         ("time,command[1],command[2]\n".to_owned(), "time [s],a,b,x [um],y [um]\n".to_owned());
-    for k in 0..2000 {
+    for k in 0..1000 {
         let t = f64::from(k) * 2e-4;
         let v = 60.0 - 50.0 * (120.0 * t).cos() * (1.0 - t);
         u += &format!("{t},{v},{v}\n");
