@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use model::{ComponentRef, Tick};
+use model::{ComponentRef, Record};
 pub(crate) use surround::Force;
 use surround::{Block, ForcedMode, Signals};
 
@@ -253,8 +253,7 @@ impl<'a> Bench<'a> {
         out.resize(self.data.command.len(), 0.0);
         let Some(node) = self.chain.nodes.get(k) else { return Err(Failed) };
         if let Node::Component(component) = node {
-            let mut lanes = self.lanes(x, out);
-            return component.run(theta, self.data.step, &mut lanes);
+            return component.run(theta, self.data.step, &mut self.signals(x, out));
         }
         let (parameters, step) = (&self.chain.parameters, self.data.step);
         if let Node::Block { block, takes, aux, of_command } = node {
@@ -313,25 +312,17 @@ impl<'a> Bench<'a> {
     }
 
     /// Input, command and output of each record.
-    fn lanes<'s>(&'s self, x: &'s [f64], out: &'s mut [f64]) -> Vec<Lane<'s>> {
+    fn signals<'s>(&'s self, x: &'s [f64], out: &'s mut [f64]) -> Vec<Record<'s>> {
         let (mut rest, mut at) = (out, 0);
-        let mut lanes = Vec::with_capacity(self.data.records.len());
+        let mut records = Vec::with_capacity(self.data.records.len());
         for (_, range) in self.ranges() {
             let (out, behind) = rest[range.start - at..].split_at_mut(range.len());
             (rest, at) = (behind, range.end);
-            let command = &self.data.command[range.clone()];
-            lanes.push(Lane { x: &x[range], command, out, state: Vec::new() });
+            let inputs = [&x[range.clone()], &self.data.command[range]];
+            records.push(Record { inputs, count: 2, out, state: Vec::new() });
         }
-        lanes
+        records
     }
-}
-
-/// One record on its way through a component.
-struct Lane<'a> {
-    x: &'a [f64],
-    command: &'a [f64],
-    out: &'a mut [f64],
-    state: Vec<f64>,
 }
 
 /// A NaN or an infinity anywhere stays until the end in every recursive block.
@@ -361,40 +352,34 @@ impl ComponentNode {
         values
     }
 
-    /// Runs records side by side: a step waits for the one before it in its record, and a processor
-    /// goes on with the others meanwhile.
-    fn run(&self, theta: &[f64], step: f64, lanes: &mut [Lane<'_>]) -> Result<(), Failed> {
-        let inputs = if self.reads_command { 2 } else { 1 };
+    /// Runs records side by side.
+    fn run(&self, theta: &[f64], step: f64, records: &mut [Record<'_>]) -> Result<(), Failed> {
+        let count = if self.reads_command { 2 } else { 1 };
         let component = &self.component;
         let sizes = component.sizes(&self.structure, step);
         let mut coefficients = vec![0.0; sizes.coefficients];
         let mut outputs = vec![0.0; component.declaration().outputs.len()];
         let values = self.values_at(theta);
         component.prepare(&self.structure, &values, step, &mut coefficients).map_err(|_| Failed)?;
-        for lanes in lanes.chunks_mut(Thresholds::ABREAST) {
-            for Lane { x, command, out, state } in &mut *lanes {
-                state.resize(sizes.states, 0.0);
-                component.rest(&coefficients, &[x[0], command[0]][..inputs], state, &mut outputs);
-                out[0] = outputs.first().copied().unwrap_or(f64::NAN);
+        for records in records.chunks_mut(Thresholds::ABREAST) {
+            for record in &mut *records {
+                record.count = count;
+                record.state.resize(sizes.states, 0.0);
+                let first = record.inputs.map(|signal| signal[0]);
+                component.rest(&coefficients, &first[..count], &mut record.state, &mut outputs);
+                record.out[0] = outputs.first().copied().unwrap_or(f64::NAN);
             }
             // Shorter records end first.
-            lanes.sort_by_key(|lane| std::cmp::Reverse(lane.x.len()));
+            records.sort_by_key(|record| std::cmp::Reverse(record.out.len()));
             let mut next = 1;
-            for under_way in (1..=lanes.len()).rev() {
-                let lanes = &mut lanes[..under_way];
-                let end = lanes.last().map_or(next, |shortest| shortest.x.len());
-                for n in next..end {
-                    let tick = Tick { index: n as u64, time: n as f64 * step, period: step };
-                    for Lane { x, command, out, state } in &mut *lanes {
-                        let inputs = &[x[n], command[n]][..inputs];
-                        component.step(&coefficients, state, tick, inputs, &mut outputs);
-                        out[n] = outputs[0];
-                    }
-                }
+            for under_way in (1..=records.len()).rev() {
+                let records = &mut records[..under_way];
+                let end = records.last().map_or(next, |shortest| shortest.out.len());
+                component.step_records(&coefficients, step, next..end, records, &mut outputs);
                 next = next.max(end);
             }
         }
-        lanes.iter().try_for_each(|lane| ends_finite(lane.out))
+        records.iter().try_for_each(|record| ends_finite(record.out))
     }
 }
 

@@ -25,9 +25,10 @@ use crate::thresholds::base::Thresholds;
 /// acts faster, a crosstalk): another reading is taken if it leaves about as much with fewer effects.
 pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
     let open = Course::open(request.between, request.reading, task.data.has_steps());
-    if open.is_empty() || !task.base.is_white {
+    if !task.base.is_white {
         return outcome::of(task, request, count);
     }
+    let is_given = open.is_empty();
     let readings = Readings { fresh: task.clone(), request, count };
     let outcome = outcome::of(task, request, count)?;
     let usual = outcome.task.course;
@@ -50,6 +51,8 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
         )
     };
     let warning = match mode {
+        // Nothing else was asked.
+        _ if course == usual && is_given => None,
         Some(frequency) if course == usual => Some(format!(
             "{output}: the mode at {frequency:.4} Hz lies within 10 % of half the sample rate; it stays whatever the \
              command does between the rows"
@@ -138,12 +141,14 @@ impl Readings<'_> {
         let others = tried.iter().map(|t| t.0);
         let others = others.filter(|c| is_open && moves(*c) && Some(*c) != pointed).take(2);
         self.taken(outcome, pointed.into_iter().chain(others), |other, outcome| {
-            // Where nothing pointed to it, it must leave nothing: else it helps wrong names.
+            let leaves_less = other.left() < Thresholds::READING_LESS * outcome.left();
+            // Where nothing pointed to it, it must leave nothing, and much less than the best single effect of the usual
+            // reading, which a delay of half a row may imitate: else it helps wrong names.
             if outcome.verdict == Verdict::Unknown && Some(other.task.course) != pointed {
-                return is_explained(other) && !has_gap(&other.found.last, other.adequate);
+                let leaves_nothing = !has_gap(&other.found.last, other.adequate);
+                return is_explained(other) && leaves_nothing && leaves_less;
             }
-            other.left() < Thresholds::READING_LESS * outcome.left()
-                || stands_for_effects(other, outcome)
+            leaves_less || stands_for_effects(other, outcome)
         })
     }
 
@@ -284,6 +289,6 @@ fn mode_near_nyquist(o: &Outcome) -> Option<f64> {
     }
     let own = last.chain.parameters.iter().zip(&last.fit.theta).filter(|(p, _)| !p.is_base);
     let frequencies = own.filter(|(p, _)| p.unit == "Hz").map(|(p, q)| p.value(*q));
-    let sample = o.task.data.sample_time();
+    let sample = o.task.data.sample_time;
     frequencies.filter(|f| f * sample >= Thresholds::MODE_NEAR_NYQUIST).reduce(f64::max)
 }

@@ -76,6 +76,8 @@ pub(crate) struct DataSet {
     pub(crate) step: f64,
     /// Time of each row in s.
     pub(crate) time: Vec<f64>,
+    /// Median sample time in s.
+    pub(crate) sample_time: f64,
     /// Measured output of each row.
     pub(crate) y: Vec<f64>,
     /// Hit at which each row is read.
@@ -118,6 +120,7 @@ impl DataSet {
         let mut all = Self {
             step: step.unwrap_or(shortest),
             time: Vec::new(),
+            sample_time: 0.0,
             y: Vec::new(),
             row_hit: Vec::new(),
             command: Vec::new(),
@@ -142,6 +145,9 @@ impl DataSet {
             all.push(record, step.is_none());
         }
         all.choose_fit_rows();
+        let rows = all.records.iter().map(|r| &all.time[r.rows.clone()]);
+        let mut times: Vec<f64> = rows.flat_map(|t| t.windows(2).map(|w| w[1] - w[0])).collect();
+        all.sample_time = median(&mut times).unwrap_or(all.step);
         all
     }
 
@@ -301,16 +307,6 @@ impl DataSet {
             let judged = &self.time[record.rows.clone()];
             (record.rows.start, [&record.run_in, judged].concat())
         })
-    }
-
-    /// Median sample time in s.
-    pub(crate) fn sample_time(&self) -> f64 {
-        let mut all: Vec<f64> = self
-            .records
-            .iter()
-            .flat_map(|r| self.time[r.rows.clone()].windows(2).map(|w| w[1] - w[0]))
-            .collect();
-        median(&mut all).unwrap_or(self.step)
     }
 
     /// Length of the longest record in s.

@@ -58,7 +58,7 @@ pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
         }
         _ => return None,
     };
-    let item = menu(o, longest(o)).into_iter().next()?;
+    let item = menu(o, longest(o), 1.0).into_iter().next()?;
     Some(experiment(o, item, sentence.to_owned(), Vec::new(), None))
 }
 
@@ -86,7 +86,7 @@ fn experiment(
         separates,
         signal: item.name,
         predicted_gain,
-        period: Some(o.task.data.sample_time()),
+        period: Some(o.task.data.sample_time),
         columns,
     }
 }
@@ -102,10 +102,16 @@ fn separate(
 ) -> Option<NextExperiment> {
     let known: usize = o.task.data.records.iter().map(|r| r.rows.len()).sum();
     let (mut best, mut highest): (Option<(Vec<f64>, Item)>, _) = (None, (f64::NEG_INFINITY, 0.0));
-    // A longer signal where the logs' length is too short.
-    for rows in [longest(o), Thresholds::EXPERIMENT_ROWS] {
+    // A longer signal where the logs' length is too short, and a steeper one where only speed tells them apart.
+    let all = Thresholds::EXPERIMENT_STEEPER.into_iter().flat_map(|steeper| {
+        [longest(o), Thresholds::EXPERIMENT_ROWS].map(move |rows| (rows, steeper))
+    });
+    for (rows, steeper) in all {
+        if highest.0 >= 0.0 {
+            break;
+        }
         let enough = wanted * (known + rows) as f64;
-        for item in menu(o, rows) {
+        for item in menu(o, rows, steeper) {
             let Some((gains, gap)) = gains(o, a, rivals, &item) else { continue };
             let seen = gap * (wanted / (o.adequate - 1.0)).min(1.0);
             // The product: one that is far off makes up for none that is near.
@@ -115,9 +121,6 @@ fn separate(
             if (excluded, -gap) > highest {
                 (highest, best) = ((excluded, -gap), Some((gains, item)));
             }
-        }
-        if highest.0 >= 0.0 || rows == Thresholds::EXPERIMENT_ROWS {
-            break;
         }
     }
     let (gains, item) = best?;
@@ -199,7 +202,7 @@ fn over(chain: &Chain, data: &DataSet) -> Chain {
 
 /// What is played on a neighbour's command; anything else stays where it was in the middle.
 fn beside(o: &Outcome, number: usize, n: usize) -> Vec<f64> {
-    let (aux, sample) = (&o.task.data.aux[number], o.task.data.sample_time());
+    let (aux, sample) = (&o.task.data.aux[number], o.task.data.sample_time);
     let Span { centre, half } = aux.span;
     if !aux.is_command {
         return vec![centre; n];
@@ -211,7 +214,7 @@ fn beside(o: &Outcome, number: usize, n: usize) -> Vec<f64> {
 /// A record of the signal with a measured output of zero.
 fn record(o: &Outcome, item: &Item) -> DataSet {
     let source = &o.task.data;
-    let sample = source.sample_time();
+    let sample = source.sample_time;
     let n = item.command.len();
     let aux = (0..source.aux.len()).map(|k| beside(o, k, n));
     // Inputs that are not looked at stay where the logs had them: zero may be far from any log.
@@ -258,10 +261,11 @@ pub(crate) fn csv(o: &Outcome, next: &NextExperiment) -> Option<String> {
     Some(text)
 }
 
-/// Signals within the range of the command that the logs used, and of the machine.
-fn menu(o: &Outcome, n: usize) -> Vec<Item> {
+/// Signals within the range of the command that the logs used, and of the machine, at most so many times as steep
+/// as the logs.
+fn menu(o: &Outcome, n: usize, steeper: f64) -> Vec<Item> {
     let data = &o.task.data;
-    let sample = data.sample_time();
+    let sample = data.sample_time;
     let (min, max) = o.task.command_range;
     let (u, s) = (o.task.command_factor, data.command_span);
     let low = (s.centre - s.half).max(min * u);
@@ -270,17 +274,22 @@ fn menu(o: &Outcome, n: usize) -> Vec<Item> {
     let length = n as f64 * sample;
     let nyquist = 0.5 / sample;
     let mut all = Vec::new();
-    for (part, band) in
-        [(0.9, (0.0, 0.4)), (0.2, (0.0, 0.4)), (0.9, (0.0, 0.05)), (0.2, (0.2, 0.8))]
-    {
+    for (part, band) in [
+        (0.9, (0.0, 0.4)),
+        (0.2, (0.0, 0.4)),
+        (0.9, (0.0, 0.05)),
+        (0.2, (0.2, 0.8)),
+        (0.9, (0.2, 0.8)),
+    ] {
         let (from, to) = ((band.0 * nyquist).max(1.0 / length), band.1 * nyquist);
         let name =
             format!("multisine {from:.3} to {to:.3} Hz at {:.0} % of the range", 100.0 * part);
         let command = multisine(n, sample, (from, to), (centre, part * half), 2024);
         all.push(Item { name, command });
     }
-    let steepest = steepest(data);
-    // Triangles as steep as the logs: much speed and many turns.
+    let known = steepest(data);
+    let steepest = steeper * known;
+    // Triangles as steep as may be: much speed and many turns.
     let steep = [0.95, 0.5, 0.2, 0.05, 0.02].map(|part| {
         let periods = (steepest * length / (4.0 * part * half.max(f64::MIN_POSITIVE))).floor();
         (part, periods.clamp(1.0, (0.05 * nyquist * length).max(1.0)))
@@ -301,7 +310,9 @@ fn menu(o: &Outcome, n: usize) -> Vec<Item> {
     let stairs = |k: usize| centre + half * steps[k * steps.len() / n];
     all.push(Item { name: "staircase with holds".into(), command: (0..n).map(stairs).collect() });
     all.push(Item { name: "hold in the middle".into(), command: vec![centre; n] });
-    all.into_iter().map(|item| item.no_steeper(steepest, sample, centre)).collect()
+    all.into_iter()
+        .map(|item| item.no_steeper(steepest, sample, centre).of_steepness(known, sample))
+        .collect()
 }
 
 /// Steepest command of the logs, per second.
@@ -315,19 +326,31 @@ fn steepest(data: &DataSet) -> f64 {
 }
 
 impl Item {
-    /// The signal, made smaller about the middle where it is steeper than any command of the logs: the
-    /// machine is only asked for what it has done before.
+    /// Steepest part, per second.
+    fn steepest(&self, sample: f64) -> f64 {
+        self.command.windows(2).map(|w| (w[1] - w[0]).abs() / sample).fold(0.0, f64::max)
+    }
+
+    /// The signal, made smaller about the middle where it is steeper than that.
     fn no_steeper(mut self, most: f64, sample: f64, centre: f64) -> Self {
-        let own = self.command.windows(2).map(|w| (w[1] - w[0]).abs() / sample).fold(0.0, f64::max);
+        let own = self.steepest(sample);
         if own > most && most > 0.0 {
             let part = most / own;
             self.command.iter_mut().for_each(|u| *u = centre + part * (*u - centre));
             if part < 0.995 {
-                self.name += &format!(
-                    ", made smaller to {:.0} % so that it is no steeper than the logs",
-                    100.0 * part
-                );
+                self.name += &format!(", made smaller to {:.0} %", 100.0 * part);
             }
+        }
+        self
+    }
+
+    /// The signal, whose name says where it asks for more speed than the machine had in the logs.
+    fn of_steepness(mut self, known: f64, sample: f64) -> Self {
+        let times = self.steepest(sample) / known;
+        if known > 0.0 && times > 1.005 {
+            self.name += &format!(
+                " (up to {times:.1} times as steep as the logs: check that the machine may)"
+            );
         }
         self
     }

@@ -384,7 +384,7 @@ fn quieter(task: &Task, found: &Found) -> Option<(f64, Shape)> {
 
 /// The noise over what residuals are given in, and its shape, from the residuals themselves.
 fn estimated(data: &DataSet, residual: &[f64]) -> (f64, Shape) {
-    let sample = data.sample_time();
+    let sample = data.sample_time;
     let (low, high) = (1.0 / data.longest(), 0.5 / sample);
     let rows = || data.records.iter().map(|r| r.rows.clone());
     let finest = noise::fourth_differences(residual, rows()).unwrap_or(1.0).min(1.0);
@@ -397,7 +397,7 @@ fn estimated(data: &DataSet, residual: &[f64]) -> (f64, Shape) {
 /// the less is known about the noise, the larger that part.
 fn settle_noise(task: &mut Task, residual: &[f64]) -> (Shape, f64) {
     let data = &task.data;
-    let sample = data.sample_time();
+    let sample = data.sample_time;
     let (low, high) = (1.0 / data.longest(), 0.5 / sample);
     let rows = || data.records.iter().map(|r| r.rows.clone());
     // In standard deviations of what was taken for the noise so far.

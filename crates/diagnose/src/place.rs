@@ -55,7 +55,7 @@ impl Maps<'_> {
 
     /// Power of each band over all records, noise taken off, largest first.
     pub(crate) fn bands(&self) -> Vec<BandShare> {
-        let sample = self.data.sample_time();
+        let sample = self.data.sample_time;
         let longest = self.data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
         let bands = Bands::new(longest, sample);
         let count = bands.ends.len() - 1;

@@ -27,7 +27,7 @@ pub(crate) fn residual(fitter: Fitter<'_>, judge: &Judge, base: &Candidate) -> O
 
 /// Square roots of the weights of the rows of the fit.
 fn weights(data: &DataSet, residual: &[f64]) -> Vec<f64> {
-    let length = ((Thresholds::ROBUST_BLOCK / data.sample_time()).round() as usize)
+    let length = ((Thresholds::ROBUST_BLOCK / data.sample_time).round() as usize)
         .max(Thresholds::ROBUST_ROWS);
     let mut weights = vec![1.0; data.fit_rows.len()];
     for record in &data.records {

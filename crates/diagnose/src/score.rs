@@ -72,7 +72,7 @@ impl Judge {
             }
         }
         let longest = stretches.iter().map(Range::len).max().unwrap_or(0);
-        let sample = data.sample_time();
+        let sample = data.sample_time;
         let bands = Bands::new(longest, sample);
         let floor = bands
             .ends
@@ -147,7 +147,7 @@ impl Judge {
             let rows = record.training.len() as f64;
             // Fewer rows hold as much of slow noise a row.
             let dense = record.fit.len() as f64 / rows;
-            let length = rows * data.sample_time();
+            let length = rows * data.sample_time;
             let all = chain.nuisances.iter().flat_map(|n| n.frequencies(&values, length));
             sum += all.map(|f| white * (1.0 + dense * corner / f)).sum::<f64>();
         }
@@ -157,7 +157,7 @@ impl Judge {
     /// Takes out of the held-out end of a record what its mean may differ from that of the record's
     /// begin by noise that grows as 1/f; an offset that is larger stays with the rest.
     fn level_off(&self, residual: &mut [f64], data: &DataSet) {
-        let nyquist = 0.5 / data.sample_time();
+        let nyquist = 0.5 / data.sample_time;
         let pink = self.shape.white * self.shape.corner / nyquist;
         let most = Thresholds::SLOW_DEVIATIONS * (Thresholds::SLOW_DIFFERENCE * pink).sqrt();
         for record in data.records.iter().filter(|r| !r.training.is_empty()) {
@@ -190,7 +190,7 @@ impl Judge {
             held_out = training;
         }
         let training = if training.is_nan() { held_out } else { training };
-        let log_band = self.level(&residual, data.sample_time());
+        let log_band = self.level(&residual, data.sample_time);
         let blocks = self.blocks.iter().map(|b| square(&b.rows)).collect();
         Judged { held_out, training, log_band, blocks, residual }
     }
@@ -198,7 +198,7 @@ impl Judge {
     /// What is left beside the noise.
     pub(crate) fn discrepancy(&self, judged: &Judged, data: &DataSet) -> Discrepancy {
         let records = data.records.iter().map(|r| r.rows.clone());
-        discrepancy::of(&judged.residual, records, self.shape, data.sample_time())
+        discrepancy::of(&judged.residual, records, self.shape, data.sample_time)
     }
 
     /// Held-out score between the re-tuned model (0) and the noise (1).

@@ -360,7 +360,7 @@ impl<'a> Search<'a> {
         let simulated: Vec<f64> =
             self.data.y.iter().zip(residual).map(|(y, r)| y - self.sigma * r).collect();
         let rows = self.data.records.iter().map(|record| record.training.clone());
-        spectrum::resonances(&simulated, residual, rows, self.data.sample_time())
+        spectrum::resonances(&simulated, residual, rows, self.data.sample_time)
     }
 
     /// First-order promise of a formula and its best start.

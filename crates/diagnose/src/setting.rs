@@ -34,7 +34,7 @@ pub(crate) fn setting<'a>(
     sigma: f64,
 ) -> Setting<'a> {
     let data = &task.data;
-    let sample = data.sample_time();
+    let sample = data.sample_time;
     let length = data
         .records
         .iter()
@@ -146,7 +146,7 @@ fn is_mains(frequency: f64) -> bool {
 fn before_mode(task: &Task, residual: &[f64]) -> Vec<f64> {
     let data = &task.data;
     let Some((frequency, damping)) = task.base.mode_values() else { return residual.to_vec() };
-    let transition = Transition::new(frequency, damping, data.sample_time());
+    let transition = Transition::new(frequency, damping, data.sample_time);
     let mut sought = residual.to_vec();
     for record in &data.records {
         let part = &mut sought[record.rows.clone()];

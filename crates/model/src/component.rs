@@ -251,6 +251,44 @@ pub trait Component: Send + Sync {
             self.step(coefficients, state, *tick, inputs, outputs);
         })
     }
+
+    /// [`step`](Self::step) of records side by side over `hits`, with a copy for each component like
+    /// [`step_within`](Self::step_within): a step waits for the one before it in its record, and a
+    /// processor goes on with the other records meanwhile. The first output is kept.
+    #[cfg(feature = "records")]
+    #[doc(hidden)]
+    fn step_records(
+        &self,
+        coefficients: &[f64],
+        period: f64,
+        hits: core::ops::Range<usize>,
+        records: &mut [Record<'_>],
+        outputs: &mut [f64],
+    ) {
+        for n in hits {
+            let tick = Tick { index: n as u64, time: n as f64 * period, period };
+            for Record { inputs: [x, command], count, out, state } in &mut *records {
+                let inputs = &[x[n], command[n]][..*count];
+                self.step(coefficients, state, tick, inputs, outputs);
+                out[n] = outputs[0];
+            }
+        }
+    }
+}
+
+/// Signals of one record on its way through a component, one value per hit.
+#[cfg(feature = "records")]
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Record<'a> {
+    /// The path, and the command of the axis.
+    pub inputs: [&'a [f64]; 2],
+    /// How many of the two the component reads.
+    pub count: usize,
+    /// What comes out.
+    pub out: &'a mut [f64],
+    /// The state of the instance.
+    pub state: alloc::vec::Vec<f64>,
 }
 
 /// The same once for all components: in a source-code FMU each copy is C that is compiled.

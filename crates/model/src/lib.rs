@@ -25,6 +25,9 @@ mod unit;
 mod variable;
 
 pub use bundle::Bundle;
+#[cfg(feature = "records")]
+#[doc(hidden)]
+pub use component::Record;
 pub use component::{Component, Example, Extension, Inverse, Sizes, Tick, Undoing, Violation};
 pub use context::{Context, ContextError};
 pub use declaration::{Conversion, Declaration, Stage};

@@ -86,8 +86,8 @@ fn signals(mut section: Section, o: &Outcome) -> Section {
             errors.push((Role::Other, "after", &after));
         }
         let title = format!("Spectrum of the gap: {}", record.name);
-        let mut spectrum = figures::spectrum(title, unit, data.sample_time(), &errors);
-        let floor = scale * (2.0 * data.sample_time()).sqrt();
+        let mut spectrum = figures::spectrum(title, unit, data.sample_time, &errors);
+        let floor = scale * (2.0 * data.sample_time).sqrt();
         spectrum = spectrum.limit(floor, "noise");
         section = section.figure(spectrum);
         section = section.figure(histogram(o, &record.name, &before, &after));
@@ -105,7 +105,7 @@ fn signals(mut section: Section, o: &Outcome) -> Section {
         if !o.found.last.picks.is_empty() {
             outputs.push((Role::Other, "model, repaired", &repaired));
         }
-        let answered = Answered { input: &command, outputs, period: data.sample_time() };
+        let answered = Answered { input: &command, outputs, period: data.sample_time };
         let title = format!("{}: frequency response, {}", o.task.output, record.name);
         let gain = format!("{unit}/{}", o.task.command_unit);
         if let Some(figure) = figures::bode(title, &gain, &answered) {
@@ -118,7 +118,7 @@ fn signals(mut section: Section, o: &Outcome) -> Section {
 /// Level of the gap over the noise, record by record and band by band, before and after.
 fn map(mut section: Section, o: &Outcome) -> Section {
     let data = &o.task.data;
-    let sample = data.sample_time();
+    let sample = data.sample_time;
     let longest = data.records.iter().map(|r| r.rows.len()).max().unwrap_or(0);
     let bands = Bands::new(longest, sample);
     if bands.ends.len() < 2 {

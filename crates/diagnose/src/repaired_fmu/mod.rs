@@ -93,7 +93,7 @@ impl<'a> Maker<'a> {
     ) -> Result<Self, Error> {
         let description = fmu.description();
         let co_simulation = description.co_simulation.as_ref();
-        let step = outcomes.iter().map(|o| o.task.data.sample_time()).fold(f64::INFINITY, f64::min);
+        let step = outcomes.iter().map(|o| o.task.data.sample_time).fold(f64::INFINITY, f64::min);
         let own_step = inner_step(description);
         let any_step =
             co_simulation.is_some_and(|cs| cs.can_handle_variable_communication_step_size);

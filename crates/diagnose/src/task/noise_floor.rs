@@ -37,7 +37,7 @@ pub(super) fn floor(
             let found = noise::of_rest(&records, sample);
             rest_corner = found.map(|(_, corner)| corner);
             // As much of the slow part as the records of the log are long.
-            let (low, high) = (1.0 / data.longest(), 0.5 / data.sample_time());
+            let (low, high) = (1.0 / data.longest(), 0.5 / data.sample_time);
             let sigma =
                 |(white, corner): (f64, f64)| white * noise::coloured(corner, low, high).sqrt();
             (found.map(sigma), "rest record")
@@ -46,7 +46,7 @@ pub(super) fn floor(
             // Where the command fills the whole band no difference of neighbours cancels it.
             let rich = |s: &f64| second.is_none_or(|second| *s < Thresholds::PERIODS_RICH * second);
             let found = periods.filter(rich);
-            let shape = |r: &noise::Repeats| r.shape(data.sample_time()).map(|(_, corner)| corner);
+            let shape = |r: &noise::Repeats| r.shape(data.sample_time).map(|(_, corner)| corner);
             rest_corner = found.and(repeats.as_ref()).and_then(shape);
             (found, "periods")
         }

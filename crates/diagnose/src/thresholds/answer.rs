@@ -44,6 +44,8 @@ impl Thresholds {
     /// Error that a rival is to leave in the next experiment, over that of the best name. Twice would do (odds of one
     /// to 64); the prediction is linear.
     pub(crate) const EXPERIMENT_APART: f64 = 4.0;
+    /// How many times as steep as the logs a signal may be: more only where less does not tell the rivals apart.
+    pub(crate) const EXPERIMENT_STEEPER: [f64; 3] = [1.0, 3.0, 10.0];
     /// Part of the wanted misfit below which all signals are alike.
     pub(crate) const EXPERIMENT_FAINTEST: f64 = 1e-3;
     /// Misfit in noise variances below which two names are not separated.
