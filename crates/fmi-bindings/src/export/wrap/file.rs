@@ -96,12 +96,16 @@ const EXTENSION: &str = if cfg!(windows) {
     "so"
 };
 
-/// The folder of this platform's library in FMI 2.0.
+/// The folder of this platform's library in FMI 2.0; one library serves both processors of macOS.
 pub(super) const PLATFORM_V2: &str = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
     "linux64"
+} else if cfg!(all(target_os = "linux", target_arch = "x86")) {
+    "linux32"
 } else if cfg!(all(windows, target_arch = "x86_64")) {
     "win64"
-} else if cfg!(all(target_os = "macos", target_arch = "x86_64")) {
+} else if cfg!(all(windows, target_arch = "x86")) {
+    "win32"
+} else if cfg!(target_os = "macos") {
     "darwin64"
 } else {
     PLATFORM_V3
@@ -110,10 +114,18 @@ pub(super) const PLATFORM_V2: &str = if cfg!(all(target_os = "linux", target_arc
 /// The folder of this platform's library in FMI 3.0.
 pub(super) const PLATFORM_V3: &str = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
     "x86_64-linux"
+} else if cfg!(all(target_os = "linux", target_arch = "x86")) {
+    "x86-linux"
 } else if cfg!(all(target_os = "linux", target_arch = "aarch64")) {
     "aarch64-linux"
+} else if cfg!(all(target_os = "linux", target_arch = "arm")) {
+    "aarch32-linux"
 } else if cfg!(all(windows, target_arch = "x86_64")) {
     "x86_64-windows"
+} else if cfg!(all(windows, target_arch = "x86")) {
+    "x86-windows"
+} else if cfg!(all(windows, target_arch = "aarch64")) {
+    "aarch64-windows"
 } else if cfg!(all(target_os = "macos", target_arch = "x86_64")) {
     "x86_64-darwin"
 } else if cfg!(all(target_os = "macos", target_arch = "aarch64")) {
